@@ -1,0 +1,51 @@
+// The one place that knows the thread library. Work is cut into chunks whose bounds depend on nothing but `count` and
+// `grain`, so what a chunk computes is the same for any number of threads and for both executors.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+namespace soapfilm {
+
+/// A set of threads to run loops on. oneTBB by default; std::thread when built with SOAPFILM_STD_THREADS (the build
+/// for ThreadSanitizer). Cheap to pass by reference; it owns its arena and sets no process-wide limit.
+class Parallel {
+ public:
+  /// `threads` >= 1, or 0 for all that this process may use.
+  explicit Parallel(int threads = 0);
+  ~Parallel();
+  Parallel(const Parallel&) = delete;
+  Parallel& operator=(const Parallel&) = delete;
+
+  int threads() const { return threads_; }
+
+  /// body(begin, end) for the chunks [k * grain, min((k + 1) * grain, count)); returns when all are done. An exception
+  /// from the body is rethrown here; with several, the one of the lowest chunk.
+  template <class Body>
+  void for_chunks(size_t count, size_t grain, Body&& body) const {
+    using Stored = std::remove_reference_t<Body>;
+    run(count, std::max<size_t>(grain, 1), const_cast<void*>(static_cast<const void*>(std::addressof(body))),
+        [](void* stored, size_t begin, size_t end) { (*static_cast<Stored*>(stored))(begin, end); });
+  }
+
+  /// body(i) for each i in [0, count), `grain` of them per task.
+  template <class Body>
+  void for_each(size_t count, size_t grain, Body&& body) const {
+    for_chunks(count, grain, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) body(i);
+    });
+  }
+
+ private:
+  using ChunkFunction = void (*)(void* body, size_t begin, size_t end);
+  void run(size_t count, size_t grain, void* body, ChunkFunction call) const;
+
+  int threads_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace soapfilm
