@@ -25,28 +25,46 @@ using Vec3f = Vec3<float>;
 using Vec3i = Vec3<int32_t>;
 
 template <class T>
-constexpr Vec3<T> operator+(Vec3<T> a, Vec3<T> b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+constexpr Vec3<T> operator+(Vec3<T> a, Vec3<T> b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
 template <class T>
-constexpr Vec3<T> operator-(Vec3<T> a, Vec3<T> b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+constexpr Vec3<T> operator-(Vec3<T> a, Vec3<T> b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 template <class T>
-constexpr Vec3<T> operator-(Vec3<T> a) { return {-a.x, -a.y, -a.z}; }
+constexpr Vec3<T> operator-(Vec3<T> a) {
+  return {-a.x, -a.y, -a.z};
+}
 template <class T>
-constexpr Vec3<T> operator*(Vec3<T> a, T s) { return {a.x * s, a.y * s, a.z * s}; }
+constexpr Vec3<T> operator*(Vec3<T> a, T s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
 template <class T>
-constexpr Vec3<T> operator*(T s, Vec3<T> a) { return a * s; }
+constexpr Vec3<T> operator*(T s, Vec3<T> a) {
+  return a * s;
+}
 template <class T>
-constexpr Vec3<T> operator/(Vec3<T> a, T s) { return {a.x / s, a.y / s, a.z / s}; }
+constexpr Vec3<T> operator/(Vec3<T> a, T s) {
+  return {a.x / s, a.y / s, a.z / s};
+}
 template <class T>
-constexpr Vec3<T>& operator+=(Vec3<T>& a, Vec3<T> b) { return a = a + b; }
+constexpr Vec3<T>& operator+=(Vec3<T>& a, Vec3<T> b) {
+  return a = a + b;
+}
 
 template <class T>
-constexpr T dot(Vec3<T> a, Vec3<T> b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr T dot(Vec3<T> a, Vec3<T> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class T>
 constexpr Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
-T norm(Vec3<T> a) { return std::sqrt(dot(a, a)); }
+T norm(Vec3<T> a) {
+  return std::sqrt(dot(a, a));
+}
 
 /// Unit vector along `a`; the zero vector stays zero.
 template <class T>
@@ -56,6 +74,8 @@ Vec3<T> normalized(Vec3<T> a) {
 }
 
 template <class T>
-bool is_finite(Vec3<T> a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+bool is_finite(Vec3<T> a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
 
 }  // namespace soapfilm
