@@ -1,0 +1,47 @@
+// The topology of one level: which bricks are active, in what order, and who is next to whom.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/grid/brick_mask.h"
+#include "soapfilm/grid/layout.h"
+
+namespace soapfilm {
+
+/// A sparse set of bricks in lexicographic order (x fastest, then y, then z), so that of two neighbours along an axis
+/// the lower one always comes first: the fused sweeps rely on it. Immutable once built.
+class BrickGrid {
+ public:
+  using Neighbors = std::array<int32_t, 27>;
+
+  BrickGrid() = default;
+  /// The set bricks of `active`. At most 2^31 - 1 bricks.
+  BrickGrid(const BrickMask& active, const Parallel& parallel);
+
+  size_t size() const { return coords_.size(); }
+  size_t vertices() const { return size() * brick_volume; }
+  /// Size of the box of bricks that the active ones lie in.
+  Vec3i bricks() const { return bricks_; }
+
+  Vec3i coord(size_t brick) const { return coords_[brick]; }
+  /// Lattice coordinates of a brick's first vertex.
+  Vec3i first_vertex(size_t brick) const { return coords_[brick] * brick_side; }
+
+  /// Index of the active brick at `b`; `outside_band` or `outside_box` where there is none.
+  int32_t find(Vec3i b) const;
+  /// Indices of the 27 bricks around a brick by neighbor_slot(), with the same two values for missing ones.
+  const Neighbors& neighbors(size_t brick) const { return neighbors_[brick]; }
+
+  size_t bytes() const { return size() * (sizeof(Vec3i) + sizeof(Neighbors)) + row_begin_.size() * sizeof(int32_t); }
+
+ private:
+  Vec3i bricks_;
+  std::vector<Vec3i> coords_;
+  std::vector<int32_t> row_begin_;  ///< first brick of row (y, z); one more at the end
+  std::vector<Neighbors> neighbors_;
+};
+
+}  // namespace soapfilm

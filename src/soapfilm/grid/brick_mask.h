@@ -1,0 +1,73 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/core/vec.h"
+
+namespace soapfilm {
+
+/// One bit per brick of a box of bricks: which ones are active, supported by samples, or inside.
+class BrickMask {
+ public:
+  BrickMask() = default;
+  explicit BrickMask(Vec3i bricks)
+      : bricks_(bricks), words_((static_cast<size_t>(bricks.x) * bricks.y * bricks.z + 63) / 64, 0) {}
+
+  Vec3i bricks() const { return bricks_; }
+  bool contains(Vec3i b) const {
+    return b.x >= 0 && b.y >= 0 && b.z >= 0 && b.x < bricks_.x && b.y < bricks_.y && b.z < bricks_.z;
+  }
+  /// `b` must be in the box.
+  bool test(Vec3i b) const {
+    const size_t i = index(b);
+    return (words_[i >> 6] >> (i & 63)) & 1u;
+  }
+  void set(Vec3i b, bool value = true) {
+    const size_t i = index(b);
+    const uint64_t bit = uint64_t{1} << (i & 63);
+    words_[i >> 6] = value ? words_[i >> 6] | bit : words_[i >> 6] & ~bit;
+  }
+  void fill(bool value) {
+    for (uint64_t& w : words_) w = value ? ~uint64_t{0} : 0;
+    if (const size_t rest = volume() & 63; value && rest != 0) words_.back() &= (uint64_t{1} << rest) - 1;
+  }
+  size_t count() const {
+    size_t n = 0;
+    for (uint64_t w : words_) n += static_cast<size_t>(std::popcount(w));
+    return n;
+  }
+  void operator|=(const BrickMask& other) {
+    for (size_t i = 0; i < words_.size(); ++i) words_[i] |= other.words_[i];
+  }
+
+  /// Calls visit(b) for every set brick, x fastest, then y, then z.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    const size_t row = static_cast<size_t>(bricks_.x);
+    const size_t layer = row * bricks_.y;
+    for (size_t w = 0; w < words_.size(); ++w) {
+      for (uint64_t bits = words_[w]; bits != 0; bits &= bits - 1) {
+        const size_t i = w * 64 + static_cast<size_t>(std::countr_zero(bits));
+        visit(Vec3i{static_cast<int>(i % row), static_cast<int>(i / row % bricks_.y), static_cast<int>(i / layer)});
+      }
+    }
+  }
+
+  /// The bricks of the next coarser level: set where any of the 8 children is set.
+  BrickMask coarsened(Vec3i coarse_bricks) const;
+
+  size_t bytes() const { return words_.size() * sizeof(uint64_t); }
+
+ private:
+  size_t volume() const { return static_cast<size_t>(bricks_.x) * bricks_.y * bricks_.z; }
+  size_t index(Vec3i b) const {
+    return (static_cast<size_t>(b.z) * bricks_.y + static_cast<size_t>(b.y)) * bricks_.x + static_cast<size_t>(b.x);
+  }
+
+  Vec3i bricks_;
+  std::vector<uint64_t> words_;
+};
+
+}  // namespace soapfilm

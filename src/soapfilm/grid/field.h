@@ -1,0 +1,70 @@
+// Values on the bricks of a grid: one flat array per quantity.
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <type_traits>
+
+#include "soapfilm/grid/brick_grid.h"
+
+namespace soapfilm {
+
+/// An array of zeros, aligned to 64 bytes (to huge pages when it is large), with one unused cache line before its
+/// first element so that kernels may load a row shifted by one.
+template <class T>
+class AlignedArray {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  AlignedArray() = default;
+  explicit AlignedArray(size_t count) : count_(count) {
+    if (count == 0) return;
+    const size_t bytes = lead_bytes + count * sizeof(T);
+    const size_t alignment = bytes >= huge_page_bytes ? huge_page_bytes : lead_bytes;
+    const size_t rounded = (bytes + alignment - 1) / alignment * alignment;
+    memory_.reset(static_cast<std::byte*>(std::aligned_alloc(alignment, rounded)));
+    if (!memory_) throw std::bad_alloc();
+    std::memset(memory_.get(), 0, bytes);
+  }
+
+  size_t size() const { return count_; }
+  size_t bytes() const { return count_ * sizeof(T); }
+  T* data() { return reinterpret_cast<T*>(memory_.get() + lead_bytes); }
+  const T* data() const { return reinterpret_cast<const T*>(memory_.get() + lead_bytes); }
+
+ private:
+  static constexpr size_t lead_bytes = 64;
+  static constexpr size_t huge_page_bytes = size_t{1} << 21;
+  struct Free {
+    void operator()(std::byte* p) const { std::free(p); }
+  };
+  size_t count_ = 0;
+  std::unique_ptr<std::byte, Free> memory_;
+};
+
+/// `components` values of type T at each vertex of a grid's bricks: brick after brick, in a brick component after
+/// component, 512 values each. Bound to the topology that it was made for; zero at first.
+template <class T, int components = 1>
+class Field {
+ public:
+  static constexpr size_t values_per_brick = static_cast<size_t>(components) * brick_volume;
+
+  Field() = default;
+  explicit Field(size_t bricks) : values_(bricks * values_per_brick) {}
+  explicit Field(const BrickGrid& grid) : Field(grid.size()) {}
+
+  size_t bricks() const { return values_.size() / values_per_brick; }
+  T* brick(size_t b, int component = 0) { return values_.data() + b * values_per_brick + component * brick_volume; }
+  const T* brick(size_t b, int component = 0) const {
+    return values_.data() + b * values_per_brick + component * brick_volume;
+  }
+  size_t bytes() const { return values_.bytes(); }
+
+ private:
+  AlignedArray<T> values_;
+};
+
+}  // namespace soapfilm

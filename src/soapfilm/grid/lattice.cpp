@@ -1,0 +1,75 @@
+#include "soapfilm/grid/lattice.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "soapfilm/core/error.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr int max_vertices_per_axis = 16384;
+constexpr int coarsest_vertices = 24;
+constexpr int paper_levels = 3;
+
+int vertices_along(double length, double voxel, int padding) {
+  // A length that is a whole number of voxels but for rounding must not gain a cell.
+  const double cells = std::max(1.0, std::ceil(length / voxel - 1e-6));
+  const double vertices = cells + 2.0 * padding;
+  if (vertices > max_vertices_per_axis)
+    throw ParameterError(fmt::format("voxel = {:.6g}: the grid would have {:.0f} vertices along an axis, must be <= {}",
+                                     voxel, vertices, max_vertices_per_axis));
+  return static_cast<int>(vertices);
+}
+
+}  // namespace
+
+LevelBox Lattice::box(int level) const {
+  LevelBox box;
+  box.level = level;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.free_lo[axis] = (margin() + 1) >> level;
+    box.free_hi[axis] = (margin() + size[axis] - 2) >> level;
+  }
+  // Enough bricks for the last free vertex of the finest level, rounded up so that every level's box covers the
+  // children of the next coarser one: brick b has the children 2b and 2b + 1.
+  const int cells = brick_side << (levels - 1);
+  for (int axis = 0; axis < 3; ++axis) {
+    const int coarsest = (margin() + size[axis] - 2) / cells + 1;
+    box.bricks[axis] = coarsest << (levels - 1 - level);
+  }
+  return box;
+}
+
+Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels) {
+  if (!(voxel > 0) || !std::isfinite(voxel)) throw ParameterError(fmt::format("voxel = {:g}, must be > 0", voxel));
+  if (padding < 2) throw ParameterError(fmt::format("padding = {}, must be >= 2", padding));
+  Lattice lattice;
+  lattice.voxel = voxel;
+  lattice.padding = padding;
+  const Vec3d length = samples.size();
+  for (int axis = 0; axis < 3; ++axis) lattice.size[axis] = vertices_along(length[axis], voxel, padding);
+  const double below = (padding - 0.5) * voxel;
+  lattice.first_vertex = samples.lo - Vec3d{below, below, below};
+
+  const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z});
+  if (levels == 0) {
+    levels = paper_levels;
+    while ((longest >> (levels - 1)) > coarsest_vertices) ++levels;
+  }
+  lattice.levels = levels;
+  return lattice;
+}
+
+double voxel_of_resolution(const Box3d& samples, int resolution, int padding) {
+  const int least = 2 * padding + 1;
+  if (resolution < least || resolution > max_vertices_per_axis)
+    throw ParameterError(fmt::format("resolution = {}, must be between {} (2 padding + 1) and {}", resolution, least,
+                                     max_vertices_per_axis));
+  return samples.longest() / (resolution - 2 * padding);
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,64 @@
+// Where the grid lies in the world, and the boxes of its pyramid.
+//
+// Reported vertices are counted as the paper does: N along an axis, padding included, the outermost layer fixed to
+// u = 0. Lattice coordinates, which all arrays use, add a margin of one coarsest cell on the low side:
+//
+//   lattice vertex = reported vertex + 2^(levels - 1),    coarse vertex I = lattice vertices 2I and 2I + 1 along an
+//   axis
+//
+// so on every level vertex 0 is fixed and the faces of the fixed layer exist. Beyond the free vertices u = 0
+// everywhere.
+#pragma once
+
+#include "soapfilm/core/box.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/grid/layout.h"
+
+namespace soapfilm {
+
+/// The vertices of one level.
+struct LevelBox {
+  int level = 0;
+  Vec3i free_lo;  ///< first vertex that is not fixed to u = 0
+  Vec3i free_hi;  ///< last one; inclusive
+  Vec3i bricks;   ///< size of the box of bricks, from brick (0, 0, 0)
+
+  bool is_free(Vec3i v) const {
+    return v.x >= free_lo.x && v.y >= free_lo.y && v.z >= free_lo.z && v.x <= free_hi.x && v.y <= free_hi.y &&
+           v.z <= free_hi.z;
+  }
+};
+
+struct Lattice {
+  Vec3i size;          ///< reported vertices along each axis, padding included
+  int levels = 1;      ///< of the pyramid; level 0 is the finest
+  int padding = 6;     ///< cells between the samples' box and the border
+  double voxel = 1;    ///< edge of a cell, input units
+  Vec3d first_vertex;  ///< world position of reported vertex (0, 0, 0)
+
+  int margin() const { return 1 << (levels - 1); }
+  double vertices() const { return static_cast<double>(size.x) * size.y * size.z; }
+
+  /// Lattice coordinates of a world position, in voxels. Computed in double: georeferenced input loses nothing.
+  Vec3d to_lattice(Vec3d world) const {
+    const double m = margin();
+    return (world - first_vertex) / voxel + Vec3d{m, m, m};
+  }
+  Vec3d to_world(Vec3d lattice) const {
+    const double m = margin();
+    return first_vertex + (lattice - Vec3d{m, m, m}) * voxel;
+  }
+
+  LevelBox box(int level) const;
+};
+
+/// Places a grid of the given voxel around the samples' box: N_k = ceil(L_k / voxel) + 2 padding, the first vertex
+/// (padding - 1/2) voxels below the box. `levels` 0 chooses: at least the paper's three, more until the coarsest level
+/// has at most 24 vertices along its longest axis.
+/// Throws ParameterError when voxel <= 0, padding < 2, or an axis would pass 16384 vertices.
+Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels = 0);
+
+/// The voxel that gives `resolution` vertices along the longest axis: h = L_max / (resolution - 2 padding).
+double voxel_of_resolution(const Box3d& samples, int resolution, int padding);
+
+}  // namespace soapfilm

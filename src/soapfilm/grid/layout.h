@@ -1,0 +1,36 @@
+// Memory layout of a brick, the unit of every array on the grid:
+//
+//   a brick is 8 x 8 x 8 vertices; vertex (x, y, z) of brick (bx, by, bz) is lattice vertex (8 bx + x, 8 by + y, 8 bz +
+//   z) and sits at position x + 8 y + 64 z of the brick's 512 values. A row (fixed y, z) is 32 bytes: one AVX register.
+#pragma once
+
+#include <cstddef>
+
+#include "soapfilm/core/vec.h"
+
+namespace soapfilm {
+
+inline constexpr int brick_side = 8;
+inline constexpr int brick_area = brick_side * brick_side;
+inline constexpr int brick_volume = brick_side * brick_side * brick_side;
+
+/// Distance in a brick's values between neighbours along x, y, z.
+inline constexpr int brick_stride[3] = {1, brick_side, brick_area};
+
+constexpr int brick_offset(int x, int y, int z) { return x + brick_side * y + brick_area * z; }
+
+/// The brick that holds a lattice vertex; valid for negative coordinates too.
+constexpr Vec3i brick_of(Vec3i vertex) { return {vertex.x >> 3, vertex.y >> 3, vertex.z >> 3}; }
+
+/// Position among a brick's 27 neighbours (itself in the middle) of the one at (dx, dy, dz), each in -1..1.
+constexpr int neighbor_slot(int dx, int dy, int dz) { return (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1); }
+inline constexpr int own_slot = neighbor_slot(0, 0, 0);
+/// Slots of the neighbours one brick down and one brick up along x, y, z.
+inline constexpr int slot_down[3] = {neighbor_slot(-1, 0, 0), neighbor_slot(0, -1, 0), neighbor_slot(0, 0, -1)};
+inline constexpr int slot_up[3] = {neighbor_slot(1, 0, 0), neighbor_slot(0, 1, 0), neighbor_slot(0, 0, 1)};
+
+/// Slots that stand for "no such brick".
+inline constexpr int outside_band = -1;  ///< inside the domain, but not active
+inline constexpr int outside_box = -2;   ///< beyond the domain, where u = 0
+
+}  // namespace soapfilm
