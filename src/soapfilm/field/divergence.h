@@ -1,0 +1,25 @@
+// f = div v (section 4.1): the data term of the energy, from the samples' directions.
+#pragma once
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/field/samples.h"
+#include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/field.h"
+
+namespace soapfilm {
+
+/// Values on the bricks that the samples reach, zero elsewhere. Linear in the samples: further evidence can be added.
+struct SupportField {
+  BrickGrid grid;
+  Field<float> f;
+};
+
+/// Each sample's direction is distributed to its eight nearest vertices (trilinear weights), smoothed with the box
+/// filter convolved three times with itself (taps (1 3 6 7 6 3 1) / 27 along each axis, sum 1), and its divergence
+/// taken by central differences. f > 0 just inside the surface, < 0 just outside; its sum is 0.
+SupportField divergence_field(const GridSamples& samples, const LevelBox& box, const Parallel& parallel);
+
+/// The bricks where that field can differ from zero: within 4 vertices of a sample's eight.
+BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Parallel& parallel);
+
+}  // namespace soapfilm

@@ -1,0 +1,57 @@
+#include "soapfilm/field/samples.h"
+
+#include <cmath>
+
+namespace soapfilm {
+
+namespace {
+
+Vec3i brick_at(Vec3d lattice_position) {
+  return brick_of({static_cast<int>(std::floor(lattice_position.x)), static_cast<int>(std::floor(lattice_position.y)),
+                   static_cast<int>(std::floor(lattice_position.z))});
+}
+
+}  // namespace
+
+GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
+                         const Parallel& parallel) {
+  constexpr size_t grain = 1 << 14;
+  constexpr int32_t none = -1;
+  const size_t n = cloud.size();
+  GridSamples samples;
+
+  BrickMask occupied(lattice.box(0).bricks);
+  std::vector<Vec3i> brick(n);
+  parallel.for_each(n, grain, [&](size_t i) { brick[i] = brick_at(lattice.to_lattice(cloud.positions[i])); });
+  const auto speaks = [&](size_t i) {
+    return directions[i] != Vec3f{} && (cloud.weights.empty() || cloud.weights[i] > 0);
+  };
+  for (size_t i = 0; i < n; ++i)
+    if (speaks(i)) occupied.set(brick[i]);
+  samples.bricks = BrickGrid(occupied, parallel);
+
+  // A counting sort: stable, so the order within a brick is the cloud's.
+  std::vector<int32_t> holder(n);
+  parallel.for_each(n, grain, [&](size_t i) { holder[i] = speaks(i) ? samples.bricks.find(brick[i]) : none; });
+  brick = {};
+  samples.begin.assign(samples.bricks.size() + 1, 0);
+  for (const int32_t b : holder)
+    if (b != none) ++samples.begin[static_cast<size_t>(b) + 1];
+  for (size_t b = 0; b < samples.bricks.size(); ++b) samples.begin[b + 1] += samples.begin[b];
+  samples.source.resize(samples.begin.back());
+  std::vector<uint32_t> next(samples.begin.begin(), samples.begin.end() - 1);
+  for (size_t i = 0; i < n; ++i)
+    if (holder[i] != none) samples.source[next[static_cast<size_t>(holder[i])]++] = static_cast<uint32_t>(i);
+
+  samples.local.resize(samples.source.size());
+  samples.direction.resize(samples.source.size());
+  parallel.for_each(samples.source.size(), grain, [&](size_t k) {
+    const size_t i = samples.source[k];
+    const Vec3d position = lattice.to_lattice(cloud.positions[i]);
+    samples.local[k] = Vec3f(position - Vec3d(brick_at(position) * brick_side));
+    samples.direction[k] = cloud.weights.empty() ? directions[i] : directions[i] * cloud.weights[i];
+  });
+  return samples;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,32 @@
+// The samples as the grid sees them: in lattice coordinates, sorted by brick.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/lattice.h"
+
+namespace soapfilm {
+
+/// Samples grouped by the brick that holds them; within a brick in the order of the cloud, so that sums over them
+/// never depend on threads. Positions are relative to the brick: float keeps 2^-21 voxel wherever the brick is.
+struct GridSamples {
+  BrickGrid bricks;              ///< the bricks that hold at least one sample
+  std::vector<uint32_t> begin;   ///< brick b holds samples [begin[b], begin[b + 1])
+  std::vector<Vec3f> local;      ///< position relative to the brick's first vertex, voxels, each in [0, 8)
+  std::vector<Vec3f> direction;  ///< weak outward direction times the sample's weight
+  std::vector<uint32_t> source;  ///< index of the sample in the cloud
+
+  size_t size() const { return local.size(); }
+};
+
+/// Sorts the cloud's samples into bricks. `directions` is as long as the cloud; samples with a zero direction say
+/// nothing and are left out.
+GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
+                         const Parallel& parallel);
+
+}  // namespace soapfilm

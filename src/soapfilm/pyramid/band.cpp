@@ -1,0 +1,108 @@
+#include "soapfilm/pyramid/band.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "soapfilm/grid/window.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr int half_brick = brick_side / 2;
+constexpr unsigned all_octants = 0xFF;
+
+unsigned octant_bit(int x, int y, int z) {
+  return 1u << (x / half_brick + 2 * (y / half_brick) + 4 * (z / half_brick));
+}
+
+Vec3i slot_offset(int slot) { return {slot % 3 - 1, slot / 3 % 3 - 1, slot / 9 - 1}; }
+
+/// Octants with a vertex whose rounded u differs from one of its 6 neighbours'.
+unsigned interface_octants(const Level& level, size_t brick) {
+  Window<float, 1> u;
+  fill_window(
+      level.grid, brick, [&](int, int32_t n) { return n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr; },
+      [&](int slot, int32_t n) { return level.missing_u(n, level.grid.coord(brick) + slot_offset(slot)); }, u);
+  const auto inside = [](float value) { return value > 0.5f; };
+  const bool first = inside(u.values[0]);
+  if (std::all_of(u.values.begin(), u.values.end(), [&](float value) { return inside(value) == first; })) return 0;
+
+  unsigned octants = 0;
+  for (int z = 0; z < brick_side; ++z)
+    for (int y = 0; y < brick_side; ++y)
+      for (int x = 0; x < brick_side; ++x) {
+        const bool here = inside(u.at(x, y, z));
+        if (inside(u.at(x - 1, y, z)) != here || inside(u.at(x + 1, y, z)) != here ||
+            inside(u.at(x, y - 1, z)) != here || inside(u.at(x, y + 1, z)) != here ||
+            inside(u.at(x, y, z - 1)) != here || inside(u.at(x, y, z + 1)) != here)
+          octants |= octant_bit(x, y, z);
+      }
+  return octants;
+}
+
+/// Octants with a vertex where the prolonged dual might leave the ball.
+unsigned infeasible_octants(const Level& level, size_t brick) {
+  const float* p[3];
+  LowFace low[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    p[axis] = level.p.brick(brick, axis);
+    low[axis] = low_face(level, brick, axis);
+  }
+  const double lambda_squared = static_cast<double>(level.lambda) * level.lambda;
+  unsigned octants = 0;
+  for (int z = 0; z < brick_side; ++z)
+    for (int y = 0; y < brick_side; ++y)
+      for (int x = 0; x < brick_side; ++x) {
+        const int i = brick_offset(x, y, z);
+        const double below[3] = {x > 0 ? p[0][i - 1] : low[0].at(y, z), y > 0 ? p[1][i - brick_side] : low[1].at(x, z),
+                                 z > 0 ? p[2][i - brick_area] : low[2].at(x, y)};
+        double bound = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+          const double here = p[axis][i];
+          bound += std::max(below[axis] * below[axis], here * here);
+        }
+        if (bound > lambda_squared) octants |= octant_bit(x, y, z);
+      }
+  return octants;
+}
+
+}  // namespace
+
+BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel) {
+  std::vector<unsigned> octants(coarse.grid.size());
+  parallel.for_each(octants.size(), 64, [&](size_t b) {
+    octants[b] = interface_octants(coarse, b);
+    if (octants[b] != all_octants) octants[b] |= infeasible_octants(coarse, b);
+  });
+  BrickMask mask(fine_bricks);
+  for (size_t b = 0; b < octants.size(); ++b)
+    for (int k = 0; k < 8; ++k)
+      if (octants[b] >> k & 1u) mask.set(coarse.grid.coord(b) * 2 + Vec3i{k & 1, (k >> 1) & 1, k >> 2});
+  return mask;
+}
+
+BrickMask growth(const Level& level, const Level& coarse) {
+  BrickMask grown(level.box.bricks);
+  for (size_t b = 0; b < level.grid.size(); ++b) {
+    const float* u = level.u.brick(b);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int up = 0; up <= 1; ++up) {
+        const int slot = up ? slot_up[axis] : slot_down[axis];
+        if (level.grid.neighbors(b)[static_cast<size_t>(slot)] != outside_band) continue;
+        const Vec3i next = level.grid.coord(b) + slot_offset(slot);
+        if (coarse.grid.find({next.x >> 1, next.y >> 1, next.z >> 1}) < 0) continue;
+        const bool outside_is_inside = level.inside.test(next);
+        const int first = brick_stride[axis == 0 ? 1 : 0], second = brick_stride[axis == 2 ? 1 : 2];
+        const float* layer = u + (up ? (brick_side - 1) * brick_stride[axis] : 0);
+        bool reached = false;
+        for (int k = 0; k < brick_area && !reached; ++k)
+          reached = (layer[k % brick_side * first + k / brick_side * second] > 0.5f) != outside_is_inside;
+        if (reached) grown.set(next);
+      }
+  }
+  return grown;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,20 @@
+// Which bricks a level works on.
+#pragma once
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/grid/brick_mask.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+/// The children of a solved level's bricks that the next finer level needs, its support bricks aside:
+///   every pair of neighbours whose rounded u differ (the interface), and
+///   every vertex I where sqrt(sum_k max(|P_k[I - e_k]|, |P_k[I]|)^2) > lambda: elsewhere the prolonged dual is
+///   feasible on all finer levels, so leaving the brick out costs the certificate nothing but this level's own gap.
+BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel);
+
+/// The bricks just outside the band that its interface has reached (rounded u differs across the rim) and whose parent
+/// the coarse band holds: where the band must grow.
+BrickMask growth(const Level& level, const Level& coarse);
+
+}  // namespace soapfilm

@@ -1,0 +1,33 @@
+// Section 4.3: the problem solved from the coarsest level to the finest, each on a thin band around what the coarser
+// one found, with a certificate for the whole domain.
+#pragma once
+
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/grid/lattice.h"
+#include "soapfilm/solve/primal_dual.h"
+
+namespace soapfilm {
+
+struct LevelReport {
+  int level = 0;
+  size_t active_vertices = 0;
+  int iterations = 0;
+  int band_growths = 0;
+  bool converged = false;
+  Energies energies;  ///< of the relaxed u, whole domain
+};
+
+struct PyramidSolution {
+  Level finest;                      ///< refers to the support field that was passed in
+  std::vector<LevelReport> reports;  ///< coarsest first
+};
+
+/// Solves min lambda TV(u) - <f, u> (equation (4)) on the lattice. `support` is the finest level's data term.
+PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
+                                     const PrimalDualParams& params, const Parallel& parallel, Progress& progress);
+
+}  // namespace soapfilm

@@ -1,0 +1,178 @@
+#include "soapfilm/pyramid/prolong.h"
+
+#include <algorithm>
+#include <array>
+
+#include "soapfilm/grid/window.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr int half_brick = brick_side / 2;
+/// A fine face is a quarter of a coarse one.
+constexpr float face_share = 0.25f;
+
+Vec3i octant_of(int k) { return {k & 1, (k >> 1) & 1, k >> 2}; }
+
+void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
+  const Vec3i base = octant * half_brick;
+  for (int z = 0; z < brick_side; ++z)
+    for (int y = 0; y < brick_side; ++y)
+      for (int x = 0; x < brick_side; ++x) {
+        const int X = base.x + x / 2, Y = base.y + y / 2, Z = base.z + z / 2;
+        // The nearer coarse neighbour along each axis: below for even, above for odd fine vertices.
+        const int nx = X + 2 * (x & 1) - 1, ny = Y + 2 * (y & 1) - 1, nz = Z + 2 * (z & 1) - 1;
+        const auto along_x = [&](int yy, int zz) {
+          return 0.75f * coarse.at(X, yy, zz) + 0.25f * coarse.at(nx, yy, zz);
+        };
+        const auto along_y = [&](int zz) { return 0.75f * along_x(Y, zz) + 0.25f * along_x(ny, zz); };
+        fine[brick_offset(x, y, z)] = 0.75f * along_y(Z) + 0.25f * along_y(nz);
+      }
+}
+
+/// P_axis of coarse vertex (X, Y, Z), where the coordinate along `axis` may be -1: the face below the brick.
+struct CoarseFlux {
+  const float* own;
+  LowFace low;
+  int axis;
+  float at(int X, int Y, int Z) const {
+    if (axis == 0 && X < 0) return low.at(Y, Z);
+    if (axis == 1 && Y < 0) return low.at(X, Z);
+    if (axis == 2 && Z < 0) return low.at(X, Y);
+    return own[brick_offset(X, Y, Z)];
+  }
+};
+
+void prolong_p(const CoarseFlux& coarse, Vec3i octant, float* fine) {
+  const Vec3i base = octant * half_brick;
+  for (int z = 0; z < brick_side; ++z)
+    for (int y = 0; y < brick_side; ++y)
+      for (int x = 0; x < brick_side; ++x) {
+        const Vec3i at{base.x + x / 2, base.y + y / 2, base.z + z / 2};
+        const int along = coarse.axis == 0 ? x : coarse.axis == 1 ? y : z;
+        float flux = coarse.at(at.x, at.y, at.z);
+        if ((along & 1) == 0) {
+          Vec3i below = at;
+          --below[coarse.axis];
+          flux = 0.5f * (coarse.at(below.x, below.y, below.z) + flux);
+        }
+        fine[brick_offset(x, y, z)] = face_share * flux;
+      }
+}
+
+/// The flux through the low faces of the fine brick in `octant`: a matching coarse face, so an exact quarter of it.
+void prolong_rim(const CoarseFlux& coarse, Vec3i octant, float* plane) {
+  const Vec3i base = octant * half_brick;
+  for (int b = 0; b < brick_side; ++b)
+    for (int a = 0; a < brick_side; ++a) {
+      Vec3i at = base;
+      at[coarse.axis == 0 ? 1 : 0] += a / 2;
+      at[coarse.axis == 2 ? 1 : 2] += b / 2;
+      --at[coarse.axis];
+      plane[a + brick_side * b] = face_share * coarse.at(at.x, at.y, at.z);
+    }
+}
+
+/// What the inactive children of one coarse brick add to D and to the gap. There f = 0, u is constant, and each fine
+/// vertex has an eighth of the coarse divergence: the coarse terms themselves. (Where a coarse vertex is free but some
+/// of its children are fixed, this counts terms <= 0 too many: the bound stays a bound.)
+struct OutsideTerms {
+  double dual = 0;
+  double gap = 0;
+};
+
+OutsideTerms outside_terms(const Level& coarse, size_t brick, Vec3i octant, bool inside) {
+  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));
+  const Vec3i base = octant * half_brick;
+  OutsideTerms terms;
+  for (int z = base.z; z < base.z + half_brick; ++z)
+    for (int y = base.y; y < base.y + half_brick; ++y)
+      for (int x = base.x; x < base.x + half_brick; ++x) {
+        if (!range.contains(x, y, z)) continue;
+        double r = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+          const CoarseFlux flux{coarse.p.brick(brick, axis), low_face(coarse, brick, axis), axis};
+          Vec3i below{x, y, z};
+          --below[axis];
+          r += static_cast<double>(flux.at(below.x, below.y, below.z)) - flux.at(x, y, z);
+        }
+        terms.dual += std::min(0.0, r);
+        terms.gap += inside ? std::max(0.0, r) : -std::min(0.0, r);
+      }
+  return terms;
+}
+
+/// Prolongs the children of one coarse brick into the fine level.
+void prolong_children(const Level& coarse, size_t brick, Level& fine, const Level* previous) {
+  const Vec3i parent = coarse.grid.coord(brick);
+  Window<float, 1> u;
+  bool have_window = false;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3i octant = octant_of(k);
+    const Vec3i child = parent * 2 + octant;
+    const int32_t found = fine.grid.find(child);
+    if (found < 0) continue;
+    const auto b = static_cast<size_t>(found);
+    const int32_t old = previous ? previous->grid.find(child) : outside_band;
+    for (int axis = 0; axis < 3; ++axis) {
+      const CoarseFlux flux{coarse.p.brick(brick, axis), low_face(coarse, brick, axis), axis};
+      if (float* plane = fine.rim.plane(b, axis)) prolong_rim(flux, octant, plane);
+      if (old < 0) prolong_p(flux, octant, fine.p.brick(b, axis));
+    }
+    if (old >= 0) {
+      std::copy_n(previous->u.brick(static_cast<size_t>(old)), brick_volume, fine.u.brick(b));
+      std::copy_n(previous->p.brick(static_cast<size_t>(old)), 3 * brick_volume, fine.p.brick(b));
+      continue;
+    }
+    if (!have_window) {
+      fill_window(
+          coarse.grid, brick, [&](int, int32_t n) { return n >= 0 ? coarse.u.brick(static_cast<size_t>(n)) : nullptr; },
+          [&](int slot, int32_t n) {
+            return coarse.missing_u(n, parent + Vec3i{slot % 3 - 1, slot / 3 % 3 - 1, slot / 9 - 1});
+          },
+          u);
+      have_window = true;
+    }
+    prolong_u(u, octant, fine.u.brick(b));
+    const FreeRange range = free_range(fine.box, child);
+    if (range.whole()) continue;
+    for (int z = 0; z < brick_side; ++z)
+      for (int y = 0; y < brick_side; ++y)
+        for (int x = 0; x < brick_side; ++x)
+          if (!range.contains(x, y, z)) fine.u.brick(b)[brick_offset(x, y, z)] = 0;
+  }
+}
+
+}  // namespace
+
+Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+                    const Parallel& parallel, const Level* previous) {
+  Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, parallel);
+  parallel.for_each(coarse.grid.size(), 16, [&](size_t b) { prolong_children(coarse, b, fine, previous); });
+
+  fine.dual_outside = coarse.dual_outside;
+  fine.gap_outside = coarse.gap_outside;
+  coarse.inside.for_each([&](Vec3i b) {
+    for (int k = 0; k < 8; ++k) fine.inside.set(b * 2 + octant_of(k));
+  });
+  std::vector<std::array<OutsideTerms, 8>> terms(coarse.grid.size());
+  const auto inside_octant = [&](size_t b, Vec3i octant) {
+    const Vec3i base = octant * half_brick;
+    return coarse.u.brick(b)[brick_offset(base.x, base.y, base.z)] > 0.5f;
+  };
+  parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
+    for (int k = 0; k < 8; ++k)
+      if (fine.grid.find(coarse.grid.coord(b) * 2 + octant_of(k)) < 0)
+        terms[b][static_cast<size_t>(k)] = outside_terms(coarse, b, octant_of(k), inside_octant(b, octant_of(k)));
+  });
+  for (size_t b = 0; b < coarse.grid.size(); ++b)
+    for (int k = 0; k < 8; ++k) {
+      fine.inside.set(coarse.grid.coord(b) * 2 + octant_of(k), inside_octant(b, octant_of(k)));
+      fine.dual_outside += terms[b][static_cast<size_t>(k)].dual;
+      fine.gap_outside += terms[b][static_cast<size_t>(k)].gap;
+    }
+  return fine;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,20 @@
+// From a solved level to the next finer one. Fine vertex x lies in coarse vertex x >> 1 (a cell of 2 x 2 x 2).
+#pragma once
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+/// The next finer level on `band`, its state prolonged from `coarse`:
+///   u by trilinear interpolation (fine vertices at -1/4 and +1/4 of the coarse one: weights 3/4 and 1/4),
+///   p as face fluxes: the flux of a coarse face lands on the matching fine faces, a face inside a coarse cell takes
+///   the mean of its two parallel neighbours, all times 1/4 (lowest-order Raviart-Thomas: keeps the divergence), the
+///   rim's fluxes, u outside, and what the outside adds to D and to the gap, exactly.
+/// Bricks that `previous` (the same level on a smaller band) has keep their state.
+/// `band` may hold only children of the coarse band's bricks and must hold all support bricks.
+Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+                    const Parallel& parallel, const Level* previous = nullptr);
+
+}  // namespace soapfilm

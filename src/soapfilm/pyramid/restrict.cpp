@@ -1,0 +1,37 @@
+#include "soapfilm/pyramid/restrict.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// Adds a child brick to its octant of the coarse brick.
+void add_child(const float* child, Vec3i octant, float* coarse) {
+  const Vec3i base = octant * (brick_side / 2);
+  for (int z = 0; z < brick_side; ++z)
+    for (int y = 0; y < brick_side; ++y)
+      for (int x = 0; x < brick_side; ++x)
+        coarse[brick_offset(base.x + x / 2, base.y + y / 2, base.z + z / 2)] += child[brick_offset(x, y, z)];
+}
+
+}  // namespace
+
+SupportField restrict_field(const SupportField& fine, const LevelBox& coarse_box, const Parallel& parallel) {
+  BrickMask mask(coarse_box.bricks);
+  for (size_t b = 0; b < fine.grid.size(); ++b) {
+    const Vec3i c = fine.grid.coord(b);
+    mask.set({c.x >> 1, c.y >> 1, c.z >> 1});
+  }
+  SupportField coarse;
+  coarse.grid = BrickGrid(mask, parallel);
+  coarse.f = Field<float>(coarse.grid);
+  parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
+    for (int octant = 0; octant < 8; ++octant) {
+      const Vec3i o{octant & 1, (octant >> 1) & 1, octant >> 2};
+      const int32_t child = fine.grid.find(coarse.grid.coord(b) * 2 + o);
+      if (child >= 0) add_child(fine.f.brick(static_cast<size_t>(child)), o, coarse.f.brick(b));
+    }
+  });
+  return coarse;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,46 @@
+// The one judge of all solvers: primal energy, dual energy and the gap between them, in double, from stored floats.
+//
+//   E(u) = lambda TV(u) - <f, u>                       for 0 <= u <= 1, u = 0 at fixed vertices       (equation (4))
+//   D(p) = sum over free vertices of min(0, (grad^T p) - f)                for |p_x| <= lambda at every vertex
+//
+// E(u) >= E* >= D(p) for every such u and p on the whole domain, so E(u) - D(p) bounds the distance to the optimum.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+struct Energies {
+  double total_variation = 0;  ///< TV(u), whole domain
+  double data = 0;             ///< <f, u>
+  double primal = 0;           ///< lambda TV(u) - <f, u>
+  double dual = 0;             ///< D(p), whole domain
+  double gap = 0;              ///< sum of the local terms, each >= 0; equals primal - dual but for rounding
+  double gap_band = 0;         ///< the part of it that the band can still reduce
+  double max_dual_norm = 0;    ///< max |p| / lambda over the band, before any rescaling
+  size_t inside = 0;           ///< free vertices of the band with u > 1/2 (or > mu)
+
+  /// Relative to max(|D|, 1000 lambda): see relative().
+  double relative_gap(double lambda) const { return relative(gap, lambda); }
+  double relative_gap_band(double lambda) const { return relative(gap_band, lambda); }
+
+ private:
+  double relative(double amount, double lambda) const;
+};
+
+struct EnergyOptions {
+  /// Judge the thresholded u (1 where u > mu) instead of the relaxed one.
+  std::optional<float> threshold;
+  /// Rescale p by 1 / max(1, max |p| / lambda) first, so that D is a proof in spite of rounding in the solver.
+  bool certify = false;
+};
+
+/// Energies of a level's state. `local_gap`, when given, receives each brick's share of gap_band.
+Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Parallel& parallel,
+                         std::vector<double>* local_gap = nullptr);
+
+}  // namespace soapfilm

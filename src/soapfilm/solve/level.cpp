@@ -1,0 +1,63 @@
+#include "soapfilm/solve/level.h"
+
+#include <algorithm>
+
+namespace soapfilm {
+
+namespace {
+
+alignas(64) constexpr float zeros[brick_volume] = {};
+
+}  // namespace
+
+Rim::Rim(const BrickGrid& grid) : plane_(grid.size()) {
+  int32_t planes = 0;
+  for (size_t b = 0; b < grid.size(); ++b)
+    for (size_t axis = 0; axis < 3; ++axis)
+      plane_[b][axis] = grid.neighbors(b)[slot_down[axis]] == outside_band ? planes++ : no_plane;
+  flux_ = AlignedArray<float>(static_cast<size_t>(planes) * brick_area);
+}
+
+const float* Level::data(size_t brick) const {
+  const int32_t k = f_brick[brick];
+  return k < 0 ? zeros : f->brick(static_cast<size_t>(k));
+}
+
+Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
+                 const Field<float>& f, const Parallel& parallel) {
+  Level level;
+  level.box = box;
+  level.lambda = lambda;
+  level.grid = BrickGrid(band, parallel);
+  level.inside = BrickMask(box.bricks);
+  level.u = Field<float>(level.grid);
+  level.p = Field<float, 3>(level.grid);
+  level.rim = Rim(level.grid);
+  level.f = &f;
+  level.f_brick.resize(level.grid.size());
+  parallel.for_each(level.grid.size(), 1024,
+                    [&](size_t b) { level.f_brick[b] = std::max(-1, support.find(level.grid.coord(b))); });
+  return level;
+}
+
+LowFace low_face(const Level& level, size_t brick, int axis) {
+  // Along x the two remaining axes are (y, z), along y (x, z), along z (x, y).
+  const int32_t neighbor = level.grid.neighbors(brick)[slot_down[axis]];
+  if (neighbor >= 0) {
+    const float* last_layer = level.p.brick(static_cast<size_t>(neighbor), axis) + 7 * brick_stride[axis];
+    return {last_layer, axis == 0 ? brick_side : 1, axis == 2 ? brick_side : brick_area};
+  }
+  const float* plane = level.rim.plane(brick, axis);
+  return {plane ? plane : zeros, 1, brick_side};
+}
+
+FreeRange free_range(const LevelBox& box, Vec3i brick) {
+  FreeRange range;
+  for (int axis = 0; axis < 3; ++axis) {
+    range.lo[axis] = std::clamp(box.free_lo[axis] - brick_side * brick[axis], 0, brick_side);
+    range.hi[axis] = std::clamp(box.free_hi[axis] + 1 - brick_side * brick[axis], 0, brick_side);
+  }
+  return range;
+}
+
+}  // namespace soapfilm

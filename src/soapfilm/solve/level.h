@@ -1,0 +1,83 @@
+// One level's convex problem on its band, and the state that the solver moves.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/field.h"
+#include "soapfilm/grid/lattice.h"
+
+namespace soapfilm {
+
+/// Where a brick's lower neighbour along an axis is inside the domain but not active, the flux through that face is
+/// fixed: 64 values, the p_axis of the vertices on the far side. (The fluxes through upper faces to inactive bricks
+/// are fixed too; they live in the band's own p.)
+class Rim {
+ public:
+  static constexpr int32_t no_plane = -1;
+
+  Rim() = default;
+  explicit Rim(const BrickGrid& grid);
+
+  /// 64 fluxes, the lower of the two remaining coordinates fastest; null where the face is not on the rim.
+  float* plane(size_t brick, int axis) {
+    const int32_t k = plane_[brick][static_cast<size_t>(axis)];
+    return k == no_plane ? nullptr : flux_.data() + static_cast<size_t>(k) * brick_area;
+  }
+  const float* plane(size_t brick, int axis) const { return const_cast<Rim*>(this)->plane(brick, axis); }
+  size_t bytes() const { return plane_.size() * sizeof(plane_[0]) + flux_.bytes(); }
+
+ private:
+  std::vector<std::array<int32_t, 3>> plane_;
+  AlignedArray<float> flux_;
+};
+
+/// min lambda TV(u) - <f, u> over 0 <= u <= 1, u = 0 at fixed vertices (equation (4)), restricted to a band of bricks.
+/// Outside the band u is constant (0 or 1) on every connected part and p is the coarser level's, prolonged; through
+/// the band's rim that p is the boundary flux. Lattice units: h = 1 on every level.
+struct Level {
+  LevelBox box;
+  float lambda = 0;   ///< 4^level times the finest level's: the area of a face, in fine faces
+  BrickGrid grid;     ///< the band
+  BrickMask inside;   ///< for bricks outside the band: is u = 1 there
+  Field<float> u;     ///< relaxed indicator, in [0, 1]
+  Field<float, 3> p;  ///< dual: p_k of the face between a vertex and the next along axis k; |p| <= lambda
+  Rim rim;
+  const Field<float>* f = nullptr;  ///< on the support bricks
+  std::vector<int32_t> f_brick;     ///< index into f of each brick of the band, -1: zero
+  double dual_outside = 0;          ///< what the domain outside the band adds to D(p)
+  double gap_outside = 0;           ///< and to E(u) - D(p)
+
+  /// 512 values of f.
+  const float* data(size_t brick) const;
+  /// u of a brick that is not in the band (slot value as BrickGrid::find gives it).
+  float missing_u(int32_t slot, Vec3i brick) const { return slot == outside_band && inside.test(brick) ? 1.0f : 0.0f; }
+};
+
+/// A level whose u and p are zero and whose rim fluxes are zero.
+Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
+                 const Field<float>& f, const Parallel& parallel);
+
+/// The values of p_axis just below a brick: through its 64 low faces. value(row) = base[row * stride...]: see layout.
+struct LowFace {
+  const float* base;  ///< first of 64 values
+  int inner;          ///< distance between values along the lower remaining axis
+  int outer;          ///< and along the higher one
+  float at(int a, int b) const { return base[a * inner + b * outer]; }
+};
+LowFace low_face(const Level& level, size_t brick, int axis);
+
+/// Which vertices of a brick are free: local ranges [lo, hi) along each axis (8 wide when nothing is fixed).
+struct FreeRange {
+  Vec3i lo, hi;
+  bool whole() const { return lo == Vec3i{0, 0, 0} && hi == Vec3i{brick_side, brick_side, brick_side}; }
+  bool contains(int x, int y, int z) const {
+    return x >= lo.x && x < hi.x && y >= lo.y && y < hi.y && z >= lo.z && z < hi.z;
+  }
+};
+FreeRange free_range(const LevelBox& box, Vec3i brick);
+
+}  // namespace soapfilm

@@ -1,0 +1,31 @@
+// The certified solver of one level: primal-dual sweeps until the band's share of the gap is under the tolerance.
+#pragma once
+
+#include <functional>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/solve/energy.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+struct PrimalDualParams {
+  double tolerance = 3e-4;    ///< of the band's relative gap, > 0
+  int max_iterations = 2000;  ///< per level, >= 1
+  int check_every = 16;       ///< iterations between two evaluations of the gap, >= 1
+  double step_balance = 1.4;  ///< sigma in units of lambda; tau = 1 / (12 sigma)
+};
+
+struct PrimalDualReport {
+  int iterations = 0;
+  bool converged = false;
+  Energies energies;  ///< of the relaxed u
+};
+
+/// Moves level.u and level.p. `observe`, when given, is called after each evaluation.
+PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params, const Parallel& parallel,
+                                   Progress& progress,
+                                   const std::function<void(int iterations, const Energies&)>& observe = {});
+
+}  // namespace soapfilm

@@ -1,0 +1,146 @@
+// The kernels of a sweep, compiled once per SIMD target (no include guard: see Highway's foreach_target.h).
+// No fused multiply-add, no reciprocal estimates: every target rounds alike.
+
+#include <hwy/highway.h>
+
+#include "soapfilm/solve/sweep_kernel.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace soapfilm::HWY_NAMESPACE {
+namespace {  // the scalar target is compiled twice: among the dispatched ones and on its own
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// At most a row of a brick: 8 lanes, fewer where the target has fewer.
+using D = hn::CappedTag<float, brick_side>;
+using V = hn::Vec<D>;
+using M = hn::Mask<D>;
+
+/// u - tau (grad^T p - f), clipped to [0, cap].
+HWY_INLINE V primal_step(V u, V grad_t_p, V f, V tau, V cap) {
+  const V moved = hn::Sub(u, hn::Mul(tau, hn::Sub(grad_t_p, f)));
+  return hn::Min(hn::Max(moved, hn::Zero(D())), cap);
+}
+
+/// The row of in-brick neighbours below x: lane 0 of the brick's first lane group comes from outside.
+HWY_INLINE V load_below(const float* row, int x, float outside) {
+  const V shifted = hn::LoadU(D(), row + x - 1);
+  return x == 0 ? hn::IfThenElse(hn::FirstN(D(), 1), hn::Set(D(), outside), shifted) : shifted;
+}
+
+void primal(const PrimalJob& job, UBar& u_bar) {
+  const D d;
+  const int lanes = static_cast<int>(hn::Lanes(D()));
+  const V tau = hn::Set(d, job.tau);
+  const float* px = job.p;
+  const float* py = job.p + brick_volume;
+  const float* pz = job.p + 2 * brick_volume;
+  HWY_ALIGN float cap_row[brick_side];
+  for (int x = 0; x < brick_side; ++x) cap_row[x] = x >= job.free_lo.x && x < job.free_hi.x ? 1.0f : 0.0f;
+
+  for (int z = 0; z < brick_side; ++z) {
+    for (int y = 0; y < brick_side; ++y) {
+      const int row = brick_offset(0, y, z);
+      const float* below_y = y == 0 ? job.low_y + z * job.low_y_outer : py + row - brick_side;
+      const float* below_z = z == 0 ? job.low_z + y * brick_side : pz + row - brick_area;
+      const float below_x = job.low_x[y * job.low_x_inner + z * job.low_x_outer];
+      const bool free = y >= job.free_lo.y && y < job.free_hi.y && z >= job.free_lo.z && z < job.free_hi.z;
+      float* bar = u_bar.values + y * UBar::row + z * UBar::layer;
+      for (int x = 0; x < brick_side; x += lanes) {
+        const V cap = free ? hn::Load(d, cap_row + x) : hn::Zero(d);
+        const V u = hn::Load(d, job.u + row + x);
+        const V dx = hn::Sub(load_below(px + row, x, below_x), hn::Load(d, px + row + x));
+        const V dy = hn::Sub(hn::LoadU(d, below_y + x), hn::Load(d, py + row + x));
+        const V dz = hn::Sub(hn::LoadU(d, below_z + x), hn::Load(d, pz + row + x));
+        const V grad_t_p = hn::Add(hn::Add(dx, dy), dz);
+        const V u_new = primal_step(u, grad_t_p, hn::Load(d, job.f + row + x), tau, cap);
+        hn::Store(u_new, d, job.u + row + x);
+        hn::Store(hn::Sub(hn::Add(u_new, u_new), u), d, bar + x);
+      }
+    }
+  }
+}
+
+/// Forward differences of u_bar at a row.
+struct Gradient {
+  V x, y, z;
+};
+
+HWY_INLINE Gradient forward_difference(const float* bar) {
+  const D d;
+  const V here = hn::Load(d, bar);
+  return {hn::Sub(hn::LoadU(d, bar + 1), here), hn::Sub(hn::Load(d, bar + UBar::row), here),
+          hn::Sub(hn::Load(d, bar + UBar::layer), here)};
+}
+
+void dual(const DualJob& job, const UBar& u_bar) {
+  const D d;
+  const int lanes = static_cast<int>(hn::Lanes(D()));
+  const V sigma = hn::Set(d, job.sigma);
+  const V lambda = hn::Set(d, job.lambda);
+  const V lambda_squared = hn::Mul(lambda, lambda);
+  const bool rim = job.fixed_up[0] || job.fixed_up[1] || job.fixed_up[2];
+
+  for (int z = 0; z < brick_side; ++z) {
+    for (int y = 0; y < brick_side; ++y) {
+      const int row = brick_offset(0, y, z);
+      const bool fixed_y = job.fixed_up[1] && y == brick_side - 1;
+      const bool fixed_z = job.fixed_up[2] && z == brick_side - 1;
+      for (int x = 0; x < brick_side; x += lanes) {
+        float* px = job.p + row + x;
+        float* py = px + brick_volume;
+        float* pz = py + brick_volume;
+        const V old_x = hn::Load(d, px), old_y = hn::Load(d, py), old_z = hn::Load(d, pz);
+        const Gradient g = forward_difference(u_bar.values + x + y * UBar::row + z * UBar::layer);
+        V qx = hn::Add(old_x, hn::Mul(sigma, g.x));
+        V qy = hn::Add(old_y, hn::Mul(sigma, g.y));
+        V qz = hn::Add(old_z, hn::Mul(sigma, g.z));
+        V radius_squared = lambda_squared;
+        V radius = lambda;
+        if (!rim) {
+          const V norm_squared = hn::Add(hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy)), hn::Mul(qz, qz));
+          const M outside = hn::Gt(norm_squared, radius_squared);
+          if (!hn::AllFalse(d, outside)) {
+            const V scale = hn::IfThenElse(outside, hn::Div(radius, hn::Sqrt(norm_squared)), hn::Set(d, 1.0f));
+            qx = hn::Mul(qx, scale);
+            qy = hn::Mul(qy, scale);
+            qz = hn::Mul(qz, scale);
+          }
+          hn::Store(qx, d, px);
+          hn::Store(qy, d, py);
+          hn::Store(qz, d, pz);
+          continue;
+        }
+        // Rim: fixed components keep their value and leave the others the ball's remaining radius.
+        const V zero = hn::Zero(d);
+        const M last = hn::Eq(hn::Iota(d, static_cast<float>(x)), hn::Set(d, static_cast<float>(brick_side - 1)));
+        const V fixed_x = job.fixed_up[0] ? hn::IfThenElseZero(last, hn::Set(d, 1.0f)) : zero;
+        const M mx = hn::Gt(fixed_x, zero);
+        const V free_x = hn::IfThenElse(mx, zero, qx);
+        const V free_y = fixed_y ? zero : qy;
+        const V free_z = fixed_z ? zero : qz;
+        const V kept_x = hn::IfThenElseZero(mx, old_x);
+        const V kept_y = fixed_y ? old_y : zero;
+        const V kept_z = fixed_z ? old_z : zero;
+        const V kept_squared =
+            hn::Add(hn::Add(hn::Mul(kept_x, kept_x), hn::Mul(kept_y, kept_y)), hn::Mul(kept_z, kept_z));
+        radius_squared = hn::Max(hn::Sub(lambda_squared, kept_squared), zero);
+        const V norm_squared =
+            hn::Add(hn::Add(hn::Mul(free_x, free_x), hn::Mul(free_y, free_y)), hn::Mul(free_z, free_z));
+        const M outside = hn::Gt(norm_squared, radius_squared);
+        const V scale =
+            hn::IfThenElse(outside, hn::Div(hn::Sqrt(radius_squared), hn::Sqrt(norm_squared)), hn::Set(d, 1.0f));
+        hn::Store(hn::IfThenElse(mx, old_x, hn::Mul(qx, scale)), d, px);
+        hn::Store(fixed_y ? old_y : hn::Mul(qy, scale), d, py);
+        hn::Store(fixed_z ? old_z : hn::Mul(qz, scale), d, pz);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+inline SweepKernel kernel() { return {&primal, &dual}; }
+
+}  // namespace soapfilm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();

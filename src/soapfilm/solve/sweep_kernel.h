@@ -1,0 +1,46 @@
+// What one brick's share of a sweep needs, as plain pointers: the contract between sweep.cpp and the kernels, which
+// exist once per SIMD target and know nothing of grids or threads.
+#pragma once
+
+#include "soapfilm/grid/layout.h"
+
+namespace soapfilm {
+
+/// Halo of u_bar: rows are 16 floats apart, so that a row shifted by one can be loaded; vertex (x, y, z) of
+/// [0, 9)^3 is at x + 16 y + 144 z.
+struct UBar {
+  static constexpr int row = 16;
+  static constexpr int layer = 9 * row;
+  alignas(64) float values[9 * layer];
+};
+
+struct PrimalJob {
+  float* u;            ///< 512, in and out
+  const float* p;      ///< 3 x 512
+  const float* f;      ///< 512
+  const float* low_x;  ///< p_x below the brick: value of row (y, z) at low_x[y * low_x_inner + z * low_x_outer]
+  int low_x_inner, low_x_outer;
+  const float* low_y;  ///< p_y below: row z at low_y + z * low_y_outer
+  int low_y_outer;
+  const float* low_z;      ///< p_z below: row y at low_z + 8 y
+  Vec3i free_lo, free_hi;  ///< u stays 0 outside this local range [lo, hi)
+  float tau;
+};
+
+struct DualJob {
+  float* p;          ///< 3 x 512, in and out
+  bool fixed_up[3];  ///< the flux through the brick's upper face along an axis is fixed
+  float sigma;
+  float lambda;
+};
+
+/// The steps of one SIMD target.
+struct SweepKernel {
+  void (*primal)(const PrimalJob& job, UBar& u_bar);
+  void (*dual)(const DualJob& job, const UBar& u_bar);
+};
+
+/// The kernel of the best target of this processor, or of the one that force_simd_target() named.
+SweepKernel sweep_kernel();
+
+}  // namespace soapfilm
