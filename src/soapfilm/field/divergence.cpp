@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/grid/smoothing.h"
 #include "soapfilm/grid/window.h"
 
 namespace soapfilm {
@@ -16,7 +17,6 @@ namespace {
 constexpr int reach = 4;
 constexpr int taps = 2 * reach + 1;
 using Taps = std::array<float, taps>;
-constexpr Taps smoothing = {0, 1.0f / 27, 3.0f / 27, 6.0f / 27, 7.0f / 27, 6.0f / 27, 3.0f / 27, 1.0f / 27, 0};
 constexpr Taps difference_of_smoothing() {
   // Output x takes sum_j in(x + j) * (k(j - 1) - k(j + 1)) / 2: k is even.
   constexpr int k[] = {0, 0, 1, 3, 6, 7, 6, 3, 1, 0, 0};
@@ -72,22 +72,16 @@ void add_splat(const float* splat, Vec3i d, VectorWindow& window) {
       }
 }
 
-/// One pass along an axis whose taps are `stride` floats apart, `rows` rows of 8 outputs.
-inline void filter_row(const float* in, std::ptrdiff_t stride, const Taps& k, float* out) {
-  float sum[brick_side] = {};
-  for (int j = 0; j < taps; ++j)
-    for (int x = 0; x < brick_side; ++x) sum[x] += k[static_cast<size_t>(j)] * in[(j - reach) * stride + x];
-  for (int x = 0; x < brick_side; ++x) out[x] = sum[x];
-}
-
 /// div (k * v) on the brick, from the window of splatted vectors; separable: x, then y, then z.
 void divergence_of_window(const VectorWindow& v, float* f) {
   static_assert(side == 16);
   std::array<float, 3 * side * side * brick_side> after_x;
   for (int c = 0; c < 3; ++c)
-    for (int row = 0; row < side * side; ++row)
-      filter_row(&v[static_cast<size_t>(c)].values[static_cast<size_t>(row * side + reach)], 1,
-                 c == 0 ? difference : smoothing, &after_x[static_cast<size_t>((c * side * side + row) * brick_side)]);
+    for (int row = 0; row < side * side; ++row) {
+      const float* in = &v[static_cast<size_t>(c)].values[static_cast<size_t>(row * side + reach)];
+      float* out = &after_x[static_cast<size_t>((c * side * side + row) * brick_side)];
+      c == 0 ? filter_row(in, 1, difference, out) : filter_row(in, 1, smoothing_taps, out);
+    }
 
   // After y the components x and y want the same last pass: added here. Layers z of 64 values.
   std::array<float, side * brick_area> xy, only_z;
@@ -98,16 +92,16 @@ void divergence_of_window(const VectorWindow& v, float* f) {
   for (int z = 0; z < side; ++z)
     for (int y = 0; y < brick_side; ++y) {
       float* sum = &xy[static_cast<size_t>(z * brick_area + y * brick_side)];
-      filter_row(at(0, y + reach, z), brick_side, smoothing, sum);
+      filter_row(at(0, y + reach, z), brick_side, smoothing_taps, sum);
       filter_row(at(1, y + reach, z), brick_side, difference, other.data());
       for (int x = 0; x < brick_side; ++x) sum[x] += other[static_cast<size_t>(x)];
-      filter_row(at(2, y + reach, z), brick_side, smoothing,
+      filter_row(at(2, y + reach, z), brick_side, smoothing_taps,
                  &only_z[static_cast<size_t>(z * brick_area + y * brick_side)]);
     }
 
   for (int row = 0; row < brick_area; ++row) {
     const size_t in = static_cast<size_t>(reach * brick_area + row * brick_side);
-    filter_row(&xy[in], brick_area, smoothing, f + row * brick_side);
+    filter_row(&xy[in], brick_area, smoothing_taps, f + row * brick_side);
     filter_row(&only_z[in], brick_area, difference, other.data());
     for (int x = 0; x < brick_side; ++x) f[row * brick_side + x] += other[static_cast<size_t>(x)];
   }

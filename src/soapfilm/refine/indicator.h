@@ -1,0 +1,32 @@
+// Section 4.4: from the relaxed u to the smooth field whose level set is the surface.
+#pragma once
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/field/samples.h"
+#include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/field.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+/// A field on the bricks around the surface; elsewhere it is the constant 0 or 1 that `inside` tells.
+struct SurfaceField {
+  BrickGrid grid;
+  Field<float> value;
+  BrickMask inside;
+
+  /// The value of a brick that the grid lacks; 0 beyond the domain.
+  float missing_value(Vec3i brick) const { return inside.contains(brick) && inside.test(brick) ? 1.0f : 0.0f; }
+};
+
+/// The binary indicator, 1 where u > threshold, smoothed with the filter of section 4.1; values in [0, 1]. Its bricks
+/// are those within 4 vertices of the interface. `threshold` is the paper's mu, in (0, 1).
+SurfaceField smoothed_indicator(const Level& level, float threshold, const Parallel& parallel);
+
+/// The mean of the field at the samples (trilinear interpolation, every sample counts alike): the paper's isovalue.
+double mean_at_samples(const SurfaceField& field, const GridSamples& samples, const Parallel& parallel);
+
+/// Vertices of the whole domain with u > threshold.
+size_t count_inside(const Level& level, float threshold, const Parallel& parallel);
+
+}  // namespace soapfilm
