@@ -135,20 +135,22 @@ TEST(Parallel, ALowChunkThatFailsLaterStillWins) {
 
 TEST(Parallel, ZeroThreadsMeansAllThatTheProcessMayUse) { EXPECT_GE(Parallel(0).threads(), 1); }
 
-TEST(Parallel, SeveralThreadsTakePart) {
-  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one core";
-  const Parallel parallel(2);
+TEST_P(ParallelLoop, AllThreadsTakePart) {
+  const Parallel parallel(GetParam());
+  const Parallel others(GetParam() + 1);  // Another set must neither limit nor widen this one.
   std::mutex mutex;
   std::set<std::thread::id> threads;
-  // Ends as soon as a second thread came; an executor that runs everything on the caller visits all chunks in vain.
-  parallel.for_each(2000, 1, [&](size_t) {
-    std::unique_lock lock(mutex);
+  const auto count = [&] {
+    const std::lock_guard lock(mutex);
     threads.insert(std::this_thread::get_id());
-    const bool both = threads.size() > 1;
-    lock.unlock();
-    if (!both) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return threads.size();
+  };
+  // Chunks wait for the others, so that each comes to a thread of its own; the wait has an end.
+  const auto all = static_cast<size_t>(GetParam());
+  parallel.for_each(1000, 1, [&](size_t) {
+    for (int ms = 0; ms < 2 && count() < all; ++ms) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   });
-  EXPECT_EQ(threads.size(), 2u);
+  EXPECT_EQ(threads.size(), all);
 }
 
 }  // namespace

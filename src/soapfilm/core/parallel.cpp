@@ -3,11 +3,13 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <optional>
 
 #ifdef SOAPFILM_STD_THREADS
 #include <thread>
 #include <vector>
 #else
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #endif
@@ -89,7 +91,11 @@ struct Parallel::Impl {
 struct Parallel::Impl {
   static int default_threads() { return tbb::this_task_arena::max_concurrency(); }
 
-  explicit Impl(int threads) : arena(threads) {}
+  explicit Impl(int threads) : arena(threads) {
+    // oneTBB starts no more workers than there are cores (and says so on stderr) unless allowed. The value only
+    // permits: no loop takes more than its arena's threads. It is one for all, since the least of those alive counts.
+    if (threads > default_threads()) allow_more.emplace(tbb::global_control::max_allowed_parallelism, 1024);
+  }
 
   void run_all(Loop& loop) {
     arena.execute([&] {
@@ -100,6 +106,7 @@ struct Parallel::Impl {
     });
   }
 
+  std::optional<tbb::global_control> allow_more;
   tbb::task_arena arena;
 };
 
