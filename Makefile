@@ -1,0 +1,45 @@
+# A thin face over the CMake presets. Needs nothing but make and git on Debian 12: each target installs what it misses.
+PROGRAM := build/release/bin/soapfilm
+JOBS := $(shell nproc)
+# Further arguments to cmake when a build is configured for the first time, such as -DSOAPFILM_WERROR=ON.
+CONFIGURE :=
+SOURCES = find src cli tests examples -name '*.h' -o -name '*.cpp'
+
+.PHONY: help build demo test format format-check tidy clean
+.SUFFIXES:
+
+help: ## list the targets
+	@echo 'make TARGET, where TARGET is one of'
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-14s%s\n", $$1, $$2 }' Makefile
+
+build: build-release ## the program, at build/release/bin/soapfilm
+
+demo: build ## scan a shape, reconstruct it, check it, draw both
+	sh examples/demo.sh $(PROGRAM) out/demo
+
+test: test-release ## release build and all tests
+
+test-asan: ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
+test-tsan: ## the tests under ThreadSanitizer, loops on std::thread
+
+test-%: build-%
+	ctest --preset $* --parallel $(JOBS)
+
+build-%: packages-build
+	@test -f build/$*/build.ninja || cmake --preset $* $(CONFIGURE)
+	cmake --build --preset $* --parallel $(JOBS)
+
+format: packages-format ## lay the sources out
+	$(SOURCES) | xargs clang-format -i
+
+format-check: packages-format ## fail if `make format` would change anything
+	$(SOURCES) | xargs clang-format --dry-run -Werror
+
+tidy: packages-tidy build-dev ## lint with clang-tidy
+	find src cli -name '*.cpp' | xargs -n 1 -P $(JOBS) clang-tidy --quiet -p build/dev
+
+clean: ## remove build/ and out/
+	rm -rf build out
+
+packages-%:
+	@sh cmake/packages.sh $*

@@ -1,0 +1,138 @@
+// The program: global options, sub-commands, and the one place where errors become messages and exit codes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <iostream>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+#include "soapfilm/core/error.h"
+#include "soapfilm/version.h"
+
+namespace soapfilm::cli {
+namespace {
+
+enum ExitCode { success = 0, internal_error = 1, refused = 2, cancelled = 130 };
+
+constexpr const char* examples_and_codes =
+    R"(EXAMPLES
+  A Stanford scan set becomes a watertight mesh, 512 grid vertices along its longest side:
+      soapfilm reconstruct bun.conf -o bunny.ply --resolution 512
+  What is in a file:
+      soapfilm info scan.ply
+  Scans of a built-in shape, with the truth beside them:
+      soapfilm scan part -o scans
+  A picture of two meshes side by side:
+      soapfilm render truth.ply mesh.ply -o both.png
+
+EXIT CODES
+  0    success
+  1    internal error
+  2    refused: input, parameter, output or memory; the message names it, nothing was written
+  3    the optimal surface is empty; the message names the largest lambda that keeps one
+  130  cancelled (Ctrl-C); nothing was written
+)";
+
+/// One line on stderr, whatever the message holds.
+int fail(ExitCode code, std::string message) {
+  while (!message.empty() && std::isspace(static_cast<unsigned char>(message.back()))) message.pop_back();
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  fmt::print(stderr, "soapfilm: {}\n", message);
+  return code;
+}
+
+/// CLI11 does not say whether what it did not expect is an option or a command, nor where to read more.
+std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  std::string what = error.what();
+  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  const std::vector<std::string> extras = app.remaining(true);
+  // Something unknown often explains why something required is missing.
+  if (!extras.empty() && (code == CLI::ExitCodes::ExtrasError || code == CLI::ExitCodes::RequiredError)) {
+    const bool option = extras[0].size() > 1 && extras[0][0] == '-';
+    what = fmt::format("unknown {} '{}'", option ? "option" : chosen.empty() ? "command" : "argument", extras[0]);
+  }
+  return fmt::format("{} (see soapfilm {}--help)", what, chosen.empty() ? "" : chosen[0]->get_name() + " ");
+}
+
+void add_global_options(CLI::App& app, GlobalOptions& options) {
+  app.add_option("--threads", options.threads, "Threads to use; 0, the default: all that the process may use")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N");
+  CLI::Option* quiet = app.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only")->option_text(" ");
+  app.add_flag("-v,--verbose", options.verbose, "Print details too")->excludes(quiet)->option_text(" ");
+  app.set_version_flag("--version", "soapfilm " + std::string(version), "Print the version and exit");
+  app.set_help_flag("-h,--help", "Print this page and exit");
+}
+
+int run(int argc, char** argv) {
+  CLI::App app(
+      "Turns raw 3D scans into a watertight surface: a film of least area over the samples,\n"
+      "with a proof of how close it is to the global optimum.",
+      "soapfilm");
+  app.require_subcommand(1);
+  app.fallthrough();  // sub-commands inherit it: global options may follow them
+  app.get_formatter()->column_width(34);
+  GlobalOptions options;
+  Runner runner;
+  add_global_options(app, options);
+  add_reconstruct(app, options, runner);
+  add_scan(app, options, runner);
+  add_info(app, options, runner);
+  add_render(app, options, runner);
+  app.footer(examples_and_codes);  // last: sub-commands would inherit it
+  for (CLI::App* command : app.get_subcommands({})) {
+    const std::string own = command->get_footer();
+    command->footer(own + (own.empty() ? "" : "\n") +
+                    "Global options (--threads, --quiet, --verbose): soapfilm --help");
+  }
+
+  if (argc == 1) {
+    std::cout << app.help();
+    return success;
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked_for_help) {
+    return app.exit(asked_for_help);
+  } catch (const CLI::ParseError& error) {
+    return fail(refused, parse_message(app, error));
+  }
+  return runner();
+}
+
+/// Results may go to standard output; a full disk there must not pass for success.
+int finish(int code) {
+  std::cout.flush();
+  if (std::fflush(stdout) != 0 || !std::cout) return fail(refused, "standard output: cannot write");
+  return code;
+}
+
+}  // namespace
+}  // namespace soapfilm::cli
+
+int main(int argc, char** argv) {
+  using namespace soapfilm;
+  using namespace soapfilm::cli;
+  try {
+    return finish(run(argc, argv));
+  } catch (const Cancelled& error) {
+    return fail(cancelled, error.what());
+  } catch (const ParameterError& error) {
+    return fail(refused, error.what());
+  } catch (const InputError& error) {
+    return fail(refused, error.what());
+  } catch (const OutputError& error) {
+    return fail(refused, error.what());
+  } catch (const MemoryError& error) {
+    return fail(refused, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(refused, "not enough memory");
+  } catch (const std::exception& error) {
+    return fail(internal_error, fmt::format("internal error: {}", error.what()));
+  }
+}

@@ -1,0 +1,131 @@
+#include "cli/terminal.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "cli/command.h"
+
+namespace soapfilm::cli {
+
+namespace {
+
+constexpr auto redraw_interval = std::chrono::milliseconds(50);
+constexpr int bar_width = 20;
+
+std::atomic<Progress*> live_progress{nullptr};
+static_assert(std::atomic<Progress*>::is_always_lock_free, "a signal handler reads it");
+
+void set_handler(void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;  // reads and writes go on; the library asks the progress object
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+}
+
+/// The first signal cancels and puts the default back, so that the next one kills.
+extern "C" void cancel_live_progress(int) {
+  if (Progress* progress = live_progress.load()) progress->cancel();
+  set_handler(SIG_DFL);
+}
+
+bool is_terminal(std::FILE* out) {
+  const char* type = std::getenv("TERM");
+  return isatty(fileno(out)) != 0 && !(type && std::string_view(type) == "dumb");
+}
+
+/// Columns of the terminal; 80 where it does not say.
+size_t columns(std::FILE* out) {
+  winsize size{};
+  return ioctl(fileno(out), TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+std::string bar(double fraction) {
+  const auto full = static_cast<size_t>(std::lround(fraction * bar_width));
+  return "[" + std::string(full, '#') + std::string(bar_width - full, '-') + "]";
+}
+
+}  // namespace
+
+CancelOnSignal::CancelOnSignal(Progress& progress) {
+  live_progress = &progress;
+  set_handler(cancel_live_progress);
+}
+
+CancelOnSignal::~CancelOnSignal() {
+  set_handler(SIG_DFL);
+  live_progress = nullptr;
+}
+
+TerminalProgress::TerminalProgress(const GlobalOptions& options, std::FILE* out)
+    : out_(out), quiet_(options.quiet), verbose_(options.verbose), live_(!options.quiet && is_terminal(out)) {}
+
+TerminalProgress::~TerminalProgress() {
+  if (drawn_) std::fputc('\n', out_);
+}
+
+void TerminalProgress::begin_stage(std::string_view name) {
+  stage_ = name;
+  stage_detail_.clear();
+  fraction_ = 0;
+  stage_begin_ = Clock::now();
+  if (live_)
+    draw();
+  else if (!quiet_)
+    write_line(fmt::format("{} ...", stage_));
+}
+
+void TerminalProgress::advance(double fraction, std::string_view detail) {
+  fraction_ = std::clamp(fraction, 0.0, 1.0);
+  stage_detail_ = detail;
+  if (live_ && Clock::now() - last_draw_ >= redraw_interval) draw();
+}
+
+void TerminalProgress::end_stage(double seconds) {
+  const std::string name = std::exchange(stage_, {});
+  if (!quiet_)
+    write_line(fmt::format("{:<10}{:>7.2f} s{}{}", name, seconds, stage_detail_.empty() ? "" : "  ", stage_detail_));
+}
+
+void TerminalProgress::info(const std::string& line) {
+  if (!quiet_) write_line(line);
+}
+
+void TerminalProgress::detail(const std::string& line) {
+  if (verbose_ && !quiet_) write_line(line);
+}
+
+void TerminalProgress::warn(const std::string& line) { write_line("soapfilm: warning: " + line); }
+
+void TerminalProgress::draw() {
+  last_draw_ = Clock::now();
+  const double seconds = std::chrono::duration<double>(last_draw_ - stage_begin_).count();
+  std::string line = fmt::format("{:<10}{} {:3.0f} %  {}{}{:.1f} s", stage_, bar(fraction_), 100 * fraction_,
+                                 stage_detail_, stage_detail_.empty() ? "" : "  ", seconds);
+  // A line that wraps could not be erased.
+  line.resize(std::min(line.size(), columns(out_) - 1));
+  fmt::print(out_, "\r\033[K{}", line);
+  std::fflush(out_);
+  drawn_ = true;
+}
+
+void TerminalProgress::erase() {
+  if (drawn_) fmt::print(out_, "\r\033[K");
+  drawn_ = false;
+}
+
+void TerminalProgress::write_line(const std::string& line) {
+  erase();
+  fmt::print(out_, "{}\n", line);
+  if (live_ && !stage_.empty()) draw();
+  std::fflush(out_);
+}
+
+}  // namespace soapfilm::cli

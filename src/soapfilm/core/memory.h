@@ -1,0 +1,25 @@
+// What the machine has, what this process used, and memory sizes as people write them.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace soapfilm {
+
+/// Most memory that this process has held at once so far (resident set), in bytes.
+size_t peak_memory_bytes();
+
+/// Memory that this process can still take without swapping or being killed, in bytes: what the system has available,
+/// or less where a control group (v1 or v2, such as a container's) limits it. SIZE_MAX where the system does not say.
+/// `root` is where proc/ and sys/ lie: a test may bring its own.
+size_t available_memory_bytes(const std::string& root = "/");
+
+/// Reads "600M", "2G", "1.5GiB", "800 MB" or plain bytes. K, M, G, T and KiB, MiB, GiB, TiB are powers of 1024; KB, MB,
+/// GB, TB powers of 1000; upper or lower case. Throws ParameterError unless it is a size of at least one byte.
+size_t parse_memory(std::string_view text);
+
+/// Three significant digits in the largest fitting power of 1024: "512 B", "1.50 GiB", "613 MiB".
+std::string format_bytes(size_t bytes);
+
+}  // namespace soapfilm

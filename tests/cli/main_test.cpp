@@ -1,0 +1,90 @@
+// The program as a user runs it: pages, refusals and exit codes that are the same for every sub-command.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "soapfilm/version.h"
+#include "support/process.h"
+
+namespace soapfilm::test {
+namespace {
+
+ProcessResult run(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), SOAPFILM_PROGRAM);
+  return run_process(arguments);
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Exit code 2, nothing on standard output, and one line "soapfilm: ..." that names `what`.
+void expect_refused(const std::vector<std::string>& arguments, const std::string& what) {
+  const ProcessResult result = run(arguments);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_EQ(result.err.rfind("soapfilm: ", 0), 0u) << result.err;
+  EXPECT_TRUE(contains(result.err, what)) << "expected '" << what << "' in: " << result.err;
+}
+
+TEST(Program, PrintsItsVersion) {
+  const ProcessResult result = run({"--version"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out, "soapfilm " + std::string(version) + "\n");
+  EXPECT_EQ(result.err, "");
+}
+
+TEST(Program, HelpIsAPage) {
+  const ProcessResult result = run({"--help"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "");
+  for (const char* word : {"reconstruct", "scan", "info", "render", "--threads", "--quiet", "EXAMPLES", "EXIT CODES"})
+    EXPECT_TRUE(contains(result.out, word)) << word;
+  EXPECT_EQ(run({}).out, result.out) << "without arguments the same page";
+}
+
+TEST(Program, HelpFitsAnEightyColumnTerminal) {
+  for (const char* command : {"", "reconstruct", "scan", "info", "render"}) {
+    std::istringstream page(
+        run(*command ? std::vector<std::string>{command, "--help"} : std::vector<std::string>{}).out);
+    for (std::string line; std::getline(page, line);) EXPECT_LE(line.size(), 100u) << command << ": " << line;
+  }
+}
+
+TEST(Program, EverySubCommandHasAPage) {
+  for (const char* command : {"reconstruct", "scan", "info", "render"}) {
+    const ProcessResult result = run({command, "--help"});
+    EXPECT_EQ(result.exit_code, 0) << command;
+    EXPECT_TRUE(contains(result.out, "Usage: soapfilm " + std::string(command))) << result.out;
+    EXPECT_TRUE(contains(result.out, "Global options")) << result.out;
+  }
+}
+
+TEST(Program, RefusesWhatItDoesNotKnow) {
+  expect_refused({"--bogus"}, "unknown option '--bogus'");
+  expect_refused({"bogus"}, "unknown command 'bogus'");
+  for (const char* command : {"reconstruct", "scan", "info", "render"})
+    expect_refused({command, "--bogus"}, "'--bogus'");
+}
+
+TEST(Program, RefusesBadGlobalOptions) {
+  expect_refused({"--threads", "many", "info", "x.ply"}, "many");
+  expect_refused({"info", "x.ply", "--threads", "-1"}, "-1");
+  expect_refused({"-q", "-v", "info", "x.ply"}, "--quiet");
+}
+
+TEST(Program, NamesAFileThatIsNotThere) {
+  expect_refused({"info", "/nowhere/scan.ply"}, "/nowhere/scan.ply");
+  expect_refused({"reconstruct", "/nowhere/scan.ply", "-o", "/tmp/never.ply"}, "/nowhere/scan.ply");
+  expect_refused({"render", "/nowhere/mesh.ply", "-o", "/tmp/never.png"}, "/nowhere/mesh.ply");
+}
+
+TEST(Program, NoticesThatItsOutputWasLost) {
+  const ProcessResult result = run_process({"/bin/sh", "-c", "\"$0\" --help > /dev/full", SOAPFILM_PROGRAM});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err, "soapfilm: standard output: cannot write\n");
+}
+
+}  // namespace
+}  // namespace soapfilm::test

@@ -1,0 +1,26 @@
+# cmake -D BUILD= -D WORK= -D GENERATOR= -D COMPILER= -D VERSION= -P run.cmake
+# Installs BUILD into an empty prefix under WORK, then configures, builds and runs the outside project beside this file.
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    string(REPLACE ";" " " command "${ARGV}")
+    message(FATAL_ERROR "failed (${result}): ${command}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build -G ${GENERATOR} -D CMAKE_CXX_COMPILER=${COMPILER}
+  -D CMAKE_PREFIX_PATH=${WORK}/prefix -D EXPECTED_VERSION=${VERSION})
+run(${CMAKE_COMMAND} --build ${WORK}/build)
+run(${WORK}/build/consumer)
+if(NOT output MATCHES "soapfilm ${VERSION}")
+  message(FATAL_ERROR "the consumer printed '${output}', expected soapfilm ${VERSION}")
+endif()
+
+# Our warnings, sanitizers and private libraries must not reach the consumer.
+file(READ ${WORK}/prefix/lib/cmake/soapfilm/soapfilm-targets.cmake targets)
+if(targets MATCHES "soapfilm_options|-Wall|-ffp-contract|Eigen|nanoflann|nlohmann")
+  message(FATAL_ERROR "the exported package leaks '${CMAKE_MATCH_0}'")
+endif()
