@@ -128,4 +128,8 @@ void Parallel::run(size_t count, size_t grain, void* body, ChunkFunction call) c
   loop.rethrow();
 }
 
+void Parallel::run_confined(void* body, ChunkFunction call) const {
+  impl_->arena.execute([&] { call(body, 0, 1); });
+}
+
 }  // namespace soapfilm

@@ -39,9 +39,19 @@ class Parallel {
     });
   }
 
+  /// body() once, on the calling thread. A library that brings its own loops on the same thread library (Embree's tree
+  /// builder) keeps to this set of threads inside.
+  template <class Body>
+  void confine(Body&& body) const {
+    using Stored = std::remove_reference_t<Body>;
+    run_confined(const_cast<void*>(static_cast<const void*>(std::addressof(body))),
+                 [](void* stored, size_t, size_t) { (*static_cast<Stored*>(stored))(); });
+  }
+
  private:
   using ChunkFunction = void (*)(void* body, size_t begin, size_t end);
   void run(size_t count, size_t grain, void* body, ChunkFunction call) const;
+  void run_confined(void* body, ChunkFunction call) const;
 
   int threads_;
   struct Impl;

@@ -1,0 +1,43 @@
+// Embree's handles with owners; internal, included by no public header.
+#pragma once
+
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+
+#include <memory>
+#include <stdexcept>
+
+#include "soapfilm/core/parallel.h"
+
+namespace soapfilm {
+
+/// A scene and its device. Geometries are attached by their maker, then committed once.
+class EmbreeScene {
+ public:
+  EmbreeScene() : device_(rtcNewDevice("start_threads=0,set_affinity=0")) {
+    if (!device_)
+      throw std::runtime_error(fmt::format("Embree does not start, error {}", int{rtcGetDeviceError(nullptr)}));
+    scene_.reset(rtcNewScene(device_.get()));
+  }
+
+  RTCDevice device() const { return device_.get(); }
+  RTCScene get() const { return scene_.get(); }
+
+  /// Builds the tree with the threads of `parallel`. Throws std::runtime_error when Embree cannot (out of memory).
+  void commit(const Parallel& parallel) {
+    parallel.confine([this] { rtcJoinCommitScene(scene_.get()); });
+    if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE) {
+      throw std::runtime_error(fmt::format("Embree cannot build its tree, error {}", int{error}));
+    }
+  }
+
+ private:
+  struct Release {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  };
+  std::unique_ptr<RTCDeviceTy, Release> device_;
+  std::unique_ptr<RTCSceneTy, Release> scene_;
+};
+
+}  // namespace soapfilm

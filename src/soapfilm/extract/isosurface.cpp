@@ -1,0 +1,257 @@
+#include "soapfilm/extract/isosurface.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/extract/marching_cubes_table.h"
+
+namespace soapfilm {
+
+namespace {
+
+namespace mc = marching_cubes;
+
+constexpr int side = brick_side + 1;  // vertices that the cells of one block touch, along an axis
+constexpr int words_per_block = 3 * brick_side;
+constexpr double least_fraction = 1e-3;  // distance of a surface point from the ends of its edge
+constexpr size_t blocks_per_task = 64;
+
+/// A block owns the cells and the edges whose lower vertex lies in its brick. All bricks of the grid are blocks, and
+/// so are the missing bricks just below them, whose last cells reach into the grid.
+BrickMask mask_of_blocks(const BrickGrid& grid) {
+  BrickMask mask(grid.bricks() + Vec3i{1, 1, 1});  // shifted by one: blocks may lie just below the box
+  for (size_t b = 0; b < grid.size(); ++b) {
+    for (int d = 0; d < 8; ++d) mask.set(grid.coord(b) + Vec3i{d & 1, d >> 1 & 1, d >> 2});
+  }
+  return mask;
+}
+
+/// The values at the 9^3 vertices that a block's cells touch, and one inside bit for each.
+struct Window {
+  std::array<float, side * side * side> values;
+  std::array<std::array<uint16_t, side>, side> inside;  // [z][y], bit x
+
+  static int offset(int x, int y, int z) { return x + side * (y + side * z); }
+};
+
+/// Which of a block's edges carry a surface point: word 3 z + axis, bit x + 8 y. Surface points are numbered in that
+/// order, so the index of one follows from a count of the bits before it.
+struct EdgePoints {
+  std::array<uint64_t, words_per_block> bits;
+  std::array<uint16_t, words_per_block> before;  // points in the block's earlier words
+
+  int count() const { return before.back() + std::popcount(bits.back()); }
+  uint32_t rank(int axis, int x, int y, int z) const {
+    const int word = 3 * z + axis;
+    const uint64_t lower = (uint64_t{1} << (x + brick_side * y)) - 1;
+    return before[word] + static_cast<uint32_t>(std::popcount(bits[word] & lower));
+  }
+};
+
+class Extraction {
+ public:
+  Extraction(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value, float isovalue,
+             const Lattice& lattice, const Parallel& parallel)
+      : grid_(grid),
+        value_(value),
+        missing_value_(missing_value),
+        isovalue_(isovalue),
+        lattice_(lattice),
+        parallel_(parallel),
+        blocks_(mask_of_blocks(grid), parallel),
+        points_(blocks_.size()),
+        first_vertex_(blocks_.size() + 1, 0),
+        first_triangle_(blocks_.size() + 1, 0) {}
+
+  Mesh run() {
+    for_blocks([this](size_t block, const Window& window) { count(block, window); });
+    for (size_t b = 0; b < blocks_.size(); ++b) {
+      first_vertex_[b + 1] += first_vertex_[b];
+      first_triangle_[b + 1] += first_triangle_[b];
+    }
+    if (first_vertex_.back() > std::numeric_limits<uint32_t>::max()) {
+      throw ParameterError(fmt::format("the surface has {} vertices, must be < 2^32", first_vertex_.back()));
+    }
+    mesh_.vertices.resize(first_vertex_.back());
+    mesh_.triangles.resize(first_triangle_.back());
+    for_blocks([this](size_t block, const Window& window) {
+      if (first_vertex_[block + 1] > first_vertex_[block]) place_vertices(block, window);
+      if (first_triangle_[block + 1] > first_triangle_[block]) draw_triangles(block, window);
+    });
+    return std::move(mesh_);
+  }
+
+ private:
+  template <class Work>
+  void for_blocks(Work&& work) const {
+    parallel_.for_chunks(blocks_.size(), blocks_per_task, [&](size_t begin, size_t end) {
+      Window window;
+      for (size_t b = begin; b < end; ++b) {
+        if (fill(b, window)) work(b, window);
+      }
+    });
+  }
+
+  Vec3i brick_coord(size_t block) const { return blocks_.coord(block) - Vec3i{1, 1, 1}; }
+
+  /// False when all the window's vertices lie on one side.
+  bool fill(size_t block, Window& window) const {
+    for (int d = 0; d < 8; ++d) {
+      const Vec3i step{d & 1, d >> 1 & 1, d >> 2};
+      const Vec3i coord = brick_coord(block) + step;
+      const int32_t brick = grid_.find(coord);
+      const float* in = brick < 0 ? nullptr : value_.brick(static_cast<size_t>(brick));
+      const float constant = in ? 0.f : missing_value_(coord);
+      const Vec3i extent{step.x ? 1 : brick_side, step.y ? 1 : brick_side, step.z ? 1 : brick_side};
+      for (int z = 0; z < extent.z; ++z) {
+        for (int y = 0; y < extent.y; ++y) {
+          float* out =
+              &window.values[Window::offset(step.x * brick_side, step.y * brick_side + y, step.z * brick_side + z)];
+          if (in) {
+            std::copy_n(in + brick_offset(0, y, z), extent.x, out);
+          } else {
+            std::fill_n(out, extent.x, constant);
+          }
+        }
+      }
+    }
+    return classify(window);
+  }
+
+  bool classify(Window& window) const {
+    uint16_t any = 0;
+    uint16_t all = (1 << side) - 1;
+    const float* row = window.values.data();
+    for (auto& layer : window.inside) {
+      for (uint16_t& bits : layer) {
+        bits = 0;
+        for (int x = 0; x < side; ++x) bits = static_cast<uint16_t>(bits | (row[x] > isovalue_) << x);
+        any = static_cast<uint16_t>(any | bits);
+        all = static_cast<uint16_t>(all & bits);
+        row += side;
+      }
+    }
+    return any != 0 && all != (1 << side) - 1;
+  }
+
+  static int case_of(const Window& window, int x, int y, int z) {
+    const auto pair = [&](int dy, int dz) { return window.inside[z + dz][y + dy] >> x & 3; };
+    return pair(0, 0) | pair(1, 0) << 2 | pair(0, 1) << 4 | pair(1, 1) << 6;
+  }
+
+  template <class Visit>
+  static void for_cut_cells(const Window& window, Visit&& visit) {
+    for (int z = 0; z < brick_side; ++z) {
+      for (int y = 0; y < brick_side; ++y) {
+        const uint16_t rows[] = {window.inside[z][y], window.inside[z][y + 1], window.inside[z + 1][y],
+                                 window.inside[z + 1][y + 1]};
+        const int any = rows[0] | rows[1] | rows[2] | rows[3];
+        const int all = rows[0] & rows[1] & rows[2] & rows[3];
+        // A cell is cut unless its eight corners agree.
+        unsigned cut = ((any | any >> 1) & ~(all & all >> 1)) & 0xff;
+        for (; cut != 0; cut &= cut - 1) visit(std::countr_zero(cut), y, z);
+      }
+    }
+  }
+
+  void count(size_t block, const Window& window) {
+    EdgePoints& points = points_[block];
+    const auto& inside = window.inside;
+    uint32_t total = 0;
+    for (int word = 0; word < words_per_block; ++word) {
+      const int z = word / 3;
+      uint64_t bits = 0;
+      for (int y = 0; y < brick_side; ++y) {
+        const int upper = word % 3 == 0 ? inside[z][y] >> 1 : word % 3 == 1 ? inside[z][y + 1] : inside[z + 1][y];
+        bits |= static_cast<uint64_t>((inside[z][y] ^ upper) & 0xff) << brick_side * y;
+      }
+      points.bits[word] = bits;
+      points.before[word] = static_cast<uint16_t>(total);
+      total += static_cast<uint32_t>(std::popcount(bits));
+    }
+    first_vertex_[block + 1] = total;
+    uint64_t triangles = 0;
+    const auto& table = mc::cases();
+    for_cut_cells(window, [&](int x, int y, int z) { triangles += table[case_of(window, x, y, z)].triangle_count; });
+    first_triangle_[block + 1] = triangles;
+  }
+
+  void place_vertices(size_t block, const Window& window) {
+    constexpr int step[3] = {1, side, side * side};
+    const Vec3i origin = brick_coord(block) * brick_side;
+    Vec3d* out = &mesh_.vertices[first_vertex_[block]];
+    for (int word = 0; word < words_per_block; ++word) {
+      const int axis = word % 3;
+      for (uint64_t bits = points_[block].bits[word]; bits != 0; bits &= bits - 1) {
+        const int bit = std::countr_zero(bits);
+        const Vec3i v{bit % brick_side, bit / brick_side, word / 3};
+        const float* value = &window.values[Window::offset(v.x, v.y, v.z)];
+        const double low = value[0];
+        const double high = value[step[axis]];
+        Vec3d p(origin + v);
+        p[axis] += std::clamp((isovalue_ - low) / (high - low), least_fraction, 1 - least_fraction);
+        *out++ = lattice_.to_world(p);
+      }
+    }
+  }
+
+  void draw_triangles(size_t block, const Window& window) {
+    const auto& table = mc::cases();
+    const auto& neighbors = blocks_.neighbors(block);
+    Triangle* out = &mesh_.triangles[first_triangle_[block]];
+    for_cut_cells(window, [&](int x, int y, int z) {
+      const auto vertex_on = [&](int edge) {
+        const int corner = mc::edge_corner(edge);
+        const int vx = x + (corner & 1);
+        const int vy = y + (corner >> 1 & 1);
+        const int vz = z + (corner >> 2);
+        const int32_t owner = neighbors[neighbor_slot(vx >> 3, vy >> 3, vz >> 3)];
+        if (owner < 0) refuse_missing(block);
+        return static_cast<uint32_t>(first_vertex_[owner] +
+                                     points_[owner].rank(mc::edge_axis(edge), vx & 7, vy & 7, vz & 7));
+      };
+      const mc::Case& drawn = table[case_of(window, x, y, z)];
+      for (int i = 0; i < drawn.triangle_count; ++i) {
+        const auto& t = drawn.triangles[i];
+        *out++ = {vertex_on(t[0]), vertex_on(t[1]), vertex_on(t[2])};
+      }
+    });
+  }
+
+  /// A surface point between two bricks that are both missing: nobody would draw the other side of it.
+  [[noreturn]] void refuse_missing(size_t block) const {
+    const Vec3i b = brick_coord(block);
+    throw ParameterError(fmt::format(
+        "missing bricks that touch brick ({}, {}, {}) lie on different sides of the isovalue {}, must agree", b.x, b.y,
+        b.z, isovalue_));
+  }
+
+  const BrickGrid& grid_;
+  const Field<float>& value_;
+  const MissingBrickValue& missing_value_;
+  float isovalue_;
+  const Lattice& lattice_;
+  const Parallel& parallel_;
+  BrickGrid blocks_;
+  std::vector<EdgePoints> points_;
+  std::vector<uint64_t> first_vertex_;
+  std::vector<uint64_t> first_triangle_;
+  Mesh mesh_;
+};
+
+}  // namespace
+
+Mesh extract_isosurface(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value,
+                        float isovalue, const Lattice& lattice, const Parallel& parallel) {
+  if (value.bricks() != grid.size()) {
+    throw ParameterError(fmt::format("the field has {} bricks, must have the grid's {}", value.bricks(), grid.size()));
+  }
+  return Extraction(grid, value, missing_value, isovalue, lattice, parallel).run();
+}
+
+}  // namespace soapfilm

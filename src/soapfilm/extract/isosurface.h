@@ -1,0 +1,32 @@
+// The surface between the inside and the outside vertices of a sparse grid, as a closed triangle mesh.
+#pragma once
+
+#include <functional>
+
+#include "soapfilm/core/mesh.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/field.h"
+#include "soapfilm/grid/lattice.h"
+
+namespace soapfilm {
+
+/// The one value of a brick that the grid lacks, by brick coordinates; these may lie outside the box of bricks.
+using MissingBrickValue = std::function<float(Vec3i brick)>;
+
+/// Marching cubes with the table of extract/marching_cubes_table.h. A vertex is inside where its value exceeds
+/// `isovalue`; the surface point on an edge follows from linear interpolation, kept at least 1/1000 of the edge away
+/// from its ends so that no triangle loses its area. Triangles are counter-clockwise seen from outside, where values
+/// are lower.
+///
+/// The mesh is closed, manifold and without unused vertices whenever two missing bricks that touch (also by an edge or
+/// a corner) carry values on the same side of `isovalue`; its components and genus are those of the inside vertices
+/// 6-connected and the outside 26-connected. Vertices are in the world frame of `lattice`, computed in double. Their
+/// order and that of the triangles follow the bricks and do not depend on the number of threads.
+///
+/// Throws ParameterError when `value` belongs to another grid, when touching missing bricks disagree, or when the
+/// surface has 2^32 vertices or more.
+Mesh extract_isosurface(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value,
+                        float isovalue, const Lattice& lattice, const Parallel& parallel);
+
+}  // namespace soapfilm

@@ -1,0 +1,177 @@
+#include "soapfilm/extract/isosurface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "dense_reference.h"
+#include "soapfilm/core/error.h"
+#include "soapfilm/core/random.h"
+#include "soapfilm/evaluate/topology.h"
+
+namespace soapfilm {
+namespace {
+
+/// Reported vertex 0 is lattice vertex 1 with one level: world coordinates are lattice coordinates.
+Lattice unit_lattice() {
+  Lattice lattice;
+  lattice.first_vertex = {1, 1, 1};
+  return lattice;
+}
+
+struct Band {
+  BrickGrid grid;
+  Field<float> value;
+};
+
+/// The bricks of `mask` with the values of `f` at their lattice vertices.
+template <class Function>
+Band sample(const BrickMask& mask, Function&& f) {
+  const Parallel parallel(1);
+  Band band{BrickGrid(mask, parallel), {}};
+  band.value = Field<float>(band.grid);
+  for (size_t b = 0; b < band.grid.size(); ++b) {
+    for (int i = 0; i < brick_volume; ++i) {
+      band.value.brick(b)[i] = f(band.grid.first_vertex(b) + Vec3i{i & 7, i >> 3 & 7, i >> 6});
+    }
+  }
+  return band;
+}
+
+Mesh extract(const Band& band, const MissingBrickValue& missing, int threads = 1) {
+  return extract_isosurface(band.grid, band.value, missing, 0.5f, unit_lattice(), Parallel(threads));
+}
+
+float zero_everywhere(Vec3i) { return 0.f; }
+
+/// The corners' coordinates of all triangles, to 1e-9: what two meshes have in common whatever their numbering.
+std::multiset<std::array<int64_t, 9>> triangle_soup(const Mesh& mesh) {
+  std::multiset<std::array<int64_t, 9>> soup;
+  for (const Triangle& t : mesh.triangles) {
+    std::array<std::array<int64_t, 3>, 3> corners;
+    for (int k = 0; k < 3; ++k) {
+      for (int axis = 0; axis < 3; ++axis) corners[k][axis] = std::llround(mesh.vertices[t[k]][axis] * 1e9);
+    }
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    std::array<int64_t, 9> flat;
+    for (int i = 0; i < 9; ++i) flat[i] = corners[i / 3][i % 3];
+    soup.insert(flat);
+  }
+  return soup;
+}
+
+float ball(Vec3i v, Vec3d centre, double radius) {
+  return static_cast<float>(std::clamp(0.5 + 0.25 * (radius - norm(Vec3d(v) - centre)), 0.0, 1.0));
+}
+
+TEST(Isosurface, EqualsTheDenseReferenceOnNoiseInASparseBand) {
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    BrickMask mask({3, 2, 3});
+    for (int b = 0; b < 18; ++b) mask.set({b % 3, b / 3 % 2, b / 6}, random.uniform() < 0.5);
+    test::DenseField dense({24, 16, 24}, 0);
+    const float density = static_cast<float>(random.uniform(0.05, 0.5));
+    dense.for_each([&](Vec3i v) {
+      if (mask.test(brick_of(v))) dense.at(v) = static_cast<float>(random.uniform()) * 0.5f / (1 - density);
+    });
+    const Band band = sample(mask, [&](Vec3i v) { return dense.at(v); });
+    const Mesh mesh = extract(band, zero_everywhere);
+    const Mesh expected = test::dense_isosurface(dense, 0.5f);
+    EXPECT_EQ(mesh.vertices.size(), expected.vertices.size());
+    EXPECT_TRUE(triangle_soup(mesh) == triangle_soup(expected)) << "seed " << seed;
+    const TopologyReport report = check_topology(mesh);
+    EXPECT_TRUE(report.triangles == 0 || report.watertight()) << summary(report);
+  }
+}
+
+TEST(Isosurface, MissingBricksMayBeInside) {
+  const Vec3d centre{40.3, 39.8, 40.1};
+  const double radius = 30;
+  BrickMask mask({10, 10, 10});
+  for (int b = 0; b < 1000; ++b) {
+    const Vec3i coord{b % 10, b / 10 % 10, b / 100};
+    const double d = norm(Vec3d(coord) * 8.0 + Vec3d{3.5, 3.5, 3.5} - centre);
+    mask.set(coord, std::abs(d - radius) < 9);
+  }
+  EXPECT_LT(mask.count(), 800u);
+  const Band band = sample(mask, [&](Vec3i v) { return ball(v, centre, radius); });
+  const Mesh mesh = extract(band, [&](Vec3i b) { return norm(Vec3d(b) * 8.0 - centre) < radius ? 1.f : 0.f; });
+  const TopologyReport report = check_topology(mesh);
+  EXPECT_TRUE(report.watertight()) << summary(report);
+  EXPECT_EQ(report.components.size(), 1u);
+  EXPECT_EQ(report.genus(), 0);
+  for (const Vec3d& v : mesh.vertices) EXPECT_NEAR(norm(v - centre), radius, 0.01);
+  EXPECT_NEAR(mesh.volume() / (4.0 / 3 * 3.14159265358979 * radius * radius * radius), 1, 2e-3);
+}
+
+TEST(Isosurface, OneInsideBrickWithoutNeighboursIsClosed) {
+  BrickMask mask({1, 1, 1});
+  mask.fill(true);
+  const Mesh mesh = extract(sample(mask, [](Vec3i) { return 1.f; }), zero_everywhere);
+  const TopologyReport report = check_topology(mesh);
+  EXPECT_TRUE(report.watertight()) << summary(report);
+  EXPECT_EQ(report.genus(), 0);
+  const Box3d box = mesh.box();
+  EXPECT_EQ(box.lo, (Vec3d{-0.5, -0.5, -0.5}));
+  EXPECT_EQ(box.hi, (Vec3d{7.5, 7.5, 7.5}));
+}
+
+TEST(Isosurface, TheSameBytesForAnyNumberOfThreads) {
+  BrickMask mask({8, 8, 8});
+  mask.fill(true);
+  Random random(3);
+  std::vector<float> noise(1 << 18);
+  for (float& n : noise) n = static_cast<float>(random.uniform(-0.3, 0.3));
+  const Band band = sample(mask, [&](Vec3i v) {
+    return ball(v, {32, 31, 30}, 22) + noise[static_cast<size_t>(v.x + 64 * (v.y + 64 * v.z))];
+  });
+  const Mesh one = extract(band, zero_everywhere, 1);
+  EXPECT_TRUE(check_topology(one).watertight());
+  for (const int threads : {2, 3, 8}) {
+    const Mesh many = extract(band, zero_everywhere, threads);
+    ASSERT_EQ(many.vertices, one.vertices);
+    ASSERT_EQ(many.triangles, one.triangles);
+  }
+}
+
+TEST(Isosurface, VerticesAreInTheWorldFrameAtFullAccuracy) {
+  BrickMask mask({4, 4, 4});
+  mask.fill(true);
+  const Vec3d centre{15.2, 16.1, 15.7};
+  const Band band = sample(mask, [&](Vec3i v) { return ball(v, centre, 10); });
+  Lattice lattice;
+  lattice.voxel = 1e-3;
+  lattice.first_vertex = {5e6, -5e6, 5e6};
+  const Mesh mesh = extract_isosurface(band.grid, band.value, zero_everywhere, 0.5f, lattice, Parallel(1));
+  const Vec3d world_centre = lattice.to_world(centre);
+  for (const Vec3d& v : mesh.vertices) EXPECT_NEAR(norm(v - world_centre), 0.01, 3e-5);
+  EXPECT_TRUE(check_topology(mesh).watertight());
+}
+
+TEST(Isosurface, NothingInsideGivesAnEmptyMesh) {
+  BrickMask mask({2, 2, 2});
+  mask.fill(true);
+  const Mesh mesh = extract(sample(mask, [](Vec3i) { return 0.5f; }), zero_everywhere);
+  EXPECT_TRUE(mesh.vertices.empty());
+  EXPECT_TRUE(mesh.triangles.empty());
+}
+
+TEST(Isosurface, MissingBricksThatDisagreeAreRefused) {
+  BrickMask mask({3, 3, 3});
+  mask.set({0, 1, 1});
+  const Band band = sample(mask, [](Vec3i) { return 0.f; });
+  EXPECT_THROW(extract(band, [](Vec3i b) { return b == Vec3i{1, 1, 1} ? 1.f : 0.f; }), ParameterError);
+}
+
+TEST(Isosurface, AFieldOfAnotherGridIsRefused) {
+  BrickMask mask({2, 1, 1});
+  mask.set({0, 0, 0});
+  Band band = sample(mask, [](Vec3i) { return 0.f; });
+  band.value = Field<float>(2);
+  EXPECT_THROW(extract(band, zero_everywhere), ParameterError);
+}
+
+}  // namespace
+}  // namespace soapfilm
