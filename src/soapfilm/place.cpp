@@ -1,0 +1,93 @@
+#include "soapfilm/place.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/core/memory.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/field/sampling.h"
+#include "soapfilm/plan.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// Fewer samples cannot lie around a volume.
+constexpr size_t fewest_samples = 4;
+/// Thickness of the samples along their thinnest direction, relative to the longest, below which they are coplanar.
+constexpr double coplanar = 1e-7;
+
+void require_volume(const PointCloud& cloud, const Box3d& box) {
+  if (cloud.size() < fewest_samples)
+    throw ParameterError(fmt::format("samples = {}, must be at least {}", cloud.size(), fewest_samples));
+  for (size_t i = 0; i < cloud.size(); ++i)
+    if (!is_finite(cloud.positions[i])) throw ParameterError(fmt::format("sample {}: position is not finite", i));
+  if (!(box.longest() > 0)) throw ParameterError(fmt::format("all {} samples are identical", cloud.size()));
+
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  const Vec3d centre = box.centre();
+  for (const Vec3d& p : cloud.positions) {
+    const Vec3d q = (p - centre) / box.longest();
+    const Eigen::Vector3d v(q.x, q.y, q.z);
+    mean += v;
+    moments += v * v.transpose();
+  }
+  const auto n = static_cast<double>(cloud.size());
+  mean /= n;
+  const Eigen::Matrix3d covariance = moments / n - mean * mean.transpose();
+  const Eigen::Vector3d variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
+  // In units of the longest side; variances below double's rounding of 1 are no thickness.
+  if (variance[0] <= std::max(coplanar * coplanar * variance[2], 1e-15))
+    throw ParameterError(fmt::format("all {} samples are coplanar, must span a volume", cloud.size()));
+}
+
+double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling& sampling) {
+  if (params.voxel) return *params.voxel;
+  if (params.resolution) return voxel_of_resolution(box, *params.resolution, params.padding);
+  const double voxel = sampling.voxel(params.samples_per_voxel2);
+  if (voxel > 0) return voxel;
+  // Too few samples to measure their density: as coarse as the pyramid allows.
+  constexpr int fallback_resolution = 64;
+  return voxel_of_resolution(box, fallback_resolution, params.padding);
+}
+
+void warn_near_empty(double lambda, double density, std::vector<std::string>& warnings) {
+  const double edge = critical_density * density;
+  if (3 * lambda > edge)
+    warnings.push_back(
+        fmt::format("lambda = {:.3g} is {} {:.3g}, above which a film over {:.2g} samples per voxel^2 "
+                    "vanishes: expect missing parts (smaller --lambda, or coarser voxels)",
+                    lambda, lambda > edge ? "above" : "near", edge, density));
+}
+
+}  // namespace
+
+GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
+                  const Parallel& parallel, ReconstructReport& report) {
+  const Box3d box = cloud.box();
+  require_volume(cloud, box);
+  const Sampling sampling = measure_sampling(cloud);
+  const double voxel = choose_voxel(params.place, box, sampling);
+  report.lattice = place_lattice(box, voxel, params.place.padding);
+  report.input.samples = cloud.size();
+  report.input.scans = cloud.scans.size();
+  report.input.box = box;
+  report.input.density = sampling.density(voxel);
+  report.certificate.lambda = params.energy.lambda.value_or(params.energy.lambda_per_density * report.input.density);
+  warn_near_empty(report.certificate.lambda, report.input.density, report.warnings);
+
+  const size_t held = peak_memory_bytes();
+  check_memory(box_table_bytes(report.lattice), params.memory_limit, held, report.lattice);
+  GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
+  if (samples.size() == 0) throw ParameterError(fmt::format("none of the {} samples has a direction", cloud.size()));
+  const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
+  report.planned_bytes = plan_memory(cloud, report.lattice, support).total();
+  check_memory(report.planned_bytes, params.memory_limit, held, report.lattice);
+  return samples;
+}
+
+}  // namespace soapfilm

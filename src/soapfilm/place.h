@@ -1,0 +1,19 @@
+// The stage that decides the grid: voxel, lattice, lambda that follows from the sampling, memory.
+#pragma once
+
+#include <span>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/field/samples.h"
+#include "soapfilm/report.h"
+
+namespace soapfilm {
+
+/// Places the grid, sorts the samples into it and fills the report's input, lattice, certificate.lambda, planned_bytes
+/// and warnings. Throws ParameterError for samples that span no volume or are not finite, MemoryError before anything
+/// large is allocated.
+GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
+                  const Parallel& parallel, ReconstructReport& report);
+
+}  // namespace soapfilm

@@ -1,0 +1,39 @@
+// From a point cloud to a watertight surface: the whole pipeline in one call. Start reading in reconstruct.cpp.
+#pragma once
+
+#include <stdexcept>
+
+#include "soapfilm/core/mesh.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/params.h"
+#include "soapfilm/report.h"
+
+namespace soapfilm {
+
+struct Reconstruction {
+  Mesh mesh;
+  ReconstructReport report;
+};
+
+/// The optimum is the empty surface: its outcome, not a fault of the input. The message names lambda and the largest
+/// one that keeps a surface.
+struct EmptyResult : std::runtime_error {
+  EmptyResult(const std::string& message, double largest) : std::runtime_error(message), largest_lambda(largest) {}
+  double largest_lambda;  ///< that keeps a surface; 0 when there is none
+};
+
+/// Reconstructs the surface of which the cloud's samples were taken (Pan and Skala 2011, sections 3 and 4). The mesh is
+/// closed and manifold, in the cloud's frame and units. The same cloud and parameters give the same mesh, bit for bit,
+/// for any number of threads and any SIMD target.
+///
+/// Throws ParameterError (a parameter out of range, samples that span no volume, coordinates that are not finite),
+/// MemoryError before anything large is allocated, EmptyResult, Cancelled.
+Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Parallel& parallel,
+                           Progress& progress);
+
+/// Fills what costs another look at the result: the report's topology and the samples' distances to the mesh.
+void check_result(Reconstruction& result, const PointCloud& cloud, const Parallel& parallel);
+
+}  // namespace soapfilm

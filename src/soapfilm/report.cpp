@@ -1,0 +1,114 @@
+#include "soapfilm/report.h"
+
+#include <nlohmann/json.hpp>
+
+#include "soapfilm/version.h"
+
+namespace soapfilm {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
+ordered_json json_of(const Vec3i& v) { return {v.x, v.y, v.z}; }
+
+ordered_json input_json(const InputFacts& input) {
+  const OrientReport& d = input.directions;
+  return {{"samples", input.samples},
+          {"dropped", input.dropped},
+          {"scans", input.scans},
+          {"box", {{"lo", json_of(input.box.lo)}, {"hi", json_of(input.box.hi)}}},
+          {"samples_per_voxel2", input.density},
+          {"directions",
+           {{"normals", d.from_normals},
+            {"sensor", d.from_sensor},
+            {"scan", d.from_scan},
+            {"estimated", d.estimated},
+            {"none", d.without_direction}}}};
+}
+
+ordered_json grid_json(const ReconstructReport& report) {
+  const Lattice& lattice = report.lattice;
+  ordered_json levels = ordered_json::array();
+  for (const LevelReport& l : report.levels) {
+    const double lambda = report.certificate.lambda * static_cast<double>(size_t{1} << (2 * l.level));
+    levels.push_back({{"level", l.level},
+                      {"active_vertices", l.active_vertices},
+                      {"iterations", l.iterations},
+                      {"converged", l.converged},
+                      {"band_growths", l.band_growths},
+                      {"relative_gap", l.energies.relative_gap(lambda)},
+                      {"relative_gap_band", l.energies.relative_gap_band(lambda)}});
+  }
+  return {{"size", json_of(lattice.size)}, {"voxel", lattice.voxel},  {"first_vertex", json_of(lattice.first_vertex)},
+          {"padding", lattice.padding},    {"inside", report.inside}, {"levels", levels}};
+}
+
+ordered_json certificate_json(const Certificate& c) {
+  return {{"lambda", c.lambda},
+          {"primal", c.relaxed.primal},
+          {"primal_binary", c.binary.primal},
+          {"dual", c.relaxed.dual},
+          {"gap", c.relaxed.primal - c.relaxed.dual},
+          {"gap_binary", c.binary.primal - c.binary.dual},
+          {"relative_gap", c.relative_gap()},
+          {"relative_gap_binary", c.relative_gap_binary()},
+          {"gap_per_area", c.gap_per_area()},
+          {"gap_per_area_binary", c.gap_per_area_binary()},
+          {"total_variation", c.relaxed.total_variation},
+          {"total_variation_binary", c.binary.total_variation},
+          {"max_dual_norm", c.relaxed.max_dual_norm}};
+}
+
+ordered_json mesh_json(const ReconstructReport& report) {
+  ordered_json json = {{"vertices", report.mesh_vertices}, {"triangles", report.mesh_triangles}};
+  if (report.topology) {
+    const TopologyReport& t = *report.topology;
+    json["closed"] = t.closed();
+    json["manifold"] = t.manifold();
+    json["components"] = t.components.size();
+    json["genus"] = t.genus() ? ordered_json(*t.genus()) : ordered_json(nullptr);
+  }
+  if (report.sample_distance) {
+    const DistanceSummary& d = *report.sample_distance;
+    json["sample_distance"] = {{"mean", d.mean},
+                               {"rms", d.rms},
+                               {"maximum", d.maximum},
+                               {"percentile95", d.percentile95},
+                               {"percentile99", d.percentile99}};
+  }
+  return json;
+}
+
+}  // namespace
+
+double Certificate::gap_per_area() const { return relaxed.gap / (lambda * relaxed.total_variation); }
+double Certificate::gap_per_area_binary() const { return binary.gap / (lambda * binary.total_variation); }
+
+std::string to_json(const ReconstructReport& report) {
+  ordered_json seconds;
+  double total = 0;
+  for (const auto& [stage, elapsed] : report.seconds) {
+    seconds[stage] = elapsed;
+    total += elapsed;
+  }
+  seconds["total"] = total;
+  const Vec3d centre = report.input.box.centre();
+  const ordered_json json = {{"report_version", report_version},
+                             {"soapfilm", version},
+                             {"command", report.command},
+                             {"parameters", ordered_json::parse(to_json(report.params))},
+                             {"input", input_json(report.input)},
+                             {"frame", {{"centre", json_of(centre)}, {"scale", report.lattice.voxel}}},
+                             {"grid", grid_json(report)},
+                             {"certificate", certificate_json(report.certificate)},
+                             {"surface", {{"isovalue", report.isovalue}}},
+                             {"mesh", mesh_json(report)},
+                             {"seconds", seconds},
+                             {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}}},
+                             {"warnings", report.warnings}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,64 @@
+// What a reconstruction tells about itself: report.json (docs/report.md).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "soapfilm/evaluate/distance.h"
+#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/params.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
+
+namespace soapfilm {
+
+/// Energies and bounds on the finest grid, valid for the whole domain.
+struct Certificate {
+  double lambda = 0;
+  Energies relaxed;  ///< of the relaxed u and of p
+  Energies binary;   ///< of the thresholded u, the one that the mesh comes from, and the same p
+
+  double relative_gap() const { return relaxed.relative_gap(lambda); }
+  double relative_gap_binary() const { return binary.relative_gap(lambda); }
+  /// Relative to the area term: how much less area and misfit the optimum could have at most.
+  double gap_per_area() const;
+  double gap_per_area_binary() const;
+};
+
+struct InputFacts {
+  size_t samples = 0;
+  size_t dropped = 0;  ///< by the reader: not finite
+  size_t scans = 0;
+  Box3d box;
+  double density = 0;  ///< samples per voxel^2 of surface
+  OrientReport directions;
+};
+
+/// Version of the layout of report.json; a new key keeps it, a changed meaning does not.
+inline constexpr int report_version = 1;
+
+struct ReconstructReport {
+  std::string command;  ///< as typed; empty when called as a library
+  ReconstructParams params;
+  InputFacts input;
+  Lattice lattice;
+  std::vector<LevelReport> levels;  ///< coarsest first
+  size_t inside = 0;                ///< thresholded vertices inside, whole domain
+  Certificate certificate;
+  double isovalue = 0;
+  size_t mesh_vertices = 0;
+  size_t mesh_triangles = 0;
+  std::optional<TopologyReport> topology;               ///< when it was checked
+  std::optional<DistanceSummary> sample_distance;       ///< samples to mesh, input units
+  std::vector<std::pair<std::string, double>> seconds;  ///< per stage, in order
+  size_t planned_bytes = 0;
+  size_t peak_bytes = 0;
+  std::vector<std::string> warnings;
+};
+
+std::string to_json(const ReconstructReport& report);
+
+}  // namespace soapfilm
