@@ -1,0 +1,71 @@
+// The one way out: a file that is whole or absent.
+#pragma once
+
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/file_descriptor.h"
+
+namespace soapfilm::io {
+
+/// Buffered output to a temporary name in the target's folder; commit() renames it, the destructor of an uncommitted
+/// file removes it. A target that exists and is no regular file (a pipe, a terminal) is written to directly.
+class AtomicFile {
+ public:
+  /// Throws OutputError when the folder is missing or not writable, or the target is a directory.
+  explicit AtomicFile(const std::string& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void append(std::string_view bytes) {
+    if (bytes.size() > capacity - used_) {
+      flush();
+      if (bytes.size() > capacity) return write_out(bytes);
+    }
+    std::memcpy(buffer_.get() + used_, bytes.data(), bytes.size());
+    used_ += bytes.size();
+  }
+
+  /// One value, little-endian.
+  template <class T>
+  void append_binary(T value) {
+    if (sizeof(T) > capacity - used_) flush();
+    if constexpr (std::endian::native != std::endian::little) value = swap_bytes(value);
+    std::memcpy(buffer_.get() + used_, &value, sizeof(T));
+    used_ += sizeof(T);
+  }
+
+  /// One number as the shortest text that reads back as the same value.
+  template <class T>
+  void append_text(T value) {
+    constexpr size_t longest = 32;
+    if (longest > capacity - used_) flush();
+    used_ =
+        static_cast<size_t>(std::to_chars(buffer_.get() + used_, buffer_.get() + capacity, value).ptr - buffer_.get());
+  }
+
+  /// Writes what is left and puts the file in place. Throws OutputError.
+  void commit();
+
+ private:
+  static constexpr size_t capacity = size_t{1} << 18;
+  void flush();
+  void write_out(std::string_view bytes);
+  [[noreturn]] void fail(int error) const;
+
+  std::string path_;
+  std::string target_;     // path_ with symbolic links resolved
+  std::string temporary_;  // empty once renamed, and for a target written to directly
+  int slot_ = -1;          // where remove_temporary_files() finds the name
+  FileDescriptor file_;
+  std::unique_ptr<char[]> buffer_;
+  size_t used_ = 0;
+};
+
+}  // namespace soapfilm::io

@@ -1,0 +1,21 @@
+// PLY files in and out; docs/formats.md describes what is read and written.
+#pragma once
+
+#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/io.h"
+
+namespace soapfilm::io {
+
+/// The vertices as samples, with range grids and scans; other elements are passed over.
+PointCloud read_ply_points(ByteSource& source, ReadReport& report);
+
+/// Vertices and faces (or triangle strips); scalar properties without a meaning here become attributes.
+Mesh read_ply_mesh(ByteSource& source);
+
+/// True when the header announces faces or triangle strips.
+bool ply_has_faces(ByteSource& source);
+
+WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options);
+WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options);
+
+}  // namespace soapfilm::io

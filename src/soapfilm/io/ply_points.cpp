@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/io/ply.h"
+#include "soapfilm/io/ply_rows.h"
+#include "soapfilm/io/ply_scans.h"
+#include "soapfilm/io/ply_vertex.h"
+#include "soapfilm/io/sanitize.h"
+
+namespace soapfilm::io {
+
+namespace {
+
+void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, PointCloud& cloud) {
+  rows.begin(vertex);
+  cloud.positions.reserve(vertex.count);
+  if (layout.normal.present()) cloud.normals.reserve(vertex.count);
+  if (layout.sensor.present()) cloud.sensors.reserve(vertex.count);
+  if (layout.color.present()) cloud.colors.reserve(vertex.count);
+  const bool weighted = layout.weight != PlyElement::absent;
+  if (weighted) cloud.weights.reserve(vertex.count);
+
+  for (uint64_t i = 0; i < vertex.count; ++i) {
+    rows.next();
+    cloud.positions.push_back(layout.position.read(rows));
+    if (layout.normal.present()) cloud.normals.push_back(static_cast<Vec3f>(layout.normal.read(rows)));
+    if (layout.sensor.present()) cloud.sensors.push_back(layout.sensor.read(rows));
+    if (layout.color.present()) cloud.colors.push_back(layout.read_color(rows));
+    if (weighted) {
+      const float weight = static_cast<float>(rows.scalar(layout.weight));
+      if (!(weight >= 0) || !std::isfinite(weight))
+        rows.fail(fmt::format("weight = {}, must be finite and >= 0", rows.scalar(layout.weight)));
+      cloud.weights.push_back(weight);
+    }
+  }
+}
+
+/// One entry per cell of the range grids: a sample's index in the file, -1 for none.
+std::vector<int32_t> read_range_grid(PlyRows& rows, const PlyElement& grid, uint64_t samples) {
+  const size_t property = grid.find_list("vertex_indices");
+  rows.begin(grid);
+  std::vector<int32_t> cells;
+  cells.reserve(grid.count);
+  for (uint64_t i = 0; i < grid.count; ++i) {
+    rows.next();
+    const std::span<const double> list = rows.list(property);
+    if (list.size() > 1) rows.fail(fmt::format("{} samples in a cell, must be 0 or 1", list.size()));
+    if (list.empty()) {
+      cells.push_back(-1);
+      continue;
+    }
+    if (!(list[0] >= 0) || list[0] >= static_cast<double>(samples))
+      rows.fail(fmt::format("sample index = {}, must be from 0 to {}", list[0], samples - 1));
+    cells.push_back(static_cast<int32_t>(list[0]));
+  }
+  return cells;
+}
+
+/// Gives each scan its part of the cells, as indices relative to the scan's first sample.
+void share_out_range_grids(const std::vector<int32_t>& cells, std::vector<PlyScan>& scans, const std::string& path) {
+  auto cell = cells.begin();
+  for (PlyScan& from : scans) {
+    const uint64_t left = static_cast<uint64_t>(cells.end() - cell);
+    if (from.cells() > left || (&from == &scans.back() && from.cells() != left))
+      throw InputError(fmt::format("{}: element 'range_grid': {} cells for scan {}, must be num_cols * num_rows = {}",
+                                   path, left, in_quotes(from.scan.name), from.cells()));
+    if (from.cells() == 0) continue;
+    RangeGrid grid;
+    grid.columns = static_cast<int>(from.columns);
+    grid.rows = static_cast<int>(from.rows);
+    grid.sample.reserve(from.cells());
+    for (uint64_t i = 0; i < from.cells(); ++i, ++cell) {
+      const bool seen = *cell >= 0;
+      if (seen && (static_cast<size_t>(*cell) < from.scan.begin || static_cast<size_t>(*cell) >= from.scan.end))
+        throw InputError(fmt::format("{}: range_grid {}: sample index = {}, must be from {} to {} (its scan)", path,
+                                     cell - cells.begin(), *cell, from.scan.begin, from.scan.end - 1));
+      grid.sample.push_back(seen ? *cell - static_cast<int32_t>(from.scan.begin) : -1);
+    }
+    from.scan.range_grid = std::move(grid);
+  }
+}
+
+}  // namespace
+
+PointCloud read_ply_points(ByteSource& source, ReadReport& report) {
+  const PlyHeader header = read_ply_header(source);
+  const PlyElement& vertex = vertex_element(header, source.path());
+  const PlyVertexLayout layout = find_vertex_layout(vertex, source.path());
+  std::vector<PlyScan> scans = find_scans(header, vertex.count, source.path());
+  if (vertex.count > INT32_MAX)
+    throw InputError(fmt::format("{}:{}: element 'vertex': count = {}, must be at most {}", source.path(), vertex.line,
+                                 vertex.count, INT32_MAX));
+  bool grid_sizes_known = false;
+  for (const PlyScan& scan : scans) grid_sizes_known = grid_sizes_known || scan.cells() > 0;
+
+  PointCloud cloud;
+  PlyRows rows(source, header);
+  for (const PlyElement& element : header.elements) {
+    const bool is_grid = element.name == "range_grid" && element.find_list("vertex_indices") != PlyElement::absent;
+    if (element.name == "vertex") {
+      read_samples(rows, element, layout, cloud);
+    } else if (is_grid && grid_sizes_known) {
+      share_out_range_grids(read_range_grid(rows, element, vertex.count), scans, source.path());
+    } else {
+      rows.skip(element);
+      if (is_grid)
+        report.warnings.push_back(source.path() + ": range grid ignored: the header lacks num_cols and num_rows");
+    }
+  }
+  rows.finish();
+
+  for (PlyScan& scan : scans) cloud.scans.push_back(std::move(scan.scan));
+  FileReport file;
+  file.path = source.path();
+  file.format = describe(header.format);
+  file.properties = layout.names;
+  drop_non_finite(cloud, file);
+  report.files.push_back(std::move(file));
+  return cloud;
+}
+
+}  // namespace soapfilm::io

@@ -1,0 +1,63 @@
+// The body of a PLY file, row by row, whatever its format and types.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/ply_header.h"
+#include "soapfilm/io/text.h"
+
+namespace soapfilm::io {
+
+/// Reads the elements in the header's order: begin() an element, then next() for each of its rows. All values come as
+/// double, which holds every PLY type exactly.
+class PlyRows {
+ public:
+  PlyRows(ByteSource& source, const PlyHeader& header);
+
+  /// Goes on to `element`, the next of the header. Throws InputError when the file is too short for its count, so
+  /// that the caller may allocate for it.
+  void begin(const PlyElement& element);
+
+  /// Reads a row. Throws InputError when the file ends or a value is no number.
+  void next();
+
+  double scalar(size_t property) const { return values_[property]; }
+  std::span<const double> list(size_t property) const {
+    return {items_.data() + lists_[property].begin, lists_[property].size};
+  }
+
+  /// Passes over all rows of `element`, the next of the header.
+  void skip(const PlyElement& element);
+
+  /// Throws InputError when text follows the last element: then some row had a value too many.
+  void finish();
+
+  /// Throws InputError "place: element row: message" for the row that next() read.
+  [[noreturn]] void fail(const std::string& message) const;
+
+ private:
+  struct List {
+    size_t begin = 0;
+    size_t size = 0;
+  };
+
+  double read_value(const PlyProperty& property, PlyType type);
+  void read_list(size_t index);
+
+  ByteSource& source_;
+  const PlyHeader& header_;
+  std::optional<TextCursor> text_;
+  std::optional<ByteCursor> binary_;
+  const PlyElement* element_ = nullptr;
+  uint64_t rows_read_ = 0;
+  uint64_t row_ = 0;            // index of the row that next() read or is reading
+  std::vector<double> values_;  // one per property of the element
+  std::vector<List> lists_;     // one per property: its part of items_
+  std::vector<double> items_;
+};
+
+}  // namespace soapfilm::io

@@ -1,0 +1,212 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unordered_set>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/io/atomic_file.h"
+#include "soapfilm/io/ply.h"
+#include "soapfilm/io/precision.h"
+#include "soapfilm/io/text.h"
+
+namespace soapfilm::io {
+
+namespace {
+
+/// Values of a row, as text or little-endian; coordinates as float or double.
+class PlyBody {
+ public:
+  PlyBody(AtomicFile& file, bool ascii, bool double_coordinates)
+      : file_(file), ascii_(ascii), double_coordinates_(double_coordinates) {}
+
+  template <class T>
+  void put(T value) {
+    if (!ascii_) return file_.append_binary(value);
+    if (row_begun_) file_.append(" ");
+    row_begun_ = true;
+    file_.append_text(value);
+  }
+  template <class T>
+  void put(const Vec3<T>& v) {
+    put(v.x);
+    put(v.y);
+    put(v.z);
+  }
+  void put_position(const Vec3d& p) {
+    if (double_coordinates_)
+      put(p);
+    else
+      put(static_cast<Vec3f>(p));
+  }
+  void put_color(const Rgb8& rgb) {
+    for (const uint8_t c : rgb) put(c);
+  }
+  void end_row() {
+    if (ascii_) file_.append("\n");
+    row_begun_ = false;
+  }
+
+ private:
+  AtomicFile& file_;
+  bool ascii_;
+  bool double_coordinates_;
+  bool row_begun_ = false;
+};
+
+std::string header_begin(bool ascii, const std::vector<std::string>& comments) {
+  std::string text = fmt::format("ply\nformat {} 1.0\n", ascii ? "ascii" : "binary_little_endian");
+  for (const std::string& comment : comments) {
+    if (comment.find_first_of("\r\n") != std::string::npos)
+      throw ParameterError("comment " + in_quotes(comment) + ", must be one line");
+    text += "comment " + comment + "\n";
+  }
+  return text;
+}
+
+void add_properties(std::string& header, const char* type, std::initializer_list<const char*> names) {
+  for (const char* name : names) header += fmt::format("property {} {}\n", type, name);
+}
+
+void add_attributes(std::string& header, const std::vector<Mesh::Attribute>& attributes) {
+  std::unordered_set<std::string> names{"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"};
+  for (const Mesh::Attribute& attribute : attributes) {
+    const bool printable = std::all_of(attribute.name.begin(), attribute.name.end(), [](char c) { return c > ' '; });
+    if (attribute.name.empty() || !printable || !names.insert(attribute.name).second)
+      throw ParameterError("attribute " + in_quotes(attribute.name) +
+                           ", must be one word, used once and not x ... blue");
+    header += "property float " + attribute.name + "\n";
+  }
+}
+
+/// Refuses a cloud whose columns or scans do not fit together.
+void check_cloud(const PointCloud& cloud) {
+  const size_t n = cloud.size();
+  if (n == 0) throw ParameterError("cloud: 0 samples, must be > 0");
+  for (const size_t size : {cloud.normals.size(), cloud.sensors.size(), cloud.weights.size(), cloud.colors.size()})
+    if (size != 0 && size != n)
+      throw ParameterError(fmt::format("cloud: a column of {}, must be absent or one per sample ({})", size, n));
+  size_t covered = 0;
+  for (const Scan& scan : cloud.scans) {
+    if (scan.begin != covered || scan.end <= scan.begin || scan.end > n)
+      throw ParameterError(
+          fmt::format("cloud: scan [{}, {}), must begin at {} and hold samples", scan.begin, scan.end, covered));
+    covered = scan.end;
+    if (scan.name.find_first_of("\r\n") != std::string::npos)
+      throw ParameterError("cloud: scan name " + in_quotes(scan.name) + ", must be one line");
+    if (!scan.range_grid) continue;
+    const RangeGrid& grid = *scan.range_grid;
+    if (grid.columns <= 0 || grid.rows <= 0 ||
+        grid.sample.size() != static_cast<size_t>(grid.columns) * static_cast<size_t>(grid.rows))
+      throw ParameterError(fmt::format("cloud: range grid {} x {} of {} cells, must agree", grid.columns, grid.rows,
+                                       grid.sample.size()));
+  }
+  if (!cloud.scans.empty() && covered != n)
+    throw ParameterError(fmt::format("cloud: scans cover {} samples, must cover {}", covered, n));
+}
+
+void add_scans(std::string& header, const std::vector<Scan>& scans) {
+  for (const Scan& scan : scans) {
+    if (scans.size() > 1) header += fmt::format("obj_info scan_samples {}\n", scan.size());
+    if (!scan.name.empty()) header += fmt::format("obj_info scan_name {}\n", scan.name);
+    if (scan.sensor) header += fmt::format("comment sensor {} {} {}\n", scan.sensor->x, scan.sensor->y, scan.sensor->z);
+    if (const auto& v = scan.view_direction)
+      header += fmt::format("comment view_direction {} {} {}\n", v->x, v->y, v->z);
+    if (const auto& grid = scan.range_grid)
+      header += fmt::format("obj_info num_cols {}\nobj_info num_rows {}\n", grid->columns, grid->rows);
+  }
+}
+
+std::string points_header(const PointCloud& cloud, const PointWriteOptions& options, const char* coordinate) {
+  std::string header = header_begin(options.ascii, options.comments);
+  add_scans(header, cloud.scans);
+  header += fmt::format("element vertex {}\n", cloud.size());
+  add_properties(header, coordinate, {"x", "y", "z"});
+  if (!cloud.normals.empty()) add_properties(header, "float", {"nx", "ny", "nz"});
+  if (!cloud.sensors.empty()) add_properties(header, coordinate, {"sensor_x", "sensor_y", "sensor_z"});
+  if (!cloud.weights.empty()) add_properties(header, "float", {"weight"});
+  if (!cloud.colors.empty()) add_properties(header, "uchar", {"red", "green", "blue"});
+  size_t cells = 0;
+  for (const Scan& scan : cloud.scans)
+    if (scan.range_grid) cells += scan.range_grid->sample.size();
+  if (cells > 0) header += fmt::format("element range_grid {}\nproperty list uchar int vertex_indices\n", cells);
+  return header + "end_header\n";
+}
+
+void put_range_grids(PlyBody& body, const std::vector<Scan>& scans) {
+  for (const Scan& scan : scans) {
+    if (!scan.range_grid) continue;
+    for (const int32_t sample : scan.range_grid->sample) {
+      body.put(static_cast<uint8_t>(sample >= 0));
+      if (sample >= 0) body.put(static_cast<int32_t>(scan.begin) + sample);
+      body.end_row();
+    }
+  }
+}
+
+std::string mesh_header(const Mesh& mesh, const MeshWriteOptions& options, const char* coordinate) {
+  std::string header = header_begin(options.ascii, options.comments);
+  header += fmt::format("element vertex {}\n", mesh.vertices.size());
+  add_properties(header, coordinate, {"x", "y", "z"});
+  if (!mesh.normals.empty()) add_properties(header, "float", {"nx", "ny", "nz"});
+  if (!mesh.colors.empty()) add_properties(header, "uchar", {"red", "green", "blue"});
+  add_attributes(header, mesh.attributes);
+  const bool large = mesh.vertices.size() > INT32_MAX;  // most readers expect int
+  return header + fmt::format("element face {}\nproperty list uchar {} vertex_indices\nend_header\n",
+                              mesh.triangles.size(), large ? "uint" : "int");
+}
+
+const char* format_name(bool ascii) { return ascii ? "PLY, ASCII" : "PLY, binary little-endian"; }
+
+}  // namespace
+
+WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options) {
+  check_mesh(mesh);
+  WriteReport report;
+  report.format = format_name(options.ascii);
+  report.double_coordinates = float_rounding_error(mesh.vertices) > mesh_precision(mesh, options.coordinate_precision);
+  const std::string header = mesh_header(mesh, options, report.double_coordinates ? "double" : "float");
+
+  AtomicFile file(path);
+  file.append(header);
+  PlyBody body(file, options.ascii, report.double_coordinates);
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    body.put_position(mesh.vertices[i]);
+    if (!mesh.normals.empty()) body.put(mesh.normals[i]);
+    if (!mesh.colors.empty()) body.put_color(mesh.colors[i]);
+    for (const Mesh::Attribute& attribute : mesh.attributes) body.put(attribute.values[i]);
+    body.end_row();
+  }
+  for (const Triangle& triangle : mesh.triangles) {
+    body.put(uint8_t{3});
+    for (const uint32_t v : triangle) body.put(v);
+    body.end_row();
+  }
+  file.commit();
+  return report;
+}
+
+WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options) {
+  check_cloud(cloud);
+  WriteReport report;
+  report.format = format_name(options.ascii);
+  report.double_coordinates = std::max(float_rounding_error(cloud.positions), float_rounding_error(cloud.sensors)) >
+                              options.coordinate_precision;
+  const std::string header = points_header(cloud, options, report.double_coordinates ? "double" : "float");
+
+  AtomicFile file(path);
+  file.append(header);
+  PlyBody body(file, options.ascii, report.double_coordinates);
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    body.put_position(cloud.positions[i]);
+    if (!cloud.normals.empty()) body.put(cloud.normals[i]);
+    if (!cloud.sensors.empty()) body.put_position(cloud.sensors[i]);
+    if (!cloud.weights.empty()) body.put(cloud.weights[i]);
+    if (!cloud.colors.empty()) body.put_color(cloud.colors[i]);
+    body.end_row();
+  }
+  put_range_grids(body, cloud.scans);
+  file.commit();
+  return report;
+}
+
+}  // namespace soapfilm::io

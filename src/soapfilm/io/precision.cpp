@@ -1,0 +1,48 @@
+#include "soapfilm/io/precision.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "soapfilm/core/error.h"
+
+namespace soapfilm::io {
+
+double float_rounding_error(const std::vector<Vec3d>& points) {
+  double largest = 0;
+  for (const Vec3d& p : points) {
+    const Vec3d moved = p - static_cast<Vec3d>(static_cast<Vec3f>(p));
+    largest = std::max({largest, std::abs(moved.x), std::abs(moved.y), std::abs(moved.z)});
+  }
+  return largest;
+}
+
+double mean_edge(const Mesh& mesh) {
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles)
+    for (size_t i = 0; i < 3; ++i) sum += norm(mesh.vertices[t[(i + 1) % 3]] - mesh.vertices[t[i]]);
+  return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
+}
+
+double mesh_precision(const Mesh& mesh, double wanted) { return wanted > 0 ? wanted : 1e-3 * mean_edge(mesh); }
+
+void check_mesh(const Mesh& mesh) {
+  const size_t n = mesh.vertices.size();
+  const auto check_column = [n](const std::string& name, size_t size) {
+    if (size != 0 && size != n)
+      throw ParameterError(fmt::format("mesh: {} {}, must be none or one per vertex ({})", size, name, n));
+  };
+  check_column("normals", mesh.normals.size());
+  check_column("colors", mesh.colors.size());
+  for (const Mesh::Attribute& attribute : mesh.attributes)
+    if (attribute.values.size() != n) check_column("values of " + attribute.name, attribute.values.size());
+  for (size_t i = 0; i < n; ++i)
+    if (!is_finite(mesh.vertices[i])) throw ParameterError(fmt::format("mesh: vertex {} is not finite", i));
+  if (mesh.triangles.empty()) throw ParameterError("mesh: 0 triangles, must be > 0");
+  for (size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const uint32_t v : mesh.triangles[i])
+      if (v >= n) throw ParameterError(fmt::format("mesh: triangle {}: vertex {}, must be below {}", i, v, n));
+}
+
+}  // namespace soapfilm::io

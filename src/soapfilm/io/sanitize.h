@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/io/io.h"
+
+namespace soapfilm::io {
+
+/// Drops and counts samples with a non-finite coordinate; makes non-finite normals and sensor positions absent (zero,
+/// not-a-number); fills in report.samples. Throws InputError when no sample is left.
+void drop_non_finite(PointCloud& cloud, FileReport& report);
+
+}  // namespace soapfilm::io

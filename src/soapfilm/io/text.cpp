@@ -1,0 +1,122 @@
+#include "soapfilm/io/text.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <limits>
+
+#include "soapfilm/core/error.h"
+
+namespace soapfilm::io {
+
+std::string in_quotes(std::string_view token) {
+  constexpr size_t longest = 40;
+  std::string text = "'";
+  for (const char c : token.substr(0, longest)) text += c >= ' ' && c <= '~' ? c : '?';
+  return text + (token.size() > longest ? "...'" : "'");
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return lower;
+}
+
+namespace {
+
+/// from_chars() does not say at which end a number leaves the range of double: small ones have a negative exponent
+/// or start with "0." or ".".
+double out_of_range_value(std::string_view token) {
+  const bool negative = token.front() == '-';
+  if (negative) token.remove_prefix(1);
+  const size_t exponent = token.find_first_of("eE");
+  const bool small = exponent != std::string_view::npos ? token.substr(exponent + 1, 1) == "-"
+                                                        : token.front() == '0' || token.front() == '.';
+  const double value = small ? 0.0 : std::numeric_limits<double>::infinity();
+  return negative ? -value : value;
+}
+
+}  // namespace
+
+bool parse_number(std::string_view token, double& value) {
+  if (!token.empty() && token.front() == '+') {
+    token.remove_prefix(1);
+    if (!token.empty() && (token.front() == '-' || token.front() == '+')) return false;
+  }
+  if (token.empty()) return false;
+  const char* end = token.data() + token.size();
+  const std::from_chars_result parsed = std::from_chars(token.data(), end, value);
+  if (parsed.ec == std::errc::result_out_of_range && parsed.ptr == end) {
+    value = out_of_range_value(token);
+    return true;
+  }
+  if (parsed.ec != std::errc{}) return false;
+  if (parsed.ptr == end) return true;
+  const std::string_view rest(parsed.ptr, static_cast<size_t>(end - parsed.ptr));
+  if (rest != "#IND" && rest != "#QNAN" && rest != "#SNAN" && rest != "#INF") return false;
+  value = std::numeric_limits<double>::quiet_NaN();
+  return true;
+}
+
+bool parse_integer(std::string_view token, int64_t& value) {
+  const char* end = token.data() + token.size();
+  const std::from_chars_result parsed = std::from_chars(token.data(), end, value);
+  return parsed.ec == std::errc{} && parsed.ptr == end;
+}
+
+bool TextCursor::next_line(std::string_view& line) {
+  if (at_ == end_) return false;
+  line_ = next_line_ == 0 ? line_ : next_line_;
+  next_line_ = line_ + 1;
+  const void* found = std::memchr(at_, '\n', remaining());
+  const char* line_end = found != nullptr ? static_cast<const char*>(found) : end_;
+  line = {at_, static_cast<size_t>(line_end - at_)};
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  at_ = found != nullptr ? line_end + 1 : end_;
+  return true;
+}
+
+bool TextCursor::next_content_line(std::string_view& line) {
+  while (next_line(line)) {
+    size_t begin = 0;
+    while (begin < line.size() && is_blank(line[begin])) ++begin;
+    if (begin < line.size() && line[begin] != '#') return true;
+  }
+  return false;
+}
+
+void TextCursor::skip_blanks() {
+  if (next_line_ != 0) {  // next_line() has passed a line's end that it counts only when the next line begins
+    line_ = next_line_;
+    next_line_ = 0;
+  }
+  for (; at_ != end_ && is_blank(*at_); ++at_) line_ += *at_ == '\n';
+}
+
+std::string_view TextCursor::token() {
+  skip_blanks();
+  const char* begin = at_;
+  while (at_ != end_ && !is_blank(*at_)) ++at_;
+  return {begin, static_cast<size_t>(at_ - begin)};
+}
+
+double TextCursor::number(std::string_view what) {
+  skip_blanks();
+  double value = 0;
+  const std::from_chars_result parsed = std::from_chars(at_, end_, value);
+  if (parsed.ec == std::errc{} && (parsed.ptr == end_ || is_blank(*parsed.ptr))) {
+    at_ = parsed.ptr;
+    return value;
+  }
+  const std::string_view text = token();
+  if (text.empty()) fail(fmt::format("truncated: the file ends where {} must follow", what));
+  if (!parse_number(text, value)) fail(fmt::format("{} = {}, must be a number", what, in_quotes(text)));
+  return value;
+}
+
+void TextCursor::fail(const std::string& message) const {
+  throw InputError(fmt::format("{}:{}: {}", source_.path(), line_, message));
+}
+
+}  // namespace soapfilm::io

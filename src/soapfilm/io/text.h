@@ -1,0 +1,80 @@
+// Text as the readers see it: lines, fields and numbers, with the line number for messages.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "soapfilm/io/byte_source.h"
+
+namespace soapfilm::io {
+
+/// `token` in quotes for a message: unprintable bytes as '?', cut after 40 characters.
+std::string in_quotes(std::string_view token);
+
+std::string lower_case(std::string_view text);
+
+/// A number as the C locale writes it, also with a leading '+', "nan", "inf" and Microsoft's "1.#IND", "1.#QNAN",
+/// "1.#INF"; true when the whole token is one. Beyond the range of double: infinity or zero.
+bool parse_number(std::string_view token, double& value);
+
+/// A decimal integer; true when the whole token is one that fits.
+bool parse_integer(std::string_view token, int64_t& value);
+
+inline bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+/// Cuts the next field off `line`; false when only blanks are left.
+inline bool next_field(std::string_view& line, std::string_view& field) {
+  size_t begin = 0;
+  while (begin < line.size() && is_blank(line[begin])) ++begin;
+  size_t end = begin;
+  while (end < line.size() && !is_blank(line[end])) ++end;
+  field = line.substr(begin, end - begin);
+  line.remove_prefix(end);
+  return !field.empty();
+}
+
+/// Reads text in order. Lines end with LF or CRLF and are counted from 1.
+class TextCursor {
+ public:
+  explicit TextCursor(ByteSource& source, size_t offset = 0, size_t line = 1)
+      : source_(source),
+        at_(source.bytes().data() + offset),
+        end_(source.bytes().data() + source.bytes().size()),
+        line_(line) {}
+
+  size_t offset() const { return static_cast<size_t>(at_ - source_.bytes().data()); }
+  size_t remaining() const { return static_cast<size_t>(end_ - at_); }
+
+  /// The number of the line that the last call read from.
+  size_t line() const { return line_; }
+
+  /// The next line without its end; false at the end of the file.
+  bool next_line(std::string_view& line);
+
+  /// As next_line(), but passes over lines that are blank or begin with '#'.
+  bool next_content_line(std::string_view& line);
+
+  /// The next token, on this line or a later one; empty at the end of the file.
+  std::string_view token();
+
+  /// The next token, which must be a number; `what` names it in the message.
+  double number(std::string_view what);
+
+  void release() { source_.release_before(offset()); }
+
+  /// Throws InputError "file:line: message".
+  [[noreturn]] void fail(const std::string& message) const;
+
+ private:
+  void skip_blanks();
+
+  ByteSource& source_;
+  const char* at_;
+  const char* end_;
+  size_t line_;
+  size_t next_line_ = 0;  // number of the line that next_line() reads next; 0 before its first call
+};
+
+}  // namespace soapfilm::io

@@ -1,0 +1,12 @@
+// Samples as lines of numbers (.xyz, .txt, .pts); docs/formats.md has the table of columns.
+#pragma once
+
+#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/io.h"
+
+namespace soapfilm::io {
+
+/// A line that holds one integer alone begins a scan of that many samples (as .pts files do).
+PointCloud read_xyz(ByteSource& source, ReadReport& report);
+
+}  // namespace soapfilm::io
