@@ -21,6 +21,7 @@ test: test-release ## release build and all tests
 
 test-asan: ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
 test-tsan: ## the tests under ThreadSanitizer, loops on std::thread
+test-shared: ## an outside project links the shared library
 
 test-%: build-%
 	ctest --preset $* --parallel $(JOBS)
