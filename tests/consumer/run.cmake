@@ -20,7 +20,8 @@ if(NOT output MATCHES "soapfilm ${VERSION}")
 endif()
 
 # Our warnings, sanitizers and private libraries must not reach the consumer.
-file(READ ${WORK}/prefix/lib/cmake/soapfilm/soapfilm-targets.cmake targets)
+file(GLOB_RECURSE export ${WORK}/prefix/soapfilm-targets.cmake)
+file(READ ${export} targets)
 if(targets MATCHES "soapfilm_options|-Wall|-ffp-contract|Eigen|nanoflann|nlohmann")
   message(FATAL_ERROR "the exported package leaks '${CMAKE_MATCH_0}'")
 endif()

@@ -81,6 +81,14 @@ TEST_P(ParallelLoop, WorksAgainAfterAnException) {
   EXPECT_EQ(calls, 50);
 }
 
+TEST_P(ParallelLoop, ConfinesACallToTheCallingThread) {
+  const auto caller = std::this_thread::get_id();
+  std::thread::id called;
+  Parallel(GetParam()).confine([&] { called = std::this_thread::get_id(); });
+  EXPECT_EQ(called, caller);
+  EXPECT_THROW(Parallel(GetParam()).confine([] { throw std::logic_error("x"); }), std::logic_error);
+}
+
 TEST_P(ParallelLoop, NestedLoopsFinish) {
   const Parallel parallel(GetParam());
   std::vector<int> visits(20 * 30 * 4);

@@ -14,7 +14,7 @@ Mesh tetrahedron(Vec3d at = {}) {
   return mesh;
 }
 
-void append(Mesh& mesh, const Mesh& other) {
+void append(Mesh& mesh, Mesh other) {  // by value: a mesh may be appended to itself
   const auto shift = static_cast<uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
   for (const Triangle& t : other.triangles) mesh.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});

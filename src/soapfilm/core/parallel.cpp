@@ -83,6 +83,12 @@ struct Parallel::Impl {
     work();
   }
 
+  /// oneTBB's threads are not ours here: who brings oneTBB along must keep it to one thread.
+  template <class Body>
+  void confine(const Body& body) const {
+    body();
+  }
+
   int threads;
 };
 
@@ -104,6 +110,11 @@ struct Parallel::Impl {
       tbb::this_task_arena::isolate(
           [&] { tbb::parallel_for(size_t{0}, loop.chunks(), [&](size_t k) { loop.run_guarded(k); }); });
     });
+  }
+
+  template <class Body>
+  void confine(const Body& body) {
+    arena.execute(body);
   }
 
   std::optional<tbb::global_control> allow_more;
@@ -129,7 +140,7 @@ void Parallel::run(size_t count, size_t grain, void* body, ChunkFunction call) c
 }
 
 void Parallel::run_confined(void* body, ChunkFunction call) const {
-  impl_->arena.execute([&] { call(body, 0, 1); });
+  impl_->confine([&] { call(body, 0, 1); });
 }
 
 }  // namespace soapfilm

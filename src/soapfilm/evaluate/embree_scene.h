@@ -14,7 +14,7 @@ namespace soapfilm {
 /// A scene and its device. Geometries are attached by their maker, then committed once.
 class EmbreeScene {
  public:
-  EmbreeScene() : device_(rtcNewDevice("start_threads=0,set_affinity=0")) {
+  EmbreeScene() : device_(rtcNewDevice(config)) {
     if (!device_)
       throw std::runtime_error(fmt::format("Embree does not start, error {}", int{rtcGetDeviceError(nullptr)}));
     scene_.reset(rtcNewScene(device_.get()));
@@ -32,6 +32,14 @@ class EmbreeScene {
   }
 
  private:
+  // Embree builds with oneTBB, which ThreadSanitizer does not understand. "threads=1" is for that build alone: it
+  // limits oneTBB in the whole process while the device lives.
+#ifdef SOAPFILM_STD_THREADS
+  static constexpr const char* config = "threads=1";
+#else
+  static constexpr const char* config = "start_threads=0,set_affinity=0";
+#endif
+
   struct Release {
     void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
     void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
