@@ -155,13 +155,13 @@ class Knot final : public Shape {
 };
 
 Mesh Knot::local_tessellate(double tolerance) const {
-  // Marching cubes on the signed distance, then each vertex to its closest point. Chords of length h on the tube
-  // deviate by h^2 / (8 radius).
+  // Marching cubes on the signed distance, then each vertex to its closest point. Facets of cells of size h lie
+  // h^2 / (4 radius) below the tube at most.
   const Vec3d half = half_size();
   const double longest = 2.0 * std::max({half.x, half.y, half.z});
   Lattice lattice;
   lattice.padding = 2;
-  lattice.voxel = std::clamp(std::sqrt(8.0 * tolerance * post_radius * unit_), longest / 256.0, longest / 60.0);
+  lattice.voxel = std::clamp(std::sqrt(4.0 * tolerance * post_radius * unit_), longest / 256.0, longest / 60.0);
   lattice.first_vertex = half * -1.0 - Vec3d{1.5, 1.5, 1.5} * lattice.voxel;
   Vec3i bricks;
   for (int axis = 0; axis < 3; ++axis) {

@@ -119,8 +119,8 @@ class RoundedBoxes final : public Shape {
   Mesh local_tessellate(double tolerance) const override {
     MeshBuilder builder;
     for (const RoundedBox& box : boxes_) {
-      // Sagitta of an arc of angle a: radius (1 - cos(a / 2)), about radius a^2 / 8.
-      const double angle = std::sqrt(8.0 * tolerance / box.radius);
+      // A facet of angle a along both directions lies about radius a^2 / 4 below the ball.
+      const double angle = std::sqrt(4.0 * tolerance / box.radius);
       box.tessellate(std::clamp(static_cast<int>(std::ceil(0.25 * pi / angle)), 2, 1000), builder);
     }
     return builder.take();

@@ -28,7 +28,7 @@ class Torus final : public Shape {
 
   Mesh local_tessellate(double tolerance) const override {
     const auto segments = [&](double radius) {
-      return std::clamp(static_cast<int>(std::ceil(2.0 * pi / std::sqrt(8.0 * tolerance / radius))), 8, 4000);
+      return std::clamp(static_cast<int>(std::ceil(2.0 * pi / std::sqrt(4.0 * tolerance / radius))), 8, 4000);
     };
     const int around = segments(major_ + minor_);
     const int across = segments(minor_);
