@@ -1,0 +1,36 @@
+// A triangle mesh as something to scan.
+#pragma once
+
+#include <memory>
+
+#include "soapfilm/scanner/surface.h"
+
+namespace soapfilm {
+
+/// Rays and closest points by Embree, refined in double against the triangle found: positions lie on the mesh to
+/// double precision whatever the coordinates' offset. A mesh with negative volume is inside-out; its faces are turned.
+class MeshSurface final : public Surface {
+ public:
+  /// Throws InputError when the mesh has no triangle, a vertex index out of range, or a coordinate that is not finite.
+  explicit MeshSurface(Mesh mesh);
+  ~MeshSurface() override;
+
+  /// Seen from its inner side a triangle is met all the same; the normal stays outward.
+  std::optional<SurfacePoint> intersect(Vec3d origin, Vec3d direction) const override;
+  SurfacePoint closest(Vec3d p) const override;
+  Box3d box() const override { return box_; }
+  Mesh tessellate(double tolerance) const override;
+
+  const Mesh& mesh() const { return mesh_; }
+  bool turned() const { return turned_; }
+
+ private:
+  struct Embree;
+
+  Mesh mesh_;
+  Box3d box_;
+  bool turned_ = false;
+  std::unique_ptr<Embree> embree_;
+};
+
+}  // namespace soapfilm

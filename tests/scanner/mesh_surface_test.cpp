@@ -1,0 +1,119 @@
+#include "soapfilm/scanner/mesh_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/core/random.h"
+#include "soapfilm/scanner/sample_surface.h"
+#include "soapfilm/scanner/shape.h"
+#include "soapfilm/scanner/virtual_scan.h"
+
+namespace soapfilm {
+namespace {
+
+TEST(MeshSurface, AgreesWithTheSphereThatItTessellates) {
+  const auto sphere = make_sphere({.size = 2.0});
+  const double tolerance = 1e-4;
+  const MeshSurface mesh(sphere->tessellate(tolerance));
+  ScannerParams params;
+  params.views = 5;
+  params.columns = params.rows = 80;
+  params.max_incidence_deg = 70;
+  const Parallel parallel(2);
+  const ScanSet exact = virtual_scan(*sphere, params, parallel);
+  const ScanSet meshed = virtual_scan(mesh, params, parallel);
+  ASSERT_EQ(exact.cloud.scans.size(), meshed.cloud.scans.size());
+  size_t compared = 0;
+  for (size_t k = 0; k < exact.cloud.scans.size(); ++k) {
+    const Scan& a = exact.cloud.scans[k];
+    const Scan& b = meshed.cloud.scans[k];
+    ASSERT_EQ(a.range_grid->sample.size(), b.range_grid->sample.size());
+    for (size_t i = 0; i < a.range_grid->sample.size(); ++i) {
+      const int32_t s = a.range_grid->sample[i], t = b.range_grid->sample[i];
+      if (s < 0 || t < 0) continue;  // one of them just beyond the largest angle
+      ++compared;
+      // Chords deviate by the tolerance, a slanted ray sees it longer: by 1 / cos(70 degrees).
+      ASSERT_LE(norm(exact.cloud.positions[a.begin + s] - meshed.cloud.positions[b.begin + t]), 3.2 * tolerance);
+    }
+  }
+  EXPECT_GT(compared, exact.cloud.size() * 99 / 100);
+}
+
+TEST(MeshSurface, ClosestPointMatchesBruteForce) {
+  const auto shape = make_part();
+  const MeshSurface surface(shape->tessellate(3e-4));
+  const Mesh& mesh = surface.mesh();
+  Random random(1);
+  for (int i = 0; i < 200; ++i) {
+    const double x = random.uniform(-1, 1), y = random.uniform(-1, 1), z = random.uniform(-1, 1);
+    const Vec3d p{x, y, z};
+    // The distance to any point of the mesh is at least the answer; at the answer itself it is reached.
+    const SurfacePoint closest = surface.closest(p);
+    ASSERT_NEAR(norm(closest.position - p), closest.distance, 1e-13);
+    ASSERT_LE(surface.distance(closest.position), 1e-13);
+    for (const Triangle& t : mesh.triangles) {
+      for (const Vec3d& w : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}, Vec3d{0.5, 0.5, 0}, Vec3d{0, 0.5, 0.5},
+                             Vec3d{0.2, 0.3, 0.5}}) {
+        const Vec3d q = mesh.vertices[t[0]] * w.x + mesh.vertices[t[1]] * w.y + mesh.vertices[t[2]] * w.z;
+        ASSERT_GE(norm(p - q), closest.distance - 1e-13);
+      }
+    }
+    ASSERT_NEAR(closest.distance, shape->distance(p), 3e-4);
+  }
+}
+
+TEST(MeshSurface, HitsLieOnTheMeshWhateverItsOffset) {
+  Mesh mesh = make_knot()->tessellate(1e-3);
+  for (Vec3d& v : mesh.vertices) v = v * 1e-1 + Vec3d{5e6, 5e6, 100.0};
+  const MeshSurface surface(mesh);
+  ScannerParams params;
+  params.views = 3;
+  params.columns = params.rows = 60;
+  const ScanSet set = virtual_scan(surface, params, Parallel(2));
+  ASSERT_GT(set.cloud.size(), 1000u);
+  for (const Vec3d& p : set.cloud.positions)
+    ASSERT_LE(surface.distance(p), 2e-9);  // two units in the last place of 5e6
+}
+
+TEST(MeshSurface, TurnsAnInsideOutMesh) {
+  Mesh mesh = make_torus()->tessellate(1e-3);
+  for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+  ASSERT_LT(mesh.volume(), 0.0);
+  const MeshSurface surface(mesh);
+  EXPECT_TRUE(surface.turned());
+  EXPECT_GT(surface.mesh().volume(), 0.0);
+  const auto hit = surface.intersect({-3.0, 0.01, 0.01}, {1.0, 0.0, 0.0});
+  ASSERT_TRUE(hit);
+  EXPECT_LT(hit->normal.x, -0.9);
+  EXPECT_FALSE(MeshSurface(surface.mesh()).turned());
+}
+
+TEST(MeshSurface, SamplesLieOnTheMesh) {
+  const MeshSurface surface(make_part()->tessellate(1e-3));
+  const PointCloud cloud = sample_surface(surface, 2000, 3);
+  for (size_t i = 0; i < cloud.size(); ++i) ASSERT_LE(surface.distance(cloud.positions[i]), 1e-13);
+}
+
+TEST(MeshSurface, RefusesWhatIsNoMesh) {
+  const auto message = [](const Mesh& mesh) -> std::string {
+    try {
+      const MeshSurface surface(mesh);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  Mesh mesh;
+  EXPECT_EQ(message(mesh), "mesh: 0 triangles, must have at least one");
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 3}};
+  EXPECT_EQ(message(mesh), "mesh: triangle 0 names vertex 3, must be < 3");
+  mesh.triangles = {{0, 1, 2}};
+  mesh.vertices[1].y = INFINITY;
+  EXPECT_EQ(message(mesh), "mesh: vertex 1 is not finite");
+}
+
+}  // namespace
+}  // namespace soapfilm
