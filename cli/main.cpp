@@ -11,12 +11,13 @@
 
 #include "cli/command.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/reconstruct.h"
 #include "soapfilm/version.h"
 
 namespace soapfilm::cli {
 namespace {
 
-enum ExitCode { success = 0, internal_error = 1, refused = 2, cancelled = 130 };
+enum ExitCode { success = 0, internal_error = 1, refused = 2, empty = 3, cancelled = 130 };
 
 constexpr const char* examples_and_codes =
     R"(EXAMPLES
@@ -122,6 +123,8 @@ int main(int argc, char** argv) {
     return finish(run(argc, argv));
   } catch (const Cancelled& error) {
     return fail(cancelled, error.what());
+  } catch (const EmptyResult& error) {
+    return fail(empty, error.what());
   } catch (const ParameterError& error) {
     return fail(refused, error.what());
   } catch (const InputError& error) {

@@ -129,7 +129,7 @@ BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Pa
   for (size_t b = 0; b < reached.size(); ++b)
     for (int slot = 0; slot < 27; ++slot)
       if (reached[b] >> slot & 1u) {
-        const Vec3i brick = samples.bricks.coord(b) + Vec3i{slot % 3 - 1, slot / 3 % 3 - 1, slot / 9 - 1};
+        const Vec3i brick = samples.bricks.coord(b) + slot_offset(slot);
         if (mask.contains(brick)) mask.set(brick);
       }
   return mask;

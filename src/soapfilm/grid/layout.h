@@ -24,6 +24,8 @@ constexpr Vec3i brick_of(Vec3i vertex) { return {vertex.x >> 3, vertex.y >> 3, v
 
 /// Position among a brick's 27 neighbours (itself in the middle) of the one at (dx, dy, dz), each in -1..1.
 constexpr int neighbor_slot(int dx, int dy, int dz) { return (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1); }
+/// Its inverse.
+constexpr Vec3i slot_offset(int slot) { return {slot % 3 - 1, slot / 3 % 3 - 1, slot / 9 - 1}; }
 inline constexpr int own_slot = neighbor_slot(0, 0, 0);
 /// Slots of the neighbours one brick down and one brick up along x, y, z.
 inline constexpr int slot_down[3] = {neighbor_slot(-1, 0, 0), neighbor_slot(0, -1, 0), neighbor_slot(0, 0, -1)};

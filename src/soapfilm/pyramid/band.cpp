@@ -17,8 +17,6 @@ unsigned octant_bit(int x, int y, int z) {
   return 1u << (x / half_brick + 2 * (y / half_brick) + 4 * (z / half_brick));
 }
 
-Vec3i slot_offset(int slot) { return {slot % 3 - 1, slot / 3 % 3 - 1, slot / 9 - 1}; }
-
 /// Octants with a vertex whose rounded u differs from one of its 6 neighbours'.
 unsigned interface_octants(const Level& level, size_t brick) {
   Window<float, 1> u;

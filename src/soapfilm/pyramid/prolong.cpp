@@ -128,10 +128,7 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
     if (!have_window) {
       fill_window(
           coarse.grid, brick, [&](int, int32_t n) { return n >= 0 ? coarse.u.brick(static_cast<size_t>(n)) : nullptr; },
-          [&](int slot, int32_t n) {
-            return coarse.missing_u(n, parent + Vec3i{slot % 3 - 1, slot / 3 % 3 - 1, slot / 9 - 1});
-          },
-          u);
+          [&](int slot, int32_t n) { return coarse.missing_u(n, parent + slot_offset(slot)); }, u);
       have_window = true;
     }
     prolong_u(u, octant, fine.u.brick(b));

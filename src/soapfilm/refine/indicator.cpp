@@ -11,8 +11,6 @@ namespace soapfilm {
 
 namespace {
 
-Vec3i slot_offset(int slot) { return {slot % 3 - 1, slot / 3 % 3 - 1, slot / 9 - 1}; }
-
 /// The smoothing's reach and one more for the cells that end in the next brick.
 constexpr int surface_margin = smoothing_reach + 1;
 
