@@ -84,7 +84,7 @@ void print_check(const ReconstructReport& report, Progress& progress) {
 
 int run(Options& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
-  const Parallel parallel(global.threads);
+  const Parallel parallel(global.threads, &progress);
   finish_params(options);
   check_mesh_output(options.output);
   if (!options.report.empty()) check_output(options.report);

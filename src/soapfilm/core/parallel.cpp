@@ -21,12 +21,13 @@ namespace {
 /// One loop as an executor sees it: chunks by number, each to be run once, in any order, by any thread.
 class Loop {
  public:
-  Loop(size_t count, size_t grain, void* body, void (*call)(void*, size_t, size_t))
-      : count_(count), grain_(grain), body_(body), call_(call) {}
+  Loop(size_t count, size_t grain, void* body, void (*call)(void*, size_t, size_t), const Progress* progress)
+      : count_(count), grain_(grain), body_(body), call_(call), progress_(progress) {}
 
   size_t chunks() const { return count_ / grain_ + (count_ % grain_ != 0); }
 
   void run(size_t chunk) {
+    if (progress_) progress_->check();
     const size_t begin = chunk * grain_;
     call_(body_, begin, begin + std::min(grain_, count_ - begin));
   }
@@ -54,6 +55,7 @@ class Loop {
   size_t grain_;
   void* body_;
   void (*call_)(void*, size_t, size_t);
+  const Progress* progress_;
   std::atomic<size_t> lowest_failed_{SIZE_MAX};
   std::mutex mutex_;
   std::exception_ptr error_;
@@ -123,13 +125,15 @@ struct Parallel::Impl {
 
 #endif
 
-Parallel::Parallel(int threads)
-    : threads_(threads > 0 ? threads : Impl::default_threads()), impl_(std::make_unique<Impl>(threads_)) {}
+Parallel::Parallel(int threads, const Progress* progress)
+    : threads_(threads > 0 ? threads : Impl::default_threads()),
+      progress_(progress),
+      impl_(std::make_unique<Impl>(threads_)) {}
 
 Parallel::~Parallel() = default;
 
 void Parallel::run(size_t count, size_t grain, void* body, ChunkFunction call) const {
-  Loop loop(count, grain, body, call);
+  Loop loop(count, grain, body, call, progress_);
   const size_t chunks = loop.chunks();
   if (threads_ == 1 || chunks <= 1) {
     for (size_t k = 0; k < chunks; ++k) loop.run(k);

@@ -8,14 +8,17 @@
 #include <type_traits>
 #include <utility>
 
+#include "soapfilm/core/progress.h"
+
 namespace soapfilm {
 
 /// A set of threads to run loops on. oneTBB by default; std::thread when built with SOAPFILM_STD_THREADS (the build
 /// for ThreadSanitizer). Cheap to pass by reference; it owns its arena and sets no process-wide limit.
 class Parallel {
  public:
-  /// `threads` >= 1, or 0 for all that this process may use.
-  explicit Parallel(int threads = 0);
+  /// `threads` >= 1, or 0 for all that this process may use. When `progress` is given and cancelled, a loop throws
+  /// Cancelled before its next chunk: so every stage that loops can be stopped within milliseconds.
+  explicit Parallel(int threads = 0, const Progress* progress = nullptr);
   ~Parallel();
   Parallel(const Parallel&) = delete;
   Parallel& operator=(const Parallel&) = delete;
@@ -54,6 +57,7 @@ class Parallel {
   void run_confined(void* body, ChunkFunction call) const;
 
   int threads_;
+  const Progress* progress_;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
