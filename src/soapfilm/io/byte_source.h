@@ -48,6 +48,14 @@ T swap_bytes(T value) {
   return value;
 }
 
+/// The value at `at`, which need not be aligned.
+template <class T>
+T load(const char* at, bool swap) {
+  T value;
+  std::memcpy(&value, at, sizeof(T));
+  return swap ? swap_bytes(value) : value;
+}
+
 /// Reads binary values in order.
 class ByteCursor {
  public:
@@ -57,18 +65,20 @@ class ByteCursor {
   size_t offset() const { return offset_; }
   size_t remaining() const { return source_.bytes().size() - offset_; }
 
+  bool swaps() const { return swap_; }
+
+  /// The next `count` bytes, which are passed.
+  const char* take(size_t count) {
+    if (remaining() < count) fail_truncated(count);
+    const char* at = source_.bytes().data() + offset_;
+    offset_ += count;
+    return at;
+  }
   template <class T>
   T read() {
-    if (remaining() < sizeof(T)) fail_truncated(sizeof(T));
-    T value;
-    std::memcpy(&value, source_.bytes().data() + offset_, sizeof(T));
-    offset_ += sizeof(T);
-    return swap_ ? swap_bytes(value) : value;
+    return load<T>(take(sizeof(T)), swap_);
   }
-  void skip(size_t count) {
-    if (remaining() < count) fail_truncated(count);
-    offset_ += count;
-  }
+  void skip(size_t count) { take(count); }
   void release() { source_.release_before(offset_); }
 
  private:

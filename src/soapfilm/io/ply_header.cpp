@@ -153,11 +153,6 @@ const char* describe(PlyFormat format) {
   return "";
 }
 
-size_t size_of(PlyType type) {
-  constexpr std::array<size_t, 8> sizes{1, 1, 2, 2, 4, 4, 4, 8};
-  return sizes[static_cast<size_t>(type)];
-}
-
 size_t PlyElement::find_scalar(std::string_view property) const { return find_property(*this, property, false); }
 size_t PlyElement::find_list(std::string_view property) const { return find_property(*this, property, true); }
 

@@ -1,6 +1,7 @@
 // The head of a PLY file (G. Turk, "The PLY polygon file format", 1994): what its body holds and how.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -18,7 +19,10 @@ const char* describe(PlyFormat format);
 
 enum class PlyType : uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
-size_t size_of(PlyType type);
+inline size_t size_of(PlyType type) {
+  constexpr std::array<size_t, 8> sizes{1, 1, 2, 2, 4, 4, 4, 8};
+  return sizes[static_cast<size_t>(type)];
+}
 inline bool is_integer(PlyType type) { return type < PlyType::float32; }
 
 struct PlyProperty {

@@ -17,8 +17,10 @@ size_t index_list(const PlyElement& element) {
   return plural != PlyElement::absent ? plural : element.find_list("vertex_index");
 }
 
-void read_vertices(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, Mesh& mesh) {
+void read_vertices(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, const std::string& path,
+                   Mesh& mesh) {
   rows.begin(vertex);
+  check_count(vertex, UINT32_MAX, path);  // triangles hold indices of 32 bits
   mesh.vertices.reserve(vertex.count);
   if (layout.normal.present()) mesh.normals.reserve(vertex.count);
   if (layout.color.present()) mesh.colors.reserve(vertex.count);
@@ -90,15 +92,12 @@ Mesh read_ply_mesh(ByteSource& source) {
   const PlyHeader header = read_ply_header(source);
   const PlyElement& vertex = vertex_element(header, source.path());
   const PlyVertexLayout layout = find_vertex_layout(vertex, source.path());
-  if (vertex.count > UINT32_MAX)
-    throw InputError(fmt::format("{}:{}: element 'vertex': count = {}, must be at most {}", source.path(), vertex.line,
-                                 vertex.count, UINT32_MAX));
   Mesh mesh;
   PlyRows rows(source, header);
   for (const PlyElement& element : header.elements) {
     const size_t list = index_list(element);
     if (element.name == "vertex")
-      read_vertices(rows, element, layout, mesh);
+      read_vertices(rows, element, layout, source.path(), mesh);
     else if (list == PlyElement::absent)
       rows.skip(element);
     else if (element.name == "face")

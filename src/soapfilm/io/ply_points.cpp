@@ -11,8 +11,10 @@ namespace soapfilm::io {
 
 namespace {
 
-void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, PointCloud& cloud) {
+void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, const std::string& path,
+                  PointCloud& cloud) {
   rows.begin(vertex);
+  check_count(vertex, INT32_MAX, path);  // range grids hold indices of 32 bits
   cloud.positions.reserve(vertex.count);
   if (layout.normal.present()) cloud.normals.reserve(vertex.count);
   if (layout.sensor.present()) cloud.sensors.reserve(vertex.count);
@@ -87,9 +89,6 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report) {
   const PlyElement& vertex = vertex_element(header, source.path());
   const PlyVertexLayout layout = find_vertex_layout(vertex, source.path());
   std::vector<PlyScan> scans = find_scans(header, vertex.count, source.path());
-  if (vertex.count > INT32_MAX)
-    throw InputError(fmt::format("{}:{}: element 'vertex': count = {}, must be at most {}", source.path(), vertex.line,
-                                 vertex.count, INT32_MAX));
   bool grid_sizes_known = false;
   for (const PlyScan& scan : scans) grid_sizes_known = grid_sizes_known || scan.cells() > 0;
 
@@ -98,7 +97,7 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report) {
   for (const PlyElement& element : header.elements) {
     const bool is_grid = element.name == "range_grid" && element.find_list("vertex_indices") != PlyElement::absent;
     if (element.name == "vertex") {
-      read_samples(rows, element, layout, cloud);
+      read_samples(rows, element, layout, source.path(), cloud);
     } else if (is_grid && grid_sizes_known) {
       share_out_range_grids(read_range_grid(rows, element, vertex.count), scans, source.path());
     } else {

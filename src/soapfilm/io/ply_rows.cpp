@@ -11,24 +11,24 @@ namespace soapfilm::io {
 
 namespace {
 
-double read_binary(ByteCursor& cursor, PlyType type) {
+double load_as_double(const char* at, PlyType type, bool swap) {
   switch (type) {
     case PlyType::int8:
-      return cursor.read<int8_t>();
+      return load<int8_t>(at, swap);
     case PlyType::uint8:
-      return cursor.read<uint8_t>();
+      return load<uint8_t>(at, swap);
     case PlyType::int16:
-      return cursor.read<int16_t>();
+      return load<int16_t>(at, swap);
     case PlyType::uint16:
-      return cursor.read<uint16_t>();
+      return load<uint16_t>(at, swap);
     case PlyType::int32:
-      return cursor.read<int32_t>();
+      return load<int32_t>(at, swap);
     case PlyType::uint32:
-      return cursor.read<uint32_t>();
+      return load<uint32_t>(at, swap);
     case PlyType::float32:
-      return static_cast<double>(cursor.read<float>());
+      return static_cast<double>(load<float>(at, swap));
     case PlyType::float64:
-      return cursor.read<double>();
+      return load<double>(at, swap);
   }
   return 0;
 }
@@ -48,18 +48,26 @@ void PlyRows::begin(const PlyElement& element) {
   rows_read_ = row_ = 0;
   values_.assign(element.properties.size(), 0.0);
   lists_.assign(element.properties.size(), List{});
-  const size_t row_bytes = element.least_row_bytes(header_.format);
+  row_bytes_ = element.least_row_bytes(header_.format);
+  has_lists_ = std::any_of(element.properties.begin(), element.properties.end(),
+                           [](const PlyProperty& property) { return property.is_list(); });
   const size_t remaining = text_ ? text_->remaining() + 1 : binary_->remaining();  // the last blank may be missing
-  if (row_bytes > 0 && element.count > remaining / row_bytes)
+  if (row_bytes_ > 0 && element.count > remaining / row_bytes_)
     throw InputError(fmt::format(
         "{}:{}: element {}: count = {}, but the file is truncated: {} bytes are left and a row needs at least {}",
-        source_.path(), element.line, in_quotes(element.name), element.count, remaining, row_bytes));
+        source_.path(), element.line, in_quotes(element.name), element.count, remaining, row_bytes_));
 }
 
 void PlyRows::next() {
   row_ = rows_read_++;
-  items_.clear();
   const std::vector<PlyProperty>& properties = element_->properties;
+  if (binary_ && !has_lists_) {  // the usual case, with one check of the bounds per row
+    const char* at = binary_->take(row_bytes_);
+    for (size_t k = 0; k < properties.size(); at += size_of(properties[k++].type))
+      values_[k] = load_as_double(at, properties[k].type, binary_->swaps());
+    return binary_->release();
+  }
+  items_.clear();
   for (size_t k = 0; k < properties.size(); ++k) {
     if (properties[k].is_list())
       read_list(k);
@@ -73,7 +81,7 @@ void PlyRows::next() {
 }
 
 double PlyRows::read_value(const PlyProperty& property, PlyType type) {
-  return text_ ? text_->number(property.name) : read_binary(*binary_, type);
+  return text_ ? text_->number(property.name) : load_as_double(binary_->take(size_of(type)), type, binary_->swaps());
 }
 
 void PlyRows::read_list(size_t index) {
@@ -81,8 +89,10 @@ void PlyRows::read_list(size_t index) {
   const double count = read_value(property, *property.count_type);
   const double most = text_ ? static_cast<double>(text_->remaining())
                             : static_cast<double>(binary_->remaining() / size_of(property.type));
-  if (!(count >= 0) || count != std::floor(count) || count > most)
-    fail(fmt::format("list {}: count = {}, must be an integer from 0 to {} (what the rest of the file can hold)",
+  if (!(count >= 0) || count != std::floor(count))
+    fail(fmt::format("list {}: count = {}, must be an integer >= 0", in_quotes(property.name), count));
+  if (count > most)
+    fail(fmt::format("truncated: list {}: count = {}, but the rest of the file holds at most {}",
                      in_quotes(property.name), count, most));
   lists_[index] = {items_.size(), static_cast<size_t>(count)};
   for (size_t i = 0; i < lists_[index].size; ++i) items_.push_back(read_value(property, property.type));
@@ -90,10 +100,8 @@ void PlyRows::read_list(size_t index) {
 
 void PlyRows::skip(const PlyElement& element) {
   begin(element);
-  const bool has_list = std::any_of(element.properties.begin(), element.properties.end(),
-                                    [](const PlyProperty& property) { return property.is_list(); });
   if (element.properties.empty()) return;
-  if (binary_ && !has_list) return binary_->skip(element.count * element.least_row_bytes(header_.format));
+  if (binary_ && !has_lists_) return binary_->skip(element.count * row_bytes_);
   for (uint64_t i = 0; i < element.count; ++i) next();
 }
 

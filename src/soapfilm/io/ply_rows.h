@@ -53,6 +53,8 @@ class PlyRows {
   std::optional<TextCursor> text_;
   std::optional<ByteCursor> binary_;
   const PlyElement* element_ = nullptr;
+  size_t row_bytes_ = 0;  // least, and exact in a binary file without lists
+  bool has_lists_ = false;
   uint64_t rows_read_ = 0;
   uint64_t row_ = 0;            // index of the row that next() read or is reading
   std::vector<double> values_;  // one per property of the element

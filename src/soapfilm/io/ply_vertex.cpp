@@ -64,4 +64,10 @@ const PlyElement& vertex_element(const PlyHeader& header, const std::string& pat
   return *vertex;
 }
 
+void check_count(const PlyElement& element, uint64_t most, const std::string& path) {
+  if (element.count > most)
+    throw InputError(fmt::format("{}:{}: element {}: count = {}, must be at most {}", path, element.line,
+                                 in_quotes(element.name), element.count, most));
+}
+
 }  // namespace soapfilm::io

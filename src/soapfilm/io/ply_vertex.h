@@ -41,4 +41,7 @@ PlyVertexLayout find_vertex_layout(const PlyElement& vertex, const std::string& 
 /// The header's vertex element. Throws InputError when it is missing or has no rows.
 const PlyElement& vertex_element(const PlyHeader& header, const std::string& path);
 
+/// Throws InputError when the element has more rows than indices of the caller's type can tell apart.
+void check_count(const PlyElement& element, uint64_t most, const std::string& path);
+
 }  // namespace soapfilm::io

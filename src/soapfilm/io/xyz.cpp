@@ -31,14 +31,6 @@ constexpr std::array<XyzLayout, 5> layouts{{{3, 0, 0, "x y z"},
 
 bool is_separator(char c) { return is_blank(c) || c == ',' || c == ';'; }
 
-/// Cuts a comment off the end of a line: '#' or "//" and what follows.
-std::string_view without_comment(std::string_view line) {
-  const size_t mark = line.find_first_of("#/");
-  if (mark == std::string_view::npos) return line;
-  if (line[mark] == '/' && line.substr(mark, 2) != "//") return line;
-  return line.substr(0, mark);
-}
-
 class XyzReader {
  public:
   explicit XyzReader(ByteSource& source) : source_(source), cursor_(source) {}
@@ -46,7 +38,7 @@ class XyzReader {
   PointCloud read(ReadReport& report) {
     std::string_view line;
     while (cursor_.next_line(line)) {
-      const size_t columns = split(without_comment(line));
+      const size_t columns = split(line);
       if (columns == 1)
         begin_scan();
       else if (columns > 0)
@@ -68,14 +60,14 @@ class XyzReader {
   }
 
  private:
-  /// Parses the numbers of a line into values_; returns how many.
+  /// Parses the numbers of a line, up to a comment, into values_; returns how many.
   size_t split(std::string_view line) {
     size_t columns = 0;
     const char* at = line.data();
     const char* end = at + line.size();
     for (;;) {
       while (at != end && is_separator(*at)) ++at;
-      if (at == end) return columns;
+      if (at == end || *at == '#' || (*at == '/' && end - at > 1 && at[1] == '/')) return columns;
       const char* begin = at;
       while (at != end && !is_separator(*at)) ++at;
       const std::string_view token(begin, static_cast<size_t>(at - begin));

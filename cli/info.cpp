@@ -1,0 +1,238 @@
+// soapfilm info FILE...: what is in a file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "command.h"
+#include "soapfilm/io/io.h"
+#include "soapfilm/io/precision.h"
+#include "soapfilm/io/summary.h"
+
+namespace soapfilm::cli {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+struct InfoOptions {
+  std::vector<std::string> files;
+  bool as_json = false;
+};
+
+json to_json(const Vec3d& v) { return json::array({v.x, v.y, v.z}); }
+json to_json(const Box3d& box) { return {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}}; }
+
+json scan_facts(const Scan& scan) {
+  json facts = {{"name", scan.name}, {"samples", scan.size()}};
+  if (scan.sensor) facts["sensor"] = to_json(*scan.sensor);
+  if (scan.view_direction) facts["view_direction"] = to_json(*scan.view_direction);
+  if (scan.range_grid) {
+    const auto& cells = scan.range_grid->sample;
+    const auto seen = std::count_if(cells.begin(), cells.end(), [](int32_t sample) { return sample >= 0; });
+    facts["range_grid"] = {{"columns", scan.range_grid->columns}, {"rows", scan.range_grid->rows}, {"samples", seen}};
+  }
+  return facts;
+}
+
+json point_facts(const std::string& path) {
+  ReadReport report;
+  const PointCloud cloud = read_points(path, &report);
+  const CloudSummary summary = summarize(cloud);
+  json facts = {{"file", path},
+                {"kind", "points"},
+                {"samples", cloud.size()},
+                {"dropped_non_finite", report.dropped()},
+                {"box", to_json(summary.box)},
+                {"size", to_json(summary.box.size())},
+                {"spacing", summary.spacing},
+                {"normals", summary.normals},
+                {"sensor_positions", summary.sensors},
+                {"scans_with_sensor", summary.scans_with_sensor},
+                {"scans_with_view_direction", summary.scans_with_view_direction},
+                {"scans_with_range_grid", summary.scans_with_range_grid},
+                {"weights", !cloud.weights.empty()},
+                {"colors", !cloud.colors.empty()},
+                {"scans", json::array()},
+                {"warnings", report.warnings}};
+  std::vector<std::string> formats;  // each once, in order
+  std::vector<std::string> properties;
+  const auto add = [](std::vector<std::string>& to, const std::string& name) {
+    if (std::find(to.begin(), to.end(), name) == to.end()) to.push_back(name);
+  };
+  for (const FileReport& file : report.files) {
+    add(formats, file.format);
+    for (const std::string& property : file.properties) add(properties, property);
+  }
+  facts["format"] = fmt::format("{}", fmt::join(formats, "; "));
+  facts["properties"] = properties;
+  for (const Scan& scan : cloud.scans) facts["scans"].push_back(scan_facts(scan));
+  return facts;
+}
+
+json mesh_facts(const std::string& path) {
+  const Mesh mesh = read_mesh(path);
+  const Box3d box = mesh.box();
+  json facts = {{"file", path},
+                {"kind", "mesh"},
+                {"vertices", mesh.vertices.size()},
+                {"triangles", mesh.triangles.size()},
+                {"box", to_json(box)},
+                {"size", to_json(box.size())},
+                {"mean_edge", io::mean_edge(mesh)},
+                {"area", mesh.area()},
+                {"volume", mesh.volume()},
+                {"normals", !mesh.normals.empty()},
+                {"colors", !mesh.colors.empty()},
+                {"attributes", json::array()}};
+  for (const Mesh::Attribute& attribute : mesh.attributes) {
+    const auto [lo, hi] = std::minmax_element(attribute.values.begin(), attribute.values.end());
+    facts["attributes"].push_back({{"name", attribute.name}, {"lo", *lo}, {"hi", *hi}});
+  }
+  return facts;
+}
+
+/// 1234567 as "1,234,567".
+std::string grouped(size_t value) {
+  std::string digits = fmt::format("{}", value);
+  for (size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+  return digits;
+}
+std::string grouped(const json& value) { return grouped(value.get<size_t>()); }
+
+/// Three numbers with as many digits as leave `resolution` visible.
+std::string triple(const json& v, double resolution) {
+  const int digits = resolution > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(resolution))), 0, 12) : 6;
+  const double invisible = 0.5 * std::pow(10.0, -digits);
+  const auto text = [&](const json& number) {
+    const double value = number;
+    return fmt::format("{:.{}f}", std::abs(value) < invisible ? 0.0 : value, digits);  // no "-0.00"
+  };
+  return text(v[0]) + "  " + text(v[1]) + "  " + text(v[2]);
+}
+
+using Lines = std::vector<std::pair<std::string, std::string>>;
+
+void print_lines(const Lines& lines) {
+  size_t width = 0;
+  for (const auto& line : lines) width = std::max(width, line.first.size());
+  for (const auto& [label, text] : lines) fmt::print("  {:<{}}  {}\n", label, width, text);
+}
+
+void add_box(Lines& lines, const json& facts, double resolution) {
+  lines.emplace_back("box from", triple(facts["box"]["lo"], resolution));
+  lines.emplace_back("to", triple(facts["box"]["hi"], resolution));
+  lines.emplace_back("size", triple(facts["size"], resolution));
+}
+
+/// Where `--directions auto` can take directions from, in its order of preference.
+std::string direction_sources(const json& facts) {
+  std::vector<std::string> sources;
+  const size_t scans = facts["scans"].size();
+  if (facts["normals"] > 0) sources.push_back(fmt::format("normals of {} samples", grouped(facts["normals"])));
+  if (facts["sensor_positions"] > 0)
+    sources.push_back(fmt::format("sensor positions of {} samples", grouped(facts["sensor_positions"])));
+  if (facts["scans_with_sensor"] > 0)
+    sources.push_back(
+        fmt::format("sensor position of {} of {} scans", facts["scans_with_sensor"].get<size_t>(), scans));
+  if (facts["scans_with_view_direction"] > 0)
+    sources.push_back(
+        fmt::format("viewing direction of {} of {} scans", facts["scans_with_view_direction"].get<size_t>(), scans));
+  return sources.empty() ? "none: they would be estimated" : fmt::format("{}", fmt::join(sources, "; "));
+}
+
+void print_scans(const json& scans, double spacing) {
+  size_t name_width = 4;
+  for (const json& scan : scans) name_width = std::max(name_width, scan["name"].get_ref<const std::string&>().size());
+  fmt::print("\n  {:<{}}  {:>11}  {:>11}  {:>6}  {}\n", "scan", name_width, "samples", "range grid", "filled",
+             "seen from");
+  for (const json& scan : scans) {
+    std::string grid = "-";
+    std::string filled = "-";
+    if (scan.contains("range_grid")) {
+      const json& cells = scan["range_grid"];
+      const double columns = cells["columns"];
+      const double rows = cells["rows"];
+      grid = fmt::format("{} x {}", columns, rows);
+      filled = fmt::format("{:.0f} %", 100.0 * cells["samples"].get<double>() / (columns * rows));
+    }
+    std::string seen = "-";
+    if (scan.contains("sensor"))
+      seen = "position  " + triple(scan["sensor"], spacing);
+    else if (scan.contains("view_direction"))
+      seen = "direction  " + triple(scan["view_direction"], 1e-3);
+    fmt::print("  {:<{}}  {:>11}  {:>11}  {:>6}  {}\n", scan["name"].get_ref<const std::string&>(), name_width,
+               grouped(scan["samples"]), grid, filled, seen);
+  }
+}
+
+void print_points(const json& facts) {
+  const double spacing = facts["spacing"];
+  Lines lines{{"kind", fmt::format("points ({})", facts["format"].get<std::string>())},
+              {"samples", grouped(facts["samples"])}};
+  if (facts["dropped_non_finite"] > 0)
+    lines.emplace_back("dropped", grouped(facts["dropped_non_finite"]) + " with a non-finite coordinate");
+  lines.emplace_back("properties",
+                     fmt::format("{}", fmt::join(facts["properties"].get<std::vector<std::string>>(), " ")));
+  add_box(lines, facts, 0.1 * spacing);
+  lines.emplace_back("spacing", fmt::format("{:.3g} (estimated distance of neighbouring samples)", spacing));
+  lines.emplace_back("directions", direction_sources(facts));
+  lines.emplace_back("weights", facts["weights"].get<bool>() ? "yes" : "no");
+  lines.emplace_back("colours", facts["colors"].get<bool>() ? "yes" : "no");
+  lines.emplace_back("scans", grouped(facts["scans"].size()));
+  print_lines(lines);
+  print_scans(facts["scans"], 0.1 * spacing);
+}
+
+void print_mesh(const json& facts) {
+  Lines lines{{"kind", "mesh"}, {"vertices", grouped(facts["vertices"])}, {"triangles", grouped(facts["triangles"])}};
+  const double edge = facts["mean_edge"];
+  add_box(lines, facts, 0.1 * edge);
+  lines.emplace_back("mean edge", fmt::format("{:.3g}", edge));
+  lines.emplace_back("area", fmt::format("{:.6g}", facts["area"].get<double>()));
+  lines.emplace_back("volume",
+                     fmt::format("{:.6g} (when closed; negative: inside out)", facts["volume"].get<double>()));
+  lines.emplace_back("normals", facts["normals"].get<bool>() ? "yes" : "no");
+  lines.emplace_back("colours", facts["colors"].get<bool>() ? "yes" : "no");
+  for (const json& attribute : facts["attributes"])
+    lines.emplace_back("attribute", fmt::format("{} from {:.4g} to {:.4g}", attribute["name"].get<std::string>(),
+                                                attribute["lo"].get<float>(), attribute["hi"].get<float>()));
+  print_lines(lines);
+}
+
+int run_info(const InfoOptions& options) {
+  json all = json::array();
+  for (const std::string& path : options.files) {
+    const json facts = file_kind(path) == FileKind::mesh ? mesh_facts(path) : point_facts(path);
+    if (options.as_json) {
+      all.push_back(facts);
+      continue;
+    }
+    fmt::print("{}{}\n", path == options.files.front() ? "" : "\n", path);
+    if (facts["kind"] == "mesh") {
+      print_mesh(facts);
+      continue;
+    }
+    print_points(facts);
+    for (const json& warning : facts["warnings"]) fmt::print("  warning: {}\n", warning.get<std::string>());
+  }
+  if (options.as_json) fmt::print("{}\n", all.dump(2));
+  return 0;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, const GlobalOptions& /*options*/, Runner& runner) {
+  CLI::App* command = app.add_subcommand("info", "Print what is in a file: samples, box, spacing, directions, scans");
+  auto options = std::make_shared<InfoOptions>();
+  command->add_option("files", options->files, "Point clouds, scan sets or meshes")->required()->type_name("FILE...");
+  command->add_flag("--json", options->as_json, "Print one JSON array instead, an object for each file");
+  command->callback([options, &runner] { runner = [options] { return run_info(*options); }; });
+}
+
+}  // namespace soapfilm::cli

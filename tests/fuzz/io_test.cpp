@@ -1,0 +1,185 @@
+// Valid files of every format, cut and changed at random: each must be read or refused with InputError, under the
+// sanitizers too. Deterministic; SOAPFILM_FUZZ_ROUNDS sets the number of changed files per seed file (default 3000).
+#include <cstdlib>
+#include <functional>
+
+#include "../io/files.h"
+#include "../io/samples.h"
+#include "soapfilm/core/random.h"
+#include "soapfilm/io/io.h"
+
+namespace soapfilm {
+namespace {
+
+int rounds() {
+  const char* text = std::getenv("SOAPFILM_FUZZ_ROUNDS");
+  return text != nullptr ? std::atoi(text) : 3000;
+}
+
+/// Words that are likely to upset a reader, pasted over what was there.
+const std::vector<std::string> nasty{"-1",          "0",
+                                     "4294967295",  "18446744073709551615",
+                                     "nan",         "1e999",
+                                     "list",        "\n",
+                                     " ",           "element",
+                                     "property",    "char",
+                                     "double",      "ascii",
+                                     "\xff",        "\r\n",
+                                     "vertex",      "end_header\n",
+                                     "-2147483648", "#",
+                                     "ply\n"};
+
+std::string mutated(const std::string& original, Random& random) {
+  const auto below = [&random](size_t n) { return static_cast<size_t>(random.next() % std::max<size_t>(n, 1)); };
+  std::string bytes = original;
+  const size_t changes = 1 + below(4);
+  for (size_t i = 0; i < changes && !bytes.empty(); ++i) {
+    // The head decides most: half of the changes go there.
+    const size_t at = random.next() % 2 == 0 ? below(bytes.size()) : below(std::min<size_t>(bytes.size(), 400));
+    switch (random.next() % 7) {
+      case 0:
+        bytes[at] = static_cast<char>(random.next());
+        break;
+      case 1:
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << random.next() % 8));
+        break;
+      case 2:
+        bytes.resize(at);
+        break;
+      case 3:
+        bytes.erase(at, 1 + below(20));
+        break;
+      case 4:
+        bytes.insert(at, bytes.substr(below(bytes.size()), 1 + below(60)));
+        break;
+      case 5:
+        bytes.insert(at, nasty[below(nasty.size())]);
+        break;
+      default: {
+        const std::string& word = nasty[below(nasty.size())];
+        bytes.replace(at, word.size(), word);
+      }
+    }
+  }
+  return bytes;
+}
+
+struct Outcome {
+  int read = 0;
+  int refused = 0;
+};
+
+/// Reads `count` changed versions of a file.
+template <class Read>
+Outcome fuzz(const TemporaryFolder& folder, const std::string& name, uint64_t seed, Read&& read) {
+  Random random(seed);
+  const std::string original = folder.read(name);
+  Outcome outcome;
+  for (int i = 0; i < rounds(); ++i) {
+    const std::string path = folder.write("changed-" + name, mutated(original, random));
+    try {
+      read(path);
+      ++outcome.read;
+    } catch (const InputError& error) {
+      ++outcome.refused;
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_GT(outcome.refused, 0) << name;
+  return outcome;
+}
+
+/// A cloud that was accepted must hang together.
+void check_cloud(const PointCloud& cloud) {
+  ASSERT_GT(cloud.size(), 0u);
+  for (const Vec3d& p : cloud.positions) ASSERT_TRUE(is_finite(p));
+  for (const size_t size : {cloud.normals.size(), cloud.sensors.size(), cloud.weights.size(), cloud.colors.size()})
+    ASSERT_TRUE(size == 0 || size == cloud.size());
+  size_t covered = 0;
+  for (const Scan& scan : cloud.scans) {
+    ASSERT_EQ(scan.begin, covered);
+    covered = scan.end;
+    if (!scan.range_grid) continue;
+    const RangeGrid& grid = *scan.range_grid;
+    ASSERT_EQ(grid.sample.size(), static_cast<size_t>(grid.columns) * static_cast<size_t>(grid.rows));
+    for (const int32_t s : grid.sample) ASSERT_TRUE(s >= -1 && s < static_cast<int64_t>(scan.size()));
+  }
+  ASSERT_EQ(covered, cloud.size());
+}
+
+void check_mesh(const Mesh& mesh) {
+  ASSERT_GT(mesh.triangles.size(), 0u);
+  for (const Triangle& t : mesh.triangles)
+    for (const uint32_t v : t) ASSERT_LT(v, mesh.vertices.size());
+  for (const Vec3d& p : mesh.vertices) ASSERT_TRUE(is_finite(p));
+  ASSERT_TRUE(mesh.normals.empty() || mesh.normals.size() == mesh.vertices.size());
+  ASSERT_TRUE(mesh.colors.empty() || mesh.colors.size() == mesh.vertices.size());
+  for (const Mesh::Attribute& attribute : mesh.attributes) ASSERT_EQ(attribute.values.size(), mesh.vertices.size());
+}
+
+TEST(Fuzz, PlyPoints) {
+  const TemporaryFolder folder;
+  Outcome all;
+  for (const bool ascii : {false, true})
+    for (const int scans : {1, 2}) {
+      PointWriteOptions options;
+      options.ascii = ascii;
+      write_points(folder / "cloud.ply", rich_cloud(scans, 4, 3, 2), options);
+      const Outcome outcome = fuzz(folder, "cloud.ply", static_cast<uint64_t>(100 + 2 * scans + ascii),
+                                   [](const std::string& path) { check_cloud(read_points(path)); });
+      all.read += outcome.read;
+    }
+  EXPECT_GT(all.read, 0);
+}
+
+TEST(Fuzz, Meshes) {
+  const TemporaryFolder folder;
+  Outcome all;
+  uint64_t seed = 200;
+  for (const char* name : {"m.ply", "m.obj", "m.stl"})
+    for (const bool ascii : {false, true}) {
+      MeshWriteOptions options;
+      options.ascii = ascii;
+      write_mesh(folder / name, torus_mesh(4, 1), options);
+      all.read += fuzz(folder, name, ++seed, [](const std::string& path) { check_mesh(read_mesh(path)); }).read;
+    }
+  folder.write("m.off",
+               "COFF\n4 4 6\n0 0 0 1 2 3 4\n1 0 0 1 2 3 4\n0 1 0 1 2 3 4\n0 0 1 0.1 0.2 0.3 1\n3 0 2 1\n"
+               "3 0 1 3\n3 1 2 3\n3 0 3 2\n");
+  all.read += fuzz(folder, "m.off", ++seed, [](const std::string& path) { check_mesh(read_mesh(path)); }).read;
+  EXPECT_GT(all.read, 0);
+}
+
+TEST(Fuzz, Text) {
+  const TemporaryFolder folder;
+  folder.write("p.xyz", "# x y z\n1 2 3 0 0 1 10 20 30\n4,5,6,0,1,0,10,20,30\n7;8;9;1;0;0;255;0;0\n");
+  folder.write("p.pts", "2\n1 2 3 -100 1 2 3\n4 5 6 -100 1 2 3\n1\n7 8 9 5 1 2 3\n");
+  for (const char* name : {"p.xyz", "p.pts"})
+    fuzz(folder, name, 300, [](const std::string& path) { check_cloud(read_points(path)); });
+}
+
+TEST(Fuzz, ScanSets) {
+  const TemporaryFolder folder;
+  write_points(folder / "a.ply", rich_cloud(1, 3, 3, 4));
+  folder.write("b.xyz", "1 2 3\n");
+  folder.write("set.conf", "camera 0 0 0\nbmesh a.ply 1 2 3 0 0 0 1\nbmesh b.xyz 1e3 2 3 0.6 0 0 0.8\n");
+  fuzz(folder, "set.conf", 400, [](const std::string& path) { check_cloud(read_points(path)); });
+}
+
+// Every length of a file: the end may come anywhere.
+TEST(Fuzz, EveryTruncation) {
+  const TemporaryFolder folder;
+  for (const bool ascii : {false, true}) {
+    PointWriteOptions options;
+    options.ascii = ascii;
+    write_points(folder / "cloud.ply", rich_cloud(1, 3, 2, 2), options);
+    const std::string whole = folder.read("cloud.ply");
+    for (size_t length = 0; length + 2 < whole.size(); ++length) {
+      const std::string path = folder.write("cut.ply", whole.substr(0, length));
+      EXPECT_THROW(read_points(path), InputError) << length;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace soapfilm

@@ -1,0 +1,216 @@
+// XYZ text, OBJ, OFF, STL: what is read, and round trips of what is written.
+#include "files.h"
+#include "samples.h"
+#include "soapfilm/io/io.h"
+#include "soapfilm/io/text.h"
+
+namespace soapfilm {
+namespace {
+
+TEST(Numbers, AreReadAsProgramsWriteThem) {
+  double value = 0;
+  EXPECT_TRUE(io::parse_number("+1.5e3", value));
+  EXPECT_EQ(value, 1500);
+  EXPECT_TRUE(io::parse_number("5123456.0012345", value));
+  EXPECT_EQ(value, 5123456.0012345);
+  for (const char* text : {"nan", "-nan", "NaN", "1.#IND", "-1.#QNAN", "nan(0x7)"}) {
+    EXPECT_TRUE(io::parse_number(text, value)) << text;
+    EXPECT_TRUE(std::isnan(value)) << text;
+  }
+  EXPECT_TRUE(io::parse_number("-inf", value));
+  EXPECT_EQ(value, -std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(io::parse_number("1e999", value));
+  EXPECT_EQ(value, std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(io::parse_number("-1e-999", value));
+  EXPECT_EQ(value, 0);
+  for (const char* text : {"", "+", "+-1", "1,5", "0x10", "1e", "one", "1 ", "--1"})
+    EXPECT_FALSE(io::parse_number(text, value)) << text;
+}
+
+TEST(Xyz, SeparatorsCommentsAndLineEndsAreFree) {
+  const TemporaryFolder folder;
+  const PointCloud cloud = read_points(
+      folder.write("p.txt", "# head\r\n//X,Y,Z\n\n 1 2\t3\r\n4,5,6 # the second\n7; 8;9 // the third\n\t+1e1, -2 ;.5"));
+  EXPECT_EQ(cloud.positions, std::vector<Vec3d>({{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, -2, 0.5}}));
+  ASSERT_EQ(cloud.scans.size(), 1u);
+  EXPECT_EQ(cloud.scans[0].name, "p");
+  EXPECT_EQ(cloud.scans[0].end, 4u);
+}
+
+TEST(Xyz, ColumnsAreKnownByTheirCount) {
+  const TemporaryFolder folder;
+  ReadReport report;
+  const PointCloud four = read_points(folder.write("p.xyz", "1 2 3 700\n"), &report);
+  EXPECT_TRUE(four.normals.empty() && four.colors.empty());
+  const PointCloud six = read_points(folder.write("p.xyz", "1 2 3 0 0 -1\n"), &report);
+  EXPECT_EQ(six.normals, std::vector<Vec3f>({{0, 0, -1}}));
+  const PointCloud colors = read_points(folder.write("p.xyz", "1 2 3 0 0 0\n4 5 6 255 1 2\n"), &report);
+  EXPECT_EQ(colors.colors, std::vector<Rgb8>({{0, 0, 0}, {255, 1, 2}}));
+  EXPECT_TRUE(colors.normals.empty());
+  const PointCloud axes = read_points(folder.write("p.xyz", "1 2 3 0 0 1\n4 5 6 1 0 0\n"), &report);
+  EXPECT_EQ(axes.normals, std::vector<Vec3f>({{0, 0, 1}, {1, 0, 0}}));
+  const PointCloud seven = read_points(folder.write("p.xyz", "1 2 3 -90 10 20 30\n"), &report);
+  EXPECT_EQ(seven.colors, std::vector<Rgb8>({{10, 20, 30}}));
+  const PointCloud nine = read_points(folder.write("p.xyz", "1 2 3 0 1 0 10 20 30\n"), &report);
+  EXPECT_EQ(nine.normals, std::vector<Vec3f>({{0, 1, 0}}));
+  EXPECT_EQ(nine.colors, std::vector<Rgb8>({{10, 20, 30}}));
+  EXPECT_EQ(report.files.back().properties.size(), 9u);
+  EXPECT_EQ(report.files[2].properties.back(), "blue");
+}
+
+TEST(Xyz, CountLinesBeginScans) {
+  const TemporaryFolder folder;
+  const PointCloud cloud = read_points(folder.write("p.pts", "2\n0 0 0 5\n1 1 1 6\n0\n1\n2 2 2 7\n"));
+  EXPECT_EQ(cloud.size(), 3u);
+  ASSERT_EQ(cloud.scans.size(), 2u);
+  EXPECT_EQ(cloud.scans[0].end, 2u);
+  EXPECT_EQ(cloud.scans[1].begin, 2u);
+  EXPECT_EQ(cloud.scans[1].end, 3u);
+}
+
+TEST(Xyz, NonFiniteSamplesAreDroppedAndCounted) {
+  const TemporaryFolder folder;
+  ReadReport report;
+  const PointCloud cloud = read_points(folder.write("p.xyz", "1 nan 3\n4 5 6\n7 8 -inf\n"), &report);
+  EXPECT_EQ(cloud.positions, std::vector<Vec3d>({{4, 5, 6}}));
+  EXPECT_EQ(report.dropped(), 2u);
+  EXPECT_EQ(cloud.scans.at(0).end, 1u);
+}
+
+TEST(Files, SeveralAreSeveralScans) {
+  const TemporaryFolder folder;
+  const PointCloud first = rich_cloud(2, 3, 4, 8);
+  write_points(folder / "first.ply", first);
+  const std::string second = folder.write("second.xyz", "1 2 3\n4 5 6\n");
+  ReadReport report;
+  const PointCloud cloud = read_points({folder / "first.ply", second}, &report);
+  ASSERT_EQ(cloud.scans.size(), 3u);
+  EXPECT_EQ(cloud.scans[2].name, "second");
+  EXPECT_EQ(cloud.scans[2].begin, first.size());
+  EXPECT_EQ(cloud.normals.size(), cloud.size());
+  EXPECT_EQ(report.files.size(), 2u);
+  EXPECT_EQ(report.samples(), cloud.size());
+}
+
+TEST(Obj, WrittenMeshComesBack) {
+  const TemporaryFolder folder;
+  Mesh mesh = torus_mesh(12, 1.0);
+  const WriteReport report = write_mesh(folder / "m.obj", mesh);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("attributes"), std::string::npos);
+  const Mesh read = read_mesh(folder / "m.obj");
+  EXPECT_LT(largest_move(read, mesh), 1e-6);
+  EXPECT_EQ(read.triangles, mesh.triangles);
+  EXPECT_EQ(read.normals, mesh.normals);
+  EXPECT_EQ(read.colors, mesh.colors);
+}
+
+TEST(Obj, FacesComeInEveryNotation) {
+  const TemporaryFolder folder;
+  const Mesh mesh = read_mesh(folder.write(
+      "m.OBJ",
+      "mtllib x.mtl\no thing\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\ng part\nusemtl red\n"
+      "f 1/1/1 2/1/1 3/1/1\nf -4//-1 -2//-1 -1//-1\nf 1/1 2/1 3/1 4/1\nl 1 2\nf 1 2 3\n"));
+  EXPECT_EQ(mesh.triangles, std::vector<Triangle>({{0, 1, 2}, {0, 2, 3}, {0, 1, 2}, {0, 2, 3}, {0, 1, 2}}));
+  EXPECT_TRUE(mesh.normals.empty());
+  EXPECT_TRUE(mesh.colors.empty());
+}
+
+TEST(Off, HeadsAndPrefixesAreRead) {
+  const TemporaryFolder folder;
+  const std::vector<Triangle> quad{{0, 1, 2}, {0, 2, 3}};
+  const std::string plain = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n# faces\n4 0 1 2 3 255 0 0\n";
+  for (const char* head : {"OFF\n4 1 0\n", "OFF 4 1 4\n", "# comment\nOFF\n\n4 1 0\n", "4 1 0\n", "OFF\r\n4 1 0\r\n"})
+    EXPECT_EQ(read_mesh(folder.write("m.off", head + plain)).triangles, quad) << head;
+  const Mesh colored = read_mesh(folder.write("c.off",
+                                              "COFF\n3 1 0\n0 0 0 255 128 0 255\n1 0 0 0 0 0 255\n"
+                                              "0 1 0 0.0 0.5 1.0 1.0\n3 0 1 2\n"));
+  EXPECT_EQ(colored.colors, std::vector<Rgb8>({{255, 128, 0}, {0, 0, 0}, {0, 128, 255}}));
+  const Mesh normals =
+      read_mesh(folder.write("n.off", "NOFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"));
+  EXPECT_EQ(normals.normals.at(2), (Vec3f{0, 0, 1}));
+}
+
+TEST(Stl, WrittenMeshComesBackMerged) {
+  const TemporaryFolder folder;
+  const Mesh mesh = torus_mesh(40, 1.0);
+  for (const bool ascii : {false, true}) {
+    MeshWriteOptions options;
+    options.ascii = ascii;
+    write_mesh(folder / "m.stl", mesh, options);
+    const Mesh read = read_mesh(folder / "m.stl");
+    EXPECT_EQ(read.vertices.size(), mesh.vertices.size());
+    ASSERT_EQ(read.triangles.size(), mesh.triangles.size());
+    for (size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (size_t c = 0; c < 3; ++c)
+        ASSERT_LT(norm(read.vertices[read.triangles[t][c]] - mesh.vertices[mesh.triangles[t][c]]), 1e-6);
+    EXPECT_NEAR(read.volume(), mesh.volume(), 1e-5);
+  }
+}
+
+TEST(Stl, BinaryFileThatBeginsWithSolidIsBinary) {
+  const TemporaryFolder folder;
+  write_mesh(folder / "m.stl", torus_mesh(4, 1));
+  std::string bytes = folder.read("m.stl");
+  bytes.replace(0, 9, "solid abc");
+  EXPECT_EQ(read_mesh(folder.write("n.stl", bytes)).triangles.size(), 32u);
+}
+
+TEST(Stl, SeveralSolidsInAnyCase) {
+  const TemporaryFolder folder;
+  const std::string solid =
+      "  SOLID a name\nFacet NORMAL 0 0 1\n outer loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop endfacet\nendsolid a name\n";
+  const Mesh mesh = read_mesh(folder.write("m.stl", solid + solid));
+  EXPECT_EQ(mesh.triangles, std::vector<Triangle>({{0, 1, 2}, {0, 1, 2}}));
+}
+
+// Offsets of a national grid, detail of a millimetre: float would move vertices by 0.25.
+TEST(Georeferenced, MeshLosesNothing) {
+  const TemporaryFolder folder;
+  const Vec3d offset{5e6 + 0.123, 4.5e6, 312.5};
+  const Mesh mesh = torus_mesh(16, 0.003, offset);
+  const double edge = 6.28 * 0.003 / 16;
+  for (const char* name : {"m.ply", "m.obj"}) {
+    for (const bool ascii : {false, true}) {
+      MeshWriteOptions options;
+      options.ascii = ascii;
+      const WriteReport report = write_mesh(folder / name, mesh, options);
+      EXPECT_TRUE(report.double_coordinates);
+      EXPECT_EQ(largest_move(read_mesh(folder / name), mesh), 0) << name;
+    }
+  }
+  MeshWriteOptions coarse;
+  coarse.coordinate_precision = 1;
+  EXPECT_FALSE(write_mesh(folder / "m.ply", mesh, coarse).double_coordinates);
+  EXPECT_GT(largest_move(read_mesh(folder / "m.ply"), mesh), edge);
+}
+
+TEST(Georeferenced, StlSaysWhatItLoses) {
+  const TemporaryFolder folder;
+  Mesh mesh = torus_mesh(16, 0.003, {5e6, 4.5e6, 312.5});
+  mesh.colors = {};
+  mesh.attributes = {};
+  const WriteReport report = write_mesh(folder / "m.stl", mesh);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("PLY"), std::string::npos) << report.warnings[0];
+  mesh = torus_mesh(16, 0.003);
+  mesh.colors = {};
+  mesh.attributes = {};
+  EXPECT_TRUE(write_mesh(folder / "m.stl", mesh).warnings.empty());
+}
+
+TEST(Georeferenced, CloudLosesNothing) {
+  const TemporaryFolder folder;
+  const PointCloud cloud = rich_cloud(2, 5, 4, 3, {5e6, 4.5e6, 312.5});
+  for (const bool ascii : {false, true}) {
+    PointWriteOptions options;
+    options.ascii = ascii;
+    options.coordinate_precision = 1e-6;
+    EXPECT_TRUE(write_points(folder / "c.ply", cloud, options).double_coordinates);
+    expect_same_cloud(read_points(folder / "c.ply"), cloud);
+  }
+}
+
+}  // namespace
+}  // namespace soapfilm
