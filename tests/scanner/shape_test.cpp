@@ -198,7 +198,8 @@ TEST_P(EveryShape, SurfaceSamplesAreUniformAndOnTheSurface) {
   double area[8] = {};
   for (const Triangle& t : mesh.triangles) {
     const Vec3d a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
-    constexpr int parts = 24;  // of a triangle's edge: flat faces have triangles that span octants
+    // In pieces of a hundredth of the size: flat faces have triangles that span octants.
+    const int parts = 1 + static_cast<int>(100.0 * std::max({norm(b - a), norm(c - b), norm(a - c)}));
     for (int i = 0; i < parts; ++i)
       for (int j = 0; j < 2 * (parts - i) - 1; ++j) {
         const double u = (i + (j % 2 ? 2.0 / 3 : 1.0 / 3)) / parts, v = (j / 2 + (j % 2 ? 2.0 / 3 : 1.0 / 3)) / parts;
