@@ -16,7 +16,7 @@ namespace {
 TEST(MeshSurface, AgreesWithTheSphereThatItTessellates) {
   const auto sphere = make_sphere({.size = 2.0});
   const double tolerance = 1e-4;
-  const MeshSurface mesh(sphere->tessellate(tolerance));
+  const MeshSurface mesh(sphere->tessellate(tolerance), Parallel(1));
   ScannerParams params;
   params.views = 5;
   params.columns = params.rows = 80;
@@ -43,7 +43,7 @@ TEST(MeshSurface, AgreesWithTheSphereThatItTessellates) {
 
 TEST(MeshSurface, ClosestPointMatchesBruteForce) {
   const auto shape = make_part();
-  const MeshSurface surface(shape->tessellate(3e-4));
+  const MeshSurface surface(shape->tessellate(3e-4), Parallel(1));
   const Mesh& mesh = surface.mesh();
   Random random(1);
   for (int i = 0; i < 200; ++i) {
@@ -67,7 +67,7 @@ TEST(MeshSurface, ClosestPointMatchesBruteForce) {
 TEST(MeshSurface, HitsLieOnTheMeshWhateverItsOffset) {
   Mesh mesh = make_knot()->tessellate(1e-3);
   for (Vec3d& v : mesh.vertices) v = v * 1e-1 + Vec3d{5e6, 5e6, 100.0};
-  const MeshSurface surface(mesh);
+  const MeshSurface surface(mesh, Parallel(1));
   ScannerParams params;
   params.views = 3;
   params.columns = params.rows = 60;
@@ -81,17 +81,17 @@ TEST(MeshSurface, TurnsAnInsideOutMesh) {
   Mesh mesh = make_torus()->tessellate(1e-3);
   for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
   ASSERT_LT(mesh.volume(), 0.0);
-  const MeshSurface surface(mesh);
+  const MeshSurface surface(mesh, Parallel(1));
   EXPECT_TRUE(surface.turned());
   EXPECT_GT(surface.mesh().volume(), 0.0);
   const auto hit = surface.intersect({-3.0, 0.01, 0.01}, {1.0, 0.0, 0.0});
   ASSERT_TRUE(hit);
   EXPECT_LT(hit->normal.x, -0.9);
-  EXPECT_FALSE(MeshSurface(surface.mesh()).turned());
+  EXPECT_FALSE(MeshSurface(surface.mesh(), Parallel(1)).turned());
 }
 
 TEST(MeshSurface, SamplesLieOnTheMesh) {
-  const MeshSurface surface(make_part()->tessellate(1e-3));
+  const MeshSurface surface(make_part()->tessellate(1e-3), Parallel(1));
   const PointCloud cloud = sample_surface(surface, 2000, 3);
   for (size_t i = 0; i < cloud.size(); ++i) ASSERT_LE(surface.distance(cloud.positions[i]), 1e-13);
 }
@@ -99,7 +99,7 @@ TEST(MeshSurface, SamplesLieOnTheMesh) {
 TEST(MeshSurface, RefusesWhatIsNoMesh) {
   const auto message = [](const Mesh& mesh) -> std::string {
     try {
-      const MeshSurface surface(mesh);
+      const MeshSurface surface(mesh, Parallel(1));
     } catch (const InputError& error) {
       return error.what();
     }

@@ -80,7 +80,7 @@ TEST_P(EveryShape, WallsGapsAndHolesSpanFiveCellsOfTheCoarsestGrid) {
 TEST_P(EveryShape, DistanceAgreesWithAFineTessellation) {
   // The knot's tessellation cuts across the creases at its posts.
   const double tolerance = GetParam() == "knot" ? 2e-3 : 6e-5;
-  const MeshSurface mesh(fine_mesh(GetParam()));
+  const MeshSurface mesh(fine_mesh(GetParam()), Parallel(1));
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
     const Vec3d p = random_point(random, shape->box(), 0.3);
@@ -103,7 +103,7 @@ TEST_P(EveryShape, DistanceChangesNoFasterThanThePoint) {
 
 TEST_P(EveryShape, SignIsNegativeWithinTheSolidOnly) {
   // Crossing parity with the tessellation along a ray, away from the surface.
-  const MeshSurface mesh(fine_mesh(GetParam()));
+  const MeshSurface mesh(fine_mesh(GetParam()), Parallel(1));
   Random random(3);
   for (int i = 0; i < 500; ++i) {
     const Vec3d p = random_point(random, shape->box(), 0.1);
@@ -120,7 +120,7 @@ TEST_P(EveryShape, SignIsNegativeWithinTheSolidOnly) {
 }
 
 TEST_P(EveryShape, RaysHitTheSurfaceFirstWhereTheTessellationDoes) {
-  const MeshSurface mesh(fine_mesh(GetParam()));
+  const MeshSurface mesh(fine_mesh(GetParam()), Parallel(1));
   Random random(4);
   int hits = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -198,7 +198,8 @@ TEST_P(EveryShape, SurfaceSamplesAreUniformAndOnTheSurface) {
   double area[8] = {};
   for (const Triangle& t : mesh.triangles) {
     const Vec3d a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
-    constexpr int parts = 24;  // of a triangle's edge: flat faces have triangles that span octants
+    // In pieces of a hundredth of the size: flat faces have triangles that span octants.
+    const int parts = 1 + static_cast<int>(100.0 * std::max({norm(b - a), norm(c - b), norm(a - c)}));
     for (int i = 0; i < parts; ++i)
       for (int j = 0; j < 2 * (parts - i) - 1; ++j) {
         const double u = (i + (j % 2 ? 2.0 / 3 : 1.0 / 3)) / parts, v = (j / 2 + (j % 2 ? 2.0 / 3 : 1.0 / 3)) / parts;

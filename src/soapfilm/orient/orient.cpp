@@ -1,20 +1,155 @@
 #include "soapfilm/orient/orient.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/orient/estimate_normals.h"
+
 namespace soapfilm {
-std::vector<Vec3f> orient(const PointCloud& c, const OrientParams&, const Parallel&, Progress&, OrientReport& r) {
-  std::vector<Vec3f> d(c.size());
-  if (!c.normals.empty()) {
-    for (size_t i = 0; i < c.size(); ++i) d[i] = normalized(c.normals[i]);
-    r.from_normals = c.size();
-    return d;
-  }
-  for (const Scan& s : c.scans)
-    for (size_t i = s.begin; i < s.end; ++i) {
-      if (s.sensor)
-        d[i] = Vec3f(normalized(*s.sensor - c.positions[i]));
-      else if (s.view_direction)
-        d[i] = Vec3f(*s.view_direction);
-    }
-  r.from_scan = c.size();
-  return d;
+
+namespace {
+
+void check(const OrientParams& params) {
+  if (params.neighbours < 3 || params.neighbours > 1000)
+    throw ParameterError(fmt::format("neighbours = {}, must be in [3, 1000]", params.neighbours));
+  if (params.sensor && !is_finite(*params.sensor)) throw ParameterError("sensor: its coordinates must be finite");
 }
+
+/// Zero when `v` is zero or not finite.
+Vec3f unit_or_zero(Vec3d v) { return is_finite(v) ? static_cast<Vec3f>(normalized(v)) : Vec3f{}; }
+
+Vec3d mean_position(const PointCloud& cloud, const Scan& scan) {
+  const Vec3d first = cloud.positions[scan.begin];
+  Vec3d sum;
+  for (size_t i = scan.begin; i < scan.end; ++i) sum += cloud.positions[i] - first;
+  return first + sum / static_cast<double>(scan.size());
+}
+
+/// What a whole scan says.
+struct ScanFacts {
+  std::optional<Vec3d> sensor;
+  Vec3f view_direction;  ///< zero when unknown
+};
+
+/// What the cloud itself says of its samples' directions, source by source.
+class KnownDirections {
+ public:
+  KnownDirections(const PointCloud& cloud, const OrientParams& params) : cloud_(cloud), scan_of_(cloud.size(), 0) {
+    facts_.push_back({params.sensor, {}});  // of samples that belong to no scan
+    for (const Scan& scan : cloud.scans) {
+      ScanFacts facts{scan.sensor ? scan.sensor : params.sensor, {}};
+      if (scan.view_direction) {
+        facts.view_direction = unit_or_zero(*scan.view_direction);
+      } else if (facts.sensor && scan.size() > 0) {
+        facts.view_direction = unit_or_zero(*facts.sensor - mean_position(cloud, scan));
+      }
+      for (size_t i = scan.begin; i < scan.end; ++i) scan_of_[i] = static_cast<uint32_t>(facts_.size());
+      facts_.push_back(facts);
+    }
+  }
+
+  /// Zero where the source has nothing; never of `automatic` or `estimate`.
+  Vec3f direction(DirectionSource source, size_t i) const {
+    switch (source) {
+      case DirectionSource::normals:
+        return cloud_.normals.empty() ? Vec3f{} : unit_or_zero(static_cast<Vec3d>(cloud_.normals[i]));
+      case DirectionSource::sensor: {
+        if (!cloud_.sensors.empty() && is_finite(cloud_.sensors[i]))
+          return unit_or_zero(cloud_.sensors[i] - cloud_.positions[i]);
+        const ScanFacts& facts = facts_[scan_of_[i]];
+        return facts.sensor ? unit_or_zero(*facts.sensor - cloud_.positions[i]) : Vec3f{};
+      }
+      case DirectionSource::scan:
+        return facts_[scan_of_[i]].view_direction;
+      case DirectionSource::automatic:
+      case DirectionSource::estimate:
+        break;
+    }
+    return {};
+  }
+
+ private:
+  const PointCloud& cloud_;
+  std::vector<uint32_t> scan_of_;  ///< index into facts_
+  std::vector<ScanFacts> facts_;
+};
+
+constexpr std::array<DirectionSource, 3> known_sources{DirectionSource::normals, DirectionSource::sensor,
+                                                       DirectionSource::scan};
+
+void refuse_absent_source(DirectionSource source, const OrientReport& report) {
+  const auto require = [&](DirectionSource asked, size_t found, const char* complaint) {
+    if (source == asked && found == 0) throw ParameterError(fmt::format("directions = {}", complaint));
+  };
+  require(DirectionSource::normals, report.from_normals, "normals: no sample has a normal");
+  require(DirectionSource::sensor, report.from_sensor,
+          "sensor: no sample or scan has a scanner position, give one with --sensor");
+  require(DirectionSource::scan, report.from_scan, "scan: no scan has a viewing direction or a scanner position");
+}
+
+void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known,
+              const Parallel& parallel, Progress& progress, std::vector<Vec3f>& directions, OrientReport& report) {
+  std::vector<uint32_t> wanted;
+  std::vector<Vec3f> hints = directions;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    if (!(directions[i] == Vec3f{})) continue;
+    wanted.push_back(static_cast<uint32_t>(i));
+    hints[i] = known.direction(DirectionSource::sensor, i);
+    if (hints[i] == Vec3f{}) hints[i] = known.direction(DirectionSource::scan, i);
+  }
+  if (wanted.empty()) return;
+  const EstimatedNormals estimated =
+      estimate_normals(cloud.positions, wanted, hints, params.neighbours, parallel, progress);
+  for (size_t k = 0; k < wanted.size(); ++k) {
+    directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);
+    ++(estimated.normals[k] == Vec3d{} ? report.without_direction : report.estimated);
+  }
+  const auto warn = [&](std::string line) {
+    progress.warn(line);
+    report.warnings.push_back(std::move(line));
+  };
+  if (estimated.propagated > 0)
+    warn(fmt::format(
+        "{} of {} samples have no direction: normals were estimated from {} neighbours and turned outward by "
+        "propagation over {} connected part{}, which is a guess (give normals, or scanner positions with --sensor)",
+        estimated.propagated, cloud.size(), params.neighbours, estimated.components,
+        estimated.components == 1 ? "" : "s"));
+  if (report.without_direction > 0)
+    warn(
+        fmt::format("{} of {} samples have no direction and no neighbours that span a plane: they "
+                    "are left out",
+                    report.without_direction, cloud.size()));
+}
+
+}  // namespace
+
+std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
+                          Progress& progress, OrientReport& report) {
+  check(params);
+  report = {};
+  std::vector<Vec3f> directions(cloud.size());
+  std::vector<uint8_t> used(cloud.size(), 0);  // which of the known sources, counted from 1
+  const KnownDirections known(cloud, params);
+  const size_t first = params.source == DirectionSource::automatic  ? 0
+                       : params.source == DirectionSource::estimate ? known_sources.size()
+                                                                    : static_cast<size_t>(params.source) - 1;
+  parallel.for_each(cloud.size(), 4096, [&](size_t i) {
+    for (size_t s = first; s < known_sources.size() && used[i] == 0; ++s) {
+      directions[i] = known.direction(known_sources[s], i);
+      if (!(directions[i] == Vec3f{})) used[i] = static_cast<uint8_t>(s + 1);
+    }
+  });
+  for (const uint8_t source : used) {
+    report.from_normals += source == 1;
+    report.from_sensor += source == 2;
+    report.from_scan += source == 3;
+  }
+  refuse_absent_source(params.source, report);
+  estimate(cloud, params, known, parallel, progress, directions, report);
+  return directions;
+}
+
 }  // namespace soapfilm

@@ -1,22 +1,53 @@
+// Weak directions: which side of the surface each sample was seen from.
 #pragma once
+
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
+
 namespace soapfilm {
-enum class DirectionSource { automatic, normals, sensor, scan, estimate };
+
+/// Where directions come from. A sample for which the chosen source has nothing takes the next one of normals,
+/// sensor, scan, estimate; `automatic` begins with normals.
+enum class DirectionSource {
+  automatic,
+  normals,  ///< the given normal, unless it is zero
+  sensor,   ///< towards the scanner's position: the sample's own, its scan's, or OrientParams::sensor
+  scan,     ///< one direction for a whole scan: its viewing direction, or from its mean towards its scanner
+  estimate  ///< normal of a plane through the neighbours, turned to the scanner where one is known
+};
+
 struct OrientParams {
   DirectionSource source = DirectionSource::automatic;
-  std::optional<Vec3d> sensor;
-  int neighbours = 16;
+  std::optional<Vec3d> sensor;  ///< scanner position of the scans that name none, input units and frame
+  int neighbours = 16;          ///< of a sample, for estimated normals; in [3, 1000]
 };
+
 struct OrientReport {
-  size_t from_normals = 0, from_sensor = 0, from_scan = 0, estimated = 0;
-  size_t without_direction = 0;
+  size_t from_normals = 0;
+  size_t from_sensor = 0;
+  size_t from_scan = 0;
+  size_t estimated = 0;
+  size_t without_direction = 0;  ///< their direction is zero: no neighbours that span a plane
   std::vector<std::string> warnings;
 };
-std::vector<Vec3f> orient(const PointCloud&, const OrientParams&, const Parallel&, Progress&, OrientReport&);
+
+/// A unit vector for each sample, on the outer side of the surface or meant to be; zero where nothing is known.
+///
+/// Estimated normals are those of a principal component analysis of the nearest different positions (Hoppe et al.
+/// 1992). Where no scanner is known their signs are propagated over a minimum spanning tree of neighbours (same paper),
+/// apart for each connected component; a component's sign follows from neighbours with a known direction or, without
+/// any, from its extreme samples, which look outward. That is right for a closed surface and a guess for a patch: the
+/// report warns. The result does not depend on the number of threads.
+///
+/// Throws ParameterError when `neighbours` or `sensor` is out of range, or when a source that was asked for has nothing
+/// for any sample.
+std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
+                          Progress& progress, OrientReport& report);
+
 }  // namespace soapfilm

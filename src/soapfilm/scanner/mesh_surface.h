@@ -3,6 +3,8 @@
 
 #include <memory>
 
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/evaluate/distance.h"
 #include "soapfilm/scanner/surface.h"
 
 namespace soapfilm {
@@ -12,7 +14,7 @@ namespace soapfilm {
 class MeshSurface final : public Surface {
  public:
   /// Throws InputError when the mesh has no triangle, a vertex index out of range, or a coordinate that is not finite.
-  explicit MeshSurface(Mesh mesh);
+  MeshSurface(Mesh mesh, const Parallel& parallel);
   ~MeshSurface() override;
 
   /// Seen from its inner side a triangle is met all the same; the normal stays outward.
@@ -25,12 +27,13 @@ class MeshSurface final : public Surface {
   bool turned() const { return turned_; }
 
  private:
-  struct Embree;
+  struct Rays;
 
   Mesh mesh_;
   Box3d box_;
   bool turned_ = false;
-  std::unique_ptr<Embree> embree_;
+  std::unique_ptr<Rays> rays_;
+  std::unique_ptr<ClosestPointQuery> closest_point_;
 };
 
 }  // namespace soapfilm

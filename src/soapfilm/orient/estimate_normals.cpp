@@ -1,0 +1,299 @@
+#include "soapfilm/orient/estimate_normals.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nanoflann.hpp>
+#include <numeric>
+
+namespace soapfilm {
+
+namespace {
+
+constexpr uint32_t nobody = ~uint32_t{0};
+constexpr size_t samples_per_task = 1024;
+
+/// The different positions, relative to their first so that nothing is lost to large offsets, in the order in which
+/// they come first.
+struct Sites {
+  std::vector<Vec3d> points;
+  std::vector<uint32_t> of_sample;
+
+  explicit Sites(const std::vector<Vec3d>& positions) : of_sample(positions.size()) {
+    std::vector<uint32_t> order(positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+      const Vec3d &p = positions[a], &q = positions[b];
+      if (p.x != q.x) return p.x < q.x;
+      if (p.y != q.y) return p.y < q.y;
+      return p.z != q.z ? p.z < q.z : a < b;
+    });
+    // Each sample's first twin, itself included.
+    for (size_t k = 0; k < order.size(); ++k) {
+      const bool twin = k > 0 && positions[order[k]] == positions[order[k - 1]];
+      of_sample[order[k]] = twin ? of_sample[order[k - 1]] : order[k];
+    }
+    for (size_t i = 0; i < positions.size(); ++i) {
+      if (of_sample[i] < i) {
+        of_sample[i] = of_sample[of_sample[i]];
+        continue;
+      }
+      of_sample[i] = static_cast<uint32_t>(points.size());
+      points.push_back(positions[i] - positions[0]);
+    }
+  }
+
+  // What nanoflann asks for.
+  size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(size_t index, size_t axis) const { return points[index][static_cast<int>(axis)]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box& /*box*/) const {
+    return false;
+  }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Sites>, Sites, 3, uint32_t>;
+
+/// Normal of the plane through `points` around `centre` (sign arbitrary), and how well they fit it.
+struct Plane {
+  Vec3d normal;       ///< zero when the points lie on a line or in one place
+  double flat = 1.0;  ///< least over middle variance: 0 for a plane
+};
+
+Plane fit_plane(const Sites& sites, Vec3d centre, std::span<const uint32_t> neighbours) {
+  double radius = 0.0;
+  for (const uint32_t s : neighbours) radius = std::max(radius, norm(sites.points[s] - centre));
+  if (!(radius > 0.0)) return {};
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  for (const uint32_t s : neighbours) {
+    const Vec3d q = (sites.points[s] - centre) / radius;
+    const Eigen::Vector3d v(q.x, q.y, q.z);
+    mean += v;
+    moments += v * v.transpose();
+  }
+  const double count = static_cast<double>(neighbours.size()) + 1.0;  // and the centre itself, at the origin
+  mean /= count;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(moments / count - mean * mean.transpose());
+  const Eigen::Vector3d variance = solver.eigenvalues();
+  constexpr double line = 1e-7;  // variance across a line, relative to that along it; the solver errs by 1e-8
+  if (!(variance[1] > line * variance[2])) return {};
+  const Eigen::Vector3d n = solver.eigenvectors().col(0);
+  const Vec3d normal = normalized(Vec3d{n.x(), n.y(), n.z()});
+  return {is_finite(normal) ? normal : Vec3d{}, std::max(variance[0], 0.0) / variance[1]};
+}
+
+/// Disjoint sets whose members know their sign relative to the set's representative.
+class SignedSets {
+ public:
+  explicit SignedSets(size_t count) : parent_(count), sign_(count, 1) { std::iota(parent_.begin(), parent_.end(), 0u); }
+
+  struct Root {
+    uint32_t index;
+    int sign;
+  };
+  Root find(uint32_t i) {
+    uint32_t root = i;
+    int sign = 1;
+    while (parent_[root] != root) {
+      sign *= sign_[root];
+      root = parent_[root];
+    }
+    // Path compression: everyone on the way learns the root and its sign relative to it.
+    for (int rest = sign; parent_[i] != root && i != root;) {
+      const uint32_t next = parent_[i];
+      const int own = sign_[i];
+      parent_[i] = root;
+      sign_[i] = static_cast<int8_t>(rest);
+      rest *= own;
+      i = next;
+    }
+    return {root, sign};
+  }
+  /// Joins the sets of a and b so that b's sign is `relative` times a's; keeps what it has when they are one already.
+  void join(uint32_t a, uint32_t b, int relative) {
+    const Root ra = find(a), rb = find(b);
+    if (ra.index == rb.index) return;
+    const auto [low, high] = std::minmax(ra.index, rb.index);
+    parent_[high] = low;
+    sign_[high] = static_cast<int8_t>(ra.sign * rb.sign * relative);
+  }
+
+ private:
+  std::vector<uint32_t> parent_;
+  std::vector<int8_t> sign_;
+};
+
+/// The whole estimate; its members are the intermediate results, in the order in which they are made.
+class Estimator {
+ public:
+  Estimator(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted, const std::vector<Vec3f>& hints,
+            int neighbours, const Parallel& parallel, Progress& progress)
+      : sites_(positions), neighbours_(static_cast<size_t>(neighbours)), parallel_(parallel), progress_(progress) {
+    hint_.resize(sites_.points.size());
+    for (size_t i = 0; i < positions.size(); ++i) hint_[sites_.of_sample[i]] += static_cast<Vec3d>(hints[i]);
+    slot_.assign(sites_.points.size(), nobody);
+    for (const uint32_t sample : wanted) {
+      const uint32_t site = sites_.of_sample[sample];
+      if (slot_[site] != nobody) continue;
+      slot_[site] = static_cast<uint32_t>(targets_.size());
+      targets_.push_back(site);
+    }
+    fit();
+    propagate();
+  }
+
+  EstimatedNormals take(std::span<const uint32_t> wanted) const {
+    EstimatedNormals result;
+    result.components = components_;
+    for (const uint32_t sample : wanted) {
+      const uint32_t slot = slot_[sites_.of_sample[sample]];
+      result.normals.push_back(planes_[slot].normal);
+      result.propagated += propagated_[slot];
+    }
+    return result;
+  }
+
+ private:
+  std::span<const uint32_t> near(size_t slot) const { return {&near_[slot * neighbours_], near_count_[slot]}; }
+  bool has_hint(uint32_t site) const { return !(hint_[site] == Vec3d{}); }
+
+  /// Nearest neighbours and planes of the targets; those with a hint are turned to it.
+  void fit() {
+    const Tree tree(3, sites_, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+    near_.resize(targets_.size() * neighbours_);
+    near_count_.resize(targets_.size());
+    planes_.resize(targets_.size());
+    parallel_.for_chunks(targets_.size(), samples_per_task, [&](size_t begin, size_t end) {
+      progress_.check();
+      std::vector<uint32_t> index(neighbours_ + 1);
+      std::vector<double> distance(neighbours_ + 1);
+      for (size_t t = begin; t < end; ++t) {
+        const Vec3d p = sites_.points[targets_[t]];
+        const size_t found = tree.knnSearch(&p.x, neighbours_ + 1, index.data(), distance.data());
+        uint32_t count = 0;
+        for (size_t k = 0; k < found && count < neighbours_; ++k)
+          if (index[k] != targets_[t]) near_[t * neighbours_ + count++] = index[k];
+        near_count_[t] = count;
+        planes_[t] = fit_plane(sites_, p, near(t));
+        if (dot(planes_[t].normal, hint_[targets_[t]]) < 0.0) planes_[t].normal = -planes_[t].normal;
+      }
+    });
+  }
+
+  struct Edge {
+    uint32_t a, b;  ///< slots
+  };
+
+  /// Pairs of neighbouring targets whose signs are open, those with the most nearly parallel normals first (the weight
+  /// 1 - |n_a . n_b| of Hoppe et al., in 65536 steps; equal ones in the order of their samples).
+  std::vector<Edge> sorted_edges() const {
+    constexpr size_t steps = 1 << 16;
+    std::vector<Edge> edges;
+    std::vector<uint16_t> weight;
+    for (uint32_t a = 0; a < targets_.size(); ++a) {
+      if (!propagated_[a]) continue;
+      for (const uint32_t site : near(a)) {
+        const uint32_t b = slot_[site];
+        if (b == nobody || !propagated_[b]) continue;
+        const auto of_b = near(b);
+        if (b < a && std::find(of_b.begin(), of_b.end(), targets_[a]) != of_b.end()) continue;  // met from b already
+        const double w = 1.0 - std::abs(dot(planes_[a].normal, planes_[b].normal));
+        edges.push_back({a, b});
+        weight.push_back(static_cast<uint16_t>(std::clamp(w, 0.0, 1.0) * (steps - 1)));
+      }
+    }
+    std::vector<size_t> next(steps + 1, 0);  // counting sort: stable
+    for (const uint16_t w : weight) ++next[w + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    std::vector<Edge> sorted(edges.size());
+    for (size_t e = 0; e < edges.size(); ++e) sorted[next[weight[e]]++] = edges[e];
+    return sorted;
+  }
+
+  /// Signs along Kruskal's minimum spanning tree, then one sign per connected component.
+  void propagate() {
+    propagated_.resize(targets_.size());
+    for (size_t t = 0; t < targets_.size(); ++t)
+      propagated_[t] = !has_hint(targets_[t]) && !(planes_[t].normal == Vec3d{});
+    SignedSets sets(targets_.size());
+    for (const Edge& e : sorted_edges())
+      sets.join(e.a, e.b, dot(planes_[e.a].normal, planes_[e.b].normal) < 0.0 ? -1 : 1);
+    progress_.check();
+    std::vector<uint32_t> component(targets_.size(), nobody);  // at representatives
+    for (uint32_t t = 0; t < targets_.size(); ++t) {
+      if (!propagated_[t]) continue;
+      const SignedSets::Root root = sets.find(t);
+      if (root.sign < 0) planes_[t].normal = -planes_[t].normal;
+      if (component[root.index] == nobody) component[root.index] = static_cast<uint32_t>(components_++);
+      component[t] = component[root.index];
+    }
+    const std::vector<double> outward = component_votes(component);
+    for (size_t t = 0; t < targets_.size(); ++t)
+      if (propagated_[t] && outward[component[t]] < 0.0) planes_[t].normal = -planes_[t].normal;
+  }
+
+  /// Positive where a component's normals look outward as they are.
+  std::vector<double> component_votes(const std::vector<uint32_t>& component) const {
+    // By neighbours whose direction is known.
+    std::vector<double> votes(components_, 0.0);
+    for (size_t t = 0; t < targets_.size(); ++t) {
+      if (!propagated_[t]) continue;
+      for (const uint32_t site : near(t))
+        if (has_hint(site)) votes[component[t]] += dot(planes_[t].normal, normalized(hint_[site]));
+    }
+    // Without any: the furthest sample along a direction looks that way. Twenty-six directions vote, and samples that
+    // do not lie in a plane with their neighbours (outliers) only where there are no others.
+    constexpr double flat_enough = 0.05;
+    constexpr double never = -std::numeric_limits<double>::infinity();
+    std::vector<double> extremes(components_, 0.0);
+    struct Furthest {
+      double reach = never;
+      bool flat = false;
+      double vote = 0.0;
+    };
+    for (int code = 0; code < 27; ++code) {
+      const Vec3d towards = normalized(Vec3d{code % 3 - 1.0, code / 3 % 3 - 1.0, code / 9 - 1.0});
+      std::vector<Furthest> furthest(components_);
+      for (size_t t = 0; t < targets_.size(); ++t) {
+        if (!propagated_[t]) continue;
+        Furthest& best = furthest[component[t]];
+        const double reach = dot(sites_.points[targets_[t]], towards);
+        const bool flat = planes_[t].flat <= flat_enough;
+        if (flat > best.flat || (flat == best.flat && reach > best.reach))
+          best = {reach, flat, dot(planes_[t].normal, towards)};
+      }
+      for (size_t c = 0; c < components_; ++c) extremes[c] += furthest[c].vote;
+    }
+    for (size_t c = 0; c < components_; ++c)
+      if (votes[c] == 0.0) votes[c] = extremes[c];
+    return votes;
+  }
+
+  Sites sites_;
+  size_t neighbours_;
+  const Parallel& parallel_;
+  Progress& progress_;
+  std::vector<Vec3d> hint_;        ///< per site: sum of its samples' hints
+  std::vector<uint32_t> slot_;     ///< per site: its place among the targets, or nobody
+  std::vector<uint32_t> targets_;  ///< sites whose normals are wanted
+  std::vector<uint32_t> near_;     ///< per target: the sites nearest to it, nearest first
+  std::vector<uint32_t> near_count_;
+  std::vector<Plane> planes_;        ///< per target
+  std::vector<uint8_t> propagated_;  ///< per target: its sign comes from its neighbours
+  size_t components_ = 0;
+};
+
+}  // namespace
+
+EstimatedNormals estimate_normals(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted,
+                                  const std::vector<Vec3f>& hints, int neighbours, const Parallel& parallel,
+                                  Progress& progress) {
+  if (wanted.empty()) return {};
+  return Estimator(positions, wanted, hints, neighbours, parallel, progress).take(wanted);
+}
+
+}  // namespace soapfilm

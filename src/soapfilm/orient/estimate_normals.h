@@ -1,0 +1,28 @@
+// Normals from positions alone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/core/vec.h"
+
+namespace soapfilm {
+
+struct EstimatedNormals {
+  std::vector<Vec3d> normals;  ///< one per wanted sample, unit; zero where the neighbours span no plane
+  size_t propagated = 0;       ///< of them, how many have their sign by propagation
+  size_t components = 0;       ///< connected parts over which signs were propagated
+};
+
+/// Estimates the normals of the samples `wanted` (increasing indices) from their `neighbours` nearest different
+/// positions. `hints` is as long as `positions`: where a sample's hint is not zero, its normal is turned to that side;
+/// hints of samples that are not wanted help the signs of their neighbours. See orient() for the method.
+EstimatedNormals estimate_normals(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted,
+                                  const std::vector<Vec3f>& hints, int neighbours, const Parallel& parallel,
+                                  Progress& progress);
+
+}  // namespace soapfilm
