@@ -10,6 +10,8 @@
 #include <utility>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/evaluate/embree_scene.h"
 
 namespace soapfilm {
 
@@ -50,17 +52,15 @@ void check(const Mesh& mesh) {
 
 /// Embree sees the mesh in single precision, centred and scaled to about [-1, 1].
 struct MeshSurface::Embree {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
+  EmbreeScene tree;
   Vec3d centre;
   double scale = 1.0;  ///< input units per unit of the Embree frame
 
   Embree(const Mesh& mesh, const Box3d& box) : centre(box.centre()), scale(std::max(0.5 * box.longest(), 1e-300)) {
-    device = rtcNewDevice("threads=1");
-    if (!device) throw std::bad_alloc();
-    scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSceneFlags(tree.get(), RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(tree.device(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcAttachGeometry(tree.get(), geometry);
+    rtcReleaseGeometry(geometry);  // the scene holds it from here on
     auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                  sizeof(Vec3f), mesh.vertices.size()));
     auto* triangles = static_cast<Triangle*>(rtcSetNewGeometryBuffer(
@@ -69,16 +69,8 @@ struct MeshSurface::Embree {
     std::transform(mesh.vertices.begin(), mesh.vertices.end(), vertices, [&](Vec3d v) { return to_local(v); });
     std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles);
     rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
+    tree.commit(Parallel(1));
   }
-  ~Embree() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
-  Embree(const Embree&) = delete;
-  Embree& operator=(const Embree&) = delete;
 
   Vec3f to_local(Vec3d p) const { return static_cast<Vec3f>((p - centre) / scale); }
 };
@@ -147,7 +139,7 @@ std::optional<SurfacePoint> MeshSurface::intersect(Vec3d origin, Vec3d direction
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcIntersect1(embree_->scene, &context, &query);
+  rtcIntersect1(embree_->tree.get(), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
   // Again in double: the ray meets the triangle's plane, and the triangle where rounding put it just beside.
@@ -169,7 +161,7 @@ SurfacePoint MeshSurface::closest(Vec3d p) const {
   query.radius = std::numeric_limits<float>::infinity();
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(embree_->scene, &query, &context, visit_triangle, &closest);
+  rtcPointQuery(embree_->tree.get(), &query, &context, visit_triangle, &closest);
   return {closest.foot, triangle_normal(mesh_, closest.triangle), closest.least};
 }
 
