@@ -53,7 +53,7 @@ constexpr GroupFiles group_v2{"sys/fs/cgroup", "memory.max", "memory.current", "
 uint64_t room_in_group(const std::string& root, const GroupFiles& files, std::string path) {
   uint64_t room = UINT64_MAX;
   for (;;) {
-    const std::string folder = root + "/" + files.mount + path + "/";
+    const std::string folder = fmt::format("{}/{}{}/", root, files.mount, path);
     const auto limit = read_number(folder + files.limit);
     const auto usage = read_number(folder + files.usage);
     if (limit && usage) {
