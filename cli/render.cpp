@@ -125,6 +125,7 @@ bool is_png(const std::string& path) {
 int run(const Request& request, const GlobalOptions& options) {
   const RenderParams params = params_of(request);
   if (!is_png(request.output)) throw OutputError(fmt::format("{}: unknown extension, must be .png", request.output));
+  check_output(request.output);
 
   using Shape = std::variant<Mesh, PointCloud>;
   std::vector<Shape> shapes;
