@@ -249,7 +249,7 @@ void draw_legend(Image& image, const RenderParams& params, const Layout& layout,
   const double text = layout.text_height;
   const int length = std::min(image.width * 6 / 10, 60 * static_cast<int>(text));
   const int left = (image.width - length) / 2;
-  const int top = image.height - layout.legend_height + static_cast<int>(1.7 * text);
+  const int top = image.height - layout.legend_height + static_cast<int>(2.2 * text);
   const int bottom = top + static_cast<int>(text);
   draw_centred(image, params.color_by, image.width / 2.0, top - 0.5 * text, text, length, ink);
   for (int x = 0; x < length; ++x) {
