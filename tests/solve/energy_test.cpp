@@ -1,0 +1,166 @@
+#include "soapfilm/solve/energy.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "support/dense.h"
+#include "support/hash.h"
+#include "support/random_level.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+const Parallel one_thread(1);
+
+/// Sets u = 1 in some of the inactive bricks.
+void fill_some_inactive_bricks(RandomLevel& random, uint64_t seed) {
+  Random choice(seed);
+  BrickMask all(random.level.box.bricks);
+  all.fill(true);
+  all.for_each([&](Vec3i b) {
+    if (random.level.grid.find(b) < 0) random.level.inside.set(b, choice.uniform() < 0.5);
+  });
+}
+
+class EnergyOfRandomLevels : public testing::TestWithParam<uint64_t> {};
+
+TEST_P(EnergyOfRandomLevels, AgreesWithBruteForceOnTheDenseGrid) {
+  const RandomLevel random(GetParam(), {.rim = RimFlux::zero});
+  const Level& level = random.level;
+  const Dense<double> f = dense_f(level);
+  for (const std::optional<float> threshold : {std::optional<float>(), std::optional(0.3f), std::optional(0.5f)}) {
+    const Dense<double> u = dense_u(level, threshold);
+    const Energies e = evaluate_energy(level, {.threshold = threshold, .certify = false}, one_thread);
+    const double variation = total_variation(u), data = inner_product(f, u);
+    EXPECT_NEAR(e.total_variation, variation, 1e-12 * variation);
+    EXPECT_NEAR(e.data, data, 1e-9 * std::abs(data) + 1e-9);
+    EXPECT_DOUBLE_EQ(e.primal, level.lambda * e.total_variation - e.data);
+    EXPECT_EQ(e.inside, static_cast<size_t>(std::count_if(u.values().begin(), u.values().end(),
+                                                          [](double value) { return value > 0.5; })));
+    const double dual = dual_energy(dense_p(level), f, [&](Vec3i v) { return level.box.is_free(v); });
+    EXPECT_NEAR(e.dual, dual, 1e-12 * std::abs(dual));
+  }
+}
+
+/// D(p) <= E(u) for every feasible p and every u in [0, 1].
+TEST_P(EnergyOfRandomLevels, DualNeverExceedsPrimal) {
+  for (const double lambda : {1e-3, 0.1, 10.0}) {
+    const RandomLevel random(GetParam(), {.lambda = lambda, .rim = RimFlux::zero});
+    for (const std::optional<float> threshold : {std::optional<float>(), std::optional(0.5f)}) {
+      const Energies e = evaluate_energy(random.level, {.threshold = threshold, .certify = true}, one_thread);
+      EXPECT_LE(e.dual, e.primal);
+    }
+  }
+}
+
+TEST_P(EnergyOfRandomLevels, GapIsTheSumOfLocalTermsThatAreNeverNegative) {
+  for (const RimFlux rim : {RimFlux::zero, RimFlux::random}) {
+    const RandomLevel random(GetParam(), {.rim = rim});
+    std::vector<double> local;
+    const Energies e = evaluate_energy(random.level, {}, one_thread, &local);
+    ASSERT_EQ(local.size(), random.level.grid.size());
+    EXPECT_GE(*std::min_element(local.begin(), local.end()), -1e-9);
+    EXPECT_NEAR(e.gap, e.primal - e.dual, 1e-9 * (std::abs(e.primal) + std::abs(e.dual)));
+    EXPECT_DOUBLE_EQ(e.gap, e.gap_band) << "the outside adds nothing here";
+    if (rim == RimFlux::random) continue;
+    // The rim's own faces, seen from the inactive side, carry the rest.
+    EXPECT_LE(std::accumulate(local.begin(), local.end(), 0.0), e.gap_band * (1 + 1e-12));
+  }
+}
+
+TEST_P(EnergyOfRandomLevels, NoDualGivesTheSumOfTheNegativeData) {
+  RandomLevel random(GetParam(), {.rim = RimFlux::zero});
+  Level& level = random.level;
+  double expected = 0;
+  for (size_t b = 0; b < level.grid.size(); ++b) {
+    std::fill_n(level.p.brick(b), 3 * brick_volume, 0.0f);
+    for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
+      if (level.box.is_free(v)) expected += std::min(0.0, -double{level.data(b)[i]});
+    });
+  }
+  EXPECT_NEAR(evaluate_energy(level, {}, one_thread).dual, expected, 1e-12 * std::abs(expected));
+}
+
+/// A dual that leaves the ball is brought back before it is a proof.
+TEST_P(EnergyOfRandomLevels, CertifyRescalesAnInfeasibleDual) {
+  RandomLevel random(GetParam(), {.rim = RimFlux::zero});
+  Level& level = random.level;
+  for (size_t b = 0; b < level.grid.size(); ++b)
+    for (int i = 0; i < 3 * brick_volume; ++i) level.p.brick(b)[i] *= 3;
+  DenseVectors p = dense_p(level);
+  double longest = 0;
+  p[0].for_each([&](Vec3i v) { longest = std::max(longest, norm(vector_at(p, v))); });
+  const double factor = longest / level.lambda;
+  ASSERT_GT(factor, 2.5);
+  for (Dense<double>& component : p) component.for_each([&](Vec3i v) { component[v] /= factor; });
+
+  const Energies e = evaluate_energy(level, {.threshold = {}, .certify = true}, one_thread);
+  const double dual = dual_energy(p, dense_f(level), [&](Vec3i v) { return level.box.is_free(v); });
+  EXPECT_NEAR(e.max_dual_norm, factor, 1e-9);
+  EXPECT_NEAR(e.dual, dual, 1e-9 * std::abs(dual));
+  EXPECT_LE(e.dual, e.primal);
+}
+
+/// Where inactive bricks of different labels touch, TV is bounded from above, so that E is never understated.
+TEST_P(EnergyOfRandomLevels, NeverUnderstatesTheVariationOutsideTheBand) {
+  RandomLevel random(GetParam());
+  fill_some_inactive_bricks(random, GetParam());
+  const double variation = total_variation(dense_u(random.level));
+  const Energies e = evaluate_energy(random.level, {}, one_thread);
+  EXPECT_GE(e.total_variation, variation * (1 - 1e-12));
+  EXPECT_LE(e.total_variation, variation * 1.5);
+}
+
+TEST_P(EnergyOfRandomLevels, DoesNotDependOnThreads) {
+  const RandomLevel random(GetParam());
+  const Energies one = evaluate_energy(random.level, {}, one_thread);
+  for (const int threads : {2, 3, 8}) {
+    const Energies many = evaluate_energy(random.level, {}, Parallel(threads));
+    EXPECT_EQ(one.primal, many.primal);
+    EXPECT_EQ(one.dual, many.dual);
+    EXPECT_EQ(one.gap, many.gap);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, EnergyOfRandomLevels, testing::Values(1, 2, 3, 4));
+
+/// The null space of the gradient: a constant has variation at the domain's border only.
+TEST(Energy, ConstantHasVariationAtTheBorderOnly) {
+  RandomLevel random(5);
+  Level& level = random.level;
+  const Vec3i n = level.box.bricks;
+  BrickMask all(n);
+  all.fill(true);
+  all.for_each([&](Vec3i b) {
+    const bool border = b.x == 0 || b.y == 0 || b.z == 0 || b.x == n.x - 1 || b.y == n.y - 1 || b.z == n.z - 1;
+    if (level.grid.find(b) < 0) level.inside.set(b, !border);
+    if (const int32_t active = level.grid.find(b); active >= 0)
+      std::fill_n(level.u.brick(static_cast<size_t>(active)), brick_volume, border ? 0.0f : 1.0f);
+  });
+  double faces = 0;
+  const Dense<double> u = dense_u(level);
+  const double variation = total_variation(u);
+  for (int axis = 0; axis < 3; ++axis)
+    u.for_each([&](Vec3i v) { faces += std::abs(gradient_at(u, v)[axis]); });
+  const Vec3i block = (n - Vec3i{2, 2, 2}) * brick_side;
+  EXPECT_EQ(faces, 2.0 * (block.x * block.y + block.y * block.z + block.z * block.x));
+  const Energies e = evaluate_energy(level, {}, one_thread);
+  EXPECT_GE(e.total_variation, variation - 1e-6);
+  EXPECT_LE(e.total_variation, faces + 1e-6);
+}
+
+TEST(Energy, IsRelativeToTheDualOrToAThousandFaces) {
+  Energies e;
+  e.gap = 2;
+  e.gap_band = 1;
+  e.dual = -100;
+  EXPECT_DOUBLE_EQ(e.relative_gap(0.01), 0.02);
+  EXPECT_DOUBLE_EQ(e.relative_gap_band(0.01), 0.01);
+  EXPECT_DOUBLE_EQ(e.relative_gap(1.0), 0.002);
+}
+
+}  // namespace
+}  // namespace soapfilm

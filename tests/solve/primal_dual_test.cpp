@@ -1,0 +1,83 @@
+#include "soapfilm/solve/primal_dual.h"
+
+#include <gtest/gtest.h>
+
+#include "support/dense.h"
+#include "support/hash.h"
+#include "support/problem.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+const Parallel one_thread(1);
+
+/// The whole box as one level. `problem` must outlive it.
+Level whole_box(const Problem& problem, double lambda) {
+  const LevelBox box = problem.lattice.box(0);
+  BrickMask everywhere(box.bricks);
+  everywhere.fill(true);
+  return make_level(box, static_cast<float>(lambda), everywhere, problem.support.grid, problem.support.f, one_thread);
+}
+
+class SmallSphere : public testing::TestWithParam<int> {};
+
+TEST_P(SmallSphere, GapFallsToAMillionth) {
+  const Problem problem = make_problem(sampled("sphere", GetParam(), 2), GetParam());
+  Level level = whole_box(problem, 0.02);
+  PrimalDualParams params;
+  params.tolerance = 1e-6;
+  params.max_iterations = 20000;
+  params.check_every = 100;
+  Progress progress;
+  double last_gap = std::numeric_limits<double>::infinity();
+  const PrimalDualReport report =
+      solve_primal_dual(level, params, one_thread, progress, [&](int, const Energies& e) { last_gap = e.gap; });
+  EXPECT_TRUE(report.converged);
+  EXPECT_LE(report.energies.relative_gap(level.lambda), 1e-6);
+  EXPECT_EQ(report.energies.gap, last_gap);
+  EXPECT_LT(report.energies.primal, 0) << "a surface, not the empty set";
+
+  const Energies certified = evaluate_energy(level, {.threshold = {}, .certify = true}, one_thread);
+  EXPECT_LE(certified.dual, certified.primal);
+  EXPECT_LE(certified.relative_gap(level.lambda), 2e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Vertices, SmallSphere, testing::Values(24, 32));
+
+TEST(PrimalDual, WithoutDataTheOptimumIsEmpty) {
+  Problem problem = make_problem(sampled("sphere", 24, 1), 24);
+  for (size_t b = 0; b < problem.support.f.bricks(); ++b) std::fill_n(problem.support.f.brick(b), brick_volume, 0.0f);
+  Level level = whole_box(problem, 0.01);
+  Progress progress;
+  const PrimalDualReport report = solve_primal_dual(level, {}, one_thread, progress);
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.energies.primal, 0);
+  EXPECT_EQ(report.energies.dual, 0);
+}
+
+TEST(PrimalDual, SaysWhenTheIterationsRanOut) {
+  const Problem problem = make_problem(sampled("sphere", 24, 2), 24);
+  Level level = whole_box(problem, 0.02);
+  PrimalDualParams params;
+  params.tolerance = 1e-12;
+  params.max_iterations = 40;
+  Progress progress;
+  const PrimalDualReport report = solve_primal_dual(level, params, one_thread, progress);
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.iterations, 40);
+}
+
+TEST(PrimalDual, CancelsBetweenSweeps) {
+  const Problem problem = make_problem(sampled("sphere", 24, 2), 24);
+  Level level = whole_box(problem, 0.02);
+  Progress progress;
+  PrimalDualParams params;
+  params.tolerance = 1e-12;
+  EXPECT_THROW(solve_primal_dual(level, params, one_thread, progress, [&](int, const Energies&) { progress.cancel(); }),
+               Cancelled);
+}
+
+}  // namespace
+}  // namespace soapfilm

@@ -1,0 +1,124 @@
+#include "soapfilm/solve/sweep.h"
+
+#include <gtest/gtest.h>
+
+#include "support/back_ends.h"
+#include "support/dense.h"
+#include "support/hash.h"
+#include "support/random_level.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+constexpr StepSizes steps{.sigma = 0.14f, .tau = static_cast<float>(1 / (12 * 0.14))};
+
+/// Chambolle and Pock's iteration (2011, algorithm 1) vertex by vertex, in double, on a dense copy of a level.
+class Reference {
+ public:
+  explicit Reference(const Level& level) : level_(level), u_(dense_u(level)), f_(dense_f(level)), p_(dense_p(level)) {}
+
+  void sweep() {
+    Dense<double> u_bar(u_.size());
+    for_each_active([&](Vec3i v) {
+      if (!level_.box.is_free(v)) return;
+      const double u = std::clamp(u_[v] - steps.tau * (adjoint_at(p_, v) - f_[v]), 0.0, 1.0);
+      u_bar[v] = 2 * u - u_[v];
+      u_[v] = u;
+    });
+    for_each_active([&](Vec3i v) { dual_step(v, gradient_at(u_bar, v)); });
+  }
+
+  const Dense<double>& u() const { return u_; }
+  const DenseVectors& p() const { return p_; }
+
+ private:
+  template <class Visit>
+  void for_each_active(Visit&& visit) {
+    for (size_t b = 0; b < level_.grid.size(); ++b)
+      for_each_vertex(level_.grid.coord(b), [&](Vec3i v, int) { visit(v); });
+  }
+
+  /// Projects the free components onto what the fixed ones leave of the ball.
+  void dual_step(Vec3i v, Vec3d gradient) {
+    double kept = 0, moved = 0;
+    std::array<double, 3> q{};
+    std::array<bool, 3> fixed{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto k = static_cast<size_t>(axis);
+      fixed[k] = level_.grid.find(brick_of(v + along(axis))) == outside_band;
+      q[k] = p_[k][v] + steps.sigma * gradient[axis];
+      (fixed[k] ? kept : moved) += fixed[k] ? p_[k][v] * p_[k][v] : q[k] * q[k];
+    }
+    const double radius = std::sqrt(std::max(0.0, double{level_.lambda} * level_.lambda - kept));
+    const double scale = std::sqrt(moved) > radius ? radius / std::sqrt(moved) : 1.0;
+    for (size_t k = 0; k < 3; ++k)
+      if (!fixed[k]) p_[k][v] = scale * q[k];
+  }
+
+  const Level& level_;
+  Dense<double> u_, f_;
+  DenseVectors p_;
+};
+
+void sweep(Level& level, int times, const Parallel& parallel) {
+  Sweeper sweeper(level, parallel);
+  for (int i = 0; i < times; ++i) sweeper.sweep(steps);
+}
+
+uint64_t hash_state(const Level& level) {
+  uint64_t hash = 0;
+  for (size_t b = 0; b < level.grid.size(); ++b) {
+    hash = hash_bytes(std::span<const float>(level.u.brick(b), brick_volume), hash);
+    hash = hash_bytes(std::span<const float>(level.p.brick(b), 3 * brick_volume), hash);
+  }
+  return hash;
+}
+
+class Sweep : public testing::TestWithParam<BackEnd> {
+ protected:
+  ForcedTarget target{GetParam().target};
+  Parallel parallel{GetParam().threads};
+};
+
+TEST_P(Sweep, IsTheIterationOfThePaper) {
+  RandomLevel random(11);
+  Reference reference(random.level);
+  for (int i = 0; i < 5; ++i) reference.sweep();
+  sweep(random.level, 5, parallel);
+  const Dense<double> u = dense_u(random.level);
+  const DenseVectors p = dense_p(random.level);
+  double worst = 0;
+  u.for_each([&](Vec3i v) {
+    worst = std::max(worst, std::abs(u[v] - reference.u()[v]));
+    for (size_t k = 0; k < 3; ++k) worst = std::max(worst, std::abs(p[k][v] - reference.p()[k][v]));
+  });
+  EXPECT_LT(worst, 1e-5);
+}
+
+TEST_P(Sweep, GivesTheSameBitsOnEveryBackEnd) {
+  RandomLevel random(12), oracle(12);
+  sweep(random.level, 10, parallel);
+  const ForcedTarget scalar("scalar");
+  sweep(oracle.level, 10, Parallel(1));
+  EXPECT_EQ(hash_state(random.level), hash_state(oracle.level));
+}
+
+TEST_P(Sweep, KeepsTheConstraints) {
+  RandomLevel random(13, {.rim = RimFlux::zero});
+  Level& level = random.level;
+  sweep(level, 10, parallel);
+  for (size_t b = 0; b < level.grid.size(); ++b)
+    for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
+      const double u = level.u.brick(b)[i];
+      const Vec3d p{level.p.brick(b, 0)[i], level.p.brick(b, 1)[i], level.p.brick(b, 2)[i]};
+      ASSERT_TRUE(u >= 0 && u <= (level.box.is_free(v) ? 1 : 0)) << u;
+      ASSERT_LE(norm(p), level.lambda * (1 + 1e-6));
+    });
+}
+
+INSTANTIATE_TEST_SUITE_P(AllBackEnds, Sweep, testing::ValuesIn(back_ends()), back_end_name);
+
+}  // namespace
+}  // namespace soapfilm

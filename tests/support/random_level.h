@@ -1,0 +1,87 @@
+// Levels with nothing in common but the contract: random box, band, data, u and p.
+#pragma once
+
+#include <cmath>
+
+#include "soapfilm/core/random.h"
+#include "soapfilm/solve/level.h"
+#include "support/dense.h"
+
+namespace soapfilm::test {
+
+/// A vector in the ball of the given radius.
+inline Vec3f random_in_ball(Random& random, double radius) {
+  const double x = random.normal(), y = random.normal(), z = random.normal();
+  return Vec3f(normalized(Vec3d{x, y, z}) * (radius * std::cbrt(random.uniform())));
+}
+
+/// Fluxes through the faces between the band and the inactive bricks.
+enum class RimFlux { zero, random };
+
+struct RandomLevelParams {
+  double lambda = 0.1;
+  double band = 0.5;     ///< share of the bricks that are active
+  double support = 0.6;  ///< share of those that have data
+  RimFlux rim = RimFlux::random;
+};
+
+/// u is uniform in [0, 1] at free vertices, f normal on the support, p uniform in the ball of lambda. Outside the band
+/// u = 0.
+struct RandomLevel {
+  BrickGrid support;
+  Field<float> f;
+  Level level;
+
+  RandomLevel(const RandomLevel&) = delete;
+  RandomLevel& operator=(const RandomLevel&) = delete;
+
+  explicit RandomLevel(uint64_t seed, const RandomLevelParams& params = {}) {
+    Random random(seed);
+    const Parallel parallel(1);
+    Lattice lattice;
+    for (int axis = 0; axis < 3; ++axis) lattice.size[axis] = 40 + static_cast<int>(random.next() % 25);
+    const LevelBox box = lattice.box(0);
+
+    BrickMask band(box.bricks), with_data(box.bricks);
+    BrickMask all(box.bricks);
+    all.fill(true);
+    all.for_each([&](Vec3i b) {
+      if (random.uniform() >= params.band) return;
+      band.set(b);
+      if (random.uniform() < params.support) with_data.set(b);
+    });
+    support = BrickGrid(with_data, parallel);
+    f = Field<float>(support);
+    for (size_t b = 0; b < support.size(); ++b)
+      for (int i = 0; i < brick_volume; ++i) f.brick(b)[i] = static_cast<float>(0.2 * random.normal());
+
+    level = make_level(box, static_cast<float>(params.lambda), band, support, f, parallel);
+    for (size_t b = 0; b < level.grid.size(); ++b) fill_brick(random, b, params);
+  }
+
+ private:
+  void fill_brick(Random& random, size_t b, const RandomLevelParams& params) {
+    for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
+      const auto value = static_cast<float>(random.uniform());
+      level.u.brick(b)[i] = level.box.is_free(v) ? value : 0.0f;
+      const Vec3f p = random_in_ball(random, params.lambda);
+      for (int axis = 0; axis < 3; ++axis) level.p.brick(b, axis)[i] = p[axis];
+    });
+    for (int axis = 0; axis < 3; ++axis) {
+      if (float* plane = level.rim.plane(b, axis))
+        for (int k = 0; k < brick_area; ++k) {
+          const double flux = random.uniform(-params.lambda, params.lambda);
+          plane[k] = params.rim == RimFlux::zero ? 0.0f : static_cast<float>(flux);
+        }
+      if (params.rim == RimFlux::zero && level.grid.neighbors(b)[static_cast<size_t>(slot_up[axis])] == outside_band)
+        for (int i = 0; i < brick_volume; ++i)
+          if (is_last(i, axis)) level.p.brick(b, axis)[i] = 0;
+    }
+  }
+
+ public:
+  /// Whether a brick's vertex is in the last layer along an axis.
+  static bool is_last(int i, int axis) { return i / brick_stride[axis] % brick_side == brick_side - 1; }
+};
+
+}  // namespace soapfilm::test
