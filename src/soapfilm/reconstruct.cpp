@@ -21,7 +21,9 @@ void announce(const ReconstructReport& report, Progress& progress) {
   progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, lambda {:.3g}, memory {}",
                             n.x, n.y, n.z, report.lattice.voxel, report.input.density, report.certificate.lambda,
                             format_bytes(report.planned_bytes)));
-  for (const std::string& warning : report.warnings) progress.warn(warning);
+  // orient() has shown its own.
+  for (size_t i = report.input.directions.warnings.size(); i < report.warnings.size(); ++i)
+    progress.warn(report.warnings[i]);
 }
 
 /// E(0) = 0 competes: a surface must have a lower energy, or the optimum is empty.
@@ -57,6 +59,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
   // Each sample gets a weak outward direction: its normal, towards the scanner, or estimated.
   const auto directions =
       stages.run("orient", [&] { return orient(cloud, params.orient, parallel, progress, report.input.directions); });
+  report.warnings = report.input.directions.warnings;
 
   // The grid: how fine, where, and what it will cost.
   const auto samples = stages.run("place", [&] { return place(cloud, directions, params, parallel, report); });

@@ -178,7 +178,7 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
   Evaluator evaluator{level, options.threshold, 1.0};
   std::vector<Terms> terms(level.grid.size());
   const auto evaluate_band = [&] {
-    parallel.for_each(terms.size(), 64, [&](size_t b) { terms[b] = evaluator.brick_terms(b); });
+    parallel.for_each(terms.size(), 256, [&](size_t b) { terms[b] = evaluator.brick_terms(b); });
     Terms sum;
     for (const Terms& t : terms) sum += t;
     return sum;

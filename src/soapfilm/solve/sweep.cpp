@@ -11,11 +11,13 @@ namespace {
 constexpr size_t faces_per_brick = 3 * brick_area;
 constexpr int32_t not_deferred = -1;
 
-/// One chunk on one thread has nothing to defer; several per thread keep the threads busy to the end.
+/// One chunk on one thread has nothing to defer; several per thread keep the threads busy to the end; below some
+/// hundred bricks (a fraction of a millisecond) waking a thread costs more than it brings.
 size_t chunk_size(size_t bricks, int threads) {
   constexpr size_t chunks_per_thread = 6;
+  constexpr size_t least_chunk = 256;
   if (threads == 1) return std::max<size_t>(bricks, 1);
-  return std::max<size_t>(bricks / (chunks_per_thread * static_cast<size_t>(threads)), 64);
+  return std::max<size_t>(bricks / (chunks_per_thread * static_cast<size_t>(threads)), least_chunk);
 }
 
 /// Leaves the first layers of u_bar behind for the lower neighbours.
@@ -92,7 +94,7 @@ Sweeper::Sweeper(Level& level, const Parallel& parallel)
 
 void Sweeper::sweep(StepSizes steps) {
   parallel_.for_chunks(level_.grid.size(), chunk_, [&](size_t begin, size_t end) { sweep_chunk(begin, end, steps); });
-  parallel_.for_each(deferred_.size(), 64, [&](size_t slot) { finish_brick(slot, steps); });
+  parallel_.for_each(deferred_.size(), 256, [&](size_t slot) { finish_brick(slot, steps); });
 }
 
 void Sweeper::sweep_chunk(size_t begin, size_t end, StepSizes steps) {
