@@ -251,7 +251,7 @@ void add_info(CLI::App& app, const GlobalOptions& /*options*/, Runner& runner) {
   CLI::App* command = app.add_subcommand("info", "Print what is in a file: samples, box, spacing, directions, scans");
   auto options = std::make_shared<InfoOptions>();
   command->add_option("files", options->files, "Point clouds, scan sets or meshes")->required()->type_name("FILE");
-  command->add_flag("--json", options->as_json, "Print one JSON array instead, an object for each file");
+  command->add_flag("--json", options->as_json, "Print a JSON array, one object per file");
   command->callback([options, &runner] { runner = [options] { return run_info(*options); }; });
 }
 
