@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "command.h"
+#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/io/io.h"
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/summary.h"
@@ -90,6 +91,12 @@ json mesh_facts(const std::string& path) {
                 {"normals", !mesh.normals.empty()},
                 {"colors", !mesh.colors.empty()},
                 {"attributes", json::array()}};
+  const TopologyReport topology = check_topology(mesh);
+  facts["closed"] = topology.closed();
+  facts["manifold"] = topology.manifold();
+  facts["boundary_edges"] = topology.boundary_edges;
+  facts["components"] = topology.components.size();
+  if (const auto genus = topology.genus()) facts["genus"] = *genus;
   for (const Mesh::Attribute& attribute : mesh.attributes) {
     const auto [lo, hi] = std::minmax_element(attribute.values.begin(), attribute.values.end());
     facts["attributes"].push_back({{"name", attribute.name}, {"lo", *lo}, {"hi", *hi}});
@@ -189,14 +196,27 @@ void print_points(const json& facts) {
   print_scans(facts["scans"], 0.1 * spacing);
 }
 
+/// "closed, manifold, 1 component, genus 0".
+std::string surface_text(const json& facts) {
+  const size_t components = facts["components"];
+  std::string text =
+      facts["closed"] ? "closed" : fmt::format("open ({} boundary edges)", grouped(facts["boundary_edges"]));
+  text += facts["manifold"] ? ", manifold" : ", not manifold";
+  text += fmt::format(", {} component{}", grouped(components), components == 1 ? "" : "s");
+  if (facts.contains("genus")) text += fmt::format(", genus {}", facts["genus"].get<int64_t>());
+  return text;
+}
+
 void print_mesh(const json& facts) {
   Lines lines{{"kind", "mesh"}, {"vertices", grouped(facts["vertices"])}, {"triangles", grouped(facts["triangles"])}};
   const double edge = facts["mean_edge"];
   add_box(lines, facts, 0.1 * edge);
   lines.emplace_back("mean edge", fmt::format("{:.3g}", edge));
   lines.emplace_back("area", fmt::format("{:.6g}", facts["area"].get<double>()));
-  lines.emplace_back("volume",
-                     fmt::format("{:.6g} (when closed; negative: inside out)", facts["volume"].get<double>()));
+  lines.emplace_back("surface", surface_text(facts));
+  if (facts["closed"])
+    lines.emplace_back("volume", fmt::format("{:.6g}{}", facts["volume"].get<double>(),
+                                             facts["volume"] < 0 ? " (the surface is inside out)" : ""));
   lines.emplace_back("normals", facts["normals"].get<bool>() ? "yes" : "no");
   lines.emplace_back("colours", facts["colors"].get<bool>() ? "yes" : "no");
   for (const json& attribute : facts["attributes"])
@@ -230,8 +250,8 @@ int run_info(const InfoOptions& options) {
 void add_info(CLI::App& app, const GlobalOptions& /*options*/, Runner& runner) {
   CLI::App* command = app.add_subcommand("info", "Print what is in a file: samples, box, spacing, directions, scans");
   auto options = std::make_shared<InfoOptions>();
-  command->add_option("files", options->files, "Point clouds, scan sets or meshes")->required()->type_name("FILE...");
-  command->add_flag("--json", options->as_json, "Print one JSON array instead, an object for each file");
+  command->add_option("files", options->files, "Point clouds, scan sets or meshes")->required()->type_name("FILE");
+  command->add_flag("--json", options->as_json, "Print a JSON array, one object per file");
   command->callback([options, &runner] { runner = [options] { return run_info(*options); }; });
 }
 
