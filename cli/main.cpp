@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cstdio>
 #include <iostream>
+#include <memory>
 #include <new>
 #include <string>
 #include <vector>
@@ -60,6 +61,29 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{} (see soapfilm {}--help)", what, chosen.empty() ? "" : chosen[0]->get_name() + " ");
 }
 
+/// Help pages whose option descriptions are wrapped to the page.
+class Page : public CLI::Formatter {
+ public:
+  Page() { column_width(name_columns); }
+
+  std::string make_option_desc(const CLI::Option* option) const override {
+    std::string text = CLI::Formatter::make_option_desc(option);
+    size_t line = 0;  // where the current line begins
+    for (size_t at = 0, space = 0; at < text.size(); ++at) {
+      if (text[at] == '\n') line = space = at + 1;
+      if (text[at] == ' ') space = at;
+      if (at - line < page_columns - name_columns || space <= line) continue;
+      text[space] = '\n';
+      line = space + 1;
+    }
+    return text;
+  }
+
+ private:
+  static constexpr size_t name_columns = 30;
+  static constexpr size_t page_columns = 100;
+};
+
 void add_global_options(CLI::App& app, GlobalOptions& options) {
   app.add_option("--threads", options.threads, "Threads to use; 0, the default: all that the process may use")
       ->check(CLI::Range(0, 1024))
@@ -77,7 +101,7 @@ int run(int argc, char** argv) {
       "soapfilm");
   app.require_subcommand(1);
   app.fallthrough();  // sub-commands inherit it: global options may follow them
-  app.get_formatter()->column_width(34);
+  app.formatter(std::make_shared<Page>());
   GlobalOptions options;
   Runner runner;
   add_global_options(app, options);

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <exception>
 #include <utility>
 
 #include "cli/command.h"
@@ -90,6 +91,7 @@ void TerminalProgress::advance(double fraction, std::string_view detail) {
 
 void TerminalProgress::end_stage(double seconds) {
   const std::string name = std::exchange(stage_, {});
+  if (std::uncaught_exceptions() > 0) return erase();  // it failed: the error's message follows
   if (!quiet_)
     write_line(fmt::format("{:<10}{:>7.2f} s{}{}", name, seconds, stage_detail_.empty() ? "" : "  ", stage_detail_));
 }

@@ -160,6 +160,24 @@ TEST(TerminalProgress, AnAbandonedStageEndsItsLine) {
   EXPECT_EQ(text.substr(text.size() - 2), "\r\n");
 }
 
+TEST(TerminalProgress, AStageThatFailsLeavesNoFinishedLine) {
+  const auto failing = [](Progress& progress) {
+    struct Stage {
+      Progress& progress;
+      ~Stage() { progress.end_stage(1); }
+    };
+    try {
+      progress.begin_stage("solve");
+      const Stage stage{progress};
+      throw Cancelled();
+    } catch (const Cancelled&) {
+    }
+  };
+  EXPECT_EQ(captured({}, failing), "solve ...\n");
+  const std::string text = captured({}, failing, 80);
+  EXPECT_EQ(text.substr(text.size() - 4), "\r\033[K") << text;
+}
+
 TEST(CancelOnSignal, TheFirstSignalCancels) {
   for (const int signal : {SIGINT, SIGTERM}) {
     Progress progress;
