@@ -13,6 +13,7 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
 #include "soapfilm/io/io.h"
+#include "soapfilm/place.h"
 
 namespace soapfilm::cli {
 
@@ -66,6 +67,11 @@ PointCloud read_input(const Options& options, Progress& progress, ReadReport& re
   for (const std::string& warning : read.warnings) progress.warn(warning);
   if (read.dropped() > 0)
     progress.warn(fmt::format("{} of {} samples dropped: not finite", read.dropped(), read.dropped() + cloud.size()));
+  try {
+    check_samples(cloud);
+  } catch (const ParameterError& error) {
+    throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
+  }
   progress.info(
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));
   return cloud;

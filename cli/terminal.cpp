@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "cli/command.h"
+#include "soapfilm/io/io.h"
 
 namespace soapfilm::cli {
 
@@ -31,10 +32,17 @@ void set_handler(void (*handler)(int)) {
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
-/// The first signal cancels and puts the default back, so that the next one kills.
+/// Dies of the signal as it would without a handler, but leaves no half-written file.
+extern "C" void clean_up_and_die(int signal) {
+  remove_temporary_files();
+  set_handler(SIG_DFL);
+  raise(signal);
+}
+
+/// The first signal cancels; the next one kills.
 extern "C" void cancel_live_progress(int) {
   if (Progress* progress = live_progress.load()) progress->cancel();
-  set_handler(SIG_DFL);
+  set_handler(clean_up_and_die);
 }
 
 bool is_terminal(std::FILE* out) {

@@ -20,31 +20,6 @@ constexpr size_t fewest_samples = 4;
 /// Thickness of the samples along their thinnest direction, relative to the longest, below which they are coplanar.
 constexpr double coplanar = 1e-7;
 
-void require_volume(const PointCloud& cloud, const Box3d& box) {
-  if (cloud.size() < fewest_samples)
-    throw ParameterError(fmt::format("samples = {}, must be at least {}", cloud.size(), fewest_samples));
-  for (size_t i = 0; i < cloud.size(); ++i)
-    if (!is_finite(cloud.positions[i])) throw ParameterError(fmt::format("sample {}: position is not finite", i));
-  if (!(box.longest() > 0)) throw ParameterError(fmt::format("all {} samples are identical", cloud.size()));
-
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-  const Vec3d centre = box.centre();
-  for (const Vec3d& p : cloud.positions) {
-    const Vec3d q = (p - centre) / box.longest();
-    const Eigen::Vector3d v(q.x, q.y, q.z);
-    mean += v;
-    moments += v * v.transpose();
-  }
-  const auto n = static_cast<double>(cloud.size());
-  mean /= n;
-  const Eigen::Matrix3d covariance = moments / n - mean * mean.transpose();
-  const Eigen::Vector3d variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
-  // In units of the longest side; variances below double's rounding of 1 are no thickness.
-  if (variance[0] <= std::max(coplanar * coplanar * variance[2], 1e-15))
-    throw ParameterError(fmt::format("all {} samples are coplanar, must span a volume", cloud.size()));
-}
-
 double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling& sampling) {
   if (params.voxel) return *params.voxel;
   if (params.resolution) return voxel_of_resolution(box, *params.resolution, params.padding);
@@ -66,10 +41,37 @@ void warn_near_empty(double lambda, double density, std::vector<std::string>& wa
 
 }  // namespace
 
+void check_samples(const PointCloud& cloud) {
+  const Box3d box = cloud.box();
+  if (cloud.size() < fewest_samples)
+    throw ParameterError(
+        fmt::format("{} sample{}, must be at least {}", cloud.size(), cloud.size() == 1 ? "" : "s", fewest_samples));
+  for (size_t i = 0; i < cloud.size(); ++i)
+    if (!is_finite(cloud.positions[i])) throw ParameterError(fmt::format("sample {}: position is not finite", i));
+  if (!(box.longest() > 0))
+    throw ParameterError(fmt::format("all {} samples are identical, must span a volume", cloud.size()));
+
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  const Vec3d centre = box.centre();
+  for (const Vec3d& p : cloud.positions) {
+    const Vec3d q = (p - centre) / box.longest();
+    const Eigen::Vector3d v(q.x, q.y, q.z);
+    mean += v;
+    moments += v * v.transpose();
+  }
+  const auto n = static_cast<double>(cloud.size());
+  mean /= n;
+  const Eigen::Matrix3d covariance = moments / n - mean * mean.transpose();
+  const Eigen::Vector3d variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
+  // In units of the longest side; variances below double's rounding of 1 are no thickness.
+  if (variance[0] <= std::max(coplanar * coplanar * variance[2], 1e-15))
+    throw ParameterError(fmt::format("all {} samples are coplanar, must span a volume", cloud.size()));
+}
+
 GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
                   const Parallel& parallel, ReconstructReport& report) {
   const Box3d box = cloud.box();
-  require_volume(cloud, box);
   const Sampling sampling = measure_sampling(cloud);
   const double voxel = choose_voxel(params.place, box, sampling);
   report.lattice = place_lattice(box, voxel, params.place.padding);

@@ -10,9 +10,11 @@
 
 namespace soapfilm {
 
+/// Throws ParameterError unless there are at least 4 samples, all finite, that span a volume.
+void check_samples(const PointCloud& cloud);
+
 /// Places the grid, sorts the samples into it and fills the report's input, lattice, certificate.lambda, planned_bytes
-/// and warnings. Throws ParameterError for samples that span no volume or are not finite, MemoryError before anything
-/// large is allocated.
+/// and warnings. The cloud must pass check_samples(). Throws MemoryError before anything large is allocated.
 GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
                   const Parallel& parallel, ReconstructReport& report);
 

@@ -51,6 +51,7 @@ Certificate certify(const Level& level, double lambda, double threshold, const P
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Parallel& parallel,
                            Progress& progress) {
   validate(params);
+  check_samples(cloud);
   Stages stages(progress);
   Reconstruction result;
   ReconstructReport& report = result.report;

@@ -6,27 +6,10 @@
 #include <vector>
 
 #include "soapfilm/version.h"
-#include "support/process.h"
+#include "support/program.h"
 
 namespace soapfilm::test {
 namespace {
-
-ProcessResult run(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), SOAPFILM_PROGRAM);
-  return run_process(arguments);
-}
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-/// Exit code 2, nothing on standard output, and one line "soapfilm: ..." that names `what`.
-void expect_refused(const std::vector<std::string>& arguments, const std::string& what) {
-  const ProcessResult result = run(arguments);
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_EQ(result.out, "");
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_EQ(result.err.rfind("soapfilm: ", 0), 0u) << result.err;
-  EXPECT_TRUE(contains(result.err, what)) << "expected '" << what << "' in: " << result.err;
-}
 
 TEST(Program, PrintsItsVersion) {
   const ProcessResult result = run({"--version"});

@@ -89,9 +89,8 @@ inline Dense<double> dense_field(const SupportField& field, const LevelBox& box)
 inline void insert_band(const Level& level, DenseVectors& p) {
   for (size_t b = 0; b < level.grid.size(); ++b)
     for (int axis = 0; axis < 3; ++axis)
-      for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
-        p[static_cast<size_t>(axis)][v] = level.p.brick(b, axis)[i];
-      });
+      for_each_vertex(level.grid.coord(b),
+                      [&](Vec3i v, int i) { p[static_cast<size_t>(axis)][v] = level.p.brick(b, axis)[i]; });
 }
 
 /// Calls visit(vertex below the face, flux) for the faces through which the band looks down into inactive bricks.
@@ -115,8 +114,7 @@ inline DenseVectors dense_p(const Level& level) {
   insert_band(level, p);
   for (size_t b = 0; b < level.grid.size(); ++b)
     for (int axis = 0; axis < 3; ++axis)
-      for_each_low_rim_face(level, b, axis,
-                            [&](Vec3i v, float flux) { p[static_cast<size_t>(axis)][v] = flux; });
+      for_each_low_rim_face(level, b, axis, [&](Vec3i v, float flux) { p[static_cast<size_t>(axis)][v] = flux; });
   return p;
 }
 

@@ -49,7 +49,8 @@ inline PointCloud sampled(const std::string& shape, int resolution, double densi
 /// Moves every sample along its normal by a normal deviate.
 inline void add_noise(PointCloud& cloud, double deviation, uint64_t seed) {
   Random random(seed);
-  for (size_t i = 0; i < cloud.size(); ++i) cloud.positions[i] += Vec3d(cloud.normals[i]) * (deviation * random.normal());
+  for (size_t i = 0; i < cloud.size(); ++i)
+    cloud.positions[i] += Vec3d(cloud.normals[i]) * (deviation * random.normal());
 }
 
 inline PointCloud transformed(PointCloud cloud, const auto& position, const auto& direction) {
