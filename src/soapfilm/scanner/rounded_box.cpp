@@ -129,12 +129,9 @@ class RoundedBoxes final : public Shape {
   std::vector<RoundedBox> boxes_;
 };
 
-constexpr double plate_width = 0.7;  // of its length
-
-/// A plate around `centre` whose outer thickness is `thickness`.
-RoundedBox plate_at(Vec3d centre, double size, double thickness) {
-  const double radius = 0.25 * thickness;
-  const Vec3d half{0.5 * size, 0.5 * plate_width * size, 0.5 * thickness};
+/// A plate around `centre`; its edges are rounded with a radius of a quarter of its thickness.
+RoundedBox plate_at(Vec3d centre, Vec3d half) {
+  const double radius = 0.5 * half.z;
   return {centre, half - Vec3d{radius, radius, radius}, radius};
 }
 
@@ -149,41 +146,38 @@ std::shared_ptr<const Shape> make_sphere(const ShapeParams& params) {
 }
 
 std::shared_ptr<const Shape> make_plate(const ShapeParams& params) {
-  const double thickness = params.thickness * params.size;
-  const RoundedBox plate = plate_at({}, params.size, thickness);
-  ShapeFacts facts{"plate",
-                   {{"length", params.size},
-                    {"width", plate_width * params.size},
-                    {"thickness", thickness},
-                    {"edge_radius", plate.radius}},
-                   1,
-                   0,
-                   thickness,
-                   plate.volume(),
-                   plate.area()};
-  const Vec3d half{0.5 * params.size, 0.5 * plate_width * params.size, 0.5 * thickness};
+  const Vec3d half = Vec3d{1.0, 0.7, params.thickness} * (0.5 * params.size);
+  const RoundedBox plate = plate_at({}, half);
+  ShapeFacts facts;
+  facts.name = "plate";
+  facts.parameters = {
+      {"length", 2.0 * half.x}, {"width", 2.0 * half.y}, {"thickness", 2.0 * half.z}, {"edge_radius", plate.radius}};
+  facts.narrowest = 2.0 * half.z;
+  facts.volume = plate.volume();
+  facts.area = plate.area();
   return std::make_shared<RoundedBoxes>(params.centre, half, std::vector{plate}, std::move(facts));
 }
 
 std::shared_ptr<const Shape> make_sheets(const ShapeParams& params) {
-  const double thickness = params.thickness * params.size;
+  // So narrow that scanners all around see into the gap down to its middle.
+  const Vec3d half = Vec3d{1.0, 0.45, params.thickness} * (0.5 * params.size);
   const double gap = params.gap * params.size;
-  const Vec3d up{0.0, 0.0, 0.5 * (gap + thickness)};
-  const RoundedBox upper = plate_at(up, params.size, thickness);
-  const RoundedBox lower = plate_at(-up, params.size, thickness);
-  ShapeFacts facts{"sheets",
-                   {{"length", params.size},
-                    {"width", plate_width * params.size},
-                    {"thickness", thickness},
-                    {"gap", gap},
-                    {"edge_radius", upper.radius}},
-                   2,
-                   0,
-                   std::min(thickness, gap),
-                   2.0 * upper.volume(),
-                   2.0 * upper.area()};
-  const Vec3d half{0.5 * params.size, 0.5 * plate_width * params.size, 0.5 * gap + thickness};
-  return std::make_shared<RoundedBoxes>(params.centre, half, std::vector{lower, upper}, std::move(facts));
+  const Vec3d up{0.0, 0.0, 0.5 * gap + half.z};
+  const RoundedBox upper = plate_at(up, half);
+  const RoundedBox lower = plate_at(-up, half);
+  ShapeFacts facts;
+  facts.name = "sheets";
+  facts.parameters = {{"length", 2.0 * half.x},
+                      {"width", 2.0 * half.y},
+                      {"thickness", 2.0 * half.z},
+                      {"gap", gap},
+                      {"edge_radius", upper.radius}};
+  facts.components = 2;
+  facts.narrowest = std::min(2.0 * half.z, gap);
+  facts.volume = 2.0 * upper.volume();
+  facts.area = 2.0 * upper.area();
+  const Vec3d box{half.x, half.y, 0.5 * gap + 2.0 * half.z};
+  return std::make_shared<RoundedBoxes>(params.centre, box, std::vector{lower, upper}, std::move(facts));
 }
 
 }  // namespace soapfilm

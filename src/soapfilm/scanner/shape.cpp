@@ -127,7 +127,7 @@ std::shared_ptr<const Shape> make_shape(const std::string& name, const ShapePara
   if (!(params.size > 0.0) || !std::isfinite(params.size))
     throw ParameterError(fmt::format("size = {}, must be > 0", params.size));
   if (!is_finite(params.centre)) throw ParameterError("centre: its coordinates must be finite");
-  range("thickness", params.thickness, 1e-4, name == "sheets" ? 0.4 : 0.5);
+  range("thickness", params.thickness, 1e-4, name == "sheets" ? 0.25 : 0.5);
   range("gap", params.gap, 1e-4, 0.5);
   for (const NamedMaker& maker : makers)
     if (name == maker.name) return maker.make(params);

@@ -66,8 +66,8 @@ class Shape : public Surface {
 struct ShapeParams {
   double size = 1.0;        ///< longest side of the box, input units, > 0
   Vec3d centre{};           ///< of the box, input units
-  double thickness = 0.12;  ///< of the plate and of each sheet, as a part of `size`; [1e-4, 0.5], sheets [1e-4, 0.4]
-  double gap = 0.12;        ///< between the two sheets, as a part of `size`; [1e-4, 0.5]
+  double thickness = 0.12;  ///< of the plate and of each sheet, as a part of `size`; [1e-4, 0.5], sheets [1e-4, 0.25]
+  double gap = 0.16;        ///< between the two sheets, as a part of `size`; [1e-4, 0.5]
 };
 
 /// Ball of diameter `size`.
@@ -78,7 +78,7 @@ std::shared_ptr<const Shape> make_torus(const ShapeParams& params = {});
 std::shared_ptr<const Shape> make_part(const ShapeParams& params = {});
 /// Thin box, size x 0.7 size x thickness; its edges are rounded with a radius of a quarter of the thickness.
 std::shared_ptr<const Shape> make_plate(const ShapeParams& params = {});
-/// Two such plates, parallel, `gap` apart: two components.
+/// Two such plates, size x 0.45 size x thickness, parallel, `gap` apart: two components.
 std::shared_ptr<const Shape> make_sheets(const ShapeParams& params = {});
 /// Trefoil knot as a tube, with a post between the strands at each of its three crossings; genus 4. Its distance is
 /// exact outside; inside it is exact but for points closest to a post's foot, where it is off by less than 1e-6 size.

@@ -253,12 +253,16 @@ std::vector<Vec3d> scanner_positions(const Box3d& box, const ScannerParams& para
   return positions;
 }
 
-ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Parallel& parallel) {
+ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Parallel& parallel,
+                     Progress& progress) {
   check(params);
   ScanSet set;
   std::vector<RangeCamera> cameras = place_cameras(surface.box(), params);
   for (size_t k = 0; k < cameras.size(); ++k) {
+    progress.check();
     PointCloud cloud = scan_view(surface, params, cameras[k], k, parallel);
+    progress.advance(static_cast<double>(k + 1) / static_cast<double>(cameras.size()),
+                     fmt::format("view {} of {}", k + 1, cameras.size()));
     if (cloud.size() == 0) continue;
     set.cloud.append(std::move(cloud));
     set.poses.push_back(cameras[k].pose);

@@ -7,6 +7,7 @@
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/point_cloud.h"
+#include "soapfilm/core/progress.h"
 #include "soapfilm/scanner/pose.h"
 #include "soapfilm/scanner/surface.h"
 
@@ -22,7 +23,7 @@ enum class Outliers { ray, box };
 struct ScannerParams {
   // Where the scanner stands. The "diagonal" is that of the surface's box.
   Orbit orbit = Orbit::fibonacci;
-  int views = 14;                          ///< positions on the orbit, on each circle of a ring; 1..10000
+  int views = 18;                          ///< positions on the orbit, on each circle of a ring; 1..10000
   std::vector<double> elevations_deg{30};  ///< of the ring's circles above the target; each in [-90, 90]
   double distance = 1.5;                   ///< from target to scanner, in diagonals; > 0.5, up to 1000
   std::vector<Vec3d> positions;            ///< scanner positions that replace the orbit, input units
@@ -58,7 +59,13 @@ struct ScanSet {
 /// give no scan. The result depends on nothing but the surface and the parameters, not on the number of threads.
 ///
 /// Throws ParameterError when a parameter is out of range, or when no ray of any view meets the surface.
-ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Parallel& parallel);
+ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Parallel& parallel, Progress& progress);
+
+/// The same without anyone watching.
+inline ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Parallel& parallel) {
+  Progress nobody;
+  return virtual_scan(surface, params, parallel, nobody);
+}
 
 /// The positions that virtual_scan uses for a surface with the given box.
 std::vector<Vec3d> scanner_positions(const Box3d& box, const ScannerParams& params);

@@ -1,0 +1,108 @@
+// soapfilm scan as a user runs it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "soapfilm/io/io.h"
+#include "soapfilm/scanner/mesh_surface.h"
+#include "soapfilm/scanner/shape.h"
+#include "support/process.h"
+
+namespace soapfilm::test {
+namespace {
+
+ProcessResult scan(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {SOAPFILM_PROGRAM, "scan"});
+  return run_process(arguments);
+}
+
+TEST(Scan, WritesAScanSetAndTheTruth) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("deep/scans");
+  const ProcessResult result = scan({"torus", "-o", out, "--size", "2", "--image", "60x50", "--views", "6"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+
+  const auto shape = make_torus({.size = 2.0});
+  const PointCloud cloud = read_points(out + "/scans.conf");
+  EXPECT_EQ(cloud.scans.size(), 6u);
+  for (const Vec3d& p : cloud.positions) ASSERT_LE(shape->distance(p), 2e-9);
+  EXPECT_TRUE(cloud.normals.empty());
+
+  const auto truth = nlohmann::json::parse(read_file(out + "/truth.json"));
+  EXPECT_EQ(truth["object"]["shape"], "torus");
+  EXPECT_EQ(truth["object"]["genus"], 1);
+  EXPECT_EQ(truth["scans"]["samples"], cloud.size());
+  EXPECT_EQ(truth["scanner"]["positions"].size(), 6u);
+  const Mesh mesh = read_mesh(out + "/truth.ply");
+  EXPECT_NEAR(mesh.volume(), truth["object"]["volume"].get<double>(), 1e-3 * mesh.volume());
+}
+
+TEST(Scan, ScansAMeshAndTurnsItWhenInsideOut) {
+  const TemporaryFolder folder;
+  Mesh mesh = make_part()->tessellate(1e-3);
+  for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+  write_mesh(folder.file("inside-out.ply"), mesh);
+  const std::string out = folder.file("scans");
+  const ProcessResult result =
+      scan({folder.file("inside-out.ply"), "-o", out, "--rays", "parallel", "--step", "2%", "--normals", "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("inside-out"), std::string::npos);
+  EXPECT_GT(read_mesh(out + "/truth.ply").volume(), 0.0);
+  const PointCloud cloud = read_points(out + "/scans.conf");
+  ASSERT_EQ(cloud.normals.size(), cloud.size());
+  for (const Scan& s : cloud.scans) {
+    ASSERT_TRUE(s.view_direction);
+    for (size_t i = s.begin; i < s.end; ++i)
+      ASSERT_GT(dot(static_cast<Vec3d>(cloud.normals[i]), *s.view_direction), 0.0);
+  }
+}
+
+TEST(Scan, TheSameBytesForAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  for (const char* threads : {"1", "3"}) {
+    const auto out = folder.file(threads);
+    ASSERT_EQ(scan({"knot", "-o", out, "--views", "2", "--image", "50x50", "--noise", "0.5%", "--outliers", "0.1",
+                    "--drop-out", "0.1", "--misalignment", "1%", "--misalignment-angle", "1", "--threads", threads})
+                  .exit_code,
+              0);
+  }
+  for (const char* file : {"scan_000.ply", "scan_001.ply", "scans.conf", "truth.ply", "truth.json"})
+    EXPECT_EQ(read_file(folder.path() / "1" / file), read_file(folder.path() / "3" / file)) << file;
+}
+
+TEST(Scan, RefusesInOneLineAndWritesNothing) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("scans");
+  const auto expect_refused = [&](std::vector<std::string> arguments, const std::string& what) {
+    arguments.insert(arguments.end(), {"-o", out});
+    const ProcessResult result = scan(arguments);
+    EXPECT_EQ(result.exit_code, 2) << what;
+    EXPECT_NE(result.err.find(what), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(out)) << what;
+  };
+  expect_refused({"cube"}, "object = cube, must be one of sphere, torus, part, plate, sheets, knot, or a mesh file");
+  expect_refused({"missing.ply"}, "missing.ply");
+  expect_refused({"part", "--noise", "loud"}, "noise = loud, must be a number >= 0, or one with a percent sign");
+  expect_refused({"part", "--noise", "-1%"}, "noise = -0.01, must be >= 0");
+  expect_refused({"part", "--image", "300"}, "image = 300, must be two whole numbers such as 300x300");
+  expect_refused({"part", "--position", "1,2"}, "position = 1,2, must be three numbers X,Y,Z");
+  expect_refused({"part", "--position", "0,0,9", "--target", "0,9,9"}, "no ray of 1 range images met the surface");
+  expect_refused({"plate", "--thickness", "0.9"}, "thickness = 0.9, must be in [0.0001, 0.5] times the size");
+  expect_refused({"part", "--views", "0"}, "views = 0, must be in [1, 10000]");
+  expect_refused({"part", "--seed", "-1"}, "seed");
+}
+
+TEST(Scan, AFolderThatCannotBeMadeIsRefused) {
+  const TemporaryFolder folder;
+  write_text_file(folder.file("in_the_way"), "a file");
+  const ProcessResult result = scan({"sphere", "-o", folder.file("in_the_way"), "--views", "1", "--image", "9x9"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("in_the_way: cannot make the folder"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace soapfilm::test

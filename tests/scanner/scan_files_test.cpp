@@ -1,0 +1,68 @@
+#include "soapfilm/scanner/scan_files.h"
+
+#include <gtest/gtest.h>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/io/io.h"
+#include "soapfilm/scanner/shape.h"
+#include "support/process.h"
+
+namespace soapfilm {
+namespace {
+
+class WrittenScans : public testing::TestWithParam<Rays> {};
+
+TEST_P(WrittenScans, AreReadBackInTheWorldFrame) {
+  ShapeParams shape;
+  shape.centre = {10.0, -20.0, 5.0};
+  ScannerParams params;
+  params.rays = GetParam();
+  params.views = 5;
+  params.columns = 40;
+  params.rows = 30;
+  params.normals = true;
+  params.outliers = 0.1;
+  params.outlier_kind = Outliers::box;
+  params.misalignment = 0.01;
+  params.misalignment_deg = 5.0;
+  const ScanSet set = virtual_scan(*make_part(shape), params, Parallel(2));
+
+  const test::TemporaryFolder folder;
+  Progress progress;
+  write_scans(folder.path().string(), "scans.conf", set, progress);
+  const PointCloud back = read_points(folder.file("scans.conf"));
+
+  ASSERT_EQ(back.size(), set.cloud.size());
+  for (size_t i = 0; i < back.size(); ++i) {
+    ASSERT_LE(norm(back.positions[i] - set.cloud.positions[i]), 1e-13);
+    ASSERT_LE(norm(back.normals[i] - set.cloud.normals[i]), 1e-6f);
+  }
+  ASSERT_EQ(back.scans.size(), set.cloud.scans.size());
+  for (size_t k = 0; k < back.scans.size(); ++k) {
+    const Scan &a = back.scans[k], &b = set.cloud.scans[k];
+    EXPECT_EQ(a.begin, b.begin);
+    EXPECT_EQ(a.end, b.end);
+    EXPECT_EQ(a.range_grid->columns, 40);
+    EXPECT_EQ(a.range_grid->rows, 30);
+    EXPECT_EQ(a.range_grid->sample, b.range_grid->sample);
+    ASSERT_EQ(a.sensor.has_value(), b.sensor.has_value());
+    ASSERT_EQ(a.view_direction.has_value(), b.view_direction.has_value());
+    EXPECT_LE(norm(a.sensor.value_or(Vec3d{}) - b.sensor.value_or(Vec3d{})), 1e-13);
+    EXPECT_LE(norm(a.view_direction.value_or(Vec3d{}) - b.view_direction.value_or(Vec3d{})), 1e-13);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rays, WrittenScans, testing::Values(Rays::central, Rays::parallel),
+                         [](const auto& each) { return each.param == Rays::central ? "central" : "parallel"; });
+
+TEST(WrittenScans, AFolderThatIsNotThereIsRefused) {
+  ScannerParams params;
+  params.views = 1;
+  params.columns = params.rows = 10;
+  const ScanSet set = virtual_scan(*make_sphere(), params, Parallel(1));
+  Progress progress;
+  EXPECT_THROW(write_scans("/no/such/folder", "scans.conf", set, progress), OutputError);
+}
+
+}  // namespace
+}  // namespace soapfilm
