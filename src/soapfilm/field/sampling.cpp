@@ -1,3 +1,5 @@
+// A sample's companions in a cell are the other samples on the piece of surface that the cell cuts out. That piece is
+// chosen by its area, as samples are, so its mean area is that of a plane's section through a uniform point.
 #include "soapfilm/field/sampling.h"
 
 #include <algorithm>
@@ -12,12 +14,10 @@ namespace {
 /// Cells of a grid of 2^depth cells along the longest axis, as interleaved keys: the key of the coarser cell that holds
 /// it is the key without its last three bits.
 constexpr int deepest = 16;
-constexpr int coarsest = 2;
-constexpr size_t samples_per_cell = 12;
-/// Cells with fewer hold outliers, not surface.
-constexpr size_t least_samples = 3;
-/// A plane of random orientation crosses 1.5 cells per area of a cell's face.
-constexpr double cells_per_face_area = 1.5;
+constexpr int coarsest = 1;
+constexpr double companions_wanted = 4;
+/// Mean area of a plane's section with a unit cube, over planes through uniform points in uniform directions.
+constexpr double mean_section = 0.9413;
 
 uint64_t spread_bits(uint64_t v) {
   v &= 0x1FFFFF;
@@ -29,34 +29,25 @@ uint64_t spread_bits(uint64_t v) {
   return v;
 }
 
-struct Occupancy {
-  size_t cells = 0;
-  size_t samples = 0;
-};
-
-/// Cells with at least `least_samples`, at the scale where keys differ above the lowest `shift` bits.
-Occupancy count_cells(const std::vector<uint64_t>& sorted_keys, int shift) {
-  Occupancy o;
+/// Other samples in a sample's cell, averaged over the samples, where keys differ above the lowest `shift` bits.
+double mean_companions(const std::vector<uint64_t>& sorted_keys, int shift) {
+  double pairs = 0;
   for (size_t begin = 0, end = 0; begin < sorted_keys.size(); begin = end) {
     while (end < sorted_keys.size() && (sorted_keys[end] >> shift) == (sorted_keys[begin] >> shift)) ++end;
-    if (end - begin < least_samples) continue;
-    ++o.cells;
-    o.samples += end - begin;
+    const auto count = static_cast<double>(end - begin);
+    pairs += count * (count - 1);
   }
-  return o;
+  return pairs / static_cast<double>(sorted_keys.size());
 }
 
 }  // namespace
 
-double Sampling::voxel(double density) const {
-  return samples > 0 ? std::sqrt(density * area / static_cast<double>(samples)) : 0;
-}
+double Sampling::voxel(double density) const { return per_area > 0 ? std::sqrt(density / per_area) : 0; }
 
 Sampling measure_sampling(const PointCloud& cloud) {
   const Box3d box = cloud.box();
   const double longest = box.longest();
   Sampling sampling;
-  sampling.samples = cloud.size();
   if (!(longest > 0)) return sampling;
 
   const double cells = static_cast<double>(1 << deepest);
@@ -72,12 +63,11 @@ Sampling measure_sampling(const PointCloud& cloud) {
   }
   std::sort(keys.begin(), keys.end());
   for (int depth = deepest; depth >= coarsest; --depth) {
-    const Occupancy o = count_cells(keys, 3 * (deepest - depth));
-    if (o.samples < samples_per_cell * o.cells && depth > coarsest) continue;
+    const double companions = mean_companions(keys, 3 * (deepest - depth));
+    if (companions < companions_wanted && depth > coarsest) continue;
     const double cell = longest / static_cast<double>(1 << depth);
-    sampling.area = static_cast<double>(o.cells) * cell * cell / cells_per_face_area;
-    sampling.samples = o.samples;
-    if (o.cells > 0) break;
+    sampling.per_area = companions / (mean_section * cell * cell);
+    break;
   }
   return sampling;
 }

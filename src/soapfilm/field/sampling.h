@@ -6,18 +6,17 @@
 namespace soapfilm {
 
 struct Sampling {
-  double area = 0;     ///< of the sampled surface, input units squared: an estimate within some 20 %
-  size_t samples = 0;  ///< that lie on it: those in cells with at least three
+  double per_area = 0;  ///< samples per area of surface, input units^-2, as the samples see it: the mean over them
 
   /// Samples per voxel^2 of surface.
-  double density(double voxel) const { return area > 0 ? static_cast<double>(samples) * voxel * voxel / area : 0; }
-  /// The voxel at which there is `density` samples per voxel^2.
+  double density(double voxel) const { return per_area * voxel * voxel; }
+  /// The voxel at which there is `density` samples per voxel^2; 0 when nothing was measured.
   double voxel(double density) const;
 };
 
-/// Counts the cells that hold samples, at the finest scale where such a cell holds a dozen of them on average: there
-/// they are the cells that the surface crosses, 1.5 per area of a cell's face averaged over orientations. Cells with
-/// fewer than three samples are taken for outliers.
+/// From how many other samples share a sample's cell, at the finest scale where there are four on average: the cell
+/// then holds 0.94 of its face's area of surface, averaged over where and how a plane crosses it. Fine enough to keep
+/// the two sides of a thin plate apart; outliers, which share their cells with nobody, hardly count.
 Sampling measure_sampling(const PointCloud& cloud);
 
 /// A film over even samples of less than lambda / critical_density per voxel^2 costs more than it gains: the optimum
