@@ -45,6 +45,7 @@ struct Options {
   ShapeParams shape;
   std::vector<const CLI::Option*> shape_only;  ///< options that a mesh has no use for
   ScannerParams scanner;
+  const CLI::Option* elevations = nullptr;
 };
 
 /// Numbers separated by `separator`, exactly `count` of them.
@@ -82,6 +83,8 @@ double parse_length(const char* option, std::string text, double longest) {
 
 ScannerParams finish_params(const Options& options, const Box3d& box) {
   ScannerParams params = options.scanner;
+  if (options.elevations->count() > 0 && params.orbit != Orbit::ring)
+    throw ParameterError("elevations: only --orbit ring has them");
   const auto length = [&](const char* option, const std::string& text, double& value) {
     if (!text.empty()) value = parse_length(option, text, box.longest());
   };
@@ -244,9 +247,10 @@ void add_view_options(CLI::App& app, Options& o) {
                                                                                      {"ring", Orbit::ring}})
                       .description(""))
       ->option_text("ORBIT [fibonacci]");
-  views(app.add_option("--elevations", p.elevations_deg, "Degrees of the ring's circles above the object"))
-      ->delimiter(',')
-      ->option_text(fmt::format("A,B,... [{:g}]", fmt::join(p.elevations_deg, ",")));
+  o.elevations =
+      views(app.add_option("--elevations", p.elevations_deg, "Degrees of the ring's circles above the object"))
+          ->delimiter(',')
+          ->option_text(fmt::format("A,B,... [{:g}]", fmt::join(p.elevations_deg, ",")));
   views(app.add_option("--distance", p.distance, "From the target, in diagonals of the object's box"))
       ->option_text(fmt::format("V [{:g}]", p.distance));
   views(app.add_option("--position", o.positions, "A scanner position instead of an orbit; may be repeated"))

@@ -94,6 +94,7 @@ TEST(Scan, RefusesInOneLineAndWritesNothing) {
   expect_refused({"plate", "--thickness", "0.9"}, "thickness = 0.9, must be in [0.0001, 0.5] times the size");
   expect_refused({"part", "--views", "0"}, "views = 0, must be in [1, 10000]");
   expect_refused({"part", "--seed", "-1"}, "seed");
+  expect_refused({"part", "--elevations", "0,30"}, "elevations: only --orbit ring has them");
 }
 
 TEST(Scan, AFolderThatCannotBeMadeIsRefused) {

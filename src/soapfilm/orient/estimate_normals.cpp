@@ -256,7 +256,7 @@ class Estimator {
       double vote = 0.0;
     };
     for (int code = 0; code < 27; ++code) {
-      const Vec3d towards = normalized(Vec3d{code % 3 - 1.0, code / 3 % 3 - 1.0, code / 9 - 1.0});
+      const Vec3d towards = normalized(static_cast<Vec3d>(Vec3i{code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1}));
       std::vector<Furthest> furthest(components_);
       for (size_t t = 0; t < targets_.size(); ++t) {
         if (!propagated_[t]) continue;
