@@ -111,7 +111,7 @@ TEST_P(EnergyOfRandomLevels, NeverUnderstatesTheVariationOutsideTheBand) {
   const double variation = total_variation(dense_u(random.level));
   const Energies e = evaluate_energy(random.level, {}, one_thread);
   EXPECT_GE(e.total_variation, variation * (1 - 1e-12));
-  EXPECT_LE(e.total_variation, variation * 1.5);
+  EXPECT_LE(e.total_variation, variation * 2);
 }
 
 TEST_P(EnergyOfRandomLevels, DoesNotDependOnThreads) {
@@ -127,29 +127,35 @@ TEST_P(EnergyOfRandomLevels, DoesNotDependOnThreads) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, EnergyOfRandomLevels, testing::Values(1, 2, 3, 4));
 
-/// The null space of the gradient: a constant has variation at the domain's border only.
-TEST(Energy, ConstantHasVariationAtTheBorderOnly) {
-  RandomLevel random(5);
-  Level& level = random.level;
-  const Vec3i n = level.box.bricks;
-  BrickMask all(n);
+/// The null space of the gradient: a block of ones has variation at its faces only, whether the band covers its inside
+/// or leaves it out.
+TEST(Energy, ConstantHasVariationAtItsBorderOnly) {
+  Lattice lattice;
+  lattice.size = {64, 56, 60};
+  const LevelBox box = lattice.box(0);
+  const Vec3i n = box.bricks;
+  const auto depth = [&](Vec3i b) { return std::min({b.x, b.y, b.z, n.x - 1 - b.x, n.y - 1 - b.y, n.z - 1 - b.z}); };
+  BrickMask all(n), shell(n);
   all.fill(true);
-  all.for_each([&](Vec3i b) {
-    const bool border = b.x == 0 || b.y == 0 || b.z == 0 || b.x == n.x - 1 || b.y == n.y - 1 || b.z == n.z - 1;
-    if (level.grid.find(b) < 0) level.inside.set(b, !border);
-    if (const int32_t active = level.grid.find(b); active >= 0)
-      std::fill_n(level.u.brick(static_cast<size_t>(active)), brick_volume, border ? 0.0f : 1.0f);
-  });
-  double faces = 0;
-  const Dense<double> u = dense_u(level);
-  const double variation = total_variation(u);
-  for (int axis = 0; axis < 3; ++axis)
-    u.for_each([&](Vec3i v) { faces += std::abs(gradient_at(u, v)[axis]); });
-  const Vec3i block = (n - Vec3i{2, 2, 2}) * brick_side;
-  EXPECT_EQ(faces, 2.0 * (block.x * block.y + block.y * block.z + block.z * block.x));
-  const Energies e = evaluate_energy(level, {}, one_thread);
-  EXPECT_GE(e.total_variation, variation - 1e-6);
-  EXPECT_LE(e.total_variation, faces + 1e-6);
+  all.for_each([&](Vec3i b) { shell.set(b, depth(b) <= 1); });
+  for (const BrickMask& band : {all, shell}) {
+    const BrickGrid no_support(BrickMask(n), one_thread);
+    const Field<float> no_data;
+    Level level = make_level(box, 0.1f, band, no_support, no_data, one_thread);
+    all.for_each([&](Vec3i b) {
+      if (const int32_t active = level.grid.find(b); active >= 0)
+        std::fill_n(level.u.brick(static_cast<size_t>(active)), brick_volume, depth(b) > 0 ? 1.0f : 0.0f);
+      else
+        level.inside.set(b);
+    });
+    ASSERT_EQ(level.grid.size() < all.count(), band.count() < all.count());
+    const Vec3i block = (n - Vec3i{2, 2, 2}) * brick_side;
+    const double faces = 2.0 * (block.x * block.y + block.y * block.z + block.z * block.x);
+    const Energies e = evaluate_energy(level, {}, one_thread);
+    // At the block's upper edges two or three faces share a vertex, whose gradient is shorter than their sum.
+    const double edges = (2 - std::sqrt(2.0)) * (block.x + block.y + block.z - 3) + 3 - std::sqrt(3.0);
+    EXPECT_NEAR(e.total_variation, faces - edges, 1e-6);
+  }
 }
 
 TEST(Energy, IsRelativeToTheDualOrToAThousandFaces) {

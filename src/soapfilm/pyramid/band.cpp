@@ -66,6 +66,19 @@ unsigned infeasible_octants(const Level& level, size_t brick) {
   return octants;
 }
 
+/// `band` and the bricks beside it whose parents the coarse band holds.
+BrickMask widened(const BrickMask& band, const Level& coarse) {
+  BrickMask wide = band;
+  band.for_each([&](Vec3i b) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int slot : {slot_down[axis], slot_up[axis]}) {
+        const Vec3i n = b + slot_offset(slot);
+        if (coarse.grid.find({n.x >> 1, n.y >> 1, n.z >> 1}) >= 0) wide.set(n);
+      }
+  });
+  return wide;
+}
+
 }  // namespace
 
 BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel) {
@@ -78,7 +91,7 @@ BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Paral
   for (size_t b = 0; b < octants.size(); ++b)
     for (int k = 0; k < 8; ++k)
       if (octants[b] >> k & 1u) mask.set(coarse.grid.coord(b) * 2 + Vec3i{k & 1, (k >> 1) & 1, k >> 2});
-  return mask;
+  return coarse.box.level > 1 ? widened(mask, coarse) : mask;
 }
 
 BrickMask growth(const Level& level, const Level& coarse) {

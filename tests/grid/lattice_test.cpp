@@ -1,0 +1,91 @@
+#include "soapfilm/grid/lattice.h"
+
+#include <gtest/gtest.h>
+
+#include "soapfilm/core/error.h"
+
+namespace soapfilm {
+namespace {
+
+Box3d box(Vec3d lo, Vec3d size) { return {lo, lo + size}; }
+
+/// The bunny's range scans span 1 : 0.941 : 0.738; the paper's table 1 gives these sizes for them.
+TEST(Lattice, CountsVerticesAsThePaperDoes) {
+  const Box3d samples = box({0, 0, 0}, {500, 469.2, 365.5});
+  const Lattice lattice = place_lattice(samples, voxel_of_resolution(samples, 512, 6), 6);
+  EXPECT_EQ(lattice.size, (Vec3i{512, 482, 378}));
+  EXPECT_DOUBLE_EQ(lattice.voxel, 1.0);
+}
+
+TEST(Lattice, FirstVertexIsHalfAVoxelShortOfThePaddingBelowTheSamples) {
+  const Lattice lattice = place_lattice(box({10, 20, 30}, {5, 4, 3}), 0.5, 6);
+  EXPECT_EQ(lattice.first_vertex, (Vec3d{10 - 2.75, 20 - 2.75, 30 - 2.75}));
+  EXPECT_EQ(lattice.size, (Vec3i{10 + 12, 8 + 12, 6 + 12}));
+}
+
+TEST(Lattice, AWholeNumberOfVoxelsGainsNoCellByRounding) {
+  for (const double offset : {0.0, 0.1, 1e3, 5e6}) {
+    const Lattice lattice = place_lattice(box({offset, offset, offset}, {0.3, 0.3, 0.3}), 0.1, 6);
+    EXPECT_EQ(lattice.size, (Vec3i{15, 15, 15})) << offset;
+  }
+}
+
+TEST(Lattice, WorldAndLatticeCoordinatesAreInverse) {
+  const Lattice lattice = place_lattice(box({5e6, -5e6, 100}, {1, 2, 3}), 1e-3, 6);
+  const Vec3d p{5e6 + 0.123456, -5e6 + 1.654321, 101.5};
+  const Vec3d back = lattice.to_world(lattice.to_lattice(p));
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(back[axis], p[axis], 2e-9);
+}
+
+TEST(Lattice, UsesAtLeastThePapersThreeLevelsAndStopsAtSmallGrids) {
+  const auto levels = [](int resolution) {
+    const Box3d samples = box({0, 0, 0}, {1, 1, 1});
+    return place_lattice(samples, voxel_of_resolution(samples, resolution, 6), 6).levels;
+  };
+  EXPECT_EQ(levels(32), 3);
+  EXPECT_EQ(levels(64), 3);
+  EXPECT_EQ(levels(128), 4);
+  EXPECT_EQ(levels(512), 6);
+  EXPECT_EQ(levels(2048), 8);
+}
+
+/// On every level: vertex 0 is fixed, the fixed layers stay outside, and boxes nest.
+TEST(Lattice, BoxesOfThePyramidNest) {
+  for (const int levels : {1, 2, 3, 5})
+    for (const Vec3i size : {Vec3i{60, 61, 62}, {63, 64, 65}, {128, 77, 99}}) {
+      Lattice lattice;
+      lattice.size = size;
+      lattice.levels = levels;
+      for (int l = 0; l < levels; ++l) {
+        const LevelBox level = lattice.box(l);
+        for (int axis = 0; axis < 3; ++axis) {
+          EXPECT_GE(level.free_lo[axis], 1);
+          EXPECT_LT(level.free_hi[axis], brick_side * level.bricks[axis]);
+          if (l == 0) {
+            EXPECT_EQ(level.free_lo[axis], lattice.margin() + 1);
+            EXPECT_EQ(level.free_hi[axis], lattice.margin() + size[axis] - 2);
+            continue;
+          }
+          const LevelBox finer = lattice.box(l - 1);
+          EXPECT_EQ(finer.bricks[axis], 2 * level.bricks[axis]);
+          EXPECT_EQ(finer.free_lo[axis] >> 1, level.free_lo[axis]);
+          EXPECT_EQ(finer.free_hi[axis] >> 1, level.free_hi[axis]);
+        }
+      }
+    }
+}
+
+TEST(Lattice, RefusesWhatCannotBeAGrid) {
+  const Box3d samples = box({0, 0, 0}, {1, 1, 1});
+  EXPECT_THROW(place_lattice(samples, 0, 6), ParameterError);
+  EXPECT_THROW(place_lattice(samples, -1, 6), ParameterError);
+  EXPECT_THROW(place_lattice(samples, std::numeric_limits<double>::quiet_NaN(), 6), ParameterError);
+  EXPECT_THROW(place_lattice(samples, 0.1, 1), ParameterError);
+  EXPECT_THROW(place_lattice(samples, 1e-5, 6), ParameterError);
+  EXPECT_THROW(voxel_of_resolution(samples, 12, 6), ParameterError);
+  EXPECT_THROW(voxel_of_resolution(samples, 20000, 6), ParameterError);
+  EXPECT_NO_THROW(voxel_of_resolution(samples, 13, 6));
+}
+
+}  // namespace
+}  // namespace soapfilm

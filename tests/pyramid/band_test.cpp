@@ -1,0 +1,106 @@
+#include "soapfilm/pyramid/band.h"
+
+#include <gtest/gtest.h>
+
+#include "soapfilm/pyramid/prolong.h"
+#include "support/dense.h"
+#include "support/problem.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+const Parallel one_thread(1);
+
+/// A coarse level without data, all bricks active, u = 0 and p = 0.
+struct Blank {
+  Lattice lattice;
+  SupportField no_data;
+  Level coarse;
+
+  Blank() {
+    lattice.size = {60, 60, 60};
+    lattice.levels = 2;
+    const LevelBox box = lattice.box(1);
+    BrickMask everywhere(box.bricks);
+    everywhere.fill(true);
+    no_data.grid = BrickGrid(BrickMask(lattice.box(0).bricks), one_thread);
+    coarse = make_level(box, 0.4f, everywhere, BrickGrid(BrickMask(box.bricks), one_thread), no_data.f, one_thread);
+  }
+  float* u(Vec3i v) {
+    const auto b = static_cast<size_t>(coarse.grid.find(brick_of(v)));
+    return coarse.u.brick(b) + brick_offset(v.x & 7, v.y & 7, v.z & 7);
+  }
+  float* p(Vec3i v, int axis) {
+    const auto b = static_cast<size_t>(coarse.grid.find(brick_of(v)));
+    return coarse.p.brick(b, axis) + brick_offset(v.x & 7, v.y & 7, v.z & 7);
+  }
+  BrickMask children() const { return interface_children(coarse, lattice.box(0).bricks, one_thread); }
+};
+
+TEST(Band, IsEmptyWhereNothingHappens) { EXPECT_EQ(Blank().children().count(), 0u); }
+
+TEST(Band, HoldsBothSidesOfTheInterface) {
+  Blank blank;
+  *blank.u({12, 12, 12}) = 0.6f;
+  const BrickMask band = blank.children();
+  // The vertex is first in its octant: it and its lower neighbours' octants, across three faces.
+  EXPECT_EQ(band.count(), 4u);
+  for (const Vec3i v : {Vec3i{12, 12, 12}, {11, 12, 12}, {12, 11, 12}, {12, 12, 11}})
+    EXPECT_TRUE(band.test(brick_of(v * 2)));
+  *blank.u({12, 12, 12}) = 0.4f;
+  EXPECT_EQ(blank.children().count(), 0u) << "u rounds to outside";
+}
+
+TEST(Band, HoldsWhatTheProlongedDualMightLeave) {
+  Blank blank;
+  const float lambda = blank.coarse.lambda;
+  *blank.p({12, 13, 14}, 0) = 0.8f * lambda;
+  *blank.p({12, 13, 14}, 1) = 0.59f * lambda;
+  EXPECT_EQ(blank.children().count(), 0u) << "the bound holds: sqrt(0.8^2 + 0.59^2) < 1";
+  *blank.p({12, 12, 14}, 1) = 0.61f * lambda;  // the larger of two neighbours counts
+  const BrickMask band = blank.children();
+  EXPECT_EQ(band.count(), 1u);
+  EXPECT_TRUE(band.test(brick_of(Vec3i{12, 13, 14} * 2)));
+}
+
+/// Outside the band the prolonged dual is feasible: the test on the coarse level is sufficient for the fine one.
+TEST(Band, LeavesOutOnlyFeasibleBricks) {
+  Blank blank;
+  Random random(3);
+  for (size_t b = 0; b < blank.coarse.grid.size(); ++b) {
+    const double radius = random.uniform(0.3, 1.0) * blank.coarse.lambda;
+    for (int i = 0; i < brick_volume; ++i)
+      for (int axis = 0; axis < 3; ++axis)
+        blank.coarse.p.brick(b, axis)[i] = static_cast<float>(radius * random.uniform(-0.7, 0.7));
+  }
+  const BrickMask band = blank.children();
+  BrickMask everywhere(band.bricks());
+  everywhere.fill(true);
+  ASSERT_GT(band.count(), 0u);
+  ASSERT_LT(band.count(), everywhere.count());
+  const Level fine = prolong_level(blank.coarse, blank.lattice.box(0), everywhere, blank.no_data, one_thread);
+  const DenseVectors p = dense_p(fine);
+  p[0].for_each([&](Vec3i v) {
+    if (band.test(brick_of(v))) return;
+    ASSERT_LE(norm(vector_at(p, v)), fine.lambda * (1 + 1e-6));
+  });
+}
+
+TEST(Band, GrowsWhereTheInterfaceReachesTheRim) {
+  Blank blank;
+  BrickMask band(blank.lattice.box(0).bricks);
+  band.set({3, 3, 3});
+  Level fine = prolong_level(blank.coarse, blank.lattice.box(0), band, blank.no_data, one_thread);
+  EXPECT_EQ(growth(fine, blank.coarse).count(), 0u);
+  fine.u.brick(0)[brick_offset(7, 4, 4)] = 0.9f;
+  fine.u.brick(0)[brick_offset(4, 4, 0)] = 0.9f;
+  const BrickMask grown = growth(fine, blank.coarse);
+  EXPECT_EQ(grown.count(), 2u);
+  EXPECT_TRUE(grown.test({4, 3, 3}));
+  EXPECT_TRUE(grown.test({3, 3, 2}));
+}
+
+}  // namespace
+}  // namespace soapfilm

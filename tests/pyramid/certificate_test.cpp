@@ -1,0 +1,180 @@
+// The sparse certificate against brute force: the dual of every level spread out on the whole fine grid.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "soapfilm/pyramid/band.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
+#include "soapfilm/pyramid/prolong.h"
+#include "soapfilm/pyramid/restrict.h"
+#include "support/dense.h"
+#include "support/problem.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+const Parallel one_thread(1);
+
+/// solve_coarse_to_fine, with every level kept. data[l] and levels[l] belong to level l.
+struct KeptPyramid {
+  std::vector<SupportField> data;
+  std::vector<Level> levels;
+};
+
+KeptPyramid solve_and_keep(const Problem& problem, double lambda, const PrimalDualParams& params) {
+  const Lattice& lattice = problem.lattice;
+  KeptPyramid kept;
+  const auto count = static_cast<size_t>(lattice.levels);
+  kept.data.resize(count);
+  kept.levels.resize(count);
+  kept.data[0] = divergence_field(problem.samples, lattice.box(0), one_thread);
+  for (size_t l = 1; l < count; ++l)
+    kept.data[l] = restrict_field(kept.data[l - 1], lattice.box(static_cast<int>(l)), one_thread);
+
+  Progress progress;
+  for (size_t l = count; l-- > 0;) {
+    const LevelBox box = lattice.box(static_cast<int>(l));
+    Level& level = kept.levels[l];
+    if (l + 1 == count) {
+      BrickMask everywhere(box.bricks);
+      everywhere.fill(true);
+      const double scale = std::pow(4.0, static_cast<double>(l));
+      level = make_level(box, static_cast<float>(lambda * scale), everywhere, kept.data[l].grid, kept.data[l].f,
+                         one_thread);
+      solve_primal_dual(level, params, one_thread, progress);
+      continue;
+    }
+    const Level& coarse = kept.levels[l + 1];
+    BrickMask band = interface_children(coarse, box.bricks, one_thread);
+    for (size_t b = 0; b < kept.data[l].grid.size(); ++b) band.set(kept.data[l].grid.coord(b));
+    level = prolong_level(coarse, box, band, kept.data[l], one_thread);
+    solve_primal_dual(level, params, one_thread, progress);
+    for (BrickMask grown = growth(level, coarse); grown.count() > 0; grown = growth(level, coarse)) {
+      band |= grown;
+      level = prolong_level(coarse, box, band, kept.data[l], one_thread, &level);
+      solve_primal_dual(level, params, one_thread, progress);
+    }
+  }
+  return kept;
+}
+
+/// The dual on every vertex of one level, and whether the vertex counts in the sparse D: inside the band when it is
+/// free, outside when the vertex that it descends from was (its fixed children add terms <= 0 too many).
+struct WholeDual {
+  DenseVectors p;
+  Dense<uint8_t> counts;
+};
+
+/// Face fluxes of the coarse dual on the fine faces, in double.
+WholeDual prolonged(const WholeDual& coarse, Vec3i fine_size) {
+  const Dense<double> zero(fine_size);
+  WholeDual fine{{zero, zero, zero}, Dense<uint8_t>(fine_size)};
+  zero.for_each([&](Vec3i v) {
+    const Vec3i parent{v.x >> 1, v.y >> 1, v.z >> 1};
+    fine.counts[v] = coarse.counts[parent];
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto k = static_cast<size_t>(axis);
+      const double here = coarse.p[k][parent];
+      // An odd vertex's upper face lies on the coarse vertex's own, an even one's within the coarse cell.
+      fine.p[k][v] = v[axis] % 2 == 1 ? here / 4 : (here + coarse.p[k].get(parent - along(axis))) / 8;
+    }
+  });
+  return fine;
+}
+
+WholeDual whole_dual(const KeptPyramid& pyramid) {
+  WholeDual dual;
+  for (size_t l = pyramid.levels.size(); l-- > 0;) {
+    const Level& level = pyramid.levels[l];
+    const Dense<double> zero(level.box.bricks * brick_side);
+    dual = l + 1 == pyramid.levels.size() ? WholeDual{{zero, zero, zero}, Dense<uint8_t>(zero.size())}
+                                          : prolonged(dual, zero.size());
+    for (size_t b = 0; b < level.grid.size(); ++b)
+      for (int axis = 0; axis < 3; ++axis)
+        for_each_low_rim_face(level, b, axis, [&](Vec3i v, float flux) {
+          EXPECT_NEAR(flux, dual.p[static_cast<size_t>(axis)][v], 1e-6 * level.lambda) << "the rim's flux";
+        });
+    insert_band(level, dual.p);
+    for (size_t b = 0; b < level.grid.size(); ++b)
+      for_each_vertex(level.grid.coord(b), [&](Vec3i v, int) { dual.counts[v] = level.box.is_free(v); });
+  }
+  return dual;
+}
+
+struct Case {
+  std::string shape;
+  double density;
+  double lambda;
+  double noise_vox;
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.shape << " with " << c.density << " samples per voxel^2, lambda " << c.lambda << ", noise " << c.noise_vox;
+}
+
+class Certificate : public testing::TestWithParam<Case> {
+ protected:
+  static KeptPyramid solved(const Case& c) {
+    constexpr int resolution = 60;
+    PointCloud cloud = sampled(c.shape, resolution, c.density);
+    add_noise(cloud, c.noise_vox / (resolution - 12), 3);
+    return solve_and_keep(make_problem(cloud, resolution), c.lambda, {});
+  }
+
+  const KeptPyramid pyramid = solved(GetParam());
+  const Level& level = pyramid.levels[0];
+  const WholeDual dual = whole_dual(pyramid);
+  const Dense<double> f = dense_f(level);
+};
+
+TEST_P(Certificate, DualIsFeasibleOnTheWholeGrid) {
+  ASSERT_LT(level.grid.vertices(), 0.9 * static_cast<double>(f.values().size())) << "little is outside the band";
+  double longest = 0;
+  f.for_each([&](Vec3i v) { longest = std::max(longest, norm(vector_at(dual.p, v))); });
+  EXPECT_LE(longest, level.lambda * (1 + 1e-6));
+  EXPECT_GT(longest, level.lambda * 0.9);
+}
+
+TEST_P(Certificate, DualBoundIsTheOneOfTheWholeGrid) {
+  const Energies e = evaluate_energy(level, {}, one_thread);
+  const double same = dual_energy(dual.p, f, [&](Vec3i v) { return dual.counts[v] != 0; });
+  EXPECT_NEAR(e.dual, same, 1e-9 * std::abs(same));
+  // Without the terms that the sparse sum counts too many, the bound is no worse and hardly better.
+  const double whole = dual_energy(dual.p, f, [&](Vec3i v) { return level.box.is_free(v); });
+  EXPECT_LE(e.dual, whole + 1e-9 * std::abs(whole));
+  EXPECT_NEAR(e.dual, whole, 1e-4 * std::abs(whole));
+}
+
+TEST_P(Certificate, EnergiesAreThoseOfTheWholeGrid) {
+  for (const std::optional<float> threshold : {std::optional<float>(), std::optional(0.5f), std::optional(0.2f)}) {
+    const Energies e = evaluate_energy(level, {.threshold = threshold, .certify = false}, one_thread);
+    const Dense<double> u = dense_u(level, threshold);
+    const double primal = level.lambda * total_variation(u) - inner_product(f, u);
+    EXPECT_NEAR(e.primal, primal, 1e-9 * std::abs(primal));
+    EXPECT_GE(e.primal, e.dual);
+    // The sum of local terms is the difference but for the terms counted too many, which are in D alone or in both.
+    EXPECT_NEAR(e.gap, e.primal - e.dual, 1e-4 * std::abs(e.primal));
+  }
+}
+
+TEST_P(Certificate, CertifiedBoundHoldsForTheRescaledDual) {
+  const Energies e = evaluate_energy(level, {.threshold = {}, .certify = true}, one_thread);
+  double longest = 0;
+  f.for_each([&](Vec3i v) { longest = std::max(longest, norm(vector_at(dual.p, v))); });
+  WholeDual scaled = dual;
+  const double m = std::max(1.0, longest / level.lambda);
+  for (Dense<double>& component : scaled.p) component.for_each([&](Vec3i v) { component[v] /= m; });
+  const double bound = dual_energy(scaled.p, f, [&](Vec3i v) { return level.box.is_free(v); });
+  EXPECT_LE(e.dual, bound + 1e-9 * std::abs(bound));
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Certificate,
+                         testing::Values(Case{"sphere", 1, 0.02, 0}, Case{"torus", 1, 0.01, 0},
+                                         Case{"part", 2, 0.02, 0}, Case{"knot", 0.5, 0.01, 0},
+                                         Case{"sheets", 1, 0.02, 0.5}),
+                         [](const auto& c) { return c.param.shape; });
+
+}  // namespace
+}  // namespace soapfilm

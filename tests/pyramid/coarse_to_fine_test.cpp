@@ -1,0 +1,91 @@
+// The band's solution against the solution on the whole grid.
+#include "soapfilm/pyramid/coarse_to_fine.h"
+
+#include <gtest/gtest.h>
+
+#include "support/dense.h"
+#include "support/problem.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+const Parallel one_thread(1);
+constexpr double tolerance = 2e-6;
+
+/// One level without a pyramid: every brick of the finest box is active.
+Level dense_solution(const Problem& problem, double lambda) {
+  const LevelBox box = problem.lattice.box(0);
+  BrickMask everywhere(box.bricks);
+  everywhere.fill(true);
+  Level level =
+      make_level(box, static_cast<float>(lambda), everywhere, problem.support.grid, problem.support.f, one_thread);
+  PrimalDualParams params;
+  params.tolerance = tolerance;
+  params.max_iterations = 20000;
+  Progress progress;
+  EXPECT_TRUE(solve_primal_dual(level, params, one_thread, progress).converged);
+  return level;
+}
+
+struct Case {
+  std::string shape;
+  double density;
+  double lambda;
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.shape << " with " << c.density << " samples per voxel^2, lambda " << c.lambda;
+}
+
+class BandAndWholeGrid : public testing::TestWithParam<Case> {};
+
+TEST_P(BandAndWholeGrid, HaveTheSameSolution) {
+  const auto& [shape, density, lambda] = GetParam();
+  const Problem problem = make_problem(sampled(shape, 64, density), 64);
+  const PyramidSolution band = solve(problem, lambda, tolerance);
+  const Level dense = dense_solution(problem, lambda);
+  ASSERT_LT(band.finest.grid.size(), dense.grid.size() / 2) << "the band is the whole grid";
+
+  const Dense<uint8_t> labels = dense_labels(dense);
+  EXPECT_GT(count_inside(labels), 1000u);
+  EXPECT_LE(static_cast<double>(count_differences(dense_labels(band.finest), labels)),
+            problem.lattice.vertices() / 20000);
+
+  const Energies of_band = evaluate_energy(band.finest, {.threshold = {}, .certify = true}, one_thread);
+  const Energies of_dense = evaluate_energy(dense, {.threshold = {}, .certify = true}, one_thread);
+  EXPECT_NEAR(of_band.primal, of_dense.primal, 1e-5 * std::abs(of_dense.primal));
+  EXPECT_LT(of_band.relative_gap(lambda), 1e-3);
+  EXPECT_LE(of_band.dual, of_dense.primal);
+  EXPECT_LE(of_dense.dual, of_band.primal);
+
+  const Energies binary_band = evaluate_energy(band.finest, {.threshold = 0.5f, .certify = true}, one_thread);
+  const Energies binary_dense = evaluate_energy(dense, {.threshold = 0.5f, .certify = true}, one_thread);
+  // Vertices where the relaxed u is near 1/2 may fall to either side.
+  EXPECT_NEAR(binary_band.primal, binary_dense.primal, 5e-5 * std::abs(binary_dense.primal));
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, BandAndWholeGrid,
+                         testing::Values(Case{"sphere", 1, 0.01}, Case{"sphere", 0.3, 0.02}, Case{"torus", 1, 0.02},
+                                         Case{"part", 2, 0.01}, Case{"part", 1, 0.03}, Case{"knot", 1, 0.01},
+                                         Case{"sheets", 1, 0.02}),
+                         [](const auto& c) { return c.param.shape + std::to_string(c.index); });
+
+TEST(CoarseToFine, ReportsEveryLevelCoarsestFirst) {
+  const Problem problem = make_problem(sampled("sphere", 64, 1), 64);
+  const PyramidSolution solution = solve(problem, 0.02, 1e-3);
+  ASSERT_EQ(solution.reports.size(), static_cast<size_t>(problem.lattice.levels));
+  for (size_t k = 0; k < solution.reports.size(); ++k) {
+    const LevelReport& report = solution.reports[k];
+    EXPECT_EQ(report.level, problem.lattice.levels - 1 - static_cast<int>(k));
+    EXPECT_TRUE(report.converged);
+    EXPECT_GT(report.iterations, 0);
+    const double lambda = 0.02 * std::pow(4, report.level);
+    EXPECT_LE(report.energies.relative_gap_band(lambda), 1e-3);
+  }
+  EXPECT_EQ(solution.reports.back().active_vertices, solution.finest.grid.vertices());
+}
+
+}  // namespace
+}  // namespace soapfilm
