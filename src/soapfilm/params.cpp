@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <concepts>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "soapfilm/core/error.h"
 
@@ -48,11 +50,23 @@ ordered_json json_of(const std::optional<T>& value) {
   return value ? json_of(*value) : ordered_json(nullptr);
 }
 
-template <class T>
+void require_type(bool holds, const char* type) {
+  if (!holds) throw ParameterError(fmt::format("must be {}", type));
+}
+void read_value(const ordered_json& json, double& value) {
+  require_type(json.is_number(), "a number");
+  value = json.get<double>();
+}
+template <std::integral T>
 void read_value(const ordered_json& json, T& value) {
+  const bool fits = json.is_number_unsigned()  ? std::in_range<T>(json.get<uint64_t>())
+                    : json.is_number_integer() ? std::in_range<T>(json.get<int64_t>())
+                                               : false;
+  require_type(fits, std::is_unsigned_v<T> ? "a whole number >= 0" : "a whole number");
   value = json.get<T>();
 }
 void read_value(const ordered_json& json, DirectionSource& source) {
+  require_type(json.is_string(), "a string");
   const auto name = json.get<std::string>();
   for (size_t i = 0; i < direction_names.size(); ++i)
     if (name == direction_names[i]) source = static_cast<DirectionSource>(i);
@@ -60,8 +74,8 @@ void read_value(const ordered_json& json, DirectionSource& source) {
     throw ParameterError(fmt::format("must be one of {}", fmt::join(direction_names, ", ")));
 }
 void read_value(const ordered_json& json, Vec3d& v) {
-  const auto values = json.get<std::array<double, 3>>();
-  v = {values[0], values[1], values[2]};
+  require_type(json.is_array() && json.size() == 3, "three numbers");
+  for (int axis = 0; axis < 3; ++axis) read_value(json[static_cast<size_t>(axis)], v[axis]);
 }
 template <class T>
 void read_value(const ordered_json& json, std::optional<T>& value) {

@@ -83,12 +83,13 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   warn_near_empty(report.certificate.lambda, report.input.density, report.warnings);
 
   const size_t held = peak_memory_bytes();
-  check_memory(box_table_bytes(report.lattice), params.memory_limit, held, report.lattice);
+  check_memory(plan_tables(report.lattice), params.memory_limit, held, report.lattice);
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw ParameterError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
-  report.planned_bytes = plan_memory(cloud, report.lattice, support).total();
-  check_memory(report.planned_bytes, params.memory_limit, held, report.lattice);
+  const MemoryPlan plan = plan_memory(cloud, report.lattice, support);
+  report.planned_bytes = plan.total();
+  check_memory(plan, params.memory_limit, held, report.lattice);
   return samples;
 }
 

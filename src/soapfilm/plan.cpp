@@ -29,9 +29,14 @@ constexpr double band_over_support = 1.1;
 constexpr double coarser_share = 0.25;
 constexpr double coarser_data_share = 0.4;
 
-}  // namespace
+size_t table_bytes(const Lattice& lattice) {
+  const Vec3i bricks = lattice.box(0).bricks;
+  const double bits = static_cast<double>(bricks.x) * bricks.y * bricks.z;
+  constexpr double masks = 6;  // support, band, inside; each beside its coarser or older one
+  return static_cast<size_t>(masks * bits / 8);
+}
 
-size_t MemoryPlan::total() const { return base_bytes + input_bytes + solve_bytes; }
+}  // namespace
 
 MemoryPlan plan_memory(const PointCloud& cloud, const Lattice& lattice, size_t support_bricks) {
   MemoryPlan plan;
@@ -41,34 +46,33 @@ MemoryPlan plan_memory(const PointCloud& cloud, const Lattice& lattice, size_t s
   if (!cloud.sensors.empty()) per_sample += sizeof(Vec3d);
   if (!cloud.weights.empty()) per_sample += sizeof(float);
   if (!cloud.colors.empty()) per_sample += sizeof(Rgb8);
-  plan.input_bytes = per_sample * cloud.size() + box_table_bytes(lattice);
+  plan.fixed_bytes = base_bytes + per_sample * cloud.size();
   for (const Scan& scan : cloud.scans)
-    if (scan.range_grid) plan.input_bytes += scan.range_grid->sample.size() * sizeof(int32_t);
+    if (scan.range_grid) plan.fixed_bytes += scan.range_grid->sample.size() * sizeof(int32_t);
 
   const auto bricks = static_cast<double>(support_bricks);
-  plan.solve_bytes = static_cast<size_t>(bricks * (band_over_support * (1 + coarser_share) * level_brick_bytes +
-                                                   (1 + coarser_data_share) * data_brick_bytes));
+  plan.grid_bytes =
+      table_bytes(lattice) + static_cast<size_t>(bricks * (band_over_support * (1 + coarser_share) * level_brick_bytes +
+                                                           (1 + coarser_data_share) * data_brick_bytes));
   return plan;
 }
 
-size_t box_table_bytes(const Lattice& lattice) {
-  const Vec3i bricks = lattice.box(0).bricks;
-  const double bits = static_cast<double>(bricks.x) * bricks.y * bricks.z;
-  constexpr double masks = 6;  // support, band, inside; each beside its coarser or older one
-  return static_cast<size_t>(masks * bits / 8);
-}
+MemoryPlan plan_tables(const Lattice& lattice) { return {base_bytes, table_bytes(lattice)}; }
 
-void check_memory(size_t needed, std::optional<size_t> limit, size_t held, const Lattice& lattice) {
+void check_memory(const MemoryPlan& plan, std::optional<size_t> limit, size_t held, const Lattice& lattice) {
   const size_t available = available_memory_bytes();
   const size_t free = limit ? *limit : available > SIZE_MAX - held ? SIZE_MAX : available + held;
+  const size_t needed = plan.total();
   if (needed <= free) return;
   const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z});
   const int around = 2 * lattice.padding;
-  const double shrink = std::sqrt(0.95 * static_cast<double>(free) / static_cast<double>(needed));
+  const double left = free > plan.fixed_bytes ? static_cast<double>(free - plan.fixed_bytes) : 0;
+  const double shrink = std::sqrt(0.85 * left / static_cast<double>(plan.grid_bytes));
   const int fits = around + static_cast<int>((longest - around) * shrink);
-  throw MemoryError(fmt::format("memory: resolution {} needs about {}, {} is {}; a resolution of about {} would fit",
-                                longest, format_bytes(needed), limit ? "--memory" : "free memory", format_bytes(free),
-                                fits));
+  throw MemoryError(
+      fmt::format("memory: resolution {} needs about {}, {} is {}; {}", longest, format_bytes(needed),
+                  limit ? "--memory" : "free memory", format_bytes(free),
+                  fits > around ? fmt::format("a resolution of about {} would fit", fits) : "no resolution would fit"));
 }
 
 }  // namespace soapfilm

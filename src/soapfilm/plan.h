@@ -11,20 +11,21 @@
 namespace soapfilm {
 
 struct MemoryPlan {
-  size_t input_bytes = 0;  ///< held all through: the cloud, its directions and its order on the grid
-  size_t solve_bytes = 0;  ///< the peak on top of it: the finest level's band beside the coarser one
-  size_t total() const;
+  size_t fixed_bytes =
+      0;                  ///< whatever the resolution: the program, the cloud, its directions and its order on the grid
+  size_t grid_bytes = 0;  ///< the peak on top of it: the finest level's band beside the coarser one, the box's tables
+  size_t total() const { return fixed_bytes + grid_bytes; }
 };
 
 /// What a reconstruction on this lattice will need. The band's size follows from the bricks that the samples reach
 /// (`support_bricks`), the only part of the grid that is known before the solve.
 MemoryPlan plan_memory(const PointCloud& cloud, const Lattice& lattice, size_t support_bricks);
 
-/// What the tables that span the whole box need, whatever the samples: checked before anything is built.
-size_t box_table_bytes(const Lattice& lattice);
+/// The same before anything is built: the tables that span the whole box, whatever the samples.
+MemoryPlan plan_tables(const Lattice& lattice);
 
-/// Throws MemoryError when `needed` passes `limit` or, without a limit, what the machine has free; the message says
-/// which resolution would fit, by the square law of a surface.
-void check_memory(size_t needed, std::optional<size_t> limit, size_t held, const Lattice& lattice);
+/// Throws MemoryError when the plan passes `limit` or, without a limit, what the machine has free beside the `held`
+/// bytes that this process has already; the message says which resolution would fit, by the square law of a surface.
+void check_memory(const MemoryPlan& plan, std::optional<size_t> limit, size_t held, const Lattice& lattice);
 
 }  // namespace soapfilm

@@ -33,9 +33,7 @@ Dense<double> brute_force(const PointCloud& cloud, const Lattice& lattice) {
     for (int pass = 0; pass < 9; ++pass) {
       const Vec3i step = along(pass % 3);
       Dense<double> box = zero;
-      box.for_each([&](Vec3i x) {
-        box[x] = (component.get(x - step) + component[x] + component.get(x + step)) / 3;
-      });
+      box.for_each([&](Vec3i x) { box[x] = (component.get(x - step) + component[x] + component.get(x + step)) / 3; });
       component = box;
     }
   Dense<double> f = zero;

@@ -29,9 +29,7 @@ struct TwoLevels {
                         no_data.f, one_thread);
   }
 
-  Level fine(const BrickMask& band) const {
-    return prolong_level(coarse, lattice.box(0), band, no_data, one_thread);
-  }
+  Level fine(const BrickMask& band) const { return prolong_level(coarse, lattice.box(0), band, no_data, one_thread); }
   Level fine() const {
     BrickMask everywhere(lattice.box(0).bricks);
     everywhere.fill(true);
@@ -43,8 +41,7 @@ struct TwoLevels {
     for (size_t b = 0; b < coarse.grid.size(); ++b)
       for_each_vertex(coarse.grid.coord(b), [&](Vec3i v, int i) {
         coarse.u.brick(b)[i] = coarse.box.is_free(v) ? static_cast<float>(u(Vec3d(v))) : 0.0f;
-        for (int axis = 0; axis < 3; ++axis)
-          coarse.p.brick(b, axis)[i] = static_cast<float>(random.uniform(-0.2, 0.2));
+        for (int axis = 0; axis < 3; ++axis) coarse.p.brick(b, axis)[i] = static_cast<float>(random.uniform(-0.2, 0.2));
       });
   }
 };
@@ -76,9 +73,7 @@ TEST(Prolong, KeepsFixedVerticesAtZero) {
   levels.fill_coarse([](Vec3d) { return 1.0; }, 2);
   const Level fine = levels.fine();
   const Dense<double> u = dense_u(fine);
-  u.for_each([&](Vec3i v) {
-    ASSERT_TRUE(u[v] == 0 || fine.box.is_free(v));
-  });
+  u.for_each([&](Vec3i v) { ASSERT_TRUE(u[v] == 0 || fine.box.is_free(v)); });
 }
 
 TEST(Prolong, SharesTheDivergenceEquallyAmongTheChildren) {
@@ -132,8 +127,7 @@ TEST(Prolong, BricksOfThePreviousBandKeepTheirState) {
     std::fill_n(previous.p.brick(b), 3 * brick_volume, 0.0625f);
   }
   band.set({2, 3, 2});
-  const Level grown =
-      prolong_level(levels.coarse, levels.lattice.box(0), band, levels.no_data, one_thread, &previous);
+  const Level grown = prolong_level(levels.coarse, levels.lattice.box(0), band, levels.no_data, one_thread, &previous);
   const Level fresh = levels.fine(band);
   for (size_t b = 0; b < grown.grid.size(); ++b) {
     const bool is_new = grown.grid.coord(b).y == 3;

@@ -79,7 +79,7 @@ TEST_P(Gradient, AdjointIsTheBackwardDifferenceWithTheRimsFlux) {
 /// <grad u, p> = <u, grad^T p>, both sides from the kernels: u and p are zero beyond the band but for the rim's flux.
 TEST_P(Gradient, AndItsAdjointAreAdjointOnRandomBands) {
   for (const RimFlux rim : {RimFlux::zero, RimFlux::random})
-    for (const uint64_t seed : {3, 4, 5, 6}) {
+    for (const uint64_t seed : {3, 5}) {
       const RandomLevelParams params{.band = 0.3 + 0.1 * static_cast<double>(seed - 3), .support = 0, .rim = rim};
       RandomLevel of_gradient(seed, params), of_adjoint(seed, params);
       const Dense<double> u = dense_u(of_gradient.level);
@@ -94,8 +94,7 @@ TEST_P(Gradient, AndItsAdjointAreAdjointOnRandomBands) {
           const auto& flux = p[static_cast<size_t>(axis)];
           for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
             // Through a fixed face the kernel adds nothing: there grad u = 0 - u.
-            const double gradient =
-                is_fixed_face(level, b, axis, i) ? -u[v] : level.p.brick(b, axis)[i] - flux[v];
+            const double gradient = is_fixed_face(level, b, axis, i) ? -u[v] : level.p.brick(b, axis)[i] - flux[v];
             left += gradient * flux[v];
             magnitude += std::abs(gradient * flux[v]);
           });
@@ -113,9 +112,8 @@ TEST_P(Gradient, OfAConstantIsZeroBetweenFreeVertices) {
   RandomLevel random(7, {.rim = RimFlux::zero});
   Level& level = random.level;
   for (size_t b = 0; b < level.grid.size(); ++b) {
-    for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
-      level.u.brick(b)[i] = level.box.is_free(v) ? 0.7f : 0.0f;
-    });
+    for_each_vertex(level.grid.coord(b),
+                    [&](Vec3i v, int i) { level.u.brick(b)[i] = level.box.is_free(v) ? 0.7f : 0.0f; });
     std::fill_n(level.p.brick(b), 3 * brick_volume, 0.0f);
   }
   apply_gradient(level, parallel);

@@ -1,0 +1,60 @@
+#include "soapfilm/field/sampling.h"
+
+#include <gtest/gtest.h>
+
+#include "soapfilm/pyramid/critical_lambda.h"
+#include "support/problem.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+TEST(Sampling, MeasuresTheDensityOfEvenSamples) {
+  for (const std::string& name : shape_names()) {
+    const auto shape = make_shape(name);
+    const double area = area_of(*shape);
+    for (const size_t count : {4000, 40000}) {
+      const double per_area = static_cast<double>(count) / area;
+      const Sampling sampling = measure_sampling(sample_surface(*shape, count, 1));
+      EXPECT_GT(sampling.per_area, 0.8 * per_area) << name << ", " << count;
+      EXPECT_LT(sampling.per_area, 1.4 * per_area) << name << ", " << count;
+    }
+  }
+}
+
+TEST(Sampling, HardlySeesOutliers) {
+  PointCloud cloud = sample_surface(*make_torus(), 20000, 1);
+  const double clean = measure_sampling(cloud).per_area;
+  Random random(2);
+  for (size_t i = 0; i < cloud.size(); i += 10)
+    for (int axis = 0; axis < 2; ++axis) cloud.positions[i][axis] = random.uniform(-0.5, 0.5);
+  EXPECT_NEAR(measure_sampling(cloud).per_area, 0.9 * clean, 0.1 * clean);
+}
+
+TEST(Sampling, ScalesWithTheUnits) {
+  PointCloud cloud = sample_surface(*make_sphere(), 5000, 1);
+  const double metres = measure_sampling(cloud).per_area;
+  for (Vec3d& p : cloud.positions) p = p * 1024.0;
+  EXPECT_DOUBLE_EQ(measure_sampling(cloud).per_area * 1024 * 1024, metres);
+}
+
+TEST(Sampling, VoxelAndDensityAreInverse) {
+  const Sampling sampling = measure_sampling(sample_surface(*make_sphere(), 5000, 1));
+  for (const double density : {0.1, 1.0, 7.0}) EXPECT_NEAR(sampling.density(sampling.voxel(density)), density, 1e-12);
+  EXPECT_EQ(Sampling{}.voxel(1), 0);
+}
+
+/// The edge is proportional to the density: lambda / density, measured, is the same over two decades.
+TEST(CriticalLambda, OfASphereIsAFixedShareOfTheDensity) {
+  const Parallel one_thread(1);
+  Progress progress;
+  for (const double density : {0.05, 0.5, 5.0}) {
+    const Problem problem = make_problem(sampled("sphere", 56, density), 56);
+    const double edge = critical_lambda(problem.lattice, problem.support, density, one_thread, progress);
+    EXPECT_NEAR(edge / density, critical_density, 0.05 * critical_density) << density;
+  }
+}
+
+}  // namespace
+}  // namespace soapfilm

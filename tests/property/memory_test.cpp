@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/core/memory.h"
+#include "soapfilm/plan.h"
+#include "soapfilm/reconstruct.h"
+#include "support/problem.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+/// The process holds little before; what the peak shows is this run.
+TEST(MemoryPlan, PredictsThePeak) {
+  const PointCloud cloud = sampled("knot", 200, 1);
+  ReconstructParams params;
+  params.place.resolution = 200;
+  Progress progress;
+  const Reconstruction result = reconstruct(cloud, params, Parallel(1), progress);
+  const auto planned = static_cast<double>(result.report.planned_bytes);
+  const auto peak = static_cast<double>(result.report.peak_bytes);
+  EXPECT_GT(peak, 64.0 * (1 << 20)) << "too small to say anything";
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  EXPECT_LT(peak, 1.25 * planned);
+  EXPECT_GT(peak, 0.6 * planned);
+#endif
+}
+
+TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
+  const PointCloud cloud = sampled("torus", 160, 1);
+  ReconstructParams params;
+  params.place.resolution = 160;
+  Progress progress;
+  const Parallel one_thread(1);
+  params.memory_limit = size_t{48} << 20;
+  std::string message;
+  try {
+    reconstruct(cloud, params, one_thread, progress);
+  } catch (const MemoryError& error) {
+    message = error.what();
+  }
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(message, found, std::regex("resolution 160 .* resolution of about (\\d+) would fit")))
+      << message;
+  const int fits = std::stoi(found[1]);
+  EXPECT_GT(fits, 20);
+  EXPECT_LT(fits, 160);
+  params.place.resolution = fits;
+  EXPECT_NO_THROW(reconstruct(cloud, params, one_thread, progress));
+}
+
+TEST(MemoryPlan, RefusesABoxThatOnlyItsTablesWouldFill) {
+  const PointCloud cloud = sampled("sphere", 64, 0.05);
+  ReconstructParams params;
+  params.place.resolution = 16000;
+  params.memory_limit = size_t{1} << 30;
+  Progress progress;
+  EXPECT_THROW(reconstruct(cloud, params, Parallel(1), progress), MemoryError);
+}
+
+}  // namespace
+}  // namespace soapfilm
