@@ -159,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(Views, HalfSphere, testing::Values(Directions::radial, 
                          [](const auto& d) { return d.param == Directions::up ? "up" : "radial"; });
 
 /// What lies beyond the border changes nothing: more padding, the same optimum.
-TEST(Border, IsFarEnough) {
+TEST(Border, IsFarEnoughSlow) {
   PointCloud cloud = sampled("sphere", 64, 2);
   keep_where(cloud, [](Vec3d p) { return p.z > 0; });
   double energy[2];
