@@ -3,9 +3,9 @@ PROGRAM := build/release/bin/soapfilm
 JOBS := $(shell nproc)
 # Further arguments to cmake when a build is configured for the first time, such as -DSOAPFILM_WERROR=ON.
 CONFIGURE :=
-SOURCES = find src cli tests examples -name '*.h' -o -name '*.cpp'
+SOURCES = find src cli tests examples bench -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test format format-check tidy clean
+.PHONY: help build demo test bench format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -29,6 +29,12 @@ test-%: build-%
 build-%: packages-build
 	@test -f build/$*/build.ninja || cmake --preset $* $(CONFIGURE)
 	cmake --build --preset $* --parallel $(JOBS)
+
+bench: CONFIGURE += -DSOAPFILM_BUILD_BENCH=ON
+bench: ## measure: how far the tolerance can go (SOAPFILM_DATA: folder with real scans)
+	@$(MAKE) --no-print-directory packages-build
+	cmake --preset release $(CONFIGURE) >/dev/null && cmake --build --preset release --parallel $(JOBS)
+	sh bench/run.sh build/release/bin out/bench
 
 format: packages-format ## lay the sources out
 	$(SOURCES) | xargs clang-format -i

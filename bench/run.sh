@@ -1,0 +1,14 @@
+#!/bin/sh
+# run.sh PROGRAMS FOLDER: runs the measuring programs; results worth keeping go to bench/results/ with this command.
+set -eu
+programs=$1
+out=$2
+mkdir -p "$out"
+if [ -n "${SOAPFILM_DATA:-}" ]; then
+  scans=$SOAPFILM_DATA/bunny/bun.conf
+else
+  echo "SOAPFILM_DATA is not set: virtual scans instead of real ones"
+  "$programs/soapfilm" scan knot -o "$out/scans" --noise 0.1% --quiet
+  scans=$out/scans/scans.conf
+fi
+"$programs/bench_tolerance" "$scans" 256 | tee "$out/tolerance.md"
