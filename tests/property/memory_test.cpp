@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <regex>
-
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/plan.h"
@@ -13,20 +11,18 @@ namespace {
 
 using namespace test;
 
-/// The process holds little before; what the peak shows is this run.
-TEST(MemoryPlan, PredictsThePeak) {
-  const PointCloud cloud = sampled("knot", 200, 1);
+/// The process holds little before; what the peak shows is this run (or a sanitizer: hence Slow).
+TEST(MemoryPlan, PredictsThePeakSlow) {
+  const PointCloud cloud = sampled("part", 256, 1);
   ReconstructParams params;
-  params.place.resolution = 200;
+  params.place.resolution = 256;
   Progress progress;
   const Reconstruction result = reconstruct(cloud, params, Parallel(1), progress);
   const auto planned = static_cast<double>(result.report.planned_bytes);
   const auto peak = static_cast<double>(result.report.peak_bytes);
   EXPECT_GT(peak, 64.0 * (1 << 20)) << "too small to say anything";
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   EXPECT_LT(peak, 1.25 * planned);
   EXPECT_GT(peak, 0.6 * planned);
-#endif
 }
 
 TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
@@ -42,10 +38,11 @@ TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
   } catch (const MemoryError& error) {
     message = error.what();
   }
-  std::smatch found;
-  ASSERT_TRUE(std::regex_search(message, found, std::regex("resolution 160 .* resolution of about (\\d+) would fit")))
-      << message;
-  const int fits = std::stoi(found[1]);
+  EXPECT_EQ(message.find("memory: resolution 160 needs about"), 0u) << message;
+  const std::string before = "a resolution of about ";
+  const size_t at = message.find(before);
+  ASSERT_NE(at, std::string::npos) << message;
+  const int fits = std::stoi(message.substr(at + before.size()));
   EXPECT_GT(fits, 20);
   EXPECT_LT(fits, 160);
   params.place.resolution = fits;

@@ -43,7 +43,7 @@ double mean_radius_error(double voxel, size_t samples) {
   return sum / static_cast<double>(count);
 }
 
-TEST(Sphere, RadiusErrorAtLeastHalvesWhenTheVoxelHalvesAndSamplesQuadruple) {
+TEST(Sphere, RadiusErrorHalvesWhenTheVoxelHalvesAndSamplesQuadrupleSlow) {
   const double coarse = mean_radius_error(1.0 / 24, 3000);
   const double middle = mean_radius_error(1.0 / 48, 12000);
   const double fine = mean_radius_error(1.0 / 96, 48000);
@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Views, HalfSphere, testing::Values(Directions::radial, 
                          [](const auto& d) { return d.param == Directions::up ? "up" : "radial"; });
 
 /// What lies beyond the border changes nothing: more padding, the same optimum.
-TEST(Border, IsFarEnough) {
+TEST(Border, IsFarEnoughSlow) {
   PointCloud cloud = sampled("sphere", 64, 2);
   keep_where(cloud, [](Vec3d p) { return p.z > 0; });
   double energy[2];

@@ -1,8 +1,10 @@
 // Without lambda every built-in shape keeps its components and its genus, whatever the resolution and the sampling.
 // The full sweep (64 to 512 vertices, 0.3 to 10 samples per voxel^2; half an hour of one core and 2 GB) runs when the
 // environment variable SOAPFILM_FULL_TESTS is set.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 
 #include "soapfilm/evaluate/topology.h"
@@ -32,9 +34,9 @@ std::vector<Case> cases() {
   return all;
 }
 
-class Topology : public testing::TestWithParam<Case> {};
+class BuiltInShape : public testing::TestWithParam<Case> {};
 
-TEST_P(Topology, OfTheShapeIsKept) {
+TEST_P(BuiltInShape, KeepsItsComponentsAndGenus) {
   const auto& [name, resolution, density] = GetParam();
   const auto shape = make_shape(name);
   ReconstructParams params;
@@ -49,10 +51,12 @@ TEST_P(Topology, OfTheShapeIsKept) {
   EXPECT_LT(result.report.certificate.relative_gap_binary(), 0.05);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, Topology, testing::ValuesIn(cases()), [](const auto& c) {
-  return c.param.shape + "_" + std::to_string(c.param.resolution) + "_" +
-         std::to_string(static_cast<int>(10 * c.param.density)) + "_per_10_voxels2";
-});
+std::string case_name(const testing::TestParamInfo<Case>& info) {
+  const auto& [shape, resolution, density] = info.param;
+  return fmt::format("{}_{}_{}per10{}", shape, resolution, std::round(10 * density), resolution > 64 ? "_Slow" : "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Sweep, BuiltInShape, testing::ValuesIn(cases()), case_name);
 
 }  // namespace
 }  // namespace soapfilm
