@@ -25,8 +25,9 @@ constexpr size_t data_brick_bytes = brick_volume * sizeof(float);
 
 /// Beyond the support bricks a band holds what closes holes: measured 1.02 to 1.15 times as many.
 constexpr double band_over_support = 1.1;
-/// A level beside its coarser one, and all data terms: surfaces shrink by 4 per level, small levels a little less.
-constexpr double coarser_share = 0.25;
+/// A level beside its coarser one, and all data terms: surfaces shrink by 4 per level, small levels a little less, and
+/// coarser bands are wider.
+constexpr double coarser_share = 0.35;
 constexpr double coarser_data_share = 0.4;
 
 size_t table_bytes(const Lattice& lattice) {

@@ -46,7 +46,7 @@ TEST(Sampling, VoxelAndDensityAreInverse) {
 }
 
 /// The edge is proportional to the density: lambda / density, measured, is the same over two decades.
-TEST(CriticalLambda, OfASphereIsAFixedShareOfTheDensity) {
+TEST(CriticalLambda, OfASphereIsAFixedShareOfTheDensitySlow) {
   const Parallel one_thread(1);
   Progress progress;
   for (const double density : {0.05, 0.5, 5.0}) {

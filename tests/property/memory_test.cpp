@@ -13,9 +13,9 @@ using namespace test;
 
 /// The process holds little before; what the peak shows is this run (or a sanitizer: hence Slow).
 TEST(MemoryPlan, PredictsThePeakSlow) {
-  const PointCloud cloud = sampled("knot", 200, 1);
+  const PointCloud cloud = sampled("part", 256, 1);
   ReconstructParams params;
-  params.place.resolution = 200;
+  params.place.resolution = 256;
   Progress progress;
   const Reconstruction result = reconstruct(cloud, params, Parallel(1), progress);
   const auto planned = static_cast<double>(result.report.planned_bytes);
