@@ -98,6 +98,12 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
         surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); },
         static_cast<float>(report.isovalue), lattice, parallel);
   });
+  if (result.mesh.triangles.empty())
+    throw EmptyResult(
+        fmt::format("empty result: the smoothed indicator stays on one side of the isovalue {:.3g}; parts "
+                    "thinner than two voxels need a smaller voxel than {:.4g}",
+                    report.isovalue, lattice.voxel),
+        lambda);
 
   report.mesh_vertices = result.mesh.vertices.size();
   report.mesh_triangles = result.mesh.triangles.size();

@@ -224,6 +224,13 @@ TEST_F(Reconstruct, AnEmptyOptimumIsItsOwnOutcome) {
   EXPECT_FALSE(std::filesystem::exists(mesh));
 }
 
+TEST_F(Reconstruct, AnIsovalueThatLeavesNothingIsAnEmptyResult) {
+  const ProcessResult result = run({"reconstruct", cloud, "-o", mesh, "--resolution", "17", "--isovalue", "0.999"});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_TRUE(contains(result.err, "isovalue 0.999")) << result.err;
+  EXPECT_FALSE(std::filesystem::exists(mesh));
+}
+
 TEST_F(Reconstruct, CtrlCLeavesNothingBehind) {
   const size_t before = files();
   const auto begin = std::chrono::steady_clock::now();
