@@ -87,5 +87,19 @@ TEST(CoarseToFine, ReportsEveryLevelCoarsestFirst) {
   EXPECT_EQ(solution.reports.back().active_vertices, solution.finest.grid.vertices());
 }
 
+/// A rim must not fix a flux that the finer ball cannot carry on. Here, in the part's inner corner, one did: the band
+/// answered with a void along its rim and never converged.
+TEST(CoarseToFine, ConvergesWhereTheFluxMustTurnSlow) {
+  const Problem problem = make_problem(sampled("part", 256, 2), 256);
+  PrimalDualParams params;
+  params.max_iterations = 800;
+  Progress progress;
+  constexpr double lambda = 0.088;
+  const PyramidSolution solution =
+      solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, one_thread, progress);
+  for (const LevelReport& report : solution.reports) EXPECT_TRUE(report.converged) << "level " << report.level;
+  EXPECT_LT(solution.reports.back().energies.relative_gap(lambda), 5e-4);
+}
+
 }  // namespace
 }  // namespace soapfilm
