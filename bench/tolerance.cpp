@@ -13,6 +13,7 @@
 #include "soapfilm/field/sampling.h"
 #include "soapfilm/io/io.h"
 #include "soapfilm/orient/orient.h"
+#include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 
 namespace {
@@ -40,7 +41,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   const int resolution = argc > 2 ? std::stoi(argv[2]) : 256;
-  const double per_density = argc > 3 ? std::stod(argv[3]) : 0.01;
+  const double per_density = argc > 3 ? std::stod(argv[3]) : EnergyParams().lambda_per_density;
   const Parallel one_thread(1);
   Progress progress;
   const PointCloud cloud = read_points(argv[1]);

@@ -22,7 +22,7 @@ struct PlaceParams {
 /// What the energy weighs.
 struct EnergyParams {
   std::optional<double> lambda;      ///< the paper's: weight of a voxel face of area against one unit vector, > 0
-  double lambda_per_density = 0.01;  ///< without it: lambda is this times the samples per voxel^2 of surface, > 0
+  double lambda_per_density = 0.02;  ///< without it: lambda is this times the samples per voxel^2 of surface, > 0
 };
 
 /// From the relaxed indicator to the surface (section 4.4).

@@ -38,6 +38,17 @@ void require_surface(const ReconstructReport& report, const Lattice& lattice, co
                     largest);
 }
 
+void warn_unconverged(ReconstructReport& report, Progress& progress) {
+  for (const LevelReport& level : report.levels) {
+    if (level.converged) continue;
+    report.warnings.push_back(
+        fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate "
+                    "below holds all the same",
+                    level.level, level.iterations, report.params.solve.tolerance));
+    progress.warn(report.warnings.back());
+  }
+}
+
 Certificate certify(const Level& level, double lambda, double threshold, const Parallel& parallel) {
   Certificate certificate;
   certificate.lambda = lambda;
@@ -75,6 +86,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
   auto solution = stages.run(
       "solve", [&] { return solve_coarse_to_fine(lattice, field, lambda, params.solve, parallel, progress); });
   report.levels = std::move(solution.reports);
+  warn_unconverged(report, progress);
   Level& level = solution.finest;
 
   // How far from the global optimum, at most.
