@@ -12,8 +12,7 @@
 
 namespace soapfilm {
 
-/// An array of zeros, aligned to 64 bytes (to huge pages when it is large), with one unused cache line before its
-/// first element so that kernels may load a row shifted by one.
+/// An array of zeros, aligned to 64 bytes, its memory to huge pages when it is large.
 template <class T>
 class AlignedArray {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -22,10 +22,17 @@ HWY_INLINE V primal_step(V u, V grad_t_p, V f, V tau, V cap) {
   return hn::Min(hn::Max(moved, hn::Zero(D())), cap);
 }
 
-/// The row of in-brick neighbours below x: lane 0 of the brick's first lane group comes from outside.
-HWY_INLINE V load_below(const float* row, int x, float outside) {
-  const V shifted = hn::LoadU(D(), row + x - 1);
-  return x == 0 ? hn::IfThenElse(hn::FirstN(D(), 1), hn::Set(D(), outside), shifted) : shifted;
+/// The row of in-brick neighbours below x: lane 0 of a row's first lane group comes from outside. Nothing is loaded from
+/// before the brick: that belongs to another brick, which another thread may be writing.
+HWY_INLINE V load_below(const float* row, int x, float outside, bool first_row) {
+  if (x != 0) return hn::LoadU(D(), row + x - 1);
+  if (first_row) {
+    float shifted[brick_side + 1];
+    shifted[0] = outside;
+    for (int i = 0; i < brick_side; ++i) shifted[i + 1] = row[i];
+    return hn::LoadU(D(), shifted);
+  }
+  return hn::IfThenElse(hn::FirstN(D(), 1), hn::Set(D(), outside), hn::LoadU(D(), row - 1));
 }
 
 void primal(const PrimalJob& job, UBar& u_bar) {
@@ -49,7 +56,7 @@ void primal(const PrimalJob& job, UBar& u_bar) {
       for (int x = 0; x < brick_side; x += lanes) {
         const V cap = free ? hn::Load(d, cap_row + x) : hn::Zero(d);
         const V u = hn::Load(d, job.u + row + x);
-        const V dx = hn::Sub(load_below(px + row, x, below_x), hn::Load(d, px + row + x));
+        const V dx = hn::Sub(load_below(px + row, x, below_x, row == 0), hn::Load(d, px + row + x));
         const V dy = hn::Sub(hn::LoadU(d, below_y + x), hn::Load(d, py + row + x));
         const V dz = hn::Sub(hn::LoadU(d, below_z + x), hn::Load(d, pz + row + x));
         const V grad_t_p = hn::Add(hn::Add(dx, dy), dz);
