@@ -22,8 +22,8 @@ HWY_INLINE V primal_step(V u, V grad_t_p, V f, V tau, V cap) {
   return hn::Min(hn::Max(moved, hn::Zero(D())), cap);
 }
 
-/// The row of in-brick neighbours below x: lane 0 of a row's first lane group comes from outside. Nothing is loaded from
-/// before the brick: that belongs to another brick, which another thread may be writing.
+/// The row of in-brick neighbours below x: lane 0 of a row's first lane group comes from outside. Nothing is loaded
+/// from before the brick: that belongs to another brick, which another thread may be writing.
 HWY_INLINE V load_below(const float* row, int x, float outside, bool first_row) {
   if (x != 0) return hn::LoadU(D(), row + x - 1);
   if (first_row) {
