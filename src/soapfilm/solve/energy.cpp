@@ -194,14 +194,14 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
     for (size_t b = 0; b < terms.size(); ++b) (*local_gap)[b] = terms[b].gap;
   }
   for (const Vec3i b : bricks_below_band(level)) sum += evaluator.rim_terms(b);
-  const double gap_of_labels = level.lambda * outside_variation(level);
+  const double outside = outside_variation(level);
 
   Energies e;
-  e.total_variation = sum.variation + outside_variation(level);
+  e.total_variation = sum.variation + outside;
   e.data = sum.data;
   e.primal = level.lambda * e.total_variation - e.data;
   e.dual = sum.dual + evaluator.p_scale * level.dual_outside;
-  e.gap_band = sum.gap + gap_of_labels;
+  e.gap_band = sum.gap + level.lambda * outside;
   e.gap = e.gap_band + evaluator.p_scale * level.gap_outside;
   e.max_dual_norm = max_norm;
   e.inside = sum.inside;
