@@ -6,8 +6,15 @@
 #include <optional>
 #include <string>
 
+#include "soapfilm/fuse/vrip.h"
+#include "soapfilm/method.h"
 #include "soapfilm/orient/orient.h"
+#include "soapfilm/select/cross_validation.h"
+#include "soapfilm/solve/graph_cut.h"
+#include "soapfilm/solve/norm.h"
+#include "soapfilm/solve/poisson.h"
 #include "soapfilm/solve/primal_dual.h"
+#include "soapfilm/solve/sor.h"
 
 namespace soapfilm {
 
@@ -17,12 +24,15 @@ struct PlaceParams {
   std::optional<int> resolution;  ///< grid vertices along the longest axis, padding included, > 2 padding
   double samples_per_voxel2 = 1;  ///< without both: the voxel that holds this many samples per voxel^2 of surface, > 0
   int padding = 6;                ///< cells between the samples and the border, >= 2
+  int levels = 0;                 ///< of the pyramid, 1..12; 0: until the coarsest has at most 24 vertices per axis
 };
 
 /// What the energy weighs.
 struct EnergyParams {
   std::optional<double> lambda;      ///< the paper's: weight of a voxel face of area against one unit vector, > 0
   double lambda_per_density = 0.02;  ///< without it: lambda is this times the samples per voxel^2 of surface, > 0
+  bool cross_validate = false;       ///< choose lambda_per_density from the samples; `lambda` must be absent
+  Norm norm = Norm::isotropic;       ///< of the gradient; anisotropic for Method::tv and graph cuts alone
 };
 
 /// From the relaxed indicator to the surface (section 4.4).
@@ -32,10 +42,16 @@ struct SurfaceParams {
 };
 
 struct ReconstructParams {
+  Method method = Method::tv;
   OrientParams orient;
   PlaceParams place;
   EnergyParams energy;
-  PrimalDualParams solve;
+  CrossValidationParams select;
+  PrimalDualParams solve;    ///< Method::tv
+  SorParams sor;             ///< Method::tv_sor
+  PoissonParams poisson;     ///< Method::poisson
+  GraphCutParams graph_cut;  ///< Method::graph_cut_6 and _26, which set its neighbours; norm is energy.norm
+  VripParams vrip;           ///< Method::vrip
   SurfaceParams surface;
   std::optional<size_t> memory_limit;  ///< bytes; without it: what the machine has free
 };
