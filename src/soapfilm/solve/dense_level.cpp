@@ -64,10 +64,10 @@ BrickMask interface_bricks(const DenseField<float>& u, const LevelBox& box, cons
 }
 
 Level level_of(const DenseField<float>& u, const LevelBox& box, float lambda, const BrickGrid& support,
-               const Field<float>& f, const Parallel& parallel) {
+               const Field<float>& f, const Parallel& parallel, Norm norm) {
   BrickMask band = interface_bricks(u, box, parallel);
   for (size_t b = 0; b < support.size(); ++b) band.set(support.coord(b));
-  Level level = make_level(box, lambda, band, support, f, parallel);
+  Level level = make_level(box, lambda, band, support, f, parallel, norm);
   parallel.for_each(level.grid.size(), 64, [&](size_t b) {
     for_each_run(u, level.grid.coord(b), [&](const float* row, int x, int y, int z, int n) {
       std::copy(row, row + n, level.u.brick(b) + brick_offset(x, y, z));

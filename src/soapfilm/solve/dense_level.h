@@ -13,6 +13,6 @@ BrickMask interface_bricks(const DenseField<float>& u, const LevelBox& box, cons
 /// A level with this u and p = 0, on the support's bricks and the interface's; elsewhere u is constant, 0 or 1.
 /// `support` and `f` must outlive the level.
 Level level_of(const DenseField<float>& u, const LevelBox& box, float lambda, const BrickGrid& support,
-               const Field<float>& f, const Parallel& parallel);
+               const Field<float>& f, const Parallel& parallel, Norm norm = Norm::isotropic);
 
 }  // namespace soapfilm
