@@ -25,16 +25,20 @@ void fill_some_inactive_bricks(RandomLevel& random, uint64_t seed) {
   });
 }
 
-class EnergyOfRandomLevels : public testing::TestWithParam<uint64_t> {};
+class EnergyOfRandomLevels : public testing::TestWithParam<std::tuple<uint64_t, Norm>> {
+ protected:
+  const uint64_t seed = std::get<0>(GetParam());
+  const Norm norm = std::get<1>(GetParam());
+};
 
 TEST_P(EnergyOfRandomLevels, AgreesWithBruteForceOnTheDenseGrid) {
-  const RandomLevel random(GetParam(), {.rim = RimFlux::zero});
+  const RandomLevel random(seed, {.rim = RimFlux::zero, .norm = norm});
   const Level& level = random.level;
   const Dense<double> f = dense_f(level);
   for (const std::optional<float> threshold : {std::optional<float>(), std::optional(0.3f), std::optional(0.5f)}) {
     const Dense<double> u = dense_u(level, threshold);
     const Energies e = evaluate_energy(level, {.threshold = threshold, .certify = false}, one_thread);
-    const double variation = total_variation(u), data = inner_product(f, u);
+    const double variation = total_variation(u, norm), data = inner_product(f, u);
     EXPECT_NEAR(e.total_variation, variation, 1e-11 * variation);
     EXPECT_NEAR(e.data, data, 1e-9 * std::abs(data) + 1e-9);
     EXPECT_DOUBLE_EQ(e.primal, level.lambda * e.total_variation - e.data);
@@ -48,7 +52,7 @@ TEST_P(EnergyOfRandomLevels, AgreesWithBruteForceOnTheDenseGrid) {
 /// D(p) <= E(u) for every feasible p and every u in [0, 1].
 TEST_P(EnergyOfRandomLevels, DualNeverExceedsPrimal) {
   for (const double lambda : {1e-3, 0.1, 10.0}) {
-    const RandomLevel random(GetParam(), {.lambda = lambda, .rim = RimFlux::zero});
+    const RandomLevel random(seed, {.lambda = lambda, .rim = RimFlux::zero, .norm = norm});
     for (const std::optional<float> threshold : {std::optional<float>(), std::optional(0.5f)}) {
       const Energies e = evaluate_energy(random.level, {.threshold = threshold, .certify = true}, one_thread);
       EXPECT_LE(e.dual, e.primal);
@@ -58,7 +62,7 @@ TEST_P(EnergyOfRandomLevels, DualNeverExceedsPrimal) {
 
 TEST_P(EnergyOfRandomLevels, GapIsTheSumOfLocalTermsThatAreNeverNegative) {
   for (const RimFlux rim : {RimFlux::zero, RimFlux::random}) {
-    const RandomLevel random(GetParam(), {.rim = rim});
+    const RandomLevel random(seed, {.rim = rim, .norm = norm});
     std::vector<double> local;
     const Energies e = evaluate_energy(random.level, {}, one_thread, &local);
     ASSERT_EQ(local.size(), random.level.grid.size());
@@ -72,7 +76,7 @@ TEST_P(EnergyOfRandomLevels, GapIsTheSumOfLocalTermsThatAreNeverNegative) {
 }
 
 TEST_P(EnergyOfRandomLevels, NoDualGivesTheSumOfTheNegativeData) {
-  RandomLevel random(GetParam(), {.rim = RimFlux::zero});
+  RandomLevel random(seed, {.rim = RimFlux::zero, .norm = norm});
   Level& level = random.level;
   double expected = 0;
   for (size_t b = 0; b < level.grid.size(); ++b) {
@@ -86,13 +90,13 @@ TEST_P(EnergyOfRandomLevels, NoDualGivesTheSumOfTheNegativeData) {
 
 /// A dual that leaves the ball is brought back before it is a proof.
 TEST_P(EnergyOfRandomLevels, CertifyRescalesAnInfeasibleDual) {
-  RandomLevel random(GetParam(), {.rim = RimFlux::zero});
+  RandomLevel random(seed, {.rim = RimFlux::zero, .norm = norm});
   Level& level = random.level;
   for (size_t b = 0; b < level.grid.size(); ++b)
     for (int i = 0; i < 3 * brick_volume; ++i) level.p.brick(b)[i] *= 3;
   DenseVectors p = dense_p(level);
   double longest = 0;
-  p[0].for_each([&](Vec3i v) { longest = std::max(longest, norm(vector_at(p, v))); });
+  p[0].for_each([&](Vec3i v) { longest = std::max(longest, dual_length(vector_at(p, v), norm)); });
   const double factor = longest / level.lambda;
   ASSERT_GT(factor, 2.5);
   for (Dense<double>& component : p) component.for_each([&](Vec3i v) { component[v] /= factor; });
@@ -106,16 +110,16 @@ TEST_P(EnergyOfRandomLevels, CertifyRescalesAnInfeasibleDual) {
 
 /// Where inactive bricks of different labels touch, TV is bounded from above, so that E is never understated.
 TEST_P(EnergyOfRandomLevels, NeverUnderstatesTheVariationOutsideTheBand) {
-  RandomLevel random(GetParam());
-  fill_some_inactive_bricks(random, GetParam());
-  const double variation = total_variation(dense_u(random.level));
+  RandomLevel random(seed, {.norm = norm});
+  fill_some_inactive_bricks(random, seed);
+  const double variation = total_variation(dense_u(random.level), norm);
   const Energies e = evaluate_energy(random.level, {}, one_thread);
   EXPECT_GE(e.total_variation, variation * (1 - 1e-12));
   EXPECT_LE(e.total_variation, variation * 2);
 }
 
 TEST_P(EnergyOfRandomLevels, DoesNotDependOnThreads) {
-  const RandomLevel random(GetParam());
+  const RandomLevel random(seed, {.norm = norm});
   const Energies one = evaluate_energy(random.level, {}, one_thread);
   for (const int threads : {2, 3, 8}) {
     const Energies many = evaluate_energy(random.level, {}, Parallel(threads));
@@ -125,7 +129,13 @@ TEST_P(EnergyOfRandomLevels, DoesNotDependOnThreads) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, EnergyOfRandomLevels, testing::Values(1, 2, 3, 4));
+INSTANTIATE_TEST_SUITE_P(Seeds, EnergyOfRandomLevels,
+                         testing::Combine(testing::Values(1, 2, 3, 4),
+                                          testing::Values(Norm::isotropic, Norm::anisotropic)),
+                         [](const auto& c) {
+                           return (std::get<1>(c.param) == Norm::isotropic ? "isotropic" : "anisotropic") +
+                                  std::to_string(std::get<0>(c.param));
+                         });
 
 /// The null space of the gradient: a block of ones has variation at its faces only, whether the band covers its inside
 /// or leaves it out.

@@ -134,9 +134,18 @@ inline double adjoint_at(const DenseVectors& p, Vec3i v) {
   return sum;
 }
 
-inline double total_variation(const Dense<double>& u) {
+/// |g| of the gradient.
+inline double length(Vec3d g, Norm norm_kind = Norm::isotropic) {
+  return norm_kind == Norm::isotropic ? norm(g) : std::abs(g.x) + std::abs(g.y) + std::abs(g.z);
+}
+/// |p| of the dual: feasible where it is at most lambda.
+inline double dual_length(Vec3d p, Norm norm_kind = Norm::isotropic) {
+  return norm_kind == Norm::isotropic ? norm(p) : std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
+
+inline double total_variation(const Dense<double>& u, Norm norm_kind = Norm::isotropic) {
   double sum = 0;
-  u.for_each([&](Vec3i v) { sum += norm(gradient_at(u, v)); });
+  u.for_each([&](Vec3i v) { sum += length(gradient_at(u, v), norm_kind); });
   return sum;
 }
 

@@ -59,13 +59,14 @@ inline PointCloud transformed(PointCloud cloud, const auto& position, const auto
   return cloud;
 }
 
-inline PyramidSolution solve(const Problem& problem, double lambda, double tolerance, int threads = 1) {
+inline PyramidSolution solve(const Problem& problem, double lambda, double tolerance, int threads = 1,
+                             Norm norm = Norm::isotropic) {
   PrimalDualParams params;
   params.tolerance = tolerance;
   params.max_iterations = 20000;
   const Parallel parallel(threads);
   Progress progress;
-  return solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, parallel, progress);
+  return solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, parallel, progress, norm);
 }
 
 }  // namespace soapfilm::test

@@ -23,6 +23,7 @@ struct RandomLevelParams {
   double band = 0.5;     ///< share of the bricks that are active
   double support = 0.6;  ///< share of those that have data
   RimFlux rim = RimFlux::random;
+  Norm norm = Norm::isotropic;
 };
 
 /// u is uniform in [0, 1] at free vertices, f normal on the support, p uniform in the ball of lambda. Outside the band
@@ -56,7 +57,7 @@ struct RandomLevel {
     for (size_t b = 0; b < support.size(); ++b)
       for (int i = 0; i < brick_volume; ++i) f.brick(b)[i] = static_cast<float>(0.2 * random.normal());
 
-    level = make_level(box, static_cast<float>(params.lambda), band, support, f, parallel);
+    level = make_level(box, static_cast<float>(params.lambda), band, support, f, parallel, params.norm);
     for (size_t b = 0; b < level.grid.size(); ++b) fill_brick(random, b, params);
   }
 

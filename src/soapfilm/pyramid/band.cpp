@@ -40,8 +40,10 @@ unsigned interface_octants(const Level& level, size_t brick) {
   return octants;
 }
 
-/// Octants with a vertex where the prolonged dual might leave the ball.
+/// Octants with a vertex where the prolonged dual might leave the ball. The anisotropic norm's cube it cannot leave:
+/// its components are means of feasible ones.
 unsigned infeasible_octants(const Level& level, size_t brick) {
+  if (level.norm == Norm::anisotropic) return 0;
   const float* p[3];
   LowFace low[3];
   for (int axis = 0; axis < 3; ++axis) {

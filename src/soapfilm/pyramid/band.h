@@ -10,10 +10,11 @@ namespace soapfilm {
 /// The children of a solved level's bricks that the next finer level needs, its support bricks aside:
 ///   every pair of neighbours whose rounded u differ (the interface), and
 ///   every vertex I where sqrt(sum_k max(|P_k[I - e_k]|, |P_k[I]|)^2) > lambda: elsewhere the prolonged dual is
-///   feasible on all finer levels, so leaving the brick out costs the certificate nothing but this level's own gap, and
-///   below the finest level the bricks beside these: a rim close to where the flux must turn fixes a flux that the
-///   finer ball cannot carry on, and the band would answer with a void along its rim. So the finest level's rim has the
-///   flux of the next coarser level, and room to grow.
+///   feasible on all finer levels (with the anisotropic norm it is everywhere: prolongation takes means), so leaving
+///   the brick out costs the certificate nothing but this level's own gap, and below the finest level the bricks beside
+///   these: a rim close to where the flux must turn fixes a flux that the finer ball cannot carry on, and the band
+///   would answer with a void along its rim. So the finest level's rim has the flux of the next coarser level, and room
+///   to grow.
 BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel);
 
 /// The bricks just outside the band that its interface has reached (rounded u differs across the rim) and whose parent

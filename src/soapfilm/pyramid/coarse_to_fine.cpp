@@ -16,11 +16,12 @@ namespace {
 constexpr int max_growths = 8;
 
 /// The whole box, without a band: where the pyramid starts.
-Level whole_level(const LevelBox& box, const SupportField& support, double lambda, const Parallel& parallel) {
+Level whole_level(const LevelBox& box, const SupportField& support, double lambda, Norm norm,
+                  const Parallel& parallel) {
   BrickMask everywhere(box.bricks);
   everywhere.fill(true);
   const auto scale = static_cast<double>(size_t{1} << (2 * box.level));
-  return make_level(box, static_cast<float>(lambda * scale), everywhere, support.grid, support.f, parallel);
+  return make_level(box, static_cast<float>(lambda * scale), everywhere, support.grid, support.f, parallel, norm);
 }
 
 /// An upper bound of what any surface can gain from a level's data: the sum of its positive part.
@@ -34,11 +35,11 @@ double largest_gain(const SupportField& support) {
 /// The coarsest level whose data still pays for the surface's area. f is a dipole some six fine voxels wide; in cells
 /// wider than that its two sides cancel, and a level that sees no surface would leave the finer ones a band without an
 /// inside. The area follows from the bricks that the samples reach: a surface reaches one per 20 voxel^2.
-int start_level(const Lattice& lattice, const std::vector<const SupportField*>& data, double lambda) {
+int start_level(const Lattice& lattice, const std::vector<const SupportField*>& data, double lambda, Norm norm) {
   constexpr double area_per_brick = 20;
   constexpr double gain_per_cost = 1.5;
   constexpr int paper_start = 2;  // section 4.3: a three-level pyramid
-  const double cost = lambda * area_per_brick * static_cast<double>(data[0]->grid.size());
+  const double cost = lambda * mean_area(norm) * area_per_brick * static_cast<double>(data[0]->grid.size());
   int level = lattice.levels - 1;
   while (level > paper_start && largest_gain(*data[static_cast<size_t>(level)]) < gain_per_cost * cost) --level;
   return level;
@@ -53,14 +54,15 @@ BrickMask support_bricks(const SupportField& support, Vec3i bricks) {
 }  // namespace
 
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
-                                     const PrimalDualParams& params, const Parallel& parallel, Progress& progress) {
+                                     const PrimalDualParams& params, const Parallel& parallel, Progress& progress,
+                                     Norm norm) {
   std::vector<SupportField> coarser;  // data terms of levels 1, 2, ...
   coarser.reserve(static_cast<size_t>(lattice.levels));
   for (int l = 1; l < lattice.levels; ++l)
     coarser.push_back(restrict_field(l == 1 ? support : coarser.back(), lattice.box(l), parallel));
   std::vector<const SupportField*> data = {&support};
   for (const SupportField& field : coarser) data.push_back(&field);
-  const int start = start_level(lattice, data, lambda);
+  const int start = start_level(lattice, data, lambda, norm);
 
   PyramidSolution solution;
   Level level;
@@ -70,7 +72,7 @@ PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField&
     const Level coarse = std::exchange(level, Level{});
     BrickMask band;
     if (l == start) {
-      level = whole_level(box, field, lambda, parallel);
+      level = whole_level(box, field, lambda, norm, parallel);
     } else {
       band = interface_children(coarse, box.bricks, parallel);
       band |= support_bricks(field, box.bricks);

@@ -26,8 +26,10 @@ struct PyramidSolution {
   std::vector<LevelReport> reports;  ///< coarsest first
 };
 
-/// Solves min lambda TV(u) - <f, u> (equation (4)) on the lattice. `support` is the finest level's data term.
+/// Solves min lambda TV(u) - <f, u> (equation (4)) on the lattice, TV by `norm`. `support` is the finest level's data
+/// term.
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
-                                     const PrimalDualParams& params, const Parallel& parallel, Progress& progress);
+                                     const PrimalDualParams& params, const Parallel& parallel, Progress& progress,
+                                     Norm norm = Norm::isotropic);
 
 }  // namespace soapfilm

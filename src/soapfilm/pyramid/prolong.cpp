@@ -145,7 +145,7 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
 
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Parallel& parallel, const Level* previous) {
-  Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, parallel);
+  Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, parallel, coarse.norm);
   parallel.for_each(coarse.grid.size(), 16, [&](size_t b) { prolong_children(coarse, b, fine, previous); });
 
   fine.dual_outside = coarse.dual_outside;

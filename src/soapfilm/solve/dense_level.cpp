@@ -1,15 +1,14 @@
 #include "soapfilm/solve/dense_level.h"
 
 #include <algorithm>
-#include <optional>
 #include <vector>
 
 namespace soapfilm {
 
 namespace {
 
-/// The value that all 512 vertices of a brick share, if they do and it is 0 or 1; u = 0 beyond the box.
-std::optional<float> constant_in(const DenseField<float>& u, Vec3i brick) {
+/// u = 0 beyond the box.
+BrickContent content_of(const DenseField<float>& u, Vec3i brick) {
   bool zero = false, one = false, other = false;
   int covered = 0;
   for_each_run(u, brick, [&](const float* row, int, int, int, int n) {
@@ -17,44 +16,37 @@ std::optional<float> constant_in(const DenseField<float>& u, Vec3i brick) {
     for (int i = 0; i < n; ++i) (row[i] == 0.0f ? zero : row[i] == 1.0f ? one : other) = true;
   });
   if (covered < brick_volume) zero = true;
-  if (other || zero == one) return std::nullopt;
-  return one ? 1.0f : 0.0f;
+  if (other || zero == one) return BrickContent::mixed;
+  return one ? BrickContent::one : BrickContent::zero;
 }
 
-/// Per brick of the box: 0, 1, or mixed.
-constexpr uint8_t mixed = 2;
-
-std::vector<uint8_t> classify(const DenseField<float>& u, Vec3i bricks, const Parallel& parallel) {
+/// Per brick of the box.
+std::vector<BrickContent> classify(const DenseField<float>& u, Vec3i bricks, const Parallel& parallel) {
   const size_t row = static_cast<size_t>(bricks.x),
                rows = static_cast<size_t>(bricks.y) * static_cast<size_t>(bricks.z);
-  std::vector<uint8_t> kind(row * rows);
+  std::vector<BrickContent> content(row * rows);
   parallel.for_each(rows, 1, [&](size_t r) {
     const int y = static_cast<int>(r % static_cast<size_t>(bricks.y)),
               z = static_cast<int>(r / static_cast<size_t>(bricks.y));
-    for (int x = 0; x < bricks.x; ++x) {
-      const auto value = constant_in(u, {x, y, z});
-      kind[r * row + static_cast<size_t>(x)] = value ? static_cast<uint8_t>(*value) : mixed;
-    }
+    for (int x = 0; x < bricks.x; ++x) content[r * row + static_cast<size_t>(x)] = content_of(u, {x, y, z});
   });
-  return kind;
+  return content;
 }
 
 }  // namespace
 
-BrickMask interface_bricks(const DenseField<float>& u, const LevelBox& box, const Parallel& parallel) {
-  const Vec3i bricks = box.bricks;
-  const std::vector<uint8_t> kind = classify(u, bricks, parallel);
+BrickMask interface_bricks(const std::vector<BrickContent>& content, Vec3i bricks) {
   BrickMask mask(bricks);
   const auto at = [&](Vec3i b) {
-    return mask.contains(b) ? kind[static_cast<size_t>((b.z * bricks.y + b.y)) * static_cast<size_t>(bricks.x) +
-                                   static_cast<size_t>(b.x)]
-                            : uint8_t{0};
+    return mask.contains(b) ? content[static_cast<size_t>((b.z * bricks.y + b.y)) * static_cast<size_t>(bricks.x) +
+                                      static_cast<size_t>(b.x)]
+                            : BrickContent::zero;
   };
   for (int z = 0; z < bricks.z; ++z) {
     for (int y = 0; y < bricks.y; ++y) {
       for (int x = 0; x < bricks.x; ++x) {
         const Vec3i b{x, y, z};
-        bool interface = at(b) == mixed;
+        bool interface = at(b) == BrickContent::mixed;
         for (int slot = 0; slot < 27 && !interface; ++slot) interface = at(b + slot_offset(slot)) != at(b);
         if (interface) mask.set(b);
       }
@@ -63,11 +55,15 @@ BrickMask interface_bricks(const DenseField<float>& u, const LevelBox& box, cons
   return mask;
 }
 
+BrickMask interface_bricks(const DenseField<float>& u, const LevelBox& box, const Parallel& parallel) {
+  return interface_bricks(classify(u, box.bricks, parallel), box.bricks);
+}
+
 Level level_of(const DenseField<float>& u, const LevelBox& box, float lambda, const BrickGrid& support,
-               const Field<float>& f, const Parallel& parallel) {
+               const Field<float>& f, const Parallel& parallel, Norm norm) {
   BrickMask band = interface_bricks(u, box, parallel);
   for (size_t b = 0; b < support.size(); ++b) band.set(support.coord(b));
-  Level level = make_level(box, lambda, band, support, f, parallel);
+  Level level = make_level(box, lambda, band, support, f, parallel, norm);
   parallel.for_each(level.grid.size(), 64, [&](size_t b) {
     for_each_run(u, level.grid.coord(b), [&](const float* row, int x, int y, int z, int n) {
       std::copy(row, row + n, level.u.brick(b) + brick_offset(x, y, z));

@@ -39,6 +39,13 @@ struct Evaluator {
   std::optional<float> threshold;
   double p_scale = 1;
 
+  double norm(double x, double y, double z) const {
+    return level.norm == Norm::isotropic ? std::sqrt(x * x + y * y + z * z) : std::abs(x) + std::abs(y) + std::abs(z);
+  }
+  double dual_norm_squared(double x, double y, double z) const {
+    return level.norm == Norm::isotropic ? x * x + y * y + z * z : std::max({x * x, y * y, z * z});
+  }
+
   double u_value(float u) const { return threshold ? (u > *threshold ? 1.0 : 0.0) : static_cast<double>(u); }
 
   /// The upper halo of the brick at `coord`, whose neighbours come from neighbor(slot) (an index or a missing value).
@@ -81,10 +88,10 @@ struct Evaluator {
           const double here = u.at(x, y, z);
           const double gx = u.at(x + 1, y, z) - here, gy = u.at(x, y + 1, z) - here, gz = u.at(x, y, z + 1) - here;
           const double px = p[0][i], py = p[1][i], pz = p[2][i];
-          const double length = std::sqrt(gx * gx + gy * gy + gz * gz);
+          const double length = norm(gx, gy, gz);
           t.variation += length;
           t.gap += lambda * length - p_scale * (px * gx + py * gy + pz * gz);
-          t.max_norm_squared = std::max(t.max_norm_squared, px * px + py * py + pz * pz);
+          t.max_norm_squared = std::max(t.max_norm_squared, dual_norm_squared(px, py, pz));
           if (!range.contains(x, y, z)) continue;
           const double below = (x > 0 ? p[0][i - 1] : low[0].at(y, z)) - px +
                                ((y > 0 ? p[1][i - brick_side] : low[1].at(x, z)) - py) +
@@ -123,7 +130,7 @@ struct Evaluator {
           const double g[3] = {u.at(x + 1, y, z) - constant, u.at(x, y + 1, z) - constant,
                                u.at(x, y, z + 1) - constant};
           if (g[0] == 0 && g[1] == 0 && g[2] == 0) continue;
-          const double length = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+          const double length = norm(g[0], g[1], g[2]);
           const int at[3][2] = {{y, z}, {x, z}, {x, y}};
           double coupling = 0;
           for (int axis = 0; axis < 3; ++axis)

@@ -3,6 +3,8 @@
 //   E(u) = lambda TV(u) - <f, u>                       for 0 <= u <= 1, u = 0 at fixed vertices       (equation (4))
 //   D(p) = sum over free vertices of min(0, (grad^T p) - f)                for |p_x| <= lambda at every vertex
 //
+// |.| is the level's norm and its dual.
+//
 // E(u) >= E* >= D(p) for every such u and p on the whole domain, so E(u) - D(p) bounds the distance to the optimum.
 #pragma once
 

@@ -24,10 +24,11 @@ const float* Level::data(size_t brick) const {
 }
 
 Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
-                 const Field<float>& f, const Parallel& parallel) {
+                 const Field<float>& f, const Parallel& parallel, Norm norm) {
   Level level;
   level.box = box;
   level.lambda = lambda;
+  level.norm = norm;
   level.grid = BrickGrid(band, parallel);
   level.inside = BrickMask(box.bricks);
   level.u = Field<float>(level.grid);

@@ -9,6 +9,7 @@
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/solve/norm.h"
 
 namespace soapfilm {
 
@@ -40,11 +41,13 @@ class Rim {
 /// the band's rim that p is the boundary flux. Lattice units: h = 1 on every level.
 struct Level {
   LevelBox box;
-  float lambda = 0;   ///< 4^level times the finest level's: the area of a face, in fine faces
-  BrickGrid grid;     ///< the band
-  BrickMask inside;   ///< for bricks outside the band: is u = 1 there
-  Field<float> u;     ///< relaxed indicator, in [0, 1]
-  Field<float, 3> p;  ///< dual: p_k of the face between a vertex and the next along axis k; |p| <= lambda
+  float lambda = 0;  ///< 4^level times the finest level's: the area of a face, in fine faces
+  Norm norm = Norm::isotropic;
+  BrickGrid grid;    ///< the band
+  BrickMask inside;  ///< for bricks outside the band: is u = 1 there
+  Field<float> u;    ///< relaxed indicator, in [0, 1]
+  Field<float, 3>
+      p;  ///< dual: p_k of the face between a vertex and the next along axis k; |p| <= lambda by the norm's dual
   Rim rim;
   const Field<float>* f = nullptr;  ///< on the support bricks
   std::vector<int32_t> f_brick;     ///< index into f of each brick of the band, -1: zero
@@ -59,7 +62,7 @@ struct Level {
 
 /// A level whose u and p are zero and whose rim fluxes are zero.
 Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
-                 const Field<float>& f, const Parallel& parallel);
+                 const Field<float>& f, const Parallel& parallel, Norm norm = Norm::isotropic);
 
 /// The values of p_axis just below a brick: through its 64 low faces. value(row) = base[row * stride...]: see layout.
 struct LowFace {

@@ -98,7 +98,7 @@ void Sweeper::sweep(StepSizes steps) {
 }
 
 void Sweeper::sweep_chunk(size_t begin, size_t end, StepSizes steps) {
-  const SweepKernel kernel = sweep_kernel();
+  const SweepKernel kernel = sweep_kernel(level_.norm);
   UBar bar;
   for (size_t brick = end; brick-- > begin;) {
     kernel.primal(primal_job(level_, brick, steps.tau), bar);
@@ -123,7 +123,7 @@ void Sweeper::finish_brick(size_t slot, StepSizes steps) {
     for (int y = 0; y < brick_side; ++y)
       std::copy_n(kept + brick_offset(0, y, z), brick_side, bar.values + y * UBar::row + z * UBar::layer);
   load_halo(level_.grid, brick, faces_.data(), bar);
-  sweep_kernel().dual(dual_job(level_, brick, steps.sigma), bar);
+  sweep_kernel(level_.norm).dual(dual_job(level_, brick, steps.sigma), bar);
 }
 
 }  // namespace soapfilm

@@ -4,6 +4,8 @@
 //   u_new = clip(u - tau (grad^T p - f), 0, 1),   u_bar = 2 u_new - u,   p <- proj_{|.| <= lambda}(p + sigma grad
 //   u_bar)
 //
+// where the anisotropic norm projects each component of p onto [-lambda, lambda].
+//
 // Bricks are visited in descending order. A brick's primal step reads the old p of itself and of its lower neighbours
 // (not visited yet); its dual step reads u_bar of itself (still in registers and L1) and of the first layers of its
 // upper neighbours (just visited: they left those layers behind). So u_bar is never stored whole, and the sweep is the

@@ -80,6 +80,7 @@ HWY_INLINE Gradient forward_difference(const float* bar) {
           hn::Sub(hn::Load(d, bar + UBar::layer), here)};
 }
 
+/// The isotropic norm's.
 void dual(const DualJob& job, const UBar& u_bar) {
   const D d;
   const int lanes = static_cast<int>(hn::Lanes(D()));
@@ -145,9 +146,36 @@ void dual(const DualJob& job, const UBar& u_bar) {
   }
 }
 
+/// The anisotropic norm's: the ball is a cube, so each component is clamped on its own and fixed ones stay.
+void dual_by_component(const DualJob& job, const UBar& u_bar) {
+  const D d;
+  const int lanes = static_cast<int>(hn::Lanes(D()));
+  const V sigma = hn::Set(d, job.sigma);
+  const V lambda = hn::Set(d, job.lambda);
+  const auto step = [&](V p, V g) { return hn::Min(hn::Max(hn::Add(p, hn::Mul(sigma, g)), hn::Neg(lambda)), lambda); };
+  for (int z = 0; z < brick_side; ++z) {
+    for (int y = 0; y < brick_side; ++y) {
+      const int row = brick_offset(0, y, z);
+      const bool fixed_y = job.fixed_up[1] && y == brick_side - 1;
+      const bool fixed_z = job.fixed_up[2] && z == brick_side - 1;
+      const float last_x = job.p[row + brick_side - 1];
+      for (int x = 0; x < brick_side; x += lanes) {
+        float* px = job.p + row + x;
+        float* py = px + brick_volume;
+        float* pz = py + brick_volume;
+        const Gradient g = forward_difference(u_bar.values + x + y * UBar::row + z * UBar::layer);
+        hn::Store(step(hn::Load(d, px), g.x), d, px);
+        if (!fixed_y) hn::Store(step(hn::Load(d, py), g.y), d, py);
+        if (!fixed_z) hn::Store(step(hn::Load(d, pz), g.z), d, pz);
+      }
+      if (job.fixed_up[0]) job.p[row + brick_side - 1] = last_x;
+    }
+  }
+}
+
 }  // namespace
 
-inline SweepKernel kernel() { return {&primal, &dual}; }
+inline SweepKernel kernel(Norm norm) { return {&primal, norm == Norm::isotropic ? &dual : &dual_by_component}; }
 
 }  // namespace soapfilm::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

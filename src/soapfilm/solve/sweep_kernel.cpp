@@ -12,10 +12,10 @@
 namespace soapfilm {
 
 HWY_EXPORT(kernel);
-SweepKernel scalar_sweep_kernel();
+SweepKernel scalar_sweep_kernel(Norm norm);
 
-SweepKernel sweep_kernel() {
-  return simd_target() == "scalar" ? scalar_sweep_kernel() : HWY_DYNAMIC_DISPATCH(kernel)();
+SweepKernel sweep_kernel(Norm norm) {
+  return simd_target() == "scalar" ? scalar_sweep_kernel(norm) : HWY_DYNAMIC_DISPATCH(kernel)(norm);
 }
 
 }  // namespace soapfilm

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "soapfilm/grid/layout.h"
+#include "soapfilm/solve/norm.h"
 
 namespace soapfilm {
 
@@ -34,13 +35,13 @@ struct DualJob {
   float lambda;
 };
 
-/// The steps of one SIMD target.
+/// The steps of one SIMD target for one norm.
 struct SweepKernel {
   void (*primal)(const PrimalJob& job, UBar& u_bar);
   void (*dual)(const DualJob& job, const UBar& u_bar);
 };
 
 /// The kernel of the best target of this processor, or of the one that force_simd_target() named.
-SweepKernel sweep_kernel();
+SweepKernel sweep_kernel(Norm norm);
 
 }  // namespace soapfilm

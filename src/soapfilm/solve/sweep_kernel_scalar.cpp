@@ -4,6 +4,6 @@
 
 namespace soapfilm {
 
-SweepKernel scalar_sweep_kernel() { return HWY_STATIC_DISPATCH(kernel)(); }
+SweepKernel scalar_sweep_kernel(Norm norm) { return HWY_STATIC_DISPATCH(kernel)(norm); }
 
 }  // namespace soapfilm

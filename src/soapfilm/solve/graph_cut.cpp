@@ -1,0 +1,181 @@
+#include "soapfilm/solve/graph_cut.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/solve/dense_level.h"
+#include "soapfilm/solve/min_cut.h"
+#include "soapfilm/solve/outside_parts.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// Share of the sphere that is nearest to one of the 26 directions: with 1, 2, 3 steps along the axes.
+constexpr double share_of_sphere[4] = {0, 0.04577789120476, 0.03698062787608, 0.03519563978232};
+
+constexpr int first_dilation = 1;
+constexpr int first_growth = 8;
+
+/// A brick's vertices in a mask: 64 rows.
+template <class Visit>
+void for_each_brick_row(Vec3i brick, Visit&& visit) {
+  for (int r = 0; r < brick_area; ++r)
+    visit(brick_side * brick.y + r % brick_side, brick_side * brick.z + r / brick_side, r);
+}
+
+VertexMask free_vertices(const LevelBox& box) {
+  VertexMask mask(box.bricks);
+  for (int z = box.free_lo.z; z <= box.free_hi.z; ++z)
+    for (int y = box.free_lo.y; y <= box.free_hi.y; ++y)
+      for (int x = box.free_lo.x; x <= box.free_hi.x; ++x) mask.set({x, y, z});
+  return mask;
+}
+
+VertexMask vertices_with_data(const SupportField& support, const LevelBox& box) {
+  VertexMask mask(box.bricks);
+  for (size_t b = 0; b < support.grid.size(); ++b) {
+    const float* f = support.f.brick(b);
+    for_each_brick_row(support.grid.coord(b), [&](int y, int z, int r) {
+      for (int x = 0; x < brick_side; ++x)
+        if (f[brick_side * r + x] != 0) mask.set({brick_side * support.grid.coord(b).x + x, y, z});
+    });
+  }
+  return mask;
+}
+
+VertexMask labels_of(const BandGraph& graph, const MinCut& cut, Vec3i bricks) {
+  VertexMask inside(bricks);
+  BandGraph::Cursor cursor(graph);
+  for (BandVertex v; cursor.next(v);)
+    if (cut.inside[v.id]) inside.set(v.position);
+  return inside;
+}
+
+double energy_of(const BandGraph& graph, const MinCut& cut) {
+  double energy = 0;
+  BandGraph::Cursor cursor(graph);
+  for (BandVertex v; cursor.next(v);) {
+    if (!cut.inside[v.id]) continue;
+    energy += v.unary;
+    for (size_t d = 0; d < graph.links().size(); ++d)
+      if (v.links >> d & 1u && !cut.inside[v.neighbor[d]]) energy += graph.links()[d].weight;
+  }
+  return energy;
+}
+
+/// Adds to the band what lies near both labels of a rim that disagrees: there the film wants to pass. Reaches further
+/// until there is something new, at last to everything.
+VertexMask grown(const VertexMask& band, RimVotes votes, const VertexMask& free, int& reach, const Parallel& parallel) {
+  for (;; reach *= 2) {
+    VertexMask near = votes.inside, near_outside = votes.outside;
+    near.dilate(reach, parallel);
+    near_outside.dilate(reach, parallel);
+    near &= near_outside;
+    near &= free;
+    near |= band;
+    if (!(near == band)) return near;
+  }
+}
+
+Level level_of_labels(const VertexMask& inside, const LevelBox& box, const SupportField& support, double lambda,
+                      Norm norm, const Parallel& parallel) {
+  const Vec3i n = box.bricks;
+  std::vector<BrickContent> content;
+  content.reserve(static_cast<size_t>(n.x) * static_cast<size_t>(n.y) * static_cast<size_t>(n.z));
+  for (int z = 0; z < n.z; ++z)
+    for (int y = 0; y < n.y; ++y)
+      for (int x = 0; x < n.x; ++x) {
+        unsigned any = 0, all = 0xFF;
+        for_each_brick_row({x, y, z}, [&](int vy, int vz, int) {
+          any |= inside.row(x, vy, vz);
+          all &= inside.row(x, vy, vz);
+        });
+        content.push_back(any == 0 ? BrickContent::zero : all == 0xFF ? BrickContent::one : BrickContent::mixed);
+      }
+  BrickMask band = interface_bricks(content, n);
+  for (size_t b = 0; b < support.grid.size(); ++b) band.set(support.grid.coord(b));
+
+  Level level = make_level(box, static_cast<float>(lambda), band, support.grid, support.f, parallel, norm);
+  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
+    const Vec3i brick = level.grid.coord(b);
+    for_each_brick_row(brick, [&](int y, int z, int r) {
+      for (int x = 0; x < brick_side; ++x)
+        level.u.brick(b)[brick_side * r + x] = inside.row(brick.x, y, z) >> x & 1 ? 1.0f : 0.0f;
+    });
+  });
+  size_t i = 0;
+  for (int z = 0; z < n.z; ++z)
+    for (int y = 0; y < n.y; ++y)
+      for (int x = 0; x < n.x; ++x, ++i)
+        if (content[i] == BrickContent::one && !band.test({x, y, z})) level.inside.set({x, y, z});
+  return level;
+}
+
+}  // namespace
+
+std::vector<Link> graph_links(const GraphCutParams& params, double lambda) {
+  if (params.neighbors != 6 && params.neighbors != 26)
+    throw ParameterError(fmt::format("neighbors = {}, must be 6 or 26", params.neighbors));
+  if (!(lambda > 0)) throw ParameterError(fmt::format("lambda = {:g}, must be > 0", lambda));
+  std::vector<Link> links;
+  double mean_cost = 0;  // of a unit area: a link's share of it is weight * length * |cos|, whose mean is 1/2
+  for (int slot = 0; slot < 27; ++slot) {
+    const Vec3i step = slot_offset(slot);
+    const int axes = dot(step, step);
+    if (axes == 0 || (params.neighbors == 6 && axes > 1)) continue;
+    const double length = std::sqrt(axes);
+    const bool by_angle = params.weights == LinkWeights::cauchy_crofton && params.neighbors == 26;
+    const double weight = (by_angle ? share_of_sphere[axes] : 1.0) / length;
+    links.push_back({step, weight});
+    mean_cost += 0.5 * weight * length / 2;  // each link is listed both ways
+  }
+  for (Link& link : links) link.weight *= lambda * mean_area(params.norm) / mean_cost;
+  return links;
+}
+
+Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutParams& params,
+                      const Parallel& parallel, Progress& progress, GraphCutReport& report) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<Link> links = graph_links(params, lambda);
+  const LevelBox box = lattice.box(0);
+  const VertexMask free = free_vertices(box);
+  VertexMask band = vertices_with_data(support, box);
+  band.dilate(first_dilation, parallel);
+  band &= free;
+
+  report = {};
+  VertexMask inside;
+  for (int reach = first_growth;; reach *= 2) {
+    progress.check();
+    {
+      const BandGraph graph(band, box, support, links, parallel);
+      progress.detail(fmt::format("graph cut {}: {} vertices", report.growths + 1, graph.vertices()));
+      const MinCut cut = min_cut(graph, progress);
+      report.vertices = graph.vertices();
+      report.links = cut.links;
+      report.flow = cut.flow;
+      report.energy = energy_of(graph, cut);
+      report.graph_bytes = std::max(report.graph_bytes, cut.bytes + graph.bytes());
+      inside = labels_of(graph, cut, box.bricks);
+    }
+    OutsideParts parts(band, box, links);
+    RimVotes votes = parts.vote(inside);
+    report.globally_optimal = votes.agree;
+    if (votes.agree) {
+      parts.fill(inside);
+      break;
+    }
+    band = grown(band, std::move(votes), free, reach, parallel);
+    ++report.growths;
+  }
+  Level level = level_of_labels(inside, box, support, lambda, params.norm, parallel);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return level;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,55 @@
+// Global shape fitting by one minimum cut (Lempitsky and Boykov 2007), the paper's [16]:
+//
+//   min over binary u of  sum over links of w |u_i - u_j| - <f, u>,   u = 0 at fixed vertices
+//
+// with the same f as `tv` and links to 6 or 26 neighbours. Exact, but the area it measures depends on direction.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/solve/band_graph.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+/// edge_length: w proportional to 1 / length of the link, as in Lempitsky and Boykov's program.
+/// cauchy_crofton: to the solid angle of the directions nearest to the link over its length (Boykov and Kolmogorov
+///                 2003), which makes the cost of a plane depend less on its direction. The same with 6 neighbours.
+enum class LinkWeights { edge_length, cauchy_crofton };
+
+struct GraphCutParams {
+  int neighbors = 6;  ///< 6 or 26
+  LinkWeights weights = LinkWeights::edge_length;
+  /// Sets the scale: the mean cost of a unit area over its directions is lambda times mean_area(norm). So with the
+  /// anisotropic norm and 6 neighbours a link costs lambda, and the energy is that of `tv` with that norm.
+  Norm norm = Norm::isotropic;
+};
+
+struct GraphCutReport {
+  size_t vertices = 0;  ///< of the last cut's graph
+  size_t links = 0;     ///< between them, each counted once
+  int growths = 0;      ///< of the band, each followed by another cut
+  double flow = 0;
+  double energy = 0;       ///< of the labels, by the sum above: the minimum
+  size_t graph_bytes = 0;  ///< of the largest graph, search trees included
+  double seconds = 0;
+  bool globally_optimal = false;  ///< all rim labels of each outside part agree
+};
+
+/// All links of a vertex, in an order in which the opposite of link d is link size() - 1 - d.
+/// Throws ParameterError when neighbors is neither 6 nor 26 or lambda <= 0.
+std::vector<Link> graph_links(const GraphCutParams& params, double lambda);
+
+/// The global optimum on the whole finest level. The graph holds the vertices with f != 0 and one around them, without
+/// links to what it leaves out: a lower bound, which the labels reach when each outside part can take the label of its
+/// whole rim. Where a part's rim disagrees the graph grows between its two labels and is cut again.
+/// The level returned has u binary, p = 0 and the norm of the parameters. `support` must outlive it.
+/// One thread cuts. Throws ParameterError as above and where the graph passes 2^32 edges.
+Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutParams& params,
+                      const Parallel& parallel, Progress& progress, GraphCutReport& report);
+
+}  // namespace soapfilm

@@ -1,0 +1,259 @@
+// Boost.Graph's max-flow on its compressed sparse row graph, with as little memory per link as that takes: 4 bytes for
+// the edge's end and 8 for its residual capacity. Reverse edges are worked out: the edges of a vertex are in the order
+// of directions, so the way back of its k-th edge is found by counting bits in the two vertices' sets of directions.
+#include "soapfilm/solve/min_cut.h"
+
+#include <bit>
+#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
+#include <boost/graph/compressed_sparse_row_graph.hpp>
+#include <boost/graph/two_bit_color_map.hpp>
+#include <iterator>
+#include <utility>
+
+namespace soapfilm {
+
+namespace {
+
+using Graph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, boost::no_property,
+                                                 boost::no_property, uint32_t, uint32_t>;
+using Edge = boost::graph_traits<Graph>::edge_descriptor;
+
+/// In a vertex's set of directions, after those of its links: it has an edge to the source, to the sink.
+constexpr int bit_of_source = max_links;
+constexpr uint32_t to_source = 1u << bit_of_source;
+constexpr uint32_t to_sink = to_source << 1;
+
+/// What is known of the vertices before there are edges.
+struct Nodes {
+  std::vector<uint32_t> directions;  ///< the links as in BandVertex, and to_source or to_sink
+  std::vector<double> unary;
+  size_t links = 0;      ///< both ways
+  size_t terminals = 0;  ///< vertices with an edge to a terminal
+
+  explicit Nodes(const BandGraph& graph) : directions(graph.vertices()), unary(graph.vertices()) {
+    BandGraph::Cursor cursor(graph);
+    for (BandVertex v; cursor.next(v);) {
+      directions[v.id] = v.links | (v.unary < 0 ? to_source : v.unary > 0 ? to_sink : 0u);
+      unary[v.id] = v.unary;
+      links += static_cast<size_t>(std::popcount(v.links));
+      terminals += v.unary != 0;
+    }
+  }
+};
+
+/// The edges in the order of their sources, made up as the graph's constructor asks for them: those of the vertices,
+/// then those of the source and of the sink.
+class EdgeStream {
+ public:
+  EdgeStream(const BandGraph& graph, const Nodes& nodes) : nodes_(nodes), cursor_(graph), source_(graph.vertices()) {}
+
+  std::pair<uint32_t, uint32_t> next() {
+    while (rest_ == 0 && from_ < source_) {
+      from_ = cursor_.next(vertex_) ? vertex_.id : source_;
+      rest_ = from_ < source_ ? nodes_.directions[from_] : 0;
+    }
+    if (from_ >= source_) return next_of_terminal();
+    const int direction = std::countr_zero(rest_);
+    rest_ &= rest_ - 1;
+    return {from_, direction < bit_of_source ? vertex_.neighbor[static_cast<size_t>(direction)]
+                                             : source_ + static_cast<uint32_t>(direction - bit_of_source)};
+  }
+
+ private:
+  std::pair<uint32_t, uint32_t> next_of_terminal() {
+    for (;; ++to_) {
+      if (to_ == source_) {
+        ++from_;
+        to_ = 0;
+      }
+      if (nodes_.directions[to_] & (from_ == source_ ? to_source : to_sink)) return {from_, to_++};
+    }
+  }
+
+  const Nodes& nodes_;
+  BandGraph::Cursor cursor_;
+  BandVertex vertex_;
+  uint32_t source_;    ///< the sink is the next
+  uint32_t from_ = 0;  ///< vertex or terminal whose edges are handed out
+  uint32_t rest_ = 0;  ///< its directions still to come
+  uint32_t to_ = 0;    ///< next candidate of a terminal's edges
+};
+
+/// The stream as a pair of input iterators.
+class EdgeIterator {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = std::pair<uint32_t, uint32_t>;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const value_type*;
+  using reference = const value_type&;
+
+  EdgeIterator(EdgeStream& stream, size_t left) : stream_(stream), left_(left) { read(); }
+  const value_type& operator*() const { return edge_; }
+  const value_type* operator->() const { return &edge_; }
+  EdgeIterator& operator++() {
+    --left_;
+    read();
+    return *this;
+  }
+  bool operator!=(const EdgeIterator& other) const { return left_ != other.left_; }
+
+ private:
+  void read() {
+    if (left_ > 0) edge_ = stream_.next();
+  }
+
+  EdgeStream& stream_;
+  size_t left_;
+  value_type edge_;
+};
+
+Graph make_graph(const BandGraph& band, const Nodes& nodes) {
+  EdgeStream stream(band, nodes);
+  const size_t edges = nodes.links + 2 * nodes.terminals;
+  return Graph(boost::edges_are_sorted, EdgeIterator(stream, edges), EdgeIterator(stream, 0), band.vertices() + 2,
+               static_cast<uint32_t>(edges));
+}
+
+int count_bits(uint32_t bits) {
+  // Without the popcnt instruction, which not every x86-64 has, std::popcount is a call.
+  bits -= bits >> 1 & 0x55555555u;
+  bits = (bits & 0x33333333u) + (bits >> 2 & 0x33333333u);
+  return static_cast<int>(((bits + (bits >> 4)) & 0x0F0F0F0Fu) * 0x01010101u >> 24);
+}
+
+/// The direction of a vertex's k-th edge.
+int nth_direction(uint32_t directions, uint32_t k) {
+  const uint32_t up_to_k = (2u << k) - 1;
+  if ((directions & up_to_k) == up_to_k) return static_cast<int>(k);
+  for (; k > 0; --k) directions &= directions - 1;
+  return std::countr_zero(directions);
+}
+
+/// Finds the way back of an edge.
+struct Reverse {
+  const Graph* graph;
+  const uint32_t* directions;     ///< per vertex
+  const uint32_t* terminal_edge;  ///< per vertex: number of the edge from its terminal
+  uint32_t vertices;
+  int last_direction;  ///< the opposite of d is last_direction - d
+
+  uint32_t first_edge(uint32_t vertex) const { return graph->m_forward.m_rowstart[vertex]; }
+  Edge operator()(Edge edge) const {
+    const uint32_t to = graph->m_forward.m_column[edge.idx];
+    if (edge.src >= vertices) return {to, first_edge(to + 1) - 1};
+    const int direction = nth_direction(directions[edge.src], edge.idx - first_edge(edge.src));
+    if (direction > last_direction) return {to, terminal_edge[edge.src]};
+    const uint32_t before = directions[to] & ((1u << (last_direction - direction)) - 1);
+    return {to, first_edge(to) + static_cast<uint32_t>(count_bits(before))};
+  }
+};
+
+// Property maps, by Boost's concepts.
+struct ReverseMap {
+  using key_type = Edge;
+  using value_type = Edge;
+  using reference = Edge;
+  using category = boost::readable_property_map_tag;
+  Reverse reverse;
+};
+Edge get(const ReverseMap& map, Edge edge) { return map.reverse(edge); }
+
+/// Capacities that the algorithm turns into residual ones.
+struct ResidualMap {
+  using key_type = Edge;
+  using value_type = double;
+  using reference = double;
+  using category = boost::read_write_property_map_tag;
+  double* values;
+};
+double get(const ResidualMap& map, Edge edge) { return map.values[edge.idx]; }
+void put(const ResidualMap& map, Edge edge, double value) { map.values[edge.idx] = value; }
+
+/// A vertex's edge from its parent in the source's tree, or to it in the sink's tree, in one byte: which of its own
+/// edges leads to the parent, and the tree.
+struct ParentMap {
+  using key_type = uint32_t;
+  using value_type = Edge;
+  using reference = Edge;
+  using category = boost::read_write_property_map_tag;
+  static constexpr uint8_t sinks_tree = 0x80;
+  uint8_t* codes;
+  Reverse reverse;
+  const Progress* progress;
+  size_t* writes;
+};
+Edge get(const ParentMap& map, uint32_t vertex) {
+  const uint8_t code = map.codes[vertex];
+  const Edge own{vertex, map.reverse.first_edge(vertex) + (code & ~ParentMap::sinks_tree & 0xFFu)};
+  return code & ParentMap::sinks_tree ? own : map.reverse(own);
+}
+void put(const ParentMap& map, uint32_t vertex, Edge edge) {
+  constexpr size_t writes_between_checks = 1 << 16;
+  if (++*map.writes % writes_between_checks == 0) map.progress->check();
+  const bool sinks = edge.src == vertex;
+  const Edge own = sinks ? edge : map.reverse(edge);
+  map.codes[vertex] =
+      static_cast<uint8_t>((own.idx - map.reverse.first_edge(vertex)) | (sinks ? ParentMap::sinks_tree : 0u));
+}
+
+/// Number of the edge that leads from its terminal to each vertex.
+std::vector<uint32_t> terminal_edges(const Graph& graph, uint32_t vertices) {
+  std::vector<uint32_t> edge(vertices);
+  for (uint32_t e = graph.m_forward.m_rowstart[vertices]; e < graph.m_forward.m_column.size(); ++e)
+    edge[graph.m_forward.m_column[e]] = e;
+  return edge;
+}
+
+/// Both ways of a link have its weight, the edges from the source and to the sink what the vertex's term costs.
+std::vector<double> capacities(const Graph& graph, const Nodes& nodes, const std::vector<Link>& links,
+                               const std::vector<uint32_t>& terminal_edge) {
+  std::vector<double> capacity(graph.m_forward.m_column.size(), 0.0);
+  size_t e = 0;
+  for (size_t v = 0; v < nodes.directions.size(); ++v)
+    for (uint32_t rest = nodes.directions[v]; rest != 0; rest &= rest - 1, ++e) {
+      const uint32_t lowest = rest & -rest;
+      if (lowest == to_source)
+        capacity[terminal_edge[v]] = -nodes.unary[v];
+      else
+        capacity[e] = lowest == to_sink ? nodes.unary[v] : links[static_cast<size_t>(std::countr_zero(lowest))].weight;
+    }
+  return capacity;
+}
+
+/// Boost keeps a time stamp of 8 bytes and two bits per vertex of its own, and a queue of 4 bytes per active vertex.
+constexpr double own_bytes_per_vertex = sizeof(long) + 2.0 / 8;
+
+}  // namespace
+
+MinCut min_cut(const BandGraph& band, const Progress& progress) {
+  Nodes nodes(band);
+  const uint32_t n = band.vertices();
+  const Graph graph = make_graph(band, nodes);
+  const std::vector<uint32_t> terminal_edge = terminal_edges(graph, n);
+  std::vector<double> residual = capacities(graph, nodes, band.links(), terminal_edge);
+  nodes.unary = {};
+
+  const Reverse reverse{&graph, nodes.directions.data(), terminal_edge.data(), n,
+                        static_cast<int>(band.links().size()) - 1};
+  std::vector<uint8_t> parent(n + 2);
+  std::vector<uint32_t> distance(n + 2);
+  const auto index = boost::get(boost::vertex_index, graph);
+  const boost::two_bit_color_map<decltype(index)> color(n + 2, index);
+  size_t writes = 0;
+
+  MinCut cut;
+  cut.flow = boost::boykov_kolmogorov_max_flow(
+      graph, ResidualMap{residual.data()}, ResidualMap{residual.data()}, ReverseMap{reverse},
+      ParentMap{parent.data(), reverse, &progress, &writes}, color,
+      boost::make_iterator_property_map(distance.begin(), index), index, n, n + 1);
+  cut.inside.resize(n);
+  for (uint32_t v = 0; v < n; ++v) cut.inside[v] = get(color, v) == boost::two_bit_black;
+  cut.links = nodes.links / 2;
+  const size_t per_vertex = sizeof(uint32_t) * 4 + sizeof(uint8_t);  // row start, directions, terminal edge, distance
+  cut.bytes = residual.size() * (sizeof(double) + sizeof(uint32_t)) + n * per_vertex + n / 4 +
+              static_cast<size_t>(own_bytes_per_vertex * n);
+  return cut;
+}
+
+}  // namespace soapfilm

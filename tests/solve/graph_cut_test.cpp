@@ -1,0 +1,420 @@
+#include "soapfilm/solve/graph_cut.h"
+
+#include <gtest/gtest.h>
+
+#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/extract/isosurface.h"
+#include "soapfilm/refine/indicator.h"
+#include "soapfilm/solve/energy.h"
+#include "soapfilm/solve/min_cut.h"
+#include "soapfilm/solve/primal_dual.h"
+#include "support/dense.h"
+#include "support/hash.h"
+#include "support/problem.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+const Parallel one_thread(1);
+
+struct Cut {
+  GraphCutReport report;
+  Level level;
+};
+
+Cut cut(const Problem& problem, double lambda, const GraphCutParams& params, int threads = 1) {
+  Progress progress;
+  Cut result;
+  result.level =
+      solve_graph_cut(problem.lattice, problem.support, lambda, params, Parallel(threads), progress, result.report);
+  return result;
+}
+
+/// The discrete energy of labels on the whole box, link by link.
+double energy_on_links(const Dense<double>& u, const Dense<double>& f, const std::vector<Link>& links) {
+  double energy = 0;
+  u.for_each([&](Vec3i v) {
+    energy -= f[v] * u[v];
+    for (const Link& link : links) energy += 0.5 * link.weight * std::abs(u[v] - u.get(v + link.step));
+    for (const Link& link : links)
+      if (!u.contains(v + link.step)) energy += 0.5 * link.weight * u[v];
+  });
+  return energy;
+}
+
+std::vector<GraphCutParams> all_kinds() {
+  std::vector<GraphCutParams> all;
+  for (const int neighbors : {6, 26})
+    for (const LinkWeights weights : {LinkWeights::edge_length, LinkWeights::cauchy_crofton})
+      for (const Norm norm : {Norm::isotropic, Norm::anisotropic}) all.push_back({neighbors, weights, norm});
+  return all;
+}
+
+std::string name_of(const GraphCutParams& p) {
+  return "neighbors" + std::to_string(p.neighbors) +
+         (p.weights == LinkWeights::edge_length ? "_edge_length" : "_cauchy_crofton") +
+         (p.norm == Norm::isotropic ? "_isotropic" : "_anisotropic");
+}
+
+class EveryKind : public testing::TestWithParam<GraphCutParams> {};
+INSTANTIATE_TEST_SUITE_P(GraphCut, EveryKind, testing::ValuesIn(all_kinds()),
+                         [](const auto& c) { return name_of(c.param); });
+
+/// Normal deviates at some of the vertices of the bricks that a tiny lattice has, fixed ones included.
+Problem tiny_problem(Vec3i free, uint64_t seed) {
+  Problem problem;
+  problem.lattice.size = free + Vec3i{2, 2, 2};
+  const LevelBox box = problem.lattice.box(0);
+  BrickMask everywhere(box.bricks);
+  everywhere.fill(true);
+  problem.support.grid = BrickGrid(everywhere, one_thread);
+  problem.support.f = Field<float>(problem.support.grid);
+  Random random(seed);
+  for (size_t b = 0; b < problem.support.grid.size(); ++b)
+    for_each_vertex(problem.support.grid.coord(b), [&](Vec3i, int i) {
+      const double value = random.normal();
+      problem.support.f.brick(b)[i] = random.uniform() < 0.6 ? static_cast<float>(value) : 0.0f;
+    });
+  return problem;
+}
+
+/// The least energy of all labelings, visited in the order of a Gray code: one label changes at a time.
+double least_energy(const Problem& problem, const std::vector<Link>& links) {
+  const LevelBox box = problem.lattice.box(0);
+  const Dense<double> f = dense_field(problem.support, box);
+  Dense<double> u(f.size());
+  std::vector<Vec3i> free;
+  u.for_each([&](Vec3i v) {
+    if (box.is_free(v)) free.push_back(v);
+  });
+  double energy = 0, least = 0;
+  for (uint32_t k = 1; k < (1u << free.size()); ++k) {
+    const Vec3i v = free[static_cast<size_t>(std::countr_zero(k))];
+    const double before = u[v], after = 1 - before;
+    energy -= f[v] * (after - before);
+    for (const Link& link : links) {
+      const double other = u.get(v + link.step);
+      energy += link.weight * (std::abs(after - other) - std::abs(before - other));
+    }
+    u[v] = after;
+    least = std::min(least, energy);
+  }
+  return least;
+}
+
+TEST_P(EveryKind, FindsTheBestOfAllLabelingsOfTinyGrids) {
+  for (const Vec3i free : {Vec3i{3, 3, 2}, {4, 2, 2}, {2, 2, 4}, {5, 3, 1}, {1, 1, 16}})
+    for (const uint64_t seed : {1, 2, 3})
+      for (const double lambda : {0.05, 0.3, 0.8}) {
+        const Problem problem = tiny_problem(free, seed);
+        const std::vector<Link> links = graph_links(GetParam(), lambda);
+        const double least = least_energy(problem, links);
+        const Cut best = cut(problem, lambda, GetParam());
+        EXPECT_TRUE(best.report.globally_optimal);
+        EXPECT_NEAR(best.report.energy, least, 1e-9);
+        const Dense<double> f = dense_field(problem.support, best.level.box);
+        EXPECT_NEAR(energy_on_links(dense_u(best.level), f, links), least, 1e-9) << "the labels returned";
+      }
+}
+
+TEST_P(EveryKind, FlowIsTheEnergyLessItsLargestGain) {
+  const Problem problem = tiny_problem({14, 13, 12}, 4);
+  const Cut best = cut(problem, 0.2, GetParam());
+  double largest_gain = 0;
+  const BandGraph graph(VertexMask(best.level.box.bricks), best.level.box, problem.support,
+                        graph_links(GetParam(), 0.2), one_thread);
+  EXPECT_EQ(graph.vertices(), 0u);
+  // -unary of each vertex: its f less the links to fixed vertices.
+  const std::vector<Link> links = graph_links(GetParam(), 0.2);
+  const Dense<double> f = dense_field(problem.support, best.level.box);
+  f.for_each([&](Vec3i v) {
+    if (!best.level.box.is_free(v)) return;
+    double gain = f[v];
+    for (const Link& link : links)
+      if (!best.level.box.is_free(v + link.step)) gain -= link.weight;
+    largest_gain += std::max(0.0, gain);
+  });
+  EXPECT_NEAR(best.report.flow, best.report.energy + largest_gain, 1e-9 * largest_gain);
+  EXPECT_LT(best.report.energy, 0);
+}
+
+/// Half a sphere: its inside and its outside are one part of the box, so the band must grow over the opening.
+Problem half_sphere(int resolution) {
+  PointCloud cloud = sampled("sphere", resolution, 2);
+  PointCloud half;
+  const double middle = (cloud.box().lo.z + cloud.box().hi.z) / 2;
+  for (size_t i = 0; i < cloud.size(); ++i)
+    if (cloud.positions[i].z > middle) {
+      half.positions.push_back(cloud.positions[i]);
+      half.normals.push_back(cloud.normals[i]);
+    }
+  return make_problem(half, resolution);
+}
+
+/// The cut of the whole box, without a band.
+double energy_on_the_whole_box(const Problem& problem, const std::vector<Link>& links) {
+  const LevelBox box = problem.lattice.box(0);
+  VertexMask all(box.bricks);
+  for (int z = box.free_lo.z; z <= box.free_hi.z; ++z)
+    for (int y = box.free_lo.y; y <= box.free_hi.y; ++y)
+      for (int x = box.free_lo.x; x <= box.free_hi.x; ++x) all.set({x, y, z});
+  const BandGraph graph(all, box, problem.support, links, one_thread);
+  const MinCut best = min_cut(graph, Progress());
+  double gains = 0;
+  BandGraph::Cursor cursor(graph);
+  for (BandVertex v; cursor.next(v);) gains += std::max(0.0, -v.unary);
+  return best.flow - gains;
+}
+
+TEST_P(EveryKind, BandGrowsUntilItsCutIsThatOfTheWholeBox) {
+  const Problem problem = half_sphere(36);
+  const double lambda = 0.02;
+  const Cut best = cut(problem, lambda, GetParam());
+  EXPECT_GT(best.report.growths, 0);
+  EXPECT_TRUE(best.report.globally_optimal);
+  EXPECT_LT(best.report.energy, -1);
+  const std::vector<Link> links = graph_links(GetParam(), lambda);
+  const double whole = energy_on_the_whole_box(problem, links);
+  EXPECT_NEAR(best.report.energy, whole, 1e-9 * std::abs(whole));
+  EXPECT_LT(static_cast<double>(best.report.vertices), 0.7 * problem.lattice.vertices());
+  const double of_labels = energy_on_links(dense_u(best.level), dense_f(best.level), links);
+  EXPECT_NEAR(of_labels, best.report.energy, 1e-9 * std::abs(whole));
+}
+
+TEST_P(EveryKind, RimsOfAClosedShapeAgreeAtOnce) {
+  const Problem problem = make_problem(sampled("torus", 64, 2), 64);
+  const Cut best = cut(problem, 0.02, GetParam());
+  EXPECT_EQ(best.report.growths, 0);
+  EXPECT_TRUE(best.report.globally_optimal);
+  const std::vector<Link> links = graph_links(GetParam(), 0.02);
+  EXPECT_NEAR(energy_on_links(dense_u(best.level), dense_f(best.level), links), best.report.energy,
+              1e-9 * std::abs(best.report.energy));
+
+  // The stages after the solve work on it.
+  const SurfaceField surface = smoothed_indicator(best.level, 0.5f, one_thread);
+  const Mesh mesh = extract_isosurface(
+      surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, problem.lattice,
+      one_thread);
+  const TopologyReport topology = check_topology(mesh);
+  EXPECT_TRUE(topology.watertight());
+  EXPECT_EQ(topology.components.size(), 1u);
+  EXPECT_EQ(topology.genus(), 1);
+}
+
+TEST_P(EveryKind, WithoutDataTheOptimumIsEmpty) {
+  Problem problem = tiny_problem({14, 13, 12}, 5);
+  std::fill_n(problem.support.f.brick(0), problem.support.grid.vertices(), 0.0f);
+  const Cut best = cut(problem, 0.1, GetParam());
+  EXPECT_EQ(best.report.vertices, 0u);
+  EXPECT_EQ(best.report.energy, 0);
+  EXPECT_TRUE(best.report.globally_optimal);
+  EXPECT_EQ(count_inside(dense_labels(best.level)), 0u);
+}
+
+TEST_P(EveryKind, DoesNotDependOnThreads) {
+  const Problem problem = half_sphere(36);
+  const auto fingerprint = [&](int threads) {
+    const Cut best = cut(problem, 0.02, GetParam(), threads);
+    uint64_t hash = hash_bytes(std::span<const double>(&best.report.energy, 1));
+    for (size_t b = 0; b < best.level.grid.size(); ++b)
+      hash = hash_bytes(std::span<const float>(best.level.u.brick(b), brick_volume), hash);
+    return hash;
+  };
+  EXPECT_EQ(fingerprint(1), fingerprint(4));
+}
+
+/// Both outside and inside at once: the optimum fills the box up to its fixed layer.
+TEST_P(EveryKind, FilmMayLieOnTheBorder) {
+  Problem problem = tiny_problem({14, 13, 12}, 6);
+  const LevelBox box = problem.lattice.box(0);
+  for (size_t b = 0; b < problem.support.grid.size(); ++b)
+    for_each_vertex(problem.support.grid.coord(b), [&](Vec3i v, int i) {
+      problem.support.f.brick(b)[i] = v == box.free_lo + Vec3i{6, 6, 6} ? 1e4f : 0.1f * (v.x > 2);
+    });
+  const Cut best = cut(problem, 0.01, GetParam());
+  const std::vector<Link> links = graph_links(GetParam(), 0.01);
+  EXPECT_NEAR(best.report.energy, energy_on_the_whole_box(problem, links), 1e-6);
+  EXPECT_GT(count_inside(dense_labels(best.level)), 2000u);
+}
+
+// --- With the anisotropic norm, tv and the cut are one problem. -----------------------------------------------------
+
+struct Case {
+  std::string shape;
+  double density;
+  double lambda;
+  double noise_vox;
+};
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.shape << " with " << c.density << " samples per voxel^2, lambda " << c.lambda << ", noise " << c.noise_vox;
+}
+
+class CoareaFormula : public testing::TestWithParam<Case> {};
+
+TEST_P(CoareaFormula, TvAndGraphCutReachTheSameEnergySlow) {
+  const auto& [shape, density, lambda, noise_vox] = GetParam();
+  PointCloud cloud = sampled(shape, 32, density);
+  add_noise(cloud, noise_vox / 20, 5);
+  const Problem problem = make_problem(cloud, 32);
+  const Cut best = cut(problem, lambda, {.neighbors = 6, .norm = Norm::anisotropic});
+  const double scale = std::abs(best.report.energy);
+  ASSERT_LT(best.report.energy, 0);
+  EXPECT_NEAR(evaluate_energy(best.level, {}, one_thread).primal, best.report.energy, 1e-6 * scale) << "one judge";
+
+  const PyramidSolution tv = solve(problem, lambda, 1e-6, 1, Norm::anisotropic);
+  EXPECT_NEAR(evaluate_energy(tv.finest, {}, one_thread).primal, best.report.energy, 1e-5 * scale);
+  EXPECT_NEAR(evaluate_energy(tv.finest, {.threshold = 0.5f}, one_thread).primal, best.report.energy, 1e-5 * scale);
+
+  // Without a band there is no outside whose dual stays the coarser level's: the gap itself goes to 0.
+  BrickMask everywhere(problem.lattice.box(0).bricks);
+  everywhere.fill(true);
+  Level whole = make_level(problem.lattice.box(0), static_cast<float>(lambda), everywhere, problem.support.grid,
+                           problem.support.f, one_thread, Norm::anisotropic);
+  Progress progress;
+  double last = 1;
+  for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
+    PrimalDualParams params;
+    params.tolerance = tolerance;
+    params.max_iterations = 20000;
+    EXPECT_TRUE(solve_primal_dual(whole, params, one_thread, progress).converged);
+    const Energies binary = evaluate_energy(whole, {.threshold = 0.5f, .certify = true}, one_thread);
+    EXPECT_LE(binary.relative_gap(lambda), last);
+    last = binary.relative_gap(lambda);
+    EXPECT_LE(binary.dual, best.report.energy + 1e-6 * scale) << "the bound holds for the cut too";
+  }
+  EXPECT_LT(last, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, CoareaFormula,
+                         testing::Values(Case{"sphere", 2, 0.02, 0}, Case{"torus", 1, 0.01, 0},
+                                         Case{"part", 2, 0.01, 0}, Case{"knot", 2, 0.005, 0},
+                                         Case{"sphere", 1, 0.01, 1}, Case{"sheets", 2, 0.02, 0.3}),
+                         [](const auto& c) { return c.param.shape + std::to_string(c.index); });
+
+TEST(CoareaFormula, HoldsForRandomDataSlow) {
+  for (const uint64_t seed : {7, 8}) {
+    Problem problem = tiny_problem({30, 30, 30}, seed);
+    const double lambda = 0.4;
+    const Cut best = cut(problem, lambda, {.neighbors = 6, .norm = Norm::anisotropic});
+    BrickMask everywhere(problem.lattice.box(0).bricks);
+    everywhere.fill(true);
+    Level whole = make_level(problem.lattice.box(0), static_cast<float>(lambda), everywhere, problem.support.grid,
+                             problem.support.f, one_thread, Norm::anisotropic);
+    PrimalDualParams params;
+    params.tolerance = 1e-6;
+    params.max_iterations = 20000;
+    Progress progress;
+    EXPECT_TRUE(solve_primal_dual(whole, params, one_thread, progress).converged);
+    const double binary = evaluate_energy(whole, {.threshold = 0.5f}, one_thread).primal;
+    EXPECT_NEAR(binary, best.report.energy, 1e-5 * std::abs(best.report.energy));
+    EXPECT_GE(binary, best.report.energy * (1 + 1e-9));
+  }
+}
+
+// --- What a plane costs. --------------------------------------------------------------------------------------------
+
+/// Cost of a unit area with this unit normal: each vertex has one link of each kind, cut over |normal . step|.
+double plane_cost(const std::vector<Link>& links, Vec3d normal) {
+  double cost = 0;
+  for (const Link& link : links) cost += 0.5 * link.weight * std::abs(dot(normal, Vec3d(link.step)));
+  return cost;
+}
+
+struct Spread {
+  double mean = 0, least = 1e300, most = 0;
+};
+
+Spread spread_over_directions(const GraphCutParams& params, double lambda) {
+  const std::vector<Link> links = graph_links(params, lambda);
+  Random random(1);
+  Spread spread;
+  constexpr int directions = 200000;
+  for (int i = 0; i < directions; ++i) {
+    const double x = random.normal(), y = random.normal(), z = random.normal();
+    const double cost = plane_cost(links, normalized(Vec3d{x, y, z}));
+    spread.mean += cost / directions;
+    spread.least = std::min(spread.least, cost);
+    spread.most = std::max(spread.most, cost);
+  }
+  return spread;
+}
+
+TEST_P(EveryKind, MeanCostOfAUnitAreaIsLambda) {
+  for (const double lambda : {0.01, 1.0}) {
+    const Spread spread = spread_over_directions(GetParam(), lambda);
+    EXPECT_NEAR(spread.mean, lambda * (GetParam().norm == Norm::isotropic ? 1.0 : 1.5), 2e-3 * lambda);
+  }
+}
+
+TEST(LinkWeights, OfSixNeighbours) {
+  for (const LinkWeights weights : {LinkWeights::edge_length, LinkWeights::cauchy_crofton}) {
+    for (const Link& link : graph_links({6, weights, Norm::isotropic}, 0.03)) EXPECT_NEAR(link.weight, 0.02, 1e-15);
+    for (const Link& link : graph_links({6, weights, Norm::anisotropic}, 0.03)) EXPECT_NEAR(link.weight, 0.03, 1e-15);
+  }
+}
+
+TEST(LinkWeights, OfTwentySixNeighboursDependLessOnTheDirection) {
+  const Spread six = spread_over_directions({6, LinkWeights::edge_length, Norm::isotropic}, 1);
+  const Spread by_length = spread_over_directions({26, LinkWeights::edge_length, Norm::isotropic}, 1);
+  const Spread by_angle = spread_over_directions({26, LinkWeights::cauchy_crofton, Norm::isotropic}, 1);
+  EXPECT_NEAR(six.most / six.least, std::sqrt(3.0), 0.01);
+  EXPECT_LT(by_length.most / by_length.least, 1.2);
+  EXPECT_LT(by_angle.most / by_angle.least, 1.13);
+  EXPECT_LT(by_angle.most / by_angle.least, by_length.most / by_length.least);
+}
+
+/// Cauchy-Crofton: a link's weight times its length is the share of the directions that are nearest to it.
+TEST(LinkWeights, OfCauchyCroftonAreSolidAngles) {
+  const std::vector<Link> links = graph_links({26, LinkWeights::cauchy_crofton, Norm::isotropic}, 1);
+  std::vector<double> share(links.size());
+  Random random(2);
+  constexpr int directions = 400000;
+  for (int i = 0; i < directions; ++i) {
+    const double x = random.normal(), y = random.normal(), z = random.normal();
+    size_t nearest = 0;
+    double best = -1;
+    for (size_t d = 0; d < links.size(); ++d) {
+      const double cosine = dot(normalized(Vec3d(links[d].step)), Vec3d{x, y, z});
+      if (cosine > best) {
+        best = cosine;
+        nearest = d;
+      }
+    }
+    share[nearest] += 1.0 / directions;
+  }
+  double sum = 0;
+  for (const Link& link : links) sum += link.weight * norm(Vec3d(link.step));
+  for (size_t d = 0; d < links.size(); ++d)
+    EXPECT_NEAR(links[d].weight * norm(Vec3d(links[d].step)) / sum, share[d], 1.5e-3);
+}
+
+TEST(LinkWeights, ComeWithTheOppositeAtTheOtherEnd) {
+  for (const GraphCutParams& params : all_kinds()) {
+    const std::vector<Link> links = graph_links(params, 1);
+    ASSERT_EQ(links.size(), static_cast<size_t>(params.neighbors));
+    for (size_t d = 0; d < links.size(); ++d) {
+      EXPECT_EQ(links[links.size() - 1 - d].step, -links[d].step);
+      EXPECT_EQ(links[links.size() - 1 - d].weight, links[d].weight);
+    }
+  }
+}
+
+TEST(GraphCut, RefusesBadParameters) {
+  EXPECT_THROW(graph_links({18, LinkWeights::edge_length, Norm::isotropic}, 1), ParameterError);
+  EXPECT_THROW(graph_links({}, 0), ParameterError);
+  EXPECT_THROW(graph_links({}, std::nan("")), ParameterError);
+}
+
+TEST(GraphCut, CanBeCancelledWithinTheCut) {
+  struct CancelOnDetail : Progress {
+    void detail(const std::string&) override { cancel(); }
+  } progress;
+  const Problem problem = make_problem(sampled("torus", 96, 2), 96);
+  GraphCutReport report;
+  EXPECT_THROW(solve_graph_cut(problem.lattice, problem.support, 0.02, {}, one_thread, progress, report), Cancelled);
+}
+
+}  // namespace
+}  // namespace soapfilm
