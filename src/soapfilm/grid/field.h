@@ -12,7 +12,8 @@
 
 namespace soapfilm {
 
-/// An array of zeros, aligned to 64 bytes, its memory to huge pages when it is large.
+/// An array of zeros, aligned to 64 bytes, its memory to huge pages when it is large. The 64 bytes before the first and
+/// after the last value may be read: a vector load may reach past a row's ends.
 template <class T>
 class AlignedArray {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -21,7 +22,7 @@ class AlignedArray {
   AlignedArray() = default;
   explicit AlignedArray(size_t count) : count_(count) {
     if (count == 0) return;
-    const size_t bytes = lead_bytes + count * sizeof(T);
+    const size_t bytes = lead_bytes + count * sizeof(T) + lead_bytes;
     const size_t alignment = bytes >= huge_page_bytes ? huge_page_bytes : lead_bytes;
     const size_t rounded = (bytes + alignment - 1) / alignment * alignment;
     memory_.reset(static_cast<std::byte*>(std::aligned_alloc(alignment, rounded)));

@@ -1,0 +1,75 @@
+// The paper's own solver (section 4.2): lagged diffusivity and successive over-relaxation on the whole box.
+//
+// Equation (7), lambda div(grad u / |grad u|) + div v = 0, is made linear by holding the diffusivity
+// g = 1 / sqrt(|grad u|^2 + epsilon^2) constant; the linear system is relaxed vertex by vertex (equation (8)):
+//
+//   u_i <- (1 - omega) u_i + omega (lambda sum_j g_ij u_j + f_i) / (lambda sum_j g_ij),   g_ij = (g_i + g_j) / 2
+//
+// Where the paper is silent: u is clipped to [0, 1] at each update, |grad u| is taken by forward differences (as the
+// judge's total variation is), u = 0 on the box's outermost layer. pyramid/sor_pyramid.h runs it over the levels.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/grid/dense_field.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+enum class SorOrder {
+  lexicographic,  ///< the paper's: x fastest; two threads at most find work
+  red_black,      ///< first the vertices with even x + y + z, then the odd ones; for any number of threads
+};
+
+struct SorParams {
+  double epsilon = 0.001;     ///< bounds the diffusivity where u is constant, > 0
+  double omega = 1.85;        ///< relaxation, > 0 and < 2
+  int renew_every = 2;        ///< iterations with the same diffusivity, >= 1
+  int levels = 3;             ///< of the pyramid, >= 1; at most the lattice's
+  double tolerance = 1.2e-7;  ///< of the relative change of E between two iterations: float's resolution; >= 0
+  int max_iterations = 400;   ///< per level, >= 1
+  SorOrder order = SorOrder::lexicographic;
+  bool skip_empty = true;  ///< leave out runs of vertices that cannot change; the result is the same
+  double snap = 1e-6;      ///< u closer to 0 or 1 than this becomes 0 or 1; >= 0 and < 0.5, 0: the paper's
+};
+
+/// Throws ParameterError for a value out of its range.
+void validate(const SorParams& params);
+
+struct SorLevelReport {
+  int level = 0;
+  int iterations = 0;
+  bool converged = false;
+  std::vector<double> energy;   ///< E(u) after k iterations, k = 0 .. iterations (sums in double, on the whole box)
+  std::vector<double> seconds;  ///< since the level began, when energy[k]'s pass was done; without the observer's time
+  size_t bytes = 0;             ///< u, diffusivity, kinds of runs and data term
+};
+
+/// A state between two passes of renew_every iterations.
+struct SorState {
+  const LevelBox& box;
+  double lambda;  ///< of this level
+  const SupportField& support;
+  const DenseField<float>& u;
+  int iterations;
+  double seconds;
+};
+using SorObserver = std::function<void(const SorState&)>;
+
+/// Moves u, which is 0 on the box's outermost layer, until every iteration of a pass changes E by less than the
+/// tolerance, or to the limit. `lambda` is this level's. The result does not depend on threads or SIMD target.
+SorLevelReport relax_sor(DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
+                         const SorParams& params, const Parallel& parallel, Progress& progress,
+                         const SorObserver& observe = {});
+
+/// The whole-box u as a level whose p is the dual that equation (8) implies, p = lambda g_ij (u_j - u_i) on the face
+/// between i and j, scaled to |p| <= lambda where it is longer. Outside the band u is constant and p = 0. `support`
+/// must outlive the level.
+Level sor_level(const DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
+                double epsilon, const Parallel& parallel);
+
+}  // namespace soapfilm

@@ -1,0 +1,9 @@
+// The scalar target: one float per lane, for machines without SIMD and as the oracle of the tests.
+#define HWY_COMPILE_ONLY_SCALAR
+#include "soapfilm/solve/sor_kernel-inl.h"
+
+namespace soapfilm {
+
+SorKernel scalar_sor_kernel() { return HWY_STATIC_DISPATCH(sor_row_kernel)(); }
+
+}  // namespace soapfilm

@@ -1,0 +1,73 @@
+// The dual that equation (8) implies, for the one judge.
+#include <algorithm>
+#include <cmath>
+
+#include "soapfilm/solve/dense_level.h"
+#include "soapfilm/solve/sor.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// A brick and what its faces look at: vertices [0, 10)^3 from the brick's first one.
+template <int side>
+struct Cube {
+  float values[side * side * side];
+  float& at(int x, int y, int z) { return values[x + side * (y + side * z)]; }
+  float at(int x, int y, int z) const { return values[x + side * (y + side * z)]; }
+};
+using Values = Cube<brick_side + 2>;
+using Diffusivity = Cube<brick_side + 1>;
+
+Values values_from(const DenseField<float>& u, Vec3i first) {
+  Values cube;
+  for (int z = 0; z < brick_side + 2; ++z)
+    for (int y = 0; y < brick_side + 2; ++y)
+      for (int x = 0; x < brick_side + 2; ++x) cube.at(x, y, z) = u.get(first + Vec3i{x, y, z});
+  return cube;
+}
+
+Diffusivity diffusivity_of(const Values& u, float epsilon) {
+  Diffusivity g;
+  for (int z = 0; z <= brick_side; ++z)
+    for (int y = 0; y <= brick_side; ++y)
+      for (int x = 0; x <= brick_side; ++x) {
+        const float here = u.at(x, y, z);
+        const float dx = u.at(x + 1, y, z) - here, dy = u.at(x, y + 1, z) - here, dz = u.at(x, y, z + 1) - here;
+        g.at(x, y, z) = 1.0f / std::sqrt(dx * dx + dy * dy + dz * dz + epsilon * epsilon);
+      }
+  return g;
+}
+
+/// grad^T p = -lambda sum_j g_ij (u_j - u_i): where (8) holds still it equals f, and the dual energy's term is 0.
+void imply_dual(const Values& u, const Diffusivity& g, float lambda, float* px, float* py, float* pz) {
+  for (int z = 0; z < brick_side; ++z)
+    for (int y = 0; y < brick_side; ++y)
+      for (int x = 0; x < brick_side; ++x) {
+        const float here = u.at(x, y, z), own = g.at(x, y, z);
+        float flux[3] = {0.5f * (own + g.at(x + 1, y, z)) * (u.at(x + 1, y, z) - here),
+                         0.5f * (own + g.at(x, y + 1, z)) * (u.at(x, y + 1, z) - here),
+                         0.5f * (own + g.at(x, y, z + 1)) * (u.at(x, y, z + 1) - here)};
+        const float length = std::sqrt(flux[0] * flux[0] + flux[1] * flux[1] + flux[2] * flux[2]);
+        const float scale = lambda / std::max(1.0f, length);
+        const int i = brick_offset(x, y, z);
+        px[i] = scale * flux[0];
+        py[i] = scale * flux[1];
+        pz[i] = scale * flux[2];
+      }
+}
+
+}  // namespace
+
+Level sor_level(const DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
+                double epsilon, const Parallel& parallel) {
+  Level level = level_of(u, box, static_cast<float>(lambda), support.grid, support.f, parallel);
+  parallel.for_each(level.grid.size(), 16, [&](size_t b) {
+    const Values values = values_from(u, level.grid.first_vertex(b));
+    const Diffusivity g = diffusivity_of(values, static_cast<float>(epsilon));
+    imply_dual(values, g, level.lambda, level.p.brick(b, 0), level.p.brick(b, 1), level.p.brick(b, 2));
+  });
+  return level;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,201 @@
+#include "soapfilm/solve/sor_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace soapfilm {
+
+namespace {
+
+/// Layers that a stage takes at a step. The lexicographic kernel needs that many rows at once; fewer keep the ring of
+/// red-black's many stages short.
+int slab_of(SorOrder order) { return order == SorOrder::lexicographic ? sor_rows : 4; }
+
+/// visit(begin, end) for the stretches of active (or of inactive) runs, in values.
+template <class Visit>
+void for_each_stretch(const std::vector<uint8_t>& active, uint8_t wanted, int size, Visit&& visit) {
+  const int runs = static_cast<int>(active.size());
+  for (int r = 0; r < runs; ++r) {
+    if (active[static_cast<size_t>(r)] != wanted) continue;
+    const int begin = r;
+    while (r < runs && active[static_cast<size_t>(r)] == wanted) ++r;
+    visit(begin * sor_run, std::min(r * sor_run, size));
+  }
+}
+
+/// A row of values, with room for the kernels to read its last run whole.
+size_t padded(int size) { return static_cast<size_t>(size + sor_run); }
+
+}  // namespace
+
+SorPass::SorPass(DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
+                 const SorParams& params, const Parallel& parallel)
+    : u_(u),
+      params_(params),
+      parallel_(parallel),
+      lambda_(lambda),
+      kernel_(sor_kernel()),
+      kinds_(u, params.skip_empty, parallel),
+      data_(u, box, support),
+      no_data_(padded(u.size().x), 0.0f),
+      slab_(slab_of(params.order)) {
+  const auto snap = static_cast<float>(params.snap), epsilon = static_cast<float>(params.epsilon);
+  job_ = {.size = u.size().x,
+          .row = static_cast<ptrdiff_t>(u.stride(1)),
+          .layer = static_cast<ptrdiff_t>(u.stride(2)),
+          .omega = static_cast<float>(params.omega),
+          .low = snap,
+          .high = 1.0f - snap};
+  flat_g_ = 1.0f / std::sqrt(epsilon * epsilon);  // as the kernel rounds it
+  // From the lowest layer that the last stage reads to the highest one that the first stage writes.
+  const int stage_count = static_cast<int>(stages(params.renew_every).size());
+  ring_ = std::min(u.size().z, (slab_ + 1) * stage_count + 1);
+  g_ = AlignedArray<float>(static_cast<size_t>(ring_) * u.stride(2));
+}
+
+std::vector<SorPass::Stage> SorPass::stages(int iterations) const {
+  using enum Stage::Kind;
+  std::vector<Stage> list = {{renew, 0, 0}};
+  for (int k = 0; k < iterations; ++k) {
+    if (params_.order == SorOrder::lexicographic) {
+      list.push_back({relax, k, 0});
+    } else {
+      // A vertex's gradient looks at neighbours of the other colour: E must be known before either moves.
+      if (k > 0) list.push_back({measure, k, 0});
+      list.push_back({relax_colour, k, 0});
+      list.push_back({relax_colour, k, 1});
+    }
+  }
+  return list;
+}
+
+float* SorPass::g_row(int y, int z) {
+  return g_.data() + static_cast<size_t>(z % ring_) * u_.stride(2) + static_cast<size_t>(y) * u_.stride(1);
+}
+
+void SorPass::clear_sums(int iterations) {
+  variation_.assign(static_cast<size_t>(iterations) * static_cast<size_t>(u_.size().z), 0.0);
+  product_ = variation_;
+}
+
+double SorPass::sum_energy(int iteration) const {
+  const auto layers = static_cast<size_t>(u_.size().z), first = static_cast<size_t>(iteration) * layers;
+  double variation = 0, product = 0;
+  for (size_t i = first; i < first + layers; ++i) {
+    variation += variation_[i];
+    product += product_[i];
+  }
+  return lambda_ * variation - product;
+}
+
+double SorPass::energy() {
+  clear_sums(1);
+  parallel_.for_each(static_cast<size_t>(u_.size().z), 1,
+                     [&](size_t z) { measure_layer(static_cast<int>(z), 0, false); });
+  return sum_energy(0);
+}
+
+void SorPass::run(int iterations, const Progress& progress, std::vector<double>& energy) {
+  const std::vector<Stage> list = stages(iterations);
+  const int layers = u_.size().z, last_stage = static_cast<int>(list.size()) - 1;
+  clear_sums(iterations);
+  const int steps = (layers + last_stage + slab_ - 1) / slab_ + last_stage;
+  std::vector<Task> tasks;
+  for (int t = 0; t < steps; ++t) {
+    progress.check();
+    tasks.clear();
+    for (int s = last_stage; s >= 0; --s) {
+      const Stage& stage = list[static_cast<size_t>(s)];
+      const int first = slab_ * (t - s) - s;
+      const int begin = std::max(first, 0), end = std::min(first + slab_, layers);
+      const int grain = stage.kind == Stage::Kind::relax ? slab_ : 1;
+      for (int z = begin; z < end; z += grain) tasks.push_back({&stage, z, std::min(z + grain, end)});
+    }
+    parallel_.for_each(tasks.size(), 1, [&](size_t k) { run_task(*tasks[k].stage, tasks[k].begin, tasks[k].end); });
+  }
+  for (int k = 0; k < iterations; ++k) energy.push_back(sum_energy(k));
+}
+
+void SorPass::run_task(const Stage& stage, int begin, int end) {
+  switch (stage.kind) {
+    case Stage::Kind::renew:
+      return measure_layer(begin, stage.iteration, true);
+    case Stage::Kind::measure:
+      return measure_layer(begin, stage.iteration, false);
+    case Stage::Kind::relax:
+      return relax_slab(begin, end, stage.iteration);
+    case Stage::Kind::relax_colour:
+      return relax_colour_layer(begin, stage.parity);
+  }
+}
+
+void SorPass::measure_layer(int z, int iteration, bool renew) {
+  std::vector<uint8_t> active(static_cast<size_t>(kinds_.runs()));
+  for (int y = 0; y < u_.size().y; ++y) measure_row(y, z, iteration, renew, active);
+}
+
+void SorPass::measure_row(int y, int z, int iteration, bool renew, std::vector<uint8_t>& active) {
+  const Vec3i size = u_.size();
+  std::fill(active.begin(), active.end(), uint8_t{0});
+  // Above the last row and layer lies nothing; u = 0 on them. (The value after a row's last one is the next row's
+  // first, which is 0, as it should be.)
+  if (y < size.y - 1 && z < size.z - 1) {
+    kinds_.mark_sloping(y, z, active.data());
+    double variation[sor_run] = {};
+    const auto epsilon = static_cast<float>(params_.epsilon);
+    const SlopeJob job{u_.row(y, z), renew ? g_row(y, z) : nullptr, variation, job_.row, job_.layer, epsilon * epsilon};
+    for_each_stretch(active, 1, size.x, [&](int begin, int end) { kernel_.slope(job, begin, end); });
+    const size_t sum = static_cast<size_t>(iteration) * static_cast<size_t>(size.z) + static_cast<size_t>(z);
+    variation_[sum] += ((variation[0] + variation[4]) + (variation[1] + variation[5])) +
+                       ((variation[2] + variation[6]) + (variation[3] + variation[7]));
+    product_[sum] += data_.product(y, z, u_.row(y, z));
+  }
+  if (renew)
+    for_each_stretch(active, 0, size.x,
+                     [&](int begin, int end) { std::fill(g_row(y, z) + begin, g_row(y, z) + end, flat_g_); });
+}
+
+SorRow SorPass::relaxed_row(int y, int z, float* f, uint8_t* active) {
+  const bool data = data_.spread(y, z, static_cast<float>(2 / lambda_), f, active);
+  kinds_.mark_relaxed(y, z, active);
+  return {u_.row(y, z), kinds_.row(y, z), g_row(y, z), g_row(y, z - 1), g_row(y, z + 1), data ? f : no_data_.data()};
+}
+
+void SorPass::relax_slab(int begin, int end, int iteration) {
+  const Vec3i size = u_.size();
+  const size_t pitch = padded(size.x);
+  std::vector<float> f(pitch * sor_rows);
+  std::vector<uint8_t> active(static_cast<size_t>(kinds_.runs()));
+  SorRow rows[sor_rows];
+  // Row (y, z) needs the new values of (y - 1, z) and (y, z - 1) and the old ones of (y + 1, z) and (y, z + 1): the
+  // rows with the same y + z do not depend on one another.
+  for (int diagonal = 0; diagonal < size.y - 1 + end - begin; ++diagonal) {
+    const int z_lo = std::max(begin, begin + diagonal - (size.y - 2)), z_hi = std::min(end - 1, begin + diagonal);
+    // The renewal has measured the first iteration's start. A row's gradient looks up only, at rows not yet relaxed.
+    if (iteration > 0)
+      for (int z = z_lo; z <= z_hi; ++z) measure_row(begin + diagonal - z, z, iteration, false, active);
+    std::fill(active.begin(), active.end(), uint8_t{0});
+    int count = 0;
+    for (int z = std::max(z_lo, 1); z <= std::min(z_hi, size.z - 2); ++z) {
+      const int y = begin + diagonal - z;
+      if (y < 1) continue;
+      rows[count] = relaxed_row(y, z, f.data() + static_cast<size_t>(count) * pitch, active.data());
+      ++count;
+    }
+    if (count > 0) kernel_.relax(job_, rows, count, active.data());
+  }
+}
+
+void SorPass::relax_colour_layer(int z, int parity) {
+  const Vec3i size = u_.size();
+  if (z < 1 || z > size.z - 2) return;
+  std::vector<float> f(padded(size.x));
+  std::vector<uint8_t> active(static_cast<size_t>(kinds_.runs()));
+  for (int y = 1; y < size.y - 1; ++y) {
+    std::fill(active.begin(), active.end(), uint8_t{0});
+    const SorRow row = relaxed_row(y, z, f.data(), active.data());
+    kernel_.relax_colour(job_, row, (parity + y + z) & 1, active.data());
+  }
+}
+
+}  // namespace soapfilm

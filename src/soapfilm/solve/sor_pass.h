@@ -1,0 +1,75 @@
+// Several SOR iterations in one pass over the box, with the diffusivity between two renewals kept for a few layers
+// only.
+//
+// g belongs to the u that the pass starts from, but no iteration needs more of it than three layers. So the stages of a
+// pass (renew g, iterate, iterate, ...) follow one another through the layers at a distance, like a pipeline:
+//
+//   stage s works at step t on the layers [8 (t - s) - s, 8 (t - s) - s + 8)
+//
+// Each finds below it what the stage before has left and above it what that has not touched: the result is that of
+// stage after stage over the whole box. The stages of one step meet no common layer, so they run in parallel. What is
+// kept is u and a ring of some 30 layers of g: about the paper's one float per vertex.
+#pragma once
+
+#include <vector>
+
+#include "soapfilm/core/progress.h"
+#include "soapfilm/solve/sor.h"
+#include "soapfilm/solve/sor_runs.h"
+
+namespace soapfilm {
+
+class SorPass {
+ public:
+  /// `lambda` is this level's. What is referred to must outlive the pass.
+  SorPass(DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
+          const SorParams& params, const Parallel& parallel);
+
+  /// Renews g once, then iterates. Appends E(u) before each of the iterations to `energy`.
+  void run(int iterations, const Progress& progress, std::vector<double>& energy);
+  /// E(u) = lambda TV(u) - <f, u> of the u as it is.
+  double energy();
+  /// Of u, g, the kinds of runs and the data term.
+  size_t bytes() const { return u_.bytes() + g_.bytes() + kinds_.bytes() + data_.bytes(); }
+
+ private:
+  struct Stage {
+    enum class Kind { renew, measure, relax, relax_colour } kind;
+    int iteration;  ///< of the pass; E before it is measured
+    int parity;     ///< of x + y + z (relax_colour)
+  };
+  struct Task {
+    const Stage* stage;
+    int begin, end;  ///< layers
+  };
+
+  std::vector<Stage> stages(int iterations) const;
+  void run_task(const Stage& stage, int begin, int end);
+  void measure_layer(int z, int iteration, bool renew);
+  /// Adds to the layer's sums; `renew` also stores g. `active` has room for a row's runs.
+  void measure_row(int y, int z, int iteration, bool renew, std::vector<uint8_t>& active);
+  void relax_slab(int begin, int end, int iteration);
+  void relax_colour_layer(int z, int parity);
+  /// The row's pointers; `f` has room for a row. Marks the runs that can change.
+  SorRow relaxed_row(int y, int z, float* f, uint8_t* active);
+  void clear_sums(int iterations);
+  double sum_energy(int iteration) const;
+  float* g_row(int y, int z);
+
+  DenseField<float>& u_;
+  const SorParams& params_;
+  const Parallel& parallel_;
+  const double lambda_;
+  const SorKernel kernel_;
+  RunKinds kinds_;
+  DataRows data_;
+  RelaxJob job_;
+  float flat_g_;                ///< g where u is constant
+  std::vector<float> no_data_;  ///< a row of zeros
+  int slab_;                    ///< layers that a stage takes at a step
+  int ring_ = 0;                ///< layers of g
+  AlignedArray<float> g_;
+  std::vector<double> variation_, product_;  ///< per iteration of the pass and layer: sum of |grad u|, <f, u>
+};
+
+}  // namespace soapfilm
