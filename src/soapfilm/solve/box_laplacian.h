@@ -1,0 +1,68 @@
+// -Laplace(u) on a box of vertices, u = 0 on its border: what Poisson's equation and its multigrid levels are made of.
+//
+// An axis has the free vertices 1 .. free between the fixed ones 0 and free + 1. All intervals have length 1 but the
+// last one, before vertex free + 1: a coarse level keeps the box's exact length whatever its number of vertices.
+//
+//   |----o----o----o--|        free = 3, last = 1/2
+//   0    1    2    3  4
+//
+// The equation of a vertex is integrated over its cell (finite volumes): the matrix is symmetric, positive definite,
+// and (A u)_i = sum over its six faces of area / distance * (u_i - u_j). With last = 1 on every axis and scale 1 that
+// is the 7-point stencil (6, -1 x 6).
+#pragma once
+
+#include <array>
+
+#include "soapfilm/core/vec.h"
+
+namespace soapfilm {
+
+struct BoxAxis {
+  int free = 1;     ///< free vertices, >= 1
+  double last = 1;  ///< length of the last interval, > 0
+
+  /// 1 / length of the interval between vertices i and i + 1.
+  double link(int i) const { return i == free ? 1 / last : 1; }
+  /// Length of vertex i's cell, which ends half way to its neighbours.
+  double width(int i) const { return i == free ? (1 + last) / 2 : 1; }
+};
+
+/// Face area / distance to each neighbour, and their sum.
+struct Stencil {
+  float x_down, x_up, y_down, y_up, z_down, z_up;
+  float sum() const { return ((x_down + x_up) + (y_down + y_up)) + (z_down + z_up); }
+};
+
+/// A row of vertices (all x of one y and z) has two stencils: its last vertex may be closer to the border.
+struct RowStencils {
+  Stencil inner, last;
+};
+
+class BoxLaplacian {
+ public:
+  /// `scale` multiplies the whole matrix: the length of an interval, in intervals of the finest level.
+  BoxLaplacian(const std::array<BoxAxis, 3>& axes, double scale) : axes_(axes), scale_(scale) {}
+
+  const BoxAxis& axis(int k) const { return axes_[static_cast<size_t>(k)]; }
+  Vec3i free() const { return {axes_[0].free, axes_[1].free, axes_[2].free}; }
+  RowStencils row(int y, int z) const;
+
+ private:
+  std::array<BoxAxis, 3> axes_;
+  double scale_;
+};
+
+/// A row and the four next to it; each begins with the fixed vertex 0.
+struct Rows {
+  const float *here, *y_down, *y_up, *z_down, *z_up;
+};
+
+/// out = A u at the free vertices 1 .. free of a row.
+void apply_row(const RowStencils& stencils, const Rows& u, int free, float* out);
+/// out = b - A u.
+void residual_row(const RowStencils& stencils, const Rows& u, const float* b, int free, float* out);
+/// Gauss-Seidel: solves the equations of every second vertex, from `first` (1 or 2) on, for u there; `here` is what
+/// u.here reads.
+void relax_row(const RowStencils& stencils, const Rows& u, const float* b, int first, int free, float* here);
+
+}  // namespace soapfilm

@@ -1,0 +1,175 @@
+#include "soapfilm/solve/multigrid.h"
+
+#include <algorithm>
+
+namespace soapfilm {
+
+namespace {
+
+/// An axis of fewer free vertices ends the coarsening: its border alone makes the problem well conditioned.
+constexpr int fewest_to_coarsen = 3;
+/// Gauss-Seidel sweeps in each direction on the coarsest level.
+constexpr int coarsest_sweeps = 8;
+
+BoxAxis coarsened(const BoxAxis& axis) {
+  // Intervals of the coarse axis are twice as long. An even fine vertex too close to the border is no coarse one.
+  const double beyond = (axis.free % 2 + axis.last) / 2;
+  return beyond < 0.5 ? BoxAxis{axis.free / 2 - 1, beyond + 1} : BoxAxis{axis.free / 2, beyond};
+}
+
+enum class Colour { red = 0, black = 1 };
+
+/// Solves the equations of one colour, x + y + z even (red) or odd (black); the other colour's x stays.
+void relax(const BoxLaplacian& matrix, const DenseField<float>& b, Colour colour, DenseField<float>& x,
+           const Parallel& parallel) {
+  const Vec3i free = matrix.free();
+  for_layers(free, parallel, [&](int z) {
+    for (int y = 1; y <= free.y; ++y) {
+      const int first = (1 + y + z) % 2 == static_cast<int>(colour) ? 1 : 2;
+      relax_row(matrix.row(y, z), rows_around(x, y, z), b.row(y, z), first, free.x, x.row(y, z));
+    }
+  });
+}
+
+/// The red half of a sweep that starts from x = 0. Black vertices are filled alike: their turn comes next.
+void relax_red_from_zero(const BoxLaplacian& matrix, const DenseField<float>& b, DenseField<float>& x,
+                         const Parallel& parallel) {
+  const Vec3i free = matrix.free();
+  for_layers(free, parallel, [&](int z) {
+    for (int y = 1; y <= free.y; ++y) {
+      const RowStencils stencils = matrix.row(y, z);
+      const float inverse = 1.0f / stencils.inner.sum();
+      const float* in = b.row(y, z);
+      float* __restrict out = x.row(y, z);
+      for (int i = 1; i < free.x; ++i) out[i] = inverse * in[i];
+      out[free.x] = in[free.x] / stencils.last.sum();
+    }
+  });
+}
+
+/// Adds `weight` times a row of the fine level, restricted along x, to a row of the coarse level.
+void add_restricted(const AxisTransfer& x, const float* fine, float weight, float* __restrict coarse) {
+  const int last = x.coarse.free;
+  for (int i = 1; i < last; ++i)
+    coarse[i] += weight * (fine[2 * i] + 0.5f * (fine[2 * i - 1] + fine[2 * i + 1]));
+  float sum = 0.5f * fine[2 * last - 1];
+  for (int i = 2 * last; i <= x.fine.free; ++i) sum += x.at(i).low * fine[i];
+  coarse[last] += weight * sum;
+}
+
+/// Adds a row of the coarse level, interpolated along x, to a row of the fine level.
+void add_interpolated(const AxisTransfer& x, const float* coarse, float* __restrict fine) {
+  const int last = x.coarse.free;
+  for (int i = 0; i < last; ++i) {
+    fine[2 * i + 1] += 0.5f * (coarse[i] + coarse[i + 1]);
+    fine[2 * i + 2] += coarse[i + 1];
+  }
+  for (int i = 2 * last + 1; i <= x.fine.free; ++i) fine[i] += x.at(i).low * coarse[last];
+}
+
+}  // namespace
+
+AxisTransfer::AxisTransfer(const BoxAxis& axis) : fine(axis), coarse(coarsened(axis)) {}
+
+AxisTransfer::Weights AxisTransfer::at(int i) const {
+  const int below = std::min(i / 2, coarse.free);
+  const int steps = i - 2 * below;  // from the coarse vertex below
+  if (below < coarse.free) return {below, 1.0f - 0.5f * static_cast<float>(steps), 0.5f * static_cast<float>(steps)};
+  return {below, static_cast<float>(1 - steps / (2 * coarse.last)), 0.0f};
+}
+
+DenseField<float> box_field(Vec3i free) { return DenseField<float>(LevelBox{0, {1, 1, 1}, free, {}}); }
+
+Multigrid::Multigrid(Vec3i free) {
+  std::array<BoxAxis, 3> axes{BoxAxis{free.x}, BoxAxis{free.y}, BoxAxis{free.z}};
+  double scale = 1;
+  levels_.push_back({BoxLaplacian(axes, scale), axes, {}, {}});
+  while (std::all_of(axes.begin(), axes.end(), [](const BoxAxis& a) { return a.free >= fewest_to_coarsen; })) {
+    for (BoxAxis& axis : axes) axis = coarsened(axis);
+    scale *= 2;
+    const BoxLaplacian matrix(axes, scale);
+    levels_.push_back({matrix, axes, box_field(matrix.free()), box_field(matrix.free())});
+  }
+}
+
+size_t Multigrid::bytes() const {
+  size_t sum = 0;
+  for (const Level& level : levels_) sum += level.b.bytes() + level.x.bytes();
+  return sum;
+}
+
+void Multigrid::precondition(const DenseField<float>& r, DenseField<float>& z, const Parallel& parallel) {
+  cycle(0, r, z, parallel);
+}
+
+void Multigrid::cycle(size_t l, const DenseField<float>& b, DenseField<float>& x, const Parallel& parallel) {
+  const BoxLaplacian& matrix = levels_[l].matrix;
+  relax_red_from_zero(matrix, b, x, parallel);
+  relax(matrix, b, Colour::black, x, parallel);
+  if (l + 1 < levels_.size()) {
+    restrict_residual(l, b, x, parallel);
+    cycle(l + 1, levels_[l + 1].b, levels_[l + 1].x, parallel);
+    add_correction(l, x, parallel);
+  } else {
+    for (int sweep = 1; sweep < coarsest_sweeps; ++sweep)
+      for (const Colour colour : {Colour::red, Colour::black}) relax(matrix, b, colour, x, parallel);
+    for (int sweep = 1; sweep < coarsest_sweeps; ++sweep)
+      for (const Colour colour : {Colour::black, Colour::red}) relax(matrix, b, colour, x, parallel);
+  }
+  relax(matrix, b, Colour::black, x, parallel);
+  relax(matrix, b, Colour::red, x, parallel);
+}
+
+void Multigrid::restrict_residual(size_t l, const DenseField<float>& b, const DenseField<float>& x,
+                                  const Parallel& parallel) {
+  const Level& fine = levels_[l];
+  DenseField<float>& out = levels_[l + 1].b;
+  const AxisTransfer along_x(fine.axes[0]), along_y(fine.axes[1]), along_z(fine.axes[2]);
+  const Vec3i free = fine.matrix.free();
+  const Vec3i coarse = levels_[l + 1].matrix.free();
+  // A chunk owns its coarse layers and recomputes the one residual layer that it shares with the next chunk.
+  constexpr size_t layers_per_task = 8;
+  parallel.for_chunks(static_cast<size_t>(coarse.z), layers_per_task, [&](size_t begin, size_t end) {
+    const int first = static_cast<int>(begin) + 1, last = static_cast<int>(end);
+    std::fill(out.row(0, first), out.row(0, last + 1), 0.0f);
+    std::vector<float> residual(static_cast<size_t>(free.x) + 1);
+    for (int z = 2 * first - 1; z <= (last == coarse.z ? free.z : 2 * last + 1); ++z) {
+      const AxisTransfer::Weights wz = along_z.at(z);
+      for (int y = 1; y <= free.y; ++y) {
+        const AxisTransfer::Weights wy = along_y.at(y);
+        residual_row(fine.matrix.row(y, z), rows_around(x, y, z), b.row(y, z), free.x, residual.data());
+        for (const auto& [Z, z_weight] : {std::pair{wz.coarse, wz.low}, {wz.coarse + 1, wz.high}}) {
+          if (Z < first || Z > last || z_weight == 0) continue;
+          for (const auto& [Y, y_weight] : {std::pair{wy.coarse, wy.low}, {wy.coarse + 1, wy.high}})
+            if (Y > 0 && y_weight != 0) add_restricted(along_x, residual.data(), y_weight * z_weight, out.row(Y, Z));
+        }
+      }
+    }
+  });
+}
+
+void Multigrid::add_correction(size_t l, DenseField<float>& x, const Parallel& parallel) const {
+  const Level& fine = levels_[l];
+  const DenseField<float>& correction = levels_[l + 1].x;
+  const AxisTransfer along_x(fine.axes[0]), along_y(fine.axes[1]), along_z(fine.axes[2]);
+  const Vec3i free = fine.matrix.free();
+  const size_t width = static_cast<size_t>(correction.size().x);
+  for_layers(free, parallel, [&](int z) {
+    const AxisTransfer::Weights wz = along_z.at(z);
+    std::vector<float> sum(width);
+    for (int y = 1; y <= free.y; ++y) {
+      const AxisTransfer::Weights wy = along_y.at(y);
+      std::fill(sum.begin(), sum.end(), 0.0f);
+      for (const auto& [Z, z_weight] : {std::pair{wz.coarse, wz.low}, {wz.coarse + 1, wz.high}})
+        for (const auto& [Y, y_weight] : {std::pair{wy.coarse, wy.low}, {wy.coarse + 1, wy.high}}) {
+          const float weight = y_weight * z_weight;
+          if (weight == 0) continue;
+          const float* in = correction.row(Y, Z);
+          for (size_t i = 0; i < width; ++i) sum[i] += weight * in[i];
+        }
+      add_interpolated(along_x, sum.data(), x.row(y, z));
+    }
+  });
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,41 @@
+// Method `poisson`: the quadratic regulariser, equation (6) of the paper without its bounds, as Kazhdan's.
+//
+//   min over u of E(u) = lambda sum |grad u|^2 - <f, u>,   u = 0 outside the box      =>    -2 lambda Laplace(u) = f
+//
+// on the whole box, h = 1, 7-point stencil. Linear in f, so lambda only scales u: the surface does not depend on it.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/grid/dense_field.h"
+#include "soapfilm/grid/lattice.h"
+
+namespace soapfilm {
+
+struct PoissonParams {
+  double tolerance = 1e-4;  ///< of the residual |f + 2 lambda Laplace(u)| / |f|, in (0, 1)
+  int max_iterations = 50;  ///< of conjugate gradients, >= 1
+};
+
+struct PoissonReport {
+  int iterations = 0;
+  bool converged = false;
+  double residual = 0;            ///< relative, computed from u itself at the end
+  std::vector<double> residuals;  ///< relative, after each iteration, as the recurrence has it
+  double energy = 0;              ///< E(u)
+  size_t unknowns = 0;            ///< free vertices of the box
+  size_t bytes = 0;               ///< held at once by the solver's fields, u included
+};
+
+/// u at every vertex of the lattice's finest level, by conjugate gradients with a multigrid preconditioner. The same
+/// bytes for any number of threads. Where floats end before the tolerance is reached (near 1e-6), the report says so.
+/// Throws ParameterError for a lambda, tolerance or number of iterations out of range, Cancelled.
+DenseField<float> solve_poisson(const Lattice& lattice, const SupportField& support, double lambda,
+                                const PoissonParams& params, const Parallel& parallel, Progress& progress,
+                                PoissonReport& report);
+
+}  // namespace soapfilm
