@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/extract/drawn_cells.h"
 #include "soapfilm/extract/marching_cubes_table.h"
 
 namespace soapfilm {
@@ -17,7 +18,7 @@ namespace {
 namespace mc = marching_cubes;
 
 constexpr int side = brick_side + 1;  // vertices that the cells of one block touch, along an axis
-constexpr int words_per_block = 3 * brick_side;
+constexpr int words_per_block = static_cast<int>(BrickEdges{}.size());
 constexpr double least_fraction = 1e-3;  // distance of a surface point from the ends of its edge
 constexpr size_t blocks_per_task = 64;
 
@@ -36,35 +37,37 @@ struct Window {
   std::array<float, side * side * side> values;
   std::array<std::array<uint16_t, side>, side> inside;  // [z][y], bit x
 
+  DrawnCells drawn;
+
   static int offset(int x, int y, int z) { return x + side * (y + side * z); }
 };
 
-/// Which of a block's edges carry a surface point: word 3 z + axis, bit x + 8 y. Surface points are numbered in that
-/// order, so the index of one follows from a count of the bits before it.
+/// Which of a block's edges carry a surface point. Surface points are numbered in the order of the bits, so the index
+/// of one follows from a count of the bits before it.
 struct EdgePoints {
-  std::array<uint64_t, words_per_block> bits;
+  BrickEdges bits;
   std::array<uint16_t, words_per_block> before;  // points in the block's earlier words
 
-  int count() const { return before.back() + std::popcount(bits.back()); }
-  uint32_t rank(int axis, int x, int y, int z) const {
-    const int word = 3 * z + axis;
-    const uint64_t lower = (uint64_t{1} << (x + brick_side * y)) - 1;
+  uint32_t rank(int word, uint64_t lower) const {
     return before[word] + static_cast<uint32_t>(std::popcount(bits[word] & lower));
   }
 };
 
 class Extraction {
  public:
-  Extraction(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value, float isovalue,
-             const Lattice& lattice, const Parallel& parallel)
+  /// With a `weight` only the cells whose corners all have a positive one are drawn.
+  Extraction(const BrickGrid& grid, const Field<float>& value, const Field<float>* weight,
+             const MissingBrickValue& missing_value, float isovalue, const Lattice& lattice, const Parallel& parallel)
       : grid_(grid),
         value_(value),
+        weight_(weight),
         missing_value_(missing_value),
         isovalue_(isovalue),
         lattice_(lattice),
         parallel_(parallel),
         blocks_(mask_of_blocks(grid), parallel),
         points_(blocks_.size()),
+        split_(weight ? blocks_.size() : 0),
         first_vertex_(blocks_.size() + 1, 0),
         first_triangle_(blocks_.size() + 1, 0) {}
 
@@ -92,7 +95,9 @@ class Extraction {
     parallel_.for_chunks(blocks_.size(), blocks_per_task, [&](size_t begin, size_t end) {
       Window window;
       for (size_t b = begin; b < end; ++b) {
-        if (fill(b, window)) work(b, window);
+        if (!fill(b, window)) continue;
+        if (weight_) window.drawn = DrawnCells(grid_, *weight_, brick_coord(b));
+        work(b, window);
       }
     });
   }
@@ -153,7 +158,7 @@ class Extraction {
         const int any = rows[0] | rows[1] | rows[2] | rows[3];
         const int all = rows[0] & rows[1] & rows[2] & rows[3];
         // A cell is cut unless its eight corners agree.
-        unsigned cut = ((any | any >> 1) & ~(all & all >> 1)) & 0xff;
+        unsigned cut = ((any | any >> 1) & ~(all & all >> 1)) & window.drawn.cells[z][y];
         for (; cut != 0; cut &= cut - 1) visit(std::countr_zero(cut), y, z);
       }
     }
@@ -161,6 +166,7 @@ class Extraction {
 
   void count(size_t block, const Window& window) {
     EdgePoints& points = points_[block];
+    const DrawnCells& drawn = window.drawn;
     const auto& inside = window.inside;
     uint32_t total = 0;
     for (int word = 0; word < words_per_block; ++word) {
@@ -170,9 +176,12 @@ class Extraction {
         const int upper = word % 3 == 0 ? inside[z][y] >> 1 : word % 3 == 1 ? inside[z][y + 1] : inside[z + 1][y];
         bits |= static_cast<uint64_t>((inside[z][y] ^ upper) & 0xff) << brick_side * y;
       }
-      points.bits[word] = bits;
+      points.bits[word] = bits &= drawn.edges[word];
       points.before[word] = static_cast<uint16_t>(total);
       total += static_cast<uint32_t>(std::popcount(bits));
+      if (!weight_) continue;
+      split_[block][word] = bits & drawn.split[word];
+      total += static_cast<uint32_t>(std::popcount(split_[block][word]));
     }
     first_vertex_[block + 1] = total;
     uint64_t triangles = 0;
@@ -196,31 +205,45 @@ class Extraction {
         Vec3d p(origin + v);
         p[axis] += std::clamp((isovalue_ - low) / (high - low), least_fraction, 1 - least_fraction);
         *out++ = lattice_.to_world(p);
+        if (window.drawn.split[word] >> bit & 1) {
+          *out = out[-1];
+          ++out;
+        }
       }
     }
   }
 
   void draw_triangles(size_t block, const Window& window) {
     const auto& table = mc::cases();
-    const auto& neighbors = blocks_.neighbors(block);
     Triangle* out = &mesh_.triangles[first_triangle_[block]];
     for_cut_cells(window, [&](int x, int y, int z) {
-      const auto vertex_on = [&](int edge) {
-        const int corner = mc::edge_corner(edge);
-        const int vx = x + (corner & 1);
-        const int vy = y + (corner >> 1 & 1);
-        const int vz = z + (corner >> 2);
-        const int32_t owner = neighbors[neighbor_slot(vx >> 3, vy >> 3, vz >> 3)];
-        if (owner < 0) refuse_missing(block);
-        return static_cast<uint32_t>(first_vertex_[owner] +
-                                     points_[owner].rank(mc::edge_axis(edge), vx & 7, vy & 7, vz & 7));
-      };
+      const auto vertex_on = [&](int edge) { return vertex_index(block, {x, y, z}, edge); };
       const mc::Case& drawn = table[case_of(window, x, y, z)];
       for (int i = 0; i < drawn.triangle_count; ++i) {
         const auto& t = drawn.triangles[i];
         *out++ = {vertex_on(t[0]), vertex_on(t[1]), vertex_on(t[2])};
       }
     });
+  }
+
+  /// The mesh vertex on an edge of a block's cell.
+  uint32_t vertex_index(size_t block, Vec3i cell, int edge) const {
+    const int corner = mc::edge_corner(edge);
+    const Vec3i v = cell + Vec3i{corner & 1, corner >> 1 & 1, corner >> 2};
+    const int32_t owner = blocks_.neighbors(block)[neighbor_slot(v.x >> 3, v.y >> 3, v.z >> 3)];
+    if (owner < 0) refuse_missing(block);
+    const int axis = mc::edge_axis(edge);
+    const int word = 3 * (v.z & 7) + axis;
+    const int bit = (v.x & 7) + brick_side * (v.y & 7);
+    const uint64_t lower = (uint64_t{1} << bit) - 1;
+    uint64_t index = first_vertex_[owner] + points_[owner].rank(word, lower);
+    if (!split_.empty()) {
+      const uint64_t split = split_[owner][word];
+      index += static_cast<uint64_t>(std::popcount(split & lower));
+      const bool above = (corner >> takes_second_axis(axis) & 1) == 0;
+      if (above && (split >> bit & 1)) ++index;
+    }
+    return static_cast<uint32_t>(index);
   }
 
   /// A surface point between two bricks that are both missing: nobody would draw the other side of it.
@@ -233,25 +256,40 @@ class Extraction {
 
   const BrickGrid& grid_;
   const Field<float>& value_;
+  const Field<float>* weight_;
   const MissingBrickValue& missing_value_;
   float isovalue_;
   const Lattice& lattice_;
   const Parallel& parallel_;
   BrickGrid blocks_;
   std::vector<EdgePoints> points_;
+  std::vector<BrickEdges> split_;  // edges with two surface points; empty for a closed surface
   std::vector<uint64_t> first_vertex_;
   std::vector<uint64_t> first_triangle_;
   Mesh mesh_;
 };
 
+void check_bricks(const BrickGrid& grid, const Field<float>& field, const char* name) {
+  if (field.bricks() != grid.size()) {
+    throw ParameterError(
+        fmt::format("the field of {} has {} bricks, must have the grid's {}", name, field.bricks(), grid.size()));
+  }
+}
+
 }  // namespace
 
 Mesh extract_isosurface(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value,
                         float isovalue, const Lattice& lattice, const Parallel& parallel) {
-  if (value.bricks() != grid.size()) {
-    throw ParameterError(fmt::format("the field has {} bricks, must have the grid's {}", value.bricks(), grid.size()));
-  }
-  return Extraction(grid, value, missing_value, isovalue, lattice, parallel).run();
+  check_bricks(grid, value, "values");
+  return Extraction(grid, value, nullptr, missing_value, isovalue, lattice, parallel).run();
+}
+
+Mesh extract_open_isosurface(const BrickGrid& grid, const Field<float>& value, const Field<float>& weight,
+                             float isovalue, const Lattice& lattice, const Parallel& parallel) {
+  check_bricks(grid, value, "values");
+  check_bricks(grid, weight, "weights");
+  const MissingBrickValue outside = [isovalue](Vec3i) { return isovalue; };  // never drawn
+  return Extraction(grid, value, &weight, outside, isovalue, lattice, parallel).run();
 }
 
 }  // namespace soapfilm

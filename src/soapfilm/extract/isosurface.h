@@ -1,4 +1,4 @@
-// The surface between the inside and the outside vertices of a sparse grid, as a closed triangle mesh.
+// The surface between the inside and the outside vertices of a sparse grid, as a triangle mesh.
 #pragma once
 
 #include <functional>
@@ -28,5 +28,13 @@ using MissingBrickValue = std::function<float(Vec3i brick)>;
 /// surface has 2^32 vertices or more.
 Mesh extract_isosurface(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value,
                         float isovalue, const Lattice& lattice, const Parallel& parallel);
+
+/// The same where it is known: only the cells are drawn whose eight corners have a `weight` > 0, so the surface ends
+/// where nothing was seen (Curless and Levoy 1996, section 4). Bricks that the grid lacks are not known.
+///
+/// The mesh is a manifold with boundary and without unused vertices: where two drawn cells around an edge share no
+/// face, each gets a vertex of its own at the same place. Positions, order, orientation and errors as above.
+Mesh extract_open_isosurface(const BrickGrid& grid, const Field<float>& value, const Field<float>& weight,
+                             float isovalue, const Lattice& lattice, const Parallel& parallel);
 
 }  // namespace soapfilm

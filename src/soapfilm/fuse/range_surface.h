@@ -1,0 +1,62 @@
+// A range scan as the surface that its scanner saw: triangles between neighbouring pixels, and how much each counts.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "soapfilm/core/mesh.h"
+#include "soapfilm/core/point_cloud.h"
+
+namespace soapfilm {
+
+struct RangeSurfaceParams {
+  /// Longest edge of a triangle, in distances between neighbouring samples of the scan (the median along rows or along
+  /// columns, whichever is larger); > 1. Longer ones bridge a step in depth (Turk and Levoy 1994, section 3.1).
+  double max_edge = 4;
+  /// Largest angle between a triangle's normal and the ray to the scanner, degrees, (0, 90). Steeper triangles, and
+  /// those that show their back, are steps in depth too.
+  double max_incidence_deg = 75;
+  /// Samples over which the weight falls towards the border of the surface, where triangulation scanners extend edges
+  /// falsely; >= 0. The border itself keeps 1 / (taper + 1).
+  int taper = 4;
+};
+
+/// Throws ParameterError when a parameter is out of range.
+void validate(const RangeSurfaceParams& params);
+
+/// From where a scan was seen.
+class Viewpoint {
+ public:
+  /// The scan's sensor position, else its viewing direction. Throws ParameterError when it has neither.
+  explicit Viewpoint(const Scan& scan);
+  /// Rays that meet in `position`.
+  static Viewpoint central(Vec3d position) { return {position, true}; }
+  /// Parallel rays; `direction` points from the surface to the scanner and is a unit vector.
+  static Viewpoint parallel(Vec3d direction) { return {direction, false}; }
+
+  bool is_central() const { return central_; }
+  /// The sensor's position, or the direction of parallel rays.
+  Vec3d vector() const { return vector_; }
+  /// Unit vector from a point to the scanner.
+  Vec3d from(Vec3d point) const { return central_ ? normalized(vector_ - point) : vector_; }
+
+ private:
+  Viewpoint(Vec3d vector, bool central) : vector_(vector), central_(central) {}
+  Vec3d vector_;
+  bool central_;
+};
+
+struct RangeSurface {
+  /// Indices of samples relative to the scan's first one; counter-clockwise as the scanner sees them.
+  std::vector<Triangle> triangles;
+  /// Per sample of the scan: the sample's own weight, times the cosine between the surface's normal there and the ray
+  /// to the scanner (Curless and Levoy 1996, section 3.2), times the taper towards the border; 0 without a triangle.
+  std::vector<float> weight;
+  size_t dropped = 0;  ///< triangles across steps in depth
+};
+
+/// Joins the samples of neighbouring pixels: four give two triangles along the shorter diagonal, three give one.
+/// Throws ParameterError when the scan has no range grid or no viewpoint, or a range grid that does not fit it.
+RangeSurface range_surface(const PointCloud& cloud, const Scan& scan, const RangeSurfaceParams& params);
+
+}  // namespace soapfilm

@@ -1,0 +1,288 @@
+#include "soapfilm/fuse/vrip.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "soapfilm/core/error.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr size_t triangles_per_task = 1024;
+constexpr size_t bricks_per_task = 4;
+
+/// Bricks from lo to hi, both included; empty when lo > hi along some axis.
+struct BrickBox {
+  Vec3i lo, hi;
+};
+
+template <class Visit>
+void for_each_brick(const BrickBox& box, Visit&& visit) {
+  for (int z = box.lo.z; z <= box.hi.z; ++z)
+    for (int y = box.lo.y; y <= box.hi.y; ++y)
+      for (int x = box.lo.x; x <= box.hi.x; ++x) visit(Vec3i{x, y, z});
+}
+
+/// A triangle seen from the scanner: the prism of lines of sight through it, cut off `ramp` in front and behind. All in
+/// voxels, relative to an origin near by.
+class SightPrism {
+ public:
+  SightPrism(const std::array<Vec3d, 3>& corners, const Viewpoint& view, double ramp)
+      : corners_(corners),
+        view_(view),
+        ramp_(ramp),
+        normal_(normalized(cross(corners[1] - corners[0], corners[2] - corners[0]))) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d a = corners[(k + 1) % 3], b = corners[(k + 2) % 3];
+      // Planes through the lines of sight: positive on the triangle's side. Opposite corner k, so that the three
+      // values are proportional to the barycentric coordinates of where the line of sight meets the triangle.
+      side_[k] = view.is_central() ? cross(b - view.vector(), a - view.vector()) : cross(b - a, -view.vector());
+      // On the ray itself the coordinates sum up to `scale`: rounding must open no crack between neighbours.
+      const double scale = std::abs(dot(side_[k], corners[k] - a));
+      slack_[k] = 1e-9 * scale;
+    }
+  }
+
+  Box3d box() const {
+    Box3d box;
+    for (const Vec3d& p : corners_) {
+      const Vec3d ray = view_.from(p);
+      const Vec3d reach = ray * (ramp_ / dot(normal_, ray));
+      box.extend(p + reach);
+      box.extend(p - reach);
+    }
+    return box;
+  }
+
+  /// The x in [0, 8) for which (x, y, z) is in the prism: [first, last].
+  struct Run {
+    int first = 0, last = brick_side - 1;
+  };
+  Run run(int y, int z) const {
+    double lo = 0, hi = brick_side - 1;
+    // Keeps the x where slope * x + value >= 0.
+    const auto clip = [&](double slope, double value) {
+      if (slope > 0) {
+        lo = std::max(lo, -value / slope);
+      } else if (slope < 0) {
+        hi = std::min(hi, -value / slope);
+      } else if (value < 0) {
+        hi = -1;
+      }
+    };
+    const Vec3d start{0, static_cast<double>(y), static_cast<double>(z)};
+    for (int k = 0; k < 3; ++k) clip(side_[k].x, side_value(k, start) + slack_[k]);
+    const double height = height_of(start);
+    clip(normal_.x, height + ramp_);
+    clip(-normal_.x, ramp_ - height);
+    if (!(lo <= hi)) return {0, -1};
+    return {static_cast<int>(std::ceil(lo)), static_cast<int>(std::floor(hi))};
+  }
+
+  /// Above the triangle's plane, towards the scanner.
+  double height_of(Vec3d x) const { return dot(normal_, x - corners_[0]); }
+  /// Along the line of sight; > 0 in front of the triangle.
+  double distance_of(Vec3d x) const { return height_of(x) / dot(normal_, view_.from(x)); }
+  /// Barycentric coordinates of where the line of sight through x meets the triangle.
+  std::array<double, 3> coordinates_of(Vec3d x) const {
+    std::array<double, 3> b{};
+    for (int k = 0; k < 3; ++k) b[static_cast<size_t>(k)] = std::max(0.0, side_value(k, x));
+    const double sum = b[0] + b[1] + b[2];
+    for (double& c : b) c /= sum;
+    return b;
+  }
+
+ private:
+  double side_value(int k, Vec3d x) const { return dot(side_[k], x - corners_[(k + 1) % 3]); }
+
+  std::array<Vec3d, 3> corners_;
+  Viewpoint view_;
+  double ramp_;
+  Vec3d normal_;
+  std::array<Vec3d, 3> side_;
+  std::array<double, 3> slack_;
+};
+
+/// One scan in lattice coordinates.
+struct PlacedScan {
+  std::vector<Vec3d> positions;
+  Viewpoint view;
+  const RangeSurface& surface;
+
+  PlacedScan(const PointCloud& cloud, const Scan& scan, const RangeSurface& range, const Lattice& lattice)
+      : view(scan), surface(range) {
+    positions.reserve(scan.size());
+    for (size_t i = scan.begin; i < scan.end; ++i) positions.push_back(lattice.to_lattice(cloud.positions[i]));
+    if (view.is_central()) view = Viewpoint::central(lattice.to_lattice(view.vector()));
+  }
+
+  SightPrism prism(size_t triangle, Vec3d origin, double ramp) const {
+    const Triangle& t = surface.triangles[triangle];
+    const Viewpoint from_origin = view.is_central() ? Viewpoint::central(view.vector() - origin) : view;
+    return {{positions[t[0]] - origin, positions[t[1]] - origin, positions[t[2]] - origin}, from_origin, ramp};
+  }
+};
+
+/// The nearest triangle of one scan on the line of sight of each vertex of a brick.
+struct Sightings {
+  std::array<double, brick_volume> distance;  // > 0 in front
+  std::array<double, brick_volume> weight;
+
+  Sightings() {
+    distance.fill(std::numeric_limits<double>::infinity());
+    weight.fill(0);
+  }
+};
+
+class Fusion {
+ public:
+  Fusion(const PointCloud& cloud, const Lattice& lattice, const VripParams& params, const Parallel& parallel,
+         Progress& progress)
+      : cloud_(cloud), lattice_(lattice), ramp_(params.ramp), parallel_(parallel), progress_(progress) {
+    surfaces_.resize(cloud.scans.size());
+    parallel.for_each(surfaces_.size(), 1,
+                      [&](size_t k) { surfaces_[k] = range_surface(cloud, cloud.scans[k], params.surface); });
+  }
+
+  FusedField run(VripReport& report) {
+    BrickMask near(lattice_.box(0).bricks);
+    for (size_t k = 0; k < surfaces_.size(); ++k) {
+      for (const BrickBox& box : boxes_of(place(k))) for_each_brick(box, [&](Vec3i b) { near.set(b); });
+      report.triangles += surfaces_[k].triangles.size();
+      report.dropped_triangles += surfaces_[k].dropped;
+    }
+    report.scans = surfaces_.size();
+    if (near.count() == 0)
+      throw ParameterError(fmt::format("vrip: the {} scan{} give {} triangles and {} dropped ones, none near the grid",
+                                       report.scans, report.scans == 1 ? "" : "s", report.triangles,
+                                       report.dropped_triangles));
+    fused_.grid = BrickGrid(near, parallel_);
+    fused_.distance = Field<float>(fused_.grid);
+    fused_.weight = Field<float>(fused_.grid);
+    for (size_t k = 0; k < surfaces_.size(); ++k) {
+      add(place(k));
+      progress_.advance(static_cast<double>(k + 1) / static_cast<double>(surfaces_.size()),
+                        fmt::format("scan {} of {}", k + 1, surfaces_.size()));
+    }
+    for (size_t b = 0; b < fused_.grid.size(); ++b) {
+      const float* weight = fused_.weight.brick(b);
+      report.vertices_seen += static_cast<size_t>(std::count_if(weight, weight + brick_volume, [](float w) { return w > 0; }));
+    }
+    return std::move(fused_);
+  }
+
+ private:
+  PlacedScan place(size_t k) const { return {cloud_, cloud_.scans[k], surfaces_[k], lattice_}; }
+
+  /// For each triangle the bricks that its prism may reach.
+  std::vector<BrickBox> boxes_of(const PlacedScan& scan) const {
+    const Vec3i bricks = lattice_.box(0).bricks;
+    std::vector<BrickBox> boxes(scan.surface.triangles.size());
+    parallel_.for_each(boxes.size(), triangles_per_task, [&](size_t t) {
+      const Box3d box = scan.prism(t, {}, ramp_).box();
+      for (int axis = 0; axis < 3; ++axis) {
+        // In double: a prism may lie anywhere.
+        const double last = brick_side * static_cast<double>(bricks[axis]) - 1;
+        const double lo = std::clamp(std::ceil(box.lo[axis]), 0.0, last + 1);
+        const double hi = std::clamp(std::floor(box.hi[axis]), -1.0, last);
+        boxes[t].lo[axis] = static_cast<int>(lo) >> 3;
+        boxes[t].hi[axis] = lo <= hi ? static_cast<int>(hi) >> 3 : (static_cast<int>(lo) >> 3) - 1;
+      }
+    });
+    return boxes;
+  }
+
+  void add(const PlacedScan& scan) {
+    const std::vector<BrickBox> boxes = boxes_of(scan);
+    // The triangles near each brick, in their order.
+    std::vector<uint32_t> begin(fused_.grid.size() + 1, 0);
+    const auto index = [&](Vec3i b) { return static_cast<size_t>(fused_.grid.find(b)); };
+    for (const BrickBox& box : boxes) for_each_brick(box, [&](Vec3i b) { ++begin[index(b)]; });
+    std::vector<uint32_t> touched;
+    uint32_t sum = 0;
+    for (size_t b = 0; b < begin.size(); ++b) {
+      if (begin[b] > 0) touched.push_back(static_cast<uint32_t>(b));
+      begin[b] = sum += begin[b];
+    }
+    std::vector<uint32_t> triangles(sum);
+    for (size_t t = boxes.size(); t-- > 0;)
+      for_each_brick(boxes[t], [&](Vec3i b) { triangles[--begin[index(b)]] = static_cast<uint32_t>(t); });
+
+    parallel_.for_each(touched.size(), bricks_per_task, [&](size_t i) {
+      const size_t b = touched[i];
+      accumulate(b, look(scan, fused_.grid.first_vertex(b), std::span(triangles).subspan(begin[b], begin[b + 1] - begin[b])));
+    });
+  }
+
+  Sightings look(const PlacedScan& scan, Vec3i first_vertex, std::span<const uint32_t> triangles) const {
+    Sightings seen;
+    for (const uint32_t t : triangles) {
+      const SightPrism prism = scan.prism(t, Vec3d(first_vertex), ramp_);
+      const Triangle& corners = scan.surface.triangles[t];
+      const Box3d box = prism.box();
+      const auto first = [](double lo) { return static_cast<int>(std::ceil(std::max(lo, 0.0))); };
+      const auto last = [](double hi) { return static_cast<int>(std::floor(std::min(hi, brick_side - 1.0))); };
+      for (int z = first(box.lo.z); z <= last(box.hi.z); ++z) {
+        for (int y = first(box.lo.y); y <= last(box.hi.y); ++y) {
+          const SightPrism::Run run = prism.run(y, z);
+          for (int x = run.first; x <= run.last; ++x) {
+            const Vec3d vertex(Vec3i{x, y, z});
+            const double distance = prism.distance_of(vertex);
+            const auto i = static_cast<size_t>(brick_offset(x, y, z));
+            if (!(std::abs(distance) < std::abs(seen.distance[i]))) continue;
+            seen.distance[i] = distance;
+            const auto b = prism.coordinates_of(vertex);
+            double weight = 0;
+            for (size_t k = 0; k < 3; ++k) weight += b[k] * static_cast<double>(scan.surface.weight[corners[k]]);
+            seen.weight[i] = weight * std::clamp(2 - 2 * std::abs(prism.height_of(vertex)) / ramp_, 0.0, 1.0);
+          }
+        }
+      }
+    }
+    return seen;
+  }
+
+  /// Curless and Levoy 1996, equations (3) and (4).
+  void accumulate(size_t brick, const Sightings& seen) {
+    float* distance = fused_.distance.brick(brick);
+    float* weight = fused_.weight.brick(brick);
+    for (size_t i = 0; i < brick_volume; ++i) {
+      if (!(seen.weight[i] > 0)) continue;
+      const double before = weight[i];
+      const double sum = before + seen.weight[i];
+      distance[i] = static_cast<float>((before * distance[i] - seen.weight[i] * seen.distance[i]) / sum);
+      weight[i] = static_cast<float>(sum);
+    }
+  }
+
+  const PointCloud& cloud_;
+  const Lattice& lattice_;
+  double ramp_;
+  const Parallel& parallel_;
+  Progress& progress_;
+  std::vector<RangeSurface> surfaces_;
+  FusedField fused_;
+};
+
+}  // namespace
+
+FusedField fuse_scans(const PointCloud& cloud, const Lattice& lattice, const VripParams& params,
+                      const Parallel& parallel, Progress& progress, VripReport& report) {
+  if (!(params.ramp > 0 && std::isfinite(params.ramp)))
+    throw ParameterError(fmt::format("ramp = {}, must be > 0 voxels", params.ramp));
+  validate(params.surface);
+  if (cloud.scans.empty()) throw ParameterError("vrip needs range scans: the cloud has none");
+  for (size_t i = 0; i < cloud.size(); ++i)
+    if (!is_finite(cloud.positions[i])) throw ParameterError(fmt::format("sample {}: position is not finite", i));
+  report = {};
+  return Fusion(cloud, lattice, params, parallel, progress).run(report);
+}
+
+}  // namespace soapfilm
