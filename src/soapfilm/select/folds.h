@@ -1,0 +1,51 @@
+// The samples cut into parts, each of which is held out once: what cross-validation trains on and what it asks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/grid/lattice.h"
+
+namespace soapfilm {
+
+/// What a fold is made of. Samples of one scan share its misalignment and its false edges, so folds of single samples
+/// call both confirmed; whole scans do not, but they also hold out regions that nobody else saw.
+enum class FoldSource {
+  automatic,  ///< whole scans when there are at least two per fold, samples otherwise
+  samples,    ///< single samples, dealt at random
+  scans       ///< whole scans
+};
+
+/// Fewer held-out samples say nothing about a surface.
+inline constexpr size_t fewest_held_out = 20;
+
+struct Folds {
+  int count = 0;
+  bool whole_scans = false;
+  std::vector<uint8_t> of_sample;  ///< in [0, count), one per sample of the cloud
+  std::vector<size_t> sizes;       ///< samples of each fold that speak: with a direction and a weight > 0
+};
+
+/// Single samples are dealt by the random sequence of `seed`; whole scans go, largest first, to the smallest fold, so
+/// that folds are about equal. Depends on nothing but the arguments. Throws ParameterError when `count` is outside
+/// [2, 100], when there are fewer scans than folds, or when a fold has fewer than `fewest_held_out` samples that speak.
+Folds make_folds(const PointCloud& cloud, std::span<const Vec3f> directions, int count, FoldSource source,
+                 uint64_t seed);
+
+/// The data terms of one fold's two sides. f is linear in the samples: together they are the whole cloud's.
+struct FoldFields {
+  SupportField training;      ///< of all samples but the fold's
+  SupportField held_out;      ///< of the fold's samples alone
+  double training_share = 0;  ///< part of the samples that speak which are in training, in (0, 1)
+};
+
+/// Throws ParameterError unless `fold` is in [0, folds.count).
+FoldFields hold_out(const PointCloud& cloud, std::span<const Vec3f> directions, const Folds& folds, int fold,
+                    const Lattice& lattice, const Parallel& parallel);
+
+}  // namespace soapfilm
