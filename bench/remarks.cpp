@@ -48,7 +48,8 @@ struct Nested {
     for (int z = 0; z + 1 < n.z; ++z)
       for (int y = 0; y + 1 < n.y; ++y)
         for (int x = 0; x + 1 < n.x; ++x)
-          g[z][y][x] = diffusivity(u[z][y][x + 1] - u[z][y][x], u[z][y + 1][x] - u[z][y][x], u[z + 1][y][x] - u[z][y][x]);
+          g[z][y][x] =
+              diffusivity(u[z][y][x + 1] - u[z][y][x], u[z][y + 1][x] - u[z][y][x], u[z + 1][y][x] - u[z][y][x]);
   }
   void sweep(float lambda) {
     static const std::vector<Vec3i> neighbors = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
@@ -121,8 +122,8 @@ struct Offsets : Mapped {
       const float c = g[i];
       const float g0 = (c + g[i - 1]) / 2, g1 = (c + g[i + 1]) / 2, g2 = (c + g[i - sy]) / 2, g3 = (c + g[i + sy]) / 2,
                   g4 = (c + g[i - sz]) / 2, g5 = (c + g[i + sz]) / 2;
-      const float weighted = g0 * u[i - 1] + g1 * u[i + 1] + g2 * u[i - sy] + g3 * u[i + sy] + g4 * u[i - sz] +
-                             g5 * u[i + sz];
+      const float weighted =
+          g0 * u[i - 1] + g1 * u[i + 1] + g2 * u[i - sy] + g3 * u[i + sy] + g4 * u[i - sz] + g5 * u[i + sz];
       u[i] = relaxed(u[i], weighted, g0 + g1 + g2 + g3 + g4 + g5, f[i], lambda);
     }
   }
@@ -143,8 +144,8 @@ struct Divided : Offsets {
       // Twice every weight, in the numerator and in the denominator alike.
       const float g0 = c + g[i - 1], g1 = c + g[i + 1], g2 = c + g[i - sy], g3 = c + g[i + sy], g4 = c + g[i - sz],
                   g5 = c + g[i + sz];
-      const float weighted = g0 * u[i - 1] + g1 * u[i + 1] + g2 * u[i - sy] + g3 * u[i + sy] + g4 * u[i - sz] +
-                             g5 * u[i + sz];
+      const float weighted =
+          g0 * u[i - 1] + g1 * u[i + 1] + g2 * u[i - sy] + g3 * u[i + sy] + g4 * u[i - sz] + g5 * u[i + sz];
       u[i] = std::clamp((1 - omega) * u[i] + omega * (weighted + 2 * f[i]) / (g0 + g1 + g2 + g3 + g4 + g5), 0.0f, 1.0f);
     }
   }
@@ -236,8 +237,7 @@ int main(int argc, char** argv) {
   Progress progress;
   OrientReport oriented;
   const auto directions = orient(cloud, {}, parallel, progress, oriented);
-  const Lattice lattice =
-      place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), std::atoi(argv[2]), 6), 6);
+  const Lattice lattice = place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), std::atoi(argv[2]), 6), 6);
   const LevelBox box = lattice.box(0);
   const SupportField field = divergence_field(sort_samples(cloud, directions, lattice, parallel), box, parallel);
   DenseField<float> data(box);
@@ -266,9 +266,10 @@ int main(int argc, char** argv) {
       times[i].push_back(m.nanoseconds);
       sums[i] = m.share;
     }
-  fmt::print("| equation (8), {} x {} x {}, one thread | ns per vertex and iteration | of the first | sum of u |\n"
-             "|---|---|---|---|\n",
-             lattice.size.x, lattice.size.y, lattice.size.z);
+  fmt::print(
+      "| equation (8), {} x {} x {}, one thread | ns per vertex and iteration | of the first | sum of u |\n"
+      "|---|---|---|---|\n",
+      lattice.size.x, lattice.size.y, lattice.size.z);
   for (size_t i = 0; i < rows.size(); ++i) {
     std::sort(times[i].begin(), times[i].end());
     std::sort(times[0].begin(), times[0].end());

@@ -4,16 +4,21 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "cli/command.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
+#include "soapfilm/extract/isosurface.h"
 #include "soapfilm/io/io.h"
 #include "soapfilm/place.h"
+#include "soapfilm/refine/indicator.h"
 
 namespace soapfilm::cli {
 
@@ -25,6 +30,8 @@ struct Options {
   std::string report;
   std::string memory;
   std::string isovalue = "auto";
+  std::string lambda;
+  std::string levels_folder;
   std::vector<double> sensor;
   bool ascii = false;
   bool check = false;
@@ -44,22 +51,33 @@ std::string command_line(const CLI::App& app) {
   return line;
 }
 
-void finish_params(Options& options) {
-  if (!options.memory.empty()) options.params.memory_limit = parse_memory(options.memory);
-  if (!options.sensor.empty()) options.params.orient.sensor = {options.sensor[0], options.sensor[1], options.sensor[2]};
-  if (options.isovalue != "auto") {
-    size_t used = 0;
-    double value = 0;
-    try {
-      value = std::stod(options.isovalue, &used);
-    } catch (const std::exception&) {
-      used = 0;
-    }
-    if (used != options.isovalue.size() || used == 0)
-      throw ParameterError(fmt::format("isovalue = {}, must be 'auto' or a number > 0 and < 1", options.isovalue));
-    options.params.surface.isovalue = value;
+/// A number, or nothing when the text says "auto".
+std::optional<double> number_or_auto(const char* option, const std::string& text, const char* constraint) {
+  if (text == "auto") return std::nullopt;
+  size_t used = 0;
+  double value = 0;
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
   }
-  validate(options.params);
+  if (used != text.size() || used == 0)
+    throw ParameterError(fmt::format("{} = {}, must be 'auto' or a number {}", option, text, constraint));
+  return value;
+}
+
+void finish_params(Options& options) {
+  ReconstructParams& params = options.params;
+  if (!options.memory.empty()) params.memory_limit = parse_memory(options.memory);
+  if (!options.sensor.empty()) params.orient.sensor = {options.sensor[0], options.sensor[1], options.sensor[2]};
+  params.surface.isovalue = number_or_auto("isovalue", options.isovalue, "> 0 and < 1");
+  if (!options.lambda.empty()) {
+    params.energy.lambda = number_or_auto("lambda", options.lambda, "> 0");
+    params.energy.cross_validate = !params.energy.lambda;
+  }
+  if (!options.levels_folder.empty() && params.method != Method::tv)
+    throw ParameterError(fmt::format("write-levels: method {} has no pyramid to show", name_of(params.method)));
+  validate(params);
 }
 
 PointCloud read_input(const Options& options, Progress& progress, ReadReport& read) {
@@ -75,6 +93,24 @@ PointCloud read_input(const Options& options, Progress& progress, ReadReport& re
   progress.info(
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));
   return cloud;
+}
+
+/// Writes each level's surface into the folder as soon as it is solved; nothing without a folder.
+PyramidObserver level_writer(const std::string& folder, double threshold, const Parallel& parallel) {
+  if (folder.empty()) return {};
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw OutputError(fmt::format("{}: cannot make the folder: {}", folder, error.message()));
+  PyramidObserver observer;
+  observer.solved = [folder, threshold, &parallel](const Level& level, const Lattice& lattice) {
+    const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), parallel);
+    const Mesh mesh = extract_isosurface(
+        surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice,
+        parallel);
+    const std::filesystem::path file = fmt::format("level_{}.ply", level.box.level);
+    write_mesh((std::filesystem::path(folder) / file).string(), mesh);
+  };
+  return observer;
 }
 
 void print_check(const ReconstructReport& report, Progress& progress) {
@@ -98,7 +134,8 @@ int run(Options& options, const GlobalOptions& global) {
   Stages stages(progress);
   ReadReport read;
   const PointCloud cloud = stages.run("read", [&] { return read_input(options, progress, read); });
-  Reconstruction result = reconstruct(cloud, options.params, parallel, progress);
+  Reconstruction result = reconstruct(cloud, options.params, parallel, progress,
+                                      level_writer(options.levels_folder, options.params.surface.threshold, parallel));
   if (options.check || !options.report.empty()) stages.run("check", [&] { check_result(result, cloud, parallel); });
   ReconstructReport& report = result.report;
   if (report.topology) print_check(report, progress);
@@ -127,7 +164,13 @@ int run(Options& options, const GlobalOptions& global) {
   return 0;
 }
 
-void add_options(CLI::App& app, Options& o) {
+/// The values of an enumeration by their names.
+template <class Enum>
+CLI::Validator named(const std::vector<std::pair<std::string, Enum>>& names) {
+  return CLI::CheckedTransformer(names).description("");
+}
+
+void add_main_options(CLI::App& app, Options& o) {
   ReconstructParams& p = o.params;
   app.add_option("input", o.inputs, "Point clouds or scan sets (.ply, .xyz, .conf); several are several scans")
       ->required()
@@ -152,13 +195,11 @@ void add_options(CLI::App& app, Options& o) {
   directions(
       app.add_option("--directions", p.orient.source,
                      "Where each sample's outward direction comes from:\nauto, normals, sensor, scan or estimate"))
-      ->transform(CLI::CheckedTransformer(
-                      std::vector<std::pair<std::string, DirectionSource>>{{"auto", DirectionSource::automatic},
-                                                                           {"normals", DirectionSource::normals},
-                                                                           {"sensor", DirectionSource::sensor},
-                                                                           {"scan", DirectionSource::scan},
-                                                                           {"estimate", DirectionSource::estimate}})
-                      .description(""))
+      ->transform(named<DirectionSource>({{"auto", DirectionSource::automatic},
+                                          {"normals", DirectionSource::normals},
+                                          {"sensor", DirectionSource::sensor},
+                                          {"scan", DirectionSource::scan},
+                                          {"estimate", DirectionSource::estimate}}))
       ->option_text("SOURCE [auto]");
   directions(app.add_option("--sensor", o.sensor, "Scanner position for scans that do not say it"))
       ->delimiter(',')
@@ -166,15 +207,47 @@ void add_options(CLI::App& app, Options& o) {
       ->option_text("X,Y,Z");
 
   const auto energy = [&](auto* option) { return option->group("Energy"); };
-  energy(app.add_option("--lambda", p.energy.lambda,
+  energy(app.add_option("--lambda", o.lambda,
                         fmt::format("Weight of area, in the paper's meaning (0.005 to 0.01 there); larger is\nsmoother "
-                                    "(default: {:g} x samples per voxel^2)",
+                                    "(default: {:g} x samples per voxel^2);\nauto: by cross-validation",
                                     p.energy.lambda_per_density)))
-      ->option_text("V");
+      ->option_text("V|auto");
+  energy(app.add_option("--norm", p.energy.norm,
+                        "How area is measured: isotropic, as it is, or anisotropic, along the\ngrid's axes"))
+      ->transform(named<Norm>({{"isotropic", Norm::isotropic}, {"anisotropic", Norm::anisotropic}}))
+      ->option_text("NORM [isotropic]");
   energy(app.add_option("--tolerance", p.solve.tolerance, "Relative gap at which a level is solved"))
       ->option_text(fmt::format("V [{:g}]", p.solve.tolerance));
   energy(app.add_option("--max-iterations", p.solve.max_iterations, "Limit per level"))
       ->option_text(fmt::format("N [{}]", p.solve.max_iterations));
+}
+
+void add_method_options(CLI::App& app, Options& o) {
+  ReconstructParams& p = o.params;
+  std::vector<std::pair<std::string, Method>> methods;
+  for (size_t i = 0; i < method_names.size(); ++i) methods.emplace_back(method_names[i], static_cast<Method>(i));
+  const auto method = [&](auto* option) { return option->group("Method"); };
+  method(
+      app.add_option("--method", p.method, fmt::format("One of {}\n(docs/methods.md)", fmt::join(method_names, ", "))))
+      ->transform(named<Method>(methods))
+      ->option_text("NAME [tv]");
+  method(app.add_option("--link-weights", p.graph_cut.weights,
+                        "Of graph-cut-26: edge-length, or cauchy-crofton (less dependent on direction)"))
+      ->transform(named<LinkWeights>(
+          {{"edge-length", LinkWeights::edge_length}, {"cauchy-crofton", LinkWeights::cauchy_crofton}}))
+      ->option_text("W [edge-length]");
+  method(app.add_option("--ramp", p.vrip.ramp, "Of vrip: reach in front of and behind a scan, voxels"))
+      ->option_text(fmt::format("V [{:g}]", p.vrip.ramp));
+  method(app.add_option("--folds", p.select.folds, "Of --lambda auto: parts of the samples, each held out once"))
+      ->option_text(fmt::format("N [{}]", p.select.folds));
+  method(app.add_option("--fold-source", p.select.source, "Of --lambda auto: auto, samples, or whole scans"))
+      ->transform(named<FoldSource>(
+          {{"auto", FoldSource::automatic}, {"samples", FoldSource::samples}, {"scans", FoldSource::scans}}))
+      ->option_text("SOURCE [auto]");
+}
+
+void add_surface_options(CLI::App& app, Options& o) {
+  ReconstructParams& p = o.params;
 
   const auto surface = [&](auto* option) { return option->group("Surface"); };
   surface(app.add_option("--threshold", p.surface.threshold, "Threshold mu of the relaxed indicator, in (0, 1)"))
@@ -185,6 +258,10 @@ void add_options(CLI::App& app, Options& o) {
 
   const auto output = [&](auto* option) { return option->group("Output"); };
   output(app.add_option("--report", o.report, "Write what was done and proved, as JSON"))->option_text("FILE.json");
+  output(app.add_option(
+             "--write-levels", o.levels_folder,
+             "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (finest), ..."))
+      ->option_text("DIR");
   output(app.add_flag("--check", o.check, "Check the mesh's topology and its distance to the samples"));
   output(app.add_flag("--ascii", o.ascii, "PLY and STL as text"));
 }
@@ -194,7 +271,9 @@ void add_options(CLI::App& app, Options& o) {
 void add_reconstruct(CLI::App& app, const GlobalOptions& global, Runner& runner) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("reconstruct", "Scans to a watertight mesh, with a proof of optimality");
-  add_options(*command, *options);
+  add_main_options(*command, *options);
+  add_method_options(*command, *options);
+  add_surface_options(*command, *options);
   command->callback([command, options, &global, &runner] {
     options->command = command_line(*command);
     runner = [options, &global] { return run(*options, global); };

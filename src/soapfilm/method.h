@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 namespace soapfilm {
 
@@ -19,5 +20,8 @@ inline constexpr std::array<const char*, 6> method_names = {"tv",          "tv-s
                                                             "graph-cut-6", "graph-cut-26", "vrip"};
 
 inline const char* name_of(Method method) { return method_names[static_cast<size_t>(method)]; }
+
+/// Does the method have a dual, and so a bound of the optimum of (4)?
+inline bool is_certified(Method method) { return method == Method::tv || method == Method::tv_sor; }
 
 }  // namespace soapfilm

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <type_traits>
 #include <utility>
 
 #include "soapfilm/core/error.h"
@@ -16,11 +18,26 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::array<const char*, 5> direction_names = {"auto", "normals", "sensor", "scan", "estimate"};
+/// What the values of an enumeration are called, in its order.
+template <class Enum>
+inline constexpr std::array<const char*, 0> names_of{};
+template <>
+inline constexpr auto names_of<Method> = method_names;
+template <>
+inline constexpr std::array<const char*, 5> names_of<DirectionSource>{"auto", "normals", "sensor", "scan", "estimate"};
+template <>
+inline constexpr std::array<const char*, 2> names_of<Norm>{"isotropic", "anisotropic"};
+template <>
+inline constexpr std::array<const char*, 3> names_of<FoldSource>{"auto", "samples", "scans"};
+template <>
+inline constexpr std::array<const char*, 2> names_of<SorOrder>{"lexicographic", "red-black"};
+template <>
+inline constexpr std::array<const char*, 2> names_of<LinkWeights>{"edge-length", "cauchy-crofton"};
 
 /// Names every parameter once: visit(group, name, value).
 template <class Params, class Visit>
 void for_each_param(Params& p, Visit&& visit) {
+  visit("solve", "method", p.method);
   visit("orient", "directions", p.orient.source);
   visit("orient", "sensor", p.orient.sensor);
   visit("orient", "neighbours", p.orient.neighbours);
@@ -28,22 +45,53 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("place", "resolution", p.place.resolution);
   visit("place", "samples_per_voxel2", p.place.samples_per_voxel2);
   visit("place", "padding", p.place.padding);
+  visit("place", "levels", p.place.levels);
   visit("energy", "lambda", p.energy.lambda);
   visit("energy", "lambda_per_density", p.energy.lambda_per_density);
+  visit("energy", "cross_validate", p.energy.cross_validate);
+  visit("energy", "norm", p.energy.norm);
+  visit("select", "folds", p.select.folds);
+  visit("select", "source", p.select.source);
+  visit("select", "max_resolution", p.select.max_resolution);
+  visit("select", "indifference", p.select.indifference);
+  visit("select", "seed", p.select.seed);
+  visit("select", "candidates", p.select.candidates);
   visit("solve", "tolerance", p.solve.tolerance);
   visit("solve", "max_iterations", p.solve.max_iterations);
   visit("solve", "check_every", p.solve.check_every);
   visit("solve", "step_balance", p.solve.step_balance);
+  visit("sor", "epsilon", p.sor.epsilon);
+  visit("sor", "omega", p.sor.omega);
+  visit("sor", "renew_every", p.sor.renew_every);
+  visit("sor", "levels", p.sor.levels);
+  visit("sor", "tolerance", p.sor.tolerance);
+  visit("sor", "max_iterations", p.sor.max_iterations);
+  visit("sor", "order", p.sor.order);
+  visit("sor", "skip_empty", p.sor.skip_empty);
+  visit("sor", "snap", p.sor.snap);
+  visit("poisson", "tolerance", p.poisson.tolerance);
+  visit("poisson", "max_iterations", p.poisson.max_iterations);
+  visit("graph_cut", "weights", p.graph_cut.weights);
+  visit("vrip", "ramp", p.vrip.ramp);
+  visit("vrip", "max_edge", p.vrip.surface.max_edge);
+  visit("vrip", "max_incidence_deg", p.vrip.surface.max_incidence_deg);
+  visit("vrip", "taper", p.vrip.surface.taper);
   visit("surface", "threshold", p.surface.threshold);
   visit("surface", "isovalue", p.surface.isovalue);
   visit("memory", "limit", p.memory_limit);
 }
 
 template <class T>
+concept Enumeration = std::is_enum_v<T>;
+
+template <class T>
 ordered_json json_of(const T& value) {
   return value;
 }
-ordered_json json_of(DirectionSource source) { return direction_names[static_cast<size_t>(source)]; }
+template <Enumeration T>
+ordered_json json_of(const T& value) {
+  return names_of<T>[static_cast<size_t>(value)];
+}
 ordered_json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 template <class T>
 ordered_json json_of(const std::optional<T>& value) {
@@ -58,20 +106,30 @@ void read_value(const ordered_json& json, double& value) {
   value = json.get<double>();
 }
 template <std::integral T>
-void read_value(const ordered_json& json, T& value) {
+requires(!std::same_as<T, bool>) void read_value(const ordered_json& json, T& value) {
   const bool fits = json.is_number_unsigned()  ? std::in_range<T>(json.get<uint64_t>())
                     : json.is_number_integer() ? std::in_range<T>(json.get<int64_t>())
                                                : false;
   require_type(fits, std::is_unsigned_v<T> ? "a whole number >= 0" : "a whole number");
   value = json.get<T>();
 }
-void read_value(const ordered_json& json, DirectionSource& source) {
+void read_value(const ordered_json& json, bool& value) {
+  require_type(json.is_boolean(), "true or false");
+  value = json.get<bool>();
+}
+template <Enumeration T>
+void read_value(const ordered_json& json, T& value) {
   require_type(json.is_string(), "a string");
   const auto name = json.get<std::string>();
-  for (size_t i = 0; i < direction_names.size(); ++i)
-    if (name == direction_names[i]) source = static_cast<DirectionSource>(i);
-  if (name != direction_names[static_cast<size_t>(source)])
-    throw ParameterError(fmt::format("must be one of {}", fmt::join(direction_names, ", ")));
+  const auto& names = names_of<T>;
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) throw ParameterError(fmt::format("must be one of {}", fmt::join(names, ", ")));
+  value = static_cast<T>(found - names.begin());
+}
+void read_value(const ordered_json& json, std::vector<double>& values) {
+  require_type(json.is_array(), "numbers");
+  values.resize(json.size());
+  for (size_t i = 0; i < values.size(); ++i) read_value(json[i], values[i]);
 }
 void read_value(const ordered_json& json, Vec3d& v) {
   require_type(json.is_array() && json.size() == 3, "three numbers");
@@ -108,6 +166,21 @@ void require(bool holds, const char* name, double value, const char* constraint)
   if (!holds) throw ParameterError(fmt::format("{} = {:g}, must be {}", name, value, constraint));
 }
 
+/// What one method has and the chosen one lacks must not pass silently.
+void refuse_contradictions(const ReconstructParams& params) {
+  const char* method = name_of(params.method);
+  const bool film = params.method != Method::poisson && params.method != Method::vrip;
+  if (params.energy.lambda && params.energy.cross_validate)
+    throw ParameterError(
+        fmt::format("lambda = {:g} and cross_validate: only one of them may be given", *params.energy.lambda));
+  if (params.energy.cross_validate && !film)
+    throw ParameterError(fmt::format("lambda = auto: the surface of method {} does not depend on lambda", method));
+  if (params.energy.norm != Norm::isotropic && (!film || params.method == Method::tv_sor))
+    throw ParameterError(fmt::format("norm = anisotropic: method {} has none", method));
+  if (params.surface.isovalue && !film)
+    throw ParameterError(fmt::format("isovalue = {:g}: method {} finds its own", *params.surface.isovalue, method));
+}
+
 }  // namespace
 
 void validate(const ReconstructParams& params) {
@@ -119,12 +192,21 @@ void validate(const ReconstructParams& params) {
   if (place.voxel) require(*place.voxel > 0, "voxel", *place.voxel, "> 0");
   require(place.samples_per_voxel2 > 0, "samples_per_voxel2", place.samples_per_voxel2, "> 0");
   require(place.padding >= 2, "padding", place.padding, ">= 2");
+  require(place.levels >= 0 && place.levels <= 12, "levels", place.levels, ">= 0 and <= 12");
   if (params.energy.lambda) require(*params.energy.lambda > 0, "lambda", *params.energy.lambda, "> 0");
   require(params.energy.lambda_per_density > 0, "lambda_per_density", params.energy.lambda_per_density, "> 0");
   require(params.solve.tolerance > 0, "tolerance", params.solve.tolerance, "> 0");
   require(params.solve.max_iterations >= 1, "max_iterations", params.solve.max_iterations, ">= 1");
   require(params.solve.check_every >= 1, "check_every", params.solve.check_every, ">= 1");
   require(params.solve.step_balance > 0, "step_balance", params.solve.step_balance, "> 0");
+  validate(params.sor);
+  validate(params.select);
+  validate(params.vrip.surface);
+  require(params.vrip.ramp > 0, "ramp", params.vrip.ramp, "> 0");
+  require(params.poisson.tolerance > 0 && params.poisson.tolerance < 1, "poisson tolerance", params.poisson.tolerance,
+          "> 0 and < 1");
+  require(params.poisson.max_iterations >= 1, "poisson max_iterations", params.poisson.max_iterations, ">= 1");
+  refuse_contradictions(params);
   const auto inside_unit = [](double v) { return v > 0 && v < 1; };
   require(inside_unit(params.surface.threshold), "threshold", params.surface.threshold, "> 0 and < 1");
   if (params.surface.isovalue)

@@ -74,13 +74,11 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   const Box3d box = cloud.box();
   const Sampling sampling = measure_sampling(cloud);
   const double voxel = choose_voxel(params.place, box, sampling);
-  report.lattice = place_lattice(box, voxel, params.place.padding);
+  report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);
   report.input.samples = cloud.size();
   report.input.scans = cloud.scans.size();
   report.input.box = box;
   report.input.density = sampling.density(voxel);
-  report.certificate.lambda = params.energy.lambda.value_or(params.energy.lambda_per_density * report.input.density);
-  warn_near_empty(report.certificate.lambda, report.input.density, report.warnings);
 
   const size_t held = peak_memory_bytes();
   check_memory(plan_tables(report.lattice), params.memory_limit, held, report.lattice);
@@ -91,6 +89,21 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   report.planned_bytes = plan.total();
   check_memory(plan, params.memory_limit, held, report.lattice);
   return samples;
+}
+
+void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
+                const Parallel& parallel, Progress& progress, ReconstructReport& report) {
+  double per_density = params.energy.lambda_per_density;
+  if (params.energy.cross_validate) {
+    report.select = choose_lambda(cloud, directions, report.lattice, params.select, params.solve, parallel, progress);
+    per_density = report.select->chosen;
+  }
+  const double lambda = params.energy.lambda.value_or(per_density * report.input.density);
+  report.certificate.lambda = lambda;
+  if (report.select)
+    for (CrossValidationPoint& point : report.select->curve)
+      point.lambda = point.lambda_per_density * report.input.density;
+  warn_near_empty(lambda, report.input.density, report.warnings);
 }
 
 }  // namespace soapfilm

@@ -5,6 +5,7 @@
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/point_cloud.h"
+#include "soapfilm/core/progress.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/report.h"
 
@@ -13,9 +14,14 @@ namespace soapfilm {
 /// Throws ParameterError unless there are at least 4 samples, all finite, that span a volume.
 void check_samples(const PointCloud& cloud);
 
-/// Places the grid, sorts the samples into it and fills the report's input, lattice, certificate.lambda, planned_bytes
-/// and warnings. The cloud must pass check_samples(). Throws MemoryError before anything large is allocated.
+/// Places the grid, sorts the samples into it and fills the report's input, lattice and planned_bytes. The cloud must
+/// pass check_samples(). Throws MemoryError before anything large is allocated.
 GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
                   const Parallel& parallel, ReconstructReport& report);
+
+/// Fills certificate.lambda: as given, by the samples' density, or by cross-validation (the report's `select`); warns
+/// when it is near the one where the film vanishes.
+void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
+                const Parallel& parallel, Progress& progress, ReconstructReport& report);
 
 }  // namespace soapfilm

@@ -7,9 +7,8 @@
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/place.h"
-#include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/pyramid/critical_lambda.h"
-#include "soapfilm/refine/indicator.h"
+#include "soapfilm/segment.h"
 
 namespace soapfilm {
 
@@ -39,89 +38,129 @@ void require_surface(const ReconstructReport& report, const Lattice& lattice, co
 }
 
 void warn_unconverged(ReconstructReport& report, Progress& progress) {
-  for (const LevelReport& level : report.levels) {
-    if (level.converged) continue;
-    report.warnings.push_back(
-        fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate "
-                    "below holds all the same",
-                    level.level, level.iterations, report.params.solve.tolerance));
-    progress.warn(report.warnings.back());
-  }
+  const auto warn = [&](std::string text) {
+    progress.warn(text);
+    report.warnings.push_back(std::move(text));
+  };
+  for (const LevelReport& level : report.levels)
+    if (!level.converged)
+      warn(
+          fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate below holds all "
+                      "the same",
+                      level.level, level.iterations, report.params.solve.tolerance));
+  if (report.poisson && !report.poisson->converged)
+    warn(fmt::format("poisson: not converged after {} iterations, relative residual {:.2g}", report.poisson->iterations,
+                     report.poisson->residual));
+  if (report.graph_cut && !report.graph_cut->globally_optimal)
+    warn(fmt::format("{}: the band's rim disagrees, the cut is not proved to be the global minimum of its energy",
+                     name_of(report.params.method)));
 }
 
-Certificate certify(const Level& level, double lambda, double threshold, const Parallel& parallel) {
-  Certificate certificate;
-  certificate.lambda = lambda;
-  certificate.relaxed = evaluate_energy(level, {.threshold = {}, .certify = true}, parallel);
-  certificate.binary = evaluate_energy(level, {.threshold = static_cast<float>(threshold), .certify = true}, parallel);
-  return certificate;
+void certify(const Level& level, double threshold, const Parallel& parallel, ReconstructReport& report) {
+  const auto mu = static_cast<float>(threshold);
+  report.certificate.relaxed = evaluate_energy(level, {.threshold = {}, .certify = true}, parallel);
+  report.certificate.binary = evaluate_energy(level, {.threshold = mu, .certify = true}, parallel);
+  report.inside = count_inside(level, mu, parallel);
+}
+
+/// The field whose level set at report.isovalue is the surface.
+SurfaceField level_set(Segmentation& found, const GridSamples& samples, const SurfaceParams& params,
+                       const Parallel& parallel, ReconstructReport& report) {
+  if (found.surface) {
+    report.isovalue = 0.5;
+    return std::move(*found.surface);
+  }
+  SurfaceField surface = smoothed_indicator(found.level, static_cast<float>(params.threshold), parallel);
+  report.isovalue = params.isovalue ? *params.isovalue : mean_at_samples(surface, samples, parallel);
+  return surface;
+}
+
+/// What is known of the result's energy: proved by methods with a dual, else only weighed by the same judge.
+void announce_energy(const ReconstructReport& report, Progress& progress) {
+  const Certificate& c = report.certificate;
+  if (is_certified(report.params.method))
+    progress.info(
+        fmt::format("segmentation proved within {:.2g} % of the global optimum", 100 * c.relative_gap_binary()));
+  else
+    progress.info(
+        fmt::format("energy {:.6g} (method {} proves no bound of it)", c.binary.primal, name_of(report.params.method)));
+}
+
+/// Curless and Levoy's surface needs neither the field nor the solve: its scans say what is known.
+Mesh fused_surface(const PointCloud& cloud, const Lattice& lattice, const ReconstructParams& params, Stages& stages,
+                   const Parallel& parallel, Progress& progress, ReconstructReport& report) {
+  const FusedField fused = stages.run(
+      "fuse", [&] { return fuse_scans(cloud, lattice, params.vrip, parallel, progress, report.vrip.emplace()); });
+  return stages.run("extract", [&] {
+    return extract_open_isosurface(fused.grid, fused.distance, fused.weight, 0, lattice, parallel);
+  });
 }
 
 }  // namespace
 
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Parallel& parallel,
-                           Progress& progress) {
+                           Progress& progress, const PyramidObserver& observe) {
   validate(params);
   check_samples(cloud);
   Stages stages(progress);
   Reconstruction result;
   ReconstructReport& report = result.report;
   report.params = params;
+  const auto finish = [&](Mesh mesh) {
+    result.mesh = std::move(mesh);
+    report.mesh_vertices = result.mesh.vertices.size();
+    report.mesh_triangles = result.mesh.triangles.size();
+    report.seconds = stages.seconds();
+    report.peak_bytes = peak_memory_bytes();
+    return std::move(result);
+  };
 
   // Each sample gets a weak outward direction: its normal, towards the scanner, or estimated.
   const auto directions =
       stages.run("orient", [&] { return orient(cloud, params.orient, parallel, progress, report.input.directions); });
   report.warnings = report.input.directions.warnings;
 
-  // The grid: how fine, where, and what it will cost.
+  // The grid: how fine, where, and what it will cost; and what area weighs on it.
   const auto samples = stages.run("place", [&] { return place(cloud, directions, params, parallel, report); });
   const Lattice& lattice = report.lattice;
-  const double lambda = report.certificate.lambda;
+  stages.run("weigh", [&] { weigh_area(cloud, directions, params, parallel, progress, report); });
   announce(report, progress);
+  if (params.method == Method::vrip)
+    return finish(fused_surface(cloud, lattice, params, stages, parallel, progress, report));
 
   // The data term f = div v (section 4.1).
   auto field = stages.run("field", [&] { return divergence_field(samples, lattice.box(0), parallel); });
 
-  // The convex problem (4), coarse to fine, on a thin band.
-  auto solution = stages.run(
-      "solve", [&] { return solve_coarse_to_fine(lattice, field, lambda, params.solve, parallel, progress); });
-  report.levels = std::move(solution.reports);
+  // Inside or outside: the convex problem (4), coarse to fine, on a thin band; or what it is compared with.
+  auto segmentation = stages.run(
+      "solve", [&] { return segment(lattice, field, samples, params, observe, parallel, progress, report); });
   warn_unconverged(report, progress);
-  Level& level = solution.finest;
+  Level& level = segmentation.level;
 
   // How far from the global optimum, at most.
-  report.certificate =
-      stages.run("certify", [&] { return certify(level, lambda, params.surface.threshold, parallel); });
-  report.inside = count_inside(level, static_cast<float>(params.surface.threshold), parallel);
+  stages.run("certify", [&] { certify(level, params.surface.threshold, parallel, report); });
   require_surface(report, lattice, field, parallel, progress);
-  progress.info(fmt::format("segmentation proved within {:.2g} % of the global optimum",
-                            100 * report.certificate.relative_gap_binary()));
+  announce_energy(report, progress);
   level.p = {};
   field.f = {};
 
   // Threshold, smooth, isovalue (section 4.4).
-  const auto surface = stages.run(
-      "smooth", [&] { return smoothed_indicator(level, static_cast<float>(params.surface.threshold), parallel); });
-  report.isovalue = params.surface.isovalue.value_or(mean_at_samples(surface, samples, parallel));
+  const auto surface =
+      stages.run("smooth", [&] { return level_set(segmentation, samples, params.surface, parallel, report); });
 
   // The level set as a closed, manifold mesh.
-  result.mesh = stages.run("extract", [&] {
+  Mesh mesh = stages.run("extract", [&] {
     return extract_isosurface(
         surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); },
         static_cast<float>(report.isovalue), lattice, parallel);
   });
-  if (result.mesh.triangles.empty())
+  if (mesh.triangles.empty())
     throw EmptyResult(
         fmt::format("empty result: the smoothed indicator stays on one side of the isovalue {:.3g}; parts "
                     "thinner than two voxels need a smaller voxel than {:.4g}",
                     report.isovalue, lattice.voxel),
-        lambda);
-
-  report.mesh_vertices = result.mesh.vertices.size();
-  report.mesh_triangles = result.mesh.triangles.size();
-  report.seconds = stages.seconds();
-  report.peak_bytes = peak_memory_bytes();
-  return result;
+        report.certificate.lambda);
+  return finish(std::move(mesh));
 }
 
 void check_result(Reconstruction& result, const PointCloud& cloud, const Parallel& parallel) {

@@ -28,10 +28,12 @@ struct EmptyResult : std::runtime_error {
 /// closed and manifold, in the cloud's frame and units. The same cloud and parameters give the same mesh, bit for bit,
 /// for any number of threads and any SIMD target.
 ///
+/// By Method::vrip it is open where nothing was seen. `observe` sees the levels of Method::tv.
+///
 /// Throws ParameterError (a parameter out of range, samples that span no volume, coordinates that are not finite),
 /// MemoryError before anything large is allocated, EmptyResult, Cancelled.
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Parallel& parallel,
-                           Progress& progress);
+                           Progress& progress, const PyramidObserver& observe = {});
 
 /// Fills what costs another look at the result: the report's topology and the samples' distances to the mesh.
 void check_result(Reconstruction& result, const PointCloud& cloud, const Parallel& parallel);

@@ -45,7 +45,16 @@ ordered_json grid_json(const ReconstructReport& report) {
           {"padding", lattice.padding},    {"inside", report.inside}, {"levels", levels}};
 }
 
-ordered_json certificate_json(const Certificate& c) {
+/// Methods without a dual prove no bound: only their energies are told. vrip has none.
+ordered_json certificate_json(const Certificate& c, Method method) {
+  if (method == Method::vrip) return nullptr;
+  if (!is_certified(method))
+    return {{"lambda", c.lambda},
+            {"primal_binary", c.binary.primal},
+            {"total_variation_binary", c.binary.total_variation},
+            {"dual", nullptr},
+            {"gap_binary", nullptr},
+            {"relative_gap_binary", nullptr}};
   return {{"lambda", c.lambda},
           {"primal", c.relaxed.primal},
           {"primal_binary", c.binary.primal},
@@ -59,6 +68,59 @@ ordered_json certificate_json(const Certificate& c) {
           {"total_variation", c.relaxed.total_variation},
           {"total_variation_binary", c.binary.total_variation},
           {"max_dual_norm", c.relaxed.max_dual_norm}};
+}
+
+/// What only the chosen method has to tell.
+ordered_json method_json(const ReconstructReport& report) {
+  ordered_json json = {{"name", name_of(report.params.method)}};
+  if (!report.sor.empty()) json["levels"] = ordered_json::array();
+  for (const SorLevelReport& l : report.sor)
+    json["levels"].push_back({{"level", l.level},
+                              {"iterations", l.iterations},
+                              {"converged", l.converged},
+                              {"bytes", l.bytes},
+                              {"energy", l.energy},
+                              {"seconds", l.seconds}});
+  if (const auto& p = report.poisson)
+    json.update({{"iterations", p->iterations},
+                 {"converged", p->converged},
+                 {"residual", p->residual},
+                 {"residuals", p->residuals},
+                 {"energy", p->energy},
+                 {"unknowns", p->unknowns},
+                 {"bytes", p->bytes}});
+  if (const auto& g = report.graph_cut)
+    json.update({{"vertices", g->vertices},
+                 {"links", g->links},
+                 {"growths", g->growths},
+                 {"flow", g->flow},
+                 {"energy", g->energy},
+                 {"globally_optimal", g->globally_optimal},
+                 {"graph_bytes", g->graph_bytes},
+                 {"seconds", g->seconds}});
+  if (const auto& v = report.vrip)
+    json.update({{"scans", v->scans},
+                 {"triangles", v->triangles},
+                 {"dropped_triangles", v->dropped_triangles},
+                 {"vertices_seen", v->vertices_seen}});
+  return json;
+}
+
+ordered_json select_json(const CrossValidationReport& select) {
+  ordered_json curve = ordered_json::array();
+  for (const CrossValidationPoint& p : select.curve)
+    curve.push_back({{"lambda", p.lambda},
+                     {"lambda_per_density", p.lambda_per_density},
+                     {"error", p.error},
+                     {"standard_error", p.standard_error},
+                     {"empty_folds", p.empty_folds}});
+  return {{"folds", select.folds},
+          {"whole_scans", select.whole_scans},
+          {"grid", json_of(select.grid)},
+          {"voxel", select.voxel},
+          {"best", select.best},
+          {"chosen", select.chosen},
+          {"curve", curve}};
 }
 
 ordered_json mesh_json(const ReconstructReport& report) {
@@ -102,7 +164,9 @@ std::string to_json(const ReconstructReport& report) {
                              {"input", input_json(report.input)},
                              {"frame", {{"centre", json_of(centre)}, {"scale", report.lattice.voxel}}},
                              {"grid", grid_json(report)},
-                             {"certificate", certificate_json(report.certificate)},
+                             {"method", method_json(report)},
+                             {"select", report.select ? select_json(*report.select) : ordered_json(nullptr)},
+                             {"certificate", certificate_json(report.certificate, report.params.method)},
                              {"surface", {{"isovalue", report.isovalue}}},
                              {"mesh", mesh_json(report)},
                              {"seconds", seconds},

@@ -10,8 +10,13 @@
 
 #include "soapfilm/evaluate/distance.h"
 #include "soapfilm/evaluate/topology.h"
+#include "soapfilm/fuse/vrip.h"
 #include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
+#include "soapfilm/select/cross_validation.h"
+#include "soapfilm/solve/graph_cut.h"
+#include "soapfilm/solve/poisson.h"
+#include "soapfilm/solve/sor.h"
 
 namespace soapfilm {
 
@@ -45,9 +50,14 @@ struct ReconstructReport {
   ReconstructParams params;
   InputFacts input;
   Lattice lattice;
-  std::vector<LevelReport> levels;  ///< coarsest first
-  size_t inside = 0;                ///< thresholded vertices inside, whole domain
-  Certificate certificate;
+  std::optional<CrossValidationReport> select;  ///< when lambda was chosen by cross-validation
+  std::vector<LevelReport> levels;              ///< Method::tv; coarsest first
+  std::vector<SorLevelReport> sor;              ///< Method::tv_sor; coarsest first
+  std::optional<PoissonReport> poisson;
+  std::optional<GraphCutReport> graph_cut;
+  std::optional<VripReport> vrip;
+  size_t inside = 0;        ///< thresholded vertices inside, whole domain
+  Certificate certificate;  ///< but for Method::vrip, which has no energy: lambda alone
   double isovalue = 0;
   size_t mesh_vertices = 0;
   size_t mesh_triangles = 0;

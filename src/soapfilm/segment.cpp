@@ -1,5 +1,7 @@
 #include "soapfilm/segment.h"
 
+#include "soapfilm/core/error.h"
+#include "soapfilm/pyramid/sor_pyramid.h"
 #include "soapfilm/refine/dense_surface.h"
 #include "soapfilm/solve/dense_level.h"
 
@@ -7,8 +9,8 @@ namespace soapfilm {
 
 namespace {
 
-/// A stage's arguments in one hand.
-struct Problem {
+/// The stage's arguments in one hand.
+struct Task {
   const Lattice& lattice;
   const SupportField& field;
   double lambda;
@@ -17,31 +19,56 @@ struct Problem {
   Progress& progress;
 };
 
-Segmentation by_tv(const Problem& p, const PyramidObserver& observe, ReconstructReport& report) {
-  PyramidSolution solution = solve_coarse_to_fine(p.lattice, p.field, p.lambda, p.params.energy.norm, p.params.solve,
-                                                  p.parallel, p.progress, observe);
+Segmentation by_tv(const Task& t, const PyramidObserver& observe, ReconstructReport& report) {
+  PyramidSolution solution = solve_coarse_to_fine(t.lattice, t.field, t.lambda, t.params.solve, t.parallel, t.progress,
+                                                  t.params.energy.norm, observe);
   report.levels = std::move(solution.reports);
   return {std::move(solution.finest), {}};
 }
 
-Segmentation by_sor(const Problem& p, ReconstructReport& report) {
-  return {solve_sor(p.lattice, p.field, p.lambda, p.params.sor, p.parallel, p.progress, report.sor), {}};
+Segmentation by_sor(const Task& t, ReconstructReport& report) {
+  return {solve_sor(t.lattice, t.field, t.lambda, t.params.sor, t.parallel, t.progress, report.sor), {}};
 }
 
-Segmentation by_graph_cut(const Problem& p, int neighbors, ReconstructReport& report) {
-  GraphCutParams params = p.params.graph_cut;
+Segmentation by_graph_cut(const Task& t, int neighbors, ReconstructReport& report) {
+  GraphCutParams params = t.params.graph_cut;
   params.neighbors = neighbors;
-  params.norm = p.params.energy.norm;
-  return {solve_graph_cut(p.lattice, p.field, p.lambda, params, p.parallel, p.progress, report.graph_cut.emplace()),
+  params.norm = t.params.energy.norm;
+  return {solve_graph_cut(t.lattice, t.field, t.lambda, params, t.parallel, t.progress, report.graph_cut.emplace()),
           {}};
 }
 
-Segmentation by_poisson(const Problem& p, const GridSamples& samples, ReconstructReport& report) {
+Segmentation by_poisson(const Task& t, const GridSamples& samples, ReconstructReport& report) {
+  const LevelBox box = t.lattice.box(0);
   const DenseField<float> u =
-      solve_poisson(p.lattice, p.field, p.lambda, p.params.poisson, p.parallel, p.progress, report.poisson.emplace());
-  return {};
+      solve_poisson(t.lattice, t.field, t.lambda, t.params.poisson, t.parallel, t.progress, report.poisson.emplace());
+  report.isovalue = mean_at_samples(u, samples, t.parallel);
+  DenseSurface surface = dense_surface(u, report.isovalue, box, t.parallel);
+  return {level_of(surface.binary, box, static_cast<float>(t.lambda), t.field.grid, t.field.f, t.parallel),
+          std::move(surface.field)};
 }
 
 }  // namespace
+
+Segmentation segment(const Lattice& lattice, const SupportField& field, const GridSamples& samples,
+                     const ReconstructParams& params, const PyramidObserver& observe, const Parallel& parallel,
+                     Progress& progress, ReconstructReport& report) {
+  const Task task{lattice, field, report.certificate.lambda, params, parallel, progress};
+  switch (params.method) {
+    case Method::tv:
+      return by_tv(task, observe, report);
+    case Method::tv_sor:
+      return by_sor(task, report);
+    case Method::poisson:
+      return by_poisson(task, samples, report);
+    case Method::graph_cut_6:
+      return by_graph_cut(task, 6, report);
+    case Method::graph_cut_26:
+      return by_graph_cut(task, 26, report);
+    case Method::vrip:
+      break;
+  }
+  throw ParameterError("method = vrip, must be one that segments the grid");
+}
 
 }  // namespace soapfilm

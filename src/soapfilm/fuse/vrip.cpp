@@ -173,7 +173,8 @@ class Fusion {
     }
     for (size_t b = 0; b < fused_.grid.size(); ++b) {
       const float* weight = fused_.weight.brick(b);
-      report.vertices_seen += static_cast<size_t>(std::count_if(weight, weight + brick_volume, [](float w) { return w > 0; }));
+      report.vertices_seen +=
+          static_cast<size_t>(std::count_if(weight, weight + brick_volume, [](float w) { return w > 0; }));
     }
     return std::move(fused_);
   }
@@ -217,7 +218,8 @@ class Fusion {
 
     parallel_.for_each(touched.size(), bricks_per_task, [&](size_t i) {
       const size_t b = touched[i];
-      accumulate(b, look(scan, fused_.grid.first_vertex(b), std::span(triangles).subspan(begin[b], begin[b + 1] - begin[b])));
+      accumulate(
+          b, look(scan, fused_.grid.first_vertex(b), std::span(triangles).subspan(begin[b], begin[b + 1] - begin[b])));
     });
   }
 

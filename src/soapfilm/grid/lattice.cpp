@@ -44,6 +44,18 @@ LevelBox Lattice::box(int level) const {
   return box;
 }
 
+Lattice Lattice::of_level(int level) const {
+  const int cell = 1 << level;
+  Lattice coarse = *this;
+  coarse.levels = levels - level;
+  coarse.voxel = voxel * cell;
+  // Vertex I is the centre of the fine vertices cell * I to cell * I + cell - 1.
+  const double centre = 0.5 * (cell - 1);
+  coarse.first_vertex = to_world(Vec3d(margin() + centre, margin() + centre, margin() + centre));
+  for (int axis = 0; axis < 3; ++axis) coarse.size[axis] = (size[axis] + cell - 1) / cell;
+  return coarse;
+}
+
 Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels) {
   if (!(voxel > 0) || !std::isfinite(voxel)) throw ParameterError(fmt::format("voxel = {:g}, must be > 0", voxel));
   if (padding < 2) throw ParameterError(fmt::format("padding = {}, must be >= 2", padding));

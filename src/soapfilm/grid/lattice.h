@@ -50,6 +50,9 @@ struct Lattice {
   }
 
   LevelBox box(int level) const;
+  /// A level of its own, such as to draw it: its vertices have there the lattice coordinates that they have in
+  /// box(level), and lie in the world where they lie here.
+  Lattice of_level(int level) const;
 };
 
 /// Places a grid of the given voxel around the samples' box: N_k = ceil(L_k / voxel) + 2 padding, the first vertex

@@ -55,7 +55,7 @@ BrickMask support_bricks(const SupportField& support, Vec3i bricks) {
 
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
                                      const PrimalDualParams& params, const Parallel& parallel, Progress& progress,
-                                     Norm norm) {
+                                     Norm norm, const PyramidObserver& observe) {
   std::vector<SupportField> coarser;  // data terms of levels 1, 2, ...
   coarser.reserve(static_cast<size_t>(lattice.levels));
   for (int l = 1; l < lattice.levels; ++l)
@@ -87,6 +87,7 @@ PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField&
             progress.advance(1.0 - static_cast<double>(l) / (start + 1),
                              fmt::format("level {}, {} iterations, gap {:.1e}", l, report.iterations + iterations,
                                          e.relative_gap(level.lambda)));
+            if (observe.evaluated) observe.evaluated(level, report.iterations + iterations, e);
           });
       report.iterations += solved.iterations;
       report.converged = solved.converged;
@@ -99,6 +100,7 @@ PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField&
       ++report.band_growths;
     }
     report.active_vertices = level.grid.vertices();
+    if (observe.solved) observe.solved(level, lattice.of_level(l));
     solution.reports.push_back(report);
   }
   solution.finest = std::move(level);

@@ -2,6 +2,7 @@
 // one found, with a certificate for the whole domain.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "soapfilm/core/parallel.h"
@@ -26,10 +27,18 @@ struct PyramidSolution {
   std::vector<LevelReport> reports;  ///< coarsest first
 };
 
+/// Called while it works, from the calling thread; either may be empty.
+struct PyramidObserver {
+  /// Each level when it is solved, coarsest first, and where its vertices lie in the world.
+  std::function<void(const Level&, const Lattice& of_level)> solved;
+  /// Each evaluation of the relaxed u; `iterations` on this level so far.
+  std::function<void(const Level&, int iterations, const Energies&)> evaluated;
+};
+
 /// Solves min lambda TV(u) - <f, u> (equation (4)) on the lattice, TV by `norm`. `support` is the finest level's data
 /// term.
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
                                      const PrimalDualParams& params, const Parallel& parallel, Progress& progress,
-                                     Norm norm = Norm::isotropic);
+                                     Norm norm = Norm::isotropic, const PyramidObserver& observe = {});
 
 }  // namespace soapfilm

@@ -116,6 +116,20 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Paral
   return field;
 }
 
+SurfaceField binary_indicator(const Level& level, float threshold, const Parallel& parallel) {
+  SurfaceField field = smoothed_indicator(level, threshold, parallel);
+  parallel.for_each(field.grid.size(), 64, [&](size_t b) {
+    const Vec3i coord = field.grid.coord(b);
+    const int32_t n = level.grid.find(coord);
+    float* value = field.value.brick(b);
+    for (int i = 0; i < brick_volume; ++i) {
+      const float u = n >= 0 ? level.u.brick(static_cast<size_t>(n))[i] : level.missing_u(n, coord);
+      value[i] = u > threshold ? 1.0f : 0.0f;
+    }
+  });
+  return field;
+}
+
 double mean_at_samples(const SurfaceField& field, const GridSamples& samples, const Parallel& parallel) {
   std::vector<double> sums(samples.bricks.size());
   parallel.for_each(sums.size(), 16, [&](size_t b) {

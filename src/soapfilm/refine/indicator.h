@@ -23,6 +23,9 @@ struct SurfaceField {
 /// are those within 4 vertices of the interface. `threshold` is the paper's mu, in (0, 1).
 SurfaceField smoothed_indicator(const Level& level, float threshold, const Parallel& parallel);
 
+/// The same without smoothing: 0 and 1 on the same bricks.
+SurfaceField binary_indicator(const Level& level, float threshold, const Parallel& parallel);
+
 /// The mean of the field at the samples (trilinear interpolation, every sample counts alike): the paper's isovalue.
 double mean_at_samples(const SurfaceField& field, const GridSamples& samples, const Parallel& parallel);
 

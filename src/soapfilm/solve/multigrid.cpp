@@ -50,8 +50,7 @@ void relax_red_from_zero(const BoxLaplacian& matrix, const DenseField<float>& b,
 /// Adds `weight` times a row of the fine level, restricted along x, to a row of the coarse level.
 void add_restricted(const AxisTransfer& x, const float* fine, float weight, float* __restrict coarse) {
   const int last = x.coarse.free;
-  for (int i = 1; i < last; ++i)
-    coarse[i] += weight * (fine[2 * i] + 0.5f * (fine[2 * i - 1] + fine[2 * i + 1]));
+  for (int i = 1; i < last; ++i) coarse[i] += weight * (fine[2 * i] + 0.5f * (fine[2 * i - 1] + fine[2 * i + 1]));
   float sum = 0.5f * fine[2 * last - 1];
   for (int i = 2 * last; i <= x.fine.free; ++i) sum += x.at(i).low * fine[i];
   coarse[last] += weight * sum;

@@ -28,8 +28,8 @@ double dot_row(const float* a, const float* b, int free) {
   int i = 1;
   for (; i + lanes <= free + 1; i += lanes)
     for (int k = 0; k < lanes; ++k) partial[k] += static_cast<double>(a[i + k]) * static_cast<double>(b[i + k]);
-  double sum = ((partial[0] + partial[4]) + (partial[1] + partial[5])) +
-               ((partial[2] + partial[6]) + (partial[3] + partial[7]));
+  double sum =
+      ((partial[0] + partial[4]) + (partial[1] + partial[5])) + ((partial[2] + partial[6]) + (partial[3] + partial[7]));
   for (; i <= free; ++i) sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
   return sum;
 }
