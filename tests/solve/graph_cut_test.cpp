@@ -4,6 +4,7 @@
 
 #include "soapfilm/evaluate/topology.h"
 #include "soapfilm/extract/isosurface.h"
+#include "soapfilm/pyramid/critical_lambda.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/min_cut.h"
@@ -311,6 +312,19 @@ TEST(CoareaFormula, HoldsForRandomDataSlow) {
     EXPECT_NEAR(binary, best.report.energy, 1e-5 * std::abs(best.report.energy));
     EXPECT_GE(binary, best.report.energy * (1 + 1e-9));
   }
+}
+
+/// Beyond the largest lambda that keeps a surface for tv, the cut is empty too.
+TEST(CoareaFormula, TheCutIsEmptyBeyondTheCriticalLambda) {
+  const Problem problem = make_problem(sampled("sphere", 32, 0.5), 32);
+  Progress progress;
+  const double critical = critical_lambda(problem.lattice, problem.support, 1, one_thread, progress, Norm::anisotropic);
+  ASSERT_GT(critical, 0);
+  const auto inside = [&](double lambda) {
+    return count_inside(dense_labels(cut(problem, lambda, {.neighbors = 6, .norm = Norm::anisotropic}).level));
+  };
+  EXPECT_GT(inside(0.97 * critical), 1000u);
+  EXPECT_EQ(inside(1.06 * critical), 0u);
 }
 
 // --- What a plane costs. --------------------------------------------------------------------------------------------
