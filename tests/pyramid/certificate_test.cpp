@@ -23,7 +23,8 @@ struct KeptPyramid {
   std::vector<Level> levels;
 };
 
-KeptPyramid solve_and_keep(const Problem& problem, double lambda, const PrimalDualParams& params) {
+KeptPyramid solve_and_keep(const Problem& problem, double lambda, Norm norm) {
+  const PrimalDualParams params;
   const Lattice& lattice = problem.lattice;
   KeptPyramid kept;
   const auto count = static_cast<size_t>(lattice.levels);
@@ -42,7 +43,7 @@ KeptPyramid solve_and_keep(const Problem& problem, double lambda, const PrimalDu
       everywhere.fill(true);
       const double scale = std::pow(4.0, static_cast<double>(l));
       level = make_level(box, static_cast<float>(lambda * scale), everywhere, kept.data[l].grid, kept.data[l].f,
-                         one_thread);
+                         one_thread, norm);
       solve_primal_dual(level, params, one_thread, progress);
       continue;
     }
@@ -108,10 +109,12 @@ struct Case {
   double density;
   double lambda;
   double noise_vox;
+  Norm norm = Norm::isotropic;
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
-  *out << c.shape << " with " << c.density << " samples per voxel^2, lambda " << c.lambda << ", noise " << c.noise_vox;
+  *out << c.shape << " with " << c.density << " samples per voxel^2, lambda " << c.lambda << ", noise " << c.noise_vox
+       << (c.norm == Norm::isotropic ? "" : ", anisotropic");
 }
 
 class Certificate : public testing::TestWithParam<Case> {
@@ -120,7 +123,7 @@ class Certificate : public testing::TestWithParam<Case> {
     constexpr int resolution = 60;
     PointCloud cloud = sampled(c.shape, resolution, c.density);
     add_noise(cloud, c.noise_vox / (resolution - 12), 3);
-    return solve_and_keep(make_problem(cloud, resolution), c.lambda, {});
+    return solve_and_keep(make_problem(cloud, resolution), c.lambda, c.norm);
   }
 
   const KeptPyramid pyramid = solved(GetParam());
@@ -132,7 +135,7 @@ class Certificate : public testing::TestWithParam<Case> {
 TEST_P(Certificate, DualIsFeasibleOnTheWholeGrid) {
   ASSERT_LT(level.grid.vertices(), 0.9 * static_cast<double>(f.values().size())) << "little is outside the band";
   double longest = 0;
-  f.for_each([&](Vec3i v) { longest = std::max(longest, norm(vector_at(dual.p, v))); });
+  f.for_each([&](Vec3i v) { longest = std::max(longest, dual_length(vector_at(dual.p, v), level.norm)); });
   EXPECT_LE(longest, level.lambda * (1 + 1e-6));
   EXPECT_GT(longest, level.lambda * 0.9);
 }
@@ -151,7 +154,7 @@ TEST_P(Certificate, EnergiesAreThoseOfTheWholeGrid) {
   for (const std::optional<float> threshold : {std::optional<float>(), std::optional(0.5f), std::optional(0.2f)}) {
     const Energies e = evaluate_energy(level, {.threshold = threshold, .certify = false}, one_thread);
     const Dense<double> u = dense_u(level, threshold);
-    const double primal = level.lambda * total_variation(u) - inner_product(f, u);
+    const double primal = level.lambda * total_variation(u, level.norm) - inner_product(f, u);
     EXPECT_NEAR(e.primal, primal, 1e-9 * std::abs(primal));
     EXPECT_GE(e.primal, e.dual);
     // The sum of local terms is the difference but for the terms counted too many, which are in D alone or in both.
@@ -162,7 +165,7 @@ TEST_P(Certificate, EnergiesAreThoseOfTheWholeGrid) {
 TEST_P(Certificate, CertifiedBoundHoldsForTheRescaledDual) {
   const Energies e = evaluate_energy(level, {.threshold = {}, .certify = true}, one_thread);
   double longest = 0;
-  f.for_each([&](Vec3i v) { longest = std::max(longest, norm(vector_at(dual.p, v))); });
+  f.for_each([&](Vec3i v) { longest = std::max(longest, dual_length(vector_at(dual.p, v), level.norm)); });
   WholeDual scaled = dual;
   const double m = std::max(1.0, longest / level.lambda);
   for (Dense<double>& component : scaled.p) component.for_each([&](Vec3i v) { component[v] /= m; });
@@ -173,8 +176,11 @@ TEST_P(Certificate, CertifiedBoundHoldsForTheRescaledDual) {
 INSTANTIATE_TEST_SUITE_P(Shapes, Certificate,
                          testing::Values(Case{"sphere", 1, 0.02, 0}, Case{"torus", 1, 0.01, 0},
                                          Case{"part", 2, 0.02, 0}, Case{"knot", 0.5, 0.01, 0},
-                                         Case{"sheets", 1, 0.02, 0.5}),
-                         [](const auto& c) { return c.param.shape; });
+                                         Case{"sheets", 1, 0.02, 0.5}, Case{"sphere", 1, 0.02, 0, Norm::anisotropic},
+                                         Case{"part", 2, 0.02, 0, Norm::anisotropic}),
+                         [](const auto& c) {
+                           return c.param.shape + (c.param.norm == Norm::isotropic ? "" : "_anisotropic");
+                         });
 
 }  // namespace
 }  // namespace soapfilm

@@ -15,12 +15,12 @@ const Parallel one_thread(1);
 constexpr double tolerance = 2e-6;
 
 /// One level without a pyramid: every brick of the finest box is active.
-Level dense_solution(const Problem& problem, double lambda) {
+Level dense_solution(const Problem& problem, double lambda, Norm norm) {
   const LevelBox box = problem.lattice.box(0);
   BrickMask everywhere(box.bricks);
   everywhere.fill(true);
-  Level level =
-      make_level(box, static_cast<float>(lambda), everywhere, problem.support.grid, problem.support.f, one_thread);
+  Level level = make_level(box, static_cast<float>(lambda), everywhere, problem.support.grid, problem.support.f,
+                           one_thread, norm);
   PrimalDualParams params;
   params.tolerance = tolerance;
   params.max_iterations = 20000;
@@ -33,25 +33,29 @@ struct Case {
   std::string shape;
   double density;
   double lambda;
+  Norm norm = Norm::isotropic;
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
-  *out << c.shape << " with " << c.density << " samples per voxel^2, lambda " << c.lambda;
+  *out << c.shape << " with " << c.density << " samples per voxel^2, lambda " << c.lambda
+       << (c.norm == Norm::isotropic ? "" : ", anisotropic");
 }
 
 class BandAndWholeGrid : public testing::TestWithParam<Case> {};
 
 TEST_P(BandAndWholeGrid, HaveTheSameSolution) {
-  const auto& [shape, density, lambda] = GetParam();
+  const auto& [shape, density, lambda, norm] = GetParam();
   const Problem problem = make_problem(sampled(shape, 64, density), 64);
-  const PyramidSolution band = solve(problem, lambda, tolerance);
-  const Level dense = dense_solution(problem, lambda);
+  const PyramidSolution band = solve(problem, lambda, tolerance, 1, norm);
+  const Level dense = dense_solution(problem, lambda, norm);
   ASSERT_LT(band.finest.grid.size(), dense.grid.size() / 2) << "the band is the whole grid";
 
   const Dense<uint8_t> labels = dense_labels(dense);
   EXPECT_GT(count_inside(labels), 1000u);
+  // The anisotropic optimum is less unique: a step of the film may move along it at no cost.
+  const double share = norm == Norm::isotropic ? 5e-5 : 2e-4;
   EXPECT_LE(static_cast<double>(count_differences(dense_labels(band.finest), labels)),
-            problem.lattice.vertices() / 20000);
+            share * problem.lattice.vertices());
 
   const Energies of_band = evaluate_energy(band.finest, {.threshold = {}, .certify = true}, one_thread);
   const Energies of_dense = evaluate_energy(dense, {.threshold = {}, .certify = true}, one_thread);
@@ -69,7 +73,9 @@ TEST_P(BandAndWholeGrid, HaveTheSameSolution) {
 INSTANTIATE_TEST_SUITE_P(Shapes, BandAndWholeGrid,
                          testing::Values(Case{"sphere", 1, 0.01}, Case{"sphere", 0.3, 0.008}, Case{"torus", 1, 0.02},
                                          Case{"part", 2, 0.01}, Case{"part", 1, 0.03}, Case{"knot", 1, 0.01},
-                                         Case{"sheets", 1, 0.02}),
+                                         Case{"sheets", 1, 0.02}, Case{"sphere", 1, 0.01, Norm::anisotropic},
+                                         Case{"part", 2, 0.01, Norm::anisotropic},
+                                         Case{"knot", 1, 0.01, Norm::anisotropic}),
                          [](const auto& c) { return c.param.shape + std::to_string(c.index); });
 
 TEST(CoarseToFine, ReportsEveryLevelCoarsestFirst) {

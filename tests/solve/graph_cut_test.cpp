@@ -4,6 +4,7 @@
 
 #include "soapfilm/evaluate/topology.h"
 #include "soapfilm/extract/isosurface.h"
+#include "soapfilm/pyramid/critical_lambda.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/min_cut.h"
@@ -313,6 +314,19 @@ TEST(CoareaFormula, HoldsForRandomDataSlow) {
   }
 }
 
+/// Beyond the largest lambda that keeps a surface for tv, the cut is empty too.
+TEST(CoareaFormula, TheCutIsEmptyBeyondTheCriticalLambda) {
+  const Problem problem = make_problem(sampled("sphere", 32, 0.5), 32);
+  Progress progress;
+  const double critical = critical_lambda(problem.lattice, problem.support, 1, one_thread, progress, Norm::anisotropic);
+  ASSERT_GT(critical, 0);
+  const auto inside = [&](double lambda) {
+    return count_inside(dense_labels(cut(problem, lambda, {.neighbors = 6, .norm = Norm::anisotropic}).level));
+  };
+  EXPECT_GT(inside(0.97 * critical), 1000u);
+  EXPECT_EQ(inside(1.06 * critical), 0u);
+}
+
 // --- What a plane costs. --------------------------------------------------------------------------------------------
 
 /// Cost of a unit area with this unit normal: each vertex has one link of each kind, cut over |normal . step|.
@@ -324,20 +338,24 @@ double plane_cost(const std::vector<Link>& links, Vec3d normal) {
 
 struct Spread {
   double mean = 0, least = 1e300, most = 0;
+  double deviation = 0;  ///< root mean square, relative to the mean
 };
 
 Spread spread_over_directions(const GraphCutParams& params, double lambda) {
   const std::vector<Link> links = graph_links(params, lambda);
   Random random(1);
   Spread spread;
+  double squares = 0;
   constexpr int directions = 200000;
   for (int i = 0; i < directions; ++i) {
     const double x = random.normal(), y = random.normal(), z = random.normal();
     const double cost = plane_cost(links, normalized(Vec3d{x, y, z}));
     spread.mean += cost / directions;
+    squares += cost * cost / directions;
     spread.least = std::min(spread.least, cost);
     spread.most = std::max(spread.most, cost);
   }
+  spread.deviation = std::sqrt(squares / (spread.mean * spread.mean) - 1);
   return spread;
 }
 
@@ -360,9 +378,11 @@ TEST(LinkWeights, OfTwentySixNeighboursDependLessOnTheDirection) {
   const Spread by_length = spread_over_directions({26, LinkWeights::edge_length, Norm::isotropic}, 1);
   const Spread by_angle = spread_over_directions({26, LinkWeights::cauchy_crofton, Norm::isotropic}, 1);
   EXPECT_NEAR(six.most / six.least, std::sqrt(3.0), 0.01);
-  EXPECT_LT(by_length.most / by_length.least, 1.2);
-  EXPECT_LT(by_angle.most / by_angle.least, 1.13);
-  EXPECT_LT(by_angle.most / by_angle.least, by_length.most / by_length.least);
+  EXPECT_NEAR(by_length.most / by_length.least, 1.103, 0.003);
+  EXPECT_NEAR(by_angle.most / by_angle.least, 1.103, 0.003);
+  EXPECT_NEAR(six.deviation, 0.1015, 0.001);
+  EXPECT_NEAR(by_length.deviation, 0.0178, 0.0003);
+  EXPECT_NEAR(by_angle.deviation, 0.0162, 0.0003);
 }
 
 /// Cauchy-Crofton: a link's weight times its length is the share of the directions that are nearest to it.

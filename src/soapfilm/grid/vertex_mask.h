@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -40,6 +41,9 @@ class VertexMask {
     for (size_t i = 0; i < rows_.size(); ++i) rows_[i] &= other.rows_[i];
   }
   bool operator==(const VertexMask&) const = default;
+  bool empty() const {
+    return std::all_of(rows_.begin(), rows_.end(), [](uint8_t row_bits) { return row_bits == 0; });
+  }
 
   /// Calls visit(v) for every set vertex, x fastest, then y, then z.
   template <class Visit>

@@ -68,17 +68,35 @@ double energy_of(const BandGraph& graph, const MinCut& cut) {
   return energy;
 }
 
+/// The free vertices outside the band that at most `reach` links lead to from `sources`, without crossing the band.
+VertexMask flooded(const VertexMask& sources, const VertexMask& band, const LevelBox& box,
+                   const std::vector<Link>& links, int reach) {
+  VertexMask reached(band.bricks());
+  std::vector<Vec3i> front, next;
+  sources.for_each([&](Vec3i v) { front.push_back(v); });
+  for (int step = 0; step < reach && !front.empty(); ++step) {
+    next.clear();
+    for (const Vec3i v : front)
+      for (const Link& link : links) {
+        const Vec3i to = v + link.step;
+        if (!box.is_free(to) || band.test(to) || reached.test(to)) continue;
+        reached.set(to);
+        next.push_back(to);
+      }
+    front.swap(next);
+  }
+  return reached;
+}
+
 /// Adds to the band what lies near both labels of a rim that disagrees: there the film wants to pass. Reaches further
 /// until there is something new, at last to everything.
-VertexMask grown(const VertexMask& band, RimVotes votes, const VertexMask& free, int& reach, const Parallel& parallel) {
+void grow(VertexMask& band, const RimVotes& votes, const LevelBox& box, const std::vector<Link>& links, int& reach) {
   for (;; reach *= 2) {
-    VertexMask near = votes.inside, near_outside = votes.outside;
-    near.dilate(reach, parallel);
-    near_outside.dilate(reach, parallel);
-    near &= near_outside;
-    near &= free;
-    near |= band;
-    if (!(near == band)) return near;
+    VertexMask between = flooded(votes.inside, band, box, links, reach);
+    between &= flooded(votes.outside, band, box, links, reach);
+    if (between.empty()) continue;
+    band |= between;
+    return;
   }
 }
 
@@ -143,10 +161,9 @@ Level solve_graph_cut(const Lattice& lattice, const SupportField& support, doubl
   const auto start = std::chrono::steady_clock::now();
   const std::vector<Link> links = graph_links(params, lambda);
   const LevelBox box = lattice.box(0);
-  const VertexMask free = free_vertices(box);
   VertexMask band = vertices_with_data(support, box);
   band.dilate(first_dilation, parallel);
-  band &= free;
+  band &= free_vertices(box);
 
   report = {};
   VertexMask inside;
@@ -164,13 +181,13 @@ Level solve_graph_cut(const Lattice& lattice, const SupportField& support, doubl
       inside = labels_of(graph, cut, box.bricks);
     }
     OutsideParts parts(band, box, links);
-    RimVotes votes = parts.vote(inside);
+    const RimVotes votes = parts.vote(inside);
     report.globally_optimal = votes.agree;
     if (votes.agree) {
       parts.fill(inside);
       break;
     }
-    band = grown(band, std::move(votes), free, reach, parallel);
+    grow(band, votes, box, links, reach);
     ++report.growths;
   }
   Level level = level_of_labels(inside, box, support, lambda, params.norm, parallel);

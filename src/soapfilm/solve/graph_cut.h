@@ -18,7 +18,8 @@ namespace soapfilm {
 
 /// edge_length: w proportional to 1 / length of the link, as in Lempitsky and Boykov's program.
 /// cauchy_crofton: to the solid angle of the directions nearest to the link over its length (Boykov and Kolmogorov
-///                 2003), which makes the cost of a plane depend less on its direction. The same with 6 neighbours.
+///                 2003), so that the cost of a plane depends less on its direction: with 26 neighbours it deviates
+///                 from its mean by 1.6 % (root mean square; 1.8 % by length), with 6 by 10 % whatever the weights.
 enum class LinkWeights { edge_length, cauchy_crofton };
 
 struct GraphCutParams {

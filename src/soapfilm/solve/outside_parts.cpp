@@ -77,8 +77,9 @@ void OutsideParts::for_each_rim_link(Visit&& visit) {
 
 RimVotes OutsideParts::vote(const VertexMask& inside) {
   constexpr uint32_t border = 0;
+  constexpr size_t border_itself = 1;
   count_.assign(runs_.size(), {});
-  count_[border].outside = 1;
+  count_[border].outside = border_itself;
   for_each_rim_link([&](Vec3i v, uint32_t part) { ++(inside.test(v) ? count_[part].inside : count_[part].outside); });
 
   RimVotes votes{VertexMask(band_.bricks()), VertexMask(band_.bricks()), true};
@@ -87,7 +88,7 @@ RimVotes OutsideParts::vote(const VertexMask& inside) {
     votes.agree = false;
     (inside.test(v) ? votes.inside : votes.outside).set(v);
   });
-  if (count_[border].agree()) return votes;
+  if (count_[border].agree() || count_[border].outside > border_itself) return votes;
   for (int z = box_.free_lo.z; z <= box_.free_hi.z; ++z)
     for (int y = box_.free_lo.y; y <= box_.free_hi.y; ++y) {
       const bool edge = z == box_.free_lo.z || z == box_.free_hi.z || y == box_.free_lo.y || y == box_.free_hi.y;

@@ -12,7 +12,7 @@ namespace soapfilm {
 /// What a cut says about the parts: a part has one label when all band vertices that are linked to it agree.
 struct RimVotes {
   VertexMask inside;   ///< band vertices with u = 1 linked to a part whose rim disagrees
-  VertexMask outside;  ///< and those with u = 0, for the border's part also the outermost free vertices
+  VertexMask outside;  ///< and those with u = 0, or the border's, where only that has u = 0
   bool agree = true;
 };
 
