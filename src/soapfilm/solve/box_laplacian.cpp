@@ -20,7 +20,7 @@ inline float weighted_neighbors(const Stencil& s, const Rows& u, int i) {
 }  // namespace
 
 RowStencils BoxLaplacian::row(int y, int z) const {
-  const auto& [ax, ay, az] = axes_;
+  const BoxAxis &ax = axes_[0], &ay = axes_[1], &az = axes_[2];
   const auto at = [&](int x) {
     const double yz = scale_ * ay.width(y) * az.width(z);
     const double xz = scale_ * ax.width(x) * az.width(z);
@@ -31,6 +31,8 @@ RowStencils BoxLaplacian::row(int y, int z) const {
   };
   return {at(ax.free - 1), at(ax.free)};
 }
+
+DenseField<float> box_field(Vec3i free) { return DenseField<float>(LevelBox{0, {1, 1, 1}, free, {}}); }
 
 void apply_row(const RowStencils& stencils, const Rows& u, int free, float* __restrict out) {
   const Stencil s = stencils.inner;

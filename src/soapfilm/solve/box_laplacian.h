@@ -12,8 +12,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/vec.h"
+#include "soapfilm/grid/dense_field.h"
 
 namespace soapfilm {
 
@@ -52,10 +55,26 @@ class BoxLaplacian {
   double scale_;
 };
 
+/// A field of zeros on `free` vertices along each axis and one layer of fixed ones around them.
+DenseField<float> box_field(Vec3i free);
+
+/// Calls body(z) for the layers 1 .. free.z, in chunks that depend on the box alone.
+template <class Body>
+void for_layers(Vec3i free, const Parallel& parallel, Body&& body) {
+  constexpr size_t vertices_per_task = size_t{1} << 16;
+  const size_t layer = static_cast<size_t>(free.x) * static_cast<size_t>(free.y);
+  parallel.for_chunks(static_cast<size_t>(free.z), vertices_per_task / layer + 1, [&](size_t begin, size_t end) {
+    for (size_t z = begin + 1; z <= end; ++z) body(static_cast<int>(z));
+  });
+}
+
 /// A row and the four next to it; each begins with the fixed vertex 0.
 struct Rows {
   const float *here, *y_down, *y_up, *z_down, *z_up;
 };
+inline Rows rows_around(const DenseField<float>& u, int y, int z) {
+  return {u.row(y, z), u.row(y - 1, z), u.row(y + 1, z), u.row(y, z - 1), u.row(y, z + 1)};
+}
 
 /// out = A u at the free vertices 1 .. free of a row.
 void apply_row(const RowStencils& stencils, const Rows& u, int free, float* out);

@@ -52,7 +52,7 @@ void add_restricted(const AxisTransfer& x, const float* fine, float weight, floa
   const int last = x.coarse.free;
   for (int i = 1; i < last; ++i) coarse[i] += weight * (fine[2 * i] + 0.5f * (fine[2 * i - 1] + fine[2 * i + 1]));
   float sum = 0.5f * fine[2 * last - 1];
-  for (int i = 2 * last; i <= x.fine.free; ++i) sum += x.at(i).low * fine[i];
+  for (int i = 2 * last; i <= x.fine.free; ++i) sum += x.at(i)[0].weight * fine[i];
   coarse[last] += weight * sum;
 }
 
@@ -63,31 +63,29 @@ void add_interpolated(const AxisTransfer& x, const float* coarse, float* __restr
     fine[2 * i + 1] += 0.5f * (coarse[i] + coarse[i + 1]);
     fine[2 * i + 2] += coarse[i + 1];
   }
-  for (int i = 2 * last + 1; i <= x.fine.free; ++i) fine[i] += x.at(i).low * coarse[last];
+  for (int i = 2 * last + 1; i <= x.fine.free; ++i) fine[i] += x.at(i)[0].weight * coarse[last];
 }
 
 }  // namespace
 
 AxisTransfer::AxisTransfer(const BoxAxis& axis) : fine(axis), coarse(coarsened(axis)) {}
 
-AxisTransfer::Weights AxisTransfer::at(int i) const {
+std::array<AxisTransfer::Share, 2> AxisTransfer::at(int i) const {
   const int below = std::min(i / 2, coarse.free);
-  const int steps = i - 2 * below;  // from the coarse vertex below
-  if (below < coarse.free) return {below, 1.0f - 0.5f * static_cast<float>(steps), 0.5f * static_cast<float>(steps)};
-  return {below, static_cast<float>(1 - steps / (2 * coarse.last)), 0.0f};
+  const float way = static_cast<float>(i - 2 * below) / 2;  // in coarse cells from the vertex below
+  if (below == coarse.free) return {{{below, 1 - way / static_cast<float>(coarse.last)}, {below + 1, 0}}};
+  return {{{below, below > 0 ? 1 - way : 0}, {below + 1, way}}};
 }
-
-DenseField<float> box_field(Vec3i free) { return DenseField<float>(LevelBox{0, {1, 1, 1}, free, {}}); }
 
 Multigrid::Multigrid(Vec3i free) {
   std::array<BoxAxis, 3> axes{BoxAxis{free.x}, BoxAxis{free.y}, BoxAxis{free.z}};
   double scale = 1;
-  levels_.push_back({BoxLaplacian(axes, scale), axes, {}, {}});
+  levels_.push_back({BoxLaplacian(axes, scale), {}, {}});
   while (std::all_of(axes.begin(), axes.end(), [](const BoxAxis& a) { return a.free >= fewest_to_coarsen; })) {
     for (BoxAxis& axis : axes) axis = coarsened(axis);
     scale *= 2;
     const BoxLaplacian matrix(axes, scale);
-    levels_.push_back({matrix, axes, box_field(matrix.free()), box_field(matrix.free())});
+    levels_.push_back({matrix, box_field(matrix.free()), box_field(matrix.free())});
   }
 }
 
@@ -123,7 +121,7 @@ void Multigrid::restrict_residual(size_t l, const DenseField<float>& b, const De
                                   const Parallel& parallel) {
   const Level& fine = levels_[l];
   DenseField<float>& out = levels_[l + 1].b;
-  const AxisTransfer along_x(fine.axes[0]), along_y(fine.axes[1]), along_z(fine.axes[2]);
+  const AxisTransfer along_x(fine.matrix.axis(0)), along_y(fine.matrix.axis(1)), along_z(fine.matrix.axis(2));
   const Vec3i free = fine.matrix.free();
   const Vec3i coarse = levels_[l + 1].matrix.free();
   // A chunk owns its coarse layers and recomputes the one residual layer that it shares with the next chunk.
@@ -133,14 +131,13 @@ void Multigrid::restrict_residual(size_t l, const DenseField<float>& b, const De
     std::fill(out.row(0, first), out.row(0, last + 1), 0.0f);
     std::vector<float> residual(static_cast<size_t>(free.x) + 1);
     for (int z = 2 * first - 1; z <= (last == coarse.z ? free.z : 2 * last + 1); ++z) {
-      const AxisTransfer::Weights wz = along_z.at(z);
       for (int y = 1; y <= free.y; ++y) {
-        const AxisTransfer::Weights wy = along_y.at(y);
         residual_row(fine.matrix.row(y, z), rows_around(x, y, z), b.row(y, z), free.x, residual.data());
-        for (const auto& [Z, z_weight] : {std::pair{wz.coarse, wz.low}, {wz.coarse + 1, wz.high}}) {
-          if (Z < first || Z > last || z_weight == 0) continue;
-          for (const auto& [Y, y_weight] : {std::pair{wy.coarse, wy.low}, {wy.coarse + 1, wy.high}})
-            if (Y > 0 && y_weight != 0) add_restricted(along_x, residual.data(), y_weight * z_weight, out.row(Y, Z));
+        for (const AxisTransfer::Share& to_z : along_z.at(z)) {
+          if (to_z.coarse < first || to_z.coarse > last) continue;
+          for (const AxisTransfer::Share& to_y : along_y.at(y))
+            if (const float weight = to_z.weight * to_y.weight; weight != 0)
+              add_restricted(along_x, residual.data(), weight, out.row(to_y.coarse, to_z.coarse));
         }
       }
     }
@@ -150,20 +147,18 @@ void Multigrid::restrict_residual(size_t l, const DenseField<float>& b, const De
 void Multigrid::add_correction(size_t l, DenseField<float>& x, const Parallel& parallel) const {
   const Level& fine = levels_[l];
   const DenseField<float>& correction = levels_[l + 1].x;
-  const AxisTransfer along_x(fine.axes[0]), along_y(fine.axes[1]), along_z(fine.axes[2]);
+  const AxisTransfer along_x(fine.matrix.axis(0)), along_y(fine.matrix.axis(1)), along_z(fine.matrix.axis(2));
   const Vec3i free = fine.matrix.free();
   const size_t width = static_cast<size_t>(correction.size().x);
   for_layers(free, parallel, [&](int z) {
-    const AxisTransfer::Weights wz = along_z.at(z);
     std::vector<float> sum(width);
     for (int y = 1; y <= free.y; ++y) {
-      const AxisTransfer::Weights wy = along_y.at(y);
       std::fill(sum.begin(), sum.end(), 0.0f);
-      for (const auto& [Z, z_weight] : {std::pair{wz.coarse, wz.low}, {wz.coarse + 1, wz.high}})
-        for (const auto& [Y, y_weight] : {std::pair{wy.coarse, wy.low}, {wy.coarse + 1, wy.high}}) {
-          const float weight = y_weight * z_weight;
+      for (const AxisTransfer::Share& from_z : along_z.at(z))
+        for (const AxisTransfer::Share& from_y : along_y.at(y)) {
+          const float weight = from_z.weight * from_y.weight;
           if (weight == 0) continue;
-          const float* in = correction.row(Y, Z);
+          const float* in = correction.row(from_y.coarse, from_z.coarse);
           for (size_t i = 0; i < width; ++i) sum[i] += weight * in[i];
         }
       add_interpolated(along_x, sum.data(), x.row(y, z));

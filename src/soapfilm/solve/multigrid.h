@@ -5,6 +5,7 @@
 // from the last coarse vertex (see box_laplacian.h). So a box of any size converges like one of 2^k - 1 vertices.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -16,15 +17,15 @@ namespace soapfilm {
 
 /// Interpolation along one axis: linear between the coarse vertices and the border.
 struct AxisTransfer {
-  /// A fine vertex takes `low` of coarse vertex `coarse` and `high` of the next one.
-  struct Weights {
-    int coarse;
-    float low, high;
+  struct Share {
+    int coarse;  ///< vertex of the coarse axis
+    float weight;
   };
   BoxAxis fine, coarse;
 
   explicit AxisTransfer(const BoxAxis& axis);
-  Weights at(int i) const;
+  /// What fine vertex i takes of the coarse vertex below (or at) it and of the one above; 0 where that is fixed.
+  std::array<Share, 2> at(int i) const;
 };
 
 /// One V-cycle from zero as a linear map z = B r, an approximate inverse of A. B is symmetric and positive definite:
@@ -47,7 +48,6 @@ class Multigrid {
  private:
   struct Level {
     BoxLaplacian matrix;
-    std::array<BoxAxis, 3> axes;
     DenseField<float> b, x;  ///< the coarse levels' own; empty at the finest
   };
 
@@ -57,23 +57,5 @@ class Multigrid {
 
   std::vector<Level> levels_;  ///< fine to coarse
 };
-
-/// A field of zeros on `free` vertices along each axis and one layer of fixed ones.
-DenseField<float> box_field(Vec3i free);
-
-/// Layers z = begin + 1 .. end of free vertices, in chunks that depend on the box alone.
-template <class Body>
-void for_layers(Vec3i free, const Parallel& parallel, Body&& body) {
-  constexpr size_t vertices_per_task = size_t{1} << 16;
-  const size_t layer = static_cast<size_t>(free.x) * static_cast<size_t>(free.y);
-  parallel.for_chunks(static_cast<size_t>(free.z), vertices_per_task / layer + 1, [&](size_t begin, size_t end) {
-    for (size_t z = begin + 1; z <= end; ++z) body(static_cast<int>(z));
-  });
-}
-
-/// The row (y, z) of a field and its four neighbours.
-inline Rows rows_around(const DenseField<float>& u, int y, int z) {
-  return {u.row(y, z), u.row(y - 1, z), u.row(y + 1, z), u.row(y, z - 1), u.row(y, z + 1)};
-}
 
 }  // namespace soapfilm

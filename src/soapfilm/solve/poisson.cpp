@@ -34,10 +34,10 @@ double dot_row(const float* a, const float* b, int free) {
   return sum;
 }
 
-/// The steps of conjugate gradients on whole fields; every sum runs over rows, then layers, in their order.
-class Fields {
+/// The steps of conjugate gradients on whole fields; every sum runs over rows, then layers, in fixed order.
+class FieldAlgebra {
  public:
-  Fields(const BoxLaplacian& matrix, const Parallel& parallel)
+  FieldAlgebra(const BoxLaplacian& matrix, const Parallel& parallel)
       : matrix_(matrix), free_(matrix.free()), parallel_(parallel), layer_sums_(static_cast<size_t>(free_.z)) {}
 
   double dot(const DenseField<float>& a, const DenseField<float>& b) {
@@ -132,7 +132,7 @@ DenseField<float> solve_poisson(const Lattice& lattice, const SupportField& supp
   const LevelBox box = lattice.box(0);
   const Vec3i free = box.free_hi - box.free_lo + Vec3i{1, 1, 1};
   Multigrid multigrid(free);
-  Fields fields(multigrid.matrix(), parallel);
+  FieldAlgebra fields(multigrid.matrix(), parallel);
   DenseField<float> u(box), r(box), p(box), z(box);
   report = {};
   report.unknowns = static_cast<size_t>(free.x) * static_cast<size_t>(free.y) * static_cast<size_t>(free.z);
