@@ -39,18 +39,25 @@ HWY_INLINE void add_lanes(RunTag, hn::Vec<RunTag> value, double* sums) {
 #endif
 
 template <class D>
+HWY_INLINE hn::Vec<D> squared_norm(D, hn::Vec<D> x, hn::Vec<D> y, hn::Vec<D> z) {
+  return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+}
+
+template <class D>
 HWY_INLINE void slope_at(D d, const SlopeJob& job, int x) {
   const float* u = job.u + x;
-  const auto here = hn::LoadU(d, u);
-  const auto dx = hn::Sub(hn::LoadU(d, u + 1), here);
-  const auto dy = hn::Sub(hn::LoadU(d, u + job.row), here);
-  const auto dz = hn::Sub(hn::LoadU(d, u + job.layer), here);
-  const auto squared = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+  const auto here = hn::LoadU(d, u), right = hn::LoadU(d, u + 1);
+  const auto front = hn::LoadU(d, job.front + x), above = hn::LoadU(d, job.above + x);
   if (job.g) {
-    const auto root = hn::Sqrt(hn::Add(squared, hn::Set(d, job.epsilon_squared)));
+    const auto per_step = hn::Set(d, job.per_step);
+    const auto gx = hn::Mul(per_step, hn::Sub(right, hn::LoadU(d, u + job.left)));
+    const auto gy = hn::Mul(per_step, hn::Sub(front, hn::LoadU(d, job.back + x)));
+    const auto gz = hn::Mul(per_step, hn::Sub(above, hn::LoadU(d, job.below + x)));
+    const auto root = hn::Sqrt(hn::Add(squared_norm(d, gx, gy, gz), hn::Set(d, job.epsilon_squared)));
     hn::StoreU(hn::Div(hn::Set(d, 1.0f), root), d, job.g + x);
   }
-  if (job.variation) add_lanes(d, hn::Sqrt(squared), job.variation + x % sor_run);
+  const auto squared = squared_norm(d, hn::Sub(right, here), hn::Sub(front, here), hn::Sub(above, here));
+  add_lanes(d, hn::Sqrt(squared), job.variation + x % sor_run);
 }
 
 void slope(const SlopeJob& job, int begin, int end) {

@@ -5,8 +5,9 @@
 namespace soapfilm {
 
 RunKinds::RunKinds(const DenseField<float>& u, bool skip_empty, const Parallel& parallel)
-    : runs_((u.size().x + sor_run - 1) / sor_run), rows_(u.size().y) {
+    : runs_((u.size().x + sor_run - 1) / sor_run), rows_(u.size().y), layers_(u.size().z) {
   if (!skip_empty) return;
+  beyond_.assign(static_cast<size_t>(runs_), RunKind::zero);
   kinds_.resize(offset(0, u.size().z));
   parallel.for_each(static_cast<size_t>(u.size().z), 1, [&](size_t layer) {
     const int z = static_cast<int>(layer);
@@ -20,30 +21,24 @@ RunKinds::RunKinds(const DenseField<float>& u, bool skip_empty, const Parallel& 
   });
 }
 
-void RunKinds::mark_relaxed(int y, int z, uint8_t* active) const {
+void RunKinds::mark(int y, int z, uint8_t* active) const {
   const size_t runs = static_cast<size_t>(runs_);
   if (kinds_.empty()) return std::fill_n(active, runs, uint8_t{1}), void();
-  const RunKind* own = kinds_.data() + offset(y, z);
-  const RunKind* sides[4] = {kinds_.data() + offset(y - 1, z), kinds_.data() + offset(y + 1, z),
-                             kinds_.data() + offset(y, z - 1), kinds_.data() + offset(y, z + 1)};
+  const auto row_at = [&](int j, int k) {
+    const bool within = j >= 0 && j < rows_ && k >= 0 && k < layers_;
+    return within ? kinds_.data() + offset(j, k) : beyond_.data();
+  };
+  const RunKind* own = row_at(y, z);
+  const RunKind *back = row_at(y - 1, z), *front = row_at(y + 1, z);
+  const RunKind *below = row_at(y, z - 1), *above = row_at(y, z + 1);
   for (size_t r = 0; r < runs; ++r)
-    active[r] |= own[r] == RunKind::mixed || sides[0][r] != own[r] || sides[1][r] != own[r] || sides[2][r] != own[r] ||
-                 sides[3][r] != own[r];
+    active[r] |= static_cast<uint8_t>((own[r] == RunKind::mixed) | (back[r] != own[r]) | (front[r] != own[r]) |
+                                      (below[r] != own[r]) | (above[r] != own[r]));
   for (size_t r = 1; r < runs; ++r) {
-    const bool differ = own[r] != own[r - 1];
+    const auto differ = static_cast<uint8_t>(own[r] != own[r - 1]);
     active[r - 1] |= differ;
     active[r] |= differ;
   }
-}
-
-void RunKinds::mark_sloping(int y, int z, uint8_t* active) const {
-  const size_t runs = static_cast<size_t>(runs_);
-  if (kinds_.empty()) return std::fill_n(active, runs, uint8_t{1}), void();
-  const RunKind* own = kinds_.data() + offset(y, z);
-  const RunKind* front = kinds_.data() + offset(y + 1, z);
-  const RunKind* above = kinds_.data() + offset(y, z + 1);
-  for (size_t r = 0; r < runs; ++r) active[r] |= own[r] == RunKind::mixed || front[r] != own[r] || above[r] != own[r];
-  for (size_t r = 1; r < runs; ++r) active[r - 1] |= own[r] != own[r - 1];
 }
 
 DataRows::DataRows(const DenseField<float>& u, const LevelBox& box, const SupportField& support)

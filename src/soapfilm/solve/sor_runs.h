@@ -22,18 +22,17 @@ class RunKinds {
   RunKind* row(int y, int z) { return kinds_.empty() ? nullptr : kinds_.data() + offset(y, z); }
   size_t bytes() const { return kinds_.size() * sizeof(RunKind); }
 
-  /// Sets active[r] where a run of a free row, or a neighbour of one of its vertices, is not the same constant.
-  void mark_relaxed(int y, int z, uint8_t* active) const;
-  /// Sets active[r] where a run holds a vertex with grad u != 0 (forward differences).
-  void mark_sloping(int y, int z, uint8_t* active) const;
+  /// Sets active[r] where a run, or one of the six around it, is not the same constant. Beyond the box lies 0.
+  void mark(int y, int z, uint8_t* active) const;
 
  private:
   size_t offset(int y, int z) const {
     return (static_cast<size_t>(z) * static_cast<size_t>(rows_) + static_cast<size_t>(y)) * static_cast<size_t>(runs_);
   }
 
-  int runs_, rows_;
+  int runs_, rows_, layers_;
   std::vector<RunKind> kinds_;
+  std::vector<RunKind> beyond_;  ///< a row of zero runs
 };
 
 /// The data term f of the support bricks along the rows of a whole-box array.
