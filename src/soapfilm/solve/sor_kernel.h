@@ -10,8 +10,9 @@
 
 namespace soapfilm {
 
-inline constexpr int sor_run = 8;   ///< values in a run
-inline constexpr int sor_rows = 8;  ///< rows that the lexicographic kernel takes at once
+inline constexpr int sor_run = 8;      ///< values in a run
+inline constexpr int sor_rows = 8;     ///< rows that the lexicographic kernel takes at once
+inline constexpr int slope_sums = 32;  ///< so many that a sum need not wait for the one before
 
 /// What the values of a run have in common.
 enum class RunKind : uint8_t { zero, one, mixed };
@@ -34,7 +35,7 @@ struct SlopeJob {
   float per_step;              ///< one over the distance that g's differences span: 1/2 or 1
   float epsilon_squared;
   float* g;           ///< receives 1 / sqrt(|grad u|^2 + epsilon^2); null: not wanted
-  double* variation;  ///< 8 partial sums of |grad u|, value x goes to number x mod 8
+  double* variation;  ///< partial sums of |grad u|: value x goes to number x mod slope_sums
 };
 
 struct SorRow {

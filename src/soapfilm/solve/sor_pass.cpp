@@ -156,7 +156,7 @@ SlopeJob SorPass::slope_job(int y, int z) {
 void SorPass::measure_row(int y, int z, int iteration, bool renew, std::vector<uint8_t>& active) {
   std::fill(active.begin(), active.end(), uint8_t{0});
   kinds_.mark(y, z, active.data());
-  double variation[sor_run] = {};
+  double variation[slope_sums] = {};
   SlopeJob job = slope_job(y, z);
   job.g = renew ? g_row(y, z) : nullptr;
   job.variation = variation;
@@ -167,8 +167,9 @@ void SorPass::measure_row(int y, int z, int iteration, bool renew, std::vector<u
     for_each_stretch(active, 0, u_.size().x,
                      [&](int begin, int end) { std::fill(job.g + begin, job.g + end, flat_g_); });
   const size_t sum = static_cast<size_t>(iteration) * static_cast<size_t>(u_.size().z) + static_cast<size_t>(z);
-  variation_[sum] += ((variation[0] + variation[4]) + (variation[1] + variation[5])) +
-                     ((variation[2] + variation[6]) + (variation[3] + variation[7]));
+  for (int half = slope_sums / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) variation[i] += variation[i + half];
+  variation_[sum] += variation[0];
   product_[sum] += data_.product(y, z, job.u);
 }
 
