@@ -107,6 +107,19 @@ HWY_INLINE hn::Vec<D> snapped(D, hn::Vec<D> u, hn::Vec<D> low, hn::Vec<D> high, 
   return hn::IfThenElse(hn::Gt(u, high), one, hn::IfThenZeroElse(hn::Lt(u, low), u));
 }
 
+RunKind kind_of(const float* u, int count) {
+  if (count < sor_run) return run_kind(u, count);
+  const RunTag d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  bool zero = true, one = true;
+  for (int x = 0; x < sor_run; x += lanes) {
+    const auto values = hn::LoadU(d, u + x);
+    zero &= hn::AllTrue(d, hn::Eq(values, hn::Zero(d)));
+    one &= hn::AllTrue(d, hn::Eq(values, hn::Set(d, 1.0f)));
+  }
+  return zero ? RunKind::zero : one ? RunKind::one : RunKind::mixed;
+}
+
 /// Rows side by side, so that a vector holds the same x of four rows: the recursion along x cannot be vectorised along
 /// x. Four is what Highway interleaves; two such groups hide one another's latency.
 constexpr int group_rows = 4;
@@ -170,7 +183,7 @@ HWY_INLINE void store_block(const RunBlock& block, const SorRow* rows, int count
       for (int x = 0; x < sor_run; x += lanes) hn::StoreU(hn::Load(d, u[k] + x), d, out + x);
     else
       for (int x = lo; x < hi; ++x) out[x] = u[k][x];
-    if (rows[k].kinds) rows[k].kinds[run] = run_kind(out, std::min(sor_run, size - run * sor_run));
+    if (rows[k].kinds) rows[k].kinds[run] = kind_of(out, std::min(sor_run, size - run * sor_run));
   }
 }
 
@@ -229,7 +242,7 @@ void relax_colour(const RelaxJob& job, const SorRow& row, int parity, const uint
       for (int x = 0; x0 + x < job.size - 1; ++x)
         if (mask[x] > 0) colour_at(one, job, row, x0 + x, hn::Eq(hn::Zero(one), hn::Zero(one)));
     }
-    if (row.kinds) row.kinds[run] = run_kind(row.u + x0, std::min(sor_run, job.size - x0));
+    if (row.kinds) row.kinds[run] = kind_of(row.u + x0, std::min(sor_run, job.size - x0));
   }
 }
 

@@ -23,20 +23,21 @@ void for_each_stretch(const std::vector<uint8_t>& active, uint8_t wanted, int si
   }
 }
 
-/// A row of values, with room for the kernels to read its last run whole.
-size_t padded(int size) { return static_cast<size_t>(size + sor_run); }
+/// A row of values with room for a run on either side: kernels read whole runs, pieces of data may overhang.
+constexpr size_t row_begin = sor_run;
+size_t padded(int size) { return static_cast<size_t>(size) + 2 * row_begin; }
 
 }  // namespace
 
-SorPass::SorPass(DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
-                 const SorParams& params, const Parallel& parallel)
+SorPass::SorPass(DenseField<float>& u, double lambda, const SupportField& support, const SorParams& params,
+                 const Parallel& parallel)
     : u_(u),
       params_(params),
       parallel_(parallel),
       lambda_(lambda),
       kernel_(sor_kernel()),
       kinds_(u, params.skip_empty, parallel),
-      data_(u, box, support),
+      data_(u, support, 2 / lambda),
       zeros_(padded(u.size().x), 0.0f),
       slab_(slab_of(params.order)) {
   const auto snap = static_cast<float>(params.snap), epsilon = static_cast<float>(params.epsilon);
@@ -85,7 +86,7 @@ double SorPass::sum_energy(int iteration) const {
     variation += variation_[i];
     product += product_[i];
   }
-  return lambda_ * variation - product;
+  return lambda_ * (variation - product / 2);  // the data rows hold 2 f / lambda
 }
 
 double SorPass::energy() {
@@ -137,7 +138,7 @@ void SorPass::measure_layer(int z, int iteration, bool renew) {
 SlopeJob SorPass::slope_job(int y, int z) {
   const auto row_at = [&](int j, int k) -> const float* {
     const bool within = j >= 0 && j < u_.size().y && k >= 0 && k < u_.size().z;
-    return within ? u_.row(j, k) : zeros_.data();
+    return within ? u_.row(j, k) : zeros_.data() + row_begin;
   };
   SlopeJob job{};
   job.u = u_.row(y, z);
@@ -174,9 +175,10 @@ void SorPass::measure_row(int y, int z, int iteration, bool renew, std::vector<u
 }
 
 SorRow SorPass::relaxed_row(int y, int z, float* f, uint8_t* active) {
-  const bool data = data_.spread(y, z, static_cast<float>(2 / lambda_), f, active);
+  const bool data = data_.spread(y, z, f, active);
   kinds_.mark(y, z, active);
-  return {u_.row(y, z), kinds_.row(y, z), g_row(y, z), g_row(y, z - 1), g_row(y, z + 1), data ? f : zeros_.data()};
+  return {u_.row(y, z),    kinds_.row(y, z), g_row(y, z),
+          g_row(y, z - 1), g_row(y, z + 1),  data ? f : zeros_.data() + row_begin};
 }
 
 void SorPass::relax_slab(int begin, int end, int iteration) {
@@ -197,7 +199,7 @@ void SorPass::relax_slab(int begin, int end, int iteration) {
     for (int z = std::max(z_lo, 1); z <= std::min(z_hi, size.z - 2); ++z) {
       const int y = begin + diagonal - z;
       if (y < 1) continue;
-      rows[count] = relaxed_row(y, z, f.data() + static_cast<size_t>(count) * pitch, active.data());
+      rows[count] = relaxed_row(y, z, f.data() + static_cast<size_t>(count) * pitch + row_begin, active.data());
       ++count;
     }
     if (count > 0) kernel_.relax(job_, rows, count, active.data());
@@ -211,7 +213,7 @@ void SorPass::relax_colour_layer(int z, int parity) {
   std::vector<uint8_t> active(static_cast<size_t>(kinds_.runs()));
   for (int y = 1; y < size.y - 1; ++y) {
     std::fill(active.begin(), active.end(), uint8_t{0});
-    const SorRow row = relaxed_row(y, z, f.data(), active.data());
+    const SorRow row = relaxed_row(y, z, f.data() + row_begin, active.data());
     kernel_.relax_colour(job_, row, (parity + y + z) & 1, active.data());
   }
 }

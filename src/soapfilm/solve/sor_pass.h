@@ -22,8 +22,8 @@ namespace soapfilm {
 class SorPass {
  public:
   /// `lambda` is this level's. What is referred to must outlive the pass.
-  SorPass(DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
-          const SorParams& params, const Parallel& parallel);
+  SorPass(DenseField<float>& u, double lambda, const SupportField& support, const SorParams& params,
+          const Parallel& parallel);
 
   /// Renews g once, then iterates. Appends E(u) before each of the iterations to `energy`.
   void run(int iterations, const Progress& progress, std::vector<double>& energy);
