@@ -72,7 +72,7 @@ Level solve_sor(const Lattice& lattice, const SupportField& support, double lamb
     const auto area = static_cast<double>(size_t{1} << (2 * l));  // of a face, in fine faces
     reports.push_back(relax_sor(u, box, lambda * area, data, params, parallel, progress, observe));
   }
-  return sor_level(u, lattice.box(0), lambda, support, params.epsilon, parallel);
+  return sor_level(u, lattice.box(0), lambda, support, params, parallel);
 }
 
 }  // namespace soapfilm

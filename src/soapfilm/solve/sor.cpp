@@ -43,7 +43,7 @@ SorLevelReport relax_sor(DenseField<float>& u, const LevelBox& box, double lambd
                          const SorParams& params, const Parallel& parallel, Progress& progress,
                          const SorObserver& observe) {
   validate(params);
-  SorPass pass(u, box, lambda, support, params, parallel);
+  SorPass pass(u, lambda, support, params, parallel);
   SorLevelReport report;
   report.level = box.level;
   report.bytes = pass.bytes();

@@ -25,6 +25,12 @@ enum class SorOrder {
   red_black,      ///< first the vertices with even x + y + z, then the odd ones; for any number of threads
 };
 
+/// How |grad u| is taken for the diffusivity.
+enum class SorGradient {
+  central,  ///< (u(x + 1) - u(x - 1)) / 2, as usual where g_ij is the mean of two vertices
+  forward,  ///< as the total variation takes it: a jump's upper vertex sees none of it, and the iteration cycles
+};
+
 struct SorParams {
   double epsilon = 0.001;     ///< bounds the diffusivity where u is constant, > 0
   double omega = 1.85;        ///< relaxation, > 0 and < 2
@@ -33,6 +39,7 @@ struct SorParams {
   double tolerance = 1.2e-7;  ///< of the relative change of E between two iterations: float's resolution; >= 0
   int max_iterations = 400;   ///< per level, >= 1
   SorOrder order = SorOrder::lexicographic;
+  SorGradient gradient = SorGradient::central;
   bool skip_empty = true;  ///< leave out runs of vertices that cannot change; the result is the same
   double snap = 1e-6;      ///< u closer to 0 or 1 than this becomes 0 or 1; >= 0 and < 0.5, 0: the paper's
 };
@@ -70,6 +77,6 @@ SorLevelReport relax_sor(DenseField<float>& u, const LevelBox& box, double lambd
 /// between i and j, scaled to |p| <= lambda where it is longer. Outside the band u is constant and p = 0. `support`
 /// must outlive the level.
 Level sor_level(const DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
-                double epsilon, const Parallel& parallel);
+                const SorParams& params, const Parallel& parallel);
 
 }  // namespace soapfilm

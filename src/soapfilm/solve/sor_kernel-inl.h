@@ -39,18 +39,25 @@ HWY_INLINE void add_lanes(RunTag, hn::Vec<RunTag> value, double* sums) {
 #endif
 
 template <class D>
+HWY_INLINE hn::Vec<D> squared_norm(D, hn::Vec<D> x, hn::Vec<D> y, hn::Vec<D> z) {
+  return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+}
+
+template <class D>
 HWY_INLINE void slope_at(D d, const SlopeJob& job, int x) {
   const float* u = job.u + x;
-  const auto here = hn::LoadU(d, u);
-  const auto dx = hn::Sub(hn::LoadU(d, u + 1), here);
-  const auto dy = hn::Sub(hn::LoadU(d, u + job.row), here);
-  const auto dz = hn::Sub(hn::LoadU(d, u + job.layer), here);
-  const auto squared = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+  const auto here = hn::LoadU(d, u), right = hn::LoadU(d, u + 1);
+  const auto front = hn::LoadU(d, job.front + x), above = hn::LoadU(d, job.above + x);
   if (job.g) {
-    const auto root = hn::Sqrt(hn::Add(squared, hn::Set(d, job.epsilon_squared)));
+    const auto per_step = hn::Set(d, job.per_step);
+    const auto gx = hn::Mul(per_step, hn::Sub(right, hn::LoadU(d, u + job.left)));
+    const auto gy = hn::Mul(per_step, hn::Sub(front, hn::LoadU(d, job.back + x)));
+    const auto gz = hn::Mul(per_step, hn::Sub(above, hn::LoadU(d, job.below + x)));
+    const auto root = hn::Sqrt(hn::Add(squared_norm(d, gx, gy, gz), hn::Set(d, job.epsilon_squared)));
     hn::StoreU(hn::Div(hn::Set(d, 1.0f), root), d, job.g + x);
   }
-  if (job.variation) add_lanes(d, hn::Sqrt(squared), job.variation + x % sor_run);
+  const auto squared = squared_norm(d, hn::Sub(right, here), hn::Sub(front, here), hn::Sub(above, here));
+  add_lanes(d, hn::Sqrt(squared), job.variation + x % slope_sums);
 }
 
 void slope(const SlopeJob& job, int begin, int end) {
@@ -68,6 +75,9 @@ struct Stencil {
   hn::Vec<D> left;      ///< g_i + g_j of the neighbour below along x
   hn::Vec<D> residual;  ///< sum over the other five of (g_i + g_j) (u_j - u_i), plus 2 f / lambda
   hn::Vec<D> scale;     ///< omega / sum (g_i + g_j)
+
+  HWY_INLINE hn::Vec<D> base() const { return hn::Add(here, hn::Mul(scale, residual)); }
+  HWY_INLINE hn::Vec<D> slope() const { return hn::Mul(scale, left); }
 
   HWY_INLINE Stencil(D d, const RelaxJob& job, const SorRow& row, int x) {
     const float* u = row.u + x;
@@ -91,42 +101,97 @@ struct Stencil {
   }
 };
 
-/// One run of each of up to 8 rows: [row][value].
+/// Clips to [0, 1], and to its ends what is nearer to them than the snap.
+template <class D>
+HWY_INLINE hn::Vec<D> snapped(D, hn::Vec<D> u, hn::Vec<D> low, hn::Vec<D> high, hn::Vec<D> one) {
+  return hn::IfThenElse(hn::Gt(u, high), one, hn::IfThenZeroElse(hn::Lt(u, low), u));
+}
+
+RunKind kind_of(const float* u, int count) {
+  if (count < sor_run) return run_kind(u, count);
+  const RunTag d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  bool zero = true, one = true;
+  for (int x = 0; x < sor_run; x += lanes) {
+    const auto values = hn::LoadU(d, u + x);
+    zero &= hn::AllTrue(d, hn::Eq(values, hn::Zero(d)));
+    one &= hn::AllTrue(d, hn::Eq(values, hn::Set(d, 1.0f)));
+  }
+  return zero ? RunKind::zero : one ? RunKind::one : RunKind::mixed;
+}
+
+/// Rows side by side, so that a vector holds the same x of four rows: the recursion along x cannot be vectorised along
+/// x. Four is what Highway interleaves; two such groups hide one another's latency.
+constexpr int group_rows = 4;
+constexpr int groups = sor_rows / group_rows;
+using GroupTag = hn::CappedTag<float, group_rows>;
+
+/// One run of a group: [value][row].
 struct RunBlock {
-  alignas(64) float u[sor_rows][sor_run];
-  alignas(64) float base[sor_rows][sor_run];  ///< u but for what the neighbour below along x adds
-  alignas(64) float slope[sor_rows][sor_run];
+  alignas(64) float u[sor_run * group_rows];
+  alignas(64) float base[sor_run * group_rows];   ///< new u but for what the neighbour below along x adds
+  alignas(64) float slope[sor_run * group_rows];  ///< and how much that is, per difference
 };
 
-HWY_INLINE void fill_block(const RelaxJob& job, const SorRow& row, int x0, int k, RunBlock& block) {
+HWY_INLINE void fill_block(const RelaxJob& job, const SorRow* rows, int x0, RunBlock& block) {
   const RunTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   for (int x = 0; x < sor_run; x += lanes) {
-    const Stencil<RunTag> s(d, job, row, x0 + x);
-    hn::Store(s.here, d, block.u[k] + x);
-    hn::Store(hn::Add(s.here, hn::Mul(s.scale, s.residual)), d, block.base[k] + x);
-    hn::Store(hn::Mul(s.scale, s.left), d, block.slope[k] + x);
+    const Stencil<RunTag> a(d, job, rows[0], x0 + x), b(d, job, rows[1], x0 + x);
+    const Stencil<RunTag> e(d, job, rows[2], x0 + x), f(d, job, rows[3], x0 + x);
+    const int at = x * group_rows;
+    hn::StoreInterleaved4(a.here, b.here, e.here, f.here, d, block.u + at);
+    hn::StoreInterleaved4(a.base(), b.base(), e.base(), f.base(), d, block.base + at);
+    hn::StoreInterleaved4(a.slope(), b.slope(), e.slope(), f.slope(), d, block.slope + at);
   }
 }
 
-/// The recursion along x, for several rows at once: one row alone would wait for each result.
-HWY_INLINE void recur(const RelaxJob& job, RunBlock& block, int lo, int hi, int count, float* previous) {
-  const auto step = [&](int k, int x) {
-    const float moved = block.base[k][x] + block.slope[k][x] * (previous[k] - block.u[k][x]);
-    const float above = moved < job.low ? 0.0f : moved;
-    previous[k] = block.u[k][x] = above > job.high ? 1.0f : above;
-  };
-  if (count == sor_rows)
-    for (int x = lo; x < hi; ++x)
-      for (int k = 0; k < sor_rows; ++k) step(k, x);
-  else
-    for (int x = lo; x < hi; ++x)
-      for (int k = 0; k < count; ++k) step(k, x);
+/// u of the values [lo, hi) of the run, each from the one before.
+HWY_INLINE void recur(const RelaxJob& job, RunBlock* blocks, int lo, int hi, float* previous) {
+  const GroupTag d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto low = hn::Set(d, job.low), high = hn::Set(d, job.high), one = hn::Set(d, 1.0f);
+  for (int x = lo; x < hi; ++x) {
+    for (int k = 0; k < sor_rows; k += lanes) {
+      RunBlock& block = blocks[k / group_rows];
+      const int at = x * group_rows + k % group_rows;
+      const auto difference = hn::Sub(hn::Load(d, previous + k), hn::Load(d, block.u + at));
+      auto moved = hn::Add(hn::Load(d, block.base + at), hn::Mul(hn::Load(d, block.slope + at), difference));
+      moved = snapped(d, moved, low, high, one);
+      hn::Store(moved, d, block.u + at);
+      hn::Store(moved, d, previous + k);
+    }
+  }
 }
 
-void relax(const RelaxJob& job, const SorRow* rows, int count, const uint8_t* active) {
-  RunBlock block;
-  float previous[sor_rows] = {};
+/// Puts the values [lo, hi) of a group's first `count` rows back.
+HWY_INLINE void store_block(const RunBlock& block, const SorRow* rows, int count, int run, int lo, int hi, int size) {
+  const RunTag d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  alignas(64) float u[group_rows][sor_run];
+  for (int x = 0; x < sor_run; x += lanes) {
+    hn::Vec<RunTag> a, b, e, f;
+    hn::LoadInterleaved4(d, block.u + x * group_rows, a, b, e, f);
+    hn::Store(a, d, u[0] + x);
+    hn::Store(b, d, u[1] + x);
+    hn::Store(e, d, u[2] + x);
+    hn::Store(f, d, u[3] + x);
+  }
+  for (int k = 0; k < count; ++k) {
+    float* out = rows[k].u + run * sor_run;
+    if (hi - lo == sor_run)
+      for (int x = 0; x < sor_run; x += lanes) hn::StoreU(hn::Load(d, u[k] + x), d, out + x);
+    else
+      for (int x = lo; x < hi; ++x) out[x] = u[k][x];
+    if (rows[k].kinds) rows[k].kinds[run] = kind_of(out, std::min(sor_run, size - run * sor_run));
+  }
+}
+
+void relax(const RelaxJob& job, const SorRow* given, int count, const uint8_t* active) {
+  SorRow rows[sor_rows];  // groups are filled up with a row's doubles, which are not put back
+  for (int k = 0; k < sor_rows; ++k) rows[k] = given[std::min(k, count - 1)];
+  RunBlock blocks[groups];
+  alignas(64) float previous[sor_rows] = {};
   bool carried = false;  // the run before has been relaxed: `previous` holds its last values
   for (int run = 0, x0 = 0; x0 < job.size; ++run, x0 += sor_run) {
     if (!active[run]) {
@@ -136,15 +201,15 @@ void relax(const RelaxJob& job, const SorRow* rows, int count, const uint8_t* ac
       carried = changed;
       if (!changed) continue;
     } else if (!carried) {
-      for (int k = 0; k < count; ++k) previous[k] = run == 0 ? 0.0f : rows[k].u[x0 - 1];
+      for (int k = 0; k < sor_rows; ++k) previous[k] = run == 0 ? 0.0f : rows[k].u[x0 - 1];
       carried = true;
     }
     const int lo = run == 0 ? 1 : 0, hi = std::min(sor_run, job.size - 1 - x0);
-    for (int k = 0; k < count; ++k) fill_block(job, rows[k], x0, k, block);
-    recur(job, block, lo, hi, count, previous);
-    for (int k = 0; k < count; ++k) {
-      std::copy(block.u[k] + lo, block.u[k] + std::max(lo, hi), rows[k].u + x0 + lo);
-      if (rows[k].kinds) rows[k].kinds[run] = run_kind(rows[k].u + x0, std::min(sor_run, job.size - x0));
+    for (int g = 0; g < groups; ++g) fill_block(job, rows + g * group_rows, x0, blocks[g]);
+    recur(job, blocks, lo, hi, previous);
+    for (int g = 0; g < groups; ++g) {
+      const int first = g * group_rows;
+      store_block(blocks[g], rows + first, std::clamp(count - first, 0, group_rows), run, lo, hi, job.size);
     }
   }
 }
@@ -154,8 +219,7 @@ HWY_INLINE void colour_at(D d, const RelaxJob& job, const SorRow& row, int x, hn
   const Stencil<D> s(d, job, row, x);
   const auto left = hn::Mul(s.left, hn::Sub(hn::LoadU(d, row.u + x - 1), s.here));
   auto moved = hn::Add(s.here, hn::Mul(s.scale, hn::Add(s.residual, left)));
-  moved = hn::IfThenElse(hn::Lt(moved, hn::Set(d, job.low)), hn::Zero(d), moved);
-  moved = hn::IfThenElse(hn::Gt(moved, hn::Set(d, job.high)), hn::Set(d, 1.0f), moved);
+  moved = snapped(d, moved, hn::Set(d, job.low), hn::Set(d, job.high), hn::Set(d, 1.0f));
   hn::StoreU(hn::IfThenElse(chosen, moved, s.here), d, row.u + x);
 }
 
@@ -178,7 +242,7 @@ void relax_colour(const RelaxJob& job, const SorRow& row, int parity, const uint
       for (int x = 0; x0 + x < job.size - 1; ++x)
         if (mask[x] > 0) colour_at(one, job, row, x0 + x, hn::Eq(hn::Zero(one), hn::Zero(one)));
     }
-    if (row.kinds) row.kinds[run] = run_kind(row.u + x0, std::min(sor_run, job.size - x0));
+    if (row.kinds) row.kinds[run] = kind_of(row.u + x0, std::min(sor_run, job.size - x0));
   }
 }
 

@@ -10,8 +10,9 @@
 
 namespace soapfilm {
 
-inline constexpr int sor_run = 8;   ///< values in a run
-inline constexpr int sor_rows = 8;  ///< rows that the lexicographic kernel takes at once
+inline constexpr int sor_run = 8;      ///< values in a run
+inline constexpr int sor_rows = 8;     ///< rows that the lexicographic kernel takes at once
+inline constexpr int slope_sums = 32;  ///< so many that a sum need not wait for the one before
 
 /// What the values of a run have in common.
 enum class RunKind : uint8_t { zero, one, mixed };
@@ -25,13 +26,16 @@ inline RunKind run_kind(const float* u, int count) {
   return zero ? RunKind::zero : one ? RunKind::one : RunKind::mixed;
 }
 
-/// |grad u| (forward differences) of the values [begin, end) of a row; begin a multiple of 8.
+/// The slope of u along a row: by forward differences for the total variation, by the paper's for the diffusivity.
 struct SlopeJob {
   const float* u;
-  float* g;           ///< receives 1 / sqrt(|grad u|^2 + epsilon^2); null: not wanted
-  double* variation;  ///< 8 partial sums of |grad u|, value x goes to number x mod 8; null: not wanted
-  ptrdiff_t row, layer;
+  const float *front, *above;  ///< the next rows along y and z
+  const float *back, *below;   ///< where g's differences begin: the rows before, or the row itself (forward)
+  ptrdiff_t left;              ///< the same along x: -1 or 0
+  float per_step;              ///< one over the distance that g's differences span: 1/2 or 1
   float epsilon_squared;
+  float* g;           ///< receives 1 / sqrt(|grad u|^2 + epsilon^2); null: not wanted
+  double* variation;  ///< partial sums of |grad u|: value x goes to number x mod slope_sums
 };
 
 struct SorRow {
@@ -52,6 +56,7 @@ struct RelaxJob {
 
 /// The steps of one SIMD target.
 struct SorKernel {
+  /// For the values [begin, end) of a row; begin a multiple of 8.
   void (*slope)(const SlopeJob& job, int begin, int end);
   /// Equation (8) along up to sor_rows rows that do not depend on one another, each from its first to its last value.
   /// A run that is not active must be constant with all its neighbours equal and f = 0: (8) leaves such a run alone,

@@ -9,31 +9,34 @@ namespace soapfilm {
 
 namespace {
 
-/// A brick and what its faces look at: vertices [0, 10)^3 from the brick's first one.
-template <int side>
+/// Values at the vertices [first, first + side)^3 of a brick and around it, local coordinates.
+template <int first, int side>
 struct Cube {
   float values[side * side * side];
-  float& at(int x, int y, int z) { return values[x + side * (y + side * z)]; }
-  float at(int x, int y, int z) const { return values[x + side * (y + side * z)]; }
+  float& at(int x, int y, int z) { return values[(x - first) + side * ((y - first) + side * (z - first))]; }
+  float at(int x, int y, int z) const { return const_cast<Cube*>(this)->at(x, y, z); }
 };
-using Values = Cube<brick_side + 2>;
-using Diffusivity = Cube<brick_side + 1>;
+using Values = Cube<-1, brick_side + 3>;
+using Diffusivity = Cube<0, brick_side + 1>;
 
-Values values_from(const DenseField<float>& u, Vec3i first) {
+Values values_around(const DenseField<float>& u, Vec3i first_vertex) {
   Values cube;
-  for (int z = 0; z < brick_side + 2; ++z)
-    for (int y = 0; y < brick_side + 2; ++y)
-      for (int x = 0; x < brick_side + 2; ++x) cube.at(x, y, z) = u.get(first + Vec3i{x, y, z});
+  for (int z = -1; z <= brick_side + 1; ++z)
+    for (int y = -1; y <= brick_side + 1; ++y)
+      for (int x = -1; x <= brick_side + 1; ++x) cube.at(x, y, z) = u.get(first_vertex + Vec3i{x, y, z});
   return cube;
 }
 
-Diffusivity diffusivity_of(const Values& u, float epsilon) {
+Diffusivity diffusivity_of(const Values& u, const SorParams& params) {
+  const int lower = params.gradient == SorGradient::central ? 1 : 0;
+  const float per_step = 1.0f / static_cast<float>(1 + lower), epsilon = static_cast<float>(params.epsilon);
   Diffusivity g;
   for (int z = 0; z <= brick_side; ++z)
     for (int y = 0; y <= brick_side; ++y)
       for (int x = 0; x <= brick_side; ++x) {
-        const float here = u.at(x, y, z);
-        const float dx = u.at(x + 1, y, z) - here, dy = u.at(x, y + 1, z) - here, dz = u.at(x, y, z + 1) - here;
+        const float dx = per_step * (u.at(x + 1, y, z) - u.at(x - lower, y, z));
+        const float dy = per_step * (u.at(x, y + 1, z) - u.at(x, y - lower, z));
+        const float dz = per_step * (u.at(x, y, z + 1) - u.at(x, y, z - lower));
         g.at(x, y, z) = 1.0f / std::sqrt(dx * dx + dy * dy + dz * dz + epsilon * epsilon);
       }
   return g;
@@ -60,11 +63,11 @@ void imply_dual(const Values& u, const Diffusivity& g, float lambda, float* px, 
 }  // namespace
 
 Level sor_level(const DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
-                double epsilon, const Parallel& parallel) {
+                const SorParams& params, const Parallel& parallel) {
   Level level = level_of(u, box, static_cast<float>(lambda), support.grid, support.f, parallel);
   parallel.for_each(level.grid.size(), 16, [&](size_t b) {
-    const Values values = values_from(u, level.grid.first_vertex(b));
-    const Diffusivity g = diffusivity_of(values, static_cast<float>(epsilon));
+    const Values values = values_around(u, level.grid.first_vertex(b));
+    const Diffusivity g = diffusivity_of(values, params);
     imply_dual(values, g, level.lambda, level.p.brick(b, 0), level.p.brick(b, 1), level.p.brick(b, 2));
   });
   return level;

@@ -23,21 +23,22 @@ void for_each_stretch(const std::vector<uint8_t>& active, uint8_t wanted, int si
   }
 }
 
-/// A row of values, with room for the kernels to read its last run whole.
-size_t padded(int size) { return static_cast<size_t>(size + sor_run); }
+/// A row of values with room for a run on either side: kernels read whole runs, pieces of data may overhang.
+constexpr size_t row_begin = sor_run;
+size_t padded(int size) { return static_cast<size_t>(size) + 2 * row_begin; }
 
 }  // namespace
 
-SorPass::SorPass(DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
-                 const SorParams& params, const Parallel& parallel)
+SorPass::SorPass(DenseField<float>& u, double lambda, const SupportField& support, const SorParams& params,
+                 const Parallel& parallel)
     : u_(u),
       params_(params),
       parallel_(parallel),
       lambda_(lambda),
       kernel_(sor_kernel()),
       kinds_(u, params.skip_empty, parallel),
-      data_(u, box, support),
-      no_data_(padded(u.size().x), 0.0f),
+      data_(u, support, 2 / lambda),
+      zeros_(padded(u.size().x), 0.0f),
       slab_(slab_of(params.order)) {
   const auto snap = static_cast<float>(params.snap), epsilon = static_cast<float>(params.epsilon);
   job_ = {.size = u.size().x,
@@ -85,7 +86,7 @@ double SorPass::sum_energy(int iteration) const {
     variation += variation_[i];
     product += product_[i];
   }
-  return lambda_ * variation - product;
+  return lambda_ * (variation - product / 2);  // the data rows hold 2 f / lambda
 }
 
 double SorPass::energy() {
@@ -134,31 +135,50 @@ void SorPass::measure_layer(int z, int iteration, bool renew) {
   for (int y = 0; y < u_.size().y; ++y) measure_row(y, z, iteration, renew, active);
 }
 
+SlopeJob SorPass::slope_job(int y, int z) {
+  const auto row_at = [&](int j, int k) -> const float* {
+    const bool within = j >= 0 && j < u_.size().y && k >= 0 && k < u_.size().z;
+    return within ? u_.row(j, k) : zeros_.data() + row_begin;
+  };
+  SlopeJob job{};
+  job.u = u_.row(y, z);
+  job.front = row_at(y + 1, z);
+  job.above = row_at(y, z + 1);
+  const bool central = params_.gradient == SorGradient::central;
+  job.back = central ? row_at(y - 1, z) : job.u;
+  job.below = central ? row_at(y, z - 1) : job.u;
+  job.left = central ? -1 : 0;
+  job.per_step = central ? 0.5f : 1.0f;
+  const auto epsilon = static_cast<float>(params_.epsilon);
+  job.epsilon_squared = epsilon * epsilon;
+  return job;
+}
+
 void SorPass::measure_row(int y, int z, int iteration, bool renew, std::vector<uint8_t>& active) {
-  const Vec3i size = u_.size();
   std::fill(active.begin(), active.end(), uint8_t{0});
-  // Above the last row and layer lies nothing; u = 0 on them. (The value after a row's last one is the next row's
-  // first, which is 0, as it should be.)
-  if (y < size.y - 1 && z < size.z - 1) {
-    kinds_.mark_sloping(y, z, active.data());
-    double variation[sor_run] = {};
-    const auto epsilon = static_cast<float>(params_.epsilon);
-    const SlopeJob job{u_.row(y, z), renew ? g_row(y, z) : nullptr, variation, job_.row, job_.layer, epsilon * epsilon};
-    for_each_stretch(active, 1, size.x, [&](int begin, int end) { kernel_.slope(job, begin, end); });
-    const size_t sum = static_cast<size_t>(iteration) * static_cast<size_t>(size.z) + static_cast<size_t>(z);
-    variation_[sum] += ((variation[0] + variation[4]) + (variation[1] + variation[5])) +
-                       ((variation[2] + variation[6]) + (variation[3] + variation[7]));
-    product_[sum] += data_.product(y, z, u_.row(y, z));
-  }
+  kinds_.mark(y, z, active.data());
+  double variation[slope_sums] = {};
+  SlopeJob job = slope_job(y, z);
+  job.g = renew ? g_row(y, z) : nullptr;
+  job.variation = variation;
+  // The values before a row's first one and after its last one belong to its neighbours' ends, which are 0 as they
+  // should be.
+  for_each_stretch(active, 1, u_.size().x, [&](int begin, int end) { kernel_.slope(job, begin, end); });
   if (renew)
-    for_each_stretch(active, 0, size.x,
-                     [&](int begin, int end) { std::fill(g_row(y, z) + begin, g_row(y, z) + end, flat_g_); });
+    for_each_stretch(active, 0, u_.size().x,
+                     [&](int begin, int end) { std::fill(job.g + begin, job.g + end, flat_g_); });
+  const size_t sum = static_cast<size_t>(iteration) * static_cast<size_t>(u_.size().z) + static_cast<size_t>(z);
+  for (int half = slope_sums / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) variation[i] += variation[i + half];
+  variation_[sum] += variation[0];
+  product_[sum] += data_.product(y, z, job.u);
 }
 
 SorRow SorPass::relaxed_row(int y, int z, float* f, uint8_t* active) {
-  const bool data = data_.spread(y, z, static_cast<float>(2 / lambda_), f, active);
-  kinds_.mark_relaxed(y, z, active);
-  return {u_.row(y, z), kinds_.row(y, z), g_row(y, z), g_row(y, z - 1), g_row(y, z + 1), data ? f : no_data_.data()};
+  const bool data = data_.spread(y, z, f, active);
+  kinds_.mark(y, z, active);
+  return {u_.row(y, z),    kinds_.row(y, z), g_row(y, z),
+          g_row(y, z - 1), g_row(y, z + 1),  data ? f : zeros_.data() + row_begin};
 }
 
 void SorPass::relax_slab(int begin, int end, int iteration) {
@@ -179,7 +199,7 @@ void SorPass::relax_slab(int begin, int end, int iteration) {
     for (int z = std::max(z_lo, 1); z <= std::min(z_hi, size.z - 2); ++z) {
       const int y = begin + diagonal - z;
       if (y < 1) continue;
-      rows[count] = relaxed_row(y, z, f.data() + static_cast<size_t>(count) * pitch, active.data());
+      rows[count] = relaxed_row(y, z, f.data() + static_cast<size_t>(count) * pitch + row_begin, active.data());
       ++count;
     }
     if (count > 0) kernel_.relax(job_, rows, count, active.data());
@@ -193,7 +213,7 @@ void SorPass::relax_colour_layer(int z, int parity) {
   std::vector<uint8_t> active(static_cast<size_t>(kinds_.runs()));
   for (int y = 1; y < size.y - 1; ++y) {
     std::fill(active.begin(), active.end(), uint8_t{0});
-    const SorRow row = relaxed_row(y, z, f.data(), active.data());
+    const SorRow row = relaxed_row(y, z, f.data() + row_begin, active.data());
     kernel_.relax_colour(job_, row, (parity + y + z) & 1, active.data());
   }
 }

@@ -22,8 +22,8 @@ namespace soapfilm {
 class SorPass {
  public:
   /// `lambda` is this level's. What is referred to must outlive the pass.
-  SorPass(DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
-          const SorParams& params, const Parallel& parallel);
+  SorPass(DenseField<float>& u, double lambda, const SupportField& support, const SorParams& params,
+          const Parallel& parallel);
 
   /// Renews g once, then iterates. Appends E(u) before each of the iterations to `energy`.
   void run(int iterations, const Progress& progress, std::vector<double>& energy);
@@ -48,6 +48,7 @@ class SorPass {
   void measure_layer(int z, int iteration, bool renew);
   /// Adds to the layer's sums; `renew` also stores g. `active` has room for a row's runs.
   void measure_row(int y, int z, int iteration, bool renew, std::vector<uint8_t>& active);
+  SlopeJob slope_job(int y, int z);
   void relax_slab(int begin, int end, int iteration);
   void relax_colour_layer(int z, int parity);
   /// The row's pointers; `f` has room for a row. Marks the runs that can change.
@@ -64,10 +65,10 @@ class SorPass {
   RunKinds kinds_;
   DataRows data_;
   RelaxJob job_;
-  float flat_g_;                ///< g where u is constant
-  std::vector<float> no_data_;  ///< a row of zeros
-  int slab_;                    ///< layers that a stage takes at a step
-  int ring_ = 0;                ///< layers of g
+  float flat_g_;              ///< g where u is constant
+  std::vector<float> zeros_;  ///< a row of them
+  int slab_;                  ///< layers that a stage takes at a step
+  int ring_ = 0;              ///< layers of g
   AlignedArray<float> g_;
   std::vector<double> variation_, product_;  ///< per iteration of the pass and layer: sum of |grad u|, <f, u>
 };

@@ -1,12 +1,14 @@
 #include "soapfilm/solve/sor_runs.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace soapfilm {
 
 RunKinds::RunKinds(const DenseField<float>& u, bool skip_empty, const Parallel& parallel)
-    : runs_((u.size().x + sor_run - 1) / sor_run), rows_(u.size().y) {
+    : runs_((u.size().x + sor_run - 1) / sor_run), rows_(u.size().y), layers_(u.size().z) {
   if (!skip_empty) return;
+  beyond_.assign(static_cast<size_t>(runs_), RunKind::zero);
   kinds_.resize(offset(0, u.size().z));
   parallel.for_each(static_cast<size_t>(u.size().z), 1, [&](size_t layer) {
     const int z = static_cast<int>(layer);
@@ -20,77 +22,71 @@ RunKinds::RunKinds(const DenseField<float>& u, bool skip_empty, const Parallel& 
   });
 }
 
-void RunKinds::mark_relaxed(int y, int z, uint8_t* active) const {
+void RunKinds::mark(int y, int z, uint8_t* active) const {
   const size_t runs = static_cast<size_t>(runs_);
   if (kinds_.empty()) return std::fill_n(active, runs, uint8_t{1}), void();
-  const RunKind* own = kinds_.data() + offset(y, z);
-  const RunKind* sides[4] = {kinds_.data() + offset(y - 1, z), kinds_.data() + offset(y + 1, z),
-                             kinds_.data() + offset(y, z - 1), kinds_.data() + offset(y, z + 1)};
+  const auto row_at = [&](int j, int k) {
+    const bool within = j >= 0 && j < rows_ && k >= 0 && k < layers_;
+    return within ? kinds_.data() + offset(j, k) : beyond_.data();
+  };
+  const RunKind* own = row_at(y, z);
+  const RunKind *back = row_at(y - 1, z), *front = row_at(y + 1, z);
+  const RunKind *below = row_at(y, z - 1), *above = row_at(y, z + 1);
   for (size_t r = 0; r < runs; ++r)
-    active[r] |= own[r] == RunKind::mixed || sides[0][r] != own[r] || sides[1][r] != own[r] || sides[2][r] != own[r] ||
-                 sides[3][r] != own[r];
-  for (size_t r = 1; r < runs; ++r) {
-    const bool differ = own[r] != own[r - 1];
-    active[r - 1] |= differ;
-    active[r] |= differ;
-  }
+    active[r] |= static_cast<uint8_t>((own[r] == RunKind::mixed) | (back[r] != own[r]) | (front[r] != own[r]) |
+                                      (below[r] != own[r]) | (above[r] != own[r]));
+  for (size_t r = 1; r < runs; ++r) active[r] |= static_cast<uint8_t>(own[r] != own[r - 1]);
+  for (size_t r = 1; r < runs; ++r) active[r - 1] |= static_cast<uint8_t>(own[r] != own[r - 1]);
 }
 
-void RunKinds::mark_sloping(int y, int z, uint8_t* active) const {
-  const size_t runs = static_cast<size_t>(runs_);
-  if (kinds_.empty()) return std::fill_n(active, runs, uint8_t{1}), void();
-  const RunKind* own = kinds_.data() + offset(y, z);
-  const RunKind* front = kinds_.data() + offset(y + 1, z);
-  const RunKind* above = kinds_.data() + offset(y, z + 1);
-  for (size_t r = 0; r < runs; ++r) active[r] |= own[r] == RunKind::mixed || front[r] != own[r] || above[r] != own[r];
-  for (size_t r = 1; r < runs; ++r) active[r - 1] |= own[r] != own[r - 1];
-}
-
-DataRows::DataRows(const DenseField<float>& u, const LevelBox& box, const SupportField& support)
-    : support_(support), origin_(u.origin()), size_(u.size()), bricks_(box.bricks) {
-  row_begin_.resize(static_cast<size_t>(bricks_.y) * static_cast<size_t>(bricks_.z) + 1);
-  size_t row = 0;
-  for (size_t b = 0; b <= support.grid.size(); ++b) {
-    const Vec3i c = b < support.grid.size() ? support.grid.coord(b) : Vec3i{0, 0, bricks_.z};
-    for (const size_t next = static_cast<size_t>(c.z * bricks_.y + c.y); row <= next && row < row_begin_.size(); ++row)
-      row_begin_[row] = static_cast<int32_t>(b);
-  }
-}
-
-template <class Visit>
-bool DataRows::for_each_piece(int y, int z, Visit&& visit) const {
-  const Vec3i vertex = origin_ + Vec3i{0, y, z};
-  const Vec3i brick = brick_of(vertex);
-  const size_t row = static_cast<size_t>(brick.z * bricks_.y + brick.y);
-  if (brick.y >= bricks_.y || brick.z >= bricks_.z) return false;
-  bool any = false;
-  for (int32_t b = row_begin_[row]; b < row_begin_[row + 1]; ++b) {
-    const int first = support_.grid.coord(static_cast<size_t>(b)).x * brick_side - origin_.x;
-    const int begin = std::max(first, 0), end = std::min(first + brick_side, size_.x);
-    if (begin >= end) continue;
-    const float* f = support_.f.brick(static_cast<size_t>(b)) + brick_offset(begin - first, vertex.y & 7, vertex.z & 7);
-    visit(begin, f, end - begin);
-    any = true;
-  }
-  return any;
-}
-
-bool DataRows::spread(int y, int z, float scale, float* out, uint8_t* active) const {
-  bool cleared = false;
-  return for_each_piece(y, z, [&](int x, const float* f, int count) {
-    if (!cleared) std::fill_n(out, size_.x, 0.0f);
-    cleared = true;
-    for (int i = 0; i < count; ++i) out[x + i] = scale * f[i];
-    active[x / sor_run] = active[(x + count - 1) / sor_run] = 1;
+DataRows::DataRows(const DenseField<float>& u, const SupportField& support, double scale)
+    : size_(u.size()), row_begin_(static_cast<size_t>(u.size().y) * static_cast<size_t>(u.size().z) + 1) {
+  // Twice over the support: count the pieces of each row, then put them where they belong.
+  const auto for_each_piece = [&](auto&& visit) {
+    for (size_t b = 0; b < support.grid.size(); ++b) {
+      const Vec3i first = support.grid.first_vertex(b) - u.origin();
+      for (int z = 0; z < brick_side; ++z)
+        for (int y = 0; y < brick_side; ++y)
+          if (contains(first.y + y, first.z + z))
+            visit(row_index(first.y + y, first.z + z), first.x, support.f.brick(b) + brick_offset(0, y, z));
+    }
+  };
+  const auto is_zero = [](const float* f) { return std::all_of(f, f + brick_side, [](float v) { return v == 0; }); };
+  for_each_piece([&](size_t row, int, const float* f) { row_begin_[row + 1] += !is_zero(f); });
+  std::partial_sum(row_begin_.begin(), row_begin_.end(), row_begin_.begin());
+  pieces_.resize(row_begin_.back());
+  std::vector<size_t> next(row_begin_.begin(), row_begin_.end() - 1);
+  for_each_piece([&](size_t row, int x, const float* f) {
+    if (is_zero(f)) return;
+    Piece& piece = pieces_[next[row]++];
+    piece.x = x;
+    for (int i = 0; i < brick_side; ++i)
+      piece.f[i] = x + i >= 0 && x + i < size_.x ? static_cast<float>(scale * f[i]) : 0.0f;
   });
+}
+
+bool DataRows::spread(int y, int z, float* out, uint8_t* active) const {
+  const size_t row = row_index(y, z), begin = row_begin_[row], end = row_begin_[row + 1];
+  if (begin == end) return false;
+  std::fill_n(out, size_.x, 0.0f);
+  for (size_t k = begin; k < end; ++k) {
+    const Piece& piece = pieces_[k];
+    std::copy_n(piece.f, brick_side, out + piece.x);
+    active[std::max(piece.x, 0) / sor_run] = 1;
+    active[std::min(piece.x + brick_side - 1, size_.x - 1) / sor_run] = 1;
+  }
+  return true;
 }
 
 double DataRows::product(int y, int z, const float* u) const {
-  double sum = 0;
-  for_each_piece(y, z, [&](int x, const float* f, int count) {
-    for (int i = 0; i < count; ++i) sum += static_cast<double>(f[i]) * static_cast<double>(u[x + i]);
-  });
-  return sum;
+  const size_t row = row_index(y, z);
+  double sums[brick_side] = {};  // several, so that one need not wait for the other
+  for (size_t k = row_begin_[row]; k < row_begin_[row + 1]; ++k) {
+    const Piece& piece = pieces_[k];
+    for (int i = 0; i < brick_side; ++i)
+      sums[i] += static_cast<double>(piece.f[i]) * static_cast<double>(u[piece.x + i]);
+  }
+  return std::accumulate(std::begin(sums), std::end(sums), 0.0);
 }
 
 }  // namespace soapfilm

@@ -22,40 +22,45 @@ class RunKinds {
   RunKind* row(int y, int z) { return kinds_.empty() ? nullptr : kinds_.data() + offset(y, z); }
   size_t bytes() const { return kinds_.size() * sizeof(RunKind); }
 
-  /// Sets active[r] where a run of a free row, or a neighbour of one of its vertices, is not the same constant.
-  void mark_relaxed(int y, int z, uint8_t* active) const;
-  /// Sets active[r] where a run holds a vertex with grad u != 0 (forward differences).
-  void mark_sloping(int y, int z, uint8_t* active) const;
+  /// Sets active[r] where a run, or one of the six around it, is not the same constant. Beyond the box lies 0.
+  void mark(int y, int z, uint8_t* active) const;
 
  private:
   size_t offset(int y, int z) const {
     return (static_cast<size_t>(z) * static_cast<size_t>(rows_) + static_cast<size_t>(y)) * static_cast<size_t>(runs_);
   }
 
-  int runs_, rows_;
+  int runs_, rows_, layers_;
   std::vector<RunKind> kinds_;
+  std::vector<RunKind> beyond_;  ///< a row of zero runs
 };
 
-/// The data term f of the support bricks along the rows of a whole-box array.
+/// The data term in the order of a whole-box array's rows: pieces of 8 values, those without any left out.
 class DataRows {
  public:
-  DataRows(const DenseField<float>& u, const LevelBox& box, const SupportField& support);
+  /// Holds scale times f.
+  DataRows(const DenseField<float>& u, const SupportField& support, double scale);
 
-  /// out[x] = scale f(x, y, z), 0 where there is no support; `out` holds a whole row. Sets active[x / 8] where bricks
-  /// of the support lie. Returns false, with nothing written, where the row meets none.
-  bool spread(int y, int z, float scale, float* out, uint8_t* active) const;
-  /// <f, u> over the row.
+  /// Fills out[0 .. size) and marks the runs with data; false, with nothing done, where the row has none. There must be
+  /// room for 8 values before and after: pieces may reach beyond the row (with zeros).
+  bool spread(int y, int z, float* out, uint8_t* active) const;
+  /// <scale f, u> over the row.
   double product(int y, int z, const float* u) const;
-  size_t bytes() const { return support_.f.bytes() + support_.grid.bytes() + row_begin_.size() * sizeof(int32_t); }
+  size_t bytes() const { return pieces_.size() * sizeof(Piece) + row_begin_.size() * sizeof(size_t); }
 
  private:
-  /// visit(x, f, count) for each piece of the row that a brick covers.
-  template <class Visit>
-  bool for_each_piece(int y, int z, Visit&& visit) const;
+  struct Piece {
+    int x;
+    float f[brick_side];
+  };
+  bool contains(int y, int z) const { return y >= 0 && y < size_.y && z >= 0 && z < size_.z; }
+  size_t row_index(int y, int z) const {
+    return static_cast<size_t>(z) * static_cast<size_t>(size_.y) + static_cast<size_t>(y);
+  }
 
-  const SupportField& support_;
-  Vec3i origin_, size_, bricks_;
-  std::vector<int32_t> row_begin_;  ///< first brick of brick row (y, z); one more at the end
+  Vec3i size_;
+  std::vector<size_t> row_begin_;  ///< first piece of each row; one more at the end
+  std::vector<Piece> pieces_;
 };
 
 }  // namespace soapfilm
