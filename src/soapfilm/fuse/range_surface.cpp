@@ -61,8 +61,8 @@ std::vector<Triangle> join_pixels(const RangeGrid& grid, std::span<const Vec3d> 
       if (missing > 1) continue;
       const auto corner = [&](int k) { return static_cast<uint32_t>(ring[k & 3]); };
       if (missing == 1) {
-        const auto gap = static_cast<int>(std::find_if(std::begin(ring), std::end(ring), [](int32_t s) { return s < 0; }) -
-                                          std::begin(ring));
+        const auto gap = static_cast<int>(
+            std::find_if(std::begin(ring), std::end(ring), [](int32_t s) { return s < 0; }) - std::begin(ring));
         triangles.push_back({corner(gap + 1), corner(gap + 2), corner(gap + 3)});
         continue;
       }
@@ -115,8 +115,7 @@ void validate(const RangeSurfaceParams& params) {
   if (!(params.max_edge > 1))
     throw ParameterError(fmt::format("max_edge = {}, must be > 1 (distances between samples)", params.max_edge));
   if (!(params.max_incidence_deg > 0 && params.max_incidence_deg < 90))
-    throw ParameterError(
-        fmt::format("max_incidence_deg = {}, must be > 0 and < 90 degrees", params.max_incidence_deg));
+    throw ParameterError(fmt::format("max_incidence_deg = {}, must be > 0 and < 90 degrees", params.max_incidence_deg));
   if (params.taper < 0) throw ParameterError(fmt::format("taper = {}, must be >= 0 samples", params.taper));
 }
 
