@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
-#include <limits>
+#include <map>
 #include <numbers>
 
 #include "soapfilm/core/error.h"
@@ -21,6 +21,8 @@
 
 namespace soapfilm {
 namespace {
+
+constexpr double degree = std::numbers::pi / 180;
 
 struct Fusion {
   FusedField field;
@@ -73,6 +75,17 @@ PointCloud scan_of_plane(Vec3d normal, double offset, int half, std::optional<Ve
 /// 64 vertices along each axis around the origin, one unit apart.
 Lattice lattice_around_origin() { return place_lattice({{-26, -26, -26}, {26, 26, 26}}, 1, 6, 1); }
 
+/// The ends of the edges that lie in one triangle.
+std::vector<Vec3d> border(const Mesh& mesh) {
+  std::map<std::pair<uint32_t, uint32_t>, int> triangles;
+  for (const Triangle& t : mesh.triangles)
+    for (size_t k = 0; k < 3; ++k) ++triangles[std::minmax(t[k], t[(k + 1) % 3])];
+  std::vector<Vec3d> ends;
+  for (const auto& [edge, count] : triangles)
+    if (count == 1) ends.insert(ends.end(), {mesh.vertices[edge.first], mesh.vertices[edge.second]});
+  return ends;
+}
+
 /// Visits (position, distance, weight) of every vertex that was seen.
 template <class Visit>
 void for_each_seen(const Fusion& fusion, const Lattice& lattice, Visit&& visit) {
@@ -114,8 +127,14 @@ TEST(Vrip, SphereSeenFromOneSideIsOpenThere) {
     const Fusion fusion = fuse(scans_of_sphere(scanner), lattice_of(32));
     const TopologyReport report = check_topology(fusion.mesh);
     EXPECT_TRUE(report.manifold()) << summary(report);
-    EXPECT_EQ(report.components.size(), 1u);
-    EXPECT_EQ(report.euler_characteristic(), 1);  // a disc
+    // Crumbs at the border may touch the rest in single points.
+    const auto largest = std::max_element(report.components.begin(), report.components.end(),
+                                          [](auto& a, auto& b) { return a.triangles < b.triangles; });
+    EXPECT_GT(static_cast<double>(largest->triangles), 0.99 * static_cast<double>(report.triangles));
+    // It ends within three samples of where parallel rays meet the sphere at 75 degrees, and has no hole inside.
+    for (const Vec3d& v : border(fusion.mesh)) {
+      EXPECT_NEAR(std::hypot(v.y, v.z), 0.5 * std::sin(75 * degree), 3.0 / 32);
+    }
     EXPECT_GT(report.boundary_edges, 60u);
     EXPECT_EQ(report.unreferenced_vertices, 0u);
     for (const Triangle& t : fusion.mesh.triangles) {
@@ -129,18 +148,28 @@ TEST(Vrip, SphereSeenFromOneSideIsOpenThere) {
 
 TEST(Vrip, PlaneSeenObliquelyIsExact) {
   const Vec3d normal = normalized(Vec3d{0.31, -0.23, 0.92});
-  const Lattice lattice = lattice_around_origin();
-  // 60 degrees off the normal, and sensors up to 55 degrees off.
   const Vec3d across = normalized(cross(normal, Vec3d{0, 1, 0}));
-  PointCloud cloud = scan_of_plane(normal, 0.37, 16, {}, normalized(normal + across * std::sqrt(3.0)));
-  cloud.append(scan_of_plane(normal, 0.37, 13, normal * 30.0 + across * 25.0, {}));
-  cloud.append(scan_of_plane(normal, 0.37, 10, normal * 1e5, {}));
-  const Fusion fusion = fuse(cloud, lattice);
-  EXPECT_EQ(fusion.report.scans, 3u);
-  EXPECT_EQ(fusion.report.triangles, 2u * (32 * 32 + 26 * 26 + 20 * 20));
-  EXPECT_EQ(fusion.report.dropped_triangles, 0u);
-  EXPECT_GT(fusion.mesh.area(), 800);
-  for (const Vec3d& v : fusion.mesh.vertices) EXPECT_NEAR(dot(v, normal), 0.37, 2e-5);
+  const Lattice lattice = lattice_around_origin();
+  for (const double angle_deg : {0.0, 30.0, 60.0, 74.0}) {
+    const double cosine = std::cos(angle_deg * degree);
+    const Vec3d view = normal * cosine + across * std::sin(angle_deg * degree);
+    const Fusion parallel = fuse(scan_of_plane(normal, 0.37, 16, {}, view), lattice);
+    EXPECT_EQ(parallel.report.scans, 1u);
+    EXPECT_EQ(parallel.report.triangles, 2u * 32 * 32);
+    EXPECT_EQ(parallel.report.dropped_triangles, 0u);
+    EXPECT_GT(parallel.mesh.area(), 0.85 * 32 * 32);
+    EXPECT_TRUE(check_topology(parallel.mesh).manifold());
+    for_each_seen(parallel, lattice, [&](Vec3d x, double distance, float) {
+      EXPECT_NEAR(distance, (0.37 - dot(x, normal)) / cosine, 1e-5);
+    });
+    // The extraction keeps surface points a thousandth of a voxel away from vertices.
+    for (const Vec3d& v : parallel.mesh.vertices) ASSERT_NEAR(dot(v, normal), 0.37, 1e-3) << angle_deg;
+    // Central rays differ a little from one vertex to the next, and so do distances along them.
+    for (const double range : {60.0, 1e5}) {
+      const Fusion central = fuse(scan_of_plane(normal, 0.37, 12, view * range, {}), lattice);
+      for (const Vec3d& v : central.mesh.vertices) ASSERT_NEAR(dot(v, normal), 0.37, 1e-3 + 1 / range) << angle_deg;
+    }
+  }
 }
 
 TEST(Vrip, DistanceIsSignedAndAlongTheLineOfSight) {
@@ -176,7 +205,8 @@ TEST(Vrip, ScansAreAveragedByTheirWeights) {
   const Fusion fusion = fuse(low, lattice, params);
   for (const Vec3d& v : fusion.mesh.vertices) EXPECT_NEAR(v.z, 0.6, 1e-5);
   for_each_seen(fusion, lattice, [&](Vec3d x, double, float weight) {
-    if (std::abs(x.x) < 10 && std::abs(x.y) < 10 && std::abs(x.z) < 2) EXPECT_NEAR(weight, 4, 1e-5);
+    if (std::abs(x.x) > 10 || std::abs(x.y) > 10 || std::abs(x.z) > 2) return;
+    EXPECT_NEAR(weight, 4, 1e-5);
   });
 }
 
@@ -232,7 +262,7 @@ TEST(Vrip, GeoreferencedScansLoseNothing) {
   const Mesh mesh = fuse(cloud, lattice).mesh;
   const Mesh near = fuse(scans_of_sphere(scanner), lattice_of(16)).mesh;
   ASSERT_EQ(mesh.vertices.size(), near.vertices.size());
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) ASSERT_LT(norm(mesh.vertices[i] - far - near.vertices[i]), 1e-6);
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) ASSERT_LT(norm(mesh.vertices[i] - far - near.vertices[i]), 1e-5);
 }
 
 TEST(Vrip, DroppedSamplesAreHolesInTheRangeGrid) {
