@@ -39,12 +39,14 @@ struct DenseField {
 
 inline Vec3i corner_offset(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2}; }
 
-inline Mesh dense_isosurface(const DenseField& field, float isovalue) {
+/// `draws` says which cells are drawn, by their first corner; all when it is empty.
+inline Mesh dense_isosurface(const DenseField& field, float isovalue, const std::function<bool(Vec3i)>& draws = {}) {
   using namespace marching_cubes;
   Mesh mesh;
   std::map<std::array<int, 4>, uint32_t> vertex_of_edge;
   field.for_each(
       [&](Vec3i cell) {
+        if (draws && !draws(cell)) return;
         int inside = 0;
         for (int c = 0; c < corner_count; ++c) inside |= (field.at(cell + corner_offset(c)) > isovalue) << c;
         const auto vertex_on = [&](int edge) {

@@ -30,11 +30,21 @@ void for_each_brick(const BrickBox& box, Visit&& visit) {
       for (int x = box.lo.x; x <= box.hi.x; ++x) visit(Vec3i{x, y, z});
 }
 
-/// A triangle seen from the scanner: the prism of lines of sight through it, cut off `ramp` in front and behind. All in
-/// voxels, relative to an origin near by.
+/// How far a scan's word reaches, voxels: see VripParams.
+struct Ramp {
+  double front, behind;
+
+  /// Falls over the outer half of either side; `height` > 0 in front.
+  double weight(double height) const {
+    return std::clamp(2 - 2 * (height > 0 ? height / front : -height / behind), 0.0, 1.0);
+  }
+};
+
+/// A triangle seen from the scanner: the prism of lines of sight through it, cut off in front and behind at the ends of
+/// the ramp. All in voxels, relative to an origin near by.
 class SightPrism {
  public:
-  SightPrism(const std::array<Vec3d, 3>& corners, const Viewpoint& view, double ramp)
+  SightPrism(const std::array<Vec3d, 3>& corners, const Viewpoint& view, Ramp ramp)
       : corners_(corners),
         view_(view),
         ramp_(ramp),
@@ -54,9 +64,9 @@ class SightPrism {
     Box3d box;
     for (const Vec3d& p : corners_) {
       const Vec3d ray = view_.from(p);
-      const Vec3d reach = ray * (ramp_ / dot(normal_, ray));
-      box.extend(p + reach);
-      box.extend(p - reach);
+      const double slope = dot(normal_, ray);
+      box.extend(p + ray * (ramp_.front / slope));
+      box.extend(p - ray * (ramp_.behind / slope));
     }
     return box;
   }
@@ -80,8 +90,8 @@ class SightPrism {
     const Vec3d start{0, static_cast<double>(y), static_cast<double>(z)};
     for (int k = 0; k < 3; ++k) clip(side_[k].x, side_value(k, start) + slack_[k]);
     const double height = height_of(start);
-    clip(normal_.x, height + ramp_);
-    clip(-normal_.x, ramp_ - height);
+    clip(normal_.x, height + ramp_.behind);
+    clip(-normal_.x, ramp_.front - height);
     if (!(lo <= hi)) return {0, -1};
     return {static_cast<int>(std::ceil(lo)), static_cast<int>(std::floor(hi))};
   }
@@ -104,7 +114,7 @@ class SightPrism {
 
   std::array<Vec3d, 3> corners_;
   Viewpoint view_;
-  double ramp_;
+  Ramp ramp_;
   Vec3d normal_;
   std::array<Vec3d, 3> side_;
   std::array<double, 3> slack_;
@@ -123,7 +133,7 @@ struct PlacedScan {
     if (view.is_central()) view = Viewpoint::central(lattice.to_lattice(view.vector()));
   }
 
-  SightPrism prism(size_t triangle, Vec3d origin, double ramp) const {
+  SightPrism prism(size_t triangle, Vec3d origin, Ramp ramp) const {
     const Triangle& t = surface.triangles[triangle];
     const Viewpoint from_origin = view.is_central() ? Viewpoint::central(view.vector() - origin) : view;
     return {{positions[t[0]] - origin, positions[t[1]] - origin, positions[t[2]] - origin}, from_origin, ramp};
@@ -145,7 +155,7 @@ class Fusion {
  public:
   Fusion(const PointCloud& cloud, const Lattice& lattice, const VripParams& params, const Parallel& parallel,
          Progress& progress)
-      : cloud_(cloud), lattice_(lattice), ramp_(params.ramp), parallel_(parallel), progress_(progress) {
+      : cloud_(cloud), lattice_(lattice), ramp_{params.front, params.behind}, parallel_(parallel), progress_(progress) {
     surfaces_.resize(cloud.scans.size());
     parallel.for_each(surfaces_.size(), 1,
                       [&](size_t k) { surfaces_[k] = range_surface(cloud, cloud.scans[k], params.surface); });
@@ -243,7 +253,7 @@ class Fusion {
             const auto b = prism.coordinates_of(vertex);
             double weight = 0;
             for (size_t k = 0; k < 3; ++k) weight += b[k] * static_cast<double>(scan.surface.weight[corners[k]]);
-            seen.weight[i] = weight * std::clamp(2 - 2 * std::abs(prism.height_of(vertex)) / ramp_, 0.0, 1.0);
+            seen.weight[i] = weight * ramp_.weight(prism.height_of(vertex));
           }
         }
       }
@@ -266,7 +276,7 @@ class Fusion {
 
   const PointCloud& cloud_;
   const Lattice& lattice_;
-  double ramp_;
+  Ramp ramp_;
   const Parallel& parallel_;
   Progress& progress_;
   std::vector<RangeSurface> surfaces_;
@@ -277,8 +287,12 @@ class Fusion {
 
 FusedField fuse_scans(const PointCloud& cloud, const Lattice& lattice, const VripParams& params,
                       const Parallel& parallel, Progress& progress, VripReport& report) {
-  if (!(params.ramp > 0 && std::isfinite(params.ramp)))
-    throw ParameterError(fmt::format("ramp = {}, must be > 0 voxels", params.ramp));
+  const auto check_ramp = [](const char* name, double value) {
+    if (!(value > 0 && value <= 1000))
+      throw ParameterError(fmt::format("{} = {}, must be > 0 and <= 1000 voxels", name, value));
+  };
+  check_ramp("front", params.front);
+  check_ramp("behind", params.behind);
   validate(params.surface);
   if (cloud.scans.empty()) throw ParameterError("vrip needs range scans: the cloud has none");
   for (size_t i = 0; i < cloud.size(); ++i)

@@ -15,11 +15,11 @@
 namespace soapfilm {
 
 struct VripParams {
-  /// A scan says something about the vertices up to this far in front of and behind its surface, voxels, > 0; its
-  /// weight falls linearly over the outer half. Measured at right angles to the surface, so that 2 and more reach all
-  /// corners of a cell that the surface crosses, however obliquely it was seen. Surfaces back to back that are less
-  /// than this apart push each other away.
-  double ramp = 3;
+  /// How far in front of its surface and behind it a scan says something, voxels, (0, 1000] (Curless and Levoy's Dmin
+  /// and Dmax); its weight falls linearly over the outer half. Measured at right angles to the surface: so 2 voxels
+  /// reach all corners of the cells that the surface crosses, however obliquely it was seen.
+  double front = 6;   ///< a long one lets other scans outvote false edge extensions that hover over the surface
+  double behind = 2;  ///< a short one keeps the two sides of thin parts from pushing each other apart
   RangeSurfaceParams surface;
 };
 
