@@ -84,7 +84,7 @@ TEST(Scan, RefusesInOneLineAndWritesNothing) {
     EXPECT_NE(result.err.find(what), std::string::npos) << result.err;
     EXPECT_FALSE(std::filesystem::exists(out)) << what;
   };
-  expect_refused({"cube"}, "object = cube, must be one of sphere, torus, part, plate, sheets, knot, or a mesh file");
+  expect_refused({"cube"}, "object = cube, must be one of sphere, torus, part, plate, sheets, knot, arch, or a mesh file");
   expect_refused({"missing.ply"}, "missing.ply");
   expect_refused({"part", "--noise", "loud"}, "noise = loud, must be a number >= 0, or one with a percent sign");
   expect_refused({"part", "--noise", "-1%"}, "noise = -0.01, must be >= 0");
