@@ -67,6 +67,9 @@ inline ScanSet virtual_scan(const Surface& surface, const ScannerParams& params,
   return virtual_scan(surface, params, parallel, nobody);
 }
 
+/// Where outliers lie: the surface's box, a quarter of its diagonal wider on every side.
+Box3d outlier_box(const Box3d& box);
+
 /// The positions that virtual_scan uses for a surface with the given box.
 std::vector<Vec3d> scanner_positions(const Box3d& box, const ScannerParams& params);
 
