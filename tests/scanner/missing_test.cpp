@@ -44,7 +44,7 @@ TEST(Hole, IsACapOfASphere) {
 TEST(Hole, TakesOneSideOfAThinPlate) {
   const auto plate = make_plate({.thickness = 0.01});
   const double share = 0.03;
-  const SurfacePatch patch(*plate, share, 1);  // a disc that does not reach the rim
+  const SurfacePatch patch(*plate, share, 8);  // a disc that does not reach the rim
   const double side = patch.centre().z > 0 ? 1.0 : -1.0;
   const PointCloud cloud = sample_surface(*plate, 20000, 1);
   size_t lost = 0;

@@ -232,6 +232,7 @@ Box3d outlier_box(const Box3d& box) {
 }
 
 std::vector<Vec3d> scanner_positions(const Box3d& box, const ScannerParams& params) {
+  check(params);
   if (!params.positions.empty()) return params.positions;
   const Vec3d target = target_of(box, params);
   const double radius = params.distance * box.diagonal();
