@@ -84,7 +84,8 @@ TEST(Scan, RefusesInOneLineAndWritesNothing) {
     EXPECT_NE(result.err.find(what), std::string::npos) << result.err;
     EXPECT_FALSE(std::filesystem::exists(out)) << what;
   };
-  expect_refused({"cube"}, "object = cube, must be one of sphere, torus, part, plate, sheets, knot, or a mesh file");
+  expect_refused({"cube"},
+                 "object = cube, must be one of sphere, torus, part, plate, sheets, knot, arch, or a mesh file");
   expect_refused({"missing.ply"}, "missing.ply");
   expect_refused({"part", "--noise", "loud"}, "noise = loud, must be a number >= 0, or one with a percent sign");
   expect_refused({"part", "--noise", "-1%"}, "noise = -0.01, must be >= 0");
@@ -95,6 +96,60 @@ TEST(Scan, RefusesInOneLineAndWritesNothing) {
   expect_refused({"part", "--views", "0"}, "views = 0, must be in [1, 10000]");
   expect_refused({"part", "--seed", "-1"}, "seed");
   expect_refused({"part", "--elevations", "0,30"}, "elevations: only --orbit ring has them");
+  expect_refused({"part", "--hole", "0.95"}, "hole = 0.95, must be in [0, 0.9]");
+  expect_refused({"part", "--thin-half", "0.2"}, "thin_half = 0.2, must be >= 1");
+  expect_refused({"part", "--samples", "0"}, "samples = 0, must be in [1, 1e9]");
+  expect_refused({"part", "--samples", "many"}, "many");
+  expect_refused({"part", "--samples", "9", "--outliers", "2"}, "outliers = 2, must be in [0, 1]");
+  expect_refused({"part", "--samples", "9", "--image", "9x9"}, "--image: only scans have it, not --samples");
+  expect_refused({"part", "--samples", "9", "--misalignment", "1%"}, "--misalignment: only scans have it");
+  expect_refused({"part", "--samples", "9", "--views", "9"},
+                 "--views: only scans, and --samples with --directions views, have it");
+  expect_refused({"part", "--samples", "9", "--directions", "views", "--views", "0"}, "views = 0, must be in");
+  expect_refused({"part", "--directions", "normals"}, "--directions: only --samples has it");
+  expect_refused({"horse.ply", "--gap", "0.2"}, "--gap: only built-in shapes have it, horse.ply is a mesh");
+}
+
+TEST(Scan, WritesEvenSamplesInsteadOfScans) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("even");
+  const ProcessResult result = scan({"torus", "-o", out, "--samples", "4000", "--noise", "1%", "--outliers", "0.1"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const PointCloud cloud = read_points(out + "/samples.ply");
+  EXPECT_EQ(cloud.size(), 4000u);
+  EXPECT_EQ(cloud.normals.size(), 4000u);
+  EXPECT_TRUE(cloud.sensors.empty());
+  EXPECT_FALSE(std::filesystem::exists(out + "/scans.conf"));
+  const auto truth = nlohmann::json::parse(read_file(out + "/truth.json"));
+  EXPECT_EQ(truth["samples"]["file"], "samples.ply");
+  EXPECT_EQ(truth["sampling"]["directions"], "normals");
+  EXPECT_DOUBLE_EQ(truth["sampling"]["noise"].get<double>(), 0.01);
+
+  const ProcessResult weak = scan(
+      {"torus", "-o", folder.file("weak"), "--samples", "4000", "--directions", "views", "--views", "7", "--quiet"});
+  ASSERT_EQ(weak.exit_code, 0) << weak.err;
+  const PointCloud seen = read_points(folder.file("weak/samples.ply"));
+  EXPECT_TRUE(seen.normals.empty());
+  EXPECT_EQ(seen.sensors.size(), 4000u);
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder.file("weak/truth.json")))["sampling"]["positions"].size(), 7u);
+}
+
+TEST(Scan, MissingSamplesAreCounted) {
+  const TemporaryFolder folder;
+  const auto samples_of = [&](const std::string& name, std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"-o", folder.file(name), "--quiet"});
+    const ProcessResult result = scan(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(read_file(folder.file(name + "/truth.json")));
+  };
+  const std::vector<std::string> views{"arch", "--views", "5", "--image", "60x60"};
+  std::vector<std::string> holed = views;
+  holed.insert(holed.end(), {"--hole", "0.1", "--thin-half", "50"});
+  const size_t whole = samples_of("whole", views)["scans"]["samples"];
+  const auto missing = samples_of("holed", holed);
+  EXPECT_EQ(missing["scans"]["samples"].get<size_t>() + missing["missing"]["samples"].get<size_t>(), whole);
+  EXPECT_LT(missing["scans"]["samples"].get<size_t>(), whole * 6 / 10);
+  EXPECT_EQ(read_points(folder.file("holed/scans.conf")).size(), missing["scans"]["samples"].get<size_t>());
 }
 
 TEST(Scan, AFolderThatCannotBeMadeIsRefused) {

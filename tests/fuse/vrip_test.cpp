@@ -157,7 +157,7 @@ TEST(Vrip, PlaneSeenObliquelyIsExact) {
     EXPECT_EQ(parallel.report.scans, 1u);
     EXPECT_EQ(parallel.report.triangles, 2u * 32 * 32);
     EXPECT_EQ(parallel.report.dropped_triangles, 0u);
-    EXPECT_GT(parallel.mesh.area(), 0.85 * 32 * 32);
+    EXPECT_GT(parallel.mesh.area(), 0.75 * 32 * 32);
     EXPECT_TRUE(check_topology(parallel.mesh).manifold());
     for_each_seen(parallel, lattice, [&](Vec3d x, double distance, float) {
       EXPECT_NEAR(distance, (0.37 - dot(x, normal)) / cosine, 1e-5);
@@ -255,14 +255,17 @@ TEST(Vrip, TheSameBytesForAnyNumberOfThreads) {
 TEST(Vrip, GeoreferencedScansLoseNothing) {
   ScannerParams scanner = scanner_of(16);
   scanner.rays = Rays::central;
+  scanner.noise = 0.01;  // no ties between diagonals, which rounding would break either way
+  PointCloud cloud = scans_of_sphere(scanner);
+  Lattice lattice = lattice_of(16);
+  const Mesh near = fuse(cloud, lattice).mesh;
   const Vec3d far{4e6, -5e6, 3e6};
-  const auto shape = make_sphere({.size = 1.0, .centre = far});
-  const PointCloud cloud = virtual_scan(*shape, scanner, Parallel(2)).cloud;
-  const Lattice lattice = place_lattice(shape->box(), 1.0 / 16, 6);
+  for (Vec3d& p : cloud.positions) p += far;
+  for (Scan& scan : cloud.scans) *scan.sensor += far;
+  lattice.first_vertex += far;
   const Mesh mesh = fuse(cloud, lattice).mesh;
-  const Mesh near = fuse(scans_of_sphere(scanner), lattice_of(16)).mesh;
-  ASSERT_EQ(mesh.vertices.size(), near.vertices.size());
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) ASSERT_LT(norm(mesh.vertices[i] - far - near.vertices[i]), 1e-5);
+  ASSERT_EQ(mesh.triangles, near.triangles);
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) ASSERT_LT(norm(mesh.vertices[i] - far - near.vertices[i]), 1e-6);
 }
 
 TEST(Vrip, DroppedSamplesAreHolesInTheRangeGrid) {

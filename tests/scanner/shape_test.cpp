@@ -236,6 +236,19 @@ TEST(Shape, SphereAndTorusHaveTheirClosedForms) {
   EXPECT_FALSE(torus->intersect({0.1, 0.2, 3.0}, {0.0, 0.0, -1.0}));  // through the hole
 }
 
+TEST(Shape, ArchStandsOnTwoFeetAGapApart) {
+  for (const double gap : {0.05, 0.16, 0.5}) {
+    const auto arch = make_arch({.gap = gap});
+    const double foot = 0.5 * arch->box().size().x - 0.5 * arch->box().size().y;  // x of the right foot's axis
+    EXPECT_NEAR(arch->signed_distance({0.0, 0.0, -0.2}), 0.5 * gap, 1e-14) << "halfway between the feet";
+    EXPECT_NEAR(arch->signed_distance({foot, 0.0, -0.7}), 0.2, 1e-14) << "below a foot";
+    EXPECT_NEAR(arch->signed_distance({0.0, 0.0, 0.7}), 0.2, 1e-14) << "above the bend";
+    EXPECT_NEAR(arch->signed_distance({foot, 0.0, -0.2}), -0.5 * arch->box().size().y, 1e-14) << "on the axis";
+    EXPECT_NEAR(arch->tessellate(2e-5).volume() / *arch->facts().volume, 1.0, 3e-4);
+    EXPECT_EQ(check_topology(arch->tessellate(1e-4)).genus(), 0);
+  }
+}
+
 TEST(Shape, PartIsSharp) {
   const auto part = make_part();
   const Vec3d corner = part->box().lo;
@@ -264,7 +277,7 @@ TEST(Shape, RefusalsNameTheValueAndItsConstraint) {
     }
     return "accepted";
   };
-  EXPECT_EQ(message("cube", {}), "shape = cube, must be one of sphere, torus, part, plate, sheets, knot");
+  EXPECT_EQ(message("cube", {}), "shape = cube, must be one of sphere, torus, part, plate, sheets, knot, arch");
   EXPECT_EQ(message("sphere", {.size = -1.0}), "size = -1, must be > 0");
   EXPECT_EQ(message("plate", {.thickness = 0.7}), "thickness = 0.7, must be in [0.0001, 0.5] times the size");
   EXPECT_EQ(message("sheets", {.gap = 0.0}), "gap = 0, must be in [0.0001, 0.5] times the size");

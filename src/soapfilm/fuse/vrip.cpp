@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/core/error.h"
@@ -51,31 +52,60 @@ class SightPrism {
         normal_(normalized(cross(corners[1] - corners[0], corners[2] - corners[0]))) {
     for (int k = 0; k < 3; ++k) {
       const Vec3d a = corners[(k + 1) % 3], b = corners[(k + 2) % 3];
-      // Planes through the lines of sight: positive on the triangle's side. Opposite corner k, so that the three
-      // values are proportional to the barycentric coordinates of where the line of sight meets the triangle.
+      // Through the lines of sight of the edge opposite corner k, positive on the triangle's side: the three values at
+      // x are proportional to the barycentric coordinates of where the line of sight through x meets the triangle.
       side_[k] = view.is_central() ? cross(b - view.vector(), a - view.vector()) : cross(b - a, -view.vector());
-      // On the ray itself the coordinates sum up to `scale`: rounding must open no crack between neighbours.
-      const double scale = std::abs(dot(side_[k], corners[k] - a));
-      slack_[k] = 1e-9 * scale;
+      // Rounding must open no crack between neighbours.
+      slack_[k] = 1e-9 * std::abs(dot(side_[k], corners[k] - a));
     }
   }
 
   Box3d box() const {
+    constexpr double least_cosine = 0.01;  // rays to the corners differ from the one that range_surface() has checked
     Box3d box;
     for (const Vec3d& p : corners_) {
       const Vec3d ray = view_.from(p);
-      const double slope = dot(normal_, ray);
-      box.extend(p + ray * (ramp_.front / slope));
-      box.extend(p - ray * (ramp_.behind / slope));
+      const double cosine = std::max(dot(normal_, ray), least_cosine);
+      box.extend(p + ray * (ramp_.front / cosine));
+      box.extend(p - ray * (ramp_.behind / cosine));
     }
     return box;
   }
 
-  /// The x in [0, 8) for which (x, y, z) is in the prism: [first, last].
-  struct Run {
-    int first = 0, last = brick_side - 1;
-  };
-  Run run(int y, int z) const {
+  /// Visits the vertices of the brick at the origin that lie in the prism.
+  template <class Visit>
+  void for_each_vertex(Visit&& visit) const {
+    const Box3d around = box();
+    const auto first = [](double lo) { return static_cast<int>(std::ceil(std::clamp<double>(lo, 0, brick_side))); };
+    const auto last = [](double hi) {
+      return static_cast<int>(std::floor(std::clamp<double>(hi, -1, brick_side - 1)));
+    };
+    for (int z = first(around.lo.z); z <= last(around.hi.z); ++z) {
+      for (int y = first(around.lo.y); y <= last(around.hi.y); ++y) {
+        const auto [lo, hi] = run(y, z);
+        for (int x = first(lo); x <= last(hi); ++x) visit(Vec3i{x, y, z});
+      }
+    }
+  }
+
+  /// Above the triangle's plane, towards the scanner.
+  double height_of(Vec3d x) const { return dot(normal_, x - corners_[0]); }
+  /// Along the line of sight; > 0 in front of the triangle.
+  double distance_of(Vec3d x) const { return height_of(x) / dot(normal_, view_.from(x)); }
+  /// Barycentric coordinates of where the line of sight through x meets the triangle.
+  std::array<double, 3> coordinates_of(Vec3d x) const {
+    std::array<double, 3> b{};
+    for (int k = 0; k < 3; ++k) b[k] = std::max(0.0, side_value(k, x));
+    const double sum = b[0] + b[1] + b[2];
+    for (double& c : b) c /= sum;
+    return b;
+  }
+
+ private:
+  double side_value(int k, Vec3d x) const { return dot(side_[k], x - corners_[(k + 1) % 3]); }
+
+  /// The part of the brick's row (y, z) that lies in the prism, from first to second; empty when first > second.
+  std::pair<double, double> run(int y, int z) const {
     double lo = 0, hi = brick_side - 1;
     // Keeps the x where slope * x + value >= 0.
     const auto clip = [&](double slope, double value) {
@@ -92,25 +122,8 @@ class SightPrism {
     const double height = height_of(start);
     clip(normal_.x, height + ramp_.behind);
     clip(-normal_.x, ramp_.front - height);
-    if (!(lo <= hi)) return {0, -1};
-    return {static_cast<int>(std::ceil(lo)), static_cast<int>(std::floor(hi))};
+    return {lo, hi};
   }
-
-  /// Above the triangle's plane, towards the scanner.
-  double height_of(Vec3d x) const { return dot(normal_, x - corners_[0]); }
-  /// Along the line of sight; > 0 in front of the triangle.
-  double distance_of(Vec3d x) const { return height_of(x) / dot(normal_, view_.from(x)); }
-  /// Barycentric coordinates of where the line of sight through x meets the triangle.
-  std::array<double, 3> coordinates_of(Vec3d x) const {
-    std::array<double, 3> b{};
-    for (int k = 0; k < 3; ++k) b[static_cast<size_t>(k)] = std::max(0.0, side_value(k, x));
-    const double sum = b[0] + b[1] + b[2];
-    for (double& c : b) c /= sum;
-    return b;
-  }
-
- private:
-  double side_value(int k, Vec3d x) const { return dot(side_[k], x - corners_[(k + 1) % 3]); }
 
   std::array<Vec3d, 3> corners_;
   Viewpoint view_;
@@ -213,13 +226,13 @@ class Fusion {
   void add(const PlacedScan& scan) {
     const std::vector<BrickBox> boxes = boxes_of(scan);
     // The triangles near each brick, in their order.
-    std::vector<uint32_t> begin(fused_.grid.size() + 1, 0);
+    std::vector<size_t> begin(fused_.grid.size() + 1, 0);
     const auto index = [&](Vec3i b) { return static_cast<size_t>(fused_.grid.find(b)); };
     for (const BrickBox& box : boxes) for_each_brick(box, [&](Vec3i b) { ++begin[index(b)]; });
-    std::vector<uint32_t> touched;
-    uint32_t sum = 0;
+    std::vector<size_t> touched;
+    size_t sum = 0;
     for (size_t b = 0; b < begin.size(); ++b) {
-      if (begin[b] > 0) touched.push_back(static_cast<uint32_t>(b));
+      if (begin[b] > 0) touched.push_back(b);
       begin[b] = sum += begin[b];
     }
     std::vector<uint32_t> triangles(sum);
@@ -238,25 +251,17 @@ class Fusion {
     for (const uint32_t t : triangles) {
       const SightPrism prism = scan.prism(t, Vec3d(first_vertex), ramp_);
       const Triangle& corners = scan.surface.triangles[t];
-      const Box3d box = prism.box();
-      const auto first = [](double lo) { return static_cast<int>(std::ceil(std::max(lo, 0.0))); };
-      const auto last = [](double hi) { return static_cast<int>(std::floor(std::min(hi, brick_side - 1.0))); };
-      for (int z = first(box.lo.z); z <= last(box.hi.z); ++z) {
-        for (int y = first(box.lo.y); y <= last(box.hi.y); ++y) {
-          const SightPrism::Run run = prism.run(y, z);
-          for (int x = run.first; x <= run.last; ++x) {
-            const Vec3d vertex(Vec3i{x, y, z});
-            const double distance = prism.distance_of(vertex);
-            const auto i = static_cast<size_t>(brick_offset(x, y, z));
-            if (!(std::abs(distance) < std::abs(seen.distance[i]))) continue;
-            seen.distance[i] = distance;
-            const auto b = prism.coordinates_of(vertex);
-            double weight = 0;
-            for (size_t k = 0; k < 3; ++k) weight += b[k] * static_cast<double>(scan.surface.weight[corners[k]]);
-            seen.weight[i] = weight * ramp_.weight(prism.height_of(vertex));
-          }
-        }
-      }
+      prism.for_each_vertex([&](Vec3i v) {
+        const Vec3d x(v);
+        const auto i = static_cast<size_t>(brick_offset(v.x, v.y, v.z));
+        const double distance = prism.distance_of(x);
+        if (!(std::abs(distance) < std::abs(seen.distance[i]))) return;
+        const auto b = prism.coordinates_of(x);
+        double weight = 0;
+        for (size_t k = 0; k < 3; ++k) weight += b[k] * static_cast<double>(scan.surface.weight[corners[k]]);
+        seen.distance[i] = distance;
+        seen.weight[i] = weight * ramp_.weight(prism.height_of(x));
+      });
     }
     return seen;
   }

@@ -32,12 +32,13 @@ struct NamedMaker {
   const char* name;
   Maker make;
 };
-constexpr std::array<NamedMaker, 6> makers{{{"sphere", make_sphere},
+constexpr std::array<NamedMaker, 7> makers{{{"sphere", make_sphere},
                                             {"torus", make_torus},
                                             {"part", make_part},
                                             {"plate", make_plate},
                                             {"sheets", make_sheets},
-                                            {"knot", make_knot}}};
+                                            {"knot", make_knot},
+                                            {"arch", make_arch}}};
 
 }  // namespace
 

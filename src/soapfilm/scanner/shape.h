@@ -67,7 +67,7 @@ struct ShapeParams {
   double size = 1.0;        ///< longest side of the box, input units, > 0
   Vec3d centre{};           ///< of the box, input units
   double thickness = 0.12;  ///< of the plate and of each sheet, as a part of `size`; [1e-4, 0.5], sheets [1e-4, 0.25]
-  double gap = 0.16;        ///< between the two sheets, as a part of `size`; [1e-4, 0.5]
+  double gap = 0.16;        ///< between the sheets, and the feet of the arch, as a part of `size`; [1e-4, 0.5]
 };
 
 /// Ball of diameter `size`.
@@ -83,6 +83,9 @@ std::shared_ptr<const Shape> make_sheets(const ShapeParams& params = {});
 /// Trefoil knot as a tube, with a post between the strands at each of its three crossings; genus 4. Its distance is
 /// exact outside; inside it is exact but for points closest to a post's foot, where it is off by less than 1e-6 size.
 std::shared_ptr<const Shape> make_knot(const ShapeParams& params = {});
+/// Tube bent to an upside-down U in the plane y = 0: two round-ended feet, `gap` apart. Its radius is 0.18 size, or
+/// less where a wide gap leaves less.
+std::shared_ptr<const Shape> make_arch(const ShapeParams& params = {});
 
 /// The names that make_shape knows, in the order above.
 std::vector<std::string> shape_names();

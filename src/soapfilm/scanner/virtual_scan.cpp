@@ -132,12 +132,6 @@ struct Measurement {
   Vec3f normal;
 };
 
-/// Where outliers lie: the surface's box, a quarter of its diagonal wider on every side.
-Box3d outlier_box(const Box3d& box) {
-  const double margin = 0.25 * box.diagonal();
-  return {box.lo - Vec3d{margin, margin, margin}, box.hi + Vec3d{margin, margin, margin}};
-}
-
 /// A number of its own for each pixel of each scan, whatever the order in which they are computed.
 Random pixel_random(uint64_t seed, size_t scan, size_t pixel) {
   Random of_seed(seed);
@@ -232,7 +226,13 @@ PointCloud scan_view(const Surface& surface, const ScannerParams& params, RangeC
 
 }  // namespace
 
+Box3d outlier_box(const Box3d& box) {
+  const double margin = 0.25 * box.diagonal();
+  return {box.lo - Vec3d{margin, margin, margin}, box.hi + Vec3d{margin, margin, margin}};
+}
+
 std::vector<Vec3d> scanner_positions(const Box3d& box, const ScannerParams& params) {
+  check(params);
   if (!params.positions.empty()) return params.positions;
   const Vec3d target = target_of(box, params);
   const double radius = params.distance * box.diagonal();

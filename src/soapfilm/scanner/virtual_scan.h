@@ -67,7 +67,10 @@ inline ScanSet virtual_scan(const Surface& surface, const ScannerParams& params,
   return virtual_scan(surface, params, parallel, nobody);
 }
 
-/// The positions that virtual_scan uses for a surface with the given box.
+/// Where outliers lie: the surface's box, a quarter of its diagonal wider on every side.
+Box3d outlier_box(const Box3d& box);
+
+/// The positions that virtual_scan uses for a surface with the given box. Throws ParameterError as it does.
 std::vector<Vec3d> scanner_positions(const Box3d& box, const ScannerParams& params);
 
 }  // namespace soapfilm

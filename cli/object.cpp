@@ -1,0 +1,83 @@
+#include "cli/object.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "cli/parse.h"
+#include "soapfilm/core/error.h"
+#include "soapfilm/io/io.h"
+#include "soapfilm/scanner/mesh_surface.h"
+
+namespace soapfilm::cli {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+Object shape_object(const ObjectOptions& options) {
+  ShapeParams params = options.shape;
+  if (!options.centre.empty()) params.centre = parse_point("centre", options.centre);
+  const std::shared_ptr<const Shape> shape = make_shape(options.name, params);
+  const ShapeFacts& facts = shape->facts();
+  ordered_json json = {{"shape", facts.name}, {"parameters", ordered_json::object()}};
+  for (const auto& [name, value] : facts.parameters) json["parameters"][name] = value;
+  json["centre"] = json_of(params.centre);
+  json["components"] = facts.components;
+  json["genus"] = facts.genus;
+  json["narrowest"] = facts.narrowest;
+  json["volume"] = facts.volume ? ordered_json(*facts.volume) : ordered_json(nullptr);
+  json["area"] = facts.area ? ordered_json(*facts.area) : ordered_json(nullptr);
+  return {shape, std::move(json)};
+}
+
+Object mesh_object(const ObjectOptions& options, const Parallel& parallel, Progress& progress) {
+  for (const CLI::Option* option : options.shape_only)
+    if (option->count() > 0)
+      throw ParameterError(
+          fmt::format("{}: only built-in shapes have it, {} is a mesh", option->get_name(), options.name));
+  const auto mesh = std::make_shared<const MeshSurface>(read_mesh(options.name), parallel);
+  if (mesh->turned())
+    progress.warn(fmt::format("{}: inside-out (negative volume), its faces are turned", options.name));
+  return {mesh,
+          {{"file", options.name},
+           {"turned", mesh->turned()},
+           {"volume", mesh->mesh().volume()},
+           {"area", mesh->mesh().area()}}};
+}
+
+}  // namespace
+
+std::string object_description() {
+  return fmt::format("A built-in shape ({})\nor a mesh (.ply, .obj, .off, .stl)", fmt::join(shape_names(), ", "));
+}
+
+void add_shape_options(CLI::App& app, ObjectOptions& o) {
+  const auto shape = [&](auto* option) {
+    o.shape_only.push_back(option);
+    return option->group("Shape");
+  };
+  shape(app.add_option("--size", o.shape.size, "Longest side of a built-in shape"))
+      ->option_text(fmt::format("V [{:g}]", o.shape.size));
+  shape(app.add_option("--centre", o.centre, "Centre of its box"))->option_text("X,Y,Z [0,0,0]");
+  shape(app.add_option("--thickness", o.shape.thickness, "Of the plate and the sheets, as a part of the size"))
+      ->option_text(fmt::format("V [{:g}]", o.shape.thickness));
+  shape(app.add_option("--gap", o.shape.gap, "Between the sheets or the arch's feet, as a part of the size"))
+      ->option_text(fmt::format("V [{:g}]", o.shape.gap));
+}
+
+Object make_object(const char* option, const ObjectOptions& options, const Parallel& parallel, Progress& progress) {
+  const std::vector<std::string> names = shape_names();
+  if (std::find(names.begin(), names.end(), options.name) != names.end()) return shape_object(options);
+  const std::filesystem::path path(options.name);
+  if (!path.has_extension() && !std::filesystem::exists(path))
+    throw ParameterError(
+        fmt::format("{} = {}, must be one of {}, or a mesh file", option, options.name, fmt::join(names, ", ")));
+  return mesh_object(options, parallel, progress);
+}
+
+ordered_json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace soapfilm::cli

@@ -1,0 +1,41 @@
+// A known surface named on the command line: a built-in shape with its options, or a mesh file.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/scanner/shape.h"
+
+namespace soapfilm::cli {
+
+/// What the options say, before it is checked.
+struct ObjectOptions {
+  std::string name;  ///< shape or file
+  std::string centre;
+  ShapeParams shape;
+  std::vector<const CLI::Option*> shape_only;  ///< options that a mesh has no use for
+};
+
+/// "A built-in shape (sphere, ...) or a mesh (...)", for the option that names the object.
+std::string object_description();
+
+/// --size, --centre, --thickness, --gap.
+void add_shape_options(CLI::App& app, ObjectOptions& options);
+
+/// The surface, and what is known about it.
+struct Object {
+  std::shared_ptr<const Surface> surface;
+  nlohmann::ordered_json facts;
+};
+
+/// `option` is how a refusal calls the object. Warns of a mesh that is inside-out; its faces are turned.
+Object make_object(const char* option, const ObjectOptions& options, const Parallel& parallel, Progress& progress);
+
+nlohmann::ordered_json json_of(const Vec3d& v);
+
+}  // namespace soapfilm::cli

@@ -1,0 +1,49 @@
+// The options of soapfilm scan, and what they mean for an object of a given size.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/object.h"
+#include "soapfilm/core/box.h"
+#include "soapfilm/scanner/missing.h"
+#include "soapfilm/scanner/sample_surface.h"
+#include "soapfilm/scanner/virtual_scan.h"
+
+namespace soapfilm::cli {
+
+/// What tells a sample of --samples which side is outside.
+enum class Directions { normals, views };
+
+/// What the options say, before it is checked. Lengths may be given in percent of the longest side.
+struct ScanOptions {
+  ObjectOptions object;
+  std::string folder;
+  std::string image;
+  std::string step, noise, misalignment;
+  std::vector<std::string> positions;
+  std::string target;
+  ScannerParams scanner;
+  long long samples = 0;
+  Directions directions = Directions::normals;
+  MissingParams missing;
+
+  const CLI::Option* samples_option = nullptr;
+  const CLI::Option* directions_option = nullptr;
+  const CLI::Option* elevations = nullptr;
+  std::vector<const CLI::Option*> view_options;   ///< where scanners stand: no use for samples with normals
+  std::vector<const CLI::Option*> image_options;  ///< what only range images have: no use for samples at all
+
+  bool even_samples() const { return samples_option->count() > 0; }
+};
+
+void add_scan_options(CLI::App& app, ScanOptions& options);
+
+/// Throws ParameterError for options that have no meaning together.
+void check_together(const ScanOptions& options);
+
+ScannerParams scanner_params(const ScanOptions& options, const Box3d& box);
+SamplingParams sampling_params(const ScanOptions& options, const Box3d& box);
+
+}  // namespace soapfilm::cli
