@@ -208,8 +208,8 @@ void add_main_options(CLI::App& app, Options& o) {
 
   const auto energy = [&](auto* option) { return option->group("Energy"); };
   energy(app.add_option("--lambda", o.lambda,
-                        fmt::format("Weight of area, in the paper's meaning (0.005 to 0.01 there); larger is\nsmoother "
-                                    "(default: {:g} x samples per voxel^2);\nauto: by cross-validation",
+                        fmt::format("Weight of area, in the paper's meaning (0.005 to 0.01 there); larger\n"
+                                    "is smoother (default: {:g} x samples per voxel^2);\nauto: by cross-validation",
                                     p.energy.lambda_per_density)))
       ->option_text("V|auto");
   energy(app.add_option("--norm", p.energy.norm,
@@ -236,8 +236,10 @@ void add_method_options(CLI::App& app, Options& o) {
       ->transform(named<LinkWeights>(
           {{"edge-length", LinkWeights::edge_length}, {"cauchy-crofton", LinkWeights::cauchy_crofton}}))
       ->option_text("W [edge-length]");
-  method(app.add_option("--ramp", p.vrip.ramp, "Of vrip: reach in front of and behind a scan, voxels"))
-      ->option_text(fmt::format("V [{:g}]", p.vrip.ramp));
+  method(app.add_option("--front", p.vrip.front, "Of vrip: reach of a scan before its surface, voxels"))
+      ->option_text(fmt::format("V [{:g}]", p.vrip.front));
+  method(app.add_option("--behind", p.vrip.behind, "Of vrip: reach behind it, voxels"))
+      ->option_text(fmt::format("V [{:g}]", p.vrip.behind));
   method(app.add_option("--folds", p.select.folds, "Of --lambda auto: parts of the samples, each held out once"))
       ->option_text(fmt::format("N [{}]", p.select.folds));
   method(app.add_option("--fold-source", p.select.source, "Of --lambda auto: auto, samples, or whole scans"))

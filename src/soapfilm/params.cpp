@@ -72,7 +72,8 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("poisson", "tolerance", p.poisson.tolerance);
   visit("poisson", "max_iterations", p.poisson.max_iterations);
   visit("graph_cut", "weights", p.graph_cut.weights);
-  visit("vrip", "ramp", p.vrip.ramp);
+  visit("vrip", "front", p.vrip.front);
+  visit("vrip", "behind", p.vrip.behind);
   visit("vrip", "max_edge", p.vrip.surface.max_edge);
   visit("vrip", "max_incidence_deg", p.vrip.surface.max_incidence_deg);
   visit("vrip", "taper", p.vrip.surface.taper);
@@ -202,7 +203,9 @@ void validate(const ReconstructParams& params) {
   validate(params.sor);
   validate(params.select);
   validate(params.vrip.surface);
-  require(params.vrip.ramp > 0, "ramp", params.vrip.ramp, "> 0");
+  const auto reach = [](double v) { return v > 0 && v <= 1000; };
+  require(reach(params.vrip.front), "front", params.vrip.front, "> 0 and <= 1000");
+  require(reach(params.vrip.behind), "behind", params.vrip.behind, "> 0 and <= 1000");
   require(params.poisson.tolerance > 0 && params.poisson.tolerance < 1, "poisson tolerance", params.poisson.tolerance,
           "> 0 and < 1");
   require(params.poisson.max_iterations >= 1, "poisson max_iterations", params.poisson.max_iterations, ">= 1");

@@ -81,11 +81,11 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   report.input.density = sampling.density(voxel);
 
   const size_t held = peak_memory_bytes();
-  check_memory(plan_tables(report.lattice), params.memory_limit, held, report.lattice);
+  check_memory(plan_tables(params.method, report.lattice), params.memory_limit, held, report.lattice);
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw ParameterError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
-  const MemoryPlan plan = plan_memory(cloud, report.lattice, support);
+  const MemoryPlan plan = plan_memory(params.method, cloud, report.lattice, support);
   report.planned_bytes = plan.total();
   check_memory(plan, params.memory_limit, held, report.lattice);
   return samples;

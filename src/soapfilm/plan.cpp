@@ -30,16 +30,46 @@ constexpr double band_over_support = 1.1;
 constexpr double coarser_share = 0.35;
 constexpr double coarser_data_share = 0.4;
 
-size_t table_bytes(const Lattice& lattice) {
+/// Arrays on every vertex of the box while the solver works, bytes per vertex (docs/methods.md has what they hold).
+double dense_bytes_per_vertex(Method method) {
+  if (method == Method::tv_sor) return 7;
+  if (method == Method::poisson) return 17.2;
+  return 0;
+}
+
+/// What spans the whole box: a bit per brick in each mask, and the arrays of methods that know no band.
+size_t box_bytes(Method method, const Lattice& lattice) {
   const Vec3i bricks = lattice.box(0).bricks;
   const double bits = static_cast<double>(bricks.x) * bricks.y * bricks.z;
   constexpr double masks = 6;  // support, band, inside; each beside its coarser or older one
-  return static_cast<size_t>(masks * bits / 8);
+  return static_cast<size_t>(masks * bits / 8 + dense_bytes_per_vertex(method) * lattice.vertices());
+}
+
+/// The peak beside the box's arrays and the data term, bytes per support brick.
+double band_bytes_per_brick(Method method) {
+  const double level = band_over_support * level_brick_bytes;
+  // Vertices with f != 0 and those around them fill more than half of the support's bricks.
+  const double graph_vertices = 0.58 * brick_volume;
+  switch (method) {
+    case Method::tv:
+      return (1 + coarser_share) * level + coarser_data_share * data_brick_bytes;
+    case Method::graph_cut_6:
+      return level + 117 * graph_vertices;
+    case Method::graph_cut_26:
+      return level + 345 * graph_vertices;
+    case Method::vrip:
+      return 4.4 * data_brick_bytes;  // in place of f: distances, weights, and the scan being fused
+    case Method::poisson:
+      return 0;  // the level is made when most of the box's arrays are gone
+    case Method::tv_sor:
+      break;
+  }
+  return level;
 }
 
 }  // namespace
 
-MemoryPlan plan_memory(const PointCloud& cloud, const Lattice& lattice, size_t support_bricks) {
+MemoryPlan plan_memory(Method method, const PointCloud& cloud, const Lattice& lattice, size_t support_bricks) {
   MemoryPlan plan;
   size_t per_sample = sizeof(Vec3d) + sizeof(Vec3f);   // position and direction
   per_sample += 2 * sizeof(Vec3f) + sizeof(uint32_t);  // sorted position, direction, source
@@ -51,14 +81,12 @@ MemoryPlan plan_memory(const PointCloud& cloud, const Lattice& lattice, size_t s
   for (const Scan& scan : cloud.scans)
     if (scan.range_grid) plan.fixed_bytes += scan.range_grid->sample.size() * sizeof(int32_t);
 
-  const auto bricks = static_cast<double>(support_bricks);
-  plan.grid_bytes =
-      table_bytes(lattice) + static_cast<size_t>(bricks * (band_over_support * (1 + coarser_share) * level_brick_bytes +
-                                                           (1 + coarser_data_share) * data_brick_bytes));
+  const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
+  plan.grid_bytes = box_bytes(method, lattice) + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick);
   return plan;
 }
 
-MemoryPlan plan_tables(const Lattice& lattice) { return {base_bytes, table_bytes(lattice)}; }
+MemoryPlan plan_tables(Method method, const Lattice& lattice) { return {base_bytes, box_bytes(method, lattice)}; }
 
 void check_memory(const MemoryPlan& plan, std::optional<size_t> limit, size_t held, const Lattice& lattice) {
   const size_t available = available_memory_bytes();

@@ -7,6 +7,7 @@
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/method.h"
 
 namespace soapfilm {
 
@@ -17,12 +18,12 @@ struct MemoryPlan {
   size_t total() const { return fixed_bytes + grid_bytes; }
 };
 
-/// What a reconstruction on this lattice will need. The band's size follows from the bricks that the samples reach
-/// (`support_bricks`), the only part of the grid that is known before the solve.
-MemoryPlan plan_memory(const PointCloud& cloud, const Lattice& lattice, size_t support_bricks);
+/// What a reconstruction on this lattice by this method will need. The band's size follows from the bricks that the
+/// samples reach (`support_bricks`), the only part of the grid that is known before the solve.
+MemoryPlan plan_memory(Method method, const PointCloud& cloud, const Lattice& lattice, size_t support_bricks);
 
-/// The same before anything is built: the tables that span the whole box, whatever the samples.
-MemoryPlan plan_tables(const Lattice& lattice);
+/// The same before anything is built: what spans the whole box, whatever the samples.
+MemoryPlan plan_tables(Method method, const Lattice& lattice);
 
 /// Throws MemoryError when the plan passes `limit` or, without a limit, what the machine has free beside the `held`
 /// bytes that this process has already; the message says which resolution would fit, by the square law of a surface.
