@@ -165,6 +165,28 @@ INSTANTIATE_TEST_SUITE_P(ThinParts, CrossValidationOf,
                            return c.param.shape + std::to_string(static_cast<int>(10 * c.param.density)) + "per10_Slow";
                          });
 
+/// Half of the knot with one sample in fifty (the paper's figure 4) and outliers: the mean density speaks for the dense
+/// half, and the lambda that usually goes with it cuts the other one off.
+TEST(CrossValidation, KeepsASparseHalfThatTheFixedRuleLoses_Slow) {
+  PointCloud cloud = dirty("knot", 10, {0, 0.05});
+  Random random(3);
+  const double middle = cloud.box().centre().x;
+  std::vector<bool> keep(cloud.size());
+  for (size_t i = 0; i < cloud.size(); ++i) keep[i] = cloud.positions[i].x < middle || random.uniform() < 0.02;
+  cloud.filter(keep);
+  const auto genus_with = [&](double lambda_per_density) {
+    ReconstructParams params;
+    params.place.resolution = resolution;
+    params.energy.lambda_per_density = lambda_per_density;
+    Progress progress;
+    return check_topology(reconstruct(cloud, params, Parallel(1), progress).mesh).genus();
+  };
+  const CrossValidationReport report = chosen_for(cloud);
+  EXPECT_LT(report.chosen, EnergyParams{}.lambda_per_density);
+  EXPECT_EQ(genus_with(report.chosen), 4);
+  EXPECT_NE(genus_with(EnergyParams{}.lambda_per_density), 4);
+}
+
 TEST(CrossValidation, DoesNotDependOnThreads) {
   const PointCloud cloud = dirty("torus", 0.5, {0.3, 0.1});
   CrossValidationParams params;
