@@ -18,6 +18,7 @@ using Runner = std::function<int()>;
 
 void add_reconstruct(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_scan(CLI::App& app, const GlobalOptions& options, Runner& runner);
+void add_evaluate(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_info(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner);
 

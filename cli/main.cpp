@@ -107,6 +107,7 @@ int run(int argc, char** argv) {
   add_global_options(app, options);
   add_reconstruct(app, options, runner);
   add_scan(app, options, runner);
+  add_evaluate(app, options, runner);
   add_info(app, options, runner);
   add_render(app, options, runner);
   app.footer(examples_and_codes);  // last: sub-commands would inherit it

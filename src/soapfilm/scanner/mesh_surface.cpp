@@ -126,6 +126,15 @@ SurfacePoint MeshSurface::closest(Vec3d p) const {
   return {found.position, triangle_normal(mesh_, found.triangle), found.distance};
 }
 
+std::vector<SurfacePoint> MeshSurface::closest_points(const std::vector<Vec3d>& points,
+                                                      const Parallel& parallel) const {
+  const std::vector<ClosestPoint> found = (*closest_point_)(points, parallel);
+  std::vector<SurfacePoint> answer;
+  answer.reserve(found.size());
+  for (const ClosestPoint& c : found) answer.push_back({c.position, triangle_normal(mesh_, c.triangle), c.distance});
+  return answer;
+}
+
 Mesh MeshSurface::tessellate(double /*tolerance*/) const { return mesh_; }
 
 }  // namespace soapfilm

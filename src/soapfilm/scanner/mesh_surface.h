@@ -22,6 +22,9 @@ class MeshSurface final : public Surface {
   SurfacePoint closest(Vec3d p) const override;
   Box3d box() const override { return box_; }
   Mesh tessellate(double tolerance) const override;
+  std::optional<double> volume() const override { return mesh_.volume(); }
+  std::optional<double> area() const override { return mesh_.area(); }
+  std::vector<SurfacePoint> closest_points(const std::vector<Vec3d>& points, const Parallel& parallel) const override;
 
   const Mesh& mesh() const { return mesh_; }
   bool turned() const { return turned_; }

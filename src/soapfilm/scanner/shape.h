@@ -35,6 +35,8 @@ class Shape : public Surface {
   SurfacePoint closest(Vec3d p) const final;
   Box3d box() const final { return {centre_ - half_size_, centre_ + half_size_}; }
   Mesh tessellate(double tolerance) const final;
+  std::optional<double> volume() const final { return facts_.volume; }
+  std::optional<double> area() const final { return facts_.area; }
 
  protected:
   /// Signed distance and its gradient: the unit normal at the closest point, which is p - distance * normal.

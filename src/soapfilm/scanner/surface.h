@@ -1,10 +1,13 @@
-// What the virtual scanner can look at: something that rays hit and that knows its closest point.
+// What is known exactly, to be scanned and to be compared with: something that rays hit and that knows its closest
+// point.
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "soapfilm/core/box.h"
 #include "soapfilm/core/mesh.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm {
@@ -28,7 +31,16 @@ class Surface {
   /// Triangles whose vertices lie on the surface and whose chords deviate from it by at most about `tolerance`
   /// (input units, > 0). A mesh returns itself.
   virtual Mesh tessellate(double tolerance) const = 0;
+  /// Enclosed volume and area, where they are known without tessellating.
+  virtual std::optional<double> volume() const { return std::nullopt; }
+  virtual std::optional<double> area() const { return std::nullopt; }
 
+  /// closest() of many points, in their order.
+  virtual std::vector<SurfacePoint> closest_points(const std::vector<Vec3d>& points, const Parallel& parallel) const {
+    std::vector<SurfacePoint> found(points.size());
+    parallel.for_each(points.size(), 256, [&](size_t i) { found[i] = closest(points[i]); });
+    return found;
+  }
   double distance(Vec3d p) const { return closest(p).distance; }
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/field/sampling.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr float threshold = 0.5f;
 /// Errors that matter are over 1e-3 of the flux; a tighter solve would not move them.
 constexpr double coarse_tolerance = 1e-3;
+constexpr int coarse_iterations = 400;
 
 Lattice coarse_lattice(const PointCloud& cloud, const Lattice& finest, int max_resolution) {
   const Box3d box = cloud.box();
@@ -46,6 +48,7 @@ double flux_through(const Level& level, const SupportField& field, const Paralle
 std::optional<double> held_out_flux(const Lattice& lattice, const FoldFields& fold, double lambda,
                                     PrimalDualParams solver, const Parallel& parallel) {
   solver.tolerance = std::max(solver.tolerance, coarse_tolerance);
+  solver.max_iterations = std::min(solver.max_iterations, coarse_iterations);
   Progress levels;  // of one small solve among many: not shown
   const PyramidSolution solution = solve_coarse_to_fine(lattice, fold.training, lambda, solver, parallel, levels);
   const Energies energies = evaluate_energy(solution.finest, {.threshold = threshold, .certify = false}, parallel);

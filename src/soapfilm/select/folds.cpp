@@ -65,7 +65,7 @@ Folds make_folds(const PointCloud& cloud, std::span<const Vec3f> directions, int
 
   Folds folds;
   folds.count = count;
-  folds.whole_scans = source == FoldSource::scans || (source == FoldSource::automatic && scans >= 2 * count);
+  folds.whole_scans = source == FoldSource::scans;
   folds.of_sample.assign(cloud.size(), 0);
   if (folds.whole_scans)
     deal_scans(cloud, scan_size, folds);

@@ -13,10 +13,11 @@
 
 namespace soapfilm {
 
-/// What a fold is made of. Samples of one scan share its misalignment and its false edges, so folds of single samples
-/// call both confirmed; whole scans do not, but they also hold out regions that nobody else saw.
+/// What a fold is made of. Whole scans hold out what one scan alone has wrong (misalignment, false edges), but also the
+/// regions and viewing directions that only it had: what is asked then is how well the film guesses, and the larger
+/// lambda that answers best has merged and split parts where single samples kept them (docs/methods.md).
 enum class FoldSource {
-  automatic,  ///< whole scans when there are at least two per fold, samples otherwise
+  automatic,  ///< single samples, also where there are scans
   samples,    ///< single samples, dealt at random
   scans       ///< whole scans
 };

@@ -1,0 +1,23 @@
+// An evaluation as a table for people and as JSON for programs (docs/evaluate.md lists the keys).
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "soapfilm/evaluate/evaluate.h"
+
+namespace soapfilm::cli {
+
+/// What an evaluation is about.
+struct EvaluationSubject {
+  std::string mesh;              ///< file
+  nlohmann::ordered_json truth;  ///< facts of the shape or the mesh file
+  std::string samples;           ///< file; empty: none
+  double voxel = 0;              ///< input units; 0: none
+  EvaluationOptions options;
+};
+
+std::string evaluation_table(const EvaluationSubject& subject, const Evaluation& evaluation);
+nlohmann::ordered_json evaluation_json(const EvaluationSubject& subject, const Evaluation& evaluation);
+
+}  // namespace soapfilm::cli

@@ -1,0 +1,22 @@
+// Points spread over a mesh by area, for measuring it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/core/mesh.h"
+#include "soapfilm/core/parallel.h"
+
+namespace soapfilm {
+
+struct MeshPoint {
+  Vec3d position;
+  uint32_t triangle = 0;
+};
+
+/// `count` points, one at random in each of `count` equal parts of the area, along the order of the triangles. The
+/// result does not depend on the number of threads. Throws ParameterError when the mesh has no area.
+std::vector<MeshPoint> sample_mesh(const Mesh& mesh, size_t count, uint64_t seed, const Parallel& parallel);
+
+}  // namespace soapfilm
