@@ -65,7 +65,7 @@ TEST(ParamsJson, VoxelAndResolutionExcludeEachOther) {
   EXPECT_NE(message_of([&] { validate(params); }).find("only one of them"), std::string::npos);
 }
 
-TEST(ParamsJson, DefaultsAreValid) { EXPECT_NO_THROW(validate({})); }
+TEST(ParamsJson, DefaultsAreValid) { EXPECT_NO_THROW(validate(ReconstructParams{})); }
 
 TEST(ParamsJson, JsonGivesThemBack) {
   ReconstructParams params;
