@@ -22,13 +22,14 @@ TEST(Program, HelpIsAPage) {
   const ProcessResult result = run({"--help"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
-  for (const char* word : {"reconstruct", "scan", "info", "render", "--threads", "--quiet", "EXAMPLES", "EXIT CODES"})
+  for (const char* word :
+       {"reconstruct", "scan", "evaluate", "info", "render", "--threads", "--quiet", "EXAMPLES", "EXIT CODES"})
     EXPECT_TRUE(contains(result.out, word)) << word;
   EXPECT_EQ(run({}).out, result.out) << "without arguments the same page";
 }
 
 TEST(Program, HelpFitsAHundredColumns) {
-  for (const char* command : {"", "reconstruct", "scan", "info", "render"}) {
+  for (const char* command : {"", "reconstruct", "scan", "evaluate", "info", "render"}) {
     std::istringstream page(
         run(*command ? std::vector<std::string>{command, "--help"} : std::vector<std::string>{}).out);
     for (std::string line; std::getline(page, line);) EXPECT_LE(line.size(), 100u) << command << ": " << line;
@@ -36,7 +37,7 @@ TEST(Program, HelpFitsAHundredColumns) {
 }
 
 TEST(Program, EverySubCommandHasAPage) {
-  for (const char* command : {"reconstruct", "scan", "info", "render"}) {
+  for (const char* command : {"reconstruct", "scan", "evaluate", "info", "render"}) {
     const ProcessResult result = run({command, "--help"});
     EXPECT_EQ(result.exit_code, 0) << command;
     EXPECT_TRUE(contains(result.out, "Usage: soapfilm " + std::string(command))) << result.out;
@@ -47,7 +48,7 @@ TEST(Program, EverySubCommandHasAPage) {
 TEST(Program, RefusesWhatItDoesNotKnow) {
   expect_refused({"--bogus"}, "unknown option '--bogus'");
   expect_refused({"bogus"}, "unknown command 'bogus'");
-  for (const char* command : {"reconstruct", "scan", "info", "render"})
+  for (const char* command : {"reconstruct", "scan", "evaluate", "info", "render"})
     expect_refused({command, "--bogus"}, "'--bogus'");
 }
 

@@ -85,7 +85,7 @@ TEST(SampleSurface, EachSampleHasTheSensorThatSeesItMostSquarely) {
 }
 
 TEST(SampleSurface, IsTheSameForAnyNumberOfThreads) {
-  const auto shape = make_knot();
+  const auto shape = make_part();
   ScannerParams views;
   const SamplingParams params{
       .count = 3000, .noise = 1e-3, .outliers = 0.1, .sensors = scanner_positions(shape->box(), views), .seed = 5};

@@ -16,9 +16,9 @@
 namespace soapfilm {
 
 struct EvaluationOptions {
-  size_t points = 300000;                 ///< on each of the two surfaces, by area; [1, 1e8]
-  std::vector<double> f_score_distances;  ///< input units, each > 0
-  uint64_t seed = 1;                      ///< of where the points lie
+  size_t points = 300000;                   ///< on each of the two surfaces, by area; [1, 1e8]
+  std::vector<double> f_score_distances{};  ///< input units, each > 0
+  uint64_t seed = 1;                        ///< of where the points lie
 };
 
 /// From points of one surface to the other.

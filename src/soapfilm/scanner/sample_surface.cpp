@@ -47,9 +47,8 @@ Vec3d random_direction(Random& random) {
   return normalized(Vec3d{x, y, z});
 }
 
-}  // namespace
-
-PointCloud sample_surface(const Surface& surface, size_t count, uint64_t seed) {
+/// Even samples with their true normals.
+PointCloud undisturbed(const Surface& surface, size_t count, uint64_t seed, const Parallel& parallel) {
   const Mesh mesh = surface.tessellate(1e-4 * surface.box().longest());
   std::vector<double> area_up_to;
   double area = 0.0;
@@ -58,31 +57,38 @@ PointCloud sample_surface(const Surface& surface, size_t count, uint64_t seed) {
     area += 0.5 * norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
     area_up_to.push_back(area);
   }
-
-  PointCloud cloud;
-  cloud.positions.reserve(count);
-  cloud.normals.reserve(count);
+  std::vector<Vec3d> near(count);
   Random random(seed);
-  for (size_t i = 0; i < count; ++i) {
+  for (Vec3d& p : near) {
     const auto found = std::upper_bound(area_up_to.begin(), area_up_to.end(), random.uniform() * area);
     const size_t index = std::min(static_cast<size_t>(found - area_up_to.begin()), mesh.triangles.size() - 1);
     const Triangle& t = mesh.triangles[index];
     // Uniform in a triangle: sqrt of one number, the other as it is (Turk 1990).
     const double r = std::sqrt(random.uniform());
     const double s = random.uniform();
-    const Vec3d p =
-        mesh.vertices[t[0]] * (1.0 - r) + mesh.vertices[t[1]] * (r * (1.0 - s)) + mesh.vertices[t[2]] * (r * s);
-    const SurfacePoint on_surface = surface.closest(p);
-    cloud.positions.push_back(on_surface.position);
-    cloud.normals.push_back(static_cast<Vec3f>(on_surface.normal));
+    p = mesh.vertices[t[0]] * (1.0 - r) + mesh.vertices[t[1]] * (r * (1.0 - s)) + mesh.vertices[t[2]] * (r * s);
+  }
+
+  PointCloud cloud;
+  cloud.positions.reserve(count);
+  cloud.normals.reserve(count);
+  for (const SurfacePoint& p : surface.closest_points(near, parallel)) {
+    cloud.positions.push_back(p.position);
+    cloud.normals.push_back(static_cast<Vec3f>(p.normal));
   }
   cloud.scans.push_back({"samples", 0, count, {}, {}, {}});
   return cloud;
 }
 
+}  // namespace
+
+PointCloud sample_surface(const Surface& surface, size_t count, uint64_t seed) {
+  return undisturbed(surface, count, seed, Parallel(1));
+}
+
 PointCloud sample_surface(const Surface& surface, const SamplingParams& params, const Parallel& parallel) {
   check(params);
-  PointCloud cloud = sample_surface(surface, params.count, params.seed);
+  PointCloud cloud = undisturbed(surface, params.count, params.seed, parallel);
   if (!params.sensors.empty()) cloud.sensors.resize(cloud.size());
   const Box3d wide = outlier_box(surface.box());
   const double lift = 1e-6 * surface.box().longest();

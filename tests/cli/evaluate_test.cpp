@@ -1,0 +1,115 @@
+// soapfilm evaluate as a user runs it.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "soapfilm/io/io.h"
+#include "soapfilm/scanner/sample_surface.h"
+#include "soapfilm/scanner/shape.h"
+#include "support/program.h"
+
+namespace soapfilm::test {
+namespace {
+
+/// A sphere of diameter 2.2 in a folder of its own.
+class EvaluateCommand : public testing::Test {
+ protected:
+  EvaluateCommand() { write_mesh(mesh, make_sphere({.size = 2.2})->tessellate(1e-4)); }
+
+  TemporaryFolder folder;
+  std::string mesh = folder.file("mesh.ply");
+};
+
+TEST_F(EvaluateCommand, PrintsATable) {
+  const ProcessResult result = run({"evaluate", mesh, "--truth", "sphere", "--size", "2", "--voxel", "0.05",
+                                    "--f-score", "0.05,0.2", "--points", "5000", "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  for (const char* words :
+       {"truth to mesh", "mesh to truth", "in voxels", "normals, degrees", "F-score at 0.05      0.00 %",
+        "F-score at 0.2       100.00 %", "closed, manifold, 1 component, genus 0", "0 pairs of triangles"})
+    EXPECT_TRUE(contains(result.out, words)) << words << " in\n" << result.out;
+}
+
+TEST_F(EvaluateCommand, WritesJson) {
+  write_points(folder.file("samples.ply"), sample_surface(*make_sphere({.size = 2.0}), 500, 1));
+  const std::string json = folder.file("out.json");
+  const ProcessResult result =
+      run({"evaluate", mesh, "--truth", "sphere", "--size", "2", "--samples", folder.file("samples.ply"), "--voxel",
+           "0.05", "--f-score", "0.2", "--points", "5000", "--json", json});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto facts = nlohmann::json::parse(read_file(json));
+  EXPECT_EQ(facts["evaluation_version"], 1);
+  EXPECT_EQ(facts["truth"]["shape"], "sphere");
+  for (const char* direction : {"truth_to_mesh", "mesh_to_truth", "samples_to_mesh"}) {
+    EXPECT_NEAR(facts[direction]["distance"]["mean"].get<double>(), 0.1, 1e-3) << direction;
+    EXPECT_NEAR(facts[direction]["distance_voxels"]["maximum"].get<double>(), 2.0, 1e-2) << direction;
+  }
+  EXPECT_EQ(facts["samples_to_mesh"]["points"], 500);
+  EXPECT_LT(facts["mesh_to_truth"]["normal_angle_deg"]["percentile95"].get<double>(), 3.0);
+  EXPECT_EQ(facts["f_scores"][0]["f_score"], 1.0);
+  EXPECT_NEAR(facts["volume"]["relative_error"].get<double>(), 0.331, 1e-3);
+  EXPECT_EQ(facts["topology"]["mesh"]["genus"], 0);
+  EXPECT_EQ(facts["topology"]["truth"]["components"], 1);
+  EXPECT_EQ(facts["self_intersections"], 0);
+}
+
+TEST_F(EvaluateCommand, WithoutVoxelAndSamplesTheirKeysAreNull) {
+  const std::string json = folder.file("out.json");
+  ASSERT_EQ(run({"evaluate", mesh, "--truth", mesh, "--points", "1000", "--json", json}).exit_code, 0);
+  const auto facts = nlohmann::json::parse(read_file(json));
+  EXPECT_TRUE(facts["voxel"].is_null());
+  EXPECT_TRUE(facts["samples_to_mesh"].is_null());
+  EXPECT_TRUE(facts["truth_to_mesh"]["distance_voxels"].is_null());
+  EXPECT_LT(facts["truth_to_mesh"]["distance"]["maximum"].get<double>(), 1e-12);
+}
+
+TEST_F(EvaluateCommand, WritesAPlyThatRenderColours) {
+  const std::string ply = folder.file("error.ply");
+  ASSERT_EQ(run({"evaluate", mesh, "--truth", "sphere", "--size", "2", "--points", "1000", "--error-ply", ply,
+                 "--error-range", "0.2"})
+                .exit_code,
+            0);
+  const Mesh errors = read_mesh(ply);
+  ASSERT_EQ(errors.attributes.size(), 1u);
+  EXPECT_EQ(errors.attributes[0].name, "distance");
+  for (const float d : errors.attributes[0].values) ASSERT_NEAR(d, 0.1f, 1e-4f);
+  EXPECT_EQ(errors.colors.size(), errors.vertices.size());
+  EXPECT_EQ(run({"render", ply, "-o", folder.file("p.png"), "--color-by", "distance", "--size", "50x50"}).exit_code, 0);
+}
+
+TEST_F(EvaluateCommand, TheSameBytesForAnyNumberOfThreads) {
+  for (const char* threads : {"1", "3"})
+    ASSERT_EQ(run({"evaluate", mesh, "--truth", "torus", "--points", "3000", "--threads", threads, "--json",
+                   folder.file(threads), "--error-ply", folder.file(std::string(threads) + ".ply")})
+                  .exit_code,
+              0);
+  EXPECT_EQ(read_file(folder.path() / "1"), read_file(folder.path() / "3"));
+  EXPECT_EQ(read_file(folder.path() / "1.ply"), read_file(folder.path() / "3.ply"));
+}
+
+TEST_F(EvaluateCommand, RefusesInOneLine) {
+  const auto expect = [&](std::vector<std::string> options, const std::string& what) {
+    options.insert(options.begin(), {"evaluate", mesh, "--quiet"});
+    expect_refused(options, what);
+  };
+  expect({}, "--truth");
+  expect({"--truth", "cube"}, "truth = cube, must be one of sphere, torus");
+  expect({"--truth", "missing.ply"}, "missing.ply");
+  expect({"--truth", mesh, "--size", "2"}, "--size: only built-in shapes have it");
+  expect({"--truth", "sphere", "--voxel", "0"}, "voxel = 0, must be > 0");
+  expect({"--truth", "sphere", "--f-score", "-1"}, "f_score = -1, must be > 0");
+  expect({"--truth", "sphere", "--f-score", "near"}, "near");
+  expect({"--truth", "sphere", "--points", "0"}, "--points");
+  expect({"--truth", "sphere", "--samples", "no.xyz"}, "no.xyz");
+  expect({"--truth", "sphere", "--error-ply", "e.obj"}, "error_ply = e.obj, must end in .ply");
+  expect({"--truth", "sphere", "--error-range", "1"}, "--error-range: only --error-ply has it");
+  expect({"--truth", "sphere", "--json", "/nowhere/e.json"}, "/nowhere/e.json");
+  expect_refused({"evaluate", "/nowhere/mesh.ply", "--truth", "sphere", "-q"}, "/nowhere/mesh.ply");
+}
+
+}  // namespace
+}  // namespace soapfilm::test
