@@ -45,24 +45,22 @@ DataRows::DataRows(const DenseField<float>& u, const SupportField& support, doub
   const auto for_each_piece = [&](auto&& visit) {
     for (size_t b = 0; b < support.grid.size(); ++b) {
       const Vec3i first = support.grid.first_vertex(b) - u.origin();
-      for (int z = 0; z < brick_side; ++z)
-        for (int y = 0; y < brick_side; ++y)
-          if (contains(first.y + y, first.z + z))
-            visit(row_index(first.y + y, first.z + z), first.x, support.f.brick(b) + brick_offset(0, y, z));
+      for (int z = first.z; z < first.z + brick_side; ++z)
+        for (int y = first.y; y < first.y + brick_side; ++y) {
+          if (y < 0 || y >= size_.y || z < 0 || z >= size_.z) continue;
+          const float* f = support.f.brick(b) + brick_offset(0, y - first.y, z - first.z);
+          Piece piece{first.x, {}};
+          for (int i = std::max(0, -piece.x); i < std::min(brick_side, size_.x - piece.x); ++i)
+            piece.f[i] = static_cast<float>(scale * f[i]);
+          if (std::any_of(piece.f, piece.f + brick_side, [](float v) { return v != 0; })) visit(row_index(y, z), piece);
+        }
     }
   };
-  const auto is_zero = [](const float* f) { return std::all_of(f, f + brick_side, [](float v) { return v == 0; }); };
-  for_each_piece([&](size_t row, int, const float* f) { row_begin_[row + 1] += !is_zero(f); });
+  for_each_piece([&](size_t row, const Piece&) { ++row_begin_[row + 1]; });
   std::partial_sum(row_begin_.begin(), row_begin_.end(), row_begin_.begin());
   pieces_.resize(row_begin_.back());
   std::vector<size_t> next(row_begin_.begin(), row_begin_.end() - 1);
-  for_each_piece([&](size_t row, int x, const float* f) {
-    if (is_zero(f)) return;
-    Piece& piece = pieces_[next[row]++];
-    piece.x = x;
-    for (int i = 0; i < brick_side; ++i)
-      piece.f[i] = x + i >= 0 && x + i < size_.x ? static_cast<float>(scale * f[i]) : 0.0f;
-  });
+  for_each_piece([&](size_t row, const Piece& piece) { pieces_[next[row]++] = piece; });
 }
 
 bool DataRows::spread(int y, int z, float* out, uint8_t* active) const {

@@ -53,7 +53,6 @@ class DataRows {
     int x;
     float f[brick_side];
   };
-  bool contains(int y, int z) const { return y >= 0 && y < size_.y && z >= 0 && z < size_.z; }
   size_t row_index(int y, int z) const {
     return static_cast<size_t>(z) * static_cast<size_t>(size_.y) + static_cast<size_t>(y);
   }
