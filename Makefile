@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find src cli tests examples bench -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test bench format format-check tidy clean
+.PHONY: help build demo test bench paper format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -35,6 +35,11 @@ bench: ## measure: how far the tolerance can go (SOAPFILM_DATA: folder with real
 	@$(MAKE) --no-print-directory packages-build
 	cmake --preset release $(CONFIGURE) >/dev/null && cmake --build --preset release --parallel $(JOBS)
 	sh bench/run.sh build/release/bin out/bench
+
+paper: CONFIGURE += -DSOAPFILM_BUILD_BENCH=ON
+paper: packages-build packages-paper ## every table and figure of the paper, into docs/paper/ (SOAPFILM_DATA: as above)
+	cmake --preset release $(CONFIGURE) >/dev/null && cmake --build --preset release --parallel $(JOBS)
+	/usr/bin/python3 -B bench/paper/paper.py build/release/bin out/paper docs/paper
 
 format: packages-format ## lay the sources out
 	$(SOURCES) | xargs clang-format -i
