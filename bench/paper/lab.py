@@ -90,9 +90,9 @@ class Lab:
     def output_of(self, words):
         return subprocess.run([str(w) for w in words], check=True, capture_output=True, text=True).stdout
 
-    def is_current(self, stamp, words):
-        """Was this command's result made by this program? Lets an interrupted `make paper` go on."""
-        newest = max(p.stat().st_mtime for p in (self.program,))
+    def is_current(self, stamp, words, inputs=()):
+        """Was this command's result made by this program of these inputs? Lets an interrupted `make paper` go on."""
+        newest = max(Path(p).stat().st_mtime for p in (self.program, *inputs))
         return stamp.exists() and stamp.stat().st_mtime > newest and json.loads(stamp.read_text())["words"] == words
 
     def scan(self, name, *arguments):
@@ -114,7 +114,7 @@ class Lab:
         full = words + ["--report", str(report), "--threads", "1", "--quiet"]
         run = Run(mesh, self.shown(words))
         stamp = self.work / f"{name}.run.json"
-        if not self.is_current(stamp, full):
+        if not self.is_current(stamp, full, inputs):
             self.say(self.shown(words))
             code, errors, run.cpu, run.elapsed, run.peak_mb = self.measure(full)
             if code not in (0, 2, 3):
