@@ -1,0 +1,205 @@
+#include "soapfilm/refine/cell_samples.h"
+
+#include <algorithm>
+#include <array>
+
+namespace soapfilm {
+
+namespace {
+
+constexpr size_t cells_per_task = 1 << 12;
+
+/// The rows and lanes of a cell's eight corners, x fastest.
+struct Corners {
+  std::array<size_t, 8> slot;
+};
+
+Corners corners_of(const NarrowBand& band, uint32_t row, int x) {
+  const uint32_t rows[4] = {row, band.neighbors(row)[3], band.neighbors(row)[5],
+                            band.neighbors(band.neighbors(row)[3])[5]};
+  Corners corners;
+  for (size_t k = 0; k < 4; ++k) {
+    corners.slot[2 * k] = static_cast<size_t>(rows[k]) * brick_side + static_cast<size_t>(x);
+    corners.slot[2 * k + 1] = x < 7 ? corners.slot[2 * k] + 1
+                                    : static_cast<size_t>(band.neighbors(rows[k])[1]) * brick_side;
+  }
+  return corners;
+}
+
+bool in_band(const NarrowBand& band, const Corners& corners) {
+  return std::all_of(corners.slot.begin(), corners.slot.end(), [&](size_t slot) {
+    return band.mask(static_cast<uint32_t>(slot / brick_side)) >> (slot % brick_side) & 1;
+  });
+}
+
+/// Trilinear value and gradient.
+Jet jet(const std::array<float, 8>& v, Vec3f f) {
+  const auto mix = [](float a, float b, float t) { return a + t * (b - a); };
+  const float x00 = mix(v[0], v[1], f.x), x10 = mix(v[2], v[3], f.x);
+  const float x01 = mix(v[4], v[5], f.x), x11 = mix(v[6], v[7], f.x);
+  const float y0 = mix(x00, x10, f.y), y1 = mix(x01, x11, f.y);
+  const float dx = mix(mix(v[1] - v[0], v[3] - v[2], f.y), mix(v[5] - v[4], v[7] - v[6], f.y), f.z);
+  return {mix(y0, y1, f.z), {dx, mix(x10 - x00, x11 - x01, f.z), y1 - y0}};
+}
+
+Vec3f fraction_of(Vec3f local) {
+  const auto part = [](float q) { return q - static_cast<float>(std::min(static_cast<int>(q), 7)); };
+  return {part(local.x), part(local.y), part(local.z)};
+}
+
+}  // namespace
+
+BandSamples locate(const GridSamples& samples, const NarrowBand& band, const Parallel& parallel) {
+  BandSamples where{std::vector<uint32_t>(samples.size()), std::vector<uint8_t>(samples.size())};
+  parallel.for_each(samples.bricks.size(), 32, [&](size_t b) {
+    const int32_t brick = band.grid().find(samples.bricks.coord(b));
+    if (brick < 0) return;
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
+      const Vec3f q = samples.local[s];
+      const int x = std::min(static_cast<int>(q.x), 7), y = std::min(static_cast<int>(q.y), 7),
+                z = std::min(static_cast<int>(q.z), 7);
+      const uint32_t row = band.row(brick, y, z);
+      if (row == 0 || !in_band(band, corners_of(band, row, x))) continue;
+      where.cell_row[s] = row;
+      where.cell_x[s] = static_cast<uint8_t>(x);
+    }
+  });
+  return where;
+}
+
+CellSamples merge(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
+                  std::span<const float> weight, float normal_weight, const Parallel& parallel) {
+  struct Sums {
+    Vec3f position, normal;
+    float weight = 0;
+  };
+  struct Brick {
+    std::vector<CellSample> cells;
+    std::vector<std::pair<uint32_t, uint8_t>> place;
+  };
+  std::vector<Brick> bricks(samples.bricks.size());
+  parallel.for_chunks(bricks.size(), 32, [&](size_t first, size_t last) {
+    std::array<Sums, brick_volume> sums;
+    for (size_t b = first; b < last; ++b) {
+      sums.fill({});
+      std::array<uint64_t, brick_side> touched{};
+      for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
+        if (where.cell_row[s] == 0 || weight[s] <= 0) continue;
+        const auto cell = static_cast<size_t>(where.cell_x[s] + brick_side * band.place(where.cell_row[s]));
+        Sums& sum = sums[cell];
+        sum.position += weight[s] * fraction_of(samples.local[s]);
+        sum.normal += weight[s] * normalized(samples.direction[s]);
+        sum.weight += weight[s];
+        touched[cell / 64] |= uint64_t{1} << (cell % 64);
+      }
+      const int32_t brick = band.grid().find(samples.bricks.coord(b));
+      for (size_t cell = 0; cell < brick_volume; ++cell) {
+        if (!(touched[cell / 64] >> (cell % 64) & 1)) continue;
+        const Sums& sum = sums[cell];
+        bricks[b].cells.push_back(
+            {sum.position / sum.weight, sum.weight, sum.normal / sum.weight, normal_weight * sum.weight});
+        bricks[b].place.emplace_back(
+            band.row(brick, static_cast<int>(cell >> 3 & 7), static_cast<int>(cell >> 6)), cell & 7);
+      }
+    }
+  });
+
+  CellSamples merged;
+  size_t total = 0;
+  for (const Brick& brick : bricks) total += brick.cells.size();
+  merged.cells.reserve(total);
+  merged.x.reserve(total);
+  merged.begin.assign(band.rows() + 2, 0);
+  for (const Brick& brick : bricks) {
+    merged.cells.insert(merged.cells.end(), brick.cells.begin(), brick.cells.end());
+    for (const auto& [row, x] : brick.place) {
+      merged.x.push_back(x);
+      ++merged.begin[row + 1];
+    }
+  }
+  for (size_t r = 0; r + 1 < merged.begin.size(); ++r) merged.begin[r + 1] += merged.begin[r];
+  return merged;
+}
+
+std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples, const BandSamples& where,
+                                 const NarrowBand& band, const Parallel& parallel) {
+  std::vector<Jet> jets(samples.size());
+  parallel.for_each(samples.size(), cells_per_task, [&](size_t s) {
+    if (where.cell_row[s] == 0) return;
+    const Corners corners = corners_of(band, where.cell_row[s], where.cell_x[s]);
+    std::array<float, 8> v;
+    for (size_t k = 0; k < 8; ++k) v[k] = phi.data()[corners.slot[k]];
+    jets[s] = jet(v, fraction_of(samples.local[s]));
+  });
+  return jets;
+}
+
+namespace {
+
+/// Calls visit(cell, lane of the row, corner) for every cell that has a corner in a row; corner bits: x, y, z.
+template <class Visit>
+void for_each_cell_at(const NarrowBand& band, const CellSamples& data, uint32_t row, Visit&& visit) {
+  const uint32_t below_z = band.neighbors(row)[4];
+  const uint32_t owners[4] = {row, band.neighbors(row)[2], below_z, band.neighbors(below_z)[2]};
+  for (unsigned k = 0; k < 4; ++k) {
+    const uint32_t left = band.neighbors(owners[k])[0];
+    if (left != 0 && data.begin[left + 1] > data.begin[left] && data.x[data.begin[left + 1] - 1] == 7)
+      visit(data.begin[left + 1] - 1, 0, 2 * k + 1);
+    for (uint32_t c = data.begin[owners[k]]; c < data.begin[owners[k] + 1]; ++c) {
+      visit(c, data.x[c], 2 * k);
+      if (data.x[c] < 7) visit(c, data.x[c] + 1, 2 * k + 1);
+    }
+  }
+}
+
+}  // namespace
+
+void add_data_term(const NarrowBand& band, const CellSamples& data, const RowArray& v, bool affine,
+                   std::vector<Jet>& scratch, RowArray& out, const Parallel& parallel) {
+  scratch.resize(data.cells.size());
+  // Forward: weighted residuals of each cell.
+  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
+    for (auto r = static_cast<uint32_t>(begin + 1); r <= end; ++r) {
+      for (uint32_t c = data.begin[r]; c < data.begin[r + 1]; ++c) {
+        const CellSample& cell = data.cells[c];
+        const Corners corners = corners_of(band, r, data.x[c]);
+        std::array<float, 8> values;
+        for (size_t k = 0; k < 8; ++k) values[k] = v.data()[corners.slot[k]];
+        Jet residual = jet(values, cell.fraction);
+        if (affine) residual.gradient += cell.normal;
+        scratch[c] = {cell.weight * residual.value, cell.normal_weight * residual.gradient};
+      }
+    }
+  });
+  // Adjoint, gathered by row, so that the order of the sums is fixed.
+  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
+    for (auto r = static_cast<uint32_t>(begin + 1); r <= end; ++r) {
+      float* to = out.data() + static_cast<size_t>(r) * brick_side;
+      for_each_cell_at(band, data, r, [&](uint32_t c, int lane, unsigned corner) {
+        const Vec3f f = data.cells[c].fraction;
+        const Jet& t = scratch[c];
+        const float bx = corner & 1 ? f.x : 1 - f.x, by = corner & 2 ? f.y : 1 - f.y, bz = corner & 4 ? f.z : 1 - f.z;
+        const float gx = corner & 1 ? t.gradient.x : -t.gradient.x, gy = corner & 2 ? t.gradient.y : -t.gradient.y,
+                    gz = corner & 4 ? t.gradient.z : -t.gradient.z;
+        to[lane] += bx * by * bz * t.value + gx * by * bz + bx * gy * bz + bx * by * gz;
+      });
+    }
+  });
+}
+
+void add_data_diagonal(const NarrowBand& band, const CellSamples& data, RowArray& out, const Parallel& parallel) {
+  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
+    for (auto r = static_cast<uint32_t>(begin + 1); r <= end; ++r) {
+      float* to = out.data() + static_cast<size_t>(r) * brick_side;
+      for_each_cell_at(band, data, r, [&](uint32_t c, int lane, unsigned corner) {
+        const CellSample& cell = data.cells[c];
+        const Vec3f f = cell.fraction;
+        const float bx = corner & 1 ? f.x : 1 - f.x, by = corner & 2 ? f.y : 1 - f.y, bz = corner & 4 ? f.z : 1 - f.z;
+        // |d_x b| sums to 2 over the corners, and so for y and z.
+        to[lane] += cell.weight * bx * by * bz + 2 * cell.normal_weight * (by * bz + bx * bz + bx * by);
+      });
+    }
+  });
+}
+
+}  // namespace soapfilm
