@@ -68,7 +68,8 @@ BandSamples locate(const GridSamples& samples, const NarrowBand& band, const Par
 }
 
 CellSamples merge(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
-                  std::span<const float> weight, float normal_weight, const Parallel& parallel) {
+                  std::span<const float> weight, std::span<const Vec3f> normal, DataWeights weights,
+                  const Parallel& parallel) {
   struct Sums {
     Vec3f position, normal;
     float weight = 0;
@@ -88,7 +89,7 @@ CellSamples merge(const GridSamples& samples, const BandSamples& where, const Na
         const auto cell = static_cast<size_t>(where.cell_x[s] + brick_side * band.place(where.cell_row[s]));
         Sums& sum = sums[cell];
         sum.position += weight[s] * fraction_of(samples.local[s]);
-        sum.normal += weight[s] * normalized(samples.direction[s]);
+        sum.normal += weight[s] * normal[s];
         sum.weight += weight[s];
         touched[cell / 64] |= uint64_t{1} << (cell % 64);
       }
@@ -97,7 +98,8 @@ CellSamples merge(const GridSamples& samples, const BandSamples& where, const Na
         if (!(touched[cell / 64] >> (cell % 64) & 1)) continue;
         const Sums& sum = sums[cell];
         bricks[b].cells.push_back(
-            {sum.position / sum.weight, sum.weight, sum.normal / sum.weight, normal_weight * sum.weight});
+            {sum.position / sum.weight, sum.weight, sum.normal / sum.weight,
+                                     weights.normal * sum.weight, weights.slope * sum.weight});
         bricks[b].place.emplace_back(
             band.row(brick, static_cast<int>(cell >> 3 & 7), static_cast<int>(cell >> 6)), cell & 7);
       }
@@ -118,6 +120,11 @@ CellSamples merge(const GridSamples& samples, const BandSamples& where, const Na
     }
   }
   for (size_t r = 0; r + 1 < merged.begin.size(); ++r) merged.begin[r + 1] += merged.begin[r];
+  for (size_t b = 0; b < band.grid().size(); ++b) {
+    const Vec3i c = band.grid().coord(b);
+    if (merged.begin[band.first_row(b + 1)] > merged.begin[band.first_row(b)])
+      merged.colors[static_cast<size_t>((c.x & 1) + 2 * (c.y & 1) + 4 * (c.z & 1))].push_back(static_cast<uint32_t>(b));
+  }
   return merged;
 }
 
@@ -136,68 +143,52 @@ std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples
 
 namespace {
 
-/// Calls visit(cell, lane of the row, corner) for every cell that has a corner in a row; corner bits: x, y, z.
-template <class Visit>
-void for_each_cell_at(const NarrowBand& band, const CellSamples& data, uint32_t row, Visit&& visit) {
-  const uint32_t below_z = band.neighbors(row)[4];
-  const uint32_t owners[4] = {row, band.neighbors(row)[2], below_z, band.neighbors(below_z)[2]};
-  for (unsigned k = 0; k < 4; ++k) {
-    const uint32_t left = band.neighbors(owners[k])[0];
-    if (left != 0 && data.begin[left + 1] > data.begin[left] && data.x[data.begin[left + 1] - 1] == 7)
-      visit(data.begin[left + 1] - 1, 0, 2 * k + 1);
-    for (uint32_t c = data.begin[owners[k]]; c < data.begin[owners[k] + 1]; ++c) {
-      visit(c, data.x[c], 2 * k);
-      if (data.x[c] < 7) visit(c, data.x[c] + 1, 2 * k + 1);
-    }
+/// The transpose of jet(): adds a weighted residual to the corners of a cell.
+void add_transposed(const Corners& corners, Vec3f f, const Jet& t, float* out) {
+  for (unsigned k = 0; k < 8; ++k) {
+    const float bx = k & 1 ? f.x : 1 - f.x, by = k & 2 ? f.y : 1 - f.y, bz = k & 4 ? f.z : 1 - f.z;
+    const float gx = k & 1 ? t.gradient.x : -t.gradient.x, gy = k & 2 ? t.gradient.y : -t.gradient.y,
+                gz = k & 4 ? t.gradient.z : -t.gradient.z;
+    out[corners.slot[k]] += bx * by * bz * t.value + gx * by * bz + bx * gy * bz + bx * by * gz;
   }
+}
+
+/// Calls visit(cell, its corners) for all cells. Bricks of one colour (the parity of their coordinates) touch no common
+/// vertex: they may add to their corners at the same time, and the order of the sums is fixed.
+template <class Visit>
+void for_each_cell(const NarrowBand& band, const CellSamples& data, const Parallel& parallel, Visit&& visit) {
+  for (const std::vector<uint32_t>& bricks : data.colors)
+    parallel.for_each(bricks.size(), 16, [&](size_t i) {
+      for (uint32_t r = band.first_row(bricks[i]); r < band.first_row(bricks[i] + 1); ++r)
+        for (uint32_t c = data.begin[r]; c < data.begin[r + 1]; ++c)
+          visit(data.cells[c], corners_of(band, r, data.x[c]));
+    });
 }
 
 }  // namespace
 
-void add_data_term(const NarrowBand& band, const CellSamples& data, const RowArray& v, bool affine,
-                   std::vector<Jet>& scratch, RowArray& out, const Parallel& parallel) {
-  scratch.resize(data.cells.size());
-  // Forward: weighted residuals of each cell.
-  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
-    for (auto r = static_cast<uint32_t>(begin + 1); r <= end; ++r) {
-      for (uint32_t c = data.begin[r]; c < data.begin[r + 1]; ++c) {
-        const CellSample& cell = data.cells[c];
-        const Corners corners = corners_of(band, r, data.x[c]);
-        std::array<float, 8> values;
-        for (size_t k = 0; k < 8; ++k) values[k] = v.data()[corners.slot[k]];
-        Jet residual = jet(values, cell.fraction);
-        if (affine) residual.gradient += cell.normal;
-        scratch[c] = {cell.weight * residual.value, cell.normal_weight * residual.gradient};
-      }
-    }
-  });
-  // Adjoint, gathered by row, so that the order of the sums is fixed.
-  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
-    for (auto r = static_cast<uint32_t>(begin + 1); r <= end; ++r) {
-      float* to = out.data() + static_cast<size_t>(r) * brick_side;
-      for_each_cell_at(band, data, r, [&](uint32_t c, int lane, unsigned corner) {
-        const Vec3f f = data.cells[c].fraction;
-        const Jet& t = scratch[c];
-        const float bx = corner & 1 ? f.x : 1 - f.x, by = corner & 2 ? f.y : 1 - f.y, bz = corner & 4 ? f.z : 1 - f.z;
-        const float gx = corner & 1 ? t.gradient.x : -t.gradient.x, gy = corner & 2 ? t.gradient.y : -t.gradient.y,
-                    gz = corner & 4 ? t.gradient.z : -t.gradient.z;
-        to[lane] += bx * by * bz * t.value + gx * by * bz + bx * gy * bz + bx * by * gz;
-      });
-    }
+void add_data_term(const NarrowBand& band, const CellSamples& data, const RowArray& v, bool affine, RowArray& out,
+                   const Parallel& parallel) {
+  for_each_cell(band, data, parallel, [&](const CellSample& cell, const Corners& corners) {
+    std::array<float, 8> values;
+    for (size_t k = 0; k < 8; ++k) values[k] = v.data()[corners.slot[k]];
+    Jet residual = jet(values, cell.fraction);
+    if (affine) residual.gradient += cell.normal;
+    const float along = (cell.slope_weight - cell.normal_weight) * dot(cell.normal, residual.gradient);
+    add_transposed(corners, cell.fraction,
+                   {cell.weight * residual.value, cell.normal_weight * residual.gradient + along * cell.normal},
+                   out.data());
   });
 }
 
 void add_data_diagonal(const NarrowBand& band, const CellSamples& data, RowArray& out, const Parallel& parallel) {
-  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
-    for (auto r = static_cast<uint32_t>(begin + 1); r <= end; ++r) {
-      float* to = out.data() + static_cast<size_t>(r) * brick_side;
-      for_each_cell_at(band, data, r, [&](uint32_t c, int lane, unsigned corner) {
-        const CellSample& cell = data.cells[c];
-        const Vec3f f = cell.fraction;
-        const float bx = corner & 1 ? f.x : 1 - f.x, by = corner & 2 ? f.y : 1 - f.y, bz = corner & 4 ? f.z : 1 - f.z;
-        // |d_x b| sums to 2 over the corners, and so for y and z.
-        to[lane] += cell.weight * bx * by * bz + 2 * cell.normal_weight * (by * bz + bx * bz + bx * by);
-      });
+  for_each_cell(band, data, parallel, [&](const CellSample& cell, const Corners& corners) {
+    const Vec3f f = cell.fraction;
+    for (unsigned k = 0; k < 8; ++k) {
+      const float bx = k & 1 ? f.x : 1 - f.x, by = k & 2 ? f.y : 1 - f.y, bz = k & 4 ? f.z : 1 - f.z;
+      // |d_x b| sums to 2 over the corners, and so for y and z.
+      out.data()[corners.slot[k]] +=
+          cell.weight * bx * by * bz + 2 * std::max(cell.normal_weight, cell.slope_weight) * (by * bz + bx * bz + bx * by);
     }
   });
 }

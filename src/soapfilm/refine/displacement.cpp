@@ -41,7 +41,7 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
       if (degree[x] == 6) scratch_.data()[r * brick_side + x] += image_.data()[r * brick_side + x];
   }
   apply_laplacian(band_, scratch_, 0, 1, residual_, parallel_);
-  add_data_term(band_, data, phi_, true, cells_, residual_, parallel_);
+  add_data_term(band_, data, phi_, true, residual_, parallel_);
   for (size_t i = 0; i < residual_.size(); ++i) residual_.data()[i] = -residual_.data()[i];
 }
 
@@ -68,7 +68,7 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
     // image = A direction
     apply_laplacian(band_, direction_, smoothness.slope, smoothness.curvature, scratch_, parallel_);
     apply_laplacian(band_, scratch_, 0, 1, image_, parallel_);
-    add_data_term(band_, data, direction_, false, cells_, image_, parallel_);
+    add_data_term(band_, data, direction_, false, image_, parallel_);
     const double curvature = dot(direction_, image_, parallel_);
     if (!(curvature > 0)) break;
     const auto step = static_cast<float>(rz / curvature);

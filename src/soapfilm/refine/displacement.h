@@ -15,7 +15,7 @@ struct Smoothness {
 };
 
 struct SolveLimits {
-  int iterations = 60;
+  int iterations = 10;
   double tolerance = 1e-2;  ///< of the residual, in the preconditioner's norm, relative to the first one
 };
 
@@ -42,7 +42,6 @@ class Displacement {
   const RowArray& phi0_;
   RowArray phi_;
   RowArray residual_, direction_, image_, scratch_;
-  std::vector<Jet> cells_;
 };
 
 }  // namespace soapfilm

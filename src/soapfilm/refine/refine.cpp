@@ -7,7 +7,6 @@
 #include <ctime>
 #include <vector>
 
-#include "soapfilm/refine/displacement.h"
 #include "soapfilm/refine/topology.h"
 
 namespace soapfilm {
@@ -81,53 +80,6 @@ void for_each_row(const NarrowBand& band, const Parallel& parallel, Visit&& visi
   });
 }
 
-float median_abs(std::vector<float> values) {
-  if (values.empty()) return 0;
-  const auto mid = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), mid, values.end());
-  return *mid;
-}
-
-/// One fit of the band to samples: robust weights, solve, and again.
-struct Fit {
-  const GridSamples& samples;
-  const NarrowBand& band;
-  const BandSamples& where;
-  const RefineParams& params;
-  const Parallel& parallel;
-  Displacement& displacement;
-  std::vector<float> weight;
-  float scale = 0;
-  int iterations = 0;
-  size_t cells = 0;
-
-  /// `train` leaves samples out; base weights 0 or more.
-  void reweight(const std::vector<float>& base) {
-    const std::vector<Jet> jets = jets_at_samples(displacement.phi(), samples, where, band, parallel);
-    std::vector<float> residuals;
-    for (size_t s = 0; s < jets.size(); ++s)
-      if (where.cell_row[s] != 0 && base[s] > 0) residuals.push_back(std::abs(jets[s].value));
-    scale = std::max(static_cast<float>(params.least_scale), 1.4826f * median_abs(residuals));
-    for (size_t s = 0; s < jets.size(); ++s) {
-      weight[s] = 0;
-      if (where.cell_row[s] == 0) continue;
-      const Vec3f n = samples.direction[s];
-      if (dot(n, jets[s].gradient) > 0.3f * norm(n) * norm(jets[s].gradient)) continue;  // seen from behind
-      weight[s] = base[s] * robust_weight(params.penalty, jets[s].value, scale);
-    }
-  }
-
-  void run(const std::vector<float>& base, Smoothness smoothness, float normals, int rounds) {
-    weight.resize(samples.size());
-    for (int round = 0; round < rounds; ++round) {
-      reweight(base);
-      const CellSamples data = merge(samples, where, band, weight, normals, parallel);
-      cells = data.cells.size();
-      iterations += displacement.minimize(data, smoothness, {params.iterations, params.tolerance});
-    }
-  }
-};
-
 }  // namespace
 
 SurfaceField refine(const Level& level, float threshold, const GridSamples& samples, const RefineParams& params,
@@ -147,21 +99,17 @@ SurfaceField refine(const Level& level, float threshold, const GridSamples& samp
   report.band_vertices = band.count();
   report.band_slots = band.slots();
 
-  const auto gamma = static_cast<float>(params.smoothing.value_or(0.003));
-  const auto beta = static_cast<float>(params.slope_a * std::pow(gamma, params.slope_p));
-  const auto normals = static_cast<float>(params.normals.value_or(0));
-
+  const Strength strength = choose_strength(
+      band, phi0, samples, params.robust, {.smoothing = params.smoothing, .normals = params.normals}, parallel,
+      report.search);
+  clock.lap("strength");
   Displacement displacement(band, phi0, parallel);
   clock.lap("levels");
-  Fit fit{samples, band, where, params, parallel, displacement, {}, 0, 0, 0};
-  const std::vector<float> base(samples.size(), 1.0f);
-  fit.run(base, {beta, gamma}, normals, params.reweightings);
+  const std::vector<uint8_t> all(samples.size(), 1);
+  const RobustFit fit =
+      fit_robustly(displacement, band, samples, where, all, strength, params.robust, parallel);
   clock.lap("fit");
-
-  report.smoothing = gamma;
-  report.slope = beta;
-  report.normals = normals;
-  report.noise = fit.scale;
+  report.strength = strength;
   report.iterations = fit.iterations;
   report.cells = fit.cells;
   for (size_t s = 0; s < samples.size(); ++s) report.down_weighted += fit.weight[s] < 0.25f;

@@ -6,30 +6,22 @@
 
 #include "soapfilm/field/samples.h"
 #include "soapfilm/refine/indicator.h"
-#include "soapfilm/refine/robust.h"
+#include "soapfilm/refine/robust_fit.h"
+#include "soapfilm/refine/strength.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
 
 struct RefineParams {
   std::optional<double> smoothing;  ///< gamma, in [1e-6, 1e6]; without it: chosen by held-out samples
-  std::optional<double> normals;    ///< weight of a direction against a position; without it: chosen
-  Penalty penalty = Penalty::tukey;
-  int reweightings = 3;             ///< rounds of the robust penalty, in [1, 20]
+  std::optional<double> normals;    ///< weight of a direction against a position, >= 0; without it: chosen
+  RobustParams robust;
   double reach = 2.3;               ///< half width of the band, voxels
-  double slope_a = 0.05;
-  double slope_p = 0.5;
-  double least_scale = 0.02;
-  int iterations = 40;
-  double tolerance = 1e-2;
 };
 
 struct RefineReport {
-  double smoothing = 0;  ///< gamma
-  double slope = 0;
-  double normals = 0;    ///< weight of a direction against a position; 0: not used
-  double noise = 0;      ///< estimated standard deviation of the samples along the normal, voxels
-  double agreement = 0;  ///< median angle between directions and the solved surface, degrees
+  Strength strength;
+  StrengthReport search;
   size_t band_vertices = 0;
   size_t band_slots = 0;
   size_t cells = 0;

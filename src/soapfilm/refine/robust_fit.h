@@ -1,0 +1,46 @@
+// The displacement under a robust penalty: weigh the samples, solve, and again.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "soapfilm/refine/displacement.h"
+#include "soapfilm/refine/robust.h"
+
+namespace soapfilm {
+
+/// What the fit trusts: chosen from the data by choose_strength().
+struct Strength {
+  double smoothing = 0;  ///< gamma: weight of curvature against one sample, lattice units
+  double normals = 0;    ///< weight of a direction's error (as a vector of unit length) against a voxel
+  double noise = 0;      ///< standard deviation of the samples along the surface's normal, voxels
+
+};
+
+struct RobustParams {
+  Penalty penalty = Penalty::tukey;
+  double least_scale = 0.1;   ///< voxels, > 0: the penalty takes no smaller scale than this
+  double slope = 3;         ///< weight of the unit slope along the normal, per gamma
+  double first_scale = 0.5;
+  double slope_a = 0.02;
+  int rounds = 3;             ///< of weighing and solving, in [1, 20]
+  SolveLimits solve;
+};
+
+struct RobustFit {
+  std::vector<float> weight;  ///< of each sample, in [0, 1]; 0 where the band does not see it
+  size_t cells = 0;           ///< with a sample of weight > 0
+  int iterations = 0;
+};
+
+/// Moves `displacement` onto the samples; `active[s]` 0 leaves a sample out.
+RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const GridSamples& samples,
+                       const BandSamples& where, std::span<const uint8_t> active, const Strength& strength,
+                       const RobustParams& params, const Parallel& parallel);
+
+/// Whether a sample was seen from the side on which the surface is: its direction looks out of it, or nearly so.
+inline bool seen_from_outside(Vec3f direction, Vec3f gradient) {
+  return dot(direction, gradient) <= 0.3f * norm(direction) * norm(gradient);
+}
+
+}  // namespace soapfilm
