@@ -99,7 +99,8 @@ class HeldOut {
         part_(part_of(band, phi0, patches_, parallel)),
         where_(locate(samples_, part_.first, parallel)),
         displacement_(part_.first, part_.second, parallel),
-        train_(samples_.size()) {
+        train_(samples_.size()),
+        first_(jets_at_samples(part_.second, samples_, where_, part_.first, parallel)) {
     for (size_t s = 0; s < samples_.size(); ++s)
       train_[s] = (Random(params.seed + 0x51ED2700ull * (samples_.source[s] + 1ull)).next() >> 11 & 3) != 0;
     robust_.rounds = 2;
@@ -109,6 +110,7 @@ class HeldOut {
   double score(double smoothing, double normals) {
     const auto [it, fresh] = scores_.try_emplace({smoothing, normals}, 0.0);
     if (!fresh) return it->second;
+    std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
     fit_robustly(displacement_, part_.first, samples_, where_, train_, {smoothing, normals, noise_}, robust_,
                  parallel_);
     const auto residuals = held_out_residuals();
@@ -137,12 +139,17 @@ class HeldOut {
   }
 
  private:
+  /// Distance of the held-out samples from the surface, along the normals that it had at first: a surface that folds to
+  /// be near every sample is not near them in that direction.
   std::vector<float> held_out_residuals() const {
+    constexpr float least_slope = 0.02f, most_distance = 3;
     const auto jets = jets_at_samples(displacement_.phi(), samples_, where_, part_.first, parallel_);
     std::vector<float> residuals;
-    for (size_t s = 0; s < jets.size(); ++s)
-      if (where_.cell_row[s] != 0 && !train_[s] && seen_from_outside(samples_.direction[s], jets[s].gradient))
-        residuals.push_back(std::min(std::abs(jets[s].value) / std::clamp(norm(jets[s].gradient), 0.2f, 1.0f), 3.0f));
+    for (size_t s = 0; s < jets.size(); ++s) {
+      if (where_.cell_row[s] == 0 || train_[s] || !seen_from_outside(samples_.direction[s], first_[s].gradient)) continue;
+      const float slope = dot(jets[s].gradient, normalized(first_[s].gradient));
+      residuals.push_back(std::min(std::abs(jets[s].value) / std::clamp(slope, least_slope, 1.0f), most_distance));
+    }
     return residuals;
   }
 
@@ -154,6 +161,7 @@ class HeldOut {
   BandSamples where_;
   Displacement displacement_;
   std::vector<uint8_t> train_;
+  std::vector<Jet> first_;  // of phi0
   std::map<std::pair<double, double>, double> scores_;
   double noise_ = 0.3;
   double noise_now_ = 0;
@@ -192,7 +200,7 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
                          const RobustParams& robust, const StrengthParams& params, const Parallel& parallel,
                          StrengthReport& report) {
   HeldOut held_out(band, phi0, samples, robust, params, parallel);
-  Strength best{params.smoothing.value_or(0.05), params.normals.value_or(0), 0};
+  Strength best{params.smoothing.value_or(3.2), params.normals.value_or(0), 0};
 
   const auto search_smoothing = [&] {
     if (params.smoothing) return;
