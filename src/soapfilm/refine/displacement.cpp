@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 namespace soapfilm {
 
@@ -60,7 +58,6 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
     multilevel_.apply(residual_, z, parallel_);
     const double new_rz = dot(residual_, z, parallel_);
     if (iteration == 0) first = new_rz;
-    if (std::getenv("PCG")) std::printf("      %d %.3e\n", iteration, std::sqrt(new_rz / first));
     if (!(new_rz > limits.tolerance * limits.tolerance * first)) break;
     const float ratio = iteration == 0 ? 0.0f : static_cast<float>(new_rz / rz);
     rz = new_rz;

@@ -1,6 +1,7 @@
 #include "soapfilm/refine/multilevel.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace soapfilm {
 
@@ -8,6 +9,7 @@ namespace {
 
 constexpr size_t coarsest_rows = 64;
 constexpr size_t most_levels = 8;
+constexpr float least_extent = 1e-6f;
 
 const NarrowBand& band_of(const NarrowBand& fine, const std::vector<CoarseBand>& levels, size_t level) {
   return level == 0 ? fine : levels[level - 1].band();
@@ -137,6 +139,7 @@ void CoarseBand::prolong_add(const NarrowBand& fine, const RowArray& coarse, Row
 }
 
 Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel) : fine_(fine) {
+  half_ = fine.make_array();
   inverse_.push_back(fine.make_array());
   while (band_of(fine, levels_, levels_.size()).rows() > coarsest_rows && levels_.size() < most_levels) {
     const NarrowBand& finer = band_of(fine, levels_, levels_.size());
@@ -159,6 +162,7 @@ Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel) : fine_
 }
 
 void Multilevel::set_operator(const RowArray& data_diagonal, float beta, float gamma, const Parallel& parallel) {
+  const float root_gamma = std::sqrt(gamma), reaction = 0.5f * beta / root_gamma;
   std::vector<RowArray> diagonal(levels_.size());
   for (size_t l = 0; l <= levels_.size(); ++l) {
     const NarrowBand& band = band_of(fine_, levels_, l);
@@ -168,13 +172,14 @@ void Multilevel::set_operator(const RowArray& data_diagonal, float beta, float g
                                  diagonal[l - 1], parallel);
     }
     const RowArray& data = l == 0 ? data_diagonal : diagonal[l - 1];
-    const float h2 = static_cast<float>(1 << (2 * l));
-    const float stiffness = 6 * beta / h2 + 42 * gamma / (h2 * h2);
-    for (size_t i = brick_side; i < band.slots(); ++i) {
-      const float extent = l == 0 ? 1.0f : extent_[l - 1].data()[i];
-      const bool member = band.mask(static_cast<uint32_t>(i / brick_side)) >> (i % brick_side) & 1;
-      inverse_[l].data()[i] = member ? 1 / (data.data()[i] + stiffness * extent) : 0.0f;
-    }
+    const float diffusion = 6 * root_gamma / static_cast<float>(1 << (2 * l));
+    parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
+      for (size_t i = (begin + 1) * brick_side; i < (end + 1) * brick_side; ++i) {
+        const float extent = l == 0 ? 1.0f : std::max(extent_[l - 1].data()[i], least_extent);
+        const float scale = 1 / (extent * (std::sqrt(data.data()[i] / extent) + reaction + diffusion));
+        inverse_[l].data()[i] = band.mask(static_cast<uint32_t>(i / brick_side)) >> (i % brick_side) & 1 ? scale : 0.0f;
+      }
+    });
   }
 }
 
@@ -189,6 +194,11 @@ void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Paralle
 }  // namespace
 
 void Multilevel::apply(const RowArray& r, RowArray& z, const Parallel& parallel) {
+  apply_root(r, half_, parallel);
+  apply_root(half_, z, parallel);
+}
+
+void Multilevel::apply_root(const RowArray& r, RowArray& z, const Parallel& parallel) {
   for (size_t l = 0; l < levels_.size(); ++l)
     levels_[l].restrict_to(band_of(fine_, levels_, l), l == 0 ? r : residual_[l - 1], residual_[l], parallel);
   for (size_t l = levels_.size(); l > 0; --l) {

@@ -37,11 +37,14 @@ class Multilevel {
   void apply(const RowArray& r, RowArray& z, const Parallel& parallel);
 
  private:
+  void apply_root(const RowArray& r, RowArray& z, const Parallel& parallel);
+
   const NarrowBand& fine_;
   std::vector<CoarseBand> levels_;   ///< 1, 2, ...
   std::vector<RowArray> extent_;     ///< P_l^T 1 of each coarse level: fine vertices that a coarse one speaks for
   std::vector<RowArray> inverse_;    ///< D_l^-1, from level 0
   std::vector<RowArray> residual_;   ///< of each coarse level
+  RowArray half_;
 };
 
 }  // namespace soapfilm

@@ -20,7 +20,7 @@ struct Strength {
 struct RobustParams {
   Penalty penalty = Penalty::tukey;
   double least_scale = 0.1;   ///< voxels, > 0: the penalty takes no smaller scale than this
-  double slope = 3;         ///< weight of the unit slope along the normal, per gamma
+  double slope = 2;         ///< weight of the unit slope along the normal, per gamma
   double first_scale = 0.5;
   double slope_a = 0.02;
   int rounds = 3;             ///< of weighing and solving, in [1, 20]

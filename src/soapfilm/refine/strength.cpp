@@ -200,7 +200,7 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
                          const RobustParams& robust, const StrengthParams& params, const Parallel& parallel,
                          StrengthReport& report) {
   HeldOut held_out(band, phi0, samples, robust, params, parallel);
-  Strength best{params.smoothing.value_or(3.2), params.normals.value_or(0), 0};
+  Strength best{params.smoothing.value_or(0.2), params.normals.value_or(0), 0};
 
   const auto search_smoothing = [&] {
     if (params.smoothing) return;
