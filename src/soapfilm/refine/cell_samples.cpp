@@ -143,14 +143,31 @@ std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples
 
 namespace {
 
-/// The transpose of jet(): adds a weighted residual to the corners of a cell.
-void add_transposed(const Corners& corners, Vec3f f, const Jet& t, float* out) {
-  for (unsigned k = 0; k < 8; ++k) {
-    const float bx = k & 1 ? f.x : 1 - f.x, by = k & 2 ? f.y : 1 - f.y, bz = k & 4 ? f.z : 1 - f.z;
-    const float gx = k & 1 ? t.gradient.x : -t.gradient.x, gy = k & 2 ? t.gradient.y : -t.gradient.y,
-                gz = k & 4 ? t.gradient.z : -t.gradient.z;
-    out[corners.slot[k]] += bx * by * bz * t.value + gx * by * bz + bx * gy * bz + bx * by * gz;
+/// Trilinear weights of a cell's corners at a point, and their derivatives.
+struct Stencil {
+  std::array<float, 8> value, x, y, z;
+
+  explicit Stencil(Vec3f f) {
+    const float wx[2] = {1 - f.x, f.x}, wy[2] = {1 - f.y, f.y}, wz[2] = {1 - f.z, f.z};
+    for (size_t k = 0; k < 8; ++k) {
+      const float bx = wx[k & 1], by = wy[k >> 1 & 1], bz = wz[k >> 2];
+      value[k] = bx * by * bz;
+      x[k] = k & 1 ? by * bz : -(by * bz);
+      y[k] = k & 2 ? bx * bz : -(bx * bz);
+      z[k] = k & 4 ? bx * by : -(bx * by);
+    }
   }
+  /// Weights of the derivative along a vector.
+  std::array<float, 8> along(Vec3f n) const {
+    std::array<float, 8> d;
+    for (size_t k = 0; k < 8; ++k) d[k] = n.x * x[k] + n.y * y[k] + n.z * z[k];
+    return d;
+  }
+};
+
+float product(const std::array<float, 8>& a, const std::array<float, 8>& b) {
+  return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) +
+         ((a[4] * b[4] + a[5] * b[5]) + (a[6] * b[6] + a[7] * b[7]));
 }
 
 /// Calls visit(cell, its corners) for all cells. Bricks of one colour (the parity of their coordinates) touch no common
@@ -172,12 +189,20 @@ void add_data_term(const NarrowBand& band, const CellSamples& data, const RowArr
   for_each_cell(band, data, parallel, [&](const CellSample& cell, const Corners& corners) {
     std::array<float, 8> values;
     for (size_t k = 0; k < 8; ++k) values[k] = v.data()[corners.slot[k]];
-    Jet residual = jet(values, cell.fraction);
-    if (affine) residual.gradient += cell.normal;
-    const float along = (cell.slope_weight - cell.normal_weight) * dot(cell.normal, residual.gradient);
-    add_transposed(corners, cell.fraction,
-                   {cell.weight * residual.value, cell.normal_weight * residual.gradient + along * cell.normal},
-                   out.data());
+    const Stencil stencil(cell.fraction);
+    const std::array<float, 8> along = stencil.along(cell.normal);
+    const float value = cell.weight * product(stencil.value, values);
+    const float slope = (cell.slope_weight - cell.normal_weight) *
+                        (product(along, values) + (affine ? dot(cell.normal, cell.normal) : 0.0f));
+    std::array<float, 8> sum;
+    for (size_t k = 0; k < 8; ++k) sum[k] = value * stencil.value[k] + slope * along[k];
+    if (cell.normal_weight > 0) {
+      Vec3f g{product(stencil.x, values), product(stencil.y, values), product(stencil.z, values)};
+      if (affine) g += cell.normal;
+      g = cell.normal_weight * g;
+      for (size_t k = 0; k < 8; ++k) sum[k] += g.x * stencil.x[k] + g.y * stencil.y[k] + g.z * stencil.z[k];
+    }
+    for (size_t k = 0; k < 8; ++k) out.data()[corners.slot[k]] += sum[k];
   });
 }
 

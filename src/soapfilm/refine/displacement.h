@@ -15,8 +15,8 @@ struct Smoothness {
 };
 
 struct SolveLimits {
-  int iterations = 10;
-  double tolerance = 1e-2;  ///< of the residual, in the preconditioner's norm, relative to the first one
+  int iterations = 15;
+  double tolerance = 3e-2;  ///< of the residual, in the preconditioner's norm, relative to the first one
 };
 
 /// Minimises, over delta on the band,

@@ -30,7 +30,10 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
         merge(samples, where, band, fit.weight, normal,
               {static_cast<float>(strength.normals), static_cast<float>(std::max(params.slope * strength.smoothing, strength.normals))}, parallel);
     fit.cells = data.cells.size();
-    fit.iterations += displacement.minimize(data, smoothness, params.solve);
+    // Weights need no more than a rough surface.
+    SolveLimits limits = params.solve;
+    if (round + 1 < params.rounds) limits.iterations = std::max(1, limits.iterations / 3);
+    fit.iterations += displacement.minimize(data, smoothness, limits);
   }
   return fit;
 }
