@@ -20,8 +20,8 @@ Corners corners_of(const NarrowBand& band, uint32_t row, int x) {
   Corners corners;
   for (size_t k = 0; k < 4; ++k) {
     corners.slot[2 * k] = static_cast<size_t>(rows[k]) * brick_side + static_cast<size_t>(x);
-    corners.slot[2 * k + 1] = x < 7 ? corners.slot[2 * k] + 1
-                                    : static_cast<size_t>(band.neighbors(rows[k])[1]) * brick_side;
+    corners.slot[2 * k + 1] =
+        x < 7 ? corners.slot[2 * k] + 1 : static_cast<size_t>(band.neighbors(rows[k])[1]) * brick_side;
   }
   return corners;
 }
@@ -97,11 +97,10 @@ CellSamples merge(const GridSamples& samples, const BandSamples& where, const Na
       for (size_t cell = 0; cell < brick_volume; ++cell) {
         if (!(touched[cell / 64] >> (cell % 64) & 1)) continue;
         const Sums& sum = sums[cell];
-        bricks[b].cells.push_back(
-            {sum.position / sum.weight, sum.weight, sum.normal / sum.weight,
-                                     weights.normal * sum.weight, weights.slope * sum.weight});
-        bricks[b].place.emplace_back(
-            band.row(brick, static_cast<int>(cell >> 3 & 7), static_cast<int>(cell >> 6)), cell & 7);
+        bricks[b].cells.push_back({sum.position / sum.weight, sum.weight, sum.normal / sum.weight,
+                                   weights.normal * sum.weight, weights.slope * sum.weight});
+        bricks[b].place.emplace_back(band.row(brick, static_cast<int>(cell >> 3 & 7), static_cast<int>(cell >> 6)),
+                                     cell & 7);
       }
     }
   });
@@ -212,8 +211,8 @@ void add_data_diagonal(const NarrowBand& band, const CellSamples& data, RowArray
     for (unsigned k = 0; k < 8; ++k) {
       const float bx = k & 1 ? f.x : 1 - f.x, by = k & 2 ? f.y : 1 - f.y, bz = k & 4 ? f.z : 1 - f.z;
       // |d_x b| sums to 2 over the corners, and so for y and z.
-      out.data()[corners.slot[k]] +=
-          cell.weight * bx * by * bz + 2 * std::max(cell.normal_weight, cell.slope_weight) * (by * bz + bx * bz + bx * by);
+      out.data()[corners.slot[k]] += cell.weight * bx * by * bz + 2 * std::max(cell.normal_weight, cell.slope_weight) *
+                                                                      (by * bz + bx * bz + bx * by);
     }
   });
 }

@@ -34,7 +34,7 @@ struct CellSample {
 struct CellSamples {
   std::vector<CellSample> cells;  ///< in the order of (row, x)
   std::vector<uint8_t> x;
-  std::vector<uint32_t> begin;  ///< row r's cells are [begin[r], begin[r + 1])
+  std::vector<uint32_t> begin;                  ///< row r's cells are [begin[r], begin[r + 1])
   std::array<std::vector<uint32_t>, 8> colors;  ///< bricks that hold cells, by the parity of their coordinates
 };
 

@@ -203,8 +203,7 @@ void Multilevel::apply_root(const RowArray& r, RowArray& z, const Parallel& para
     levels_[l].restrict_to(band_of(fine_, levels_, l), l == 0 ? r : residual_[l - 1], residual_[l], parallel);
   for (size_t l = levels_.size(); l > 0; --l) {
     multiply(inverse_[l], residual_[l - 1], residual_[l - 1], parallel);
-    if (l < levels_.size())
-      levels_[l].prolong_add(levels_[l - 1].band(), residual_[l], residual_[l - 1], parallel);
+    if (l < levels_.size()) levels_[l].prolong_add(levels_[l - 1].band(), residual_[l], residual_[l - 1], parallel);
   }
   multiply(inverse_[0], r, z, parallel);
   if (!levels_.empty()) levels_[0].prolong_add(fine_, residual_[0], z, parallel);

@@ -23,16 +23,18 @@ class CoarseBand {
 
  private:
   NarrowBand band_;
-  std::vector<int32_t> parent_;                   ///< brick that holds a fine brick's first vertex
+  std::vector<int32_t> parent_;                    ///< brick that holds a fine brick's first vertex
   std::vector<std::array<int32_t, 27>> children_;  ///< fine bricks around 2 B, by neighbor_slot()
 };
 
-/// z = sum over levels l of P_l D_l^-1 P_l^T r: symmetric positive definite.
+/// An approximate inverse, symmetric positive definite, of  data + beta G + gamma G^2, which is about the square of
+/// K = sqrt(gamma) G + sqrt(data) + beta / (2 sqrt(gamma)): z = B B r with B = sum over levels l of P_l D_l^-1 P_l^T,
+/// D_l = K's diagonal on level l. (Trilinear functions suit the second-order K; for G^2 itself they are too rough.)
 class Multilevel {
  public:
   Multilevel(const NarrowBand& fine, const Parallel& parallel);
 
-  /// For the operator  data + beta G + gamma G^2, of which `data_diagonal` bounds the first part.
+  /// `data_diagonal` bounds the data term's row sums; gamma > 0.
   void set_operator(const RowArray& data_diagonal, float beta, float gamma, const Parallel& parallel);
   void apply(const RowArray& r, RowArray& z, const Parallel& parallel);
 
@@ -40,11 +42,11 @@ class Multilevel {
   void apply_root(const RowArray& r, RowArray& z, const Parallel& parallel);
 
   const NarrowBand& fine_;
-  std::vector<CoarseBand> levels_;   ///< 1, 2, ...
-  std::vector<RowArray> extent_;     ///< P_l^T 1 of each coarse level: fine vertices that a coarse one speaks for
-  std::vector<RowArray> inverse_;    ///< D_l^-1, from level 0
-  std::vector<RowArray> residual_;   ///< of each coarse level
-  RowArray half_;
+  std::vector<CoarseBand> levels_;  ///< 1, 2, ...
+  std::vector<RowArray> extent_;    ///< P_l^T 1 of each coarse level: fine vertices that a coarse one speaks for
+  std::vector<RowArray> inverse_;   ///< D_l^-1, from level 0
+  std::vector<RowArray> residual_;  ///< of each coarse level
+  RowArray half_;                   ///< B r
 };
 
 }  // namespace soapfilm

@@ -40,8 +40,8 @@ void NarrowBand::count_neighbors(const Parallel& parallel) {
       const int below = (m << 1 | mask_[n[0]] >> 7) & 0xff, above = m >> 1 | (mask_[n[1]] & 1) << 7;
       for (int x = 0; x < brick_side; ++x) {
         const auto bit = [x](int bits) { return bits >> x & 1; };
-        const int degree = bit(below) + bit(above) + bit(mask_[n[2]]) + bit(mask_[n[3]]) + bit(mask_[n[4]]) +
-                           bit(mask_[n[5]]);
+        const int degree =
+            bit(below) + bit(above) + bit(mask_[n[2]]) + bit(mask_[n[3]]) + bit(mask_[n[4]]) + bit(mask_[n[5]]);
         degree_[r * brick_side + static_cast<size_t>(x)] = static_cast<uint8_t>(bit(m) * degree);
       }
     }

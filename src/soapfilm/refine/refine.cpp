@@ -1,38 +1,26 @@
 #include "soapfilm/refine/refine.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <vector>
 
+#include "soapfilm/core/error.h"
 #include "soapfilm/refine/topology.h"
 
 namespace soapfilm {
 
 namespace {
 
-double now() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-struct Clock {
-  double last = now();
-  bool on = std::getenv("REFINE_TIMES") != nullptr;
-  void lap(const char* name) {
-    const double t = now();
-    if (on) std::printf("    %-12s %.3f\n", name, t - last);
-    last = t;
-  }
-};
+constexpr float far_distance = 3;       // voxels, of vertices beyond the band
+constexpr float held_distance = 0.05f;  // voxels, of vertices whose sign must not follow
 
 /// Quantile function of the standard normal distribution in [0.03, 0.97] (rational approximation of Acklam 2003).
 float normal_quantile(float p) {
   const float q = p - 0.5f, r = q * q;
-  const float num = ((((-39.6968303f * r + 220.946098f) * r - 275.928510f) * r + 138.357752f) * r - 30.6647981f) * r +
-                    2.50662828f;
+  const float num =
+      ((((-39.6968303f * r + 220.946098f) * r - 275.928510f) * r + 138.357752f) * r - 30.6647981f) * r + 2.50662828f;
   const float den =
       ((((-54.4760988f * r + 161.585837f) * r - 155.698980f) * r + 66.8013119f) * r - 13.2806816f) * r + 1;
   return q * num / den;
@@ -73,65 +61,81 @@ SignBits make_signs(const Level& level, float threshold, const SurfaceField& fie
   return signs;
 }
 
-template <class Visit>
-void for_each_row(const NarrowBand& band, const Parallel& parallel, Visit&& visit) {
+/// About the signed distance to the surface, positive inside, on the band.
+RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Parallel& parallel) {
+  RowArray distance = band.make_array();
   parallel.for_each(band.grid().size(), 64, [&](size_t b) {
-    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) visit(b, r);
+    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
+      const float* smoothed = field.value.brick(b) + band.place(r) * brick_side;
+      float* out = distance.data() + static_cast<size_t>(r) * brick_side;
+      for (int x = 0; x < brick_side; ++x)
+        if (band.mask(r) >> x & 1) out[x] = distance_of(smoothed[x]);
+    }
+  });
+  return distance;
+}
+
+/// Replaces the field by the distance on the band, and by its sign alone beyond it.
+void write_distance(const NarrowBand& band, const RowArray& distance, const SignBits& signs, SurfaceField& field,
+                    const Parallel& parallel) {
+  parallel.for_each(band.grid().size(), 64, [&](size_t b) {
+    float* out = field.value.brick(b);
+    for (int row = 0; row < brick_area; ++row)
+      for (int x = 0; x < brick_side; ++x)
+        out[row * brick_side + x] = signs.test(b, x, row & 7, row >> 3) ? far_distance : -far_distance;
+    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r)
+      for (int x = 0; x < brick_side; ++x)
+        if (band.mask(r) >> x & 1)
+          out[band.place(r) * brick_side + x] =
+              distance.data()[static_cast<size_t>(r) * brick_side + static_cast<size_t>(x)];
   });
 }
 
 }  // namespace
 
+void validate(const RefineParams& params) {
+  const auto require = [](const char* name, double value, double least, double most) {
+    if (!(value >= least && value <= most))
+      throw ParameterError(fmt::format("{} = {}, must be in [{:g}, {:g}]", name, value, least, most));
+  };
+  if (params.smoothing) require("smoothing", *params.smoothing, 1e-6, 1e6);
+  if (params.normals) require("refine normals", *params.normals, 0, 1e6);
+  require("refine reach", params.reach, 1, 3);
+  require("refine rounds", params.robust.rounds, 1, 20);
+  require("refine iterations", params.robust.solve.iterations, 1, 10000);
+  require("refine tolerance", params.robust.solve.tolerance, 0, 1);
+  require("refine least_scale", params.robust.least_scale, 1e-3, 10);
+}
+
 SurfaceField refine(const Level& level, float threshold, const GridSamples& samples, const RefineParams& params,
                     const Parallel& parallel, RefineReport& report) {
-  Clock clock;
+  validate(params);
+  // The smoothed indicator tells roughly how far each vertex is from the surface.
   SurfaceField field = smoothed_indicator(level, threshold, parallel);
-  clock.lap("smooth");
   const NarrowBand band = make_band(field, level.box, params.reach, parallel);
-  RowArray phi0 = band.make_array();
-  for_each_row(band, parallel, [&](size_t b, uint32_t r) {
-    const float* v = field.value.brick(b) + band.place(r) * brick_side;
-    for (size_t x = 0; x < brick_side; ++x)
-      if (band.mask(r) >> x & 1) phi0.data()[r * brick_side + x] = distance_of(v[x]);
-  });
-  const BandSamples where = locate(samples, band, parallel);
-  clock.lap("band");
+  const RowArray phi0 = distance_on(band, field, parallel);
   report.band_vertices = band.count();
-  report.band_slots = band.slots();
 
-  const Strength strength = choose_strength(
-      band, phi0, samples, params.robust, {.smoothing = params.smoothing, .normals = params.normals}, parallel,
-      report.search);
-  clock.lap("strength");
+  // How much the samples are worth is for the samples to say.
+  report.strength =
+      choose_strength(band, phi0, samples, params.robust, {.smoothing = params.smoothing, .normals = params.normals},
+                      parallel, report.search);
+
+  // The surface moves onto them.
   Displacement displacement(band, phi0, parallel);
-  clock.lap("levels");
-  const std::vector<uint8_t> all(samples.size(), 1);
-  const RobustFit fit =
-      fit_robustly(displacement, band, samples, where, all, strength, params.robust, parallel);
-  clock.lap("fit");
-  report.strength = strength;
+  const RobustFit fit = fit_robustly(displacement, band, samples, locate(samples, band, parallel),
+                                     std::vector<uint8_t>(samples.size(), 1), report.strength, params.robust, parallel);
   report.iterations = fit.iterations;
   report.cells = fit.cells;
-  for (size_t s = 0; s < samples.size(); ++s) report.down_weighted += fit.weight[s] < 0.25f;
+  report.down_weighted =
+      static_cast<size_t>(std::count_if(fit.weight.begin(), fit.weight.end(), [](float w) { return w < 0.25f; }));
 
+  // Signs follow where the topology allows.
   SignBits signs = make_signs(level, threshold, field, parallel);
-  const FlipCount flips = follow(displacement.phi(), band, signs, 0.05f);
-  report.flips = flips.wanted;
+  const FlipCount flips = follow(displacement.phi(), band, signs, held_distance);
+  report.flips = flips.wanted - flips.refused;
   report.refused = flips.refused;
-  clock.lap("topology");
-
-  constexpr float far = 3;
-  parallel.for_each(field.grid.size(), 64, [&](size_t b) {
-    float* out = field.value.brick(b);
-    for (int row = 0; row < brick_area; ++row)
-      for (int x = 0; x < brick_side; ++x)
-        out[row * brick_side + x] = signs.row(b, row & 7, row >> 3) >> x & 1 ? far : -far;
-    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r)
-      for (int x = 0; x < brick_side; ++x)
-        if (band.mask(r) >> x & 1)
-          out[band.place(r) * brick_side + x] = displacement.phi().data()[r * brick_side + static_cast<size_t>(x)];
-  });
-  clock.lap("write");
+  write_distance(band, displacement.phi(), signs, field, parallel);
   return field;
 }
 

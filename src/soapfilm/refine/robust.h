@@ -13,8 +13,10 @@ enum class Penalty { least_squares, huber, geman_mcclure, tukey };
 inline float robust_weight(Penalty penalty, float residual, float scale) {
   const float r = std::abs(residual) / scale;
   switch (penalty) {
-    case Penalty::least_squares: return 1.0f;
-    case Penalty::huber: return r <= 1.345f ? 1.0f : 1.345f / r;
+    case Penalty::least_squares:
+      return 1.0f;
+    case Penalty::huber:
+      return r <= 1.345f ? 1.0f : 1.345f / r;
     case Penalty::geman_mcclure: {
       const float d = 1 + r * r / 4;
       return 1 / (d * d);

@@ -14,17 +14,17 @@ struct Strength {
   double smoothing = 0;  ///< gamma: weight of curvature against one sample, lattice units
   double normals = 0;    ///< weight of a direction's error (as a vector of unit length) against a voxel
   double noise = 0;      ///< standard deviation of the samples along the surface's normal, voxels
-
 };
 
 struct RobustParams {
   Penalty penalty = Penalty::tukey;
-  double least_scale = 0.1;   ///< voxels, > 0: the penalty takes no smaller scale than this
-  double slope = 2;         ///< weight of the unit slope along the normal, per gamma
-  double first_scale = 0.5;
-  double slope_a = 0.02;
-  int rounds = 3;             ///< of weighing and solving, in [1, 20]
-  SolveLimits solve;
+  double least_scale = 0.1;          ///< of the penalty, voxels, [1e-3, 10]; it takes the noise where that is larger
+  double first_scale = 0.5;          ///< at least this in the first round, half of it in the next, ...: voxels, >= 0
+  double slope = 2;                  ///< weight of a unit slope along the normal against gamma, >= 0: without it phi
+                                     ///< flattens among noisy samples and is no distance any more
+  double slope_of_curvature = 0.02;  ///< beta / sqrt(gamma), > 0: gamma scales as length^4, beta as length^2
+  int rounds = 3;                    ///< of weighing and solving, [1, 20]
+  SolveLimits solve;                 ///< of the last round; the earlier ones take a third of the iterations
 };
 
 struct RobustFit {

@@ -5,7 +5,8 @@
 
 namespace soapfilm {
 
-/// The 27 vertices around a vertex, itself in the middle, as bits: (dx + 1) + 3 (dy + 1) + 9 (dz + 1), set where inside.
+/// The 27 vertices around a vertex, itself in the middle, as bits: (dx + 1) + 3 (dy + 1) + 9 (dz + 1), set where
+/// inside.
 using Neighborhood = uint32_t;
 
 /// Whether turning the middle vertex over, from either side, keeps the components, tunnels and cavities of the inside

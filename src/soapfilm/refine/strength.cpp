@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <utility>
 
@@ -13,7 +11,9 @@ namespace soapfilm {
 
 namespace {
 
-constexpr int patch_bricks = 4;  // along each axis
+constexpr int patch_bricks = 4;        // along each axis
+constexpr double assumed_noise = 0.3;  // voxels, of the robust penalty during the search
+constexpr double first_smoothing = 0.2;
 constexpr double least_smoothing = 2e-4, most_smoothing = 200;
 constexpr double smoothing_step = 4, normals_step = 4;
 constexpr double first_normals = 0.05, least_normals = 0.003, most_normals = 50;
@@ -111,19 +111,22 @@ class HeldOut {
     const auto [it, fresh] = scores_.try_emplace({smoothing, normals}, 0.0);
     if (!fresh) return it->second;
     std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
-    fit_robustly(displacement_, part_.first, samples_, where_, train_, {smoothing, normals, noise_}, robust_,
+    fit_robustly(displacement_, part_.first, samples_, where_, train_, {smoothing, normals, assumed_noise}, robust_,
                  parallel_);
     const auto residuals = held_out_residuals();
     double sum = 0;
     for (const float r : residuals) sum += r;
     it->second = residuals.empty() ? 0 : sum / static_cast<double>(residuals.size());
-    noise_now_ = 1.4826 * static_cast<double>(median(residuals));
-    if (std::getenv("REFINE_TIMES")) std::printf("    cv g %.2e n %.3g : %.5f (s %.4f)\n", smoothing, normals, it->second, noise_now_);
+    noise_ = 1.4826 * static_cast<double>(median(residuals));
     return it->second;
   }
 
-  double noise_now() const { return noise_now_; }
-  void set_noise(double noise) { noise_ = noise; }
+  /// Standard deviation of the samples from the surface, voxels, by the held-out samples' median.
+  double noise_at(double smoothing, double normals) {
+    scores_.erase({smoothing, normals});
+    score(smoothing, normals);
+    return noise_;
+  }
   size_t samples() const { return samples_.size(); }
   int candidates() const { return static_cast<int>(scores_.size()); }
 
@@ -133,8 +136,8 @@ class HeldOut {
     std::vector<float> angles;
     for (size_t s = 0; s < jets.size(); ++s)
       if (where_.cell_row[s] != 0)
-        angles.push_back(std::acos(
-            std::clamp(-dot(normalized(samples_.direction[s]), normalized(jets[s].gradient)), -1.0f, 1.0f)));
+        angles.push_back(
+            std::acos(std::clamp(-dot(normalized(samples_.direction[s]), normalized(jets[s].gradient)), -1.0f, 1.0f)));
     return 57.29578 * static_cast<double>(median(std::move(angles)));
   }
 
@@ -146,7 +149,8 @@ class HeldOut {
     const auto jets = jets_at_samples(displacement_.phi(), samples_, where_, part_.first, parallel_);
     std::vector<float> residuals;
     for (size_t s = 0; s < jets.size(); ++s) {
-      if (where_.cell_row[s] == 0 || train_[s] || !seen_from_outside(samples_.direction[s], first_[s].gradient)) continue;
+      if (where_.cell_row[s] == 0 || train_[s] || !seen_from_outside(samples_.direction[s], first_[s].gradient))
+        continue;
       const float slope = dot(jets[s].gradient, normalized(first_[s].gradient));
       residuals.push_back(std::min(std::abs(jets[s].value) / std::clamp(slope, least_slope, 1.0f), most_distance));
     }
@@ -163,8 +167,7 @@ class HeldOut {
   std::vector<uint8_t> train_;
   std::vector<Jet> first_;  // of phi0
   std::map<std::pair<double, double>, double> scores_;
-  double noise_ = 0.3;
-  double noise_now_ = 0;
+  double noise_ = 0;
 };
 
 /// Steps along one axis of (gamma, normals) while that lowers the score.
@@ -200,7 +203,7 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
                          const RobustParams& robust, const StrengthParams& params, const Parallel& parallel,
                          StrengthReport& report) {
   HeldOut held_out(band, phi0, samples, robust, params, parallel);
-  Strength best{params.smoothing.value_or(0.2), params.normals.value_or(0), 0};
+  Strength best{params.smoothing.value_or(first_smoothing), params.normals.value_or(0), 0};
 
   const auto search_smoothing = [&] {
     if (params.smoothing) return;
@@ -225,8 +228,7 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
   if (!params.smoothing)
     best.smoothing = between_steps(best.smoothing, smoothing_step, least_smoothing, most_smoothing,
                                    [&](double gamma) { return held_out.score(gamma, best.normals); });
-  held_out.score(best.smoothing * (1 + 1e-9), best.normals);
-  best.noise = held_out.noise_now();
+  best.noise = held_out.noise_at(best.smoothing, best.normals);
   report.samples = held_out.samples();
   report.candidates = held_out.candidates();
   return best;

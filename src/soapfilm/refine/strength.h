@@ -21,8 +21,12 @@ struct StrengthReport {
   int candidates = 0;
 };
 
-/// Fits patches of the surface to three quarters of their samples and measures the others' mean distance |phi|. gamma
-/// is doubled (four times in the first search) ... see strength.cpp.
+/// Fits patches of the surface to three quarters of their samples and takes the weights with which the others come to
+/// lie nearest: the mean of |phi| along the first surface's normals, which a surface that folds towards its samples
+/// cannot make small. gamma is searched in factors of 4 from 0.2 downhill, then between the steps by a parabola in
+/// log gamma. Directions are tried as normals when their median angle to the fitted surface is under 40 degrees, and
+/// used, with the weight found in factors of 4, when that lowers the error of the held-out positions. The noise is
+/// 1.48 times the median of the held-out distances. Cost: some ten fits of `samples` samples, whatever their number.
 Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const GridSamples& samples,
                          const RobustParams& robust, const StrengthParams& params, const Parallel& parallel,
                          StrengthReport& report);
