@@ -14,9 +14,14 @@ struct Corners {
   std::array<size_t, 8> slot;
 };
 
-Corners corners_of(const NarrowBand& band, uint32_t row, int x) {
-  const uint32_t rows[4] = {row, band.neighbors(row)[3], band.neighbors(row)[5],
-                            band.neighbors(band.neighbors(row)[3])[5]};
+using CellRows = std::array<uint32_t, 4>;
+
+/// The rows of a cell's corners, y fastest.
+CellRows rows_of(const NarrowBand& band, uint32_t row) {
+  return {row, band.neighbors(row)[3], band.neighbors(row)[5], band.neighbors(band.neighbors(row)[3])[5]};
+}
+
+Corners corners_of(const NarrowBand& band, const CellRows& rows, int x) {
   Corners corners;
   for (size_t k = 0; k < 4; ++k) {
     corners.slot[2 * k] = static_cast<size_t>(rows[k]) * brick_side + static_cast<size_t>(x);
@@ -59,7 +64,7 @@ BandSamples locate(const GridSamples& samples, const NarrowBand& band, const Par
       const int x = std::min(static_cast<int>(q.x), 7), y = std::min(static_cast<int>(q.y), 7),
                 z = std::min(static_cast<int>(q.z), 7);
       const uint32_t row = band.row(brick, y, z);
-      if (row == 0 || !in_band(band, corners_of(band, row, x))) continue;
+      if (row == 0 || !in_band(band, corners_of(band, rows_of(band, row), x))) continue;
       where.cell_row[s] = row;
       where.cell_x[s] = static_cast<uint8_t>(x);
     }
@@ -132,7 +137,7 @@ std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples
   std::vector<Jet> jets(samples.size());
   parallel.for_each(samples.size(), cells_per_task, [&](size_t s) {
     if (where.cell_row[s] == 0) return;
-    const Corners corners = corners_of(band, where.cell_row[s], where.cell_x[s]);
+    const Corners corners = corners_of(band, rows_of(band, where.cell_row[s]), where.cell_x[s]);
     std::array<float, 8> v;
     for (size_t k = 0; k < 8; ++k) v[k] = phi.data()[corners.slot[k]];
     jets[s] = jet(v, fraction_of(samples.local[s]));
@@ -176,8 +181,11 @@ void for_each_cell(const NarrowBand& band, const CellSamples& data, const Parall
   for (const std::vector<uint32_t>& bricks : data.colors)
     parallel.for_each(bricks.size(), 16, [&](size_t i) {
       for (uint32_t r = band.first_row(bricks[i]); r < band.first_row(bricks[i] + 1); ++r)
-        for (uint32_t c = data.begin[r]; c < data.begin[r + 1]; ++c)
-          visit(data.cells[c], corners_of(band, r, data.x[c]));
+        if (data.begin[r] < data.begin[r + 1]) {
+          const CellRows rows = rows_of(band, r);
+          for (uint32_t c = data.begin[r]; c < data.begin[r + 1]; ++c)
+            visit(data.cells[c], corners_of(band, rows, data.x[c]));
+        }
     });
 }
 

@@ -15,7 +15,7 @@ struct Smoothness {
 };
 
 struct SolveLimits {
-  int iterations = 15;
+  int iterations = 12;
   double tolerance = 3e-2;  ///< of the residual, in the preconditioner's norm, relative to the first one
 };
 

@@ -10,6 +10,7 @@ namespace {
 constexpr size_t coarsest_rows = 64;
 constexpr size_t most_levels = 8;
 constexpr float least_extent = 1e-6f;
+constexpr float coarse_diagonal = 2;  // levels overlap: their sum would count twice
 
 const NarrowBand& band_of(const NarrowBand& fine, const std::vector<CoarseBand>& levels, size_t level) {
   return level == 0 ? fine : levels[level - 1].band();
@@ -94,9 +95,13 @@ void CoarseBand::restrict_to(const NarrowBand& fine, const RowArray& from, RowAr
           const float weight = (dy ? 0.5f : 1.0f) * (dz ? 0.5f : 1.0f);
           const int fy = 2 * y + dy, fz = 2 * z + dz;
           sum[0] += weight * at(child(-1, fy, fz))[7];
-          const float *low = at(child(0, fy, fz)), *high = at(child(1, fy, fz));
-          for (int x = 0; x < brick_side; ++x) sum[1 + x] += weight * low[x];
-          for (int x = 0; x < brick_side; ++x) sum[9 + x] += weight * high[x];
+          for (int part = 0; part < 2; ++part) {
+            const uint32_t row = child(part, fy, fz);
+            if (row == 0) continue;
+            const float* values = at(row);
+            float* to = sum + 1 + 8 * part;
+            for (int x = 0; x < brick_side; ++x) to[x] += weight * values[x];
+          }
         }
       float* to = coarse.data() + static_cast<size_t>(r) * brick_side;
       for (int x = 0; x < brick_side; ++x) {
@@ -139,7 +144,6 @@ void CoarseBand::prolong_add(const NarrowBand& fine, const RowArray& coarse, Row
 }
 
 Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel) : fine_(fine) {
-  half_ = fine.make_array();
   inverse_.push_back(fine.make_array());
   while (band_of(fine, levels_, levels_.size()).rows() > coarsest_rows && levels_.size() < most_levels) {
     const NarrowBand& finer = band_of(fine, levels_, levels_.size());
@@ -175,8 +179,13 @@ void Multilevel::set_operator(const RowArray& data_diagonal, float beta, float g
     const float diffusion = 6 * root_gamma / static_cast<float>(1 << (2 * l));
     parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
       for (size_t i = (begin + 1) * brick_side; i < (end + 1) * brick_side; ++i) {
-        const float extent = l == 0 ? 1.0f : std::max(extent_[l - 1].data()[i], least_extent);
-        const float scale = 1 / (extent * (std::sqrt(data.data()[i] / extent) + reaction + diffusion));
+        const float value = data.data()[i];
+        float size = value + 6 * beta + 42 * gamma;
+        if (l > 0) {
+          const float extent = std::max(extent_[l - 1].data()[i], least_extent);
+          size = coarse_diagonal * extent * (std::sqrt(value / extent) + reaction + diffusion);
+        }
+        const float scale = 1 / size;
         inverse_[l].data()[i] = band.mask(static_cast<uint32_t>(i / brick_side)) >> (i % brick_side) & 1 ? scale : 0.0f;
       }
     });
@@ -194,19 +203,22 @@ void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Paralle
 }  // namespace
 
 void Multilevel::apply(const RowArray& r, RowArray& z, const Parallel& parallel) {
-  apply_root(r, half_, parallel);
-  apply_root(half_, z, parallel);
+  multiply(inverse_[0], r, z, parallel);
+  if (levels_.empty()) return;
+  levels_[0].restrict_to(fine_, r, residual_[0], parallel);
+  apply_root(parallel);
+  multiply(extent_[0], residual_[0], residual_[0], parallel);
+  apply_root(parallel);
+  levels_[0].prolong_add(fine_, residual_[0], z, parallel);
 }
 
-void Multilevel::apply_root(const RowArray& r, RowArray& z, const Parallel& parallel) {
-  for (size_t l = 0; l < levels_.size(); ++l)
-    levels_[l].restrict_to(band_of(fine_, levels_, l), l == 0 ? r : residual_[l - 1], residual_[l], parallel);
+void Multilevel::apply_root(const Parallel& parallel) {
+  for (size_t l = 1; l < levels_.size(); ++l)
+    levels_[l].restrict_to(levels_[l - 1].band(), residual_[l - 1], residual_[l], parallel);
   for (size_t l = levels_.size(); l > 0; --l) {
     multiply(inverse_[l], residual_[l - 1], residual_[l - 1], parallel);
     if (l < levels_.size()) levels_[l].prolong_add(levels_[l - 1].band(), residual_[l], residual_[l - 1], parallel);
   }
-  multiply(inverse_[0], r, z, parallel);
-  if (!levels_.empty()) levels_[0].prolong_add(fine_, residual_[0], z, parallel);
 }
 
 }  // namespace soapfilm

@@ -27,9 +27,10 @@ class CoarseBand {
   std::vector<std::array<int32_t, 27>> children_;  ///< fine bricks around 2 B, by neighbor_slot()
 };
 
-/// An approximate inverse, symmetric positive definite, of  data + beta G + gamma G^2, which is about the square of
-/// K = sqrt(gamma) G + sqrt(data) + beta / (2 sqrt(gamma)): z = B B r with B = sum over levels l of P_l D_l^-1 P_l^T,
-/// D_l = K's diagonal on level l. (Trilinear functions suit the second-order K; for G^2 itself they are too rough.)
+/// An approximate inverse, symmetric positive definite, of A = data + beta G + gamma G^2: z = D^-1 r + P C M C P^T r. D
+/// is A's diagonal on the band, M the mass P^T P, lumped, and C the sum over the coarse levels of P_l D_l^-1 P_l^T with
+/// D_l the diagonal on level l of K = sqrt(gamma) G + sqrt(data) + beta / (2 sqrt(gamma)), so that K^2 is about A:
+/// trilinear functions suit the second-order K, for G^2 itself they are too rough.
 class Multilevel {
  public:
   Multilevel(const NarrowBand& fine, const Parallel& parallel);
@@ -39,14 +40,13 @@ class Multilevel {
   void apply(const RowArray& r, RowArray& z, const Parallel& parallel);
 
  private:
-  void apply_root(const RowArray& r, RowArray& z, const Parallel& parallel);
+  void apply_root(const Parallel& parallel);
 
   const NarrowBand& fine_;
   std::vector<CoarseBand> levels_;  ///< 1, 2, ...
   std::vector<RowArray> extent_;    ///< P_l^T 1 of each coarse level: fine vertices that a coarse one speaks for
   std::vector<RowArray> inverse_;   ///< D_l^-1, from level 0
   std::vector<RowArray> residual_;  ///< of each coarse level
-  RowArray half_;                   ///< B r
 };
 
 }  // namespace soapfilm

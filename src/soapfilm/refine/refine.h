@@ -17,7 +17,7 @@ struct RefineParams {
   std::optional<double> smoothing{};  ///< gamma, weight of curvature against one sample, lattice units; [1e-6, 1e6].
                                       ///< Without it: chosen by held-out samples
   std::optional<double> normals{};    ///< weight of a unit normal against one voxel; [0, 1e6], 0: viewing directions
-                                    ///< only. Without it: chosen by held-out samples
+                                      ///< only. Without it: chosen by held-out samples
   RobustParams robust{};
   double reach = 2.3;  ///< half width of the band, voxels; [1, 3]
 };
