@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace soapfilm {
 
@@ -46,6 +47,28 @@ Jet jet(const std::array<float, 8>& v, Vec3f f) {
   const float dx = mix(mix(v[1] - v[0], v[3] - v[2], f.y), mix(v[5] - v[4], v[7] - v[6], f.y), f.z);
   return {mix(y0, y1, f.z), {dx, mix(x10 - x00, x11 - x01, f.z), y1 - y0}};
 }
+
+/// Trilinear weights of a cell's corners at a point, and their derivatives.
+struct Trilinear {
+  std::array<float, 8> value, x, y, z;
+
+  explicit Trilinear(Vec3f f) {
+    const float wx[2] = {1 - f.x, f.x}, wy[2] = {1 - f.y, f.y}, wz[2] = {1 - f.z, f.z};
+    for (size_t k = 0; k < 8; ++k) {
+      const float bx = wx[k & 1], by = wy[k >> 1 & 1], bz = wz[k >> 2];
+      value[k] = bx * by * bz;
+      x[k] = k & 1 ? by * bz : -(by * bz);
+      y[k] = k & 2 ? bx * bz : -(bx * bz);
+      z[k] = k & 4 ? bx * by : -(bx * by);
+    }
+  }
+  /// Weights of the derivative along a vector.
+  std::array<float, 8> along(Vec3f n) const {
+    std::array<float, 8> d;
+    for (size_t k = 0; k < 8; ++k) d[k] = n.x * x[k] + n.y * y[k] + n.z * z[k];
+    return d;
+  }
+};
 
 Vec3f fraction_of(Vec3f local) {
   const auto part = [](float q) { return q - static_cast<float>(std::min(static_cast<int>(q), 7)); };
@@ -123,6 +146,11 @@ CellSamples merge(const GridSamples& samples, const BandSamples& where, const Na
       ++merged.begin[row + 1];
     }
   }
+  merged.stencil.resize(total);
+  parallel.for_each(total, cells_per_task, [&](size_t c) {
+    const Trilinear t(merged.cells[c].fraction);
+    merged.stencil[c] = {t.value, t.along(merged.cells[c].normal)};
+  });
   for (size_t r = 0; r + 1 < merged.begin.size(); ++r) merged.begin[r + 1] += merged.begin[r];
   for (size_t b = 0; b < band.grid().size(); ++b) {
     const Vec3i c = band.grid().coord(b);
@@ -147,35 +175,13 @@ std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples
 
 namespace {
 
-/// Trilinear weights of a cell's corners at a point, and their derivatives.
-struct Stencil {
-  std::array<float, 8> value, x, y, z;
-
-  explicit Stencil(Vec3f f) {
-    const float wx[2] = {1 - f.x, f.x}, wy[2] = {1 - f.y, f.y}, wz[2] = {1 - f.z, f.z};
-    for (size_t k = 0; k < 8; ++k) {
-      const float bx = wx[k & 1], by = wy[k >> 1 & 1], bz = wz[k >> 2];
-      value[k] = bx * by * bz;
-      x[k] = k & 1 ? by * bz : -(by * bz);
-      y[k] = k & 2 ? bx * bz : -(bx * bz);
-      z[k] = k & 4 ? bx * by : -(bx * by);
-    }
-  }
-  /// Weights of the derivative along a vector.
-  std::array<float, 8> along(Vec3f n) const {
-    std::array<float, 8> d;
-    for (size_t k = 0; k < 8; ++k) d[k] = n.x * x[k] + n.y * y[k] + n.z * z[k];
-    return d;
-  }
-};
-
 float product(const std::array<float, 8>& a, const std::array<float, 8>& b) {
   return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) +
          ((a[4] * b[4] + a[5] * b[5]) + (a[6] * b[6] + a[7] * b[7]));
 }
 
-/// Calls visit(cell, its corners) for all cells. Bricks of one colour (the parity of their coordinates) touch no common
-/// vertex: they may add to their corners at the same time, and the order of the sums is fixed.
+/// Calls visit(cell, its stencil, its corners) for all cells. Bricks of one colour (the parity of their coordinates)
+/// touch no common vertex: they may add to their corners at the same time, and the order of the sums is fixed.
 template <class Visit>
 void for_each_cell(const NarrowBand& band, const CellSamples& data, const Parallel& parallel, Visit&& visit) {
   for (const std::vector<uint32_t>& bricks : data.colors)
@@ -184,7 +190,7 @@ void for_each_cell(const NarrowBand& band, const CellSamples& data, const Parall
         if (data.begin[r] < data.begin[r + 1]) {
           const CellRows rows = rows_of(band, r);
           for (uint32_t c = data.begin[r]; c < data.begin[r + 1]; ++c)
-            visit(data.cells[c], corners_of(band, rows, data.x[c]));
+            visit(data.cells[c], data.stencil[c], corners_of(band, rows, data.x[c]));
         }
     });
 }
@@ -193,36 +199,35 @@ void for_each_cell(const NarrowBand& band, const CellSamples& data, const Parall
 
 void add_data_term(const NarrowBand& band, const CellSamples& data, const RowArray& v, bool affine, RowArray& out,
                    const Parallel& parallel) {
-  for_each_cell(band, data, parallel, [&](const CellSample& cell, const Corners& corners) {
-    std::array<float, 8> values;
-    for (size_t k = 0; k < 8; ++k) values[k] = v.data()[corners.slot[k]];
-    const Stencil stencil(cell.fraction);
-    const std::array<float, 8> along = stencil.along(cell.normal);
-    const float value = cell.weight * product(stencil.value, values);
-    const float slope = (cell.slope_weight - cell.normal_weight) *
-                        (product(along, values) + (affine ? dot(cell.normal, cell.normal) : 0.0f));
-    std::array<float, 8> sum;
-    for (size_t k = 0; k < 8; ++k) sum[k] = value * stencil.value[k] + slope * along[k];
-    if (cell.normal_weight > 0) {
-      Vec3f g{product(stencil.x, values), product(stencil.y, values), product(stencil.z, values)};
-      if (affine) g += cell.normal;
-      g = cell.normal_weight * g;
-      for (size_t k = 0; k < 8; ++k) sum[k] += g.x * stencil.x[k] + g.y * stencil.y[k] + g.z * stencil.z[k];
-    }
-    for (size_t k = 0; k < 8; ++k) out.data()[corners.slot[k]] += sum[k];
-  });
+  for_each_cell(
+      band, data, parallel, [&](const CellSample& cell, const CellSamples::Stencil& stencil, const Corners& corners) {
+        std::array<float, 8> values;
+        for (size_t k = 0; k < 8; ++k) values[k] = v.data()[corners.slot[k]];
+        const float value = cell.weight * product(stencil.value, values);
+        const float slope = (cell.slope_weight - cell.normal_weight) *
+                            (product(stencil.along, values) + (affine ? dot(cell.normal, cell.normal) : 0.0f));
+        std::array<float, 8> sum;
+        for (size_t k = 0; k < 8; ++k) sum[k] = value * stencil.value[k] + slope * stencil.along[k];
+        if (cell.normal_weight > 0) {
+          const Trilinear t(cell.fraction);
+          Vec3f g{product(t.x, values), product(t.y, values), product(t.z, values)};
+          if (affine) g += cell.normal;
+          g = cell.normal_weight * g;
+          for (size_t k = 0; k < 8; ++k) sum[k] += g.x * t.x[k] + g.y * t.y[k] + g.z * t.z[k];
+        }
+        for (size_t k = 0; k < 8; ++k) out.data()[corners.slot[k]] += sum[k];
+      });
 }
 
 void add_data_diagonal(const NarrowBand& band, const CellSamples& data, RowArray& out, const Parallel& parallel) {
-  for_each_cell(band, data, parallel, [&](const CellSample& cell, const Corners& corners) {
-    const Vec3f f = cell.fraction;
-    for (unsigned k = 0; k < 8; ++k) {
-      const float bx = k & 1 ? f.x : 1 - f.x, by = k & 2 ? f.y : 1 - f.y, bz = k & 4 ? f.z : 1 - f.z;
-      // |d_x b| sums to 2 over the corners, and so for y and z.
-      out.data()[corners.slot[k]] += cell.weight * bx * by * bz + 2 * std::max(cell.normal_weight, cell.slope_weight) *
-                                                                      (by * bz + bx * bz + bx * by);
-    }
-  });
+  for_each_cell(
+      band, data, parallel, [&](const CellSample& cell, const CellSamples::Stencil& stencil, const Corners& corners) {
+        const Trilinear t(cell.fraction);
+        const float gradient = 2 * std::max(cell.normal_weight, cell.slope_weight);
+        for (size_t k = 0; k < 8; ++k)  // |d_x b| sums to 2 over the corners, and so for y and z
+          out.data()[corners.slot[k]] +=
+              cell.weight * stencil.value[k] + gradient * (std::abs(t.x[k]) + std::abs(t.y[k]) + std::abs(t.z[k]));
+      });
 }
 
 }  // namespace soapfilm

@@ -32,7 +32,12 @@ struct CellSample {
 /// The quadratic data term over the cells, phi trilinear in each (phi > 0 inside: its gradient is minus the normal):
 ///   sum_c w_c phi(p_c)^2 + v_c |g_c - n_c (n_c g_c)|^2 + s_c (n_c g_c)^2,  g_c = grad phi(p_c) + n_c.
 struct CellSamples {
+  /// Weights of the cell's corners for the value and for the derivative along the normal.
+  struct Stencil {
+    std::array<float, 8> value, along;
+  };
   std::vector<CellSample> cells;  ///< in the order of (row, x)
+  std::vector<Stencil> stencil;
   std::vector<uint8_t> x;
   std::vector<uint32_t> begin;                  ///< row r's cells are [begin[r], begin[r + 1])
   std::array<std::vector<uint32_t>, 8> colors;  ///< bricks that hold cells, by the parity of their coordinates

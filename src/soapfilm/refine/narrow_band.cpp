@@ -18,6 +18,8 @@ NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, con
     }
   }
   first_row_.back() = static_cast<uint32_t>(mask_.size());
+  mask_.push_back(0);
+  place_.push_back(0);
   neighbors_.resize(mask_.size());
   degree_.resize(slots());
   count_neighbors(parallel);
@@ -69,16 +71,16 @@ void apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, 
       const float* here = at(r);
       const float *down_y = at(n[2]), *up_y = at(n[3]), *down_z = at(n[4]), *up_z = at(n[5]);
       const uint8_t* degree = band.degree(r);
-      float along_x[brick_side];
-      along_x[0] = at(n[0])[7] + here[1];
-      for (int x = 1; x < 7; ++x) along_x[x] = here[x - 1] + here[x + 1];
-      along_x[7] = here[6] + at(n[1])[0];
       float* to = out.data() + static_cast<size_t>(r) * brick_side;
-      for (int x = 0; x < brick_side; ++x) {
-        const float sum = along_x[x] + ((down_y[x] + up_y[x]) + (down_z[x] + up_z[x]));
+      const auto result = [&](int x, float below, float above) {
+        const float sum = (below + above) + ((down_y[x] + up_y[x]) + (down_z[x] + up_z[x]));
         const float value = weight_v * here[x] + weight_g * (static_cast<float>(degree[x]) * here[x] - sum);
-        to[x] = degree[x] != 0 ? value : 0.0f;
-      }
+        return degree[x] != 0 ? value : 0.0f;
+      };
+      // All lanes at once, as if the row's neighbours in memory were its neighbours in space; then the ends again.
+      for (int x = 0; x < brick_side; ++x) to[x] = result(x, here[x - 1], here[x + 1]);
+      to[0] = result(0, at(n[0])[7], here[1]);
+      to[7] = result(7, here[6], at(n[1])[0]);
     }
   });
 }

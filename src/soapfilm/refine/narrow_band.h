@@ -2,7 +2,7 @@
 //
 // A row is the eight vertices of a brick with the same y and z. Rows are numbered from 1 in the order of the bricks,
 // then by z and y; row 0 is empty and stands for every row that the band lacks, so that loops need no branches. An
-// array over a band has 8 (rows + 1) floats, and holds 0 at vertices that are not in the band.
+// array over a band has 8 floats per row, one more row that is empty too, and holds 0 at vertices outside the band.
 #pragma once
 
 #include <array>
@@ -25,7 +25,8 @@ class NarrowBand {
   NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Parallel& parallel);
 
   const BrickGrid& grid() const { return grid_; }
-  size_t rows() const { return mask_.size() - 1; }
+  size_t rows() const { return mask_.size() - 2; }
+  /// Size of an array; one row more than there are, so that a row's end can be loaded together with what follows.
   size_t slots() const { return mask_.size() * brick_side; }
   size_t count() const;  ///< vertices
   RowArray make_array() const { return RowArray(slots()); }
@@ -52,7 +53,7 @@ class NarrowBand {
   BrickGrid grid_;
   std::vector<uint32_t> row_of_;
   std::vector<uint32_t> first_row_;
-  std::vector<uint8_t> mask_;
+  std::vector<uint8_t> mask_ = {0, 0};
   std::vector<uint8_t> place_;
   std::vector<std::array<uint32_t, 6>> neighbors_;
   std::vector<uint8_t> degree_;
