@@ -1,5 +1,6 @@
 #include "soapfilm/refine/narrow_band.h"
 
+#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -73,9 +74,9 @@ void apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, 
       const uint8_t* degree = band.degree(r);
       float* to = out.data() + static_cast<size_t>(r) * brick_side;
       const auto result = [&](int x, float below, float above) {
+        const auto d = static_cast<float>(degree[x]);
         const float sum = (below + above) + ((down_y[x] + up_y[x]) + (down_z[x] + up_z[x]));
-        const float value = weight_v * here[x] + weight_g * (static_cast<float>(degree[x]) * here[x] - sum);
-        return degree[x] != 0 ? value : 0.0f;
+        return (weight_v * here[x] + weight_g * (d * here[x] - sum)) * std::min(d, 1.0f);  // 0 outside the band
       };
       // All lanes at once, as if the row's neighbours in memory were its neighbours in space; then the ends again.
       for (int x = 0; x < brick_side; ++x) to[x] = result(x, here[x - 1], here[x + 1]);
