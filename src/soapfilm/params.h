@@ -39,7 +39,6 @@ struct EnergyParams {
 struct SurfaceParams {
   double threshold = 0.5;          ///< mu, in (0, 1)
   std::optional<double> isovalue;  ///< of the smoothed indicator, in (0, 1); without it: its mean at the samples
-  bool refine = true;              ///< move the surface onto the samples; otherwise it is the paper's
 };
 
 struct ReconstructParams {
@@ -54,7 +53,6 @@ struct ReconstructParams {
   GraphCutParams graph_cut;  ///< Method::graph_cut_6 and _26, which set its neighbours; norm is energy.norm
   VripParams vrip;           ///< Method::vrip
   SurfaceParams surface;
-  RefineParams refine;
   std::optional<size_t> memory_limit;  ///< bytes; without it: what the machine has free
 };
 
