@@ -20,7 +20,7 @@ struct SolveLimits {
 };
 
 /// Minimises, over delta on the band,
-///   E = sum_c w_c phi(p_c)^2 + v_c |grad phi(p_c) + n_c|^2 + beta <delta, G delta> + gamma |G delta - k|^2,
+///   E = data term of CellSamples (phi) + beta <delta, G delta> + gamma |G delta - k|^2,
 /// phi = phi0 + delta, k = laplacian phi0 where all six neighbours are in the band and 0 elsewhere (there delta alone
 /// is kept from bending, so that the band's rim pulls nothing). Conjugate gradients, multilevel preconditioner.
 class Displacement {

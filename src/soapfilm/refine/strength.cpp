@@ -211,7 +211,7 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
                              [&](double gamma) { return held_out.score(gamma, best.normals); });
   };
   search_smoothing();
-  held_out.score(best.smoothing, best.normals);
+  held_out.noise_at(best.smoothing, best.normals);  // the fit to compare directions with
   report.agreement_deg = held_out.agreement();
   if (!params.normals && report.agreement_deg < normals_agree_deg &&
       held_out.score(best.smoothing, first_normals) < held_out.score(best.smoothing, 0)) {
