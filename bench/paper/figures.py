@@ -19,7 +19,7 @@ def detailed(lab, name, *arguments):
 
 
 def figure_2(lab):
-    scans, name = detailed(lab, "figure-2-scans", "--views", 14, "--noise", "0.2%", "--image", "200x200")
+    scans, name = detailed(lab, "figure-2-scans", "--views", 14, "--noise", "0.2%", "--image", "280x280")
     rows, meshes = [], []
     for lam in (0.1, 0.01, 0.001):
         run = lab.reconstruct(f"figure-2-{lam}", scans, "--resolution", 320, "--lambda", lam)

@@ -106,11 +106,14 @@ class Lab:
             stamp.write_text(json.dumps({"words": words}))
         return folder
 
-    def reconstruct(self, name, inputs, *arguments):
-        """One run with --report, one thread, so that CPU seconds mean work and not waiting."""
+    def reconstruct(self, name, inputs, *arguments, refine=False):
+        """One run with --report, one thread, so that CPU seconds mean work and not waiting. The surface is the paper's
+        (threshold, smoothing, isovalue) unless it is to be refined."""
         mesh, report = self.work / f"{name}.ply", self.work / f"{name}.json"
         inputs = inputs if isinstance(inputs, list) else [inputs]
         words = [str(self.program), "reconstruct", *map(str, inputs), "-o", str(mesh), *map(str, arguments)]
+        if not refine:
+            words += ["--refine", "off"]
         full = words + ["--report", str(report), "--threads", "1", "--quiet"]
         run = Run(mesh, self.shown(words))
         stamp = self.work / f"{name}.run.json"
