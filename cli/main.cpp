@@ -28,6 +28,8 @@ constexpr const char* examples_and_codes =
       soapfilm info scan.ply
   Scans of a built-in shape, with the truth beside them:
       soapfilm scan part -o scans
+  How far a mesh is from the truth:
+      soapfilm evaluate mesh.ply --truth part
   A picture of two meshes side by side:
       soapfilm render truth.ply mesh.ply -o both.png
 
