@@ -105,6 +105,7 @@ int run(int argc, char** argv) {
   app.fallthrough();  // sub-commands inherit it: global options may follow them
   app.formatter(std::make_shared<Page>());
   GlobalOptions options;
+  options.command = fmt::format("soapfilm {}", fmt::join(argv + 1, argv + argc, " "));
   Runner runner;
   add_global_options(app, options);
   add_reconstruct(app, options, runner);

@@ -36,21 +36,8 @@ struct Options {
   std::vector<double> sensor;
   bool ascii = false;
   bool check = false;
-  std::string command;
   ReconstructParams params;
 };
-
-/// The words that were typed, for the report.
-std::string command_line(const CLI::App& app) {
-  std::string line = "soapfilm reconstruct";
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->count() == 0) continue;
-    if (!option->get_positional()) line += " " + option->get_name();
-    for (const std::string& word : option->results())
-      if (option->get_expected_max() > 0) line += " " + word;
-  }
-  return line;
-}
 
 /// A number, or nothing when the text says "auto".
 std::optional<double> number_or_auto(const char* option, const std::string& text, const char* constraint) {
@@ -165,7 +152,7 @@ int run(const CLI::App& app, Options& options, const GlobalOptions& global) {
       report.warnings.push_back(warning);
     }
   });
-  report.command = options.command;
+  report.command = global.command;
   report.input.dropped = read.dropped();
   report.warnings.insert(report.warnings.begin(), read.warnings.begin(), read.warnings.end());
   // The stages around the library's own: reading before it, checking and writing after it.
@@ -300,7 +287,6 @@ void add_reconstruct(CLI::App& app, const GlobalOptions& global, Runner& runner)
   add_method_options(*command, *options);
   add_surface_options(*command, *options);
   command->callback([command, options, &global, &runner] {
-    options->command = command_line(*command);
     runner = [command, options, &global] { return run(*command, *options, global); };
   });
 }

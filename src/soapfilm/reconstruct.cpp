@@ -34,6 +34,12 @@ void require_surface(const ReconstructReport& report, const Lattice& lattice, co
   const bool kept = is_certified(report.params.method) ? report.certificate.binary.primal < 0 : report.inside > 0;
   if (kept) return;
   const double largest = critical_lambda(lattice, field, lambda, parallel, progress, report.params.energy.norm);
+  if (largest > lambda)
+    throw EmptyResult(
+        fmt::format("empty result: method {} found no surface with lambda = {:.4g}, although one pays for "
+                    "its area up to about {:.3g}: a smaller lambda may help, or method tv",
+                    name_of(report.params.method), lambda, largest),
+        largest);
   throw EmptyResult(fmt::format("empty result: with lambda = {:.4g} no surface pays for its area at {:.2g} samples per "
                                 "voxel^2; the largest lambda that keeps a surface is about {:.3g}",
                                 lambda, report.input.density, largest),

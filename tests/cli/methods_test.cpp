@@ -83,7 +83,7 @@ TEST_F(MethodCommand, AnUnknownMethodIsRefused) {
 }
 
 TEST_F(MethodCommand, VripNamesTheScanThatIsNoRangeImage) {
-  refused({even, "--method", "vrip"}, "vrip needs range scans: scan \"even\" has no range grid");
+  refused({even, "--method", "vrip"}, "vrip needs range scans: scan \"samples\" has no range grid");
 }
 
 TEST_F(MethodCommand, WhatAMethodDoesNotHaveIsRefused) {

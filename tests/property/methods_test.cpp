@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -130,7 +131,7 @@ TEST_P(OneJudge, AnisotropicTvAndTheCutReachTheSameEnergy) {
   const double energy = cut.certificate.binary.primal;
   EXPECT_NEAR(tv.certificate.binary.primal, energy, 1e-5 * std::abs(energy));
   EXPECT_NEAR(cut.graph_cut->energy, energy, 1e-5 * std::abs(energy)) << "the cut's own sum and the judge's";
-  EXPECT_LE(tv.certificate.relaxed.dual, energy);
+  EXPECT_LE(tv.certificate.relaxed.dual, energy + 1e-12 * std::abs(energy)) << "a bound, to the rounding of double";
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, OneJudge, testing::ValuesIn(shapes), [](const auto& s) { return s.param; });
@@ -368,7 +369,7 @@ TEST_P(EmptyBy, NamesALambdaThatKeepsASurfaceSlow) {
   ReconstructParams params = params_of(GetParam());
   params.place.resolution = 40;
   params.energy.lambda = 3;
-  if (GetParam() != Method::tv_sor) params.energy.norm = Norm::anisotropic;
+  params.energy.norm = Norm::anisotropic;
   double largest = 0;
   try {
     reconstructed(cloud, params);
@@ -383,8 +384,34 @@ TEST_P(EmptyBy, NamesALambdaThatKeepsASurfaceSlow) {
   EXPECT_THROW(reconstructed(cloud, params), EmptyResult);
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, EmptyBy, testing::Values(Method::tv, Method::tv_sor, Method::graph_cut_6),
-                         method_name);
+INSTANTIATE_TEST_SUITE_P(Methods, EmptyBy, testing::Values(Method::tv, Method::graph_cut_6), method_name);
+
+/// From u = 0 the paper's numerics stop short of a surface that still pays: then the message must not say that none
+/// does.
+TEST(Sor, SaysWhenItLosesASurfaceThatPaysSlow) {
+  const PointCloud cloud = sampled("sphere", 40, 1);
+  ReconstructParams params = params_of(Method::tv_sor);
+  params.place.resolution = 40;
+  params.energy.lambda = 3;
+  double largest = 0;
+  try {
+    reconstructed(cloud, params);
+    FAIL() << "a lambda above the density left a surface";
+  } catch (const EmptyResult& empty) {
+    largest = empty.largest_lambda;
+  }
+  params.energy.lambda = 0.93 * largest;
+  try {
+    reconstructed(cloud, params);
+    FAIL() << "it found the surface: a plainer message will do";
+  } catch (const EmptyResult& empty) {
+    EXPECT_NE(std::string(empty.what()).find("method tv-sor found no surface with lambda"), std::string::npos)
+        << empty.what();
+    EXPECT_NEAR(empty.largest_lambda, largest, 0.03 * largest);
+  }
+  params.energy.lambda = 0.5 * largest;
+  EXPECT_GT(reconstructed(cloud, params).mesh.triangles.size(), 100u);
+}
 
 TEST(AutomaticLambda, WarnsWhenTheBestMayLieBeyondTheCandidates) {
   PointCloud cloud = sampled("sphere", resolution, 1);
