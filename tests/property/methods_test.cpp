@@ -285,6 +285,13 @@ TEST(Vrip, RefusesWhatIsNoRangeScanBeforeTheWork) {
             "vrip needs range scans: scan \"second\" has no sensor position and no viewing direction");
 }
 
+TEST(Vrip, ThatSawNoWholeCellIsAnEmptyResult) {
+  ReconstructParams params = params_of(Method::vrip);
+  params.place.resolution.reset();
+  params.place.voxel = 50;
+  EXPECT_THROW(reconstructed(range_scans({{5, 0, 0}}), params), EmptyResult);
+}
+
 struct Contradiction {
   std::string name;
   Method method;
@@ -332,6 +339,29 @@ INSTANTIATE_TEST_SUITE_P(
         Contradiction{"threshold_poisson", Method::poisson, set_threshold,
                       "threshold = 0.25: method poisson has none"}),
     [](const auto& c) { return c.param.name; });
+
+TEST(MethodParams, SurviveJson) {
+  ReconstructParams params = params_of(Method::tv_sor);
+  params.sor.order = SorOrder::red_black;
+  params.sor.gradient = SorGradient::forward;
+  params.sor.levels = 2;
+  params.poisson.max_iterations = 9;
+  params.graph_cut.weights = LinkWeights::cauchy_crofton;
+  params.vrip.front = 3.5;
+  params.vrip.surface.taper = 2;
+  params.select.source = FoldSource::scans;
+  params.select.candidates = {0.5, 1};
+  const std::string text = to_json(params);
+  const ReconstructParams back = params_from_json(text);
+  EXPECT_EQ(to_json(back), text);
+  EXPECT_EQ(back.method, Method::tv_sor);
+  EXPECT_EQ(back.sor.order, SorOrder::red_black);
+  EXPECT_EQ(back.sor.gradient, SorGradient::forward);
+  EXPECT_EQ(back.graph_cut.weights, LinkWeights::cauchy_crofton);
+  EXPECT_EQ(back.vrip.front, 3.5);
+  EXPECT_EQ(back.select.source, FoldSource::scans);
+  EXPECT_EQ(back.select.candidates, (std::vector<double>{0.5, 1}));
+}
 
 /// poisson's surface owes nothing to lambda: one at which no film pays must not make it an empty result.
 TEST(Poisson, HasTheSameSurfaceForEveryLambda) {
