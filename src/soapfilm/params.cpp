@@ -189,6 +189,13 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(fmt::format("threshold = {:g}: method {} has none", params.surface.threshold, method));
   if (params.surface.isovalue && !film)
     throw ParameterError(fmt::format("isovalue = {:g}: method {} finds its own", *params.surface.isovalue, method));
+  if (params.surface.refine.value_or(false) && !film)
+    throw ParameterError(fmt::format("refine = on: method {} finds its own surface", method));
+  if (params.surface.refine.value_or(false) && params.surface.isovalue)
+    throw ParameterError(
+        fmt::format("isovalue = {:g} and refine = on: only one of them may be given", *params.surface.isovalue));
+  if (params.refine.smoothing && !refines(params))
+    throw ParameterError(fmt::format("smoothing = {:g}: the surface is not refined", *params.refine.smoothing));
 }
 
 }  // namespace

@@ -334,6 +334,16 @@ INSTANTIATE_TEST_SUITE_P(
         Contradiction{"isovalue_poisson", Method::poisson, set_isovalue,
                       "isovalue = 0.4: method poisson finds its own"},
         Contradiction{"isovalue_vrip", Method::vrip, set_isovalue, "isovalue = 0.4: method vrip finds its own"},
+        Contradiction{"refine_poisson", Method::poisson, [](P& p) { p.surface.refine = true; },
+                      "refine = on: method poisson finds its own surface"},
+        Contradiction{"refine_isovalue", Method::tv,
+                      [](P& p) {
+                        p.surface.refine = true;
+                        p.surface.isovalue = 0.4;
+                      },
+                      "isovalue = 0.4 and refine = on: only one of them may be given"},
+        Contradiction{"smoothing_unrefined", Method::tv_sor, [](P& p) { p.refine.smoothing = 0.1; },
+                      "smoothing = 0.1: the surface is not refined"},
         Contradiction{"threshold_cut", Method::graph_cut_6, set_threshold,
                       "threshold = 0.25: method graph-cut-6 has none"},
         Contradiction{"threshold_poisson", Method::poisson, set_threshold,
