@@ -170,9 +170,9 @@ def figure_7(lab):
     table = lab.table("figure-7", ["method", "paper's RMS", *(f"RMS at lambda {lam}" for lam in LAMBDAS_7)], rows)
     return "Figure 7: 180 samples on a sphere, 60x60x60", f"""
 Sphere of radius 1; RMS of the samples' distances to the surface. 180 samples on this grid are 0.025 per voxel^2: a film
-pays for its area up to a lambda of about 0.0049, so at the paper's 0.005 the empty set has the least energy. The paper
-does not say which lambda it used, nor in what units its RMS is. The cuts count links of the grid, and their surfaces
-show it: flat facets along the axes (metrication errors).
+pays for its area up to a lambda of about 0.0049, so at 0.005 the empty set has the least energy; the cuts still find
+facets along the axes that their links undercount. These flat facets (metrication errors) are what the pictures show.
+The paper does not say which lambda it used, nor in what units its RMS is.
 
 {picture}
 
