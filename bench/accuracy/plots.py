@@ -1,0 +1,89 @@
+"""The two plots and the pictures of the worst cases."""
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+from cases import NOISE, SERIES_CONDITIONS
+from targets import order_of
+
+COLORS = {"tv": "tab:blue", "tv unrefined": "tab:cyan", "poisson": "tab:green", "vrip": "tab:brown",
+          "graph-cut-26": "tab:orange", "screened Poisson": "tab:red", "PoissonRecon": "tab:purple"}
+
+
+def save(figure, lab, name):
+    figure.tight_layout()
+    figure.savefig(lab.page / f"{name}.png", dpi=110)
+    plt.close(figure)
+
+
+def error_over_voxel(lab, results, shapes):
+    """Error against voxel size, a panel for each shape and condition; the legend gives the slopes."""
+    shown = [s for s in shapes if s.series]
+    figure, axes = plt.subplots(len(SERIES_CONDITIONS), len(shown), figsize=(3.6 * len(shown), 6.4), squeeze=False)
+    for line, condition in zip(axes, SERIES_CONDITIONS):
+        for axis, shape in zip(line, shown):
+            for method, color in COLORS.items():
+                sizes = results.sizes(shape.name, condition, method)
+                slope = order_of(sizes)
+                if slope is None:
+                    continue
+                axis.loglog([1 / n for n, _ in sizes], [row.mean_voxels / n for n, row in sizes], "o-", color=color,
+                            label=f"{method}: {slope:.2f}", markersize=4)
+            cells = [n for n, _ in results.sizes(shape.name, condition, results.reference)] or [64, 128]
+            axis.set_xticks([1 / n for n in cells], [f"1/{n}" for n in cells])
+            axis.minorticks_off()
+            axis.set_title(f"{shape.name}, {condition}", fontsize=9)
+            axis.grid(True, alpha=0.3)
+            if axis.get_legend_handles_labels()[0]:
+                axis.legend(frameon=False, fontsize=7)
+    for axis in axes[-1]:
+        axis.set_xlabel("voxel / longest side")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("mean error / longest side")
+    save(figure, lab, "error-over-voxel")
+
+
+def error_over_noise(lab, results, shapes, conditions, cells):
+    noise = {c.name: c.noise for c in conditions if c.name in NOISE}
+    columns = min(5, len(shapes))
+    lines = -(-len(shapes) // columns)
+    figure, axes = plt.subplots(lines, columns, figsize=(2.9 * columns, 2.7 * lines), squeeze=False, sharex=True)
+    for axis in axes.flat[len(shapes):]:
+        axis.set_visible(False)
+    for axis, shape in zip(axes.flat, shapes):
+        for method, color in COLORS.items():
+            points = [(v, results.error(shape.name, name, method, cells)) for name, v in noise.items()]
+            points = [p for p in points if p[1] is not None]
+            axis.plot([v for v, _ in points], [e for _, e in points], "o-", color=color, label=method, markersize=3)
+        axis.set_title(shape.name, fontsize=9)
+        axis.set_ylim(bottom=0)
+        axis.grid(True, alpha=0.3)
+    for axis in axes[-1]:
+        axis.set_xlabel("noise, voxels")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("mean error, voxels")
+    axes.flat[0].legend(frameon=False, fontsize=6)
+    save(figure, lab, "error-over-noise")
+
+
+def worst_cases(lab, trial, results, cases, cells):
+    """One panel for each method: its largest mean error, coloured by distance. Returns the Markdown."""
+    by_name = {s.name: s for s in {c.shape for c in cases}}
+    files, captions, options = [], [], []
+    for method in results.methods(cells):
+        found = [(c, results.get(c.shape.name, c.condition.name, method, cells)) for c in cases
+                 if c.method.name == method and c.cells == cells]
+        found = [(row.mean_voxels, c, row) for c, row in found if row.mean is not None]
+        if not found:
+            continue
+        error, case, row = max(found, key=lambda entry: entry[0])
+        name = next(c.name for _, c, r in found if r is row and c.coarser == row.coarser)
+        colored = lab.work / f"worst-{case.method.name.replace(' ', '-').replace(',', '')}.ply"
+        lab.output_of([lab.program, "evaluate", lab.work / f"{name}.ply", "--truth", trial.truth_of(by_name[row.shape]),
+                       "--points", 1000, "--error-ply", colored, "--error-range", f"{2 * row.voxel:.9g}", "--threads", 1])
+        files.append(colored)
+        captions.append(f"{method}: {row.shape}, {row.condition}, {error:.2f} voxels")
+    if not files:
+        return ""
+    return lab.render("worst", files, captions, "--framing", "fitted", "--view", "iso", "--size", "520x520", *options)
