@@ -3,8 +3,8 @@
 // Usage: bench_convergence INPUT RESOLUTION LAMBDA
 #include <fmt/core.h>
 
-#include <chrono>
 #include <cstdlib>
+#include <ctime>
 
 #include "soapfilm/io/io.h"
 #include "soapfilm/orient/orient.h"
@@ -15,21 +15,20 @@ namespace {
 
 using namespace soapfilm;
 
-/// Seconds of solving; what tv-sor's observer spends on the certificate is taken out (tv evaluates it anyway).
+/// CPU seconds of solving; what tv-sor's observer spends on the certificate is taken out (tv evaluates it anyway).
 class Stopwatch {
  public:
-  double seconds() const { return spent_ + std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  double seconds() const { return spent_ + static_cast<double>(std::clock() - begin_) / CLOCKS_PER_SEC; }
   template <class Work>
   void pause(Work&& work) {
     spent_ = seconds();
     work();
-    begin_ = Clock::now();
+    begin_ = std::clock();
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
   double spent_ = 0;
-  Clock::time_point begin_ = Clock::now();
+  std::clock_t begin_ = std::clock();
 };
 
 void print(const char* method, int level, int iterations, double seconds, double gap) {
@@ -81,10 +80,11 @@ int main(int argc, char** argv) {
     std::vector<SorLevelReport> reports;
     solve_sor(lattice, field, lambda, params, parallel, progress, reports, [&](const SorState& state) {
       if (state.box.level != 0 || (state.iterations > 20 && state.iterations % 10 != 0)) return;
+      const double seconds = watch.seconds();
       watch.pause([&] {
         const Level level = sor_level(state.u, state.box, state.lambda, state.support, params, parallel);
         const Energies e = evaluate_energy(level, {}, parallel);
-        print("tv-sor", 0, state.iterations, watch.seconds(), e.relative_gap(level.lambda));
+        print("tv-sor", 0, state.iterations, seconds, e.relative_gap(level.lambda));
       });
     });
   }

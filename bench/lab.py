@@ -136,11 +136,12 @@ class Lab:
             sys.exit(f"{self.shown(words)}\nexit code {measured['code']}: {measured['errors']}")
         return folder
 
-    def reconstruct(self, name, inputs, *arguments):
-        """One run with --report, one thread, so that CPU seconds mean work and not waiting."""
+    def reconstruct(self, name, inputs, *arguments, refine=False):
+        """One run with --report, one thread, so that CPU seconds mean work and not waiting. The surface is the paper's
+        (threshold, smoothing, isovalue) unless it is to be refined."""
         mesh, report = self.work / f"{name}.ply", self.work / f"{name}.json"
         inputs = inputs if isinstance(inputs, list) else [inputs]
-        words = [self.program, "reconstruct", *inputs, "-o", mesh, *arguments]
+        words = [self.program, "reconstruct", *inputs, "-o", mesh, *arguments, *([] if refine else ["--refine", "off"])]
         full = words + ["--report", report, "--threads", "1", "--quiet"]
         depends = [self.program, *(p.parent if p.suffix == ".conf" else p for p in map(Path, inputs))]
         measured = self.once(f"{name}.run", full, depends, mesh, label=self.shown(words))

@@ -255,8 +255,17 @@ void add_surface_options(CLI::App& app, Options& o) {
   surface(app.add_option("--threshold", p.surface.threshold, "Threshold mu of the relaxed indicator, in (0, 1)"))
       ->option_text(fmt::format("MU [{:g}]", p.surface.threshold));
   surface(
-      app.add_option("--isovalue", o.isovalue, "Of the smoothed indicator, in (0, 1); auto: its mean at the samples"))
+      app.add_option("--isovalue", o.isovalue, "Of the unrefined surface, in (0, 1); auto: the mean at the samples"))
       ->option_text("V [auto]");
+
+  surface(app.add_option("--refine", p.surface.refine,
+                         "Move the surface onto the samples, or leave the paper's: on or off\n(default: on for tv)"))
+      ->transform(named<bool>({{"on", true}, {"off", false}}))
+      ->option_text("on|off");
+  surface(app.add_option("--smoothing", p.refine.smoothing,
+                         "Of the refined surface: weight of curvature against one sample\n(default: chosen by held-out "
+                         "samples)"))
+      ->option_text("V");
 
   const auto output = [&](auto* option) { return option->group("Output"); };
   output(app.add_option("--report", o.report, "Write what was done and proved, as JSON"))->option_text("FILE.json");

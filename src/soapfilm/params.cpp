@@ -78,7 +78,11 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("vrip", "max_incidence_deg", p.vrip.surface.max_incidence_deg);
   visit("vrip", "taper", p.vrip.surface.taper);
   visit("surface", "threshold", p.surface.threshold);
+  visit("surface", "refine", p.surface.refine);
   visit("surface", "isovalue", p.surface.isovalue);
+  visit("refine", "smoothing", p.refine.smoothing);
+  visit("refine", "normals", p.refine.normals);
+  visit("refine", "reach", p.refine.reach);
   visit("memory", "limit", p.memory_limit);
 }
 
@@ -202,6 +206,7 @@ void validate(const ReconstructParams& params) {
   require(params.solve.step_balance > 0, "step_balance", params.solve.step_balance, "> 0");
   validate(params.sor);
   validate(params.select);
+  validate(params.refine);
   validate(params.vrip.surface);
   const auto reach = [](double v) { return v > 0 && v <= 1000; };
   require(reach(params.vrip.front), "front", params.vrip.front, "> 0 and <= 1000");

@@ -9,6 +9,7 @@
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/method.h"
 #include "soapfilm/orient/orient.h"
+#include "soapfilm/refine/refine.h"
 #include "soapfilm/select/cross_validation.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/norm.h"
@@ -37,8 +38,10 @@ struct EnergyParams {
 
 /// From the relaxed indicator to the surface (section 4.4).
 struct SurfaceParams {
-  double threshold = 0.5;          ///< mu, in (0, 1)
-  std::optional<double> isovalue;  ///< of the smoothed indicator, in (0, 1); without it: its mean at the samples
+  double threshold = 0.5;      ///< mu, in (0, 1)
+  std::optional<bool> refine;  ///< move the level set onto the samples; without it: by Method::tv alone
+  std::optional<double>
+      isovalue;  ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the samples
 };
 
 struct ReconstructParams {
@@ -53,8 +56,14 @@ struct ReconstructParams {
   GraphCutParams graph_cut;  ///< Method::graph_cut_6 and _26, which set its neighbours; norm is energy.norm
   VripParams vrip;           ///< Method::vrip
   SurfaceParams surface;
+  RefineParams refine;
   std::optional<size_t> memory_limit;  ///< bytes; without it: what the machine has free
 };
+
+/// Is the surface moved onto the samples (refine/refine.h), or is it the paper's?
+inline bool refines(const ReconstructParams& params) {
+  return params.surface.refine.value_or(params.method == Method::tv && !params.surface.isovalue);
+}
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.
 void validate(const ReconstructParams& params);

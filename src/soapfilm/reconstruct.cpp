@@ -63,15 +63,17 @@ void certify(const Level& level, double threshold, const Parallel& parallel, Rec
   report.inside = count_inside(level, mu, parallel);
 }
 
-/// The field whose level set at report.isovalue is the surface.
-SurfaceField level_set(Segmentation& found, const GridSamples& samples, const SurfaceParams& params,
+/// The field whose level set at report.isovalue is the surface: sub-voxel accurate, or the paper's (section 4.4).
+SurfaceField level_set(Segmentation& found, const GridSamples& samples, const ReconstructParams& params,
                        const Parallel& parallel, ReconstructReport& report) {
+  const auto threshold = static_cast<float>(params.surface.threshold);
   if (found.surface) {
     report.isovalue = 0.5;
     return std::move(*found.surface);
   }
-  SurfaceField surface = smoothed_indicator(found.level, static_cast<float>(params.threshold), parallel);
-  report.isovalue = params.isovalue ? *params.isovalue : mean_at_samples(surface, samples, parallel);
+  if (refines(params)) return refine(found.level, threshold, samples, params.refine, parallel, report.refine.emplace());
+  SurfaceField surface = smoothed_indicator(found.level, threshold, parallel);
+  report.isovalue = params.surface.isovalue ? *params.surface.isovalue : mean_at_samples(surface, samples, parallel);
   return surface;
 }
 
@@ -144,9 +146,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
   level.p = {};
   field.f = {};
 
-  // Threshold, smooth, isovalue (section 4.4).
-  const auto surface =
-      stages.run("smooth", [&] { return level_set(segmentation, samples, params.surface, parallel, report); });
+  // The level set moves onto the samples; components and genus stay those of the segmentation.
+  const auto surface = stages.run("refine", [&] { return level_set(segmentation, samples, params, parallel, report); });
 
   // The level set as a closed, manifold mesh.
   Mesh mesh = stages.run("extract", [&] {

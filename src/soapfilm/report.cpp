@@ -106,6 +106,21 @@ ordered_json method_json(const ReconstructReport& report) {
   return json;
 }
 
+ordered_json refine_json(const RefineReport& r) {
+  return {{"smoothing", r.strength.smoothing},
+          {"normals", r.strength.normals},
+          {"noise", r.strength.noise},
+          {"agreement_deg", r.search.agreement_deg},
+          {"held_out_error", r.search.held_out_error},
+          {"held_out_samples", r.search.samples},
+          {"candidates", r.search.candidates},
+          {"band_vertices", r.band_vertices},
+          {"down_weighted", r.down_weighted},
+          {"flips", r.flips},
+          {"refused", r.refused},
+          {"iterations", r.iterations}};
+}
+
 ordered_json select_json(const CrossValidationReport& select) {
   ordered_json curve = ordered_json::array();
   for (const CrossValidationPoint& p : select.curve)
@@ -167,7 +182,9 @@ std::string to_json(const ReconstructReport& report) {
                              {"method", method_json(report)},
                              {"select", report.select ? select_json(*report.select) : ordered_json(nullptr)},
                              {"certificate", certificate_json(report.certificate, report.params.method)},
-                             {"surface", {{"isovalue", report.isovalue}}},
+                             {"surface",
+                              {{"isovalue", report.isovalue},
+                               {"refine", report.refine ? refine_json(*report.refine) : ordered_json(nullptr)}}},
                              {"mesh", mesh_json(report)},
                              {"seconds", seconds},
                              {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}}},

@@ -56,9 +56,10 @@ struct ReconstructReport {
   std::optional<PoissonReport> poisson;
   std::optional<GraphCutReport> graph_cut;
   std::optional<VripReport> vrip;
-  size_t inside = 0;        ///< thresholded vertices inside, whole domain
-  Certificate certificate;  ///< but for Method::vrip, which has no energy: lambda alone
-  double isovalue = 0;
+  size_t inside = 0;                   ///< thresholded vertices inside, whole domain
+  Certificate certificate;             ///< but for Method::vrip, which has no energy: lambda alone
+  std::optional<RefineReport> refine;  ///< when the surface was moved onto the samples
+  double isovalue = 0;                 ///< of the smoothed indicator; 0 of the refined field
   size_t mesh_vertices = 0;
   size_t mesh_triangles = 0;
   std::optional<TopologyReport> topology;               ///< when it was checked

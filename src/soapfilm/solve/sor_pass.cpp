@@ -101,18 +101,27 @@ void SorPass::run(int iterations, const Progress& progress, std::vector<double>&
   const int layers = u_.size().z, last_stage = static_cast<int>(list.size()) - 1;
   clear_sums(iterations);
   const int steps = (layers + last_stage + slab_ - 1) / slab_ + last_stage;
-  std::vector<Task> tasks;
+  // Layers of one colour stage do not depend on each other's values, but look at each other's kinds of runs: every
+  // second one waits.
+  std::vector<Task> tasks, waiting;
   for (int t = 0; t < steps; ++t) {
     progress.check();
     tasks.clear();
+    waiting.clear();
     for (int s = last_stage; s >= 0; --s) {
       const Stage& stage = list[static_cast<size_t>(s)];
       const int first = slab_ * (t - s) - s;
       const int begin = std::max(first, 0), end = std::min(first + slab_, layers);
       const int grain = stage.kind == Stage::Kind::relax ? slab_ : 1;
-      for (int z = begin; z < end; z += grain) tasks.push_back({&stage, z, std::min(z + grain, end)});
+      for (int z = begin; z < end; z += grain)
+        (stage.kind == Stage::Kind::relax_colour && z % 2 == 1 ? waiting : tasks)
+            .push_back({&stage, z, std::min(z + grain, end)});
     }
-    parallel_.for_each(tasks.size(), 1, [&](size_t k) { run_task(*tasks[k].stage, tasks[k].begin, tasks[k].end); });
+    for (const std::vector<Task>* ready : {&tasks, &waiting})
+      parallel_.for_each(ready->size(), 1, [&](size_t k) {
+        const Task& task = (*ready)[k];
+        run_task(*task.stage, task.begin, task.end);
+      });
   }
   for (int k = 0; k < iterations; ++k) energy.push_back(sum_energy(k));
 }

@@ -4,7 +4,7 @@
 // g belongs to the u that the pass starts from, but no iteration needs more of it than three layers. So the stages of a
 // pass (renew g, iterate, iterate, ...) follow one another through the layers at a distance, like a pipeline:
 //
-//   stage s works at step t on the layers [8 (t - s) - s, 8 (t - s) - s + 8)
+//   stage s works at step t on the layers [L (t - s) - s, L (t - s) - s + L),   L = 8 (red-black 4)
 //
 // Each finds below it what the stage before has left and above it what that has not touched: the result is that of
 // stage after stage over the whole box. The stages of one step meet no common layer, so they run in parallel. What is

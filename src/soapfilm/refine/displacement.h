@@ -1,0 +1,47 @@
+// The smooth displacement that moves a level set onto the samples: a linear system, solved matrix-free.
+#pragma once
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/refine/cell_samples.h"
+#include "soapfilm/refine/multilevel.h"
+#include "soapfilm/refine/narrow_band.h"
+
+namespace soapfilm {
+
+/// Weights of the two smoothness terms against one sample; lattice units.
+struct Smoothness {
+  float slope = 0;      ///< beta, of |grad delta|^2
+  float curvature = 0;  ///< gamma, of |laplacian (phi0 + delta)|^2
+};
+
+struct SolveLimits {
+  int iterations = 12;
+  double tolerance = 3e-2;  ///< of the residual, in the preconditioner's norm, relative to the first one
+};
+
+/// Minimises, over delta on the band,
+///   E = data term of CellSamples (phi) + beta <delta, G delta> + gamma |G delta - k|^2,
+/// phi = phi0 + delta, k = laplacian phi0 where all six neighbours are in the band and 0 elsewhere (there delta alone
+/// is kept from bending, so that the band's rim pulls nothing). Conjugate gradients, multilevel preconditioner.
+class Displacement {
+ public:
+  Displacement(const NarrowBand& band, const RowArray& phi0, const Parallel& parallel);
+
+  /// Starts from the present state; returns the number of iterations.
+  int minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits);
+
+  const RowArray& phi() const { return phi_; }
+  RowArray& phi() { return phi_; }
+
+ private:
+  void residual(const CellSamples& data, Smoothness smoothness);
+
+  const NarrowBand& band_;
+  const Parallel& parallel_;
+  Multilevel multilevel_;
+  const RowArray& phi0_;
+  RowArray phi_;
+  RowArray residual_, direction_, image_, scratch_;
+};
+
+}  // namespace soapfilm

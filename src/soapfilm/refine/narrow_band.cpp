@@ -1,0 +1,106 @@
+#include "soapfilm/refine/narrow_band.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace soapfilm {
+
+NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Parallel& parallel)
+    : grid_(std::move(grid)), row_of_(vertices.size()), first_row_(grid_.size() + 1), mask_{0}, place_{0} {
+  for (size_t b = 0; b < grid_.size(); ++b) {
+    first_row_[b] = static_cast<uint32_t>(mask_.size());
+    for (size_t k = 0; k < brick_area; ++k) {
+      const uint8_t mask = vertices[b * brick_area + k];
+      if (mask == 0) continue;
+      row_of_[b * brick_area + k] = static_cast<uint32_t>(mask_.size());
+      mask_.push_back(mask);
+      place_.push_back(static_cast<uint8_t>(k));
+    }
+  }
+  first_row_.back() = static_cast<uint32_t>(mask_.size());
+  mask_.push_back(0);
+  place_.push_back(0);
+  neighbors_.resize(mask_.size());
+  degree_.resize(slots());
+  count_neighbors(parallel);
+}
+
+void NarrowBand::count_neighbors(const Parallel& parallel) {
+  parallel.for_each(grid_.size(), 64, [&](size_t b) {
+    const auto& around = grid_.neighbors(b);
+    const auto own = static_cast<int32_t>(b);
+    for (uint32_t r = first_row_[b]; r < first_row_[b + 1]; ++r) {
+      const int y = place_[r] & 7, z = place_[r] >> 3;
+      neighbors_[r] = {row(around[slot_down[0]], y, z),
+                       row(around[slot_up[0]], y, z),
+                       y > 0 ? row(own, y - 1, z) : row(around[slot_down[1]], 7, z),
+                       y < 7 ? row(own, y + 1, z) : row(around[slot_up[1]], 0, z),
+                       z > 0 ? row(own, y, z - 1) : row(around[slot_down[2]], y, 7),
+                       z < 7 ? row(own, y, z + 1) : row(around[slot_up[2]], y, 0)};
+      const auto& n = neighbors_[r];
+      const int m = mask_[r];
+      const int below = (m << 1 | mask_[n[0]] >> 7) & 0xff, above = m >> 1 | (mask_[n[1]] & 1) << 7;
+      for (int x = 0; x < brick_side; ++x) {
+        const auto bit = [x](int bits) { return bits >> x & 1; };
+        const int degree =
+            bit(below) + bit(above) + bit(mask_[n[2]]) + bit(mask_[n[3]]) + bit(mask_[n[4]]) + bit(mask_[n[5]]);
+        degree_[r * brick_side + static_cast<size_t>(x)] = static_cast<uint8_t>(bit(m) * degree);
+      }
+    }
+  });
+}
+
+size_t NarrowBand::count() const {
+  size_t total = 0;
+  for (const uint8_t mask : mask_) total += static_cast<size_t>(std::popcount(mask));
+  return total;
+}
+
+size_t NarrowBand::bytes() const {
+  return grid_.bytes() + (row_of_.size() + first_row_.size()) * sizeof(uint32_t) +
+         mask_.size() * (2 + sizeof(neighbors_[0]) + brick_side);
+}
+
+void apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
+                     const Parallel& parallel) {
+  const float* in = v.data();
+  const auto at = [in](uint32_t row) { return in + static_cast<size_t>(row) * brick_side; };
+  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
+    for (auto r = static_cast<uint32_t>(begin + 1); r <= end; ++r) {
+      const auto& n = band.neighbors(r);
+      const float* here = at(r);
+      const float *down_y = at(n[2]), *up_y = at(n[3]), *down_z = at(n[4]), *up_z = at(n[5]);
+      const uint8_t* degree = band.degree(r);
+      float* to = out.data() + static_cast<size_t>(r) * brick_side;
+      const auto result = [&](int x, float below, float above) {
+        const auto d = static_cast<float>(degree[x]);
+        const float sum = (below + above) + ((down_y[x] + up_y[x]) + (down_z[x] + up_z[x]));
+        return (weight_v * here[x] + weight_g * (d * here[x] - sum)) * std::min(d, 1.0f);  // 0 outside the band
+      };
+      // All lanes at once, as if the row's neighbours in memory were its neighbours in space; then the ends again.
+      for (int x = 0; x < brick_side; ++x) to[x] = result(x, here[x - 1], here[x + 1]);
+      to[0] = result(0, at(n[0])[7], here[1]);
+      to[7] = result(7, here[6], at(n[1])[0]);
+    }
+  });
+}
+
+double dot(const RowArray& a, const RowArray& b, const Parallel& parallel) {
+  constexpr size_t grain = rows_per_task * brick_side;
+  std::vector<double> sums((a.size() + grain - 1) / grain);
+  parallel.for_chunks(a.size(), grain, [&](size_t begin, size_t end) {
+    double lane[brick_side] = {};
+    for (size_t i = begin; i < end; i += brick_side)
+      for (size_t x = 0; x < brick_side; ++x)
+        lane[x] += static_cast<double>(a.data()[i + x]) * static_cast<double>(b.data()[i + x]);
+    double sum = 0;
+    for (const double l : lane) sum += l;
+    sums[begin / grain] = sum;
+  });
+  double total = 0;
+  for (const double sum : sums) total += sum;
+  return total;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,72 @@
+// The few vertices on either side of the surface, as rows of eight: what the sub-voxel fit works on.
+//
+// A row is the eight vertices of a brick with the same y and z. Rows are numbered from 1 in the order of the bricks,
+// then by z and y; row 0 is empty and stands for every row that the band lacks, so that loops need no branches. An
+// array over a band has 8 floats per row, one more row that is empty too, and holds 0 at vertices outside the band.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/field.h"
+
+namespace soapfilm {
+
+using RowArray = AlignedArray<float>;
+
+/// A set of vertices on a grid of bricks. Immutable once built.
+class NarrowBand {
+ public:
+  NarrowBand() = default;
+  /// `vertices` tells the band's members: one byte per row of each brick (64 y-fastest rows), bit x for vertex x.
+  NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Parallel& parallel);
+
+  const BrickGrid& grid() const { return grid_; }
+  size_t rows() const { return mask_.size() - 2; }
+  /// Size of an array; one row more than there are, so that a row's end can be loaded together with what follows.
+  size_t slots() const { return mask_.size() * brick_side; }
+  size_t count() const;  ///< vertices
+  RowArray make_array() const { return RowArray(slots()); }
+
+  /// Rows of brick b: [first_row(b), first_row(b + 1)).
+  uint32_t first_row(size_t brick) const { return first_row_[brick]; }
+  /// Row (y, z) of a brick, given as an index or as BrickGrid::find gives it; 0 where there is none.
+  uint32_t row(int32_t brick, int y, int z) const {
+    return brick < 0 ? 0 : row_of_[static_cast<size_t>(brick) * brick_area + static_cast<size_t>(y + brick_side * z)];
+  }
+  uint8_t mask(uint32_t row) const { return mask_[row]; }
+  /// y + 8 z of a row.
+  int place(uint32_t row) const { return place_[row]; }
+  /// Rows next to a row along -x, +x, -y, +y, -z, +z.
+  const std::array<uint32_t, 6>& neighbors(uint32_t row) const { return neighbors_[row]; }
+  /// How many of a vertex's six neighbours are in the band, eight per row; 0 outside the band.
+  const uint8_t* degree(uint32_t row) const { return degree_.data() + static_cast<size_t>(row) * brick_side; }
+
+  size_t bytes() const;
+
+ private:
+  void count_neighbors(const Parallel& parallel);
+
+  BrickGrid grid_;
+  std::vector<uint32_t> row_of_;
+  std::vector<uint32_t> first_row_;
+  std::vector<uint8_t> mask_ = {0, 0};
+  std::vector<uint8_t> place_;
+  std::vector<std::array<uint32_t, 6>> neighbors_;
+  std::vector<uint8_t> degree_;
+};
+
+/// out = weight_v v + weight_g G v, where G is the band's graph Laplacian, positive semi-definite:
+/// (G v)_i = sum over neighbours j in the band of v_i - v_j. Its null space are the constants on connected parts.
+void apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
+                     const Parallel& parallel);
+
+/// Sum of a_i b_i in double, in an order that does not depend on threads.
+double dot(const RowArray& a, const RowArray& b, const Parallel& parallel);
+
+inline constexpr size_t rows_per_task = 1 << 12;
+
+}  // namespace soapfilm

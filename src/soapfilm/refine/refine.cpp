@@ -1,0 +1,142 @@
+#include "soapfilm/refine/refine.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/refine/topology.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr float far_distance = 3;       // voxels, of vertices beyond the band
+constexpr float held_distance = 0.05f;  // voxels, of vertices whose sign must not follow
+
+/// Quantile function of the standard normal distribution in [0.03, 0.97] (rational approximation of Acklam 2003).
+float normal_quantile(float p) {
+  const float q = p - 0.5f, r = q * q;
+  const float num =
+      ((((-39.6968303f * r + 220.946098f) * r - 275.928510f) * r + 138.357752f) * r - 30.6647981f) * r + 2.50662828f;
+  const float den =
+      ((((-54.4760988f * r + 161.585837f) * r - 155.698980f) * r + 66.8013119f) * r - 13.2806816f) * r + 1;
+  return q * num / den;
+}
+
+/// The filter of section 4.1 has variance 2 along every direction, so that a plane's smoothed indicator is nearly the
+/// normal distribution's.
+float distance_of(float smoothed) { return 1.41421356f * normal_quantile(smoothed); }
+
+NarrowBand make_band(const SurfaceField& field, const LevelBox& box, double reach, const Parallel& parallel) {
+  const auto limit = static_cast<float>(0.5 * std::erfc(reach / 2));
+  std::vector<uint8_t> vertices(field.grid.size() * brick_area);
+  parallel.for_each(field.grid.size(), 64, [&](size_t b) {
+    const float* v = field.value.brick(b);
+    const FreeRange range = free_range(box, field.grid.coord(b));
+    for (int z = range.lo.z; z < range.hi.z; ++z)
+      for (int y = range.lo.y; y < range.hi.y; ++y)
+        for (int x = range.lo.x; x < range.hi.x; ++x) {
+          const float value = v[brick_offset(x, y, z)];
+          if (value > limit && value < 1 - limit)
+            vertices[b * brick_area + static_cast<size_t>(y + 8 * z)] |= static_cast<uint8_t>(1 << x);
+        }
+  });
+  return NarrowBand(field.grid, vertices, parallel);
+}
+
+SignBits make_signs(const Level& level, float threshold, const SurfaceField& field, const Parallel& parallel) {
+  SignBits signs(field.grid, field.inside);
+  parallel.for_each(field.grid.size(), 64, [&](size_t b) {
+    const int32_t n = level.grid.find(field.grid.coord(b));
+    const float* u = n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr;
+    const float constant = u ? 0 : level.missing_u(n, field.grid.coord(b));
+    for (int row = 0; row < brick_area; ++row)
+      for (int x = 0; x < brick_side; ++x)
+        if ((u ? u[row * brick_side + x] : constant) > threshold)
+          signs.row(b, row & 7, row >> 3) |= static_cast<uint8_t>(1 << x);
+  });
+  return signs;
+}
+
+/// About the signed distance to the surface, positive inside, on the band.
+RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Parallel& parallel) {
+  RowArray distance = band.make_array();
+  parallel.for_each(band.grid().size(), 64, [&](size_t b) {
+    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
+      const float* smoothed = field.value.brick(b) + band.place(r) * brick_side;
+      float* out = distance.data() + static_cast<size_t>(r) * brick_side;
+      for (int x = 0; x < brick_side; ++x)
+        if (band.mask(r) >> x & 1) out[x] = distance_of(smoothed[x]);
+    }
+  });
+  return distance;
+}
+
+/// Replaces the field by the distance on the band, and by its sign alone beyond it.
+void write_distance(const NarrowBand& band, const RowArray& distance, const SignBits& signs, SurfaceField& field,
+                    const Parallel& parallel) {
+  parallel.for_each(band.grid().size(), 64, [&](size_t b) {
+    float* out = field.value.brick(b);
+    for (int row = 0; row < brick_area; ++row)
+      for (int x = 0; x < brick_side; ++x)
+        out[row * brick_side + x] = signs.test(b, x, row & 7, row >> 3) ? far_distance : -far_distance;
+    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r)
+      for (int x = 0; x < brick_side; ++x)
+        if (band.mask(r) >> x & 1)
+          out[band.place(r) * brick_side + x] =
+              distance.data()[static_cast<size_t>(r) * brick_side + static_cast<size_t>(x)];
+  });
+}
+
+}  // namespace
+
+void validate(const RefineParams& params) {
+  const auto require = [](const char* name, double value, double least, double most) {
+    if (!(value >= least && value <= most))
+      throw ParameterError(fmt::format("{} = {}, must be in [{:g}, {:g}]", name, value, least, most));
+  };
+  if (params.smoothing) require("smoothing", *params.smoothing, 1e-6, 1e6);
+  if (params.normals) require("refine normals", *params.normals, 0, 1e6);
+  require("refine reach", params.reach, 1, 3);
+  require("refine rounds", params.robust.rounds, 1, 20);
+  require("refine iterations", params.robust.solve.iterations, 1, 10000);
+  require("refine tolerance", params.robust.solve.tolerance, 0, 1);
+  require("refine least_scale", params.robust.least_scale, 1e-3, 10);
+}
+
+SurfaceField refine(const Level& level, float threshold, const GridSamples& samples, const RefineParams& params,
+                    const Parallel& parallel, RefineReport& report) {
+  validate(params);
+  // The smoothed indicator tells roughly how far each vertex is from the surface.
+  SurfaceField field = smoothed_indicator(level, threshold, parallel);
+  const NarrowBand band = make_band(field, level.box, params.reach, parallel);
+  const RowArray phi0 = distance_on(band, field, parallel);
+  report.band_vertices = band.count();
+
+  // How much the samples are worth is for the samples to say.
+  report.strength =
+      choose_strength(band, phi0, samples, params.robust, {.smoothing = params.smoothing, .normals = params.normals},
+                      parallel, report.search);
+
+  // The surface moves onto them.
+  Displacement displacement(band, phi0, parallel);
+  const RobustFit fit = fit_robustly(displacement, band, samples, locate(samples, band, parallel),
+                                     std::vector<uint8_t>(samples.size(), 1), report.strength, params.robust, parallel);
+  report.iterations = fit.iterations;
+  report.cells = fit.cells;
+  report.down_weighted =
+      static_cast<size_t>(std::count_if(fit.weight.begin(), fit.weight.end(), [](float w) { return w < 0.25f; }));
+
+  // Signs follow where the topology allows.
+  SignBits signs = make_signs(level, threshold, field, parallel);
+  const FlipCount flips = follow(displacement.phi(), band, signs, held_distance);
+  report.flips = flips.wanted - flips.refused;
+  report.refused = flips.refused;
+  write_distance(band, displacement.phi(), signs, field, parallel);
+  return field;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,46 @@
+// From the thresholded solve to a surface that lies on the samples: sub-voxel accuracy without a change of topology.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "soapfilm/field/samples.h"
+#include "soapfilm/refine/indicator.h"
+#include "soapfilm/refine/robust_fit.h"
+#include "soapfilm/refine/strength.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+/// See docs/methods.md. `smoothing` is what users turn; the rest is fixed by measurement.
+struct RefineParams {
+  std::optional<double> smoothing{};  ///< gamma, weight of curvature against one sample, lattice units; [1e-6, 1e6].
+                                      ///< Without it: chosen by held-out samples
+  std::optional<double> normals{};    ///< weight of a unit normal against one voxel; [0, 1e6], 0: viewing directions
+                                      ///< only. Without it: chosen by held-out samples
+  RobustParams robust{};
+  double reach = 2.3;  ///< half width of the band, voxels; [1, 3]
+};
+
+struct RefineReport {
+  Strength strength;      ///< in use
+  StrengthReport search;  ///< how it was found
+  size_t band_vertices = 0;
+  size_t cells = 0;          ///< with a sample of weight > 0
+  size_t down_weighted = 0;  ///< samples of weight < 1/4, those that the band does not see included
+  size_t flips = 0;          ///< vertices that changed sides
+  size_t refused = 0;        ///< vertices that would have changed the topology and were held
+  int iterations = 0;        ///< conjugate-gradient steps on the whole band
+};
+
+/// Throws ParameterError naming the first value that is out of its range, and the range.
+void validate(const RefineParams& params);
+
+/// Moves the level set of the binary indicator u > threshold onto the samples: design note in displacement.h. The level
+/// set 0 of the result is the surface; it is positive inside and about the signed distance in voxels near it. Its
+/// components and genus are the indicator's: signs differ only where simple points were turned one after the other.
+/// The result does not depend on the number of threads. Throws ParameterError.
+SurfaceField refine(const Level& level, float threshold, const GridSamples& samples, const RefineParams& params,
+                    const Parallel& parallel, RefineReport& report);
+
+}  // namespace soapfilm

@@ -1,0 +1,42 @@
+#include "soapfilm/refine/robust_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace soapfilm {
+
+RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const GridSamples& samples,
+                       const BandSamples& where, std::span<const uint8_t> active, const Strength& strength,
+                       const RobustParams& params, const Parallel& parallel) {
+  constexpr size_t samples_per_task = 1 << 14;
+  RobustFit fit;
+  fit.weight.resize(samples.size());
+  std::vector<Vec3f> normal(samples.size());
+  const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(strength.smoothing)),
+                              static_cast<float>(strength.smoothing)};
+  for (int round = 0; round < params.rounds; ++round) {
+    const auto scale =
+        static_cast<float>(std::max({params.least_scale, strength.noise, params.first_scale * std::pow(0.5, round)}));
+    const std::vector<Jet> jets = jets_at_samples(displacement.phi(), samples, where, band, parallel);
+    parallel.for_each(samples.size(), samples_per_task, [&](size_t s) {
+      const bool speaks =
+          where.cell_row[s] != 0 && active[s] != 0 && seen_from_outside(samples.direction[s], jets[s].gradient);
+      const float slope = norm(jets[s].gradient);
+      fit.weight[s] = speaks ? robust_weight(params.penalty, jets[s].value / std::max(slope, 0.3f), scale) : 0.0f;
+      normal[s] =
+          strength.normals > 0 ? normalized(samples.direction[s]) : -(jets[s].gradient / std::max(slope, 1e-3f));
+    });
+    const CellSamples data = merge(samples, where, band, fit.weight, normal,
+                                   {static_cast<float>(strength.normals),
+                                    static_cast<float>(std::max(params.slope * strength.smoothing, strength.normals))},
+                                   parallel);
+    fit.cells = data.cells.size();
+    // Weights need no more than a rough surface.
+    SolveLimits limits = params.solve;
+    if (round + 1 < params.rounds) limits.iterations = std::max(1, limits.iterations / 3);
+    fit.iterations += displacement.minimize(data, smoothness, limits);
+  }
+  return fit;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,46 @@
+// The displacement under a robust penalty: weigh the samples, solve, and again.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "soapfilm/refine/displacement.h"
+#include "soapfilm/refine/robust.h"
+
+namespace soapfilm {
+
+/// What the fit trusts: chosen from the data by choose_strength().
+struct Strength {
+  double smoothing = 0;  ///< gamma: weight of curvature against one sample, lattice units
+  double normals = 0;    ///< weight of a direction's error (as a vector of unit length) against a voxel
+  double noise = 0;      ///< standard deviation of the samples along the surface's normal, voxels
+};
+
+struct RobustParams {
+  Penalty penalty = Penalty::tukey;
+  double least_scale = 0.1;          ///< of the penalty, voxels, [1e-3, 10]; it takes the noise where that is larger
+  double first_scale = 0.5;          ///< at least this in the first round, half of it in the next, ...: voxels, >= 0
+  double slope = 2;                  ///< weight of a unit slope along the normal against gamma, >= 0: without it phi
+                                     ///< flattens among noisy samples and is no distance any more
+  double slope_of_curvature = 0.02;  ///< beta / sqrt(gamma), > 0: gamma scales as length^4, beta as length^2
+  int rounds = 3;                    ///< of weighing and solving, [1, 20]
+  SolveLimits solve;                 ///< of the last round; the earlier ones take a third of the iterations
+};
+
+struct RobustFit {
+  std::vector<float> weight;  ///< of each sample, in [0, 1]; 0 where the band does not see it
+  size_t cells = 0;           ///< with a sample of weight > 0
+  int iterations = 0;
+};
+
+/// Moves `displacement` onto the samples; `active[s]` 0 leaves a sample out.
+RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const GridSamples& samples,
+                       const BandSamples& where, std::span<const uint8_t> active, const Strength& strength,
+                       const RobustParams& params, const Parallel& parallel);
+
+/// Whether a sample was seen from the side on which the surface is: its direction looks out of it, or nearly so.
+inline bool seen_from_outside(Vec3f direction, Vec3f gradient) {
+  return dot(direction, gradient) <= 0.3f * norm(direction) * norm(gradient);
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,17 @@
+// Vertices whose sign may change without changing the topology of the surface.
+#pragma once
+
+#include <cstdint>
+
+namespace soapfilm {
+
+/// The 27 vertices around a vertex, itself in the middle, as bits: (dx + 1) + 3 (dy + 1) + 9 (dz + 1), set where
+/// inside.
+using Neighborhood = uint32_t;
+
+/// Whether turning the middle vertex over, from either side, keeps the components, tunnels and cavities of the inside
+/// (6-connected) and of the outside (26-connected): the connectivity of extract_isosurface. True when both sides have
+/// exactly one component there that touches the vertex (Bertrand and Malandain 1994). The middle bit does not matter.
+bool is_simple(Neighborhood inside);
+
+}  // namespace soapfilm

@@ -1,0 +1,237 @@
+#include "soapfilm/refine/strength.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "soapfilm/core/random.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr int patch_bricks = 4;        // along each axis
+constexpr double assumed_noise = 0.3;  // voxels, of the robust penalty during the search
+constexpr double first_smoothing = 0.2;
+constexpr double least_smoothing = 2e-4, most_smoothing = 200;
+constexpr double smoothing_step = 4, normals_step = 4;
+constexpr double first_normals = 0.05, least_normals = 0.003, most_normals = 50;
+constexpr double normals_agree_deg = 40;  // a larger median angle: viewing directions, not normals
+
+/// The bricks that samples lie in, whole patches in a random order, until there are enough samples.
+BrickMask choose_patches(const GridSamples& samples, size_t wanted, uint64_t seed) {
+  const BrickGrid& bricks = samples.bricks;
+  std::map<std::pair<uint64_t, uint64_t>, std::vector<size_t>> patches;  // by random key, then by place
+  for (size_t b = 0; b < bricks.size(); ++b) {
+    const Vec3i c = bricks.coord(b);
+    const uint64_t place = (static_cast<uint64_t>(c.z / patch_bricks) << 42) +
+                           (static_cast<uint64_t>(c.y / patch_bricks) << 21) +
+                           static_cast<uint64_t>(c.x / patch_bricks);
+    patches[{Random(seed ^ place * 0x9E3779B97F4A7C15ull).next(), place}].push_back(b);
+  }
+  BrickMask mask(bricks.bricks());
+  size_t count = 0;
+  for (const auto& [key, members] : patches) {
+    if (count >= wanted) break;
+    for (const size_t b : members) {
+      mask.set(bricks.coord(b));
+      count += samples.begin[b + 1] - samples.begin[b];
+    }
+  }
+  return mask;
+}
+
+GridSamples part_of(const GridSamples& samples, const BrickMask& bricks, const Parallel& parallel) {
+  GridSamples part;
+  part.bricks = BrickGrid(bricks, parallel);
+  part.begin.push_back(0);
+  for (size_t b = 0; b < part.bricks.size(); ++b) {
+    const auto from = static_cast<size_t>(samples.bricks.find(part.bricks.coord(b)));
+    for (uint32_t s = samples.begin[from]; s < samples.begin[from + 1]; ++s) {
+      part.local.push_back(samples.local[s]);
+      part.direction.push_back(samples.direction[s]);
+      part.source.push_back(samples.source[s]);
+    }
+    part.begin.push_back(static_cast<uint32_t>(part.local.size()));
+  }
+  return part;
+}
+
+/// The part of a band in some bricks, renumbered, and an array on it.
+std::pair<NarrowBand, RowArray> part_of(const NarrowBand& band, const RowArray& values, const BrickMask& bricks,
+                                        const Parallel& parallel) {
+  BrickMask mask(band.grid().bricks());
+  for (size_t b = 0; b < band.grid().size(); ++b)
+    if (const Vec3i c = band.grid().coord(b); bricks.contains(c) && bricks.test(c)) mask.set(c);
+  BrickGrid grid(mask, parallel);
+  std::vector<uint8_t> vertices(grid.size() * brick_area);
+  std::vector<uint32_t> rows{0};
+  for (size_t b = 0; b < grid.size(); ++b) {
+    const auto from = static_cast<size_t>(band.grid().find(grid.coord(b)));
+    for (uint32_t r = band.first_row(from); r < band.first_row(from + 1); ++r) {
+      vertices[b * brick_area + static_cast<size_t>(band.place(r))] = band.mask(r);
+      rows.push_back(r);
+    }
+  }
+  NarrowBand part(std::move(grid), vertices, parallel);
+  RowArray array = part.make_array();
+  for (size_t r = 1; r < rows.size(); ++r)
+    std::copy_n(values.data() + static_cast<size_t>(rows[r]) * brick_side, brick_side, array.data() + r * brick_side);
+  return {std::move(part), std::move(array)};
+}
+
+float median(std::vector<float> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class HeldOut {
+ public:
+  HeldOut(const NarrowBand& band, const RowArray& phi0, const GridSamples& samples, const RobustParams& robust,
+          const StrengthParams& params, const Parallel& parallel)
+      : robust_(robust),
+        parallel_(parallel),
+        patches_(choose_patches(samples, params.samples, params.seed)),
+        samples_(part_of(samples, patches_, parallel)),
+        part_(part_of(band, phi0, patches_, parallel)),
+        where_(locate(samples_, part_.first, parallel)),
+        displacement_(part_.first, part_.second, parallel),
+        train_(samples_.size()),
+        first_(jets_at_samples(part_.second, samples_, where_, part_.first, parallel)) {
+    for (size_t s = 0; s < samples_.size(); ++s)
+      train_[s] = (Random(params.seed + 0x51ED2700ull * (samples_.source[s] + 1ull)).next() >> 11 & 3) != 0;
+    robust_.rounds = 2;
+  }
+
+  /// Mean |phi| of the held-out samples after a fit to the others. Remembered, so that searches may ask twice.
+  double score(double smoothing, double normals) {
+    const auto [it, fresh] = scores_.try_emplace({smoothing, normals}, 0.0);
+    if (!fresh) return it->second;
+    std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
+    fit_robustly(displacement_, part_.first, samples_, where_, train_, {smoothing, normals, assumed_noise}, robust_,
+                 parallel_);
+    const auto residuals = held_out_residuals();
+    double sum = 0;
+    for (const float r : residuals) sum += r;
+    it->second = residuals.empty() ? 0 : sum / static_cast<double>(residuals.size());
+    noise_ = 1.4826 * static_cast<double>(median(residuals));
+    return it->second;
+  }
+
+  /// Standard deviation of the samples from the surface, voxels, by the held-out samples' median.
+  double noise_at(double smoothing, double normals) {
+    scores_.erase({smoothing, normals});
+    score(smoothing, normals);
+    return noise_;
+  }
+  size_t samples() const { return samples_.size(); }
+  int candidates() const { return static_cast<int>(scores_.size()); }
+
+  /// Median angle between directions and the present surface's normals, degrees.
+  double agreement() const {
+    const auto jets = jets_at_samples(displacement_.phi(), samples_, where_, part_.first, parallel_);
+    std::vector<float> angles;
+    for (size_t s = 0; s < jets.size(); ++s)
+      if (where_.cell_row[s] != 0)
+        angles.push_back(
+            std::acos(std::clamp(-dot(normalized(samples_.direction[s]), normalized(jets[s].gradient)), -1.0f, 1.0f)));
+    return 57.29578 * static_cast<double>(median(std::move(angles)));
+  }
+
+ private:
+  /// Distance of the held-out samples from the surface, along the normals that it had at first: a surface that folds to
+  /// be near every sample is not near them in that direction.
+  std::vector<float> held_out_residuals() const {
+    constexpr float least_slope = 0.02f, most_distance = 3;
+    const auto jets = jets_at_samples(displacement_.phi(), samples_, where_, part_.first, parallel_);
+    std::vector<float> residuals;
+    for (size_t s = 0; s < jets.size(); ++s) {
+      if (where_.cell_row[s] == 0 || train_[s] || !seen_from_outside(samples_.direction[s], first_[s].gradient))
+        continue;
+      const float slope = dot(jets[s].gradient, normalized(first_[s].gradient));
+      residuals.push_back(std::min(std::abs(jets[s].value) / std::clamp(slope, least_slope, 1.0f), most_distance));
+    }
+    return residuals;
+  }
+
+  RobustParams robust_;
+  const Parallel& parallel_;
+  BrickMask patches_;
+  GridSamples samples_;
+  std::pair<NarrowBand, RowArray> part_;
+  BandSamples where_;
+  Displacement displacement_;
+  std::vector<uint8_t> train_;
+  std::vector<Jet> first_;  // of phi0
+  std::map<std::pair<double, double>, double> scores_;
+  double noise_ = 0;
+};
+
+/// Steps along one axis of (gamma, normals) while that lowers the score.
+template <class Score>
+double descend(double start, double step, double least, double most, Score&& score) {
+  double best = start, lowest = score(start);
+  for (const double factor : {step, 1 / step}) {
+    bool moved = false;
+    for (double next = best * factor; next >= least && next <= most; next *= factor) {
+      const double value = score(next);
+      if (!(value < lowest)) break;
+      lowest = value;
+      best = next;
+      moved = true;
+    }
+    if (moved) break;
+  }
+  return best;
+}
+
+/// The lowest point of a parabola through three scores in log(x), at most half a step away.
+template <class Score>
+double between_steps(double x, double step, double least, double most, Score&& score) {
+  if (x / step < least || x * step > most) return x;
+  const double a = score(x / step), b = score(x), c = score(x * step);
+  const double bend = a - 2 * b + c;
+  return bend > 0 ? x * std::pow(step, std::clamp(0.5 * (a - c) / bend, -0.5, 0.5)) : x;
+}
+
+}  // namespace
+
+Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const GridSamples& samples,
+                         const RobustParams& robust, const StrengthParams& params, const Parallel& parallel,
+                         StrengthReport& report) {
+  HeldOut held_out(band, phi0, samples, robust, params, parallel);
+  Strength best{params.smoothing.value_or(first_smoothing), params.normals.value_or(0), 0};
+
+  const auto search_smoothing = [&] {
+    if (params.smoothing) return;
+    best.smoothing = descend(best.smoothing, smoothing_step, least_smoothing, most_smoothing,
+                             [&](double gamma) { return held_out.score(gamma, best.normals); });
+  };
+  search_smoothing();
+  held_out.noise_at(best.smoothing, best.normals);  // the fit to compare directions with
+  report.agreement_deg = held_out.agreement();
+  if (!params.normals && report.agreement_deg < normals_agree_deg &&
+      held_out.score(best.smoothing, first_normals) < held_out.score(best.smoothing, 0)) {
+    best.normals = first_normals;
+    for (int turn = 0; turn < 3; ++turn) {
+      const Strength before = best;
+      best.normals = descend(best.normals, normals_step, least_normals, most_normals,
+                             [&](double normals) { return held_out.score(best.smoothing, normals); });
+      search_smoothing();
+      if (best.smoothing == before.smoothing && best.normals == before.normals) break;
+    }
+  }
+  report.held_out_error = held_out.score(best.smoothing, best.normals);
+  if (!params.smoothing)
+    best.smoothing = between_steps(best.smoothing, smoothing_step, least_smoothing, most_smoothing,
+                                   [&](double gamma) { return held_out.score(gamma, best.normals); });
+  best.noise = held_out.noise_at(best.smoothing, best.normals);
+  report.samples = held_out.samples();
+  report.candidates = held_out.candidates();
+  return best;
+}
+
+}  // namespace soapfilm

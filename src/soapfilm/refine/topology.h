@@ -1,0 +1,41 @@
+// Keeps the topology that the solve decided while the surface moves.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/core/vec.h"
+#include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/refine/narrow_band.h"
+
+namespace soapfilm {
+
+/// One bit per vertex of a grid of bricks, constant in bricks that the grid lacks.
+class SignBits {
+ public:
+  SignBits(const BrickGrid& grid, const BrickMask& inside) : grid_(&grid), inside_(&inside), rows_(grid.size() * 64) {}
+
+  uint8_t& row(size_t brick, int y, int z) { return rows_[brick * 64 + static_cast<size_t>(y + 8 * z)]; }
+  uint8_t row(size_t brick, int y, int z) const { return rows_[brick * 64 + static_cast<size_t>(y + 8 * z)]; }
+  bool test(size_t brick, int x, int y, int z) const { return row(brick, y, z) >> x & 1; }
+  void flip(size_t brick, int x, int y, int z) { row(brick, y, z) ^= static_cast<uint8_t>(1 << x); }
+  /// Bits by (dx + 1) + 3 (dy + 1) + 9 (dz + 1).
+  uint32_t neighborhood(size_t brick, int x, int y, int z) const;
+
+ private:
+  const BrickGrid* grid_;
+  const BrickMask* inside_;
+  std::vector<uint8_t> rows_;
+};
+
+struct FlipCount {
+  size_t wanted = 0;
+  size_t refused = 0;  ///< vertices that would have changed the topology
+};
+
+/// Turns over, one after the other in a fixed order, the band's vertices whose sign differs from phi's, each only while
+/// it is simple; where phi must not have its way it is set to `held` voxels on the old side. Afterwards phi > 0 exactly
+/// where the bits are set.
+FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held);
+
+}  // namespace soapfilm

@@ -1,0 +1,90 @@
+#include "soapfilm/refine/narrow_band.h"
+
+#include <gtest/gtest.h>
+
+#include "refine/band_support.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+const Parallel one_thread(1);
+
+Dense<double> dense(const NarrowBand& band, const RowArray& array) {
+  Dense<double> values(band.grid().bricks() * brick_side);
+  for (size_t b = 0; b < band.grid().size(); ++b)
+    for_each_vertex(band.grid().coord(b), [&](Vec3i v, int i) {
+      const uint32_t row = band.row(static_cast<int32_t>(b), i >> 3 & 7, i >> 6);
+      values[v] = static_cast<double>(array.data()[row * brick_side + static_cast<size_t>(i & 7)]);
+    });
+  return values;
+}
+
+TEST(NarrowBand, LaplacianIsTheDenseGraphLaplacian) {
+  const NarrowBand band = random_band(3, 0.6, 1);
+  RowArray members = band.make_array(), out = band.make_array();
+  for (size_t i = 0; i < members.size(); ++i)
+    members.data()[i] = static_cast<float>(band.mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1);
+  const RowArray v = random_array(band, 2);
+  apply_laplacian(band, v, 0.5f, 2, out, one_thread);
+  const Dense<double> in_band = dense(band, members), values = dense(band, v), result = dense(band, out);
+  in_band.for_each([&](Vec3i at) {
+    if (in_band[at] == 0) return;
+    double sum = 0, degree = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const Vec3i next : {at + along(axis), at - along(axis)})
+        if (in_band.get(next) > 0) sum += values[at] - values[next], ++degree;
+    if (degree == 0) return;
+    EXPECT_NEAR(result[at], 0.5 * values[at] + 2 * sum, 1e-5);
+  });
+}
+
+TEST(NarrowBand, LaplacianIsSymmetricAndPositiveAndForgetsConstants) {
+  const NarrowBand band = random_band(2, 0.7, 3);
+  const RowArray a = random_array(band, 4), b = random_array(band, 5);
+  RowArray ga = band.make_array(), gb = band.make_array();
+  apply_laplacian(band, a, 0, 1, ga, one_thread);
+  apply_laplacian(band, b, 0, 1, gb, one_thread);
+  EXPECT_NEAR(dot(ga, b, one_thread), dot(a, gb, one_thread), 1e-4 * dot(a, ga, one_thread));
+  EXPECT_GT(dot(a, ga, one_thread), 0);
+  RowArray constant = band.make_array();
+  for (size_t i = 0; i < constant.size(); ++i)
+    constant.data()[i] = static_cast<float>(band.mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1);
+  apply_laplacian(band, constant, 0, 1, ga, one_thread);
+  EXPECT_EQ(dot(ga, ga, one_thread), 0);
+}
+
+TEST(NarrowBand, MultilevelTransfersAreAdjointAndKeepConstants) {
+  const NarrowBand band = random_band(3, 0.3, 6);
+  const CoarseBand coarse(band, one_thread);
+  const RowArray fine = random_array(band, 7), up = random_array(coarse.band(), 8);
+  RowArray down = coarse.band().make_array(), prolonged = band.make_array();
+  coarse.restrict_to(band, fine, down, one_thread);
+  coarse.prolong_add(band, up, prolonged, one_thread);
+  EXPECT_NEAR(dot(down, up, one_thread), dot(fine, prolonged, one_thread), 1e-3);
+
+  RowArray ones = coarse.band().make_array();
+  for (size_t i = 0; i < ones.size(); ++i)
+    ones.data()[i] = static_cast<float>(coarse.band().mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1);
+  prolonged = band.make_array();
+  coarse.prolong_add(band, ones, prolonged, one_thread);
+  for (size_t i = 8; i < band.slots(); ++i)
+    ASSERT_EQ(prolonged.data()[i], static_cast<float>(band.mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1));
+}
+
+TEST(NarrowBand, MultilevelIsSymmetricPositiveDefinite) {
+  const NarrowBand band = random_band(3, 0.5, 9);
+  Multilevel multilevel(band, one_thread);
+  const RowArray a = random_array(band, 10), b = random_array(band, 11);
+  RowArray diagonal = band.make_array(), ma = band.make_array(), mb = band.make_array();
+  for (size_t i = 0; i < diagonal.size(); i += 3) diagonal.data()[i] = 0.5f;
+  multilevel.set_operator(diagonal, 0.01f, 0.1f, one_thread);
+  multilevel.apply(a, ma, one_thread);
+  multilevel.apply(b, mb, one_thread);
+  EXPECT_GT(dot(a, ma, one_thread), 0);
+  EXPECT_NEAR(dot(ma, b, one_thread), dot(a, mb, one_thread), 1e-4 * dot(a, ma, one_thread));
+}
+
+}  // namespace
+}  // namespace soapfilm

@@ -1,0 +1,162 @@
+#include "soapfilm/refine/refine.h"
+
+#include <gtest/gtest.h>
+
+#include "refine/band_support.h"
+#include "soapfilm/core/error.h"
+#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/refine/topology.h"
+#include "support/hash.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+std::string name_of(const testing::TestParamInfo<std::string>& info) { return info.param; }
+
+class SmoothShape : public testing::TestWithParam<std::string> {};
+
+TEST_P(SmoothShape, ViewingDirectionsGiveAHundredthOfAVoxel) {
+  const Solved solved(GetParam(), 110);
+  const Refined result = refined(solved);
+  EXPECT_LT(mean_error_vox(solved, result.mesh), 0.012);
+  EXPECT_EQ(result.report.strength.normals, 0) << "viewing directions are no normals";
+  EXPECT_LT(result.report.strength.noise, 0.03);
+}
+
+TEST_P(SmoothShape, StrengthFollowsTheNoise) {
+  const Solved clean(GetParam(), 70), noisy(GetParam(), 70, 1, {.noise_vox = 1.0 / 3});
+  const Refined of_clean = refined(clean), of_noisy = refined(noisy);
+  EXPECT_GT(of_noisy.report.strength.smoothing, 5 * of_clean.report.strength.smoothing);
+  EXPECT_LT(mean_error_vox(noisy, of_noisy.mesh), 0.08);
+  // Along the normal the noise is that along the ray times its cosine.
+  EXPECT_NEAR(of_noisy.report.strength.noise, 0.2, 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, SmoothShape, testing::Values("sphere", "torus", "knot"), name_of);
+
+TEST(Refine, TrueNormalsAreRecognisedAndHelp) {
+  const Disturbance normals{.noise_vox = 1.0 / 3, .viewing = false};
+  const Solved solved("torus", 70, 1, normals);
+  const Refined with = refined(solved), without = refined(solved, {.normals = 0.0});
+  EXPECT_GT(with.report.strength.normals, 0);
+  EXPECT_LT(with.report.search.agreement_deg, 20);
+  EXPECT_LT(mean_error_vox(solved, with.mesh), 0.85 * mean_error_vox(solved, without.mesh));
+}
+
+TEST(Refine, ErrorFallsAtSecondOrder) {
+  const Solved coarse("torus", 52, 4), fine("torus", 92, 4);  // voxels 2 : 1
+  const double ratio = mean_error_vox(coarse, refined(coarse).mesh) * coarse.problem.lattice.voxel /
+                       (mean_error_vox(fine, refined(fine).mesh) * fine.problem.lattice.voxel);
+  EXPECT_GT(ratio, 3);
+}
+
+TEST(Refine, OutliersAtMostDoubleTheError) {
+  const Solved clean("torus", 80), dirty("torus", 80, 1, {.outliers = 0.1});
+  const Refined result = refined(dirty);
+  EXPECT_LT(mean_error_vox(dirty, result.mesh), 2 * mean_error_vox(clean, refined(clean).mesh));
+  EXPECT_GT(result.report.down_weighted, dirty.problem.samples.size() / 12);
+}
+
+TEST(Refine, MisalignedScansStayWellUnderTheirMisalignment) {
+  const Solved solved("sphere", 70, 2, {.misaligned_vox = 0.5});
+  EXPECT_LT(mean_error_vox(solved, refined(solved).mesh), 0.1);
+}
+
+TEST(Refine, FlatFacesHaveNoGrooves) {
+  const Solved solved("plate", 80);
+  const Refined result = refined(solved);
+  const double half = 0.5 * solved.truth->box().size().z;
+  double sum = 0, worst = 0;
+  size_t count = 0;
+  for (const Vec3d& v : result.mesh.vertices) {
+    if (std::abs(v.x) > 0.4 || std::abs(v.y) > 0.25) continue;  // away from the rounded edges
+    const double off = std::abs(std::abs(v.z) - half) / solved.problem.lattice.voxel;
+    sum += off;
+    worst = std::max(worst, off);
+    ++count;
+  }
+  EXPECT_LT(sum / static_cast<double>(count), 0.003);
+  EXPECT_LT(worst, 0.03);
+}
+
+class Topology : public testing::TestWithParam<std::string> {};
+
+TEST_P(Topology, IsThatOfTheThresholdedSolve) {
+  for (const double noise : {0.0, 1.0}) {
+    const Solved solved(GetParam(), 60, 1, {.noise_vox = noise});
+    const Refined result = refined(solved, {.smoothing = noise > 0 ? std::optional(1e-4) : std::nullopt});
+    // The binary field itself, as it is.
+    SurfaceField binary = smoothed_indicator(solved.solution.finest, 0.5f, Parallel(1));
+    const Dense<double> u = dense_u(solved.solution.finest, 0.5f);
+    for (size_t b = 0; b < binary.grid.size(); ++b)
+      for_each_vertex(binary.grid.coord(b),
+                      [&](Vec3i v, int i) { binary.value.brick(b)[i] = static_cast<float>(u[v]); });
+    const TopologyReport expected = check_topology(mesh_of(binary, 0.5f, solved.problem.lattice));
+    const TopologyReport found = check_topology(result.mesh);
+    EXPECT_TRUE(found.watertight());
+    EXPECT_EQ(found.components.size(), expected.components.size()) << "noise " << noise;
+    EXPECT_EQ(found.genus(), expected.genus()) << "noise " << noise;
+    EXPECT_GT(result.report.flips, 100u);
+    if (noise > 0) {
+      EXPECT_GT(result.report.refused, 0u) << "the noise should have wanted another topology";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Topology, testing::Values("plate", "sheets", "knot"), name_of);
+
+TEST(Topology, SurvivesAnyWish) {
+  // Half of the vertices near a solid ball's surface want to change sides.
+  const NarrowBand band = random_band(3, 1, 1);
+  BrickMask none(band.grid().bricks());
+  SignBits signs(band.grid(), none);
+  Field<float> value(band.grid());
+  RowArray phi = band.make_array();
+  Random random(4);
+  for (size_t b = 0; b < band.grid().size(); ++b)
+    for_each_vertex(band.grid().coord(b), [&](Vec3i v, int i) {
+      const double distance = 8 - norm(Vec3d(v) - Vec3d{11.5, 11.5, 11.5});
+      if (distance > 0) signs.flip(b, i & 7, i >> 3 & 7, i >> 6);
+      const uint32_t row = band.row(static_cast<int32_t>(b), i >> 3 & 7, i >> 6);
+      phi.data()[row * brick_side + static_cast<size_t>(i & 7)] =
+          static_cast<float>(std::abs(distance) < 3 ? random.normal() : distance);
+    });
+  const FlipCount count = follow(phi, band, signs, 0.05f);
+  EXPECT_GT(count.wanted - count.refused, 500u);
+  EXPECT_GT(count.refused, 500u);
+  for (size_t b = 0; b < band.grid().size(); ++b)
+    for_each_vertex(band.grid().coord(b), [&](Vec3i, int i) {
+      const uint32_t row = band.row(static_cast<int32_t>(b), i >> 3 & 7, i >> 6);
+      value.brick(b)[i] = phi.data()[row * brick_side + static_cast<size_t>(i & 7)];
+    });
+  const Lattice lattice = place_lattice({{0, 0, 0}, {1, 1, 1}}, 0.1, 6);
+  const TopologyReport found = check_topology(extract_isosurface(
+      band.grid(), value, [](Vec3i) { return -1.0f; }, 0, lattice, Parallel(1)));
+  EXPECT_EQ(found.components.size(), 1u);
+  EXPECT_EQ(found.genus(), 0);
+}
+
+TEST(Refine, GivesTheSameBytesForAnyNumberOfThreads) {
+  const Solved solved("knot", 60, 1, {.noise_vox = 0.25, .outliers = 0.05});
+  const uint64_t expected = hash_mesh(refined(solved).mesh);
+  for (const int threads : {2, 3, 8}) EXPECT_EQ(hash_mesh(refined(solved, {}, threads).mesh), expected);
+}
+
+TEST(Refine, RefusesParametersOutOfRange) {
+  const auto message = [](const RefineParams& params) -> std::string {
+    try {
+      validate(params);
+    } catch (const ParameterError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(message({}), "accepted");
+  EXPECT_EQ(message({.smoothing = -1.0}), "smoothing = -1, must be in [1e-06, 1e+06]");
+  EXPECT_NE(message({.reach = 9}).find("refine reach = 9"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace soapfilm
