@@ -1,4 +1,4 @@
-"""Runs programs, measures them, keeps what they made: the one place of the benchmarks that knows files and processes."""
+"""Runs programs, measures them, keeps what they made: the benchmarks' one place that knows files and processes."""
 import csv
 import hashlib
 import json

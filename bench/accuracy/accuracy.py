@@ -14,7 +14,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))  # of lab.py, which all benchmarks share
 
 import page
-from cases import BASE, CONDITIONS, SHAPES, methods, plan
+from cases import BASE, CONDITIONS, METHODS, SHAPES, plan
 from lab import Lab
 from peers import HERE, read_peers
 from trial import Trial
@@ -58,8 +58,7 @@ def main():
     conditions = chosen(CONDITIONS, options.condition)
     peers, absent = read_peers(HERE / "peers.toml")
     reference = peers[0].name if peers else None
-    has_refine = "--refine" in lab.output_of([lab.program, "reconstruct", "--help"])
-    own = chosen(methods(has_refine), options.method)
+    own = chosen(METHODS, options.method)
     cases = plan(shapes, conditions, own, chosen(peers, options.method), options.cells, options.full)
     trial = Trial(lab)
     rows = measure(lab, trial, cases, options.jobs)

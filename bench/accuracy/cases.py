@@ -88,15 +88,13 @@ class Method:
     range_images: bool = False   # reads range scans only, whatever the condition gives the others
 
 
-def methods(has_refine):
-    """Without `reconstruct --refine` there is no refined surface to measure."""
-    off = ("--refine", "off") if has_refine else ()
-    return ((Method("tv", ours=True),) if has_refine else ()) + (
-        Method("tv unrefined", off, ours=True),
-        Method("poisson", ("--method", "poisson", *off)),
-        Method("vrip", ("--method", "vrip", *off), range_images=True),
-        Method("graph-cut-26", ("--method", "graph-cut-26", *off)),
-    )
+METHODS = (
+    Method("tv", ours=True),
+    Method("tv unrefined", ("--refine", "off"), ours=True),
+    Method("poisson", ("--method", "poisson")),
+    Method("vrip", ("--method", "vrip"), range_images=True),
+    Method("graph-cut-26", ("--method", "graph-cut-26")),
+)
 
 
 @dataclass(frozen=True)
@@ -131,8 +129,9 @@ def runs_here(method, shape, condition, full):
 
 
 def plan(shapes, conditions, own, peers, cells, full):
-    """All cases, in the order in which they run. `cells`: the size of all conditions; the series has its own."""
-    cases = []
+    """All cases, in the order in which they run: ours, peers, baselines. `cells`: the size of all conditions; the
+    series has its own."""
+    cases, order = [], [m.name for m in own if m.ours] + [p.name for p in peers] + [m.name for m in own if not m.ours]
     for shape in shapes:
         for condition in conditions:
             sizes = FULL if full else (cells,)
@@ -146,4 +145,4 @@ def plan(shapes, conditions, own, peers, cells, full):
             if shape.series and condition.name in SERIES_CONDITIONS and cells == BASE:
                 chosen = [m for m in own if m.ours] + [p for p in peers if not p.conditions]
                 cases += [Case(shape, condition, m, n) for m in chosen for n in SERIES if n not in sizes]
-    return cases
+    return sorted(cases, key=lambda c: order.index(c.method.name))

@@ -91,7 +91,8 @@ def cost_table(lab, c, results):
         found = [results.get(s.name, "views", method, c.cells) for s in c.shapes]
         found = [row for row in found if row]
         if found:
-            rows.append([method, f"{sum(r.cpu for r in found) / len(found):.2f}", f"{max(r.peak_mb for r in found):.0f}"])
+            seconds = sum(row.cpu for row in found) / len(found)
+            rows.append([method, f"{seconds:.2f}", f"{max(row.peak_mb for row in found):.0f}"])
     return lab.table("cost", ["method", "CPU seconds, mean", "peak MB, largest"], rows)
 
 

@@ -12,7 +12,6 @@ COLORS = {"tv": "tab:blue", "tv unrefined": "tab:cyan", "poisson": "tab:green", 
 
 
 def save(figure, lab, name):
-    figure.tight_layout()
     figure.savefig(lab.page / f"{name}.png", dpi=110)
     plt.close(figure)
 
@@ -41,6 +40,7 @@ def error_over_voxel(lab, results, shapes):
         axis.set_xlabel("voxel / longest side")
     for axis in axes[:, 0]:
         axis.set_ylabel("mean error / longest side")
+    figure.tight_layout()
     save(figure, lab, "error-over-voxel")
 
 
@@ -55,7 +55,8 @@ def error_over_noise(lab, results, shapes, conditions, cells):
         for method, color in COLORS.items():
             points = [(v, results.error(shape.name, name, method, cells)) for name, v in noise.items()]
             points = [p for p in points if p[1] is not None]
-            axis.plot([v for v, _ in points], [e for _, e in points], "o-", color=color, label=method, markersize=3)
+            if points:
+                axis.plot(*zip(*points), "o-", color=color, label=method, markersize=3)
         axis.set_title(shape.name, fontsize=9)
         axis.set_ylim(bottom=0)
         axis.grid(True, alpha=0.3)
@@ -63,14 +64,15 @@ def error_over_noise(lab, results, shapes, conditions, cells):
         axis.set_xlabel("noise, voxels")
     for axis in axes[:, 0]:
         axis.set_ylabel("mean error, voxels")
-    axes.flat[0].legend(frameon=False, fontsize=6)
+    figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="lower center", ncols=7, frameon=False, fontsize=8)
+    figure.tight_layout(rect=(0, 0.05, 1, 1))
     save(figure, lab, "error-over-noise")
 
 
 def worst_cases(lab, trial, results, cases, cells):
     """One panel for each method: its largest mean error, coloured by distance. Returns the Markdown."""
     by_name = {s.name: s for s in {c.shape for c in cases}}
-    files, captions, options = [], [], []
+    files, captions = [], []
     for method in results.methods(cells):
         found = [(c, results.get(c.shape.name, c.condition.name, method, cells)) for c in cases
                  if c.method.name == method and c.cells == cells]
@@ -80,10 +82,11 @@ def worst_cases(lab, trial, results, cases, cells):
         error, case, row = max(found, key=lambda entry: entry[0])
         name = next(c.name for _, c, r in found if r is row and c.coarser == row.coarser)
         colored = lab.work / f"worst-{case.method.name.replace(' ', '-').replace(',', '')}.ply"
-        lab.output_of([lab.program, "evaluate", lab.work / f"{name}.ply", "--truth", trial.truth_of(by_name[row.shape]),
-                       "--points", 1000, "--error-ply", colored, "--error-range", f"{2 * row.voxel:.9g}", "--threads", 1])
+        words = ["evaluate", lab.work / f"{name}.ply", "--truth", trial.truth_of(by_name[row.shape]), "--points", 1000,
+                 "--error-ply", colored, "--error-range", f"{2 * row.voxel:.9g}", "--threads", 1]
+        lab.output_of([lab.program, *words])
         files.append(colored)
         captions.append(f"{method}: {row.shape}, {row.condition}, {error:.2f} voxels")
     if not files:
         return ""
-    return lab.render("worst", files, captions, "--framing", "fitted", "--view", "iso", "--size", "520x520", *options)
+    return lab.render("worst", files, captions, "--framing", "fitted", "--view", "iso", "--size", "520x520")
