@@ -41,7 +41,7 @@ paper: packages-build packages-paper ## every table and figure of the paper, int
 	cmake --preset release $(CONFIGURE) >/dev/null && cmake --build --preset release --parallel $(JOBS)
 	/usr/bin/python3 -B bench/paper/paper.py build/release/bin out/paper docs/paper
 
-accuracy: build-release packages-accuracy ## errors against the truth, beside peers, into docs/accuracy/ (FULL=1: all runs)
+accuracy: build-release packages-accuracy ## errors against the truth, beside peers, to docs/accuracy/ (FULL=1: all)
 	/usr/bin/python3 -B bench/accuracy/accuracy.py build/release/bin out/accuracy docs/accuracy \
 	  --jobs $(JOBS) $(if $(FULL),--full)
 

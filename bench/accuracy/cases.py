@@ -14,19 +14,20 @@ class Shape:
     name: str
     kind: str                    # smooth; detailed: has creases or detail near the voxel; sharp: convex sharp edges
     file: str = ""
-    hole_decides: bool = True    # is the patch that --hole takes a disc, so that only one topology fits the rest?
+    hole_decides: bool = True    # is the patch that --hole takes a disc, so that the rest tells the topology?
     thin_decides: bool = True    # is no part thinner than twice the spacing of the thinned half's samples?
     series: bool = False
 
 
-# On the torus, the knot, and the thin limbs of the meshes, a tenth of the surface goes around a tube: caps fit as well.
+# With this seed the hole goes around the knot's tube and through a bore of the part: there caps fit as well. On limbs and
+# fingers of the meshes nobody knows.
 SHAPES = (
     Shape("sphere", "smooth", series=True),
-    Shape("torus", "smooth", hole_decides=False, series=True),
+    Shape("torus", "smooth", series=True),
     Shape("plate", "smooth"),
     Shape("sheets", "smooth"),
     Shape("knot", "detailed", hole_decides=False, series=True),
-    Shape("part", "sharp"),
+    Shape("part", "sharp", hole_decides=False),
     Shape("horse", "detailed", "meshes/horse.ply", hole_decides=False, thin_decides=False),
     Shape("children", "detailed", "meshes/dancing_children.off", hole_decides=False, thin_decides=False, series=True),
     Shape("bunny", "detailed", "meshes/bunny_hr.obj", thin_decides=False),

@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 
 import plots
 from results import Results
+from scans import bunny
 from targets import Targets, order_of, topology
 from trial import Row
 
@@ -84,6 +85,18 @@ def topology_table(lab, c, results):
     return lab.table("topology", ["condition", "method", *(s.name for s in c.shapes)], grid_of(c, results, cell))
 
 
+def spurious_table(lab, c, results):
+    """Mesh to truth: what the error of the other direction does not see."""
+    rows = []
+    for condition in (k for k in c.conditions if k.outliers):
+        for method in results.methods(c.cells):
+            found = [results.get(s.name, condition.name, method, c.cells) for s in c.shapes]
+            if any(found):
+                rows.append([condition.title, method,
+                             *(number(r.back_mean_voxels, "{:.2f}") if r else "-" for r in found)])
+    return lab.table("spurious", ["condition", "method", *(s.name for s in c.shapes)], rows)
+
+
 def cost_table(lab, c, results):
     """Of the condition with viewing directions, which all methods run."""
     rows = []
@@ -131,8 +144,8 @@ def write(lab, trial, c):
 ## What must hold
 
 The largest value of all shapes of a kind, where it was, and how many of them keep the target. Topology is demanded
-where the samples determine it: not where the hole goes around a tube (caps fit as well as a tunnel), nor where a part
-is thinner than twice the spacing of the thinned samples.
+where the samples determine it: not where the hole goes around a tube or through a bore (caps fit as well), nor on
+the meshes, whose limbs are thinner than the spacing of the thinned samples.
 
 {lab.table("targets", ["target", "shapes", "demanded", "measured", "verdict"], targets)}
 
@@ -148,6 +161,13 @@ which it was best. "none": no surface.
 What is wrong, or that closed, components and genus are right. vrip measures only what was seen and is open by design.
 
 {topology_table(lab, c, results)}
+
+## What should not be there
+
+Mean distance from the mesh to the truth in voxels, for the samples with outliers: surfaces that outliers made lie far
+from the shape and do not count in the errors above.
+
+{spurious_table(lab, c, results)}
 
 ## Order
 
@@ -173,6 +193,6 @@ Viewing directions only; the whole process, with reading and writing.
 Coloured by the distance to the truth, bright from two voxels on.
 
 {worst}
-"""
+{bunny(lab)}"""
     (lab.page / "README.md").write_text(text)
     return text

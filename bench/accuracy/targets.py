@@ -52,8 +52,9 @@ class Targets:
             self.row(f"{text}: error over the peer's", "sharp-edged", 1, self.values(r.ratio, "views", sharp))]
 
     def normals(self):
-        return [self.row("true normals: error over the peer's", "all", 0.6,
-                         self.values(self.results.ratio, "normals", self.shapes))]
+        return [self.row("true normals: error over the peer's", where, 0.6,
+                         self.values(self.results.ratio, "normals", self.of_kind(*kinds)))
+                for where, kinds in (("without sharp edges", ("smooth", "detailed")), ("sharp-edged", ("sharp",)))]
 
     def noise(self):
         r, rows = self.results, []

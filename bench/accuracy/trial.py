@@ -8,6 +8,11 @@ from peers import ENVIRONMENT, read_samples, read_scans, write_oriented
 POINTS = 100000  # on each surface; means settle to a fifth of a percent
 
 
+def last_line(measured):
+    """What a program that failed said in the end."""
+    return (measured["errors"].strip().splitlines() or [f"exit code {measured['code']}"])[-1]
+
+
 @dataclass
 class Row:
     """What is known of one case: a line of runs.csv. Errors are distances from the truth to the mesh."""
@@ -40,6 +45,10 @@ class Row:
 
     def values(self):
         return [getattr(self, f.name) for f in fields(Row)]
+
+
+class NoVerdict(Exception):
+    """soapfilm evaluate refused: an empty mesh, or a file that is none."""
 
 
 class Trial:
@@ -111,7 +120,7 @@ class Trial:
         depends = [self.lab.program, mesh] + ([truth] if shape.file else [])
         measured = self.lab.once(f"{name}.evaluate", words, depends, report, label=f"evaluate {name}")
         if measured["code"]:
-            raise RuntimeError(f"{self.lab.shown(words)}\n{measured['errors']}")
+            raise NoVerdict(last_line(measured))
         return json.loads(report.read_text())
 
     def run(self, case, cloud):
@@ -124,9 +133,13 @@ class Trial:
         mesh, measured = self.mesh(case, cloud)
         row.cpu, row.peak_mb = measured["cpu"], measured["peak_mb"]
         if measured["code"]:
-            row.failure = (measured["errors"].strip().splitlines() or [f"exit code {measured['code']}"])[-1]
+            row.failure = last_line(measured)
             return row
-        judged = self.evaluate(case.name, mesh, case.shape, voxel)
+        try:
+            judged = self.evaluate(case.name, mesh, case.shape, voxel)
+        except NoVerdict as refusal:
+            row.failure = str(refusal)
+            return row
         there, back = judged["truth_to_mesh"], judged["mesh_to_truth"]
         row.mean = there["distance"]["mean"]
         row.mean_voxels, row.rms_voxels, row.p95_voxels = (
