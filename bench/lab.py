@@ -13,6 +13,10 @@ from pathlib import Path
 USAGE = str(Path(__file__).resolve().parent / "usage.py")
 
 
+class NotKept(Exception):
+    """The result of this command is not there, or of another program or input."""
+
+
 @dataclass
 class Run:
     """One finished run of the program."""
@@ -67,6 +71,7 @@ class Lab:
         self.program = self.programs / "soapfilm"
         data = os.environ.get("SOAPFILM_DATA")
         self.data = Path(data) if data else None
+        self.runs_nothing = False  # raise NotKept instead
         self.digests = {}  # by path and time of change
         self.work.mkdir(parents=True, exist_ok=True)
         self.page.mkdir(parents=True, exist_ok=True)
@@ -108,6 +113,8 @@ class Lab:
             kept = json.loads(stamp.read_text())
             if kept["key"] == key and (kept["code"] != 0 or Path(makes).exists()):
                 return kept
+        if self.runs_nothing:
+            raise NotKept(name)
         self.say(label or self.shown(words))
         measured = self.measure(words, self.work / name, environment)
         stamp.write_text(json.dumps({"key": key, **measured}))

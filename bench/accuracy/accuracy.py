@@ -1,8 +1,8 @@
 """How far surfaces are from the truth: accuracy.py PROGRAMS WORK PAGE [--full] [--jobs N] [--shape S]...
 
 PROGRAMS holds the built programs, WORK clouds and meshes (large), PAGE what is published: README.md, runs.csv, plots,
-pictures. An interrupted run goes on where it stopped. A selection (--shape, --condition, --method, --cells) goes to a
-folder of its own, WORK/selection, and is printed.
+pictures. An interrupted run goes on where it stopped. A selection (--shape, --condition, --method, --cells, --kept)
+goes to a folder of its own, WORK/selection, and is printed.
 """
 import argparse
 import subprocess
@@ -27,6 +27,7 @@ def arguments():
     parser.add_argument("--full", action="store_true", help="all conditions at all voxel sizes")
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time, each on one thread")
     parser.add_argument("--cells", type=int, default=BASE, help="voxels along the longest side")
+    parser.add_argument("--kept", action="store_true", help="run nothing: the page of what an interrupted run has made")
     for name, known in (("shape", SHAPES), ("condition", CONDITIONS)):
         parser.add_argument(f"--{name}", action="append", choices=[k.name for k in known], help="only these")
     parser.add_argument("--method", action="append", help="only these methods and peers")
@@ -46,12 +47,12 @@ def measure(lab, trial, cases, jobs):
         has_peer = {c.cloud for c in cases if not hasattr(c.method, "ours")}
         list(pool.map(trial.oriented, (clouds[name] for name in has_peer)))
         lab.say(f"{len(clouds)} clouds, {len(cases)} runs")
-        return list(pool.map(lambda case: trial.run(case, clouds[case.cloud]), cases))
+        return [row for row in pool.map(lambda case: trial.run(case, clouds[case.cloud]), cases) if row]
 
 
 def main():
     options = arguments()
-    selection = options.shape or options.condition or options.method or options.cells != BASE
+    selection = options.shape or options.condition or options.method or options.cells != BASE or options.kept
     lab = Lab(options.programs, options.work, options.work / "selection" if selection else options.page)
     begin = time.monotonic()
     shapes = [s for s in chosen(SHAPES, options.shape) if not s.file or lab.real(s.file)]
@@ -60,11 +61,12 @@ def main():
     reference = peers[0].name if peers else None
     own = chosen(METHODS, options.method)
     cases = plan(shapes, conditions, own, chosen(peers, options.method), options.cells, options.full)
+    lab.runs_nothing = options.kept
     trial = Trial(lab)
     rows = measure(lab, trial, cases, options.jobs)
     commit = subprocess.run(["git", "describe", "--always"], capture_output=True, text=True).stdout.strip()
     text = page.write(lab, trial, page.Contents(rows, cases, shapes, conditions, options.cells, reference,
-                                                [p.name for p in absent], commit))
+                                                [p.name for p in absent], commit, whole=not selection))
     if selection:
         print(text)
     lab.say(f"{lab.page / 'README.md'} in {(time.monotonic() - begin) / 60:.0f} minutes")

@@ -19,8 +19,8 @@ class Shape:
     series: bool = False
 
 
-# With this seed the hole goes around the knot's tube and through a bore of the part: there caps fit as well. On limbs and
-# fingers of the meshes nobody knows.
+# With this seed the hole goes around the knot's tube and through a bore of the part: there caps fit as well. On limbs
+# and fingers of the meshes nobody knows.
 SHAPES = (
     Shape("sphere", "smooth", series=True),
     Shape("torus", "smooth", series=True),

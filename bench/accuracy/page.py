@@ -12,7 +12,8 @@ from trial import Row
 HEAD = """# Accuracy against the truth
 
 `make accuracy` writes this page{data}; [runs.csv](runs.csv) holds every run. The error is the mean distance from the
-truth to the mesh, by `soapfilm evaluate`: exact for the built-in shapes. Ratios are to {reference} within the same run.
+truth to the mesh, by `soapfilm evaluate`: exact for the built-in shapes. Ratios are to {reference} within the
+same run.
 
 {machine}
 
@@ -37,6 +38,7 @@ class Contents:
     reference: str
     absent: list
     commit: str
+    whole: bool                  # not a selection
 
 
 def head(lab, c):
@@ -193,6 +195,6 @@ Viewing directions only; the whole process, with reading and writing.
 Coloured by the distance to the truth, bright from two voxels on.
 
 {worst}
-{bunny(lab)}"""
+{bunny(lab) if c.whole else ""}"""
     (lab.page / "README.md").write_text(text)
     return text

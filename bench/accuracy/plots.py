@@ -4,7 +4,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from cases import NOISE, SERIES_CONDITIONS
+from cases import NOISE, SERIES, SERIES_CONDITIONS
 from targets import order_of
 
 COLORS = {"tv": "tab:blue", "tv unrefined": "tab:cyan", "poisson": "tab:green", "vrip": "tab:brown",
@@ -29,8 +29,7 @@ def error_over_voxel(lab, results, shapes):
                     continue
                 axis.loglog([1 / n for n, _ in sizes], [row.mean_voxels / n for n, row in sizes], "o-", color=color,
                             label=f"{method}: {slope:.2f}", markersize=4)
-            cells = [n for n, _ in results.sizes(shape.name, condition, results.reference)] or [64, 128]
-            axis.set_xticks([1 / n for n in cells], [f"1/{n}" for n in cells])
+            axis.set_xticks([1 / n for n in SERIES], [f"1/{n}" for n in SERIES])
             axis.minorticks_off()
             axis.set_title(f"{shape.name}, {condition}", fontsize=9)
             axis.grid(True, alpha=0.3)
@@ -71,22 +70,21 @@ def error_over_noise(lab, results, shapes, conditions, cells):
 
 def worst_cases(lab, trial, results, cases, cells):
     """One panel for each method: its largest mean error, coloured by distance. Returns the Markdown."""
-    by_name = {s.name: s for s in {c.shape for c in cases}}
+    case_of = {(c.shape.name, c.condition.name, c.method.name, c.cells, c.coarser): c for c in cases}
     files, captions = [], []
     for method in results.methods(cells):
-        found = [(c, results.get(c.shape.name, c.condition.name, method, cells)) for c in cases
-                 if c.method.name == method and c.cells == cells]
-        found = [(row.mean_voxels, c, row) for c, row in found if row.mean is not None]
-        if not found:
+        best = [results.get(*key) for key in results.rows if key[2:] == (method, cells)]
+        best = [row for row in best if row.mean is not None]
+        if not best:
             continue
-        error, case, row = max(found, key=lambda entry: entry[0])
-        name = next(c.name for _, c, r in found if r is row and c.coarser == row.coarser)
-        colored = lab.work / f"worst-{case.method.name.replace(' ', '-').replace(',', '')}.ply"
-        words = ["evaluate", lab.work / f"{name}.ply", "--truth", trial.truth_of(by_name[row.shape]), "--points", 1000,
-                 "--error-ply", colored, "--error-range", f"{2 * row.voxel:.9g}", "--threads", 1]
-        lab.output_of([lab.program, *words])
+        row = max(best, key=lambda r: r.mean_voxels)
+        case = case_of[row.shape, row.condition, row.method, row.cells, row.coarser]
+        colored = lab.work / f"worst-{case.name}.ply"
+        lab.output_of([lab.program, "evaluate", lab.work / f"{case.name}.ply", "--truth", trial.truth_of(case.shape),
+                       "--points", 1000, "--error-ply", colored, "--error-range", f"{2 * row.voxel:.9g}",
+                       "--threads", 1])
         files.append(colored)
-        captions.append(f"{method}: {row.shape}, {row.condition}, {error:.2f} voxels")
+        captions.append(f"{method}: {row.shape}, {row.condition}, {row.mean_voxels:.2f} voxels")
     if not files:
         return ""
     return lab.render("worst", files, captions, "--framing", "fitted", "--view", "iso", "--size", "520x520")

@@ -22,16 +22,21 @@ class Results:
         return row.mean_voxels if row else None
 
     def ratio(self, shape, condition, method, cells):
-        """Of mean errors, to the reference in the same run."""
+        """Of mean errors, to the reference in the same run; 0 where that one has no surface, None where there is none
+        of this method or the reference was not run."""
         mine = self.error(shape, condition, method, cells)
-        theirs = self.error(shape, condition, self.reference, cells)
-        return mine / theirs if mine is not None and theirs else None
+        theirs = self.get(shape, condition, self.reference, cells)
+        if mine is None or theirs is None:
+            return None
+        return mine / theirs.mean_voxels if theirs.mean_voxels else 0.0
 
     def angles(self, shape, condition, method, cells):
-        """Mean normal angle over the reference's."""
+        """The same of mean normal angles."""
         mine = self.get(shape, condition, method, cells)
         theirs = self.get(shape, condition, self.reference, cells)
-        return mine.normal_angle / theirs.normal_angle if mine and theirs and mine.mean and theirs.mean else None
+        if mine is None or mine.mean is None or theirs is None:
+            return None
+        return mine.normal_angle / theirs.normal_angle if theirs.normal_angle else 0.0
 
     def methods(self, cells):
         """Names, in the order in which they were run."""
