@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
 
 namespace soapfilm::cli {
 
@@ -11,6 +12,7 @@ struct GlobalOptions {
   int threads = 0;  ///< 0: all that the process may use
   bool quiet = false;
   bool verbose = false;
+  std::string command{};  ///< the words that were typed, for reports
 };
 
 /// Set by the sub-command that was chosen; returns the exit code.

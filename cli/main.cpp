@@ -28,6 +28,8 @@ constexpr const char* examples_and_codes =
       soapfilm info scan.ply
   Scans of a built-in shape, with the truth beside them:
       soapfilm scan part -o scans
+  How far a mesh is from the truth:
+      soapfilm evaluate mesh.ply --truth part
   A picture of two meshes side by side:
       soapfilm render truth.ply mesh.ply -o both.png
 
@@ -103,6 +105,7 @@ int run(int argc, char** argv) {
   app.fallthrough();  // sub-commands inherit it: global options may follow them
   app.formatter(std::make_shared<Page>());
   GlobalOptions options;
+  options.command = fmt::format("soapfilm {}", fmt::join(argv + 1, argv + argc, " "));
   Runner runner;
   add_global_options(app, options);
   add_reconstruct(app, options, runner);

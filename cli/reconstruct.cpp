@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,21 +36,8 @@ struct Options {
   std::vector<double> sensor;
   bool ascii = false;
   bool check = false;
-  std::string command;
   ReconstructParams params;
 };
-
-/// The words that were typed, for the report.
-std::string command_line(const CLI::App& app) {
-  std::string line = "soapfilm reconstruct";
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->count() == 0) continue;
-    if (!option->get_positional()) line += " " + option->get_name();
-    for (const std::string& word : option->results())
-      if (option->get_expected_max() > 0) line += " " + word;
-  }
-  return line;
-}
 
 /// A number, or nothing when the text says "auto".
 std::optional<double> number_or_auto(const char* option, const std::string& text, const char* constraint) {
@@ -66,7 +54,21 @@ std::optional<double> number_or_auto(const char* option, const std::string& text
   return value;
 }
 
-void finish_params(Options& options) {
+/// An option that the chosen method would not look at must not pass silently.
+void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
+  const auto only = [&](std::initializer_list<const char*> names, bool used, const char* of) {
+    for (const char* name : names)
+      if (!used && app.count(name) > 0) throw ParameterError(fmt::format("{}: only {} has it", name, of));
+  };
+  const bool chooses = params.energy.cross_validate;
+  only({"--tolerance", "--max-iterations"}, params.method == Method::tv || chooses, "method tv");
+  only({"--link-weights"}, params.method == Method::graph_cut_26, "method graph-cut-26");
+  only({"--front", "--behind"}, params.method == Method::vrip, "method vrip");
+  only({"--write-levels"}, params.method == Method::tv, "method tv");
+  only({"--folds", "--fold-source"}, chooses, "--lambda auto");
+}
+
+void finish_params(const CLI::App& app, Options& options) {
   ReconstructParams& params = options.params;
   if (!options.memory.empty()) params.memory_limit = parse_memory(options.memory);
   if (!options.sensor.empty()) params.orient.sensor = {options.sensor[0], options.sensor[1], options.sensor[2]};
@@ -75,8 +77,7 @@ void finish_params(Options& options) {
     params.energy.lambda = number_or_auto("lambda", options.lambda, "> 0");
     params.energy.cross_validate = !params.energy.lambda;
   }
-  if (!options.levels_folder.empty() && params.method != Method::tv)
-    throw ParameterError(fmt::format("write-levels: method {} has no pyramid to show", name_of(params.method)));
+  refuse_unused(app, params);
   validate(params);
 }
 
@@ -124,10 +125,10 @@ void print_check(const ReconstructReport& report, Progress& progress) {
                   d.maximum / voxel));
 }
 
-int run(Options& options, const GlobalOptions& global) {
+int run(const CLI::App& app, Options& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
   const Parallel parallel(global.threads, &progress);
-  finish_params(options);
+  finish_params(app, options);
   check_mesh_output(options.output);
   if (!options.report.empty()) check_output(options.report);
 
@@ -151,7 +152,7 @@ int run(Options& options, const GlobalOptions& global) {
       report.warnings.push_back(warning);
     }
   });
-  report.command = options.command;
+  report.command = global.command;
   report.input.dropped = read.dropped();
   report.warnings.insert(report.warnings.begin(), read.warnings.begin(), read.warnings.end());
   // The stages around the library's own: reading before it, checking and writing after it.
@@ -286,8 +287,7 @@ void add_reconstruct(CLI::App& app, const GlobalOptions& global, Runner& runner)
   add_method_options(*command, *options);
   add_surface_options(*command, *options);
   command->callback([command, options, &global, &runner] {
-    options->command = command_line(*command);
-    runner = [options, &global] { return run(*options, global); };
+    runner = [command, options, &global] { return run(*command, *options, global); };
   });
 }
 

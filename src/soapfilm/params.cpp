@@ -32,6 +32,8 @@ inline constexpr std::array<const char*, 3> names_of<FoldSource>{"auto", "sample
 template <>
 inline constexpr std::array<const char*, 2> names_of<SorOrder>{"lexicographic", "red-black"};
 template <>
+inline constexpr std::array<const char*, 2> names_of<SorGradient>{"central", "forward"};
+template <>
 inline constexpr std::array<const char*, 2> names_of<LinkWeights>{"edge-length", "cauchy-crofton"};
 
 /// Names every parameter once: visit(group, name, value).
@@ -67,6 +69,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("sor", "tolerance", p.sor.tolerance);
   visit("sor", "max_iterations", p.sor.max_iterations);
   visit("sor", "order", p.sor.order);
+  visit("sor", "gradient", p.sor.gradient);
   visit("sor", "skip_empty", p.sor.skip_empty);
   visit("sor", "snap", p.sor.snap);
   visit("poisson", "tolerance", p.poisson.tolerance);
@@ -174,7 +177,7 @@ void require(bool holds, const char* name, double value, const char* constraint)
 /// What one method has and the chosen one lacks must not pass silently.
 void refuse_contradictions(const ReconstructParams& params) {
   const char* method = name_of(params.method);
-  const bool film = params.method != Method::poisson && params.method != Method::vrip;
+  const bool film = weighs_area(params.method);
   if (params.energy.lambda && params.energy.cross_validate)
     throw ParameterError(
         fmt::format("lambda = {:g} and cross_validate: only one of them may be given", *params.energy.lambda));
@@ -182,8 +185,17 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(fmt::format("lambda = auto: the surface of method {} does not depend on lambda", method));
   if (params.energy.norm != Norm::isotropic && (!film || params.method == Method::tv_sor))
     throw ParameterError(fmt::format("norm = anisotropic: method {} has none", method));
+  if (params.surface.threshold != SurfaceParams{}.threshold && !is_certified(params.method))
+    throw ParameterError(fmt::format("threshold = {:g}: method {} has none", params.surface.threshold, method));
   if (params.surface.isovalue && !film)
     throw ParameterError(fmt::format("isovalue = {:g}: method {} finds its own", *params.surface.isovalue, method));
+  if (params.surface.refine.value_or(false) && !film)
+    throw ParameterError(fmt::format("refine = on: method {} finds its own surface", method));
+  if (params.surface.refine.value_or(false) && params.surface.isovalue)
+    throw ParameterError(
+        fmt::format("isovalue = {:g} and refine = on: only one of them may be given", *params.surface.isovalue));
+  if (params.refine.smoothing && !refines(params))
+    throw ParameterError(fmt::format("smoothing = {:g}: the surface is not refined", *params.refine.smoothing));
 }
 
 }  // namespace

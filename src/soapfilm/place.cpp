@@ -39,6 +39,16 @@ void warn_near_empty(double lambda, double density, std::vector<std::string>& wa
                     lambda, lambda > edge ? "above" : "near", edge, density));
 }
 
+/// Beyond the end of the curve something better may lie.
+void warn_at_end(const CrossValidationReport& select, std::vector<std::string>& warnings) {
+  const double lowest = select.curve.front().lambda_per_density, highest = select.curve.back().lambda_per_density;
+  if (lowest == highest || (select.chosen != lowest && select.chosen != highest)) return;
+  const bool low = select.chosen == lowest;
+  warnings.push_back(
+      fmt::format("cross-validation chose the {} of {} candidates, {:g} x samples per voxel^2: a {} one may be better",
+                  low ? "lowest" : "highest", select.curve.size(), select.chosen, low ? "lower" : "higher"));
+}
+
 }  // namespace
 
 void check_samples(const PointCloud& cloud) {
@@ -97,13 +107,11 @@ void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, cons
   if (params.energy.cross_validate) {
     report.select = choose_lambda(cloud, directions, report.lattice, params.select, params.solve, parallel, progress);
     per_density = report.select->chosen;
+    warn_at_end(*report.select, report.warnings);
   }
   const double lambda = params.energy.lambda.value_or(per_density * report.input.density);
   report.certificate.lambda = lambda;
-  if (report.select)
-    for (CrossValidationPoint& point : report.select->curve)
-      point.lambda = point.lambda_per_density * report.input.density;
-  warn_near_empty(lambda, report.input.density, report.warnings);
+  if (weighs_area(params.method)) warn_near_empty(lambda, report.input.density, report.warnings);
 }
 
 }  // namespace soapfilm

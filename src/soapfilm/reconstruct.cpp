@@ -17,20 +17,29 @@ namespace {
 /// Whatever is true of the input and the grid before the solve.
 void announce(const ReconstructReport& report, Progress& progress) {
   const Vec3i n = report.lattice.size;
-  progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, lambda {:.3g}, memory {}",
-                            n.x, n.y, n.z, report.lattice.voxel, report.input.density, report.certificate.lambda,
-                            format_bytes(report.planned_bytes)));
+  const std::string weight =
+      weighs_area(report.params.method) ? fmt::format("lambda {:.3g}, ", report.certificate.lambda) : "";
+  progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, {}memory {}", n.x, n.y, n.z,
+                            report.lattice.voxel, report.input.density, weight, format_bytes(report.planned_bytes)));
   // orient() has shown its own.
   for (size_t i = report.input.directions.warnings.size(); i < report.warnings.size(); ++i)
     progress.warn(report.warnings[i]);
 }
 
-/// E(0) = 0 competes: a surface must have a lower energy, or the optimum is empty.
+/// E(0) = 0 competes: a surface must have a lower energy, or the optimum is empty. (A cut has done so in its own
+/// energy, poisson's surface owes nothing to lambda: theirs only has to be there.)
 void require_surface(const ReconstructReport& report, const Lattice& lattice, const SupportField& field,
                      const Parallel& parallel, Progress& progress) {
   const double lambda = report.certificate.lambda;
-  if (report.certificate.binary.primal < 0) return;
-  const double largest = critical_lambda(lattice, field, lambda, parallel, progress);
+  const bool kept = is_certified(report.params.method) ? report.certificate.binary.primal < 0 : report.inside > 0;
+  if (kept) return;
+  const double largest = critical_lambda(lattice, field, lambda, parallel, progress, report.params.energy.norm);
+  if (largest > lambda)
+    throw EmptyResult(
+        fmt::format("empty result: method {} found no surface with lambda = {:.4g}, although one pays for "
+                    "its area up to about {:.3g}: a smaller lambda may help, or method tv",
+                    name_of(report.params.method), lambda, largest),
+        largest);
   throw EmptyResult(fmt::format("empty result: with lambda = {:.4g} no surface pays for its area at {:.2g} samples per "
                                 "voxel^2; the largest lambda that keeps a surface is about {:.3g}",
                                 lambda, report.input.density, largest),
@@ -42,12 +51,16 @@ void warn_unconverged(ReconstructReport& report, Progress& progress) {
     progress.warn(text);
     report.warnings.push_back(std::move(text));
   };
+  const auto warn_level = [&](int level, int iterations, double tolerance) {
+    warn(
+        fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate below holds all "
+                    "the same",
+                    level, iterations, tolerance));
+  };
   for (const LevelReport& level : report.levels)
-    if (!level.converged)
-      warn(
-          fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate below holds all "
-                      "the same",
-                      level.level, level.iterations, report.params.solve.tolerance));
+    if (!level.converged) warn_level(level.level, level.iterations, report.params.solve.tolerance);
+  for (const SorLevelReport& level : report.sor)
+    if (!level.converged) warn_level(level.level, level.iterations, report.params.sor.tolerance);
   if (report.poisson && !report.poisson->converged)
     warn(fmt::format("poisson: not converged after {} iterations, relative residual {:.2g}", report.poisson->iterations,
                      report.poisson->residual));
@@ -93,9 +106,15 @@ Mesh fused_surface(const PointCloud& cloud, const Lattice& lattice, const Recons
                    const Parallel& parallel, Progress& progress, ReconstructReport& report) {
   const FusedField fused = stages.run(
       "fuse", [&] { return fuse_scans(cloud, lattice, params.vrip, parallel, progress, report.vrip.emplace()); });
-  return stages.run("extract", [&] {
+  Mesh mesh = stages.run("extract", [&] {
     return extract_open_isosurface(fused.grid, fused.distance, fused.weight, 0, lattice, parallel);
   });
+  if (mesh.triangles.empty())
+    throw EmptyResult(fmt::format("empty result: the scans saw both sides of their surfaces in no whole cell; a grid "
+                                  "nearer to their own spacing than voxel {:.4g} may",
+                                  lattice.voxel),
+                      0);
+  return mesh;
 }
 
 }  // namespace
@@ -104,6 +123,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
                            Progress& progress, const PyramidObserver& observe) {
   validate(params);
   check_samples(cloud);
+  if (params.method == Method::vrip)
+    for (const Scan& scan : cloud.scans) require_range_scan(scan);
   Stages stages(progress);
   Reconstruction result;
   ReconstructReport& report = result.report;

@@ -1,5 +1,7 @@
 #include "soapfilm/segment.h"
 
+#include <fmt/core.h>
+
 #include "soapfilm/core/error.h"
 #include "soapfilm/pyramid/sor_pyramid.h"
 #include "soapfilm/refine/dense_surface.h"
@@ -43,6 +45,11 @@ Segmentation by_poisson(const Task& t, const GridSamples& samples, ReconstructRe
   const DenseField<float> u =
       solve_poisson(t.lattice, t.field, t.lambda, t.params.poisson, t.parallel, t.progress, report.poisson.emplace());
   report.isovalue = mean_at_samples(u, samples, t.parallel);
+  if (!(report.isovalue > 0))
+    throw ParameterError(
+        fmt::format("poisson: the mean of u at the samples is {:.3g}, must be > 0 as it is where most "
+                    "directions point outward",
+                    report.isovalue));
   DenseSurface surface = dense_surface(u, report.isovalue, box, t.parallel);
   return {level_of(surface.binary, box, static_cast<float>(t.lambda), t.field.grid, t.field.f, t.parallel),
           std::move(surface.field)};

@@ -75,6 +75,32 @@ TEST(Lattice, BoxesOfThePyramidNest) {
     }
 }
 
+/// Drawn by itself, a level's vertices keep their lattice coordinates and lie amid their children.
+TEST(Lattice, ALevelOfItsOwnLiesWhereItsChildrenAre) {
+  const Lattice lattice = place_lattice(box({5e6, -2, 0.5}, {1, 1.37, 0.61}), 0.0137, 6, 4);
+  for (int l = 0; l < lattice.levels; ++l) {
+    const Lattice level = lattice.of_level(l);
+    const int cell = 1 << l;
+    EXPECT_EQ(level.levels, lattice.levels - l);
+    EXPECT_EQ(cell * level.margin(), lattice.margin());
+    EXPECT_DOUBLE_EQ(level.voxel, cell * lattice.voxel);
+    for (const Vec3i v : {Vec3i{0, 0, 0}, {3, 1, 4}, {9, 6, 2}}) {
+      Vec3d children;
+      for (int k = 0; k < cell * cell * cell; ++k)
+        children += lattice.to_world(Vec3d(v * cell + Vec3i{k % cell, k / cell % cell, k / (cell * cell)}));
+      const Vec3d middle = children / static_cast<double>(cell * cell * cell);
+      for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(level.to_world(Vec3d(v))[axis], middle[axis], 2e-8);
+    }
+    // Together they cover the grid, and hardly more.
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_GE(level.size[axis] * cell, lattice.size[axis]);
+      EXPECT_LT((level.size[axis] - 1) * cell, lattice.size[axis]);
+    }
+  }
+  EXPECT_EQ(lattice.of_level(0).first_vertex, lattice.first_vertex);
+  EXPECT_EQ(lattice.of_level(0).size, lattice.size);
+}
+
 TEST(Lattice, RefusesWhatCannotBeAGrid) {
   const Box3d samples = box({0, 0, 0}, {1, 1, 1});
   EXPECT_THROW(place_lattice(samples, 0, 6), ParameterError);

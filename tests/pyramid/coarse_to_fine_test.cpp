@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "soapfilm/refine/indicator.h"
 #include "support/dense.h"
 #include "support/problem.h"
 
@@ -91,6 +94,41 @@ TEST(CoarseToFine, ReportsEveryLevelCoarsestFirst) {
     EXPECT_LE(report.energies.relative_gap_band(lambda), 1e-3);
   }
   EXPECT_EQ(solution.reports.back().active_vertices, solution.finest.grid.vertices());
+}
+
+TEST(CoarseToFine, ShowsItsObserverEveryLevelAndEveryEvaluation) {
+  const Problem problem = make_problem(sampled("torus", 64, 1), 64);
+  PrimalDualParams params;
+  params.check_every = 8;
+  std::vector<int> levels, evaluations;
+  Energies last;
+  PyramidObserver observer;
+  observer.solved = [&](const Level& level, const Lattice& of_level) {
+    levels.push_back(level.box.level);
+    const Lattice expected = problem.lattice.of_level(level.box.level);
+    EXPECT_EQ(of_level.voxel, expected.voxel);
+    EXPECT_EQ(of_level.first_vertex, expected.first_vertex);
+    EXPECT_GT(soapfilm::count_inside(level, 0.5f, one_thread), 10u) << "it shows the solution";
+    // u has not changed since the last evaluation.
+    EXPECT_EQ(evaluate_energy(level, {}, one_thread).primal, last.primal);
+  };
+  observer.evaluated = [&](const Level&, int iterations, const Energies& energies) {
+    if (evaluations.size() == levels.size()) evaluations.push_back(iterations);
+    EXPECT_GE(iterations, evaluations.back()) << "they count through the growths of a level's band";
+    evaluations.back() = iterations;
+    last = energies;
+  };
+  Progress progress;
+  const PyramidSolution watched = solve_coarse_to_fine(problem.lattice, problem.support, 0.02, params, one_thread,
+                                                       progress, Norm::isotropic, observer);
+  ASSERT_EQ(levels.size(), watched.reports.size());
+  for (size_t k = 0; k < levels.size(); ++k) {
+    EXPECT_EQ(levels[k], watched.reports[k].level) << "coarsest first";
+    EXPECT_EQ(evaluations[k], watched.reports[k].iterations);
+  }
+  const PyramidSolution alone =
+      solve_coarse_to_fine(problem.lattice, problem.support, 0.02, params, one_thread, progress);
+  EXPECT_EQ(evaluate_energy(alone.finest, {}, one_thread).primal, last.primal) << "watching changes nothing";
 }
 
 /// A rim must not fix a flux that the finer ball cannot carry on. Here, in the part's inner corner, one did: the band

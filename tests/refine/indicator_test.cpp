@@ -50,6 +50,22 @@ TEST_P(Indicator, IsTheSmoothedThresholdedField) {
   }
 }
 
+TEST_P(Indicator, WithoutSmoothingIsTheThresholdedFieldItself) {
+  for (const float threshold : {0.5f, 0.2f}) {
+    const SurfaceField field = binary_indicator(solution.finest, threshold, one_thread);
+    const Dense<double> expected = dense_u(solution.finest, threshold);
+    size_t wrong = 0;
+    expected.for_each([&](Vec3i v) {
+      const int32_t b = field.grid.find(brick_of(v));
+      const double value = b >= 0 ? field.value.brick(static_cast<size_t>(b))[brick_offset(v.x & 7, v.y & 7, v.z & 7)]
+                                  : field.missing_value(brick_of(v));
+      wrong += value != expected[v];
+    });
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_EQ(field.grid.size(), smoothed_indicator(solution.finest, threshold, one_thread).grid.size());
+  }
+}
+
 TEST_P(Indicator, CountsTheInsideOfTheWholeDomain) {
   for (const float threshold : {0.1f, 0.5f, 0.9f})
     EXPECT_EQ(soapfilm::count_inside(solution.finest, threshold, one_thread),

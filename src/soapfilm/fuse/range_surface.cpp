@@ -129,10 +129,15 @@ Viewpoint::Viewpoint(const Scan& scan) : central_(scan.sensor.has_value()) {
                                      central_ ? "sensor position" : "viewing direction", central_ ? "" : ", not zero"));
 }
 
-RangeSurface range_surface(const PointCloud& cloud, const Scan& scan, const RangeSurfaceParams& params) {
-  validate(params);
+void require_range_scan(const Scan& scan) {
   if (!scan.range_grid)
     throw ParameterError(fmt::format("vrip needs range scans: scan \"{}\" has no range grid", scan.name));
+  [[maybe_unused]] const Viewpoint view(scan);
+}
+
+RangeSurface range_surface(const PointCloud& cloud, const Scan& scan, const RangeSurfaceParams& params) {
+  validate(params);
+  require_range_scan(scan);
   const Viewpoint view(scan);
   check(scan, *scan.range_grid);
   const std::span<const Vec3d> p = std::span(cloud.positions).subspan(scan.begin, scan.size());

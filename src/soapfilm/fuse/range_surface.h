@@ -55,6 +55,9 @@ struct RangeSurface {
   size_t dropped = 0;  ///< triangles across steps in depth
 };
 
+/// Throws ParameterError naming the scan when it has no range grid or no viewpoint.
+void require_range_scan(const Scan& scan);
+
 /// Joins the samples of neighbouring pixels: four give two triangles along the shorter diagonal, three give one.
 /// Throws ParameterError when the scan has no range grid or no viewpoint, or a range grid that does not fit it.
 RangeSurface range_surface(const PointCloud& cloud, const Scan& scan, const RangeSurfaceParams& params);

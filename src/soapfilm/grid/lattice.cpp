@@ -51,7 +51,7 @@ Lattice Lattice::of_level(int level) const {
   coarse.voxel = voxel * cell;
   // Vertex I is the centre of the fine vertices cell * I to cell * I + cell - 1.
   const double centre = 0.5 * (cell - 1);
-  coarse.first_vertex = to_world(Vec3d(margin() + centre, margin() + centre, margin() + centre));
+  coarse.first_vertex = to_world(Vec3d{margin() + centre, margin() + centre, margin() + centre});
   for (int axis = 0; axis < 3; ++axis) coarse.size[axis] = (size[axis] + cell - 1) / cell;
   return coarse;
 }

@@ -1,0 +1,174 @@
+// soapfilm reconstruct --method and what belongs to it: --norm, --lambda auto, --write-levels.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/io/io.h"
+#include "soapfilm/method.h"
+#include "soapfilm/scanner/sample_surface.h"
+#include "soapfilm/scanner/shape.h"
+#include "soapfilm/scanner/virtual_scan.h"
+#include "support/program.h"
+
+namespace soapfilm::test {
+namespace {
+
+using nlohmann::json;
+
+/// A folder with a sphere of diameter 1: as range scans, and as even samples.
+class MethodCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    ScannerParams scanner;
+    scanner.step = 0.03;
+    scanner.views = 10;
+    write_points(scans, virtual_scan(*make_sphere(), scanner, Parallel(1)).cloud);
+    write_points(even, sample_surface(*make_sphere(), 3000, 1));
+  }
+
+  /// Runs with the report; the report as JSON.
+  json reported(std::vector<std::string> arguments) {
+    const std::string file = folder.file("report.json");
+    arguments.insert(arguments.begin(), "reconstruct");
+    arguments.insert(arguments.end(), {"-o", mesh, "--report", file, "--quiet"});
+    const ProcessResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.exit_code == 0 ? json::parse(read_file(file)) : json();
+  }
+  void refused(std::vector<std::string> arguments, const std::string& what) {
+    arguments.insert(arguments.begin(), {"reconstruct", "--quiet"});
+    arguments.insert(arguments.end(), {"-o", mesh});
+    expect_refused(arguments, what);
+    EXPECT_FALSE(std::filesystem::exists(mesh));
+  }
+
+  TemporaryFolder folder;
+  std::string scans = folder.file("scans.ply");
+  std::string even = folder.file("even.ply");
+  std::string mesh = folder.file("mesh.ply");
+};
+
+TEST_F(MethodCommand, EveryNameRunsAndReports) {
+  for (const std::string name : method_names) {
+    const json report = reported({scans, "--method", name, "--resolution", "44"});
+    ASSERT_FALSE(report.is_null()) << name;
+    EXPECT_EQ(report["method"]["name"], name);
+    EXPECT_EQ(report["parameters"]["solve"]["method"], name);
+    EXPECT_EQ(report["mesh"]["closed"], true) << name;
+    EXPECT_EQ(report["mesh"]["genus"], 0) << name;
+    EXPECT_TRUE(contains(report["command"].get<std::string>(), "--method " + name));
+    EXPECT_EQ(check_topology(read_mesh(mesh)).triangles, report["mesh"]["triangles"]);
+  }
+}
+
+TEST_F(MethodCommand, SaysWhatIsProvedAndWhatIsNot) {
+  const auto lines = [&](const std::string& method) {
+    return run({"reconstruct", scans, "-o", mesh, "--resolution", "44", "--method", method}).err;
+  };
+  EXPECT_TRUE(contains(lines("tv-sor"), "segmentation proved within")) << lines("tv-sor");
+  EXPECT_TRUE(contains(lines("graph-cut-6"), "(method graph-cut-6 proves no bound of it)")) << lines("graph-cut-6");
+  EXPECT_FALSE(contains(lines("vrip"), "lambda")) << lines("vrip");
+  EXPECT_FALSE(contains(lines("poisson"), "lambda")) << lines("poisson");
+}
+
+TEST_F(MethodCommand, AnUnknownMethodIsRefused) {
+  refused({scans, "--method", "magic"}, "magic");
+  refused({scans, "--method", "magic"}, "graph-cut-26");
+  refused({scans, "--norm", "round"}, "round");
+}
+
+TEST_F(MethodCommand, VripNamesTheScanThatIsNoRangeImage) {
+  refused({even, "--method", "vrip"}, "vrip needs range scans: scan \"samples\" has no range grid");
+}
+
+TEST_F(MethodCommand, WhatAMethodDoesNotHaveIsRefused) {
+  refused({scans, "--method", "poisson", "--lambda", "auto"}, "lambda = auto: the surface of method poisson");
+  refused({scans, "--method", "tv-sor", "--norm", "anisotropic"}, "norm = anisotropic: method tv-sor has none");
+  refused({scans, "--method", "vrip", "--isovalue", "0.4"}, "isovalue = 0.4: method vrip finds its own");
+  refused({scans, "--method", "graph-cut-6", "--threshold", "0.3"}, "threshold = 0.3: method graph-cut-6 has none");
+  refused({scans, "--method", "poisson", "--tolerance", "1e-6"}, "--tolerance: only method tv has it");
+  refused({scans, "--method", "tv-sor", "--max-iterations", "9"}, "--max-iterations: only method tv has it");
+  refused({scans, "--method", "graph-cut-6", "--link-weights", "cauchy-crofton"},
+          "--link-weights: only method graph-cut-26 has it");
+  refused({scans, "--front", "3"}, "--front: only method vrip has it");
+  refused({scans, "--folds", "3"}, "--folds: only --lambda auto has it");
+  refused({scans, "--method", "vrip", "--front", "0"}, "front = 0, must be > 0 and <= 1000");
+}
+
+TEST_F(MethodCommand, LinkWeightsAndNormReachTheCut) {
+  const auto flow = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {scans, "--method", "graph-cut-26", "--resolution", "40"});
+    return reported(arguments)["method"]["flow"].get<double>();
+  };
+  EXPECT_NE(flow({}), flow({"--link-weights", "cauchy-crofton"}));
+  EXPECT_NE(flow({}), flow({"--norm", "anisotropic"}));
+}
+
+TEST_F(MethodCommand, AutomaticLambdaReportsItsCurve) {
+  const json report = reported({even, "--lambda", "auto", "--folds", "3", "--resolution", "40"});
+  ASSERT_FALSE(report.is_null());
+  const json& select = report["select"];
+  EXPECT_EQ(select["folds"], 3);
+  EXPECT_EQ(select["whole_scans"], false);
+  ASSERT_EQ(select["curve"].size(), report["parameters"]["select"]["candidates"].size());
+  EXPECT_EQ(report["parameters"]["energy"]["cross_validate"], true);
+  EXPECT_TRUE(report["parameters"]["energy"]["lambda"].is_null());
+  const double chosen = select["chosen"];
+  const auto point = std::find_if(select["curve"].begin(), select["curve"].end(),
+                                  [&](const json& p) { return p["lambda_per_density"] == chosen; });
+  ASSERT_NE(point, select["curve"].end()) << "one of the candidates";
+  EXPECT_EQ((*point)["lambda"], report["certificate"]["lambda"]);
+  const double density = report["input"]["samples_per_voxel2"];
+  EXPECT_NEAR(report["certificate"]["lambda"].get<double>(), chosen * density, 1e-12);
+  for (const json& p : select["curve"]) {
+    EXPECT_GE(p["error"].get<double>(), 0);
+    EXPECT_LE(p["error"].get<double>(), 1);
+  }
+}
+
+TEST_F(MethodCommand, ALambdaThatIsNoNumberIsRefused) {
+  refused({even, "--lambda", "abc"}, "lambda = abc, must be 'auto' or a number > 0");
+  refused({even, "--lambda", "0.1x"}, "lambda = 0.1x, must be 'auto' or a number > 0");
+  refused({even, "--lambda", "auto", "--folds", "1"}, "folds");
+}
+
+TEST_F(MethodCommand, WritesTheSurfaceOfEveryLevel) {
+  const std::string levels = folder.file("deep/levels");
+  const json report = reported({even, "--write-levels", levels, "--resolution", "72"});
+  ASSERT_FALSE(report.is_null());
+  const size_t count = report["grid"]["levels"].size();
+  ASSERT_GE(count, 3u);
+  const Box3d box = read_mesh(mesh).box();
+  size_t finer = SIZE_MAX;
+  for (size_t level = 0; level < count; ++level) {
+    const std::string file = levels + "/level_" + std::to_string(level) + ".ply";
+    ASSERT_TRUE(std::filesystem::exists(file)) << file;
+    const Mesh surface = read_mesh(file);
+    EXPECT_TRUE(check_topology(surface).watertight()) << file;
+    EXPECT_LT(surface.triangles.size(), finer) << "level 0 is the finest";
+    finer = surface.triangles.size();
+    // All of them lie where the mesh lies, to a cell of their own and half a cell of rounding.
+    const double cell = report["grid"]["voxel"].get<double>() * static_cast<double>(size_t{1} << level);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(surface.box().lo[axis], box.lo[axis], 1.5 * cell) << file;
+      EXPECT_NEAR(surface.box().hi[axis], box.hi[axis], 1.5 * cell) << file;
+      EXPECT_NEAR(surface.box().centre()[axis], box.centre()[axis], 0.6 * cell) << file;
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(levels + "/level_" + std::to_string(count) + ".ply"));
+}
+
+TEST_F(MethodCommand, WritesLevelsByTvAloneAndIntoAFolder) {
+  const std::string levels = folder.file("levels");
+  refused({even, "--method", "tv-sor", "--write-levels", levels}, "--write-levels: only method tv has it");
+  EXPECT_FALSE(std::filesystem::exists(levels));
+  refused({even, "--write-levels", even + "/levels"}, "cannot make the folder");
+}
+
+}  // namespace
+}  // namespace soapfilm::test
