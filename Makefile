@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find src cli tests examples bench -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test bench paper format format-check tidy clean
+.PHONY: help build demo test bench paper accuracy format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -40,6 +40,10 @@ paper: CONFIGURE += -DSOAPFILM_BUILD_BENCH=ON
 paper: packages-build packages-paper ## every table and figure of the paper, into docs/paper/ (SOAPFILM_DATA: as above)
 	cmake --preset release $(CONFIGURE) >/dev/null && cmake --build --preset release --parallel $(JOBS)
 	/usr/bin/python3 -B bench/paper/paper.py build/release/bin out/paper docs/paper
+
+accuracy: build-release packages-accuracy ## errors against the truth, beside peers, to docs/accuracy/ (FULL=1: all)
+	/usr/bin/python3 -B bench/accuracy/accuracy.py build/release/bin out/accuracy docs/accuracy \
+	  --jobs $(JOBS) $(if $(FULL),--full)
 
 format: packages-format ## lay the sources out
 	$(SOURCES) | xargs clang-format -i

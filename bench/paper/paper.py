@@ -7,6 +7,9 @@ import platform
 import subprocess
 import sys
 import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))  # of lab.py, which all benchmarks share
 
 import convergence
 import figures

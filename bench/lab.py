@@ -1,5 +1,6 @@
-"""Runs the program, measures it, keeps what it made: the one place that knows files and processes."""
+"""Runs programs, measures them, keeps what they made: the benchmarks' one place that knows files and processes."""
 import csv
+import hashlib
 import json
 import os
 import shlex
@@ -8,6 +9,12 @@ import sys
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+
+USAGE = str(Path(__file__).resolve().parent / "usage.py")
+
+
+class NotKept(Exception):
+    """The result of this command is not there, or of another program or input."""
 
 
 @dataclass
@@ -20,6 +27,11 @@ class Run:
     peak_mb: float = 0       # resident maximum, 10^6 bytes
     report: dict = field(default_factory=dict)
     failure: str = ""        # the program's own line when there is no mesh
+
+    def take(self, measured):
+        self.cpu, self.elapsed, self.peak_mb = (measured[k] for k in ("cpu", "elapsed", "peak_mb"))
+        self.failure = measured["errors"].strip().splitlines()[-1] if measured["code"] else ""
+        return self
 
     @property
     def seconds(self):
@@ -59,6 +71,8 @@ class Lab:
         self.program = self.programs / "soapfilm"
         data = os.environ.get("SOAPFILM_DATA")
         self.data = Path(data) if data else None
+        self.runs_nothing = False  # raise NotKept instead
+        self.digests = {}  # by path and time of change
         self.work.mkdir(parents=True, exist_ok=True)
         self.page.mkdir(parents=True, exist_ok=True)
 
@@ -76,34 +90,57 @@ class Lab:
         line = line.replace(str(self.program), "soapfilm")
         return line.replace(str(self.data), "$SOAPFILM_DATA") if self.data else line
 
-    def measure(self, words):
-        """Runs a command; returns (exit code, standard error, cpu seconds, elapsed seconds, peak megabytes)."""
-        log = self.work / "stderr.txt"
-        begin = time.monotonic()
+    def digest(self, path):
+        """Of a file's content; of all files of a folder when it is one of those."""
+        path = Path(path)
+        files = sorted(p for p in path.iterdir() if p.is_file()) if path.is_dir() else [path]
+        key = tuple((str(p), p.stat().st_mtime_ns) for p in files)
+        if key not in self.digests:
+            whole = hashlib.sha256()
+            for file in files:
+                whole.update(file.read_bytes())
+            self.digests[key] = whole.hexdigest()[:16]
+        return self.digests[key]
+
+    def once(self, name, words, depends, makes, label=None, environment=None):
+        """Runs a command, or returns what was measured when it ran last, with the same words and the same content of
+        the files it `depends` on: an interrupted benchmark goes on where it stopped. `makes`: the file or folder that
+        must be there afterwards when the exit code is 0."""
+        words = [str(w) for w in words]
+        key = {"words": words, "depends": [self.digest(d) for d in depends]}
+        stamp = self.work / f"{name}.json"
+        if stamp.exists():
+            kept = json.loads(stamp.read_text())
+            if kept["key"] == key and (kept["code"] != 0 or Path(makes).exists()):
+                return kept
+        if self.runs_nothing:
+            raise NotKept(name)
+        self.say(label or self.shown(words))
+        measured = self.measure(words, self.work / name, environment)
+        stamp.write_text(json.dumps({"key": key, **measured}))
+        return measured
+
+    def measure(self, words, scratch, environment=None):
+        """Runs a command: exit code, standard error, cpu and elapsed seconds, peak in megabytes."""
+        log, result = Path(f"{scratch}.log"), Path(f"{scratch}.usage")
         with open(log, "w") as errors:
-            process = subprocess.Popen([str(w) for w in words], stderr=errors, stdout=subprocess.DEVNULL)
-            _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        return (process.returncode, log.read_text(), usage.ru_utime + usage.ru_stime, time.monotonic() - begin,
-                usage.ru_maxrss * 1024 / 1e6)
+            subprocess.run([sys.executable, "-I", "-S", USAGE, str(result), *map(str, words)], stderr=errors,
+                           stdout=subprocess.DEVNULL, env={**os.environ, **(environment or {})})
+        text, (code, *used) = log.read_text(errors="replace"), result.read_text().split()
+        log.unlink()
+        result.unlink()
+        return {"code": int(code), "errors": text, **dict(zip(("cpu", "elapsed", "peak_mb"), map(float, used)))}
 
     def output_of(self, words):
         return subprocess.run([str(w) for w in words], check=True, capture_output=True, text=True).stdout
 
-    def is_current(self, stamp, words, inputs=()):
-        """Was this command's result made by this program of these inputs? Lets an interrupted `make paper` go on."""
-        newest = max(Path(p).stat().st_mtime for p in (self.program, *inputs))
-        return stamp.exists() and stamp.stat().st_mtime > newest and json.loads(stamp.read_text())["words"] == words
-
     def scan(self, name, *arguments):
         """Virtual scans; returns their folder."""
         folder = self.work / name
-        words = [str(self.program), "scan", *map(str, arguments), "-o", str(folder), "--quiet"]
-        stamp = self.work / f"{name}.scan.json"
-        if not self.is_current(stamp, words):
-            self.say(f"scan {name}")
-            subprocess.run(words, check=True)
-            stamp.write_text(json.dumps({"words": words}))
+        words = [self.program, "scan", *arguments, "-o", folder, "--quiet"]
+        measured = self.once(f"{name}.scan", words, [self.program], folder, label=f"scan {name}")
+        if measured["code"]:
+            sys.exit(f"{self.shown(words)}\nexit code {measured['code']}: {measured['errors']}")
         return folder
 
     def reconstruct(self, name, inputs, *arguments, refine=False):
@@ -111,22 +148,13 @@ class Lab:
         (threshold, smoothing, isovalue) unless it is to be refined."""
         mesh, report = self.work / f"{name}.ply", self.work / f"{name}.json"
         inputs = inputs if isinstance(inputs, list) else [inputs]
-        words = [str(self.program), "reconstruct", *map(str, inputs), "-o", str(mesh), *map(str, arguments)]
-        if not refine:
-            words += ["--refine", "off"]
-        full = words + ["--report", str(report), "--threads", "1", "--quiet"]
-        run = Run(mesh, self.shown(words))
-        stamp = self.work / f"{name}.run.json"
-        if not self.is_current(stamp, full, inputs):
-            self.say(self.shown(words))
-            code, errors, run.cpu, run.elapsed, run.peak_mb = self.measure(full)
-            if code not in (0, 2, 3):
-                sys.exit(f"{self.shown(full)}\nexit code {code}: {errors}")
-            run.failure = errors.strip().splitlines()[-1] if code else ""
-            stamp.write_text(json.dumps({"words": full, "cpu": run.cpu, "elapsed": run.elapsed,
-                                         "peak_mb": run.peak_mb, "failure": run.failure}))
-        kept = json.loads(stamp.read_text())
-        run.cpu, run.elapsed, run.peak_mb, run.failure = (kept[k] for k in ("cpu", "elapsed", "peak_mb", "failure"))
+        words = [self.program, "reconstruct", *inputs, "-o", mesh, *arguments, *([] if refine else ["--refine", "off"])]
+        full = words + ["--report", report, "--threads", "1", "--quiet"]
+        depends = [self.program, *(p.parent if p.suffix == ".conf" else p for p in map(Path, inputs))]
+        measured = self.once(f"{name}.run", full, depends, mesh, label=self.shown(words))
+        if measured["code"] not in (0, 2, 3):
+            sys.exit(f"{self.shown(full)}\nexit code {measured['code']}: {measured['errors']}")
+        run = Run(mesh, self.shown(words)).take(measured)
         if not run.failure:
             run.report = json.loads(report.read_text())
         return run
