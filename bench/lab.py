@@ -111,7 +111,7 @@ class Lab:
         stamp = self.work / f"{name}.json"
         if stamp.exists():
             kept = json.loads(stamp.read_text())
-            if kept["key"] == key and (kept["code"] != 0 or Path(makes).exists()):
+            if kept.get("key") == key and (kept["code"] != 0 or Path(makes).exists()):
                 return kept
         if self.runs_nothing:
             raise NotKept(name)

@@ -10,11 +10,17 @@ namespace {
 
 using namespace test;
 
-/// Enough bricks that eight threads have several chunks each.
+/// Enough bricks that eight threads have several chunks each; sanitizers, some 20 times slower, get fewer.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr int resolution = 72;
+#else
+constexpr int resolution = 120;
+#endif
+
 const PointCloud& cloud() {
   static const PointCloud made = [] {
-    PointCloud c = sampled("knot", 120, 1);
-    add_noise(c, 0.2 / 108, 1);
+    PointCloud c = sampled("knot", resolution, 1);
+    add_noise(c, 0.2 / (resolution - 12), 1);
     return c;
   }();
   return made;
@@ -22,7 +28,7 @@ const PointCloud& cloud() {
 
 Reconstruction reconstructed(int threads) {
   ReconstructParams params;
-  params.place.resolution = 120;
+  params.place.resolution = resolution;
   Progress progress;
   return reconstruct(cloud(), params, Parallel(threads), progress);
 }
@@ -36,7 +42,7 @@ TEST_P(Determinism, SameMeshBytesOnEveryBackEnd) {
   }();
   const ForcedTarget target(GetParam().target);
   const Reconstruction result = reconstructed(GetParam().threads);
-  EXPECT_GT(result.mesh.triangles.size(), 10000u);
+  EXPECT_GT(result.mesh.triangles.size(), 5000u);
   EXPECT_EQ(hash_mesh(result.mesh), hash_mesh(oracle.mesh));
   EXPECT_EQ(result.report.isovalue, oracle.report.isovalue);
   EXPECT_EQ(result.report.certificate.binary.primal, oracle.report.certificate.binary.primal);
