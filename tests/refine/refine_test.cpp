@@ -17,7 +17,7 @@ std::string name_of(const testing::TestParamInfo<std::string>& info) { return in
 
 class SmoothShape : public testing::TestWithParam<std::string> {};
 
-TEST_P(SmoothShape, ViewingDirectionsGiveAHundredthOfAVoxel) {
+TEST_P(SmoothShape, ViewingDirectionsGiveAHundredthOfAVoxelSlow) {
   const Solved solved(GetParam(), 110);
   const Refined result = refined(solved);
   EXPECT_LT(mean_error_vox(solved, result.mesh), 0.012);
@@ -25,7 +25,7 @@ TEST_P(SmoothShape, ViewingDirectionsGiveAHundredthOfAVoxel) {
   EXPECT_LT(result.report.strength.noise, 0.03);
 }
 
-TEST_P(SmoothShape, StrengthFollowsTheNoise) {
+TEST_P(SmoothShape, StrengthFollowsTheNoiseSlow) {
   const Solved clean(GetParam(), 70), noisy(GetParam(), 70, 1, {.noise_vox = 1.0 / 3});
   const Refined of_clean = refined(clean), of_noisy = refined(noisy);
   EXPECT_GT(of_noisy.report.strength.smoothing, 5 * of_clean.report.strength.smoothing);
@@ -36,7 +36,7 @@ TEST_P(SmoothShape, StrengthFollowsTheNoise) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, SmoothShape, testing::Values("sphere", "torus", "knot"), name_of);
 
-TEST(Refine, TrueNormalsAreRecognisedAndHelp) {
+TEST(Refine, TrueNormalsAreRecognisedAndHelpSlow) {
   const Disturbance normals{.noise_vox = 1.0 / 3, .viewing = false};
   const Solved solved("torus", 70, 1, normals);
   const Refined with = refined(solved), without = refined(solved, {.normals = 0.0});
@@ -45,26 +45,26 @@ TEST(Refine, TrueNormalsAreRecognisedAndHelp) {
   EXPECT_LT(mean_error_vox(solved, with.mesh), 0.85 * mean_error_vox(solved, without.mesh));
 }
 
-TEST(Refine, ErrorFallsAtSecondOrder) {
+TEST(Refine, ErrorFallsAtSecondOrderSlow) {
   const Solved coarse("torus", 52, 4), fine("torus", 92, 4);  // voxels 2 : 1
   const double ratio = mean_error_vox(coarse, refined(coarse).mesh) * coarse.problem.lattice.voxel /
                        (mean_error_vox(fine, refined(fine).mesh) * fine.problem.lattice.voxel);
   EXPECT_GT(ratio, 3);
 }
 
-TEST(Refine, OutliersAtMostDoubleTheError) {
+TEST(Refine, OutliersAtMostDoubleTheErrorSlow) {
   const Solved clean("torus", 80), dirty("torus", 80, 1, {.outliers = 0.1});
   const Refined result = refined(dirty);
   EXPECT_LT(mean_error_vox(dirty, result.mesh), 2 * mean_error_vox(clean, refined(clean).mesh));
   EXPECT_GT(result.report.down_weighted, dirty.problem.samples.size() / 12);
 }
 
-TEST(Refine, MisalignedScansStayWellUnderTheirMisalignment) {
+TEST(Refine, MisalignedScansStayWellUnderTheirMisalignmentSlow) {
   const Solved solved("sphere", 70, 2, {.misaligned_vox = 0.5});
   EXPECT_LT(mean_error_vox(solved, refined(solved).mesh), 0.1);
 }
 
-TEST(Refine, FlatFacesHaveNoGrooves) {
+TEST(Refine, FlatFacesHaveNoGroovesSlow) {
   const Solved solved("plate", 80);
   const Refined result = refined(solved);
   const double half = 0.5 * solved.truth->box().size().z;
