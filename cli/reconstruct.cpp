@@ -86,6 +86,10 @@ PointCloud read_input(const Options& options, Progress& progress, ReadReport& re
   for (const std::string& warning : read.warnings) progress.warn(warning);
   if (read.dropped() > 0)
     progress.warn(fmt::format("{} of {} samples dropped: not finite", read.dropped(), read.dropped() + cloud.size()));
+  // Methods that look at scans rather than at samples find it there too.
+  if (options.params.orient.sensor)
+    for (Scan& scan : cloud.scans)
+      if (!scan.sensor) scan.sensor = options.params.orient.sensor;
   try {
     check_samples(cloud);
   } catch (const ParameterError& error) {
@@ -96,23 +100,42 @@ PointCloud read_input(const Options& options, Progress& progress, ReadReport& re
   return cloud;
 }
 
-/// Writes each level's surface into the folder as soon as it is solved; nothing without a folder.
-PyramidObserver level_writer(const std::string& folder, double threshold, const Parallel& parallel) {
-  if (folder.empty()) return {};
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw OutputError(fmt::format("{}: cannot make the folder: {}", folder, error.message()));
-  PyramidObserver observer;
-  observer.solved = [folder, threshold, &parallel](const Level& level, const Lattice& lattice) {
-    const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), parallel);
-    const Mesh mesh = extract_isosurface(
-        surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice,
-        parallel);
-    const std::filesystem::path file = fmt::format("level_{}.ply", level.box.level);
-    write_mesh((std::filesystem::path(folder) / file).string(), mesh);
-  };
-  return observer;
-}
+/// The surfaces of the pyramid's levels in a folder, each written as soon as it is solved; taken away again, but for
+/// the folder, when the run does not end well.
+class LevelFiles {
+ public:
+  LevelFiles() = default;
+  LevelFiles(const LevelFiles&) = delete;
+  LevelFiles& operator=(const LevelFiles&) = delete;
+  ~LevelFiles() {
+    std::error_code ignored;
+    for (const std::filesystem::path& file : written_) std::filesystem::remove(file, ignored);
+  }
+
+  /// Writes nothing without a folder.
+  PyramidObserver writer(const std::filesystem::path& folder, double threshold, const Parallel& parallel) {
+    if (folder.empty()) return {};
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw OutputError(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
+    PyramidObserver observer;
+    observer.solved = [this, folder, threshold, &parallel](const Level& level, const Lattice& lattice) {
+      const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), parallel);
+      const Mesh mesh = extract_isosurface(
+          surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice,
+          parallel);
+      const std::filesystem::path file = folder / fmt::format("level_{}.ply", level.box.level);
+      write_mesh(file.string(), mesh);
+      written_.push_back(file);
+    };
+    return observer;
+  }
+  /// The run ended well.
+  void keep() { written_.clear(); }
+
+ private:
+  std::vector<std::filesystem::path> written_;
+};
 
 void print_check(const ReconstructReport& report, Progress& progress) {
   progress.info(summary(*report.topology));
@@ -135,8 +158,9 @@ int run(const CLI::App& app, Options& options, const GlobalOptions& global) {
   Stages stages(progress);
   ReadReport read;
   const PointCloud cloud = stages.run("read", [&] { return read_input(options, progress, read); });
+  LevelFiles levels;
   Reconstruction result = reconstruct(cloud, options.params, parallel, progress,
-                                      level_writer(options.levels_folder, options.params.surface.threshold, parallel));
+                                      levels.writer(options.levels_folder, options.params.surface.threshold, parallel));
   if (options.check || !options.report.empty()) stages.run("check", [&] { check_result(result, cloud, parallel); });
   ReconstructReport& report = result.report;
   if (report.topology) print_check(report, progress);
@@ -160,6 +184,7 @@ int run(const CLI::App& app, Options& options, const GlobalOptions& global) {
     report.seconds.insert(stage.first == "read" ? report.seconds.begin() : report.seconds.end(), stage);
   report.peak_bytes = peak_memory_bytes();
   if (!options.report.empty()) write_text_file(options.report, to_json(report));
+  levels.keep();
   progress.info(
       fmt::format("{}: {} vertices, {} triangles", options.output, report.mesh_vertices, report.mesh_triangles));
   return 0;

@@ -1,4 +1,5 @@
 // soapfilm reconstruct --method and what belongs to it: --norm, --lambda auto, --write-levels.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -161,6 +162,35 @@ TEST_F(MethodCommand, WritesTheSurfaceOfEveryLevel) {
     }
   }
   EXPECT_FALSE(std::filesystem::exists(levels + "/level_" + std::to_string(count) + ".ply"));
+}
+
+TEST_F(MethodCommand, NoLevelsStayOfARunThatFails) {
+  const std::string levels = folder.file("levels");
+  const ProcessResult result = run({"reconstruct", even, "-o", mesh, "--write-levels", levels, "--resolution", "17",
+                                    "--isovalue", "0.999", "--quiet"});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_TRUE(std::filesystem::is_empty(levels));
+}
+
+TEST_F(MethodCommand, VripTakesTheSensorOfScansThatNameNone) {
+  ScannerParams scanner;
+  scanner.step = 0.03;
+  scanner.views = 1;
+  PointCloud cloud = virtual_scan(*make_sphere(), scanner, Parallel(1)).cloud;
+  ASSERT_EQ(cloud.scans.size(), 1u);
+  const Vec3d centre = cloud.box().centre();
+  ASSERT_GT(norm(centre), 0.1) << "one side of a sphere around the origin: the scanner is on that side";
+  cloud.scans[0].sensor.reset();
+  cloud.scans[0].view_direction.reset();
+  cloud.sensors.clear();
+  const std::string blind = folder.file("blind.ply");
+  write_points(blind, cloud);
+  refused({blind, "--method", "vrip"}, "has no sensor position and no viewing direction");
+  const Vec3d sensor = (3 / norm(centre)) * centre;
+  const json report = reported({blind, "--method", "vrip", "--resolution", "44", "--sensor",
+                                fmt::format("{},{},{}", sensor.x, sensor.y, sensor.z)});
+  ASSERT_FALSE(report.is_null());
+  EXPECT_GT(report["mesh"]["triangles"], 100);
 }
 
 TEST_F(MethodCommand, WritesLevelsByTvAloneAndIntoAFolder) {
