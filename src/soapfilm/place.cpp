@@ -61,15 +61,18 @@ void check_samples(const PointCloud& cloud) {
   if (!(box.longest() > 0))
     throw ParameterError(fmt::format("all {} samples are identical, must span a volume", cloud.size()));
 
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  Vec3d sum, squares, products;
   const Vec3d centre = box.centre();
+  const double scale = 1 / box.longest();
   for (const Vec3d& p : cloud.positions) {
-    const Vec3d q = (p - centre) / box.longest();
-    const Eigen::Vector3d v(q.x, q.y, q.z);
-    mean += v;
-    moments += v * v.transpose();
+    const Vec3d q = (p - centre) * scale;
+    sum += q;
+    squares += Vec3d{q.x * q.x, q.y * q.y, q.z * q.z};
+    products += Vec3d{q.x * q.y, q.y * q.z, q.z * q.x};
   }
+  Eigen::Vector3d mean(sum.x, sum.y, sum.z);
+  Eigen::Matrix3d moments;
+  moments << squares.x, products.x, products.z, products.x, squares.y, products.y, products.z, products.y, squares.z;
   const auto n = static_cast<double>(cloud.size());
   mean /= n;
   const Eigen::Matrix3d covariance = moments / n - mean * mean.transpose();
