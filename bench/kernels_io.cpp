@@ -31,15 +31,12 @@ constexpr int resolution = 512;
 struct Case {
   Case() : folder(std::filesystem::temp_directory_path() / fmt::format("soapfilm-bench-{}", ::getpid())) {
     std::filesystem::create_directories(folder);
-    cloud = sample_surface(*make_shape("torus"), samples, 1);
-    cloud.normals = {};
-    cloud.scans.front().sensor = Vec3d{0, 0, 10};
+    make_cloud();
     binary = (folder / "binary.ply").string();
     ascii = (folder / "ascii.ply").string();
     mesh_file = (folder / "mesh.ply").string();
-    for (Vec3d& p : cloud.positions) p = static_cast<Vec3d>(static_cast<Vec3f>(p));
     write_points(binary, cloud);
-    write_points(ascii, cloud, {.ascii = true});
+    write_points(ascii, cloud, {.ascii = true, .comments = {}});
     const double voxel = voxel_of_resolution(cloud.box(), resolution, 6);
     lattice = place_lattice(cloud.box(), voxel, 6);
     OrientReport report;
@@ -47,7 +44,18 @@ struct Case {
     directions = orient(cloud, {}, parallel, progress, report);
     sorted = sort_samples(cloud, directions, lattice, parallel);
     field = divergence_field(sorted, lattice.box(0), parallel);
-    mesh = extract_isosurface(field.grid, field.f, [](Vec3i) { return 0.0f; }, 0.05f, lattice, parallel);
+    mesh = extract_isosurface(
+        field.grid, field.f, [](Vec3i) { return 0.0f; }, 0.05f, lattice, parallel);
+  }
+  /// Samples of a torus, neighbours one after the other as a scanner gives them.
+  void make_cloud() {
+    const PointCloud random = sample_surface(*make_shape("torus"), samples, 1);
+    constexpr int cells = 128;
+    const Lattice coarse = place_lattice(random.box(), voxel_of_resolution(random.box(), cells, 6), 6);
+    cloud.scans = random.scans;
+    cloud.scans.front().sensor = Vec3d{0, 0, 10};
+    for (const uint32_t s : sort_samples(random, random.normals, coarse, parallel).source)
+      cloud.positions.push_back(static_cast<Vec3d>(static_cast<Vec3f>(random.positions[s])));
   }
   ~Case() { std::filesystem::remove_all(folder); }
 
@@ -121,8 +129,8 @@ void data_term(benchmark::State& state) {
 void extract(benchmark::State& state) {
   Case& c = shared();
   for (auto _ : state)
-    benchmark::DoNotOptimize(
-        extract_isosurface(c.field.grid, c.field.f, [](Vec3i) { return 0.0f; }, 0.05f, c.lattice, c.parallel));
+    benchmark::DoNotOptimize(extract_isosurface(
+        c.field.grid, c.field.f, [](Vec3i) { return 0.0f; }, 0.05f, c.lattice, c.parallel));
   count_bytes(state,
               c.field.f.bytes() + c.mesh.vertices.size() * sizeof(Vec3d) + c.mesh.triangles.size() * sizeof(Triangle));
   state.counters["triangles"] = static_cast<double>(c.mesh.triangles.size());
@@ -130,7 +138,8 @@ void extract(benchmark::State& state) {
 
 void write_binary_ply(benchmark::State& state) {
   Case& c = shared();
-  for (auto _ : state) write_mesh(c.mesh_file, c.mesh, {.coordinate_precision = 1e-3 * c.lattice.voxel});
+  for (auto _ : state)
+    write_mesh(c.mesh_file, c.mesh, {.coordinate_precision = 1e-3 * c.lattice.voxel, .comments = {}});
   count_bytes(state, std::filesystem::file_size(c.mesh_file));
 }
 
