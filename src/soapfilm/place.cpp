@@ -9,7 +9,6 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/field/sampling.h"
-#include "soapfilm/plan.h"
 
 namespace soapfilm {
 
@@ -83,7 +82,7 @@ void check_samples(const PointCloud& cloud) {
 }
 
 GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
-                  const Parallel& parallel, ReconstructReport& report) {
+                  AfterPlacing after, const Parallel& parallel, ReconstructReport& report) {
   const Box3d box = cloud.box();
   const Sampling sampling = measure_sampling(cloud);
   const double voxel = choose_voxel(params.place, box, sampling);
@@ -98,7 +97,7 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw ParameterError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
-  const MemoryPlan plan = plan_memory(params.method, cloud, report.lattice, support);
+  const MemoryPlan plan = plan_memory(params.method, cloud, after, report.lattice, support);
   report.planned_bytes = plan.total();
   check_memory(plan, params.memory_limit, held, report.lattice);
   return samples;

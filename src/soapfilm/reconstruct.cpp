@@ -143,7 +143,8 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   report.warnings = report.input.directions.warnings;
 
   // The grid: how fine, where, and what it will cost; and what area weighs on it.
-  const auto samples = stages.run("place", [&] { return place(cloud, directions, params, parallel, report); });
+  const auto after = owned ? AfterPlacing::freed : AfterPlacing::kept;
+  const auto samples = stages.run("place", [&] { return place(cloud, directions, params, after, parallel, report); });
   const Lattice& lattice = report.lattice;
   stages.run("weigh", [&] { weigh_area(cloud, directions, params, parallel, progress, report); });
   announce(report, progress);

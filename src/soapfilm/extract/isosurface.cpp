@@ -82,6 +82,7 @@ class Extraction {
         parallel_(parallel),
         inside_(grid.size()),
         blocks_(mask_of_blocks(grid), parallel),
+        brick_of_(blocks_.size()),
         points_(blocks_.size()),
         split_(weight ? blocks_.size() : 0),
         first_vertex_(blocks_.size() + 1, 0),
@@ -90,6 +91,8 @@ class Extraction {
   Mesh run() {
     parallel_.for_each(grid_.size(), blocks_per_task,
                        [this](size_t b) { inside_[b] = inside_rows(value_.brick(b), isovalue_); });
+    parallel_.for_each(blocks_.size(), blocks_per_task,
+                       [this](size_t b) { brick_of_[b] = grid_.find(brick_coord(b)); });
     for_blocks([](size_t) { return true; }, [this](size_t block, const Window& window) { count(block, window); });
     for (size_t b = 0; b < blocks_.size(); ++b) {
       first_vertex_[b + 1] += first_vertex_[b];
@@ -130,14 +133,20 @@ class Extraction {
 
   Vec3i brick_coord(size_t block) const { return blocks_.coord(block) - Vec3i{1, 1, 1}; }
 
+  /// The grid's brick at a block or `step` (0 or 1 along each axis) above it; < 0 where there is none. Every brick of
+  /// the grid is a block too.
+  int32_t brick_above(size_t block, Vec3i step) const {
+    const int32_t at = blocks_.neighbors(block)[neighbor_slot(step.x, step.y, step.z)];
+    return at < 0 ? outside_band : brick_of_[static_cast<size_t>(at)];
+  }
+
   /// False when all the window's vertices lie on one side.
   bool fill_inside(size_t block, Window& window) const {
     for (auto& layer : window.inside) layer.fill(0);
     for (int d = 0; d < 8; ++d) {
       const Vec3i step{d & 1, d >> 1 & 1, d >> 2};
-      const Vec3i coord = brick_coord(block) + step;
-      const int32_t brick = grid_.find(coord);
-      const uint8_t constant = brick < 0 && missing_value_(coord) > isovalue_ ? 0xff : 0;
+      const int32_t brick = brick_above(block, step);
+      const uint8_t constant = brick < 0 && missing_value_(brick_coord(block) + step) > isovalue_ ? 0xff : 0;
       for (int z = 0; z < (step.z ? 1 : brick_side); ++z)
         for (int y = 0; y < (step.y ? 1 : brick_side); ++y) {
           const unsigned row = brick < 0 ? constant : inside_[static_cast<size_t>(brick)][brick_side * z + y];
@@ -158,10 +167,9 @@ class Extraction {
   void fill_values(size_t block, Window& window) const {
     for (int d = 0; d < 8; ++d) {
       const Vec3i step{d & 1, d >> 1 & 1, d >> 2};
-      const Vec3i coord = brick_coord(block) + step;
-      const int32_t brick = grid_.find(coord);
+      const int32_t brick = brick_above(block, step);
       const float* in = brick < 0 ? nullptr : value_.brick(static_cast<size_t>(brick));
-      const float constant = in ? 0.f : missing_value_(coord);
+      const float constant = in ? 0.f : missing_value_(brick_coord(block) + step);
       const Vec3i extent{step.x ? 1 : brick_side, step.y ? 1 : brick_side, step.z ? 1 : brick_side};
       for (int z = 0; z < extent.z; ++z) {
         for (int y = 0; y < extent.y; ++y) {
@@ -296,6 +304,7 @@ class Extraction {
   const Parallel& parallel_;
   std::vector<InsideRows> inside_;  // by brick of the grid
   BrickGrid blocks_;
+  std::vector<int32_t> brick_of_;  // by block: the grid's brick, < 0 where it has none
   std::vector<EdgePoints> points_;
   std::vector<BrickEdges> split_;  // edges with two surface points; empty for a closed surface
   std::vector<uint64_t> first_vertex_;
