@@ -157,11 +157,13 @@ int run(const CLI::App& app, Options& options, const GlobalOptions& global) {
 
   Stages stages(progress);
   ReadReport read;
-  const PointCloud cloud = stages.run("read", [&] { return read_input(options, progress, read); });
+  PointCloud cloud = stages.run("read", [&] { return read_input(options, progress, read); });
   LevelFiles levels;
-  Reconstruction result = reconstruct(cloud, options.params, parallel, progress,
-                                      levels.writer(options.levels_folder, options.params.surface.threshold, parallel));
-  if (options.check || !options.report.empty()) stages.run("check", [&] { check_result(result, cloud, parallel); });
+  const bool checks = options.check || !options.report.empty();
+  const PyramidObserver observe = levels.writer(options.levels_folder, options.params.surface.threshold, parallel);
+  Reconstruction result = checks ? reconstruct(cloud, options.params, parallel, progress, observe)
+                                 : reconstruct(std::move(cloud), options.params, parallel, progress, observe);
+  if (checks) stages.run("check", [&] { check_result(result, cloud, parallel); });
   ReconstructReport& report = result.report;
   if (report.topology) print_check(report, progress);
 
@@ -180,8 +182,8 @@ int run(const CLI::App& app, Options& options, const GlobalOptions& global) {
   report.input.dropped = read.dropped();
   report.warnings.insert(report.warnings.begin(), read.warnings.begin(), read.warnings.end());
   // The stages around the library's own: reading before it, checking and writing after it.
-  for (const auto& stage : stages.seconds())
-    report.seconds.insert(stage.first == "read" ? report.seconds.begin() : report.seconds.end(), stage);
+  for (const StageTime& stage : stages.times())
+    report.stages.insert(stage.name == "read" ? report.stages.begin() : report.stages.end(), stage);
   report.peak_bytes = peak_memory_bytes();
   if (!options.report.empty()) write_text_file(options.report, to_json(report));
   levels.keep();

@@ -9,7 +9,6 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/field/sampling.h"
-#include "soapfilm/plan.h"
 
 namespace soapfilm {
 
@@ -61,15 +60,18 @@ void check_samples(const PointCloud& cloud) {
   if (!(box.longest() > 0))
     throw ParameterError(fmt::format("all {} samples are identical, must span a volume", cloud.size()));
 
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  Vec3d sum, squares, products;
   const Vec3d centre = box.centre();
+  const double scale = 1 / box.longest();
   for (const Vec3d& p : cloud.positions) {
-    const Vec3d q = (p - centre) / box.longest();
-    const Eigen::Vector3d v(q.x, q.y, q.z);
-    mean += v;
-    moments += v * v.transpose();
+    const Vec3d q = (p - centre) * scale;
+    sum += q;
+    squares += Vec3d{q.x * q.x, q.y * q.y, q.z * q.z};
+    products += Vec3d{q.x * q.y, q.y * q.z, q.z * q.x};
   }
+  Eigen::Vector3d mean(sum.x, sum.y, sum.z);
+  Eigen::Matrix3d moments;
+  moments << squares.x, products.x, products.z, products.x, squares.y, products.y, products.z, products.y, squares.z;
   const auto n = static_cast<double>(cloud.size());
   mean /= n;
   const Eigen::Matrix3d covariance = moments / n - mean * mean.transpose();
@@ -80,7 +82,7 @@ void check_samples(const PointCloud& cloud) {
 }
 
 GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
-                  const Parallel& parallel, ReconstructReport& report) {
+                  AfterPlacing after, const Parallel& parallel, ReconstructReport& report) {
   const Box3d box = cloud.box();
   const Sampling sampling = measure_sampling(cloud);
   const double voxel = choose_voxel(params.place, box, sampling);
@@ -95,7 +97,7 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw ParameterError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
-  const MemoryPlan plan = plan_memory(params.method, cloud, report.lattice, support);
+  const MemoryPlan plan = plan_memory(params.method, cloud, after, report.lattice, support);
   report.planned_bytes = plan.total();
   check_memory(plan, params.memory_limit, held, report.lattice);
   return samples;

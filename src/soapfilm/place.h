@@ -7,6 +7,7 @@
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/field/samples.h"
+#include "soapfilm/plan.h"
 #include "soapfilm/report.h"
 
 namespace soapfilm {
@@ -17,7 +18,7 @@ void check_samples(const PointCloud& cloud);
 /// Places the grid, sorts the samples into it and fills the report's input, lattice and planned_bytes. The cloud must
 /// pass check_samples(). Throws MemoryError before anything large is allocated.
 GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
-                  const Parallel& parallel, ReconstructReport& report);
+                  AfterPlacing after, const Parallel& parallel, ReconstructReport& report);
 
 /// Fills certificate.lambda: as given, by the samples' density, or by cross-validation (the report's `select`); warns
 /// when it is near the one where the film vanishes.

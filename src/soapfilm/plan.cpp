@@ -69,24 +69,30 @@ double band_bytes_per_brick(Method method) {
 
 }  // namespace
 
-MemoryPlan plan_memory(Method method, const PointCloud& cloud, const Lattice& lattice, size_t support_bricks) {
-  MemoryPlan plan;
-  size_t per_sample = sizeof(Vec3d) + sizeof(Vec3f);   // position and direction
-  per_sample += 2 * sizeof(Vec3f) + sizeof(uint32_t);  // sorted position, direction, source
-  if (!cloud.normals.empty()) per_sample += sizeof(Vec3f);
-  if (!cloud.sensors.empty()) per_sample += sizeof(Vec3d);
-  if (!cloud.weights.empty()) per_sample += sizeof(float);
-  if (!cloud.colors.empty()) per_sample += sizeof(Rgb8);
-  plan.fixed_bytes = base_bytes + per_sample * cloud.size();
+MemoryPlan plan_memory(Method method, const PointCloud& cloud, AfterPlacing after, const Lattice& lattice,
+                       size_t support_bricks) {
+  size_t cloud_bytes = sizeof(Vec3d);
+  if (!cloud.normals.empty()) cloud_bytes += sizeof(Vec3f);
+  if (!cloud.sensors.empty()) cloud_bytes += sizeof(Vec3d);
+  if (!cloud.weights.empty()) cloud_bytes += sizeof(float);
+  if (!cloud.colors.empty()) cloud_bytes += sizeof(Rgb8);
+  cloud_bytes *= cloud.size();
   for (const Scan& scan : cloud.scans)
-    if (scan.range_grid) plan.fixed_bytes += scan.range_grid->sample.size() * sizeof(int32_t);
+    if (scan.range_grid) cloud_bytes += scan.range_grid->sample.size() * sizeof(int32_t);
+  // Sorted position, direction, source; while they are sorted also the direction as found and the brick.
+  const size_t sorted_bytes = (2 * sizeof(Vec3f) + sizeof(uint32_t)) * cloud.size();
+  const size_t sorting_bytes = (sizeof(Vec3f) + sizeof(int32_t)) * cloud.size();
 
+  MemoryPlan plan;
+  plan.placing_bytes = base_bytes + cloud_bytes + sorted_bytes + sorting_bytes;
+  const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
+  plan.fixed_bytes = base_bytes + sorted_bytes + (keeps ? cloud_bytes : 0);
   const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
   plan.grid_bytes = box_bytes(method, lattice) + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick);
   return plan;
 }
 
-MemoryPlan plan_tables(Method method, const Lattice& lattice) { return {base_bytes, box_bytes(method, lattice)}; }
+MemoryPlan plan_tables(Method method, const Lattice& lattice) { return {base_bytes, box_bytes(method, lattice), 0}; }
 
 void check_memory(const MemoryPlan& plan, std::optional<size_t> limit, size_t held, const Lattice& lattice) {
   const size_t available = available_memory_bytes();

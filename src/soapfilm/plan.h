@@ -1,6 +1,7 @@
 // The memory of a run, known before it starts.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 
@@ -12,15 +13,19 @@
 namespace soapfilm {
 
 struct MemoryPlan {
-  size_t fixed_bytes =
-      0;                  ///< whatever the resolution: the program, the cloud, its directions and its order on the grid
-  size_t grid_bytes = 0;  ///< the peak on top of it: the finest level's band beside the coarser one, the box's tables
-  size_t total() const { return fixed_bytes + grid_bytes; }
+  size_t fixed_bytes = 0;  ///< through the solve, whatever the resolution: the program and what stays of the samples
+  size_t grid_bytes = 0;   ///< the peak on top of it: the finest level's band beside the coarser one, the box's tables
+  size_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, and the samples sorted by brick
+  size_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes); }
 };
+
+/// What happens to the cloud once its samples are on the grid.
+enum class AfterPlacing { kept, freed };
 
 /// What a reconstruction on this lattice by this method will need. The band's size follows from the bricks that the
 /// samples reach (`support_bricks`), the only part of the grid that is known before the solve.
-MemoryPlan plan_memory(Method method, const PointCloud& cloud, const Lattice& lattice, size_t support_bricks);
+MemoryPlan plan_memory(Method method, const PointCloud& cloud, AfterPlacing after, const Lattice& lattice,
+                       size_t support_bricks);
 
 /// The same before anything is built: what spans the whole box, whatever the samples.
 MemoryPlan plan_tables(Method method, const Lattice& lattice);

@@ -117,10 +117,9 @@ Mesh fused_surface(const PointCloud& cloud, const Lattice& lattice, const Recons
   return mesh;
 }
 
-}  // namespace
-
-Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Parallel& parallel,
-                           Progress& progress, const PyramidObserver& observe) {
+/// `owned`: the cloud, when it may be freed.
+Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const ReconstructParams& params,
+                           const Parallel& parallel, Progress& progress, const PyramidObserver& observe) {
   validate(params);
   check_samples(cloud);
   if (params.method == Method::vrip)
@@ -133,23 +132,26 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
     result.mesh = std::move(mesh);
     report.mesh_vertices = result.mesh.vertices.size();
     report.mesh_triangles = result.mesh.triangles.size();
-    report.seconds = stages.seconds();
+    report.stages = stages.times();
     report.peak_bytes = peak_memory_bytes();
     return std::move(result);
   };
 
   // Each sample gets a weak outward direction: its normal, towards the scanner, or estimated.
-  const auto directions =
+  auto directions =
       stages.run("orient", [&] { return orient(cloud, params.orient, parallel, progress, report.input.directions); });
   report.warnings = report.input.directions.warnings;
 
   // The grid: how fine, where, and what it will cost; and what area weighs on it.
-  const auto samples = stages.run("place", [&] { return place(cloud, directions, params, parallel, report); });
+  const auto after = owned ? AfterPlacing::freed : AfterPlacing::kept;
+  const auto samples = stages.run("place", [&] { return place(cloud, directions, params, after, parallel, report); });
   const Lattice& lattice = report.lattice;
   stages.run("weigh", [&] { weigh_area(cloud, directions, params, parallel, progress, report); });
   announce(report, progress);
   if (params.method == Method::vrip)
     return finish(fused_surface(cloud, lattice, params, stages, parallel, progress, report));
+  directions = {};
+  if (owned) *owned = {};
 
   // The data term f = div v (section 4.1).
   auto field = stages.run("field", [&] { return divergence_field(samples, lattice.box(0), parallel); });
@@ -183,6 +185,19 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
                     report.isovalue, lattice.voxel),
         report.certificate.lambda);
   return finish(std::move(mesh));
+}
+
+}  // namespace
+
+Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Parallel& parallel,
+                           Progress& progress, const PyramidObserver& observe) {
+  return reconstruct(cloud, nullptr, params, parallel, progress, observe);
+}
+
+Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Parallel& parallel,
+                           Progress& progress, const PyramidObserver& observe) {
+  PointCloud owned = std::move(cloud);
+  return reconstruct(owned, &owned, params, parallel, progress, observe);
 }
 
 void check_result(Reconstruction& result, const PointCloud& cloud, const Parallel& parallel) {

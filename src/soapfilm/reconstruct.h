@@ -35,6 +35,10 @@ struct EmptyResult : std::runtime_error {
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Parallel& parallel,
                            Progress& progress, const PyramidObserver& observe = {});
 
+/// The same, and frees the cloud once its samples are on the grid: a large cloud does not stay beside the solve.
+Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Parallel& parallel,
+                           Progress& progress, const PyramidObserver& observe = {});
+
 /// Fills what costs another look at the result: the report's topology and the samples' distances to the mesh.
 void check_result(Reconstruction& result, const PointCloud& cloud, const Parallel& parallel);
 

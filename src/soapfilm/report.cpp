@@ -164,13 +164,16 @@ double Certificate::gap_per_area() const { return relaxed.gap / (lambda * relaxe
 double Certificate::gap_per_area_binary() const { return binary.gap / (lambda * binary.total_variation); }
 
 std::string to_json(const ReconstructReport& report) {
-  ordered_json seconds;
-  double total = 0;
-  for (const auto& [stage, elapsed] : report.seconds) {
-    seconds[stage] = elapsed;
-    total += elapsed;
+  ordered_json seconds, cpu_seconds;
+  StageTime total;
+  for (const StageTime& stage : report.stages) {
+    seconds[stage.name] = stage.elapsed;
+    cpu_seconds[stage.name] = stage.cpu;
+    total.elapsed += stage.elapsed;
+    total.cpu += stage.cpu;
   }
-  seconds["total"] = total;
+  seconds["total"] = total.elapsed;
+  cpu_seconds["total"] = total.cpu;
   const Vec3d centre = report.input.box.centre();
   const ordered_json json = {{"report_version", report_version},
                              {"soapfilm", version},
@@ -187,6 +190,7 @@ std::string to_json(const ReconstructReport& report) {
                                {"refine", report.refine ? refine_json(*report.refine) : ordered_json(nullptr)}}},
                              {"mesh", mesh_json(report)},
                              {"seconds", seconds},
+                             {"cpu_seconds", cpu_seconds},
                              {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}}},
                              {"warnings", report.warnings}};
   return json.dump(2) + "\n";

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/stages.h"
 #include "soapfilm/evaluate/distance.h"
 #include "soapfilm/evaluate/topology.h"
 #include "soapfilm/fuse/vrip.h"
@@ -62,9 +63,9 @@ struct ReconstructReport {
   double isovalue = 0;                 ///< of the smoothed indicator; 0 of the refined field
   size_t mesh_vertices = 0;
   size_t mesh_triangles = 0;
-  std::optional<TopologyReport> topology;               ///< when it was checked
-  std::optional<DistanceSummary> sample_distance;       ///< samples to mesh, input units
-  std::vector<std::pair<std::string, double>> seconds;  ///< per stage, in order
+  std::optional<TopologyReport> topology;          ///< when it was checked
+  std::optional<DistanceSummary> sample_distance;  ///< samples to mesh, input units
+  std::vector<StageTime> stages;                   ///< in order
   size_t planned_bytes = 0;
   size_t peak_bytes = 0;
   std::vector<std::string> warnings;

@@ -1,15 +1,22 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "soapfilm/core/progress.h"
 
 namespace soapfilm {
 
-/// Runs the stages of a pipeline one after the other: tells the progress object and keeps the elapsed seconds.
+/// What a stage took, in seconds: by the clock, and of all threads of the process.
+struct StageTime {
+  std::string name;
+  double elapsed = 0;
+  double cpu = 0;
+};
+
+/// Runs the stages of a pipeline one after the other: tells the progress object and keeps the times.
 class Stages {
  public:
   explicit Stages(Progress& progress) : progress_(progress) {}
@@ -22,7 +29,7 @@ class Stages {
     return work();
   }
 
-  const std::vector<std::pair<std::string, double>>& seconds() const { return seconds_; }
+  const std::vector<StageTime>& times() const { return times_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -30,15 +37,17 @@ class Stages {
     Stages& stages;
     const char* name;
     Clock::time_point begin = Clock::now();
+    std::clock_t cpu_begin = std::clock();
     ~Timer() {
       const double elapsed = std::chrono::duration<double>(Clock::now() - begin).count();
-      stages.seconds_.emplace_back(name, elapsed);
+      const double cpu = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
+      stages.times_.push_back({name, elapsed, cpu});
       stages.progress_.end_stage(elapsed);
     }
   };
 
   Progress& progress_;
-  std::vector<std::pair<std::string, double>> seconds_;
+  std::vector<StageTime> times_;
 };
 
 }  // namespace soapfilm

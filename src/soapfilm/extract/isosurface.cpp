@@ -32,7 +32,22 @@ BrickMask mask_of_blocks(const BrickGrid& grid) {
   return mask;
 }
 
-/// The values at the 9^3 vertices that a block's cells touch, and one inside bit for each.
+/// One bit per vertex of a brick: row (y, z) is byte y + 8 z.
+using InsideRows = std::array<uint8_t, brick_area>;
+
+InsideRows inside_rows(const float* values, float isovalue) {
+  std::array<uint8_t, brick_volume> inside;
+  for (int i = 0; i < brick_volume; ++i) inside[i] = values[i] > isovalue;
+  InsideRows rows;
+  for (int row = 0; row < brick_area; ++row) {
+    unsigned bits = 0;
+    for (int x = 0; x < brick_side; ++x) bits |= static_cast<unsigned>(inside[brick_side * row + x]) << x;
+    rows[row] = static_cast<uint8_t>(bits);
+  }
+  return rows;
+}
+
+/// What a block's cells touch: an inside bit for each of the 9^3 vertices and, where there is a surface, the values.
 struct Window {
   std::array<float, side * side * side> values;
   std::array<std::array<uint16_t, side>, side> inside;  // [z][y], bit x
@@ -65,14 +80,20 @@ class Extraction {
         isovalue_(isovalue),
         lattice_(lattice),
         parallel_(parallel),
+        inside_(grid.size()),
         blocks_(mask_of_blocks(grid), parallel),
+        brick_of_(blocks_.size()),
         points_(blocks_.size()),
         split_(weight ? blocks_.size() : 0),
         first_vertex_(blocks_.size() + 1, 0),
         first_triangle_(blocks_.size() + 1, 0) {}
 
   Mesh run() {
-    for_blocks([this](size_t block, const Window& window) { count(block, window); });
+    parallel_.for_each(grid_.size(), blocks_per_task,
+                       [this](size_t b) { inside_[b] = inside_rows(value_.brick(b), isovalue_); });
+    parallel_.for_each(blocks_.size(), blocks_per_task,
+                       [this](size_t b) { brick_of_[b] = grid_.find(brick_coord(b)); });
+    for_blocks([](size_t) { return true; }, [this](size_t block, const Window& window) { count(block, window); });
     for (size_t b = 0; b < blocks_.size(); ++b) {
       first_vertex_[b + 1] += first_vertex_[b];
       first_triangle_[b + 1] += first_triangle_[b];
@@ -82,20 +103,28 @@ class Extraction {
     }
     mesh_.vertices.resize(first_vertex_.back());
     mesh_.triangles.resize(first_triangle_.back());
-    for_blocks([this](size_t block, const Window& window) {
-      if (first_vertex_[block + 1] > first_vertex_[block]) place_vertices(block, window);
-      if (first_triangle_[block + 1] > first_triangle_[block]) draw_triangles(block, window);
-    });
+    for_blocks([this](size_t block) { return has_vertices(block) || has_triangles(block); },
+               [this](size_t block, Window& window) {
+                 if (has_vertices(block)) {
+                   fill_values(block, window);
+                   place_vertices(block, window);
+                 }
+                 if (has_triangles(block)) draw_triangles(block, window);
+               });
     return std::move(mesh_);
   }
 
  private:
-  template <class Work>
-  void for_blocks(Work&& work) const {
+  bool has_vertices(size_t block) const { return first_vertex_[block + 1] > first_vertex_[block]; }
+  bool has_triangles(size_t block) const { return first_triangle_[block + 1] > first_triangle_[block]; }
+
+  /// work(block, window), without the window's values, for the wanted blocks whose vertices lie on both sides.
+  template <class Wanted, class Work>
+  void for_blocks(Wanted&& wanted, Work&& work) const {
     parallel_.for_chunks(blocks_.size(), blocks_per_task, [&](size_t begin, size_t end) {
       Window window;
       for (size_t b = begin; b < end; ++b) {
-        if (!fill(b, window)) continue;
+        if (!wanted(b) || !fill_inside(b, window)) continue;
         if (weight_) window.drawn = DrawnCells(grid_, *weight_, brick_coord(b));
         work(b, window);
       }
@@ -104,14 +133,43 @@ class Extraction {
 
   Vec3i brick_coord(size_t block) const { return blocks_.coord(block) - Vec3i{1, 1, 1}; }
 
+  /// The grid's brick at a block or `step` (0 or 1 along each axis) above it; < 0 where there is none. Every brick of
+  /// the grid is a block too.
+  int32_t brick_above(size_t block, Vec3i step) const {
+    const int32_t at = blocks_.neighbors(block)[neighbor_slot(step.x, step.y, step.z)];
+    return at < 0 ? outside_band : brick_of_[static_cast<size_t>(at)];
+  }
+
   /// False when all the window's vertices lie on one side.
-  bool fill(size_t block, Window& window) const {
+  bool fill_inside(size_t block, Window& window) const {
+    for (auto& layer : window.inside) layer.fill(0);
     for (int d = 0; d < 8; ++d) {
       const Vec3i step{d & 1, d >> 1 & 1, d >> 2};
-      const Vec3i coord = brick_coord(block) + step;
-      const int32_t brick = grid_.find(coord);
+      const int32_t brick = brick_above(block, step);
+      const uint8_t constant = brick < 0 && missing_value_(brick_coord(block) + step) > isovalue_ ? 0xff : 0;
+      for (int z = 0; z < (step.z ? 1 : brick_side); ++z)
+        for (int y = 0; y < (step.y ? 1 : brick_side); ++y) {
+          const unsigned row = brick < 0 ? constant : inside_[static_cast<size_t>(brick)][brick_side * z + y];
+          uint16_t& bits = window.inside[step.z * brick_side + z][step.y * brick_side + y];
+          bits = static_cast<uint16_t>(bits | (step.x ? (row & 1u) << brick_side : row));
+        }
+    }
+    uint16_t any = 0;
+    uint16_t all = (1 << side) - 1;
+    for (const auto& layer : window.inside)
+      for (const uint16_t bits : layer) {
+        any = static_cast<uint16_t>(any | bits);
+        all = static_cast<uint16_t>(all & bits);
+      }
+    return any != 0 && all != (1 << side) - 1;
+  }
+
+  void fill_values(size_t block, Window& window) const {
+    for (int d = 0; d < 8; ++d) {
+      const Vec3i step{d & 1, d >> 1 & 1, d >> 2};
+      const int32_t brick = brick_above(block, step);
       const float* in = brick < 0 ? nullptr : value_.brick(static_cast<size_t>(brick));
-      const float constant = in ? 0.f : missing_value_(coord);
+      const float constant = in ? 0.f : missing_value_(brick_coord(block) + step);
       const Vec3i extent{step.x ? 1 : brick_side, step.y ? 1 : brick_side, step.z ? 1 : brick_side};
       for (int z = 0; z < extent.z; ++z) {
         for (int y = 0; y < extent.y; ++y) {
@@ -125,23 +183,6 @@ class Extraction {
         }
       }
     }
-    return classify(window);
-  }
-
-  bool classify(Window& window) const {
-    uint16_t any = 0;
-    uint16_t all = (1 << side) - 1;
-    const float* row = window.values.data();
-    for (auto& layer : window.inside) {
-      for (uint16_t& bits : layer) {
-        bits = 0;
-        for (int x = 0; x < side; ++x) bits = static_cast<uint16_t>(bits | (row[x] > isovalue_) << x);
-        any = static_cast<uint16_t>(any | bits);
-        all = static_cast<uint16_t>(all & bits);
-        row += side;
-      }
-    }
-    return any != 0 && all != (1 << side) - 1;
   }
 
   static int case_of(const Window& window, int x, int y, int z) {
@@ -261,7 +302,9 @@ class Extraction {
   float isovalue_;
   const Lattice& lattice_;
   const Parallel& parallel_;
+  std::vector<InsideRows> inside_;  // by brick of the grid
   BrickGrid blocks_;
+  std::vector<int32_t> brick_of_;  // by block: the grid's brick, < 0 where it has none
   std::vector<EdgePoints> points_;
   std::vector<BrickEdges> split_;  // edges with two surface points; empty for a closed surface
   std::vector<uint64_t> first_vertex_;

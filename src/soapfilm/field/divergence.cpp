@@ -2,36 +2,33 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <bit>
+#include <memory>
 #include <vector>
 
-#include "soapfilm/grid/smoothing.h"
-#include "soapfilm/grid/window.h"
+#include "soapfilm/field/divergence_kernel.h"
 
 namespace soapfilm {
 
 namespace {
 
-// The smoothing kernel k (box filter, n = 3) and its central difference k'(j) = (k(j + 1) - k(j - 1)) / 2 as the taps
-// of one pass: divergence after smoothing is one 9-tap pass along the component's own axis and k along the other two.
-constexpr int reach = 4;
-constexpr int taps = 2 * reach + 1;
-using Taps = std::array<float, taps>;
-constexpr Taps difference_of_smoothing() {
-  // Output x takes sum_j in(x + j) * (k(j - 1) - k(j + 1)) / 2: k is even.
-  constexpr int k[] = {0, 0, 1, 3, 6, 7, 6, 3, 1, 0, 0};
-  Taps d{};
-  for (int j = 0; j < taps; ++j) d[static_cast<size_t>(j)] = static_cast<float>(k[j] - k[j + 2]) / 54.0f;
-  return d;
-}
-constexpr Taps difference = difference_of_smoothing();
+constexpr int reach = SplatWindow::reach;
 
-/// The vectors that a brick's own samples give to its vertices and to those one beyond: 3 components of 9^3 values.
-constexpr int splat_side = brick_side + 1;
-constexpr size_t splat_component = static_cast<size_t>(splat_side) * splat_side * splat_side;
-constexpr size_t splat_volume = 3 * splat_component;
+/// The vectors that a brick's own samples give to its vertices and to those one beyond. Samples lie on sheets: most
+/// rows stay zero, and are known to.
+struct Splat {
+  static constexpr int side = brick_side + 1;
 
-void splat_brick(const GridSamples& samples, size_t brick, float* out) {
+  std::array<float, static_cast<size_t>(SplatWindow::components) * side * side * side> values;
+  std::array<uint16_t, side> occupied;  ///< bit y of [z]
+
+  /// Row (y, z): `side` values of each component.
+  float* row(int y, int z) { return values.data() + (z * side + y) * SplatWindow::components * side; }
+  const float* row(int y, int z) const { return values.data() + (z * side + y) * SplatWindow::components * side; }
+};
+
+void splat_brick(const GridSamples& samples, size_t brick, Splat& out) {
+  out = {};
   for (uint32_t s = samples.begin[brick]; s < samples.begin[brick + 1]; ++s) {
     const Vec3f q = samples.local[s];
     const Vec3f v = samples.direction[s];
@@ -39,72 +36,107 @@ void splat_brick(const GridSamples& samples, size_t brick, float* out) {
     const int y = std::min(static_cast<int>(q.y), brick_side - 1);
     const int z = std::min(static_cast<int>(q.z), brick_side - 1);
     const float fx = q.x - static_cast<float>(x), fy = q.y - static_cast<float>(y), fz = q.z - static_cast<float>(z);
-    for (int corner = 0; corner < 8; ++corner) {
-      const int cx = corner & 1, cy = (corner >> 1) & 1, cz = corner >> 2;
-      const float w = (cx ? fx : 1 - fx) * (cy ? fy : 1 - fy) * (cz ? fz : 1 - fz);
-      float* at = out + (x + cx) + splat_side * ((y + cy) + splat_side * (z + cz));
-      at[0] += w * v.x;
-      at[splat_component] += w * v.y;
-      at[2 * splat_component] += w * v.z;
-    }
-  }
-}
-
-using VectorWindow = std::array<Window<float, reach>, 3>;
-constexpr int side = Window<float, reach>::side;
-
-/// Adds what the neighbour at offset (dx, dy, dz) splatted into the part of the window it reaches.
-void add_splat(const float* splat, Vec3i d, VectorWindow& window) {
-  // The splat covers [8 d, 8 d + 8] along an axis, the window [-4, 11].
-  Vec3i lo, hi;
-  for (int axis = 0; axis < 3; ++axis) {
-    lo[axis] = std::max(-reach, brick_side * d[axis]);
-    hi[axis] = std::min(brick_side + reach - 1, brick_side * d[axis] + brick_side);
-  }
-  const Vec3i base = d * brick_side;
-  for (int c = 0; c < 3; ++c)
-    for (int z = lo.z; z <= hi.z; ++z)
-      for (int y = lo.y; y <= hi.y; ++y) {
-        const float* in = splat + static_cast<size_t>(c) * splat_component + (lo.x - base.x) +
-                          splat_side * ((y - base.y) + splat_side * (z - base.z));
-        float* out = &window[static_cast<size_t>(c)].at(lo.x, y, z);
-        for (int i = 0; i <= hi.x - lo.x; ++i) out[i] += in[i];
+    for (int cz = 0; cz < 2; ++cz) {
+      out.occupied[static_cast<size_t>(z + cz)] |= static_cast<uint16_t>(3u << y);
+      for (int cy = 0; cy < 2; ++cy) {
+        float* at = out.row(y + cy, z + cz) + x;
+        for (int cx = 0; cx < 2; ++cx) {
+          const float w = (cx ? fx : 1 - fx) * (cy ? fy : 1 - fy) * (cz ? fz : 1 - fz);
+          at[cx] += w * v.x;
+          at[Splat::side + cx] += w * v.y;
+          at[2 * Splat::side + cx] += w * v.z;
+        }
       }
+    }
+  }
 }
 
-/// div (k * v) on the brick, from the window of splatted vectors; separable: x, then y, then z.
-void divergence_of_window(const VectorWindow& v, float* f) {
-  static_assert(side == 16);
-  std::array<float, 3 * side * side * brick_side> after_x;
-  for (int c = 0; c < 3; ++c)
-    for (int row = 0; row < side * side; ++row) {
-      const float* in = &v[static_cast<size_t>(c)].values[static_cast<size_t>(row * side + reach)];
-      float* out = &after_x[static_cast<size_t>((c * side * side + row) * brick_side)];
-      c == 0 ? filter_row(in, 1, difference, out) : filter_row(in, 1, smoothing_taps, out);
-    }
+/// The part of a window, and of a neighbour's splat, that lies in the other along one axis; in vertices of the window's
+/// brick. The splat covers [8 d, 8 d + 8], the window [-4, 11].
+struct Overlap {
+  int first, last;
+};
+constexpr Overlap overlap(int d) {
+  return {std::max(-reach, brick_side * d), std::min(brick_side + reach - 1, brick_side * d + brick_side)};
+}
 
-  // After y the components x and y want the same last pass: added here. Layers z of 64 values.
-  std::array<float, side * brick_area> xy, only_z;
-  std::array<float, brick_side> other;
-  const auto at = [&](int c, int y, int z) {
-    return &after_x[static_cast<size_t>(((c * side + z) * side + y) * brick_side)];
-  };
-  for (int z = 0; z < side; ++z)
-    for (int y = 0; y < brick_side; ++y) {
-      float* sum = &xy[static_cast<size_t>(z * brick_area + y * brick_side)];
-      filter_row(at(0, y + reach, z), brick_side, smoothing_taps, sum);
-      filter_row(at(1, y + reach, z), brick_side, difference, other.data());
-      for (int x = 0; x < brick_side; ++x) sum[x] += other[static_cast<size_t>(x)];
-      filter_row(at(2, y + reach, z), brick_side, smoothing_taps,
-                 &only_z[static_cast<size_t>(z * brick_area + y * brick_side)]);
+/// Adds what the neighbour at offset d = (dx, ., .) splatted into the part of the window it reaches.
+template <int dx>
+void add_splat(const Splat& splat, Vec3i d, SplatWindow& window) {
+  constexpr Overlap ox = overlap(dx);
+  constexpr int count = ox.last - ox.first + 1;
+  const Overlap oy = overlap(d.y), oz = overlap(d.z);
+  const int own_y = oy.first - brick_side * d.y;
+  const unsigned rows_reached = (1u << (oy.last - oy.first + 1)) - 1;
+  for (int z = oz.first; z <= oz.last; ++z) {
+    const int own_z = z - brick_side * d.z;
+    const unsigned rows = splat.occupied[static_cast<size_t>(own_z)] >> own_y & rows_reached;
+    uint16_t& occupied = window.occupied[static_cast<size_t>(z + reach)];
+    occupied = static_cast<uint16_t>(occupied | rows << (oy.first + reach));
+    for (unsigned left = rows; left != 0; left &= left - 1) {
+      const int y = std::countr_zero(left);
+      const float* in = splat.row(own_y + y, own_z) + (ox.first - brick_side * dx);
+      float* out = window.row(oy.first + reach + y, z + reach, 0) + (ox.first + reach);
+      for (int c = 0; c < SplatWindow::components; ++c, in += Splat::side, out += SplatWindow::side)
+        for (int i = 0; i < count; ++i) out[i] += in[i];
     }
-
-  for (int row = 0; row < brick_area; ++row) {
-    const size_t in = static_cast<size_t>(reach * brick_area + row * brick_side);
-    filter_row(&xy[in], brick_area, smoothing_taps, f + row * brick_side);
-    filter_row(&only_z[in], brick_area, difference, other.data());
-    for (int x = 0; x < brick_side; ++x) f[row * brick_side + x] += other[static_cast<size_t>(x)];
   }
+}
+
+void add_splat(const Splat& splat, Vec3i d, SplatWindow& window) {
+  if (d.x < 0) return add_splat<-1>(splat, d, window);
+  if (d.x > 0) return add_splat<1>(splat, d, window);
+  return add_splat<0>(splat, d, window);
+}
+
+/// Bricks lie in order of z: layer k of a grid holds [begin[k], begin[k + 1]).
+std::vector<size_t> layers_of(const BrickGrid& grid, int layers) {
+  std::vector<size_t> begin(static_cast<size_t>(layers) + 1, 0);
+  for (size_t b = 0; b < grid.size(); ++b) ++begin[static_cast<size_t>(grid.coord(b).z) + 1];
+  for (size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
+  return begin;
+}
+
+/// The splats of the three layers of bricks that a layer of the field needs; no more are held.
+class SplatLayers {
+ public:
+  SplatLayers(const GridSamples& samples, int layers, const Parallel& parallel)
+      : samples_(samples), parallel_(parallel), begin_(layers_of(samples.bricks, layers)) {
+    for (size_t k = 0; k + 1 < begin_.size(); ++k) widest_ = std::max(widest_, begin_[k + 1] - begin_[k]);
+    // Not set to zero: each layer's are when it is splatted.
+    splats_ = std::make_unique_for_overwrite<Splat[]>(held * widest_);
+  }
+
+  void splat(int layer) {
+    const size_t first = begin_[static_cast<size_t>(layer)];
+    parallel_.for_each(begin_[static_cast<size_t>(layer) + 1] - first, 64,
+                       [&](size_t i) { splat_brick(samples_, first + i, splats_[slot(layer) * widest_ + i]); });
+  }
+
+  const Splat& of(int32_t brick, int layer) const {
+    return splats_[slot(layer) * widest_ + (static_cast<size_t>(brick) - begin_[static_cast<size_t>(layer)])];
+  }
+
+ private:
+  static constexpr size_t held = 3;
+  static size_t slot(int layer) { return static_cast<size_t>(layer) % held; }
+
+  const GridSamples& samples_;
+  const Parallel& parallel_;
+  std::vector<size_t> begin_;
+  size_t widest_ = 0;
+  std::unique_ptr<Splat[]> splats_;
+};
+
+/// Along an axis: bits 0, 1, 2 for the lower neighbour, the brick and the upper neighbour, by the sample's cell.
+unsigned reached_along_axis(float local) {
+  const int cell = static_cast<int>(local);
+  return (cell < reach ? 1u : 0u) | 2u | (cell + 1 + reach >= brick_side ? 4u : 0u);
+}
+
+/// Three bits to every third place, or to every ninth.
+constexpr unsigned spread(unsigned bits, int places) {
+  return (bits & 1u) | (bits & 2u) << (places - 1) | (bits & 4u) << (2 * places - 2);
 }
 
 }  // namespace
@@ -114,15 +146,9 @@ BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Pa
   std::vector<uint32_t> reached(samples.bricks.size(), 0);
   parallel.for_each(samples.bricks.size(), 64, [&](size_t b) {
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
-      int lo[3], hi[3];
-      for (int axis = 0; axis < 3; ++axis) {
-        const int cell = static_cast<int>(samples.local[s][axis]);
-        lo[axis] = cell - reach < 0 ? -1 : 0;
-        hi[axis] = cell + 1 + reach >= brick_side ? 1 : 0;
-      }
-      for (int dz = lo[2]; dz <= hi[2]; ++dz)
-        for (int dy = lo[1]; dy <= hi[1]; ++dy)
-          for (int dx = lo[0]; dx <= hi[0]; ++dx) reached[b] |= 1u << neighbor_slot(dx, dy, dz);
+      const Vec3f q = samples.local[s];
+      // No two terms of the product share a bit.
+      reached[b] |= reached_along_axis(q.x) * spread(reached_along_axis(q.y), 3) * spread(reached_along_axis(q.z), 9);
     }
   });
   BrickMask mask(box.bricks);
@@ -136,27 +162,38 @@ BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Pa
 }
 
 SupportField divergence_field(const GridSamples& samples, const LevelBox& box, const Parallel& parallel) {
-  std::vector<float> splats(samples.bricks.size() * splat_volume, 0.0f);
-  parallel.for_each(samples.bricks.size(), 64,
-                    [&](size_t b) { splat_brick(samples, b, splats.data() + b * splat_volume); });
-
   SupportField field;
   field.grid = BrickGrid(support_mask(samples, box, parallel), parallel);
   field.f = Field<float>(field.grid);
-  parallel.for_chunks(field.grid.size(), 64, [&](size_t begin, size_t end) {
-    VectorWindow window;
-    for (size_t b = begin; b < end; ++b) {
-      for (auto& component : window) component.values.fill(0.0f);
-      const Vec3i coord = field.grid.coord(b);
-      for (int dz = -1; dz <= 1; ++dz)
-        for (int dy = -1; dy <= 1; ++dy)
-          for (int dx = -1; dx <= 1; ++dx) {
-            const int32_t from = samples.bricks.find(coord + Vec3i{dx, dy, dz});
-            if (from >= 0) add_splat(splats.data() + static_cast<size_t>(from) * splat_volume, {dx, dy, dz}, window);
-          }
-      divergence_of_window(window, field.f.brick(b));
-    }
+
+  constexpr int32_t none = -1;
+  std::vector<int32_t> samples_of(field.grid.size(), none);  // the brick of `samples` that a brick of the field is
+  parallel.for_each(samples.bricks.size(), 1024, [&](size_t b) {
+    samples_of[static_cast<size_t>(field.grid.find(samples.bricks.coord(b)))] = static_cast<int32_t>(b);
   });
+
+  const int layers = box.bricks.z;
+  const std::vector<size_t> begin = layers_of(field.grid, layers);
+  SplatLayers splats(samples, layers, parallel);
+  const DivergenceKernel divergence = divergence_kernel();
+  splats.splat(0);
+  for (int layer = 0; layer < layers; ++layer) {
+    if (layer + 1 < layers) splats.splat(layer + 1);
+    const size_t first = begin[static_cast<size_t>(layer)];
+    parallel.for_chunks(begin[static_cast<size_t>(layer) + 1] - first, 64, [&](size_t from, size_t to) {
+      SplatWindow window;
+      for (size_t b = first + from; b < first + to; ++b) {
+        const BrickGrid::Neighbors& neighbors = field.grid.neighbors(b);
+        for (int slot = 0; slot < 27; ++slot) {
+          const int32_t holder = neighbors[static_cast<size_t>(slot)];
+          const int32_t brick = holder < 0 ? none : samples_of[static_cast<size_t>(holder)];
+          const Vec3i d = slot_offset(slot);
+          if (brick != none) add_splat(splats.of(brick, layer + d.z), d, window);
+        }
+        if (!window.empty()) divergence(window, field.f.brick(b));
+      }
+    });
+  }
   return field;
 }
 

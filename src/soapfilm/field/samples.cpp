@@ -1,5 +1,6 @@
 #include "soapfilm/field/samples.h"
 
+#include <climits>
 #include <cmath>
 
 namespace soapfilm {
@@ -20,20 +21,33 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   const size_t n = cloud.size();
   GridSamples samples;
 
-  BrickMask occupied(lattice.box(0).bricks);
-  std::vector<Vec3i> brick(n);
-  parallel.for_each(n, grain, [&](size_t i) { brick[i] = brick_at(lattice.to_lattice(cloud.positions[i])); });
   const auto speaks = [&](size_t i) {
     return directions[i] != Vec3f{} && (cloud.weights.empty() || cloud.weights[i] > 0);
   };
-  for (size_t i = 0; i < n; ++i)
-    if (speaks(i)) occupied.set(brick[i]);
+  // Neighbours in a scan mostly share a brick: it is looked up where it changes.
+  constexpr Vec3i nowhere{INT_MIN, INT_MIN, INT_MIN};
+  BrickMask occupied(lattice.box(0).bricks);
+  Vec3i last = nowhere;
+  for (size_t i = 0; i < n; ++i) {
+    if (!speaks(i)) continue;
+    const Vec3i brick = brick_at(lattice.to_lattice(cloud.positions[i]));
+    if (!(brick == last)) occupied.set(last = brick);
+  }
   samples.bricks = BrickGrid(occupied, parallel);
 
   // A counting sort: stable, so the order within a brick is the cloud's.
   std::vector<int32_t> holder(n);
-  parallel.for_each(n, grain, [&](size_t i) { holder[i] = speaks(i) ? samples.bricks.find(brick[i]) : none; });
-  brick = {};
+  parallel.for_chunks(n, grain, [&](size_t begin, size_t end) {
+    Vec3i found = nowhere;
+    int32_t index = none;
+    for (size_t i = begin; i < end; ++i) {
+      holder[i] = none;
+      if (!speaks(i)) continue;
+      const Vec3i brick = brick_at(lattice.to_lattice(cloud.positions[i]));
+      if (!(brick == found)) index = samples.bricks.find(found = brick);
+      holder[i] = index;
+    }
+  });
   samples.begin.assign(samples.bricks.size() + 1, 0);
   for (const int32_t b : holder)
     if (b != none) ++samples.begin[static_cast<size_t>(b) + 1];

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "soapfilm/core/radix_sort.h"
+
 namespace soapfilm {
 
 namespace {
@@ -29,15 +31,44 @@ uint64_t spread_bits(uint64_t v) {
   return v;
 }
 
-/// Other samples in a sample's cell, averaged over the samples, where keys differ above the lowest `shift` bits.
-double mean_companions(const std::vector<uint64_t>& sorted_keys, int shift) {
-  double pairs = 0;
-  for (size_t begin = 0, end = 0; begin < sorted_keys.size(); begin = end) {
-    while (end < sorted_keys.size() && (sorted_keys[end] >> shift) == (sorted_keys[begin] >> shift)) ++end;
-    const auto count = static_cast<double>(end - begin);
-    pairs += count * (count - 1);
+/// A cell that holds samples.
+struct Cell {
+  uint64_t key;
+  uint32_t samples;
+};
+
+std::vector<Cell> cells_of(const std::vector<uint64_t>& sorted_keys) {
+  size_t count = 0;
+  for (size_t i = 0; i < sorted_keys.size(); ++i) count += i == 0 || sorted_keys[i] != sorted_keys[i - 1];
+  std::vector<Cell> cells;
+  cells.reserve(count);
+  for (const uint64_t key : sorted_keys) {
+    if (!cells.empty() && cells.back().key == key)
+      ++cells.back().samples;
+    else
+      cells.push_back({key, 1});
   }
-  return pairs / static_cast<double>(sorted_keys.size());
+  return cells;
+}
+
+/// The occupied cells one depth less deep.
+void coarsen(std::vector<Cell>& cells) {
+  size_t kept = 0;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const Cell cell{cells[i].key >> 3, cells[i].samples};
+    if (kept > 0 && cells[kept - 1].key == cell.key)
+      cells[kept - 1].samples += cell.samples;
+    else
+      cells[kept++] = cell;
+  }
+  cells.resize(kept);
+}
+
+/// Other samples in a sample's cell, averaged over the samples.
+double mean_companions(const std::vector<Cell>& cells, size_t samples) {
+  double pairs = 0;
+  for (const Cell& cell : cells) pairs += static_cast<double>(cell.samples) * (static_cast<double>(cell.samples) - 1);
+  return pairs / static_cast<double>(samples);
 }
 
 }  // namespace
@@ -61,9 +92,12 @@ Sampling measure_sampling(const PointCloud& cloud) {
     }
     keys.push_back(key);
   }
-  std::sort(keys.begin(), keys.end());
+  radix_sort(keys, 3 * deepest);
+  std::vector<Cell> occupied = cells_of(keys);
+  keys = {};
   for (int depth = deepest; depth >= coarsest; --depth) {
-    const double companions = mean_companions(keys, 3 * (deepest - depth));
+    if (depth < deepest) coarsen(occupied);
+    const double companions = mean_companions(occupied, cloud.size());
     if (companions < companions_wanted && depth > coarsest) continue;
     const double cell = longest / static_cast<double>(1 << depth);
     sampling.per_area = companions / (mean_section * cell * cell);

@@ -51,6 +51,10 @@ void PlyRows::begin(const PlyElement& element) {
   row_bytes_ = element.least_row_bytes(header_.format);
   has_lists_ = std::any_of(element.properties.begin(), element.properties.end(),
                            [](const PlyProperty& property) { return property.is_list(); });
+  plain_floats_ = binary_ && !binary_->swaps() &&
+                  std::all_of(element.properties.begin(), element.properties.end(), [](const PlyProperty& property) {
+                    return !property.is_list() && property.type == PlyType::float32;
+                  });
   const size_t remaining = text_ ? text_->remaining() + 1 : binary_->remaining();  // the last blank may be missing
   if (row_bytes_ > 0 && element.count > remaining / row_bytes_)
     throw InputError(fmt::format(
@@ -63,6 +67,11 @@ void PlyRows::next() {
   const std::vector<PlyProperty>& properties = element_->properties;
   if (binary_ && !has_lists_) {  // the usual case, with one check of the bounds per row
     const char* at = binary_->take(row_bytes_);
+    if (plain_floats_) {
+      for (size_t k = 0; k < values_.size(); ++k)
+        values_[k] = static_cast<double>(load<float>(at + k * sizeof(float), false));
+      return binary_->release();
+    }
     for (size_t k = 0; k < properties.size(); at += size_of(properties[k++].type))
       values_[k] = load_as_double(at, properties[k].type, binary_->swaps());
     return binary_->release();

@@ -55,6 +55,7 @@ class PlyRows {
   const PlyElement* element_ = nullptr;
   size_t row_bytes_ = 0;  // least, and exact in a binary file without lists
   bool has_lists_ = false;
+  bool plain_floats_ = false;  // nothing but float32 in this machine's order
   uint64_t rows_read_ = 0;
   uint64_t row_ = 0;            // index of the row that next() read or is reading
   std::vector<double> values_;  // one per property of the element

@@ -101,9 +101,59 @@ std::string_view TextCursor::token() {
   return {begin, static_cast<size_t>(at_ - begin)};
 }
 
+namespace {
+
+/// Numbers as most files have them: [-]digits[.digits][e[+-]digits] with a mantissa below 2^53 and a power of ten up to
+/// 22. Both are exact in double, so one operation rounds rightly (Clinger 1990, "How to read floating point numbers
+/// accurately"). Returns where the number ends; null for anything else, which is left to from_chars().
+const char* parse_plain_number(const char* at, const char* end, double& value) {
+  constexpr double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                               1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+  constexpr int largest_power = 22;
+  constexpr std::ptrdiff_t most_digits = 19;  // fit in 64 bits
+  const auto digit = [&] { return at != end ? static_cast<unsigned>(*at - '0') : 10u; };
+  const bool negative = at != end && *at == '-';
+  at += negative;
+  const char* const begin = at;
+  uint64_t mantissa = 0;
+  for (unsigned d = digit(); d < 10; d = (++at, digit())) mantissa = 10 * mantissa + d;
+  std::ptrdiff_t digits = at - begin;
+  if (digits == 0) return nullptr;
+  int power = 0;
+  if (at != end && *at == '.') {
+    const char* const fraction = ++at;
+    for (unsigned d = digit(); d < 10; d = (++at, digit())) mantissa = 10 * mantissa + d;
+    digits += at - fraction;
+    power = static_cast<int>(fraction - at);
+  }
+  if (digits > most_digits || mantissa > uint64_t{1} << 53) return nullptr;
+  if (at != end && (*at == 'e' || *at == 'E')) {
+    ++at;
+    const bool small = at != end && *at == '-';
+    at += at != end && (*at == '-' || *at == '+');
+    const char* const first = at;
+    int exponent = 0;
+    for (unsigned d = digit(); d < 10 && exponent < 1000; d = (++at, digit()))
+      exponent = 10 * exponent + static_cast<int>(d);
+    if (at == first) return nullptr;
+    power += small ? -exponent : exponent;
+  }
+  if (power < -largest_power || power > largest_power) return nullptr;
+  const double whole = static_cast<double>(mantissa);
+  value = power < 0 ? whole / powers[-power] : whole * powers[power];
+  if (negative) value = -value;
+  return at;
+}
+
+}  // namespace
+
 double TextCursor::number(std::string_view what) {
   skip_blanks();
   double value = 0;
+  if (const char* after = parse_plain_number(at_, end_, value); after && (after == end_ || is_blank(*after))) {
+    at_ = after;
+    return value;
+  }
   const std::from_chars_result parsed = std::from_chars(at_, end_, value);
   if (parsed.ec == std::errc{} && (parsed.ptr == end_ || is_blank(*parsed.ptr))) {
     at_ = parsed.ptr;

@@ -1,0 +1,158 @@
+// What reading, the field, extraction and writing cost, one thread, in bytes per second beside a plain copy in the same
+// run: of the file for readers and writers, of the samples or values that must be touched once for the others.
+//
+//   bench_kernels_io [--benchmark_filter=...]
+#include <benchmark/benchmark.h>
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include "soapfilm/extract/isosurface.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/field/sampling.h"
+#include "soapfilm/io/io.h"
+#include "soapfilm/orient/orient.h"
+#include "soapfilm/place.h"
+#include "soapfilm/scanner/sample_surface.h"
+#include "soapfilm/scanner/shape.h"
+
+namespace {
+
+using namespace soapfilm;
+
+constexpr size_t samples = 2'000'000;
+constexpr int resolution = 512;
+
+/// A cloud, its files and its grid, made once.
+struct Case {
+  Case() : folder(std::filesystem::temp_directory_path() / fmt::format("soapfilm-bench-{}", ::getpid())) {
+    std::filesystem::create_directories(folder);
+    make_cloud();
+    binary = (folder / "binary.ply").string();
+    ascii = (folder / "ascii.ply").string();
+    mesh_file = (folder / "mesh.ply").string();
+    write_points(binary, cloud);
+    write_points(ascii, cloud, {.ascii = true, .comments = {}});
+    const double voxel = voxel_of_resolution(cloud.box(), resolution, 6);
+    lattice = place_lattice(cloud.box(), voxel, 6);
+    OrientReport report;
+    Progress progress;
+    directions = orient(cloud, {}, parallel, progress, report);
+    sorted = sort_samples(cloud, directions, lattice, parallel);
+    field = divergence_field(sorted, lattice.box(0), parallel);
+    mesh = extract_isosurface(
+        field.grid, field.f, [](Vec3i) { return 0.0f; }, 0.05f, lattice, parallel);
+  }
+  /// Samples of a torus, neighbours one after the other as a scanner gives them.
+  void make_cloud() {
+    const PointCloud random = sample_surface(*make_shape("torus"), samples, 1);
+    constexpr int cells = 128;
+    const Lattice coarse = place_lattice(random.box(), voxel_of_resolution(random.box(), cells, 6), 6);
+    cloud.scans = random.scans;
+    cloud.scans.front().sensor = Vec3d{0, 0, 10};
+    for (const uint32_t s : sort_samples(random, random.normals, coarse, parallel).source)
+      cloud.positions.push_back(static_cast<Vec3d>(static_cast<Vec3f>(random.positions[s])));
+  }
+  ~Case() { std::filesystem::remove_all(folder); }
+
+  Parallel parallel{1};
+  std::filesystem::path folder;
+  std::string binary, ascii, mesh_file;
+  PointCloud cloud;
+  Lattice lattice;
+  std::vector<Vec3f> directions;
+  GridSamples sorted;
+  SupportField field;
+  Mesh mesh;
+};
+
+Case& shared() {
+  static Case made;
+  return made;
+}
+
+void count_bytes(benchmark::State& state, size_t bytes) {
+  state.SetBytesProcessed(static_cast<int64_t>(bytes) * static_cast<int64_t>(state.iterations()));
+}
+
+/// Bytes read and written by plain stores; the arrays are 8 times a last cache of 64 MiB.
+void copy(benchmark::State& state) {
+  const size_t count = (size_t{512} << 20) / sizeof(double);
+  const std::vector<double> from(count, 1.0);
+  std::vector<double> to(count);
+  for (auto _ : state) {
+    std::copy(from.begin(), from.end(), to.begin());
+    benchmark::DoNotOptimize(to.data());
+    benchmark::ClobberMemory();
+  }
+  count_bytes(state, 2 * count * sizeof(double));
+}
+
+void read_file(benchmark::State& state, const std::string& path) {
+  for (auto _ : state) benchmark::DoNotOptimize(read_points(path));
+  count_bytes(state, std::filesystem::file_size(path));
+}
+void read_binary_ply(benchmark::State& state) { read_file(state, shared().binary); }
+void read_ascii_ply(benchmark::State& state) { read_file(state, shared().ascii); }
+
+void measure_density(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(measure_sampling(shared().cloud));
+  count_bytes(state, samples * sizeof(Vec3d));
+}
+
+void orient_samples(benchmark::State& state) {
+  Case& c = shared();
+  OrientReport report;
+  Progress progress;
+  for (auto _ : state) benchmark::DoNotOptimize(orient(c.cloud, {}, c.parallel, progress, report));
+  count_bytes(state, samples * (sizeof(Vec3d) + sizeof(Vec3f)));
+}
+
+void sort_by_brick(benchmark::State& state) {
+  Case& c = shared();
+  for (auto _ : state) benchmark::DoNotOptimize(sort_samples(c.cloud, c.directions, c.lattice, c.parallel));
+  count_bytes(state, samples * (sizeof(Vec3d) + 3 * sizeof(Vec3f) + sizeof(uint32_t)));
+}
+
+/// Splat, smoothing and divergence.
+void data_term(benchmark::State& state) {
+  Case& c = shared();
+  for (auto _ : state) benchmark::DoNotOptimize(divergence_field(c.sorted, c.lattice.box(0), c.parallel));
+  count_bytes(state, samples * 2 * sizeof(Vec3f) + c.field.f.bytes());
+  state.counters["bricks"] = static_cast<double>(c.field.grid.size());
+}
+
+void extract(benchmark::State& state) {
+  Case& c = shared();
+  for (auto _ : state)
+    benchmark::DoNotOptimize(extract_isosurface(
+        c.field.grid, c.field.f, [](Vec3i) { return 0.0f; }, 0.05f, c.lattice, c.parallel));
+  count_bytes(state,
+              c.field.f.bytes() + c.mesh.vertices.size() * sizeof(Vec3d) + c.mesh.triangles.size() * sizeof(Triangle));
+  state.counters["triangles"] = static_cast<double>(c.mesh.triangles.size());
+}
+
+void write_binary_ply(benchmark::State& state) {
+  Case& c = shared();
+  for (auto _ : state)
+    write_mesh(c.mesh_file, c.mesh, {.coordinate_precision = 1e-3 * c.lattice.voxel, .comments = {}});
+  count_bytes(state, std::filesystem::file_size(c.mesh_file));
+}
+
+BENCHMARK(copy)->Unit(benchmark::kMillisecond);
+BENCHMARK(read_binary_ply)->Unit(benchmark::kMillisecond);
+BENCHMARK(read_ascii_ply)->Unit(benchmark::kMillisecond);
+BENCHMARK(measure_density)->Unit(benchmark::kMillisecond);
+BENCHMARK(orient_samples)->Unit(benchmark::kMillisecond);
+BENCHMARK(sort_by_brick)->Unit(benchmark::kMillisecond);
+BENCHMARK(data_term)->Unit(benchmark::kMillisecond);
+BENCHMARK(extract)->Unit(benchmark::kMillisecond);
+BENCHMARK(write_binary_ply)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+
+BENCHMARK_MAIN();

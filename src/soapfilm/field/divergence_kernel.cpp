@@ -1,0 +1,22 @@
+#include "soapfilm/field/divergence_kernel.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "soapfilm/field/divergence_kernel.cpp"
+#include <hwy/foreach_target.h>
+//
+#include "soapfilm/field/divergence_kernel-inl.h"
+
+#if HWY_ONCE
+#include "soapfilm/core/simd.h"
+
+namespace soapfilm {
+
+HWY_EXPORT(kernel);
+DivergenceKernel scalar_divergence_kernel();
+
+DivergenceKernel divergence_kernel() {
+  return simd_target() == "scalar" ? scalar_divergence_kernel() : HWY_DYNAMIC_DISPATCH(kernel)();
+}
+
+}  // namespace soapfilm
+#endif  // HWY_ONCE

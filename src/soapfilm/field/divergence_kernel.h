@@ -1,0 +1,39 @@
+// What one brick's share of the field needs, as plain arrays: the contract between divergence.cpp and the kernels,
+// which exist once per SIMD target and know nothing of grids or threads.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "soapfilm/grid/layout.h"
+
+namespace soapfilm {
+
+/// The vectors around a brick, from vertex (-4, -4, -4) to (11, 11, 11): what its field follows from. Samples lie on
+/// sheets, so most rows are zero and known to be.
+struct SplatWindow {
+  static constexpr int reach = 4;
+  static constexpr int side = brick_side + 2 * reach;
+  static constexpr int components = 3;
+  using Rows = std::array<uint16_t, side>;
+
+  /// Row (y, z) of a component, `side` values.
+  float* row(int y, int z, int component) { return values.data() + ((z * side + y) * components + component) * side; }
+  bool empty() const {
+    unsigned any = 0;
+    for (const uint16_t rows : occupied) any |= rows;
+    return any == 0;
+  }
+
+  alignas(64) std::array<float, static_cast<size_t>(components) * side * side * side> values{};
+  Rows occupied{};  ///< bit y of [z]: the row may hold other values than zero
+};
+
+/// Writes div (k * v) at the brick's 512 vertices and clears the window. f must be zero before.
+using DivergenceKernel = void (*)(SplatWindow& window, float* f);
+
+/// The kernel of the best target of this processor, or of the one that force_simd_target() named.
+DivergenceKernel divergence_kernel();
+
+}  // namespace soapfilm
