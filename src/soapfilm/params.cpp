@@ -58,6 +58,14 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("select", "indifference", p.select.indifference);
   visit("select", "seed", p.select.seed);
   visit("select", "candidates", p.select.candidates);
+  visit("thin", "keep", p.thin.keep);
+  visit("thin", "max_resolution", p.thin.max_resolution);
+  visit("thin", "lambda_ratio", p.thin.lambda_ratio);
+  visit("thin", "thinness", p.thin.thinness);
+  visit("thin", "agreement", p.thin.agreement);
+  visit("thin", "least_samples", p.thin.least_samples);
+  visit("thin", "most_weight", p.thin.most_weight);
+  visit("thin", "seed", p.thin.seed);
   visit("solve", "tolerance", p.solve.tolerance);
   visit("solve", "max_iterations", p.solve.max_iterations);
   visit("solve", "check_every", p.solve.check_every);
@@ -218,6 +226,7 @@ void validate(const ReconstructParams& params) {
   require(params.solve.step_balance > 0, "step_balance", params.solve.step_balance, "> 0");
   validate(params.sor);
   validate(params.select);
+  validate(params.thin);
   validate(params.refine);
   validate(params.vrip.surface);
   const auto reach = [](double v) { return v > 0 && v <= 1000; };

@@ -11,6 +11,7 @@
 #include "soapfilm/orient/orient.h"
 #include "soapfilm/refine/refine.h"
 #include "soapfilm/select/cross_validation.h"
+#include "soapfilm/select/thin_parts.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/norm.h"
 #include "soapfilm/solve/poisson.h"
@@ -50,6 +51,7 @@ struct ReconstructParams {
   PlaceParams place;
   EnergyParams energy;
   CrossValidationParams select;
+  ThinPartsParams thin;      ///< methods that weigh area, where lambda is not given
   PrimalDualParams solve;    ///< Method::tv
   SorParams sor;             ///< Method::tv_sor
   PoissonParams poisson;     ///< Method::poisson

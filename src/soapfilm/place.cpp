@@ -104,7 +104,7 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
 }
 
 void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
-                const Parallel& parallel, Progress& progress, ReconstructReport& report) {
+                const Parallel& parallel, Progress& progress, GridSamples& samples, ReconstructReport& report) {
   double per_density = params.energy.lambda_per_density;
   if (params.energy.cross_validate) {
     report.select = choose_lambda(cloud, directions, report.lattice, params.select, params.solve, parallel, progress);
@@ -113,7 +113,16 @@ void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, cons
   }
   const double lambda = params.energy.lambda.value_or(per_density * report.input.density);
   report.certificate.lambda = lambda;
-  if (weighs_area(params.method)) warn_near_empty(lambda, report.input.density, report.warnings);
+  if (!weighs_area(params.method)) return;
+  warn_near_empty(lambda, report.input.density, report.warnings);
+  if (params.energy.lambda || !params.thin.keep) return;
+  const double voxel = report.lattice.voxel;
+  const Sampling sampling{report.input.density / (voxel * voxel)};
+  const std::vector<float> weights =
+      weigh_thin_parts(cloud, directions, report.lattice, sampling, per_density, params.thin, params.solve, parallel,
+                       progress, report.thin.emplace());
+  if (weights.empty()) return;
+  for (size_t k = 0; k < samples.size(); ++k) samples.direction[k] = samples.direction[k] * weights[samples.source[k]];
 }
 
 }  // namespace soapfilm

@@ -21,6 +21,10 @@ void announce(const ReconstructReport& report, Progress& progress) {
       weighs_area(report.params.method) ? fmt::format("lambda {:.3g}, ", report.certificate.lambda) : "";
   progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, {}memory {}", n.x, n.y, n.z,
                             report.lattice.voxel, report.input.density, weight, format_bytes(report.planned_bytes)));
+  if (report.thin && !report.thin->parts.empty())
+    progress.info(fmt::format("{} thinly sampled part{}: {} samples weigh {:.2g} times as much (--thin-parts)",
+                              report.thin->parts.size(), report.thin->parts.size() == 1 ? "" : "s",
+                              report.thin->samples, report.thin->mean_weight));
   // orient() has shown its own.
   for (size_t i = report.input.directions.warnings.size(); i < report.warnings.size(); ++i)
     progress.warn(report.warnings[i]);
@@ -144,9 +148,9 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
   // The grid: how fine, where, and what it will cost; and what area weighs on it.
   const auto after = owned ? AfterPlacing::freed : AfterPlacing::kept;
-  const auto samples = stages.run("place", [&] { return place(cloud, directions, params, after, parallel, report); });
+  auto samples = stages.run("place", [&] { return place(cloud, directions, params, after, parallel, report); });
   const Lattice& lattice = report.lattice;
-  stages.run("weigh", [&] { weigh_area(cloud, directions, params, parallel, progress, report); });
+  stages.run("weigh", [&] { weigh_area(cloud, directions, params, parallel, progress, samples, report); });
   announce(report, progress);
   if (params.method == Method::vrip)
     return finish(fused_surface(cloud, lattice, params, stages, parallel, progress, report));

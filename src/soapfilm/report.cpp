@@ -138,6 +138,17 @@ ordered_json select_json(const CrossValidationReport& select) {
           {"curve", curve}};
 }
 
+ordered_json thin_json(const ThinPartsReport& thin) {
+  ordered_json parts = ordered_json::array();
+  for (const ThinPart& p : thin.parts)
+    parts.push_back({{"samples", p.samples}, {"density", p.density}, {"agreement", p.agreement}});
+  return {{"grid", json_of(thin.grid)},
+          {"voxel", thin.voxel},
+          {"parts", parts},
+          {"samples", thin.samples},
+          {"mean_weight", thin.mean_weight}};
+}
+
 ordered_json mesh_json(const ReconstructReport& report) {
   ordered_json json = {{"vertices", report.mesh_vertices}, {"triangles", report.mesh_triangles}};
   if (report.topology) {
@@ -184,6 +195,7 @@ std::string to_json(const ReconstructReport& report) {
                              {"grid", grid_json(report)},
                              {"method", method_json(report)},
                              {"select", report.select ? select_json(*report.select) : ordered_json(nullptr)},
+                             {"thin", report.thin ? thin_json(*report.thin) : ordered_json(nullptr)},
                              {"certificate", certificate_json(report.certificate, report.params.method)},
                              {"surface",
                               {{"isovalue", report.isovalue},

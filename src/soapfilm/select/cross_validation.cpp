@@ -8,7 +8,7 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/field/sampling.h"
-#include "soapfilm/pyramid/coarse_to_fine.h"
+#include "soapfilm/select/coarse_problem.h"
 #include "soapfilm/solve/energy.h"
 
 namespace soapfilm {
@@ -16,17 +16,6 @@ namespace soapfilm {
 namespace {
 
 constexpr float threshold = 0.5f;
-/// Errors that matter are over 1e-3 of the flux; a tighter solve would not move them.
-constexpr double coarse_tolerance = 1e-3;
-constexpr int coarse_iterations = 400;
-
-Lattice coarse_lattice(const PointCloud& cloud, const Lattice& finest, int max_resolution) {
-  const Box3d box = cloud.box();
-  const int padding = std::min(finest.padding, max_resolution / 4);
-  const double voxel = std::max(finest.voxel, voxel_of_resolution(box, max_resolution, padding));
-  return place_lattice(box, voxel, padding);
-}
-
 /// <f, u> of the thresholded u: what the samples of f gain through the surface.
 double flux_through(const Level& level, const SupportField& field, const Parallel& parallel) {
   std::vector<double> sums(field.grid.size());
@@ -46,11 +35,8 @@ double flux_through(const Level& level, const SupportField& field, const Paralle
 
 /// The held-out flux of one candidate; absent when the optimum is empty.
 std::optional<double> held_out_flux(const Lattice& lattice, const FoldFields& fold, double lambda,
-                                    PrimalDualParams solver, const Parallel& parallel) {
-  solver.tolerance = std::max(solver.tolerance, coarse_tolerance);
-  solver.max_iterations = std::min(solver.max_iterations, coarse_iterations);
-  Progress levels;  // of one small solve among many: not shown
-  const PyramidSolution solution = solve_coarse_to_fine(lattice, fold.training, lambda, solver, parallel, levels);
+                                    const PrimalDualParams& solver, const Parallel& parallel) {
+  const PyramidSolution solution = solve_coarse(lattice, fold.training, lambda, solver, parallel);
   const Energies energies = evaluate_energy(solution.finest, {.threshold = threshold, .certify = false}, parallel);
   if (!(energies.primal < 0)) return {};
   return flux_through(solution.finest, fold.held_out, parallel);

@@ -15,10 +15,6 @@ namespace {
 
 constexpr int most_folds = 100;
 
-bool speaks(const PointCloud& cloud, std::span<const Vec3f> directions, size_t i) {
-  return directions[i] != Vec3f{} && (cloud.weights.empty() || cloud.weights[i] > 0);
-}
-
 /// How many samples of each scan speak.
 std::vector<size_t> scan_sizes(const PointCloud& cloud, std::span<const Vec3f> directions) {
   std::vector<size_t> sizes;

@@ -1,0 +1,19 @@
+// Questions to the samples that a coarse grid answers: solved often and roughly.
+#pragma once
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/grid/lattice.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
+
+namespace soapfilm {
+
+/// A lattice of at most `max_resolution` vertices along the cloud's longest axis, never finer than `finest`.
+Lattice coarse_lattice(const PointCloud& cloud, const Lattice& finest, int max_resolution);
+
+/// solve_coarse_to_fine() to a relative gap of 1e-3, or `solver`'s where that is larger, in at most 400 iterations per
+/// level. Shows no progress.
+PyramidSolution solve_coarse(const Lattice& lattice, const SupportField& field, double lambda, PrimalDualParams solver,
+                             const Parallel& parallel);
+
+}  // namespace soapfilm
