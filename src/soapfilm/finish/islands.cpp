@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -15,39 +16,64 @@ namespace {
 
 /// Area of a plane per voxel face that its staircase has, averaged over its directions.
 constexpr double area_per_face = 2.0 / 3;
-/// How far before and behind a sample its sides are looked up, voxels: first where accurate samples tell, then beyond
-/// the noise. A viewing direction may be oblique to the surface and reach less deep.
-constexpr float reaches[] = {1, 2};
+/// How far before and behind a sample its sides are looked up, voxels: where accurate samples tell, and beyond noise. A
+/// viewing direction may be oblique to the surface and reach less deep.
+constexpr std::array<float, 2> reaches{1, 2};
+/// The parts whose surface a sample lies on, by each reach; 0 where there is none.
+using Supported = std::array<uint32_t, reaches.size()>;
 
 Vec3i nearest_vertex(Vec3f p) {
   return {static_cast<int>(std::floor(p.x + 0.5f)), static_cast<int>(std::floor(p.y + 0.5f)),
           static_cast<int>(std::floor(p.z + 0.5f))};
 }
 
-/// The part whose surface the sample lies on and looks out of; 0 when there is none.
-uint32_t supported_part(const Parts& parts, Vec3i first_vertex, Vec3f local, Vec3f direction) {
+Supported supported_parts(const Parts& parts, Vec3i first_vertex, Vec3f local, Vec3f direction) {
   const Vec3f outward = normalized(direction);
-  for (const float reach : reaches) {
-    const uint32_t inner = parts.at(first_vertex + nearest_vertex(local - outward * reach));
-    const uint32_t outer = parts.at(first_vertex + nearest_vertex(local + outward * reach));
+  Supported supported{};
+  for (size_t k = 0; k < reaches.size(); ++k) {
+    const uint32_t inner = parts.at(first_vertex + nearest_vertex(local - outward * reaches[k]));
+    const uint32_t outer = parts.at(first_vertex + nearest_vertex(local + outward * reaches[k]));
     if (!parts[inner].inside || parts[outer].inside) continue;
-    if (parts[inner].around == outer) return inner;
-    if (parts[outer].around == inner) return outer;
+    if (parts[inner].around == outer)
+      supported[k] = inner;
+    else if (parts[outer].around == inner)
+      supported[k] = outer;
   }
-  return 0;
+  return supported;
 }
 
-/// Samples on the surface of each part.
+/// Samples on the surface of each part. One that two surfaces may claim counts for both, so that what happens to one of
+/// the parts takes nothing from the other.
 std::vector<size_t> count_samples(const Parts& parts, const GridSamples& samples, const Parallel& parallel) {
-  std::vector<uint32_t> part(samples.size());
+  std::vector<Supported> supported(samples.size());
   parallel.for_each(samples.bricks.size(), 16, [&](size_t b) {
     const Vec3i first_vertex = samples.bricks.first_vertex(b);
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
-      part[s] = supported_part(parts, first_vertex, samples.local[s], samples.direction[s]);
+      supported[s] = supported_parts(parts, first_vertex, samples.local[s], samples.direction[s]);
   });
   std::vector<size_t> count(parts.size());
-  for (const uint32_t p : part) ++count[p];
+  for (const Supported& by : supported) {
+    ++count[by[0]];
+    if (by[1] != by[0]) ++count[by[1]];
+  }
   return count;
+}
+
+/// Which parts stay. Where no object would, the one with most samples does.
+std::vector<uint8_t> parts_to_keep(const Parts& parts, const std::vector<size_t>& count,
+                                   const std::vector<double>& support, const IslandParams& params) {
+  const auto few = static_cast<size_t>(params.few_samples), many = static_cast<size_t>(params.many_samples);
+  std::vector<uint8_t> keep(parts.size(), 1);
+  bool an_object = false;
+  uint32_t best = 0;
+  for (uint32_t p = 1; p < parts.size(); ++p) {
+    keep[p] = count[p] >= few && (count[p] >= many || support[p] >= params.min_support);
+    if (!parts[p].inside) continue;
+    an_object = an_object || keep[p];
+    if (best == 0 || count[p] > count[best]) best = p;
+  }
+  if (!an_object) keep[best] = 1;
+  return keep;
 }
 
 /// Which side each part ends on: its own, or where it is dropped that of the part around it.
@@ -80,27 +106,23 @@ void drop_islands(Level& level, float threshold, const GridSamples& samples, dou
                   const Parallel& parallel, IslandReport& report) {
   const Parts parts(level, threshold, parallel);
   const std::vector<size_t> count = count_samples(parts, samples, parallel);
-  uint32_t best = 0;
-  for (uint32_t p = 1; p < parts.size(); ++p)
-    if (parts[p].inside && (best == 0 || count[p] > count[best])) best = p;
-
-  std::vector<uint8_t> keep(parts.size(), 1);
+  std::vector<double> area(parts.size()), support(parts.size());
+  for (uint32_t p = 1; p < parts.size(); ++p) {
+    area[p] = area_per_face * static_cast<double>(parts[p].faces);
+    support[p] = static_cast<double>(count[p]) / (density * area[p]);
+  }
+  const std::vector<uint8_t> keep = parts_to_keep(parts, count, support, params);
   bool first_kept = true;
   for (uint32_t p = 1; p < parts.size(); ++p) {
-    const double area = area_per_face * static_cast<double>(parts[p].faces);
-    const double support = static_cast<double>(count[p]) / (density * area);
-    const auto at_least = [&](int limit) { return count[p] >= static_cast<size_t>(limit); };
-    keep[p] =
-        p == best || (at_least(params.few_samples) && (at_least(params.many_samples) || support >= params.min_support));
     IslandCount& counted = parts[p].inside ? report.objects : report.voids;
     ++(keep[p] ? counted.kept : counted.dropped);
     if (keep[p]) {
-      report.lowest_kept = first_kept ? support : std::min(report.lowest_kept, support);
+      report.lowest_kept = first_kept ? support[p] : std::min(report.lowest_kept, support[p]);
       first_kept = false;
     } else {
-      report.highest_dropped = std::max(report.highest_dropped, support);
+      report.highest_dropped = std::max(report.highest_dropped, support[p]);
       report.samples += count[p];
-      report.area += area;
+      report.area += area[p];
     }
   }
   if (report.objects.dropped + report.voids.dropped == 0) return;
