@@ -87,6 +87,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("islands", "min_support", p.islands.min_support);
   visit("islands", "few_samples", p.islands.few_samples);
   visit("islands", "many_samples", p.islands.many_samples);
+  visit("islands", "thin_support", p.islands.thin_support);
   visit("refine", "smoothing", p.refine.smoothing);
   visit("refine", "normals", p.refine.normals);
   visit("refine", "reach", p.refine.reach);

@@ -80,11 +80,9 @@ void certify(const Level& level, double threshold, const Parallel& parallel, Rec
 void announce_islands(const IslandReport& islands, const IslandParams& params, Progress& progress) {
   if (islands.objects.dropped + islands.voids.dropped == 0) return;
   const auto counted = [](size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
-  progress.info(fmt::format(
-      "dropped {} and {} with {} on {:.3g} voxel^2: support up to {:.2g}, less than {:g} or fewer than {} samples",
-      counted(islands.objects.dropped, "island"), counted(islands.voids.dropped, "bubble"),
-      counted(islands.samples, "sample"), islands.area, islands.highest_dropped, params.min_support,
-      params.few_samples));
+  progress.info(fmt::format("{} and {} dropped: only {} on their {:.3g} voxel^2 (min-support {:g})",
+                            counted(islands.objects.dropped, "island"), counted(islands.voids.dropped, "bubble"),
+                            counted(islands.samples, "sample"), islands.area, params.min_support));
 }
 
 /// The field whose level set at report.isovalue is the surface: sub-voxel accurate, or the paper's (section 4.4).

@@ -79,15 +79,19 @@ TEST(Islands, AreDroppedForLackOfSamplesAndSamplesPerArea) {
   EXPECT_TRUE(dropped(90, {.min_support = 0.5}));
   EXPECT_FALSE(dropped(200, {.min_support = 2})) << "many samples";
   EXPECT_TRUE(dropped(200, {.min_support = 2, .many_samples = 500}));
+  EXPECT_TRUE(dropped(200, {.min_support = 2, .thin_support = 1}));
   EXPECT_FALSE(dropped(9, {.min_support = 0}));
   EXPECT_TRUE(dropped(9, {.min_support = 0, .few_samples = 10}));
 }
 
 TEST(Islands, AThinlySampledObjectSurvivesByItsManySamples) {
-  // 1 sample per 10 voxel^2, on a surface of 1250 voxel^2.
+  // 1 sample per 10 voxel^2, on a surface of 1250 voxel^2; the other has 1 per voxel^2.
   Drawing drawing({{{24, 30, 30}, 15, 2800}, {{60, 30, 30}, 10, 125}});
   EXPECT_EQ(drawing.drop().objects.dropped, 0u);
-  EXPECT_EQ(drawing.drop({.many_samples = 130}).objects.dropped, 1u);
+  EXPECT_EQ(drawing.drop({.thin_support = 0.05}).objects.dropped, 0u);
+  EXPECT_EQ(drawing.drop({.thin_support = 0.2}).objects.dropped, 1u);
+  Drawing again({{{24, 30, 30}, 15, 2800}, {{60, 30, 30}, 10, 125}});
+  EXPECT_EQ(again.drop({.many_samples = 130}).objects.dropped, 1u);
 }
 
 TEST(Islands, BubblesAreFilledAndSampledVoidsStay) {
@@ -145,7 +149,7 @@ TEST(Islands, DroppingTwiceChangesNothingMore) {
     const LevelBox box = lattice.box(0);
     return drawn_level(box, false, [&](Vec3i v) { return dice.uniform() < (v.z < 50 ? 0.95 : 0.2) && box.is_free(v); });
   };
-  const IslandParams params{.min_support = 0.9, .few_samples = 2, .many_samples = 12};
+  const IslandParams params{.min_support = 0.9, .few_samples = 2, .many_samples = 12, .thin_support = 0.7};
   Dense<uint8_t> first;
   for (const int threads : {1, 2, 3, 8}) {
     Level level = noise();
@@ -177,7 +181,7 @@ constexpr int resolution = 64;
 Reconstruction reconstructed(const PointCloud& cloud, bool drop) {
   ReconstructParams params;
   params.place.resolution = resolution;
-  params.energy.lambda_per_density = 0.002;
+  params.energy.lambda_per_density = 0.0003;
   params.surface.drop_islands = drop;
   Progress progress;
   return reconstruct(cloud, params, Parallel(2), progress);
@@ -187,8 +191,8 @@ TEST(Islands, OfOutliersGoAndTheSphereStays) {
   const auto sphere = make_shape("sphere");
   const double voxel = voxel_of_resolution(sphere->box(), resolution, 6);
   SamplingParams scan;
-  scan.count = static_cast<size_t>(area_of(*sphere) / (voxel * voxel));
-  scan.outliers = 0.1;
+  scan.count = static_cast<size_t>(4 * area_of(*sphere) / (voxel * voxel));
+  scan.outliers = 0.03;
   const PointCloud cloud = sample_surface(*sphere, scan, Parallel(2));
   EXPECT_GT(check_topology(reconstructed(cloud, false).mesh).components.size(), 20u) << "nothing to drop";
   const Reconstruction result = reconstructed(cloud, true);

@@ -53,6 +53,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"max_iterations", [](P& p) { p.solve.max_iterations = 0; }, "0", ">= 1"},
                     Refusal{"check_every", [](P& p) { p.solve.check_every = -1; }, "-1", ">= 1"},
                     Refusal{"step_balance", [](P& p) { p.solve.step_balance = nan; }, "nan", "> 0"},
+                    Refusal{"min_support", [](P& p) { p.islands.min_support = -1; }, "-1", ">= 0"},
                     Refusal{"threshold", [](P& p) { p.surface.threshold = 1; }, "1", "> 0 and < 1"},
                     Refusal{"threshold", [](P& p) { p.surface.threshold = 0; }, "0", "> 0 and < 1"},
                     Refusal{"isovalue", [](P& p) { p.surface.isovalue = 1.5; }, "1.5", "> 0 and < 1"}),

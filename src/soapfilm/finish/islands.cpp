@@ -67,7 +67,8 @@ std::vector<uint8_t> parts_to_keep(const Parts& parts, const std::vector<size_t>
   bool an_object = false;
   uint32_t best = 0;
   for (uint32_t p = 1; p < parts.size(); ++p) {
-    keep[p] = count[p] >= few && (count[p] >= many || support[p] >= params.min_support);
+    const double least = count[p] >= many ? std::min(params.thin_support, params.min_support) : params.min_support;
+    keep[p] = count[p] >= few && support[p] >= least;
     if (!parts[p].inside) continue;
     an_object = an_object || keep[p];
     if (best == 0 || count[p] > count[best]) best = p;
@@ -98,6 +99,7 @@ void validate(const IslandParams& params) {
     if (!(value >= 0)) throw ParameterError(fmt::format("{} = {:g}, must be >= 0", name, value));
   };
   require("min_support", params.min_support);
+  require("thin_support", params.thin_support);
   require("few_samples", params.few_samples);
   require("many_samples", params.many_samples);
 }

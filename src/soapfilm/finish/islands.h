@@ -12,9 +12,10 @@ namespace soapfilm {
 /// A part's surface is the one between it and the part around it. Its support is the share of the samples that such an
 /// area has in the mean of the whole surface.
 struct IslandParams {
-  double min_support = 0.2;  ///< parts with less support are dropped, >= 0; 1 is a surface sampled like the whole
-  int few_samples = 5;       ///< parts of fewer samples are dropped whatever their support, >= 0
-  int many_samples = 100;    ///< parts of so many samples stay whatever their support, >= 0
+  double min_support = 0.2;    ///< parts with less support are dropped, >= 0; 1 is a surface sampled like the whole
+  int few_samples = 5;         ///< parts of fewer samples are dropped whatever their support, >= 0
+  int many_samples = 100;      ///< parts of so many samples stay down to thin_support, >= 0
+  double thin_support = 0.01;  ///< a surface sampled a hundred times less than the whole, >= 0
 };
 
 struct IslandCount {
@@ -36,9 +37,9 @@ struct IslandReport {
 void validate(const IslandParams& params);
 
 /// Moves the parts of u > threshold (finish/parts.h) that their samples do not support to the side around them, voids
-/// like objects: where they are, u becomes 0 or 1. `density` is in samples per voxel^2 of surface. A sample supports
-/// the surface that it lies on when it looks across it, from inside to outside. The part of the inside with most
-/// samples always stays. Doing it twice changes nothing more; the result does not depend on the number of threads.
+/// like objects: there u becomes 0 or 1. `density` is in samples per voxel^2 of surface. A sample supports the surface
+/// that it lies on when it looks across it, from inside to outside. Where no object would stay, the one with most
+/// samples does. Doing it twice changes nothing more; the result does not depend on the number of threads.
 void drop_islands(Level& level, float threshold, const GridSamples& samples, double density, const IslandParams& params,
                   const Parallel& parallel, IslandReport& report);
 
