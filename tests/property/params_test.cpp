@@ -78,6 +78,9 @@ TEST(ParamsJson, JsonGivesThemBack) {
   params.solve.tolerance = 1e-5;
   params.solve.max_iterations = 77;
   params.surface.isovalue = 0.45;
+  params.surface.drop_islands = true;
+  params.islands.few_samples = 9;
+  params.islands.thin_support = 0.03;
   params.memory_limit = size_t{3} << 30;
   const std::string json = to_json(params);
   const ReconstructParams back = params_from_json(json);
@@ -87,6 +90,9 @@ TEST(ParamsJson, JsonGivesThemBack) {
   EXPECT_EQ(back.place.resolution, 300);
   EXPECT_FALSE(back.place.voxel.has_value());
   EXPECT_EQ(back.energy.lambda, 0.1);
+  EXPECT_EQ(back.surface.drop_islands, true);
+  EXPECT_EQ(back.islands.few_samples, 9);
+  EXPECT_EQ(back.islands.thin_support, 0.03);
   EXPECT_EQ(back.memory_limit, size_t{3} << 30);
 }
 
