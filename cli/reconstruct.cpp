@@ -296,6 +296,14 @@ void add_surface_options(CLI::App& app, Options& o) {
                          "Move the surface onto the samples, or leave the paper's: on or off\n(default: on for tv)"))
       ->transform(named<bool>({{"on", true}, {"off", false}}))
       ->option_text("on|off");
+  surface(app.add_option("--islands", p.surface.drop_islands,
+                         "Specks and bubbles that few samples support: drop or keep\n(default: drop where the surface "
+                         "is refined)"))
+      ->transform(named<bool>({{"drop", true}, {"keep", false}}))
+      ->option_text("drop|keep");
+  surface(app.add_option("--min-support", p.islands.min_support,
+                         "Of --islands: samples on a part over what its area has in the mean"))
+      ->option_text(fmt::format("V [{:g}]", p.islands.min_support));
   surface(app.add_option("--smoothing", p.refine.smoothing,
                          "Of the refined surface: weight of curvature against one sample\n(default: chosen by held-out "
                          "samples)"))

@@ -91,6 +91,11 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("surface", "threshold", p.surface.threshold);
   visit("surface", "refine", p.surface.refine);
   visit("surface", "isovalue", p.surface.isovalue);
+  visit("surface", "drop_islands", p.surface.drop_islands);
+  visit("islands", "min_support", p.islands.min_support);
+  visit("islands", "few_samples", p.islands.few_samples);
+  visit("islands", "many_samples", p.islands.many_samples);
+  visit("islands", "thin_support", p.islands.thin_support);
   visit("refine", "smoothing", p.refine.smoothing);
   visit("refine", "normals", p.refine.normals);
   visit("refine", "reach", p.refine.reach);
@@ -202,6 +207,10 @@ void refuse_contradictions(const ReconstructParams& params) {
   if (params.surface.refine.value_or(false) && params.surface.isovalue)
     throw ParameterError(
         fmt::format("isovalue = {:g} and refine = on: only one of them may be given", *params.surface.isovalue));
+  if (params.surface.drop_islands.value_or(false) && !film)
+    throw ParameterError(fmt::format("islands = drop: method {} finds its own surface", method));
+  if (params.islands.min_support != IslandParams{}.min_support && !drops_islands(params))
+    throw ParameterError(fmt::format("min_support = {:g}: islands are kept", params.islands.min_support));
   if (params.refine.smoothing && !refines(params))
     throw ParameterError(fmt::format("smoothing = {:g}: the surface is not refined", *params.refine.smoothing));
 }
@@ -227,6 +236,7 @@ void validate(const ReconstructParams& params) {
   validate(params.sor);
   validate(params.select);
   validate(params.thin);
+  validate(params.islands);
   validate(params.refine);
   validate(params.vrip.surface);
   const auto reach = [](double v) { return v > 0 && v <= 1000; };

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "soapfilm/finish/islands.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/method.h"
 #include "soapfilm/orient/orient.h"
@@ -39,8 +40,9 @@ struct EnergyParams {
 
 /// From the relaxed indicator to the surface (section 4.4).
 struct SurfaceParams {
-  double threshold = 0.5;      ///< mu, in (0, 1)
-  std::optional<bool> refine;  ///< move the level set onto the samples; without it: by Method::tv alone
+  double threshold = 0.5;            ///< mu, in (0, 1)
+  std::optional<bool> refine;        ///< move the level set onto the samples; without it: by Method::tv alone
+  std::optional<bool> drop_islands;  ///< drop parts that few samples support; without it: where the surface is refined
   std::optional<double>
       isovalue;  ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the samples
 };
@@ -58,6 +60,7 @@ struct ReconstructParams {
   GraphCutParams graph_cut;  ///< Method::graph_cut_6 and _26, which set its neighbours; norm is energy.norm
   VripParams vrip;           ///< Method::vrip
   SurfaceParams surface;
+  IslandParams islands;  ///< where drops_islands()
   RefineParams refine;
   std::optional<size_t> memory_limit;  ///< bytes; without it: what the machine has free
 };
@@ -65,6 +68,11 @@ struct ReconstructParams {
 /// Is the surface moved onto the samples (refine/refine.h), or is it the paper's?
 inline bool refines(const ReconstructParams& params) {
   return params.surface.refine.value_or(params.method == Method::tv && !params.surface.isovalue);
+}
+
+/// Are parts that few samples support dropped (finish/islands.h)? The paper's surface keeps them.
+inline bool drops_islands(const ReconstructParams& params) {
+  return params.surface.drop_islands.value_or(refines(params));
 }
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.

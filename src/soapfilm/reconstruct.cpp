@@ -6,6 +6,7 @@
 #include "soapfilm/core/stages.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/field/divergence.h"
+#include "soapfilm/finish/islands.h"
 #include "soapfilm/place.h"
 #include "soapfilm/pyramid/critical_lambda.h"
 #include "soapfilm/segment.h"
@@ -78,6 +79,14 @@ void certify(const Level& level, double threshold, const Parallel& parallel, Rec
   report.certificate.relaxed = evaluate_energy(level, {.threshold = {}, .certify = true}, parallel);
   report.certificate.binary = evaluate_energy(level, {.threshold = mu, .certify = true}, parallel);
   report.inside = count_inside(level, mu, parallel);
+}
+
+void announce_islands(const IslandReport& islands, const IslandParams& params, Progress& progress) {
+  if (islands.objects.dropped + islands.voids.dropped == 0) return;
+  const auto counted = [](size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
+  progress.info(fmt::format("{} and {} dropped: only {} on their {:.3g} voxel^2 (min-support {:g})",
+                            counted(islands.objects.dropped, "island"), counted(islands.voids.dropped, "bubble"),
+                            counted(islands.samples, "sample"), islands.area, params.min_support));
 }
 
 /// The field whose level set at report.isovalue is the surface: sub-voxel accurate, or the paper's (section 4.4).
@@ -172,6 +181,16 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   announce_energy(report, progress);
   level.p = {};
   field.f = {};
+
+  // Specks and bubbles that hardly a sample vouches for, such as outliers leave, go. (The certificate speaks of the
+  // solution with them.)
+  if (drops_islands(params)) {
+    stages.run("finish", [&] {
+      drop_islands(level, static_cast<float>(params.surface.threshold), samples, report.input.density, params.islands,
+                   parallel, report.islands.emplace());
+    });
+    announce_islands(*report.islands, params.islands, progress);
+  }
 
   // The level set moves onto the samples; components and genus stay those of the segmentation.
   const auto surface = stages.run("refine", [&] { return level_set(segmentation, samples, params, parallel, report); });

@@ -106,6 +106,18 @@ ordered_json method_json(const ReconstructReport& report) {
   return json;
 }
 
+ordered_json islands_json(const IslandReport& r, const IslandParams& params) {
+  const auto counts = [](const IslandCount& c) { return ordered_json{{"kept", c.kept}, {"dropped", c.dropped}}; };
+  return {{"objects", counts(r.objects)},
+          {"voids", counts(r.voids)},
+          {"min_support", params.min_support},
+          {"highest_dropped", r.highest_dropped},
+          {"lowest_kept", r.lowest_kept},
+          {"samples_dropped", r.samples},
+          {"area_dropped", r.area},
+          {"vertices", r.vertices}};
+}
+
 ordered_json refine_json(const RefineReport& r) {
   return {{"smoothing", r.strength.smoothing},
           {"normals", r.strength.normals},
@@ -186,25 +198,27 @@ std::string to_json(const ReconstructReport& report) {
   seconds["total"] = total.elapsed;
   cpu_seconds["total"] = total.cpu;
   const Vec3d centre = report.input.box.centre();
-  const ordered_json json = {{"report_version", report_version},
-                             {"soapfilm", version},
-                             {"command", report.command},
-                             {"parameters", ordered_json::parse(to_json(report.params))},
-                             {"input", input_json(report.input)},
-                             {"frame", {{"centre", json_of(centre)}, {"scale", report.lattice.voxel}}},
-                             {"grid", grid_json(report)},
-                             {"method", method_json(report)},
-                             {"select", report.select ? select_json(*report.select) : ordered_json(nullptr)},
-                             {"thin", report.thin ? thin_json(*report.thin) : ordered_json(nullptr)},
-                             {"certificate", certificate_json(report.certificate, report.params.method)},
-                             {"surface",
-                              {{"isovalue", report.isovalue},
-                               {"refine", report.refine ? refine_json(*report.refine) : ordered_json(nullptr)}}},
-                             {"mesh", mesh_json(report)},
-                             {"seconds", seconds},
-                             {"cpu_seconds", cpu_seconds},
-                             {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}}},
-                             {"warnings", report.warnings}};
+  const ordered_json json = {
+      {"report_version", report_version},
+      {"soapfilm", version},
+      {"command", report.command},
+      {"parameters", ordered_json::parse(to_json(report.params))},
+      {"input", input_json(report.input)},
+      {"frame", {{"centre", json_of(centre)}, {"scale", report.lattice.voxel}}},
+      {"grid", grid_json(report)},
+      {"method", method_json(report)},
+      {"select", report.select ? select_json(*report.select) : ordered_json(nullptr)},
+      {"thin", report.thin ? thin_json(*report.thin) : ordered_json(nullptr)},
+      {"certificate", certificate_json(report.certificate, report.params.method)},
+      {"surface",
+       {{"isovalue", report.isovalue},
+        {"islands", report.islands ? islands_json(*report.islands, report.params.islands) : ordered_json(nullptr)},
+        {"refine", report.refine ? refine_json(*report.refine) : ordered_json(nullptr)}}},
+      {"mesh", mesh_json(report)},
+      {"seconds", seconds},
+      {"cpu_seconds", cpu_seconds},
+      {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}}},
+      {"warnings", report.warnings}};
   return json.dump(2) + "\n";
 }
 

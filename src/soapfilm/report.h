@@ -58,10 +58,11 @@ struct ReconstructReport {
   std::optional<PoissonReport> poisson;
   std::optional<GraphCutReport> graph_cut;
   std::optional<VripReport> vrip;
-  size_t inside = 0;                   ///< thresholded vertices inside, whole domain
-  Certificate certificate;             ///< but for Method::vrip, which has no energy: lambda alone
-  std::optional<RefineReport> refine;  ///< when the surface was moved onto the samples
-  double isovalue = 0;                 ///< of the smoothed indicator; 0 of the refined field
+  size_t inside = 0;                    ///< thresholded vertices inside, whole domain
+  Certificate certificate;              ///< but for Method::vrip, which has no energy: lambda alone
+  std::optional<IslandReport> islands;  ///< when parts that few samples support were dropped
+  std::optional<RefineReport> refine;   ///< when the surface was moved onto the samples
+  double isovalue = 0;                  ///< of the smoothed indicator; 0 of the refined field
   size_t mesh_vertices = 0;
   size_t mesh_triangles = 0;
   std::optional<TopologyReport> topology;          ///< when it was checked

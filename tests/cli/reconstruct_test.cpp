@@ -54,6 +54,43 @@ class Reconstruct : public testing::Test {
   std::string mesh = folder.file("mesh.ply");
 };
 
+/// Lambda is so small that single outliers pay for a film.
+TEST_F(Reconstruct, TellsWhichIslandsItDropped) {
+  SamplingParams scan;
+  scan.count = 11000;
+  scan.outliers = 0.03;
+  write_points(cloud, sample_surface(*make_sphere(), scan, Parallel(1)));
+  const std::string report_file = folder.file("report.json");
+  const std::vector<std::string> words{"reconstruct", cloud,      "-o",     mesh,       "--resolution",
+                                       "64",          "--lambda", "0.0013", "--report", report_file};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all);
+  };
+  const ProcessResult dropped = with({});
+  ASSERT_EQ(dropped.exit_code, 0) << dropped.err;
+  EXPECT_TRUE(contains(dropped.err, "dropped: only")) << dropped.err;
+  const json report = json::parse(read_file(report_file));
+  const json& islands = report["surface"]["islands"];
+  EXPECT_GT(islands["objects"]["dropped"].get<int>(), 10);
+  EXPECT_EQ(islands["objects"]["kept"], 1);
+  EXPECT_EQ(islands["min_support"], 0.2);
+  EXPECT_GT(islands["lowest_kept"].get<double>(), islands["highest_dropped"].get<double>());
+  EXPECT_EQ(report["mesh"]["components"], 1);
+
+  const ProcessResult kept = with({"--islands", "keep"});
+  ASSERT_EQ(kept.exit_code, 0) << kept.err;
+  const json all = json::parse(read_file(report_file));
+  EXPECT_TRUE(all["surface"]["islands"].is_null());
+  EXPECT_GT(all["mesh"]["components"].get<int>(), 10);
+  EXPECT_EQ(all["certificate"]["primal_binary"], report["certificate"]["primal_binary"]);
+
+  const ProcessResult contradiction = with({"--islands", "keep", "--min-support", "0.5"});
+  EXPECT_EQ(contradiction.exit_code, 2);
+  EXPECT_TRUE(contains(contradiction.err, "min_support = 0.5: islands are kept")) << contradiction.err;
+}
+
 TEST_F(Reconstruct, MakesAWatertightMeshAndAReport) {
   const std::string report_file = folder.file("report.json");
   const ProcessResult result =

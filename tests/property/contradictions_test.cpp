@@ -73,6 +73,14 @@ INSTANTIATE_TEST_SUITE_P(
                       "isovalue = 0.4 and refine = on: only one of them may be given"},
         Contradiction{"smoothing_unrefined", Method::tv_sor, [](P& p) { p.refine.smoothing = 0.1; },
                       "smoothing = 0.1: the surface is not refined"},
+        Contradiction{"islands_poisson", Method::poisson, [](P& p) { p.surface.drop_islands = true; },
+                      "islands = drop: method poisson finds its own surface"},
+        Contradiction{"support_kept", Method::tv,
+                      [](P& p) {
+                        p.surface.drop_islands = false;
+                        p.islands.min_support = 0.5;
+                      },
+                      "min_support = 0.5: islands are kept"},
         Contradiction{"threshold_cut", Method::graph_cut_6, set_threshold,
                       "threshold = 0.25: method graph-cut-6 has none"},
         Contradiction{"threshold_poisson", Method::poisson, set_threshold,

@@ -15,7 +15,7 @@ BrickGrid::BrickGrid(const BrickMask& active, const Parallel& parallel) : bricks
   row_begin_.assign(static_cast<size_t>(bricks_.y) * bricks_.z + 1, 0);
   active.for_each([&](Vec3i b) {
     coords_.push_back(b);
-    ++row_begin_[static_cast<size_t>(b.z) * bricks_.y + static_cast<size_t>(b.y) + 1];
+    ++row_begin_[row_of(b) + 1];
   });
   for (size_t row = 1; row < row_begin_.size(); ++row) row_begin_[row] += row_begin_[row - 1];
 
@@ -30,11 +30,17 @@ BrickGrid::BrickGrid(const BrickMask& active, const Parallel& parallel) : bricks
 
 int32_t BrickGrid::find(Vec3i b) const {
   if (b.x < 0 || b.y < 0 || b.z < 0 || b.x >= bricks_.x || b.y >= bricks_.y || b.z >= bricks_.z) return outside_box;
-  const size_t row = static_cast<size_t>(b.z) * bricks_.y + static_cast<size_t>(b.y);
-  const auto begin = coords_.begin() + row_begin_[row];
-  const auto end = coords_.begin() + row_begin_[row + 1];
-  const auto it = std::lower_bound(begin, end, b.x, [](const Vec3i& c, int x) { return c.x < x; });
-  return it != end && it->x == b.x ? static_cast<int32_t>(it - coords_.begin()) : outside_band;
+  const size_t k = first_from(b);
+  return k < coords_.size() && coords_[k] == b ? static_cast<int32_t>(k) : outside_band;
+}
+
+int32_t BrickGrid::gap(Vec3i b) const { return static_cast<int32_t>(first_from(b) + row_of(b)); }
+
+size_t BrickGrid::first_from(Vec3i b) const {
+  const auto begin = coords_.begin() + row_begin_[row_of(b)];
+  const auto end = coords_.begin() + row_begin_[row_of(b) + 1];
+  return static_cast<size_t>(std::lower_bound(begin, end, b.x, [](const Vec3i& c, int x) { return c.x < x; }) -
+                             coords_.begin());
 }
 
 }  // namespace soapfilm

@@ -32,12 +32,19 @@ class BrickGrid {
 
   /// Index of the active brick at `b`; `outside_band` or `outside_box` where there is none.
   int32_t find(Vec3i b) const;
+  /// Number, from 0 in lexicographic order, of the run along x of missing bricks that holds the missing brick `b` of
+  /// the box. A row with k active bricks has k + 1 runs, before, between and after them; some are empty.
+  int32_t gap(Vec3i b) const;
   /// Indices of the 27 bricks around a brick by neighbor_slot(), with the same two values for missing ones.
   const Neighbors& neighbors(size_t brick) const { return neighbors_[brick]; }
 
   size_t bytes() const { return size() * (sizeof(Vec3i) + sizeof(Neighbors)) + row_begin_.size() * sizeof(int32_t); }
 
  private:
+  size_t row_of(Vec3i b) const { return static_cast<size_t>(b.z) * bricks_.y + static_cast<size_t>(b.y); }
+  /// Index of the first active brick of b's row that does not come before b.
+  size_t first_from(Vec3i b) const;
+
   Vec3i bricks_;
   std::vector<Vec3i> coords_;
   std::vector<int32_t> row_begin_;  ///< first brick of row (y, z); one more at the end

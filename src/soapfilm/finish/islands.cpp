@@ -1,0 +1,137 @@
+#include "soapfilm/finish/islands.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/finish/parts.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// Area of a plane per voxel face that its staircase has, averaged over its directions.
+constexpr double area_per_face = 2.0 / 3;
+/// How far before and behind a sample its sides are looked up, voxels: where accurate samples tell, and beyond noise. A
+/// viewing direction may be oblique to the surface and reach less deep.
+constexpr std::array<float, 2> reaches{1, 2};
+/// The parts whose surface a sample lies on, by each reach; 0 where there is none.
+using Supported = std::array<uint32_t, reaches.size()>;
+
+Vec3i nearest_vertex(Vec3f p) {
+  return {static_cast<int>(std::floor(p.x + 0.5f)), static_cast<int>(std::floor(p.y + 0.5f)),
+          static_cast<int>(std::floor(p.z + 0.5f))};
+}
+
+Supported supported_parts(const Parts& parts, Vec3i first_vertex, Vec3f local, Vec3f direction) {
+  const Vec3f outward = normalized(direction);
+  Supported supported{};
+  for (size_t k = 0; k < reaches.size(); ++k) {
+    const uint32_t inner = parts.at(first_vertex + nearest_vertex(local - outward * reaches[k]));
+    const uint32_t outer = parts.at(first_vertex + nearest_vertex(local + outward * reaches[k]));
+    if (!parts[inner].inside || parts[outer].inside) continue;
+    if (parts[inner].around == outer)
+      supported[k] = inner;
+    else if (parts[outer].around == inner)
+      supported[k] = outer;
+  }
+  return supported;
+}
+
+/// Samples on the surface of each part. One that two surfaces may claim counts for both, so that what happens to one of
+/// the parts takes nothing from the other.
+std::vector<size_t> count_samples(const Parts& parts, const GridSamples& samples, const Parallel& parallel) {
+  std::vector<Supported> supported(samples.size());
+  parallel.for_each(samples.bricks.size(), 16, [&](size_t b) {
+    const Vec3i first_vertex = samples.bricks.first_vertex(b);
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
+      supported[s] = supported_parts(parts, first_vertex, samples.local[s], samples.direction[s]);
+  });
+  std::vector<size_t> count(parts.size());
+  for (const Supported& by : supported) {
+    ++count[by[0]];
+    if (by[1] != by[0]) ++count[by[1]];
+  }
+  return count;
+}
+
+/// Which parts stay. Where no object would, the one with most samples does.
+std::vector<uint8_t> parts_to_keep(const Parts& parts, const std::vector<size_t>& count,
+                                   const std::vector<double>& support, const IslandParams& params) {
+  const auto few = static_cast<size_t>(params.few_samples), many = static_cast<size_t>(params.many_samples);
+  std::vector<uint8_t> keep(parts.size(), 1);
+  bool an_object = false;
+  uint32_t best = 0;
+  for (uint32_t p = 1; p < parts.size(); ++p) {
+    const double least = count[p] >= many ? std::min(params.thin_support, params.min_support) : params.min_support;
+    keep[p] = count[p] >= few && support[p] >= least;
+    if (!parts[p].inside) continue;
+    an_object = an_object || keep[p];
+    if (best == 0 || count[p] > count[best]) best = p;
+  }
+  if (!an_object) keep[best] = 1;
+  return keep;
+}
+
+/// Which side each part ends on: its own, or where it is dropped that of the part around it.
+std::vector<uint8_t> final_sides(const Parts& parts, const std::vector<uint8_t>& keep) {
+  constexpr uint8_t unknown = 2;
+  std::vector<uint8_t> side(parts.size(), unknown);
+  side[0] = 0;
+  for (uint32_t part = 1; part < parts.size(); ++part) {
+    std::vector<uint32_t> path;
+    uint32_t p = part;
+    for (; side[p] == unknown && !keep[p]; p = parts[p].around) path.push_back(p);
+    if (side[p] == unknown) side[p] = parts[p].inside;
+    for (const uint32_t dropped : path) side[dropped] = side[p];
+  }
+  return side;
+}
+
+}  // namespace
+
+void validate(const IslandParams& params) {
+  const auto require = [](const char* name, double value) {
+    if (!(value >= 0)) throw ParameterError(fmt::format("{} = {:g}, must be >= 0", name, value));
+  };
+  require("min_support", params.min_support);
+  require("thin_support", params.thin_support);
+  require("few_samples", params.few_samples);
+  require("many_samples", params.many_samples);
+}
+
+void drop_islands(Level& level, float threshold, const GridSamples& samples, double density, const IslandParams& params,
+                  const Parallel& parallel, IslandReport& report) {
+  const Parts parts(level, threshold, parallel);
+  const std::vector<size_t> count = count_samples(parts, samples, parallel);
+  std::vector<double> area(parts.size()), support(parts.size());
+  for (uint32_t p = 1; p < parts.size(); ++p) {
+    area[p] = area_per_face * static_cast<double>(parts[p].faces);
+    support[p] = static_cast<double>(count[p]) / (density * area[p]);
+  }
+  const std::vector<uint8_t> keep = parts_to_keep(parts, count, support, params);
+  bool first_kept = true;
+  for (uint32_t p = 1; p < parts.size(); ++p) {
+    IslandCount& counted = parts[p].inside ? report.objects : report.voids;
+    ++(keep[p] ? counted.kept : counted.dropped);
+    if (keep[p]) {
+      report.lowest_kept = first_kept ? support[p] : std::min(report.lowest_kept, support[p]);
+      first_kept = false;
+    } else {
+      report.highest_dropped = std::max(report.highest_dropped, support[p]);
+      report.samples += count[p];
+      report.area += area[p];
+    }
+  }
+  if (report.objects.dropped + report.voids.dropped == 0) return;
+  const std::vector<uint8_t> side = final_sides(parts, keep);
+  for (uint32_t p = 1; p < parts.size(); ++p)
+    if (side[p] != parts[p].inside) report.vertices += parts[p].vertices;
+  parts.write(side, level, parallel);
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,262 @@
+#include "soapfilm/finish/parts.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace soapfilm {
+
+namespace {
+
+constexpr size_t grain = 64;
+constexpr uint32_t none = ~uint32_t{0};
+
+BrickBits with_six_neighbors(const BrickBits& bits) {
+  BrickBits out = bits;
+  for (int axis = 0; axis < 3; ++axis) out |= moved(bits, axis, 1) | moved(bits, axis, -1);
+  return out;
+}
+
+/// The vertices of the brick at `offset` (each coordinate in -1..1) that are among the 26 neighbours of `bits`; with
+/// offset 0 the bits too.
+BrickBits neighbors_in(BrickBits bits, Vec3i offset) {
+  for (int axis = 0; axis < 3; ++axis)
+    bits = offset[axis] != 0 ? carried(bits, axis, offset[axis]) : bits | moved(bits, axis, 1) | moved(bits, axis, -1);
+  return bits;
+}
+
+/// All of `allowed` that is connected to its first vertex.
+BrickBits first_piece(const BrickBits& allowed, bool inside) {
+  if (allowed == BrickBits::full()) return allowed;
+  for (BrickBits reached = allowed.first();;) {
+    const BrickBits next = (inside ? with_six_neighbors(reached) : neighbors_in(reached, {0, 0, 0})) & allowed;
+    if (next == reached) return reached;
+    reached = next;
+  }
+}
+
+/// Vertices of `b`, in the brick at `offset`, that share a face with one of `a`, counted for each.
+uint32_t shared_faces(const BrickBits& a, Vec3i offset, const BrickBits& b) {
+  size_t faces = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (offset == Vec3i{0, 0, 0})
+      faces += (moved(a, axis, 1) & b).count() + (moved(a, axis, -1) & b).count();
+    else if (offset[axis] != 0)
+      faces += (carried(a, axis, offset[axis]) & b).count();
+  }
+  return static_cast<uint32_t>(faces);
+}
+
+bool is_face(Vec3i offset) { return offset.x * offset.x + offset.y * offset.y + offset.z * offset.z == 1; }
+
+uint32_t root_of(std::vector<uint32_t>& parent, uint32_t node) {
+  while (parent[node] != node) node = parent[node] = parent[parent[node]];
+  return node;
+}
+
+}  // namespace
+
+Parts::Parts(const Level& level, float threshold, const Parallel& parallel) : grid_(level.grid) {
+  find_pieces(level, threshold, parallel);
+  find_gaps(level);
+  std::vector<std::vector<Contact>> contacts((grid_.size() + grain - 1) / grain + 1);
+  parallel.for_chunks(grid_.size(), grain, [&](size_t begin, size_t end) {
+    for (size_t b = begin; b < end; ++b) touch_brick(level, b, contacts[begin / grain]);
+  });
+  touch_gaps(contacts.back());
+  number_parts(contacts);
+  find_surroundings(contacts);
+}
+
+void Parts::find_pieces(const Level& level, float threshold, const Parallel& parallel) {
+  std::vector<std::vector<Piece>> found((grid_.size() + grain - 1) / grain);
+  first_piece_.assign(grid_.size() + 1, 0);
+  parallel.for_chunks(grid_.size(), grain, [&](size_t begin, size_t end) {
+    std::vector<Piece>& pieces = found[begin / grain];
+    for (size_t b = begin; b < end; ++b) {
+      BrickBits inside;
+      const float* u = level.u.brick(b);
+      for (int i = 0; i < brick_volume; ++i)
+        if (u[i] > threshold) inside.set(i);
+      const size_t before = pieces.size();
+      for (const bool side : {true, false})
+        for (BrickBits left = side ? inside : ~inside; left.any();) {
+          pieces.push_back({first_piece(left, side), side});
+          left &= ~pieces.back().vertices;
+        }
+      first_piece_[b + 1] = static_cast<uint32_t>(pieces.size() - before);
+    }
+  });
+  for (size_t b = 0; b < grid_.size(); ++b) first_piece_[b + 1] += first_piece_[b];
+  pieces_.reserve(first_piece_.back());
+  for (const auto& pieces : found) pieces_.insert(pieces_.end(), pieces.begin(), pieces.end());
+}
+
+void Parts::find_gaps(const Level& level) {
+  const Vec3i bricks = grid_.bricks();
+  gaps_.reserve(grid_.size() + static_cast<size_t>(bricks.y) * static_cast<size_t>(bricks.z));
+  size_t next = 0;
+  for (int z = 0; z < bricks.z; ++z)
+    for (int y = 0; y < bricks.y; ++y)
+      for (int x = 0; x <= bricks.x;) {
+        const bool in_row = next < grid_.size() && grid_.coord(next).y == y && grid_.coord(next).z == z;
+        const int end = in_row ? grid_.coord(next++).x : bricks.x;
+        const Vec3i first{x, y, z};
+        gaps_.push_back({first, end - x, end > x && level.inside.test(first)});
+        x = end + 1;
+      }
+}
+
+uint32_t Parts::node_of_missing(int32_t slot, Vec3i brick) const {
+  return slot == outside_box ? 0 : node_of_gap(grid_.gap(brick));
+}
+
+void Parts::touch_brick(const Level& level, size_t brick, std::vector<Contact>& contacts) const {
+  const Vec3i coord = grid_.coord(brick);
+  const auto touch = [&](uint32_t a, Vec3i offset, const BrickBits& other, bool other_inside, uint32_t node) {
+    const Piece& piece = pieces_[a];
+    if (piece.inside != other_inside) {
+      if (offset != Vec3i{0, 0, 0} && !is_face(offset)) return;
+      if (const uint32_t faces = shared_faces(piece.vertices, offset, other); faces > 0)
+        contacts.push_back({node_of_piece(a), node, faces});
+    } else if (piece.inside ? is_face(offset) && shared_faces(piece.vertices, offset, other) > 0
+                            : (neighbors_in(piece.vertices, offset) & other).any()) {
+      contacts.push_back({node_of_piece(a), node, 0});
+    }
+  };
+  for (uint32_t a = first_piece_[brick]; a < first_piece_[brick + 1]; ++a) {
+    for (int slot = 0; slot < 27; ++slot) {
+      const Vec3i offset = slot_offset(slot);
+      const int32_t n = grid_.neighbors(brick)[static_cast<size_t>(slot)];
+      if (n < 0) {
+        touch(a, offset, BrickBits::full(), level.missing_u(n, coord + offset) > 0, node_of_missing(n, coord + offset));
+        continue;
+      }
+      // Two bricks, and two pieces of one, meet once.
+      const auto other = static_cast<size_t>(n);
+      if (other > brick) continue;
+      const uint32_t end = other == brick ? a : first_piece_[other + 1];
+      for (uint32_t b = first_piece_[other]; b < end; ++b)
+        touch(a, offset, pieces_[b].vertices, pieces_[b].inside, node_of_piece(b));
+    }
+  }
+}
+
+/// Gaps touch those of the rows around and the domain's end. (Where two of different sides would touch, the surface
+/// between them would be nobody's: extract/isosurface.h.)
+void Parts::touch_gaps(std::vector<Contact>& contacts) const {
+  const Vec3i bricks = grid_.bricks();
+  const auto end_of_row = [&](size_t begin) {
+    size_t end = begin;
+    while (end < gaps_.size() && gaps_[end].first.y == gaps_[begin].first.y &&
+           gaps_[end].first.z == gaps_[begin].first.z)
+      ++end;
+    return end;
+  };
+  std::vector<size_t> row;
+  for (size_t begin = 0; begin < gaps_.size(); begin = end_of_row(begin)) row.push_back(begin);
+  row.push_back(gaps_.size());
+
+  const auto join_rows = [&](size_t a, size_t a_end, size_t b, size_t b_end, bool faces) {
+    while (a < a_end && b < b_end) {
+      const Gap &g = gaps_[a], &h = gaps_[b];
+      const int g_end = g.first.x + g.bricks, h_end = h.first.x + h.bricks;
+      const int reach = g.inside ? 0 : 1;
+      if (g.bricks > 0 && h.bricks > 0 && g.inside == h.inside && (faces || !g.inside) && g.first.x < h_end + reach &&
+          h.first.x < g_end + reach)
+        contacts.push_back({node_of_gap(static_cast<int32_t>(a)), node_of_gap(static_cast<int32_t>(b)), 0});
+      g_end < h_end ? ++a : ++b;
+    }
+  };
+  for (size_t r = 0; r + 1 < row.size(); ++r) {
+    const Vec3i first = gaps_[row[r]].first;
+    for (const auto& [dy, dz] : {std::pair{-1, 0}, {-1, -1}, {0, -1}, {1, -1}}) {
+      const int y = first.y + dy, z = first.z + dz;
+      if (y < 0 || z < 0 || y >= bricks.y) continue;
+      const auto other = static_cast<size_t>(z) * static_cast<size_t>(bricks.y) + static_cast<size_t>(y);
+      join_rows(row[r], row[r + 1], row[other], row[other + 1], dy == 0 || dz == 0);
+    }
+    const bool rim = first.y == 0 || first.z == 0 || first.y == bricks.y - 1 || first.z == bricks.z - 1;
+    for (size_t g = row[r]; g < row[r + 1]; ++g)
+      if (const Gap& gap = gaps_[g];
+          gap.bricks > 0 && !gap.inside && (rim || gap.first.x == 0 || gap.first.x + gap.bricks == bricks.x))
+        contacts.push_back({0, node_of_gap(static_cast<int32_t>(g)), 0});
+  }
+}
+
+void Parts::number_parts(const std::vector<std::vector<Contact>>& contacts) {
+  std::vector<uint32_t> parent(1 + pieces_.size() + gaps_.size());
+  for (uint32_t node = 0; node < parent.size(); ++node) parent[node] = node;
+  for (const auto& chunk : contacts)
+    for (const Contact& c : chunk) {
+      if (c.faces > 0) continue;
+      const uint32_t a = root_of(parent, c.a), b = root_of(parent, c.b);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  // The smaller root stayed, so a part's number is known when its first node is met.
+  part_.assign(parent.size(), none);
+  const auto put = [&](uint32_t node, bool inside, size_t vertices) {
+    const uint32_t root = root_of(parent, node);
+    if (part_[root] == none) {
+      part_[root] = static_cast<uint32_t>(parts_.size());
+      parts_.push_back({inside, 0, 0, 0});
+    }
+    part_[node] = part_[root];
+    parts_[part_[node]].vertices += vertices;
+  };
+  put(0, false, 0);
+  for (uint32_t k = 0; k < pieces_.size(); ++k) put(node_of_piece(k), pieces_[k].inside, pieces_[k].vertices.count());
+  for (size_t g = 0; g < gaps_.size(); ++g)
+    if (gaps_[g].bricks > 0)
+      put(node_of_gap(static_cast<int32_t>(g)), gaps_[g].inside, static_cast<size_t>(gaps_[g].bricks) * brick_volume);
+}
+
+void Parts::find_surroundings(const std::vector<std::vector<Contact>>& contacts) {
+  std::map<std::pair<uint32_t, uint32_t>, size_t> faces;
+  for (const auto& chunk : contacts)
+    for (const Contact& c : chunk)
+      if (c.faces > 0) faces[std::minmax(part_[c.a], part_[c.b])] += c.faces;
+  std::vector<std::vector<std::pair<uint32_t, size_t>>> neighbors(parts_.size());
+  for (const auto& [pair, count] : faces) {
+    neighbors[pair.first].emplace_back(pair.second, count);
+    neighbors[pair.second].emplace_back(pair.first, count);
+  }
+  // From the outermost part inwards.
+  std::vector<uint32_t> front{0};
+  while (!front.empty()) {
+    const uint32_t around = front.back();
+    front.pop_back();
+    for (const auto& [part, count] : neighbors[around]) {
+      if (part == parts_[around].around) continue;
+      parts_[part].around = around;
+      parts_[part].faces = count;
+      front.push_back(part);
+    }
+  }
+}
+
+uint32_t Parts::at(Vec3i vertex) const {
+  const Vec3i coord = brick_of(vertex);
+  const int32_t b = grid_.find(coord);
+  if (b < 0) return part_[node_of_missing(b, coord)];
+  uint32_t piece = first_piece_[static_cast<size_t>(b)];
+  while (!pieces_[piece].vertices.test(vertex.x & 7, vertex.y & 7, vertex.z & 7)) ++piece;
+  return part_[node_of_piece(piece)];
+}
+
+void Parts::write(const std::vector<uint8_t>& inside, Level& level, const Parallel& parallel) const {
+  const auto turned = [&](uint32_t node) { return parts_[part_[node]].inside != (inside[part_[node]] != 0); };
+  parallel.for_each(grid_.size(), grain, [&](size_t b) {
+    float* u = level.u.brick(b);
+    for (uint32_t k = first_piece_[b]; k < first_piece_[b + 1]; ++k)
+      if (turned(node_of_piece(k)))
+        pieces_[k].vertices.for_each([&](int i) { u[i] = pieces_[k].inside ? 0.0f : 1.0f; });
+  });
+  for (size_t g = 0; g < gaps_.size(); ++g) {
+    const Gap& gap = gaps_[g];
+    if (gap.bricks == 0 || !turned(node_of_gap(static_cast<int32_t>(g)))) continue;
+    for (int x = 0; x < gap.bricks; ++x) level.inside.set(gap.first + Vec3i{x, 0, 0}, !gap.inside);
+  }
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,76 @@
+// What hangs together: the connected parts of the thresholded solution and of what it leaves out.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/grid/brick_bits.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+/// A connected part, and the surface between it and the part that surrounds it.
+struct Part {
+  bool inside = false;
+  uint32_t around = 0;  ///< the part that surrounds it; the outermost part's is itself
+  size_t vertices = 0;
+  size_t faces = 0;  ///< pairs of neighbouring vertices, one of them in `around`
+};
+
+/// The connected parts of u > threshold, in which six neighbours are connected, and of the rest, in which 26 are, as
+/// the extracted surface has it (docs/topology.md). So the parts form a tree: each but the outermost lies in one other
+/// part of the opposite side (Rosenfeld 1974). They are numbered in the order of their first bricks, whatever the
+/// number of threads; part 0 is the outermost, beyond the domain too.
+class Parts {
+ public:
+  Parts(const Level& level, float threshold, const Parallel& parallel);
+
+  size_t size() const { return parts_.size(); }
+  const Part& operator[](uint32_t part) const { return parts_[part]; }
+  /// The part that holds a lattice vertex.
+  uint32_t at(Vec3i vertex) const;
+
+  /// Writes 1 or 0, as inside[part] says, where that is another side than the part's; other values of u stay.
+  void write(const std::vector<uint8_t>& inside, Level& level, const Parallel& parallel) const;
+
+ private:
+  /// A connected part of one brick. Parts are made of pieces and of gaps: runs of missing bricks along x.
+  struct Piece {
+    BrickBits vertices;
+    bool inside;
+  };
+  struct Gap {
+    Vec3i first;  ///< brick
+    int bricks;   ///< none where active bricks touch
+    bool inside;
+  };
+  struct Contact {
+    uint32_t a, b;   ///< nodes
+    uint32_t faces;  ///< 0: connected
+  };
+
+  // Nodes: 0 is all that lies beyond the domain, then the pieces, then the gaps.
+  uint32_t node_of_piece(uint32_t piece) const { return 1 + piece; }
+  uint32_t node_of_gap(int32_t gap) const {
+    return 1 + static_cast<uint32_t>(pieces_.size()) + static_cast<uint32_t>(gap);
+  }
+  uint32_t node_of_missing(int32_t slot, Vec3i brick) const;
+
+  void find_pieces(const Level& level, float threshold, const Parallel& parallel);
+  void find_gaps(const Level& level);
+  void touch_brick(const Level& level, size_t brick, std::vector<Contact>& contacts) const;
+  void touch_gaps(std::vector<Contact>& contacts) const;
+  void number_parts(const std::vector<std::vector<Contact>>& contacts);
+  void find_surroundings(const std::vector<std::vector<Contact>>& contacts);
+
+  const BrickGrid& grid_;
+  std::vector<uint32_t> first_piece_;  ///< of each brick; one more at the end
+  std::vector<Piece> pieces_;
+  std::vector<Gap> gaps_;       ///< by BrickGrid::gap
+  std::vector<uint32_t> part_;  ///< of each node
+  std::vector<Part> parts_;
+};
+
+}  // namespace soapfilm

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "soapfilm/grid/layout.h"
+
+namespace soapfilm {
+
+/// One bit per vertex of a brick: bit x + 8 y of word z.
+struct BrickBits {
+  std::array<uint64_t, brick_side> layer{};
+
+  static BrickBits full() { return ~BrickBits{}; }
+
+  bool test(int x, int y, int z) const { return layer[static_cast<size_t>(z)] >> (x + brick_side * y) & 1; }
+  void set(int offset) { layer[static_cast<size_t>(offset / brick_area)] |= uint64_t{1} << offset % brick_area; }
+  bool any() const {
+    uint64_t bits = 0;
+    for (const uint64_t word : layer) bits |= word;
+    return bits != 0;
+  }
+  size_t count() const {
+    size_t n = 0;
+    for (const uint64_t word : layer) n += static_cast<size_t>(std::popcount(word));
+    return n;
+  }
+  /// The first set bit alone.
+  BrickBits first() const {
+    BrickBits one;
+    for (size_t z = 0; z < layer.size(); ++z)
+      if (layer[z] != 0) {
+        one.layer[z] = layer[z] & (~layer[z] + 1);
+        break;
+      }
+    return one;
+  }
+  /// Calls visit(offset in the brick) for every set bit, in order.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (size_t z = 0; z < layer.size(); ++z)
+      for (uint64_t bits = layer[z]; bits != 0; bits &= bits - 1)
+        visit(static_cast<int>(z) * brick_area + std::countr_zero(bits));
+  }
+
+  bool operator==(const BrickBits&) const = default;
+  BrickBits operator~() const {
+    BrickBits out;
+    for (size_t z = 0; z < layer.size(); ++z) out.layer[z] = ~layer[z];
+    return out;
+  }
+  BrickBits& operator|=(const BrickBits& other) {
+    for (size_t z = 0; z < layer.size(); ++z) layer[z] |= other.layer[z];
+    return *this;
+  }
+  BrickBits& operator&=(const BrickBits& other) {
+    for (size_t z = 0; z < layer.size(); ++z) layer[z] &= other.layer[z];
+    return *this;
+  }
+  friend BrickBits operator|(BrickBits a, const BrickBits& b) { return a |= b; }
+  friend BrickBits operator&(BrickBits a, const BrickBits& b) { return a &= b; }
+};
+
+/// The bits one vertex further along an axis, up (step 1) or down (-1); those that leave the brick are lost.
+inline BrickBits moved(const BrickBits& bits, int axis, int step) {
+  constexpr uint64_t lowest_x = 0x0101010101010101, highest_x = lowest_x << 7;
+  BrickBits out;
+  for (size_t z = 0; z < bits.layer.size(); ++z) {
+    const uint64_t word = bits.layer[z];
+    if (axis == 0)
+      out.layer[z] = step > 0 ? (word & ~highest_x) << 1 : (word & ~lowest_x) >> 1;
+    else if (axis == 1)
+      out.layer[z] = step > 0 ? word << brick_side : word >> brick_side;
+    else if (step > 0 ? z + 1 < bits.layer.size() : z > 0)
+      out.layer[step > 0 ? z + 1 : z - 1] = word;
+  }
+  return out;
+}
+
+/// What moved() loses, at its place in the next brick.
+inline BrickBits carried(const BrickBits& bits, int axis, int step) {
+  constexpr uint64_t lowest_x = 0x0101010101010101;
+  constexpr int last = brick_side - 1;
+  BrickBits out;
+  if (axis == 2) {
+    out.layer[step > 0 ? 0 : last] = bits.layer[step > 0 ? last : 0];
+    return out;
+  }
+  for (size_t z = 0; z < bits.layer.size(); ++z) {
+    const uint64_t word = bits.layer[z];
+    if (axis == 0)
+      out.layer[z] = step > 0 ? word >> last & lowest_x : (word & lowest_x) << last;
+    else
+      out.layer[z] = step > 0 ? word >> brick_side * last : word << brick_side * last;
+  }
+  return out;
+}
+
+}  // namespace soapfilm
