@@ -16,7 +16,7 @@ struct Smoothness {
 
 struct SolveLimits {
   int iterations = 12;
-  double tolerance = 3e-2;  ///< of the residual, in the preconditioner's norm, relative to the first one
+  double tolerance = 0.1;  ///< of the residual, in the preconditioner's norm, relative to the first one
 };
 
 /// Minimises, over delta on the band,
