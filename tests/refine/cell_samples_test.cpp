@@ -4,6 +4,7 @@
 
 #include "refine/band_support.h"
 #include "soapfilm/refine/robust.h"
+#include "support/back_ends.h"
 
 namespace soapfilm {
 namespace {
@@ -24,22 +25,24 @@ class DataTerm : public testing::Test {
   /// Half of the energy's gradient, or its linear part.
   RowArray gradient(const RowArray& v, bool affine) const {
     RowArray out = band.make_array();
-    add_data_term(band, data, v, affine, out, one_thread);
+    add_data_term(band, data, v, affine, 1, out, one_thread);
     return out;
   }
   /// The energy from its definition, cell by cell.
   double energy(const RowArray& phi) const {
     double sum = 0;
-    for (uint32_t r = 1; r <= band.rows(); ++r)
-      for (uint32_t c = data.begin[r]; c < data.begin[r + 1]; ++c) {
-        const CellSample& cell = data.cells[c];
+    for (size_t k = 0; k < data.rows.size(); ++k)
+      for (uint8_t x = 0; x < brick_side; ++x) {
+        const CellRow& cells = data.rows[k];
+        if (cells.weight[x] == 0) continue;
         GridSamples one;  // a sample at the cell's mean
-        one.local = {cell.fraction + Vec3f{static_cast<float>(data.x[c]), 0, 0}};
-        const std::vector<Jet> jets = jets_at_samples(phi, one, {{r}, {data.x[c]}}, band, one_thread);
-        const Vec3d n(cell.normal), g = Vec3d(jets[0].gradient) + n;
+        one.local = {Vec3f{cells.fraction[0][x] + static_cast<float>(x), cells.fraction[1][x], cells.fraction[2][x]}};
+        const std::vector<Jet> jets = jets_at_samples(phi, one, {{data.row[k]}, {x}}, band, one_thread);
+        const Vec3d n(Vec3f{cells.normal[0][x], cells.normal[1][x], cells.normal[2][x]});
+        const Vec3d g = Vec3d(jets[0].gradient) + n;
         const double value = jets[0].value, slope = dot(n, g);
-        sum += cell.weight * value * value + cell.normal_weight * (dot(g, g) - slope * slope) +
-               cell.slope_weight * slope * slope;
+        sum += cells.weight[x] *
+               (value * value + data.weights.normal * (dot(g, g) - slope * slope) + data.weights.slope * slope * slope);
       }
     return sum;
   }
@@ -62,32 +65,45 @@ TEST_F(DataTerm, GradientIsTheEnergysDerivative) {
   EXPECT_NEAR(2 * dot(gradient(phi, true), step, one_thread), energy(forth) - energy(back), 1e-3 * energy(phi));
 }
 
-TEST_F(DataTerm, IsSymmetricAndBoundedByItsDiagonal) {
+TEST_F(DataTerm, IsSymmetricAndTellsItsEnergy) {
   const RowArray a = random_array(band, 5), b = random_array(band, 6);
-  EXPECT_NEAR(dot(gradient(a, false), b, one_thread), dot(a, gradient(b, false), one_thread),
-              1e-4 * dot(a, gradient(a, false), one_thread));
-  RowArray diagonal = band.make_array(), scaled = band.make_array();
-  add_data_diagonal(band, data, diagonal, one_thread);
-  for (size_t i = 0; i < a.size(); ++i) scaled.data()[i] = diagonal.data()[i] * a.data()[i];
-  EXPECT_LE(dot(a, gradient(a, false), one_thread), dot(a, scaled, one_thread));
+  const double scale = dot(a, gradient(a, false), one_thread);
+  EXPECT_NEAR(dot(gradient(a, false), b, one_thread), dot(a, gradient(b, false), one_thread), 1e-4 * scale);
+  RowArray out = band.make_array();
+  EXPECT_NEAR(add_data_term(band, data, a, false, -2, out, one_thread), -2 * scale, 1e-5 * scale);
+}
+
+TEST_F(DataTerm, PositionsWeighOnConstantsAsMuchAsTheirRowSums) {
+  const CellSamples positions = merge(samples, where, band, weight, samples.direction, {}, one_thread);
+  RowArray ones = band.make_array(), expected = band.make_array(), sums = band.make_array();
+  std::fill_n(ones.data(), ones.size(), 1.0f);
+  add_data_term(band, positions, ones, false, 1, expected, one_thread);
+  add_position_weights(band, data, sums, one_thread);
+  for (size_t i = 0; i < sums.size(); ++i) ASSERT_NEAR(sums.data()[i], expected.data()[i], 1e-6);
 }
 
 TEST_F(DataTerm, MergingKeepsWeightsAndMeans) {
   double merged = 0, seen = 0;
-  for (const CellSample& cell : data.cells) merged += cell.weight;
+  for (const CellRow& cells : data.rows)
+    for (const float w : cells.weight) merged += w;
   for (const uint32_t row : where.cell_row) seen += row != 0 ? 0.75 : 0;
   EXPECT_NEAR(merged, seen, 1e-4);
 }
 
-TEST_F(DataTerm, DoesNotDependOnThreads) {
+class DataTermOn : public DataTerm, public testing::WithParamInterface<BackEnd> {};
+
+TEST_P(DataTermOn, GivesTheSameBits) {
   const RowArray phi = random_array(band, 7);
   const RowArray expected = gradient(phi, true);
-  const Parallel three(3);
+  const ForcedTarget target(GetParam().target);
+  const Parallel parallel(GetParam().threads);
   RowArray out = band.make_array();
-  add_data_term(band, merge(samples, where, band, weight, samples.direction, {0.3f, 0.8f}, three), phi, true, out,
-                three);
+  add_data_term(band, merge(samples, where, band, weight, samples.direction, {0.3f, 0.8f}, parallel), phi, true, 1, out,
+                parallel);
   for (size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out.data()[i], expected.data()[i]);
 }
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, DataTermOn, testing::ValuesIn(back_ends()), back_end_name);
 
 TEST(RobustWeight, FallsFromOneWithTheResidual) {
   for (const Penalty penalty : {Penalty::least_squares, Penalty::huber, Penalty::geman_mcclure, Penalty::tukey}) {

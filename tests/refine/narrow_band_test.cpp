@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "refine/band_support.h"
+#include "soapfilm/refine/multilevel.h"
+#include "support/back_ends.h"
 
 namespace soapfilm {
 namespace {
@@ -21,14 +23,20 @@ Dense<double> dense(const NarrowBand& band, const RowArray& array) {
   return values;
 }
 
+/// 1 on the band.
+RowArray members(const NarrowBand& band) {
+  RowArray ones = band.make_array();
+  for (size_t i = 0; i < ones.size(); ++i)
+    ones.data()[i] = static_cast<float>(band.mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1);
+  return ones;
+}
+
 TEST(NarrowBand, LaplacianIsTheDenseGraphLaplacian) {
   const NarrowBand band = random_band(3, 0.6, 1);
-  RowArray members = band.make_array(), out = band.make_array();
-  for (size_t i = 0; i < members.size(); ++i)
-    members.data()[i] = static_cast<float>(band.mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1);
+  RowArray out = band.make_array();
   const RowArray v = random_array(band, 2);
   apply_laplacian(band, v, 0.5f, 2, out, one_thread);
-  const Dense<double> in_band = dense(band, members), values = dense(band, v), result = dense(band, out);
+  const Dense<double> in_band = dense(band, members(band)), values = dense(band, v), result = dense(band, out);
   in_band.for_each([&](Vec3i at) {
     if (in_band[at] == 0) return;
     double sum = 0, degree = 0;
@@ -48,10 +56,9 @@ TEST(NarrowBand, LaplacianIsSymmetricAndPositiveAndForgetsConstants) {
   apply_laplacian(band, b, 0, 1, gb, one_thread);
   EXPECT_NEAR(dot(ga, b, one_thread), dot(a, gb, one_thread), 1e-4 * dot(a, ga, one_thread));
   EXPECT_GT(dot(a, ga, one_thread), 0);
-  RowArray constant = band.make_array();
-  for (size_t i = 0; i < constant.size(); ++i)
-    constant.data()[i] = static_cast<float>(band.mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1);
-  apply_laplacian(band, constant, 0, 1, ga, one_thread);
+  const double energy = 0.5 * dot(a, ga, one_thread) + 2 * dot(ga, ga, one_thread);
+  EXPECT_NEAR(apply_laplacian(band, a, 0.5f, 2, gb, one_thread), energy, 1e-5 * energy);
+  apply_laplacian(band, members(band), 0, 1, ga, one_thread);
   EXPECT_EQ(dot(ga, ga, one_thread), 0);
 }
 
@@ -61,30 +68,49 @@ TEST(NarrowBand, MultilevelTransfersAreAdjointAndKeepConstants) {
   const RowArray fine = random_array(band, 7), up = random_array(coarse.band(), 8);
   RowArray down = coarse.band().make_array(), prolonged = band.make_array();
   coarse.restrict_to(band, fine, down, one_thread);
-  coarse.prolong_add(band, up, prolonged, one_thread);
+  const RowArray inverse = members(band), zero = band.make_array();
+  coarse.prolong_onto(band, up, inverse, zero, prolonged, one_thread);
   EXPECT_NEAR(dot(down, up, one_thread), dot(fine, prolonged, one_thread), 1e-3);
 
-  RowArray ones = coarse.band().make_array();
-  for (size_t i = 0; i < ones.size(); ++i)
-    ones.data()[i] = static_cast<float>(coarse.band().mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1);
-  prolonged = band.make_array();
-  coarse.prolong_add(band, ones, prolonged, one_thread);
-  for (size_t i = 8; i < band.slots(); ++i)
-    ASSERT_EQ(prolonged.data()[i], static_cast<float>(band.mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1));
+  coarse.prolong_onto(band, members(coarse.band()), inverse, fine, prolonged, one_thread);
+  for (size_t i = 8; i < band.slots(); ++i) ASSERT_EQ(prolonged.data()[i], fine.data()[i] + inverse.data()[i]);
 }
 
 TEST(NarrowBand, MultilevelIsSymmetricPositiveDefinite) {
   const NarrowBand band = random_band(3, 0.5, 9);
   Multilevel multilevel(band, one_thread);
   const RowArray a = random_array(band, 10), b = random_array(band, 11);
-  RowArray diagonal = band.make_array(), ma = band.make_array(), mb = band.make_array();
-  for (size_t i = 0; i < diagonal.size(); i += 3) diagonal.data()[i] = 0.5f;
-  multilevel.set_operator(diagonal, 0.01f, 0.1f, one_thread);
-  multilevel.apply(a, ma, one_thread);
-  multilevel.apply(b, mb, one_thread);
-  EXPECT_GT(dot(a, ma, one_thread), 0);
-  EXPECT_NEAR(dot(ma, b, one_thread), dot(a, mb, one_thread), 1e-4 * dot(a, ma, one_thread));
+  RowArray weights = band.make_array(), ma = band.make_array(), mb = band.make_array(), work = band.make_array();
+  for (size_t i = 0; i < weights.size(); i += 3) weights.data()[i] = 0.5f;
+  multilevel.set_operator(weights, 0.01f, 0.1f, one_thread);
+  const double energy = multilevel.apply(a, ma, work, one_thread);
+  multilevel.apply(b, mb, work, one_thread);
+  EXPECT_GT(energy, 0);
+  EXPECT_NEAR(dot(a, ma, one_thread), energy, 1e-5 * energy);
+  EXPECT_NEAR(dot(ma, b, one_thread), dot(a, mb, one_thread), 1e-4 * energy);
 }
+
+class RowsOn : public testing::TestWithParam<BackEnd> {};
+
+TEST_P(RowsOn, GiveTheSameBits) {
+  const NarrowBand band = random_band(4, 0.7, 12);
+  const RowArray a = random_array(band, 13);
+  RowArray weights = band.make_array();
+  for (size_t i = 0; i < weights.size(); i += 3) weights.data()[i] = 0.5f;
+  const auto run = [&](const Parallel& parallel) {
+    Multilevel multilevel(band, parallel);
+    multilevel.set_operator(weights, 0.01f, 3, parallel);
+    RowArray out = band.make_array(), work = band.make_array(), next = band.make_array();
+    const double first = multilevel.apply(a, out, work, parallel);
+    const double second = apply_laplacian(band, out, 0.3f, 2, next, parallel);
+    return std::tuple(std::vector<float>(next.data(), next.data() + next.size()), first, second);
+  };
+  const auto expected = run(one_thread);
+  const ForcedTarget target(GetParam().target);
+  EXPECT_EQ(run(Parallel(GetParam().threads)), expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, RowsOn, testing::ValuesIn(back_ends()), back_end_name);
 
 }  // namespace
 }  // namespace soapfilm

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 namespace soapfilm {
@@ -48,28 +49,6 @@ Jet jet(const std::array<float, 8>& v, Vec3f f) {
   return {mix(y0, y1, f.z), {dx, mix(x10 - x00, x11 - x01, f.z), y1 - y0}};
 }
 
-/// Trilinear weights of a cell's corners at a point, and their derivatives.
-struct Trilinear {
-  std::array<float, 8> value, x, y, z;
-
-  explicit Trilinear(Vec3f f) {
-    const float wx[2] = {1 - f.x, f.x}, wy[2] = {1 - f.y, f.y}, wz[2] = {1 - f.z, f.z};
-    for (size_t k = 0; k < 8; ++k) {
-      const float bx = wx[k & 1], by = wy[k >> 1 & 1], bz = wz[k >> 2];
-      value[k] = bx * by * bz;
-      x[k] = k & 1 ? by * bz : -(by * bz);
-      y[k] = k & 2 ? bx * bz : -(bx * bz);
-      z[k] = k & 4 ? bx * by : -(bx * by);
-    }
-  }
-  /// Weights of the derivative along a vector.
-  std::array<float, 8> along(Vec3f n) const {
-    std::array<float, 8> d;
-    for (size_t k = 0; k < 8; ++k) d[k] = n.x * x[k] + n.y * y[k] + n.z * z[k];
-    return d;
-  }
-};
-
 Vec3f fraction_of(Vec3f local) {
   const auto part = [](float q) { return q - static_cast<float>(std::min(static_cast<int>(q), 7)); };
   return {part(local.x), part(local.y), part(local.z)};
@@ -95,68 +74,76 @@ BandSamples locate(const GridSamples& samples, const NarrowBand& band, const Par
   return where;
 }
 
+namespace {
+
+/// Adds a brick's samples to the rows of cells that hold them; `first` is the brick's first.
+void merge_brick(const GridSamples& samples, const BandSamples& where, const NarrowBand& band, size_t brick,
+                 std::span<const float> weight, std::span<const Vec3f> normal,
+                 const std::array<uint8_t, brick_area>& at, CellRow* first) {
+  for (uint32_t s = samples.begin[brick]; s < samples.begin[brick + 1]; ++s) {
+    if (where.cell_row[s] == 0 || weight[s] <= 0) continue;
+    CellRow& cells = first[at[static_cast<size_t>(band.place(where.cell_row[s]))]];
+    const size_t x = where.cell_x[s];
+    const Vec3f fraction = fraction_of(samples.local[s]);
+    for (int axis = 0; axis < 3; ++axis) {
+      cells.fraction[axis][x] += weight[s] * fraction[axis];
+      cells.normal[axis][x] += weight[s] * normal[s][axis];
+    }
+    cells.weight[x] += weight[s];
+  }
+}
+
+/// From sums to means.
+size_t divide_by_weight(CellRow& cells) {
+  size_t count = 0;
+  for (size_t x = 0; x < brick_side; ++x) {
+    if (cells.weight[x] <= 0) continue;
+    ++count;
+    for (int axis = 0; axis < 3; ++axis) {
+      cells.fraction[axis][x] /= cells.weight[x];
+      cells.normal[axis][x] /= cells.weight[x];
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
 CellSamples merge(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
                   std::span<const float> weight, std::span<const Vec3f> normal, DataWeights weights,
                   const Parallel& parallel) {
-  struct Sums {
-    Vec3f position, normal;
-    float weight = 0;
-  };
-  struct Brick {
-    std::vector<CellSample> cells;
-    std::vector<std::pair<uint32_t, uint8_t>> place;
-  };
-  std::vector<Brick> bricks(samples.bricks.size());
-  parallel.for_chunks(bricks.size(), 32, [&](size_t first, size_t last) {
-    std::array<Sums, brick_volume> sums;
-    for (size_t b = first; b < last; ++b) {
-      sums.fill({});
-      std::array<uint64_t, brick_side> touched{};
-      for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
-        if (where.cell_row[s] == 0 || weight[s] <= 0) continue;
-        const auto cell = static_cast<size_t>(where.cell_x[s] + brick_side * band.place(where.cell_row[s]));
-        Sums& sum = sums[cell];
-        sum.position += weight[s] * fraction_of(samples.local[s]);
-        sum.normal += weight[s] * normal[s];
-        sum.weight += weight[s];
-        touched[cell / 64] |= uint64_t{1} << (cell % 64);
-      }
-      const int32_t brick = band.grid().find(samples.bricks.coord(b));
-      for (size_t cell = 0; cell < brick_volume; ++cell) {
-        if (!(touched[cell / 64] >> (cell % 64) & 1)) continue;
-        const Sums& sum = sums[cell];
-        bricks[b].cells.push_back({sum.position / sum.weight, sum.weight, sum.normal / sum.weight,
-                                   weights.normal * sum.weight, weights.slope * sum.weight});
-        bricks[b].place.emplace_back(band.row(brick, static_cast<int>(cell >> 3 & 7), static_cast<int>(cell >> 6)),
-                                     cell & 7);
-      }
-    }
+  const size_t bricks = samples.bricks.size();
+  std::vector<uint64_t> touched(bricks);  // rows of each brick that hold a sample
+  parallel.for_each(bricks, 32, [&](size_t b) {
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
+      if (where.cell_row[s] != 0 && weight[s] > 0) touched[b] |= uint64_t{1} << band.place(where.cell_row[s]);
   });
-
   CellSamples merged;
-  size_t total = 0;
-  for (const Brick& brick : bricks) total += brick.cells.size();
-  merged.cells.reserve(total);
-  merged.x.reserve(total);
-  merged.begin.assign(band.rows() + 2, 0);
-  for (const Brick& brick : bricks) {
-    merged.cells.insert(merged.cells.end(), brick.cells.begin(), brick.cells.end());
-    for (const auto& [row, x] : brick.place) {
-      merged.x.push_back(x);
-      ++merged.begin[row + 1];
+  merged.weights = weights;
+  merged.layer.resize(static_cast<size_t>(band.grid().bricks().z) + 1);
+  std::vector<size_t> first(bricks + 1);
+  for (size_t b = 0; b < bricks; ++b) {
+    const int32_t brick = band.grid().find(samples.bricks.coord(b));
+    for (uint64_t bits = touched[b]; bits != 0; bits &= bits - 1) {
+      const int place = std::countr_zero(bits);
+      merged.row.push_back(band.row(brick, place & 7, place >> 3));
     }
+    first[b + 1] = merged.row.size();
+    merged.layer[static_cast<size_t>(samples.bricks.coord(b).z) + 1] = merged.row.size();
   }
-  merged.stencil.resize(total);
-  parallel.for_each(total, cells_per_task, [&](size_t c) {
-    const Trilinear t(merged.cells[c].fraction);
-    merged.stencil[c] = {t.value, t.along(merged.cells[c].normal)};
+  for (size_t z = 1; z < merged.layer.size(); ++z) merged.layer[z] = std::max(merged.layer[z], merged.layer[z - 1]);
+
+  merged.rows.resize(merged.row.size());
+  std::vector<size_t> counts(bricks);
+  parallel.for_each(bricks, 32, [&](size_t b) {
+    std::array<uint8_t, brick_area> at{};
+    uint8_t next = 0;
+    for (uint64_t bits = touched[b]; bits != 0; bits &= bits - 1)
+      at[static_cast<size_t>(std::countr_zero(bits))] = next++;
+    merge_brick(samples, where, band, b, weight, normal, at, merged.rows.data() + first[b]);
+    for (size_t k = first[b]; k < first[b + 1]; ++k) counts[b] += divide_by_weight(merged.rows[k]);
   });
-  for (size_t r = 0; r + 1 < merged.begin.size(); ++r) merged.begin[r + 1] += merged.begin[r];
-  for (size_t b = 0; b < band.grid().size(); ++b) {
-    const Vec3i c = band.grid().coord(b);
-    if (merged.begin[band.first_row(b + 1)] > merged.begin[band.first_row(b)])
-      merged.colors[static_cast<size_t>((c.x & 1) + 2 * (c.y & 1) + 4 * (c.z & 1))].push_back(static_cast<uint32_t>(b));
-  }
+  for (const size_t count : counts) merged.count += count;
   return merged;
 }
 
@@ -175,59 +162,50 @@ std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples
 
 namespace {
 
-float product(const std::array<float, 8>& a, const std::array<float, 8>& b) {
-  return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) +
-         ((a[4] * b[4] + a[5] * b[5]) + (a[6] * b[6] + a[7] * b[7]));
-}
-
-/// Calls visit(cell, its stencil, its corners) for all cells. Bricks of one colour (the parity of their coordinates)
-/// touch no common vertex: they may add to their corners at the same time, and the order of the sums is fixed.
+/// Calls visit(index of a row of cells) for all of them, layer of bricks by layer; the visits of a layer in order.
+/// Every second layer touches no common vertex: they may add to their corners at the same time, and the order of the
+/// sums is fixed. visit returns a number; the sum of all is returned.
 template <class Visit>
-void for_each_cell(const NarrowBand& band, const CellSamples& data, const Parallel& parallel, Visit&& visit) {
-  for (const std::vector<uint32_t>& bricks : data.colors)
-    parallel.for_each(bricks.size(), 16, [&](size_t i) {
-      for (uint32_t r = band.first_row(bricks[i]); r < band.first_row(bricks[i] + 1); ++r)
-        if (data.begin[r] < data.begin[r + 1]) {
-          const CellRows rows = rows_of(band, r);
-          for (uint32_t c = data.begin[r]; c < data.begin[r + 1]; ++c)
-            visit(data.cells[c], data.stencil[c], corners_of(band, rows, data.x[c]));
-        }
+double for_each_cell_row(const CellSamples& data, const Parallel& parallel, Visit&& visit) {
+  std::vector<double> sums(data.layer.size() - 1);
+  for (size_t parity = 0; parity < 2; ++parity)
+    parallel.for_each((sums.size() + 1 - parity) / 2, 1, [&](size_t i) {
+      const size_t layer = 2 * i + parity;
+      for (size_t k = data.layer[layer]; k < data.layer[layer + 1]; ++k) sums[layer] += visit(k);
     });
+  double total = 0;
+  for (const double sum : sums) total += sum;
+  return total;
 }
 
 }  // namespace
 
-void add_data_term(const NarrowBand& band, const CellSamples& data, const RowArray& v, bool affine, RowArray& out,
-                   const Parallel& parallel) {
-  for_each_cell(
-      band, data, parallel, [&](const CellSample& cell, const CellSamples::Stencil& stencil, const Corners& corners) {
-        std::array<float, 8> values;
-        for (size_t k = 0; k < 8; ++k) values[k] = v.data()[corners.slot[k]];
-        const float value = cell.weight * product(stencil.value, values);
-        const float slope = (cell.slope_weight - cell.normal_weight) *
-                            (product(stencil.along, values) + (affine ? dot(cell.normal, cell.normal) : 0.0f));
-        std::array<float, 8> sum;
-        for (size_t k = 0; k < 8; ++k) sum[k] = value * stencil.value[k] + slope * stencil.along[k];
-        if (cell.normal_weight > 0) {
-          const Trilinear t(cell.fraction);
-          Vec3f g{product(t.x, values), product(t.y, values), product(t.z, values)};
-          if (affine) g += cell.normal;
-          g = cell.normal_weight * g;
-          for (size_t k = 0; k < 8; ++k) sum[k] += g.x * t.x[k] + g.y * t.y[k] + g.z * t.z[k];
-        }
-        for (size_t k = 0; k < 8; ++k) out.data()[corners.slot[k]] += sum[k];
-      });
+double add_data_term(const NarrowBand& band, const CellSamples& data, const RowArray& v, bool affine, float scale,
+                     RowArray& out, const Parallel& parallel) {
+  const RowKernel kernel = row_kernel();
+  return for_each_cell_row(data, parallel, [&](size_t k) {
+    const CellRows rows = rows_of(band, data.row[k]);
+    CellRows right;
+    for (size_t i = 0; i < 4; ++i) right[i] = band.neighbors(rows[i])[1];
+    return kernel.data_term({&data.rows[k], rows, right, data.weights.normal, data.weights.slope, affine, scale},
+                            v.data(), out.data());
+  });
 }
 
-void add_data_diagonal(const NarrowBand& band, const CellSamples& data, RowArray& out, const Parallel& parallel) {
-  for_each_cell(
-      band, data, parallel, [&](const CellSample& cell, const CellSamples::Stencil& stencil, const Corners& corners) {
-        const Trilinear t(cell.fraction);
-        const float gradient = 2 * std::max(cell.normal_weight, cell.slope_weight);
-        for (size_t k = 0; k < 8; ++k)  // |d_x b| sums to 2 over the corners, and so for y and z
-          out.data()[corners.slot[k]] +=
-              cell.weight * stencil.value[k] + gradient * (std::abs(t.x[k]) + std::abs(t.y[k]) + std::abs(t.z[k]));
-      });
+void add_position_weights(const NarrowBand& band, const CellSamples& data, RowArray& out, const Parallel& parallel) {
+  for_each_cell_row(data, parallel, [&](size_t k) {
+    const CellRow& cells = data.rows[k];
+    const CellRows rows = rows_of(band, data.row[k]);
+    for (size_t x = 0; x < brick_side; ++x) {
+      if (cells.weight[x] <= 0) continue;
+      const Corners corners = corners_of(band, rows, static_cast<int>(x));
+      const float fx = cells.fraction[0][x], fy = cells.fraction[1][x], fz = cells.fraction[2][x];
+      for (size_t c = 0; c < 8; ++c)
+        out.data()[corners.slot[c]] +=
+            cells.weight[x] * (c & 1 ? fx : 1 - fx) * (c & 2 ? fy : 1 - fy) * (c & 4 ? fz : 1 - fz);
+    }
+    return 0.0;
+  });
 }
 
 }  // namespace soapfilm

@@ -16,13 +16,13 @@ struct Smoothness {
 
 struct SolveLimits {
   int iterations = 12;
-  double tolerance = 3e-2;  ///< of the residual, in the preconditioner's norm, relative to the first one
+  double tolerance = 0.1;  ///< of the residual, in the preconditioner's norm, relative to the first one
 };
 
 /// Minimises, over delta on the band,
 ///   E = data term of CellSamples (phi) + beta <delta, G delta> + gamma |G delta - k|^2,
 /// phi = phi0 + delta, k = laplacian phi0 where all six neighbours are in the band and 0 elsewhere (there delta alone
-/// is kept from bending, so that the band's rim pulls nothing). Conjugate gradients, multilevel preconditioner.
+/// is kept from bending, so that the band's rim pulls nothing). Conjugate gradients, multigrid preconditioner.
 class Displacement {
  public:
   Displacement(const NarrowBand& band, const RowArray& phi0, const Parallel& parallel);

@@ -61,20 +61,66 @@ BrickMask inside_bricks(const Level& level, float threshold) {
   return inside;
 }
 
-void smooth_window(const Window<float, surface_margin>& in, float* out) {
-  constexpr int side = Window<float, surface_margin>::side;
-  std::array<float, static_cast<size_t>(side) * side * brick_side> after_x;
-  for (int row = 0; row < side * side; ++row)
-    filter_row(&in.values[static_cast<size_t>(row * side + surface_margin)], 1, smoothing_taps,
-               &after_x[static_cast<size_t>(row * brick_side)]);
-  std::array<float, static_cast<size_t>(side) * brick_area> after_y;
+/// u > threshold in the level's bricks: a byte per row, bit x for vertex x.
+std::vector<uint8_t> inside_bits(const Level& level, float threshold, const Parallel& parallel) {
+  std::vector<uint8_t> bits(level.grid.size() * brick_area);
+  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
+    const float* u = level.u.brick(b);
+    for (size_t row = 0; row < brick_area; ++row, u += brick_side) {
+      unsigned byte = 0;
+      for (unsigned x = 0; x < brick_side; ++x) byte |= static_cast<unsigned>(u[x] > threshold) << x;
+      bits[b * brick_area + row] = static_cast<uint8_t>(byte);
+    }
+  });
+  return bits;
+}
+
+/// The filter of section 4.1 has taps of whole 27ths: exact in integers.
+constexpr std::array<int, 7> whole_taps = {1, 3, 6, 7, 6, 3, 1};
+
+/// Filtered along x: four outputs from ten vertices, as bits from 3 below the first output on.
+constexpr auto filtered_x = [] {
+  std::array<std::array<uint8_t, 4>, 1 << 10> table{};
+  for (size_t bits = 0; bits < table.size(); ++bits)
+    for (size_t x = 0; x < 4; ++x) {
+      int sum = 0;
+      for (size_t j = 0; j < 7; ++j) sum += (bits >> (x + j) & 1) ? whole_taps[j] : 0;
+      table[bits][x] = static_cast<uint8_t>(sum);
+    }
+  return table;
+}();
+
+/// Smooths the indicator on a brick; around[slot] are the 64 rows of the 27 bricks around it.
+void smooth_brick(const std::array<const uint8_t*, 27>& around, float* out) {
+  constexpr int reach = smoothing_reach, side = brick_side + 2 * reach;
+  std::array<std::array<uint16_t, brick_side>, side * side> after_x;
+  for (int z = -reach; z < brick_side + reach; ++z)
+    for (int y = -reach; y < brick_side + reach; ++y) {
+      const uint8_t* const* along = &around[static_cast<size_t>(neighbor_slot(-1, y >> 3, z >> 3))];
+      const int row = (y & 7) + brick_side * (z & 7);
+      const unsigned bits = along[0][row] >> (brick_side - reach) | unsigned{along[1][row]} << reach |
+                            unsigned{along[2][row]} << (8 + reach);
+      auto& to = after_x[static_cast<size_t>((z + reach) * side + y + reach)];
+      for (size_t x = 0; x < 4; ++x) {
+        to[x] = filtered_x[bits & 0x3ff][x];
+        to[x + 4] = filtered_x[bits >> 4 & 0x3ff][x];
+      }
+    }
+  const auto filter = [](const std::array<uint16_t, brick_side>* in, int stride, uint16_t* to) {
+    for (size_t x = 0; x < brick_side; ++x)
+      to[x] = static_cast<uint16_t>(7 * in[3 * stride][x] + 6 * (in[2 * stride][x] + in[4 * stride][x]) +
+                                    3 * (in[stride][x] + in[5 * stride][x]) + (in[0][x] + in[6 * stride][x]));
+  };
+  std::array<std::array<uint16_t, brick_side>, side * brick_side> after_y;
   for (int z = 0; z < side; ++z)
     for (int y = 0; y < brick_side; ++y)
-      filter_row(&after_x[static_cast<size_t>((z * side + y + surface_margin) * brick_side)], brick_side,
-                 smoothing_taps, &after_y[static_cast<size_t>(z * brick_area + y * brick_side)]);
-  for (int row = 0; row < brick_area; ++row)
-    filter_row(&after_y[static_cast<size_t>(surface_margin * brick_area + row * brick_side)], brick_area,
-               smoothing_taps, out + row * brick_side);
+      filter(&after_x[static_cast<size_t>(z * side + y)], 1, after_y[static_cast<size_t>(z * brick_side + y)].data());
+  for (int row = 0; row < brick_area; ++row) {
+    uint16_t sum[brick_side];
+    filter(&after_y[static_cast<size_t>(row)], brick_side, sum);
+    for (int x = 0; x < brick_side; ++x)
+      out[row * brick_side + x] = static_cast<float>(sum[x]) * (1.0f / (27 * 27 * 27));
+  }
 }
 
 }  // namespace
@@ -92,26 +138,23 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Paral
   field.inside = inside_bricks(level, threshold);
   field.grid = BrickGrid(mask, parallel);
   field.value = Field<float>(field.grid);
-  parallel.for_chunks(field.grid.size(), 64, [&](size_t begin, size_t end) {
-    Window<float, surface_margin> window;
-    for (size_t b = begin; b < end; ++b) {
-      const Vec3i coord = field.grid.coord(b);
-      std::array<int32_t, 27> in_level;
-      for (int slot = 0; slot < 27; ++slot)
-        in_level[static_cast<size_t>(slot)] = level.grid.find(coord + slot_offset(slot));
-      fill_window(
-          field.grid, b,
-          [&](int slot, int32_t) {
-            const int32_t n = in_level[static_cast<size_t>(slot)];
-            return n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr;
-          },
-          [&](int slot, int32_t) {
-            return level.missing_u(in_level[static_cast<size_t>(slot)], coord + slot_offset(slot));
-          },
-          window);
-      for (float& value : window.values) value = value > threshold ? 1.0f : 0.0f;
-      smooth_window(window, field.value.brick(b));
+  static constexpr std::array<uint8_t, brick_area> none = {};
+  static constexpr auto all = [] {
+    std::array<uint8_t, brick_area> rows{};
+    rows.fill(0xff);
+    return rows;
+  }();
+  const std::vector<uint8_t> bits = inside_bits(level, threshold, parallel);
+  parallel.for_each(field.grid.size(), 64, [&](size_t b) {
+    std::array<const uint8_t*, 27> around;
+    for (int slot = 0; slot < 27; ++slot) {
+      const Vec3i brick = field.grid.coord(b) + slot_offset(slot);
+      const int32_t n = level.grid.find(brick);
+      around[static_cast<size_t>(slot)] = n >= 0 ? &bits[static_cast<size_t>(n) * brick_area]
+                                          : level.missing_u(n, brick) > threshold ? all.data()
+                                                                                  : none.data();
     }
+    smooth_brick(around, field.value.brick(b));
   });
   return field;
 }

@@ -1,7 +1,7 @@
 #include "soapfilm/refine/multilevel.h"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace soapfilm {
 
@@ -9,12 +9,8 @@ namespace {
 
 constexpr size_t coarsest_rows = 64;
 constexpr size_t most_levels = 8;
-constexpr float least_extent = 1e-6f;
-constexpr float coarse_diagonal = 2;  // levels overlap: their sum would count twice
-
-const NarrowBand& band_of(const NarrowBand& fine, const std::vector<CoarseBand>& levels, size_t level) {
-  return level == 0 ? fine : levels[level - 1].band();
-}
+constexpr int coarsest_steps = 8;
+constexpr float damping = 0.8f;
 
 /// Bits of the coarse vertices that a fine row's vertices interpolate from, from coarse vertex 4 (brick's x) on.
 unsigned coarse_bits(unsigned fine_mask) {
@@ -29,6 +25,12 @@ template <class Visit>
 void for_each_parent(int fine, Visit&& visit) {
   visit(fine >> 1, fine & 1 ? 0.5f : 1.0f);
   if (fine & 1) visit((fine >> 1) + 1, 0.5f);
+}
+
+void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Parallel& parallel) {
+  parallel.for_chunks(a.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) out.data()[i] = a.data()[i] * b.data()[i];
+  });
 }
 
 }  // namespace
@@ -82,143 +84,141 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
 
 void CoarseBand::restrict_to(const NarrowBand& fine, const RowArray& from, RowArray& coarse,
                              const Parallel& parallel) const {
-  const auto at = [&](uint32_t row) { return from.data() + static_cast<size_t>(row) * brick_side; };
+  const RowKernel kernel = row_kernel();
   parallel.for_each(band_.grid().size(), 32, [&](size_t b) {
-    const auto child = [&](int x, int y, int z) {
-      return fine.row(children_[b][static_cast<size_t>(neighbor_slot(x, y >> 3, z >> 3))], y & 7, z & 7);
-    };
+    std::array<const uint32_t*, 27> rows_of;
+    for (size_t slot = 0; slot < 27; ++slot) rows_of[slot] = fine.rows_of(children_[b][slot]);
     for (uint32_t r = band_.first_row(b); r < band_.first_row(b + 1); ++r) {
-      const int y = band_.place(r) & 7, z = band_.place(r) >> 3;
-      float sum[17] = {};  // fine x from -1 to 15
-      for (int dz = -1; dz <= 1; ++dz)
-        for (int dy = -1; dy <= 1; ++dy) {
-          const float weight = (dy ? 0.5f : 1.0f) * (dz ? 0.5f : 1.0f);
-          const int fy = 2 * y + dy, fz = 2 * z + dz;
-          sum[0] += weight * at(child(-1, fy, fz))[7];
-          for (int part = 0; part < 2; ++part) {
-            const uint32_t row = child(part, fy, fz);
-            if (row == 0) continue;
-            const float* values = at(row);
-            float* to = sum + 1 + 8 * part;
-            for (int x = 0; x < brick_side; ++x) to[x] += weight * values[x];
-          }
+      const int y = 2 * (band_.place(r) & 7), z = 2 * (band_.place(r) >> 3);
+      TransferRows rows;
+      size_t k = 0;
+      for (int fz = z - 1; fz <= z + 1; ++fz)
+        for (int fy = y - 1; fy <= y + 1; ++fy, ++k) {
+          const uint32_t* const* along = &rows_of[static_cast<size_t>(neighbor_slot(-1, fy >> 3, fz >> 3))];
+          const int place = (fy & 7) + brick_side * (fz & 7);
+          rows.below[k] = along[0][place];
+          rows.first[k] = along[1][place];
+          rows.second[k] = along[2][place];
         }
-      float* to = coarse.data() + static_cast<size_t>(r) * brick_side;
-      for (int x = 0; x < brick_side; ++x) {
-        const float value = sum[2 * x + 1] + 0.5f * (sum[2 * x] + sum[2 * x + 2]);
-        to[x] = band_.mask(r) >> x & 1 ? value : 0.0f;
-      }
+      kernel.restrict_row(from.data(), rows, coarse.data() + size_t{r} * brick_side);
     }
   });
 }
 
-void CoarseBand::prolong_add(const NarrowBand& fine, const RowArray& coarse, RowArray& to,
-                             const Parallel& parallel) const {
-  const auto at = [&](uint32_t row) { return coarse.data() + static_cast<size_t>(row) * brick_side; };
+void CoarseBand::prolong_onto(const NarrowBand& fine, const RowArray& coarse, const RowArray& inverse,
+                              const RowArray& base, RowArray& to, const Parallel& parallel) const {
+  const RowKernel kernel = row_kernel();
   parallel.for_each(fine.grid().size(), 64, [&](size_t b) {
     if (fine.first_row(b) == fine.first_row(b + 1)) return;
     const Vec3i c = fine.grid().coord(b);
     const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
     const auto& around = band_.grid().neighbors(static_cast<size_t>(parent_[b]));
     for (uint32_t r = fine.first_row(b); r < fine.first_row(b + 1); ++r) {
-      float sum[5] = {};
-      for_each_parent(fine.place(r) >> 3, [&](int cz, float wz) {
-        for_each_parent(fine.place(r) & 7, [&](int cy, float wy) {
-          const int y = half.y + cy, z = half.z + cz;
-          const auto row = [&](int x) {
-            return at(band_.row(around[static_cast<size_t>(neighbor_slot(x, y >> 3, z >> 3))], y & 7, z & 7));
-          };
-          const float* low = row(0) + half.x;
-          for (int x = 0; x < 4; ++x) sum[x] += wy * wz * low[x];
-          sum[4] += wy * wz * (half.x == 0 ? low[4] : row(1)[0]);
-        });
-      });
-      float* out = to.data() + static_cast<size_t>(r) * brick_side;
-      const unsigned mask = fine.mask(r);
-      for (int x = 0; x < brick_side; ++x) {
-        const float value = x & 1 ? 0.5f * (sum[x / 2] + sum[x / 2 + 1]) : sum[x / 2];
-        out[x] += mask >> x & 1 ? value : 0.0f;
+      const int place = fine.place(r);
+      const size_t i = size_t{r} * brick_side;
+      ProlongJob job{{}, {}, inverse.data() + i, base.data() + i, to.data() + i};
+      for (int k = 0; k < 4; ++k) {
+        const int y = half.y + ((place & 7) + (k & 1)) / 2, z = half.z + ((place >> 3) + (k >> 1)) / 2;
+        const auto row = [&](int x) {
+          return coarse.data() +
+                 size_t{band_.row(around[static_cast<size_t>(neighbor_slot(x, y >> 3, z >> 3))], y & 7, z & 7)} *
+                     brick_side;
+        };
+        const auto n = static_cast<size_t>(k);
+        job.first[n] = row(0) + half.x;
+        job.last[n] = half.x == 0 ? job.first[n] + 4 : row(1);
       }
+      kernel.prolong_row(job);
     }
   });
 }
 
-Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel) : fine_(fine) {
-  inverse_.push_back(fine.make_array());
-  while (band_of(fine, levels_, levels_.size()).rows() > coarsest_rows && levels_.size() < most_levels) {
-    const NarrowBand& finer = band_of(fine, levels_, levels_.size());
-    RowArray ones;
-    if (levels_.empty()) {
-      ones = finer.make_array();
-      for (uint32_t r = 1; r <= finer.rows(); ++r)
-        for (int x = 0; x < brick_side; ++x)
-          ones.data()[static_cast<size_t>(r) * brick_side + static_cast<size_t>(x)] =
-              static_cast<float>(finer.mask(r) >> x & 1);
-    }
-    CoarseBand coarse(finer, parallel);
-    RowArray extent = coarse.band().make_array();
-    coarse.restrict_to(finer, levels_.empty() ? ones : extent_.back(), extent, parallel);
-    extent_.push_back(std::move(extent));
-    inverse_.push_back(coarse.band().make_array());
-    residual_.push_back(coarse.band().make_array());
-    levels_.push_back(std::move(coarse));
+Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel)
+    : fine_(fine), inverse_(fine.make_array()), work_(fine.make_array()) {
+  RowArray ones = fine.make_array();
+  for (uint32_t r = 1; r <= fine.rows(); ++r)
+    for (int x = 0; x < brick_side; ++x)
+      ones.data()[size_t{r} * brick_side + static_cast<size_t>(x)] = static_cast<float>(fine.mask(r) >> x & 1);
+  while (band(coarse_.size()).rows() > coarsest_rows && coarse_.size() < most_levels) {
+    const NarrowBand& finer = band(coarse_.size());
+    Coarse next;
+    next.coarse = CoarseBand(finer, parallel);
+    const NarrowBand& coarse = next.coarse.band();
+    for (RowArray* array : {&next.extent, &next.inverse, &next.b, &next.x, &next.work}) *array = coarse.make_array();
+    next.coarse.restrict_to(finer, coarse_.empty() ? ones : coarse_.back().extent, next.extent, parallel);
+    coarse_.push_back(std::move(next));
   }
 }
 
-void Multilevel::set_operator(const RowArray& data_diagonal, float beta, float gamma, const Parallel& parallel) {
-  const float root_gamma = std::sqrt(gamma), reaction = 0.5f * beta / root_gamma;
-  std::vector<RowArray> diagonal(levels_.size());
-  for (size_t l = 0; l <= levels_.size(); ++l) {
-    const NarrowBand& band = band_of(fine_, levels_, l);
-    if (l > 0) {
-      diagonal[l - 1] = band.make_array();
-      levels_[l - 1].restrict_to(band_of(fine_, levels_, l - 1), l == 1 ? data_diagonal : diagonal[l - 2],
-                                 diagonal[l - 1], parallel);
-    }
-    const RowArray& data = l == 0 ? data_diagonal : diagonal[l - 1];
-    const float diffusion = 6 * root_gamma / static_cast<float>(1 << (2 * l));
-    parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
-      for (size_t i = (begin + 1) * brick_side; i < (end + 1) * brick_side; ++i) {
-        const float value = data.data()[i];
-        float size = value + 6 * beta + 42 * gamma;
-        if (l > 0) {
-          const float extent = std::max(extent_[l - 1].data()[i], least_extent);
-          size = coarse_diagonal * extent * (std::sqrt(value / extent) + reaction + diffusion);
-        }
-        const float scale = 1 / size;
-        inverse_[l].data()[i] = band.mask(static_cast<uint32_t>(i / brick_side)) >> (i % brick_side) & 1 ? scale : 0.0f;
-      }
-    });
+void Multilevel::set_operator(const RowArray& position_weights, float beta, float gamma, const Parallel& parallel) {
+  diffusion_ = std::sqrt(gamma);
+  const float reaction = 0.5f * beta / diffusion_;
+  set_inverse(0, position_weights, reaction, parallel);
+  for (size_t l = 1; l <= coarse_.size(); ++l) {
+    Coarse& c = coarse_[l - 1];
+    c.coarse.restrict_to(band(l - 1), l == 1 ? position_weights : coarse_[l - 2].b, c.b, parallel);
+    set_inverse(l, c.b, reaction, parallel);
   }
 }
 
-namespace {
-
-void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Parallel& parallel) {
-  parallel.for_chunks(a.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) out.data()[i] = a.data()[i] * b.data()[i];
+void Multilevel::set_inverse(size_t level, const RowArray& weights, float reaction, const Parallel& parallel) {
+  const NarrowBand& band = this->band(level);
+  RowArray& inverse = level == 0 ? inverse_ : coarse_[level - 1].inverse;
+  const float* extent = level == 0 ? nullptr : coarse_[level - 1].extent.data();
+  const float diffusion = diffusion_ / static_cast<float>(1 << (2 * level));
+  // The sum of (e_i + e_j) / 2 over the neighbours is degree e_i - (G e)_i / 2.
+  if (level > 0) apply_laplacian(band, coarse_[level - 1].extent, 0, 1, inverse, parallel);
+  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
+    for (size_t i = (begin + 1) * brick_side; i < (end + 1) * brick_side; ++i) {
+      const auto degree = static_cast<float>(band.view().degree[i]);
+      const float e = extent ? extent[i] : 1, sum = extent ? degree * e - 0.5f * inverse.data()[i] : degree;
+      const float diagonal = diffusion * sum + std::sqrt(weights.data()[i] * e) + reaction * e;
+      const bool member = band.mask(static_cast<uint32_t>(i / brick_side)) >> (i % brick_side) & 1;
+      inverse.data()[i] = member ? damping / diagonal : 0.0f;
+    }
   });
 }
 
-}  // namespace
-
-void Multilevel::apply(const RowArray& r, RowArray& z, const Parallel& parallel) {
-  multiply(inverse_[0], r, z, parallel);
-  if (levels_.empty()) return;
-  levels_[0].restrict_to(fine_, r, residual_[0], parallel);
-  apply_root(parallel);
-  multiply(extent_[0], residual_[0], residual_[0], parallel);
-  apply_root(parallel);
-  levels_[0].prolong_add(fine_, residual_[0], z, parallel);
+double Multilevel::apply(const RowArray& r, RowArray& z, RowArray& work, const Parallel& parallel) {
+  cycle(0, r, work_, work, nullptr, parallel);
+  return cycle(0, work, work_, z, &r, parallel);
 }
 
-void Multilevel::apply_root(const Parallel& parallel) {
-  for (size_t l = 1; l < levels_.size(); ++l)
-    levels_[l].restrict_to(levels_[l - 1].band(), residual_[l - 1], residual_[l], parallel);
-  for (size_t l = levels_.size(); l > 0; --l) {
-    multiply(inverse_[l], residual_[l - 1], residual_[l - 1], parallel);
-    if (l < levels_.size()) levels_[l].prolong_add(levels_[l - 1].band(), residual_[l], residual_[l - 1], parallel);
+double Multilevel::cycle(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
+                         const Parallel& parallel) {
+  const NarrowBand& band = this->band(level);
+  const BandRows rows = band.view();
+  const RowKernel kernel = row_kernel();
+  CycleJob job{};
+  job.inverse = (level == 0 ? inverse_ : coarse_[level - 1].inverse).data();
+  job.extent = level == 0 ? nullptr : coarse_[level - 1].extent.data();
+  job.b = b.data();
+  job.diffusion = diffusion_ / static_cast<float>(1 << (2 * level));
+  job.omega = damping;
+  job.weight = weight ? weight->data() : nullptr;
+  const auto smooth = [&](const RowArray& from, RowArray& to) {
+    job.x = from.data();
+    job.out = to.data();
+    return sum_over_rows(band, parallel,
+                         [&](size_t begin, size_t end) { return kernel.smooth(rows, job, begin, end); });
+  };
+  if (level == coarse_.size()) {
+    multiply(level == 0 ? inverse_ : coarse_[level - 1].inverse, b, x, parallel);
+    double sum = 0;
+    for (int step = 0; step < coarsest_steps; step += 2) {
+      smooth(x, work);
+      sum = smooth(work, x);
+    }
+    return sum;
   }
+  job.out = x.data();
+  parallel.for_chunks(band.rows(), rows_per_task,
+                      [&](size_t begin, size_t end) { kernel.residual(rows, job, begin + 1, end + 1); });
+  Coarse& c = coarse_[level];
+  c.coarse.restrict_to(band, x, c.b, parallel);
+  cycle(level + 1, c.b, c.work, c.x, nullptr, parallel);
+  c.coarse.prolong_onto(band, c.x, level == 0 ? inverse_ : coarse_[level - 1].inverse, b, work, parallel);
+  return smooth(work, x);
 }
 
 }  // namespace soapfilm

@@ -1,5 +1,5 @@
-// A multilevel preconditioner on a narrow band (Bramble, Pasciak and Xu 1990): the sum over the levels of a diagonal
-// scaling, carried to and fro by trilinear interpolation. Coarse vertex I lies on fine vertex 2 I.
+// A multigrid preconditioner on a narrow band: V-cycles of a second-order root of the fourth-order system. Coarse
+// vertex I lies on fine vertex 2 I; transfers are trilinear.
 #pragma once
 
 #include <array>
@@ -13,13 +13,15 @@ namespace soapfilm {
 /// A band of every second vertex that holds all that interpolation to the finer band asks for.
 class CoarseBand {
  public:
+  CoarseBand() = default;
   CoarseBand(const NarrowBand& fine, const Parallel& parallel);
 
   const NarrowBand& band() const { return band_; }
-  /// coarse = P^T fine.
+  /// coarse = P^T from, which is 0 outside the fine band.
   void restrict_to(const NarrowBand& fine, const RowArray& from, RowArray& coarse, const Parallel& parallel) const;
-  /// fine += P coarse at the band's vertices.
-  void prolong_add(const NarrowBand& fine, const RowArray& coarse, RowArray& to, const Parallel& parallel) const;
+  /// to = inverse base + P coarse where inverse > 0, elsewhere 0.
+  void prolong_onto(const NarrowBand& fine, const RowArray& coarse, const RowArray& inverse, const RowArray& base,
+                    RowArray& to, const Parallel& parallel) const;
 
  private:
   NarrowBand band_;
@@ -27,26 +29,36 @@ class CoarseBand {
   std::vector<std::array<int32_t, 27>> children_;  ///< fine bricks around 2 B, by neighbor_slot()
 };
 
-/// An approximate inverse, symmetric positive definite, of A = data + beta G + gamma G^2: z = D^-1 r + P C M C P^T r. D
-/// is A's diagonal on the band, M the mass P^T P, lumped, and C the sum over the coarse levels of P_l D_l^-1 P_l^T with
-/// D_l the diagonal on level l of K = sqrt(gamma) G + sqrt(data) + beta / (2 sqrt(gamma)), so that K^2 is about A:
-/// trilinear functions suit the second-order K, for G^2 itself they are too rough.
+/// An approximate inverse, symmetric positive definite, of A = data + beta G + gamma G^2: two V-cycles, one after the
+/// other, of K = sqrt(gamma) G + sqrt(d) + beta / (2 sqrt(gamma)), so that K^2 is about A; d are the row sums of the
+/// positions' part of the data term. (For G^2 itself trilinear functions are too rough. The slopes' part matters across
+/// the band alone, where it is of the size of gamma G^2.) A coarse level's K has the weight of the fine vertices that
+/// it speaks for, its extent P^T 1. One damped Jacobi step before and one after each coarse correction.
 class Multilevel {
  public:
   Multilevel(const NarrowBand& fine, const Parallel& parallel);
 
-  /// `data_diagonal` bounds the data term's row sums; gamma > 0.
-  void set_operator(const RowArray& data_diagonal, float beta, float gamma, const Parallel& parallel);
-  void apply(const RowArray& r, RowArray& z, const Parallel& parallel);
+  /// gamma > 0.
+  void set_operator(const RowArray& position_weights, float beta, float gamma, const Parallel& parallel);
+  /// Returns <r, z>; `work` is overwritten.
+  double apply(const RowArray& r, RowArray& z, RowArray& work, const Parallel& parallel);
 
  private:
-  void apply_root(const Parallel& parallel);
+  struct Coarse {
+    CoarseBand coarse;
+    RowArray extent;      ///< P^T 1: fine vertices that a coarse one speaks for
+    RowArray inverse;     ///< as CycleJob has it
+    RowArray b, x, work;  ///< right side, solution
+  };
+  const NarrowBand& band(size_t level) const { return level == 0 ? fine_ : coarse_[level - 1].coarse.band(); }
+  void set_inverse(size_t level, const RowArray& weights, float reaction, const Parallel& parallel);
+  double cycle(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
+               const Parallel& parallel);
 
   const NarrowBand& fine_;
-  std::vector<CoarseBand> levels_;  ///< 1, 2, ...
-  std::vector<RowArray> extent_;    ///< P_l^T 1 of each coarse level: fine vertices that a coarse one speaks for
-  std::vector<RowArray> inverse_;   ///< D_l^-1, from level 0
-  std::vector<RowArray> residual_;  ///< of each coarse level
+  RowArray inverse_, work_;
+  std::vector<Coarse> coarse_;  ///< levels 1, 2, ...
+  float diffusion_ = 0;         ///< sqrt(gamma)
 };
 
 }  // namespace soapfilm

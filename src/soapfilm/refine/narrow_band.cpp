@@ -62,27 +62,11 @@ size_t NarrowBand::bytes() const {
          mask_.size() * (2 + sizeof(neighbors_[0]) + brick_side);
 }
 
-void apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
-                     const Parallel& parallel) {
-  const float* in = v.data();
-  const auto at = [in](uint32_t row) { return in + static_cast<size_t>(row) * brick_side; };
-  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
-    for (auto r = static_cast<uint32_t>(begin + 1); r <= end; ++r) {
-      const auto& n = band.neighbors(r);
-      const float* here = at(r);
-      const float *down_y = at(n[2]), *up_y = at(n[3]), *down_z = at(n[4]), *up_z = at(n[5]);
-      const uint8_t* degree = band.degree(r);
-      float* to = out.data() + static_cast<size_t>(r) * brick_side;
-      const auto result = [&](int x, float below, float above) {
-        const auto d = static_cast<float>(degree[x]);
-        const float sum = (below + above) + ((down_y[x] + up_y[x]) + (down_z[x] + up_z[x]));
-        return (weight_v * here[x] + weight_g * (d * here[x] - sum)) * std::min(d, 1.0f);  // 0 outside the band
-      };
-      // All lanes at once, as if the row's neighbours in memory were its neighbours in space; then the ends again.
-      for (int x = 0; x < brick_side; ++x) to[x] = result(x, here[x - 1], here[x + 1]);
-      to[0] = result(0, at(n[0])[7], here[1]);
-      to[7] = result(7, here[6], at(n[1])[0]);
-    }
+double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
+                       const Parallel& parallel) {
+  const RowKernel kernel = row_kernel();
+  return sum_over_rows(band, parallel, [&](size_t begin, size_t end) {
+    return kernel.laplacian(band.view(), {v.data(), weight_v, weight_g, out.data()}, begin, end);
   });
 }
 

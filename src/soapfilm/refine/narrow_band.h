@@ -12,6 +12,7 @@
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
+#include "soapfilm/refine/row_kernel.h"
 
 namespace soapfilm {
 
@@ -37,6 +38,11 @@ class NarrowBand {
   uint32_t row(int32_t brick, int y, int z) const {
     return brick < 0 ? 0 : row_of_[static_cast<size_t>(brick) * brick_area + static_cast<size_t>(y + brick_side * z)];
   }
+  /// The 64 rows of a brick at once, by y + 8 z.
+  const uint32_t* rows_of(int32_t brick) const {
+    static constexpr uint32_t none[brick_area] = {};
+    return brick < 0 ? none : row_of_.data() + static_cast<size_t>(brick) * brick_area;
+  }
   uint8_t mask(uint32_t row) const { return mask_[row]; }
   /// y + 8 z of a row.
   int place(uint32_t row) const { return place_[row]; }
@@ -44,6 +50,9 @@ class NarrowBand {
   const std::array<uint32_t, 6>& neighbors(uint32_t row) const { return neighbors_[row]; }
   /// How many of a vertex's six neighbours are in the band, eight per row; 0 outside the band.
   const uint8_t* degree(uint32_t row) const { return degree_.data() + static_cast<size_t>(row) * brick_side; }
+
+  /// What kernels see of it.
+  BandRows view() const { return {neighbors_.data(), degree_.data()}; }
 
   size_t bytes() const;
 
@@ -59,14 +68,26 @@ class NarrowBand {
   std::vector<uint8_t> degree_;
 };
 
+inline constexpr size_t rows_per_task = 1 << 12;
+
+/// The sum of body(begin, end) over the band's rows in chunks, in an order that does not depend on threads.
+template <class Body>
+double sum_over_rows(const NarrowBand& band, const Parallel& parallel, Body&& body) {
+  std::vector<double> sums((band.rows() + rows_per_task - 1) / rows_per_task);
+  parallel.for_chunks(band.rows(), rows_per_task,
+                      [&](size_t begin, size_t end) { sums[begin / rows_per_task] = body(begin + 1, end + 1); });
+  double total = 0;
+  for (const double sum : sums) total += sum;
+  return total;
+}
+
 /// out = weight_v v + weight_g G v, where G is the band's graph Laplacian, positive semi-definite:
 /// (G v)_i = sum over neighbours j in the band of v_i - v_j. Its null space are the constants on connected parts.
-void apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
-                     const Parallel& parallel);
+/// Returns <G v, out>.
+double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
+                       const Parallel& parallel);
 
 /// Sum of a_i b_i in double, in an order that does not depend on threads.
 double dot(const RowArray& a, const RowArray& b, const Parallel& parallel);
-
-inline constexpr size_t rows_per_task = 1 << 12;
 
 }  // namespace soapfilm

@@ -30,10 +30,10 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
                                    {static_cast<float>(strength.normals),
                                     static_cast<float>(std::max(params.slope * strength.smoothing, strength.normals))},
                                    parallel);
-    fit.cells = data.cells.size();
+    fit.cells = data.count;
     // Weights need no more than a rough surface.
     SolveLimits limits = params.solve;
-    if (round + 1 < params.rounds) limits.iterations = std::max(1, limits.iterations / 3);
+    if (round + 1 < params.rounds) limits.iterations = std::max(1, limits.iterations / 4);
     fit.iterations += displacement.minimize(data, smoothness, limits);
   }
   return fit;

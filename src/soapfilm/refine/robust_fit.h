@@ -24,7 +24,7 @@ struct RobustParams {
                                      ///< flattens among noisy samples and is no distance any more
   double slope_of_curvature = 0.02;  ///< beta / sqrt(gamma), > 0: gamma scales as length^4, beta as length^2
   int rounds = 3;                    ///< of weighing and solving, [1, 20]
-  SolveLimits solve;                 ///< of the last round; the earlier ones take a third of the iterations
+  SolveLimits solve;                 ///< of the last round; the earlier ones take a quarter of the iterations
 };
 
 struct RobustFit {

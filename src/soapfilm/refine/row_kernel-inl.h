@@ -1,0 +1,311 @@
+// The loops over rows, compiled once per SIMD target (no include guard: see Highway's foreach_target.h).
+// No fused multiply-add, no reciprocal estimates, sums by lane of the row: every target rounds alike.
+
+#include <hwy/highway.h>
+
+#include "soapfilm/grid/layout.h"
+#include "soapfilm/refine/row_kernel.h"
+
+// Where a row is one vector, its lanes are shuffled in registers.
+#undef SOAPFILM_ROW_IN_A_VECTOR
+#define SOAPFILM_ROW_IN_A_VECTOR (HWY_TARGET & (HWY_AVX2 | HWY_AVX3 | HWY_AVX3_DL))
+
+HWY_BEFORE_NAMESPACE();
+namespace soapfilm::HWY_NAMESPACE {
+namespace {  // the scalar target is compiled twice: among the dispatched ones and on its own
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// At most a row: 8 lanes, fewer where the target has fewer.
+using D = hn::CappedTag<float, brick_side>;
+using V = hn::Vec<D>;
+using Neighbors = std::array<uint32_t, 6>;
+
+HWY_INLINE int lane_count() { return static_cast<int>(hn::Lanes(D())); }
+
+/// Values of an array at slots.
+struct Plain {
+  const float* v;
+  HWY_INLINE V load(size_t i) const { return hn::LoadU(D(), v + i); }
+  HWY_INLINE float one(size_t i) const { return v[i]; }
+};
+
+/// Products of two arrays.
+struct Product {
+  const float *a, *b;
+  HWY_INLINE V load(size_t i) const { return hn::Mul(hn::LoadU(D(), a + i), hn::LoadU(D(), b + i)); }
+  HWY_INLINE float one(size_t i) const { return a[i] * b[i]; }
+};
+
+/// Products with a third array.
+struct Weighted {
+  Product product;
+  const float* e;
+  HWY_INLINE V load(size_t i) const { return hn::Mul(product.load(i), hn::LoadU(D(), e + i)); }
+  HWY_INLINE float one(size_t i) const { return product.one(i) * e[i]; }
+};
+
+/// The sum over the six neighbours of the vertices from x on in a row.
+template <class Values>
+HWY_INLINE V neighbor_sum(const Values& values, const Neighbors& n, size_t row, int x) {
+  const D d;
+  const size_t here = row * brick_side + static_cast<size_t>(x);
+  const auto at = [&](size_t k) { return static_cast<size_t>(n[k]) * brick_side + static_cast<size_t>(x); };
+  V below = values.load(here - 1), above = values.load(here + 1);
+  // The ends of a row have their neighbours in other bricks.
+  if (x == 0)
+    below = hn::IfThenElse(hn::FirstN(d, 1), hn::Set(d, values.one(size_t{n[0]} * brick_side + brick_side - 1)), below);
+  if (x + lane_count() == brick_side)
+    above = hn::IfThenElse(hn::FirstN(d, static_cast<size_t>(lane_count()) - 1), above,
+                           hn::Set(d, values.one(size_t{n[1]} * brick_side)));
+  return hn::Add(hn::Add(below, above), hn::Add(hn::Add(values.load(at(2)), values.load(at(3))),
+                                                hn::Add(values.load(at(4)), values.load(at(5)))));
+}
+
+HWY_INLINE V degree_of(const uint8_t* degree) {
+  const hn::Rebind<uint8_t, D> bytes;
+  const hn::Rebind<int32_t, D> integers;
+  return hn::ConvertTo(D(), hn::PromoteTo(integers, hn::LoadU(bytes, degree)));
+}
+
+/// Sums by lane: in float over a few rows, then in double.
+class LaneSum {
+ public:
+  HWY_INLINE void add(V value, int x) {
+    const D d;
+    hn::Store(hn::Add(hn::Load(d, few_ + x), value), d, few_ + x);
+  }
+  HWY_INLINE void end_row() {
+    if (++rows_ == most_rows) flush();
+  }
+  double total() {
+    flush();
+    return ((all_[0] + all_[1]) + (all_[2] + all_[3])) + ((all_[4] + all_[5]) + (all_[6] + all_[7]));
+  }
+
+ private:
+  static constexpr int most_rows = 64;
+  void flush() {
+    for (int x = 0; x < brick_side; ++x) {
+      all_[x] += static_cast<double>(few_[x]);
+      few_[x] = 0;
+    }
+    rows_ = 0;
+  }
+  HWY_ALIGN float few_[brick_side] = {};
+  double all_[brick_side] = {};
+  int rows_ = 0;
+};
+
+double laplacian(const BandRows& band, const LaplacianJob& job, size_t begin, size_t end) {
+  const D d;
+  const V weight_v = hn::Set(d, job.weight_v), weight_g = hn::Set(d, job.weight_g);
+  LaneSum sum;
+  for (size_t r = begin; r < end; ++r) {
+    for (int x = 0; x < brick_side; x += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(x);
+      const V degree = degree_of(band.degree + i), here = hn::Load(d, job.v + i);
+      const V g =
+          hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)),
+                             hn::Sub(hn::Mul(degree, here), neighbor_sum(Plain{job.v}, band.neighbors[r], r, x)));
+      const V out = hn::Add(hn::Mul(weight_v, here), hn::Mul(weight_g, g));
+      hn::Store(out, d, job.out + i);
+      sum.add(hn::Mul(g, out), x);
+    }
+    sum.end_row();
+  }
+  return sum.total();
+}
+
+void bend(const BandRows& band, const BendJob& job, size_t begin, size_t end) {
+  const D d;
+  const V beta = hn::Set(d, job.beta), gamma = hn::Set(d, job.gamma), six = hn::Set(d, 6.0f);
+  for (size_t r = begin; r < end; ++r) {
+    for (int x = 0; x < brick_side; x += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(x);
+      const V degree = degree_of(band.degree + i), here = hn::Load(d, job.v + i), start = hn::Load(d, job.start + i);
+      const V g = hn::Sub(hn::Mul(degree, here), neighbor_sum(Plain{job.v}, band.neighbors[r], r, x));
+      const V g_start = hn::Sub(hn::Mul(degree, start), neighbor_sum(Plain{job.start}, band.neighbors[r], r, x));
+      const V bent = hn::Sub(g, hn::IfThenZeroElse(hn::Eq(degree, six), g_start));
+      const V out = hn::Add(hn::Mul(beta, hn::Sub(here, start)), hn::Mul(gamma, bent));
+      hn::Store(hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), out), d, job.out + i);
+    }
+  }
+}
+
+/// sum_j w_ij x_j.
+template <class Values, class Extended>
+HWY_INLINE V coupling(const CycleJob& job, const Values& x, const Extended& extended, const Neighbors& n, size_t row,
+                      int lane) {
+  const D d;
+  const V sum = neighbor_sum(x, n, row, lane);
+  if (!job.extent) return hn::Mul(hn::Set(d, job.diffusion), sum);
+  const V here = hn::Load(d, job.extent + row * brick_side + static_cast<size_t>(lane));
+  return hn::Mul(hn::Set(d, 0.5f * job.diffusion), hn::Add(hn::Mul(here, sum), neighbor_sum(extended, n, row, lane)));
+}
+
+void residual(const BandRows& band, const CycleJob& job, size_t begin, size_t end) {
+  const D d;
+  const Product x{job.inverse, job.b};
+  const V rest = hn::Set(d, 1 - job.omega);
+  for (size_t r = begin; r < end; ++r) {
+    for (int lane = 0; lane < brick_side; lane += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(lane);
+      // The diagonal's share of K x is omega b.
+      const V left = hn::Add(hn::Mul(rest, hn::Load(d, job.b + i)),
+                             coupling(job, x, Weighted{x, job.extent}, band.neighbors[r], r, lane));
+      hn::Store(hn::IfThenElseZero(hn::Gt(hn::Load(d, job.inverse + i), hn::Zero(d)), left), d, job.out + i);
+    }
+  }
+}
+
+double smooth(const BandRows& band, const CycleJob& job, size_t begin, size_t end) {
+  const D d;
+  const V rest = hn::Set(d, 1 - job.omega);
+  LaneSum sum;
+  for (size_t r = begin; r < end; ++r) {
+    for (int lane = 0; lane < brick_side; lane += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(lane);
+      const V push = hn::Add(hn::Load(d, job.b + i),
+                             coupling(job, Plain{job.x}, Product{job.x, job.extent}, band.neighbors[r], r, lane));
+      const V out = hn::Add(hn::Mul(rest, hn::Load(d, job.x + i)), hn::Mul(hn::Load(d, job.inverse + i), push));
+      hn::Store(out, d, job.out + i);
+      if (job.weight) sum.add(hn::Mul(out, hn::Load(d, job.weight + i)), lane);
+    }
+    sum.end_row();
+  }
+  return sum.total();
+}
+
+HWY_INLINE V mix(V a, V b, V t) { return hn::Add(a, hn::Mul(t, hn::Sub(b, a))); }
+
+double data_term(const CellJob& job, const float* v, float* out) {
+  const D d;
+  const CellRow& cells = *job.cells;
+  const int lanes = lane_count();
+  // Lanes moved up by one, round the end.
+  HWY_ALIGN int32_t up[brick_side];
+  for (int i = 0; i < lanes; ++i) up[i] = (i + lanes - 1) % lanes;
+  const auto moved_up = hn::SetTableIndices(d, up);
+  const auto all_but_last = hn::FirstN(d, static_cast<size_t>(lanes) - 1);
+  const auto first = hn::FirstN(d, 1);
+  const V one = hn::Set(d, 1.0f), scale = hn::Set(d, job.scale);
+  float carry[4] = {};
+  LaneSum energy;
+  for (int x = 0; x < brick_side; x += lanes) {
+    const V fx = hn::Load(d, cells.fraction[0] + x), fy = hn::Load(d, cells.fraction[1] + x),
+            fz = hn::Load(d, cells.fraction[2] + x);
+    const V nx = hn::Load(d, cells.normal[0] + x), ny = hn::Load(d, cells.normal[1] + x),
+            nz = hn::Load(d, cells.normal[2] + x);
+    const V weight = hn::Mul(scale, hn::Load(d, cells.weight + x));
+    const auto low = [&](size_t k) { return hn::Load(d, v + size_t{job.row[k]} * brick_side + x); };
+    const auto high = [&](size_t k) {
+      const V next = hn::LoadU(d, v + size_t{job.row[k]} * brick_side + x + 1);
+      return x + lanes < brick_side
+                 ? next
+                 : hn::IfThenElse(all_but_last, next, hn::Set(d, v[size_t{job.right[k]} * brick_side]));
+    };
+    // Value and gradient, trilinear.
+    const V l0 = low(0), l1 = low(1), l2 = low(2), l3 = low(3);
+    const V d0 = hn::Sub(high(0), l0), d1 = hn::Sub(high(1), l1), d2 = hn::Sub(high(2), l2), d3 = hn::Sub(high(3), l3);
+    const V m0 = hn::Add(l0, hn::Mul(fx, d0)), m1 = hn::Add(l1, hn::Mul(fx, d1)), m2 = hn::Add(l2, hn::Mul(fx, d2)),
+            m3 = hn::Add(l3, hn::Mul(fx, d3));
+    const V y0 = mix(m0, m1, fy), y1 = mix(m2, m3, fy);
+    const V value = mix(y0, y1, fz);
+    V gx = mix(mix(d0, d1, fy), mix(d2, d3, fy), fz), gy = mix(hn::Sub(m1, m0), hn::Sub(m3, m2), fz),
+      gz = hn::Sub(y1, y0);
+    if (job.affine) {
+      gx = hn::Add(gx, nx);
+      gy = hn::Add(gy, ny);
+      gz = hn::Add(gz, nz);
+    }
+    // Half of the energy's derivatives by them.
+    const V along = hn::Mul(hn::Set(d, job.slope - job.normal),
+                            hn::Add(hn::Add(hn::Mul(nx, gx), hn::Mul(ny, gy)), hn::Mul(nz, gz)));
+    const V across = hn::Set(d, job.normal);
+    const V pv = hn::Mul(weight, value);
+    const V px = hn::Mul(weight, hn::Add(hn::Mul(across, gx), hn::Mul(along, nx)));
+    const V py = hn::Mul(weight, hn::Add(hn::Mul(across, gy), hn::Mul(along, ny)));
+    const V pz = hn::Mul(weight, hn::Add(hn::Mul(across, gz), hn::Mul(along, nz)));
+    energy.add(hn::Add(hn::Add(hn::Mul(pv, value), hn::Mul(px, gx)), hn::Add(hn::Mul(py, gy), hn::Mul(pz, gz))), x);
+    // And back to the corners, the same way in reverse.
+    const V qy = hn::Sub(one, fy), qx = hn::Sub(one, fx);
+    const V z1 = hn::Add(hn::Mul(fz, pv), pz), z0 = hn::Sub(pv, z1);
+    const V ey1 = hn::Mul(fz, py), ey0 = hn::Sub(py, ey1);
+    const V ex1 = hn::Mul(fz, px), ex0 = hn::Sub(px, ex1);
+    const V corner[4] = {hn::Sub(hn::Mul(qy, z0), ey0), hn::Add(hn::Mul(fy, z0), ey0), hn::Sub(hn::Mul(qy, z1), ey1),
+                         hn::Add(hn::Mul(fy, z1), ey1)};
+    const V slope[4] = {hn::Mul(qy, ex0), hn::Mul(fy, ex0), hn::Mul(qy, ex1), hn::Mul(fy, ex1)};
+    for (size_t k = 0; k < 4; ++k) {
+      const V to_low = hn::Sub(hn::Mul(qx, corner[k]), slope[k]), to_high = hn::Add(hn::Mul(fx, corner[k]), slope[k]);
+      const V moved = hn::TableLookupLanes(to_high, moved_up);
+      float* to = out + size_t{job.row[k]} * brick_side + x;
+      const V from_left = hn::IfThenElse(first, hn::Set(d, carry[k]), moved);
+      hn::Store(hn::Add(hn::Load(d, to), hn::Add(to_low, from_left)), d, to);
+      carry[k] = hn::GetLane(moved);
+    }
+  }
+  for (size_t k = 0; k < 4; ++k)
+    if (carry[k] != 0) out[size_t{job.right[k]} * brick_side] += carry[k];  // row 0 is nobody's to write
+  return energy.total();
+}
+
+void restrict_row(const float* from, const TransferRows& rows, float* to) {
+  const D d;
+  float left = 0;
+  for (size_t k = 0; k < 9; ++k) left += transfer_weight[k] * from[size_t{rows.below[k]} * brick_side + brick_side - 1];
+  HWY_ALIGN float sums[2 * brick_side];
+  for (int x = 0; x < 2 * brick_side; x += lane_count()) {
+    const auto& part = x < brick_side ? rows.first : rows.second;
+    const auto at = [&](size_t k) { return hn::Load(d, from + size_t{part[k]} * brick_side + x % brick_side); };
+    const V corners = hn::Add(hn::Add(at(0), at(2)), hn::Add(at(6), at(8)));
+    const V edges = hn::Add(hn::Add(at(1), at(3)), hn::Add(at(5), at(7)));
+    hn::Store(hn::Add(at(4), hn::Add(hn::Mul(hn::Set(d, 0.5f), edges), hn::Mul(hn::Set(d, 0.25f), corners))), d,
+              sums + x);
+  }
+#if SOAPFILM_ROW_IN_A_VECTOR
+  HWY_ALIGN static constexpr int32_t up[brick_side] = {7, 0, 1, 2, 3, 4, 5, 6};
+  const V low = hn::Load(d, sums), high = hn::Load(d, sums + brick_side);
+  const V even = hn::ConcatEven(d, high, low), odd = hn::ConcatOdd(d, high, low);
+  const V before =
+      hn::IfThenElse(hn::FirstN(d, 1), hn::Set(d, left), hn::TableLookupLanes(odd, hn::SetTableIndices(d, up)));
+  hn::Store(hn::Add(even, hn::Mul(hn::Set(d, 0.5f), hn::Add(before, odd))), d, to);
+#else
+  for (int x = 0; x < brick_side; ++x)
+    to[x] = sums[2 * x] + 0.5f * ((x == 0 ? left : sums[2 * x - 1]) + sums[2 * x + 1]);
+#endif
+}
+
+void prolong_row(const ProlongJob& job) {
+  const D d;
+  const float last = 0.25f * ((*job.last[0] + *job.last[1]) + (*job.last[2] + *job.last[3]));
+  HWY_ALIGN float values[brick_side];
+#if SOAPFILM_ROW_IN_A_VECTOR
+  HWY_ALIGN static constexpr int32_t down[brick_side] = {0, 0, 1, 1, 2, 2, 3, 3};
+  HWY_ALIGN static constexpr int32_t up[brick_side] = {0, 1, 1, 2, 2, 3, 3, 4};
+  const V sum = hn::Mul(hn::Set(d, 0.25f), hn::Add(hn::Add(hn::LoadU(d, job.first[0]), hn::LoadU(d, job.first[1])),
+                                                   hn::Add(hn::LoadU(d, job.first[2]), hn::LoadU(d, job.first[3]))));
+  const V five = hn::IfThenElse(hn::FirstN(d, 4), sum, hn::Set(d, last));
+  hn::Store(hn::Mul(hn::Set(d, 0.5f), hn::Add(hn::TableLookupLanes(five, hn::SetTableIndices(d, down)),
+                                              hn::TableLookupLanes(five, hn::SetTableIndices(d, up)))),
+            d, values);
+#else
+  float sum[5];
+  for (int x = 0; x < 4; ++x)
+    sum[x] = 0.25f * ((job.first[0][x] + job.first[1][x]) + (job.first[2][x] + job.first[3][x]));
+  sum[4] = last;
+  for (int x = 0; x < brick_side; ++x) values[x] = 0.5f * (sum[x / 2] + sum[(x + 1) / 2]);
+#endif
+  for (int x = 0; x < brick_side; x += lane_count()) {
+    const V inverse = hn::Load(d, job.inverse + x);
+    const V onto = hn::Add(hn::Mul(inverse, hn::Load(d, job.base + x)), hn::Load(d, values + x));
+    hn::Store(hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), onto), d, job.to + x);
+  }
+}
+
+}  // namespace
+
+inline RowKernel rows() { return {&laplacian, &bend, &residual, &smooth, &data_term, &restrict_row, &prolong_row}; }
+
+}  // namespace soapfilm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();

@@ -1,0 +1,97 @@
+// What the loops over a band's rows need, as plain pointers: the contract between the fit and its kernels, which exist
+// once per SIMD target and know nothing of bands or threads. Arrays are those of narrow_band.h: 8 floats per row, 0 at
+// vertices outside the band; sums are the same for every target.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace soapfilm {
+
+/// Of a band: rows next to each row along -x, +x, -y, +y, -z, +z, and how many neighbours each vertex has.
+struct BandRows {
+  const std::array<uint32_t, 6>* neighbors;
+  const uint8_t* degree;
+};
+
+/// out = weight_v v + weight_g G v.
+struct LaplacianJob {
+  const float* v;
+  float weight_v, weight_g;
+  float* out;
+};
+
+/// out = beta (v - start) + gamma (G (v - start) + [six neighbours] G start).
+struct BendJob {
+  const float* v;
+  const float* start;
+  float beta, gamma;
+  float* out;
+};
+
+/// One level's system K x = b of the multigrid cycle, K x = diagonal x - sum_j w_ij x_j over the neighbours j, with
+/// w_ij = diffusion (e_i + e_j) / 2; `extent` e may be null: 1.
+struct CycleJob {
+  const float* inverse;  ///< omega / diagonal, 0 outside the band
+  const float* extent;
+  const float* b;
+  float diffusion;
+  float omega;     ///< damping of the Jacobi steps, in (0, 1)
+  const float* x;  ///< smooth() starts from it
+  float* out;
+  const float* weight;  ///< smooth() returns <weight, out>; null: 0
+};
+
+/// A row of eight cells, one sample in each: its place in the cell, its unit normal times its certainty, its weight (0:
+/// no sample).
+struct CellRow {
+  alignas(32) float fraction[3][8];
+  float normal[3][8];
+  float weight[8];
+};
+
+/// The data term of one row of cells: see CellSamples.
+struct CellJob {
+  const CellRow* cells;
+  std::array<uint32_t, 4> row;    ///< of the corners, y fastest
+  std::array<uint32_t, 4> right;  ///< the rows next to them along +x
+  float normal, slope;            ///< weights of the normal and of the slope against one position
+  bool affine;
+  float scale;  ///< of what is added
+};
+
+/// The nine by three rows of a fine band around a coarse row, y fastest: along x the two that lie under it, and the one
+/// below.
+struct TransferRows {
+  std::array<uint32_t, 9> below, first, second;
+};
+inline constexpr float transfer_weight[9] = {0.25f, 0.5f, 0.25f, 0.5f, 1, 0.5f, 0.25f, 0.5f, 0.25f};
+
+/// to = inverse base + P coarse on one fine row, 0 where inverse is.
+struct ProlongJob {
+  std::array<const float*, 4> first;  ///< four coarse values in the rows around it, y fastest; the same on such a row
+  std::array<const float*, 4> last;   ///< and the next ones along x
+  const float *inverse, *base;
+  float* to;
+};
+
+/// The loops of one SIMD target: over rows [begin, end), or of one row.
+struct RowKernel {
+  /// Returns <G v, out>.
+  double (*laplacian)(const BandRows& band, const LaplacianJob& job, size_t begin, size_t end);
+  void (*bend)(const BandRows& band, const BendJob& job, size_t begin, size_t end);
+  /// out = b - K (inverse b): the residual after one Jacobi step from zero.
+  void (*residual)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
+  /// out = x + inverse (b - K x).
+  double (*smooth)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
+  /// out += scale times half of the data term's gradient at v; returns scale <v, that>, for one row of cells.
+  double (*data_term)(const CellJob& job, const float* v, float* out);
+  void (*restrict_row)(const float* from, const TransferRows& rows, float* to);
+  void (*prolong_row)(const ProlongJob& job);
+};
+
+/// The kernel of the best target of this processor, or of the one that force_simd_target() named.
+RowKernel row_kernel();
+
+}  // namespace soapfilm

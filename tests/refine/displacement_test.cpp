@@ -1,0 +1,74 @@
+#include "soapfilm/refine/displacement.h"
+
+#include <gtest/gtest.h>
+
+#include "refine/band_support.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+const Parallel one_thread(1);
+
+/// A ball of radius 9 in 4^3 bricks: its distance within 2.5 voxels, displaced, and samples of the true one.
+class BallDisplacement : public testing::Test {
+ protected:
+  static double distance(Vec3d q) { return 9 - norm(q - Vec3d{15.3, 16.1, 15.8}); }
+
+  NarrowBand band = [] {
+    BrickMask mask({4, 4, 4});
+    mask.fill(true);
+    BrickGrid grid(mask, one_thread);
+    std::vector<uint8_t> vertices(grid.size() * brick_area);
+    for (size_t b = 0; b < grid.size(); ++b)
+      for_each_vertex(grid.coord(b), [&](Vec3i v, int i) {
+        if (std::abs(distance(Vec3d(v))) < 2.5)
+          vertices[b * brick_area + static_cast<size_t>(i / 8)] |= static_cast<uint8_t>(1 << (i % 8));
+      });
+    return NarrowBand(std::move(grid), vertices, one_thread);
+  }();
+  GridSamples samples = random_samples(4, 60000, 3);
+  RowArray phi0 = band.make_array();
+  CellSamples data;
+
+  CellSamples fitted(float gamma) {
+    std::vector<float> weight(samples.size());
+    std::vector<Vec3f> normal(samples.size());
+    for (size_t b = 0; b < samples.bricks.size(); ++b)
+      for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
+        const Vec3d q = Vec3d(samples.bricks.first_vertex(b)) + Vec3d(samples.local[s]);
+        weight[s] = std::abs(distance(q)) < 0.3 ? 1.0f : 0.0f;
+        normal[s] = Vec3f(normalized(q - Vec3d{15.3, 16.1, 15.8}));
+      }
+    return merge(samples, locate(samples, band, one_thread), band, weight, normal, {0, 2 * gamma}, one_thread);
+  }
+  /// The largest change that solving on to `more` steps brings, over the largest displacement.
+  double left_after(int steps, float gamma) {
+    for (size_t b = 0; b < band.grid().size(); ++b)
+      for_each_vertex(band.grid().coord(b), [&](Vec3i v, int i) {
+        const uint32_t row = band.row(static_cast<int32_t>(b), i >> 3 & 7, i >> 6);
+        if (band.mask(row) >> (i & 7) & 1)
+          phi0.data()[row * brick_side + static_cast<size_t>(i & 7)] =
+              static_cast<float>(distance(Vec3d(v)) + 0.5 * std::sin(0.4 * v.x) * std::cos(0.5 * v.y));
+      });
+    const CellSamples cells = fitted(gamma);
+    const Smoothness smoothness{0.02f * std::sqrt(gamma), gamma};
+    Displacement few(band, phi0, one_thread), many(band, phi0, one_thread);
+    few.minimize(cells, smoothness, {steps, 0});
+    many.minimize(cells, smoothness, {200, 1e-6});
+    double change = 0, all = 0;
+    for (size_t i = 0; i < phi0.size(); ++i) {
+      change = std::max(change, std::abs(static_cast<double>(few.phi().data()[i]) - many.phi().data()[i]));
+      all = std::max(all, std::abs(static_cast<double>(many.phi().data()[i]) - phi0.data()[i]));
+    }
+    return change / all;
+  }
+};
+
+TEST_F(BallDisplacement, TwelveStepsConvergeForAnySmoothness) {
+  for (const float gamma : {0.01f, 1.0f, 200.0f}) EXPECT_LT(left_after(12, gamma), 0.02) << "gamma " << gamma;
+}
+
+}  // namespace
+}  // namespace soapfilm
