@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <string>
 
 #include "soapfilm/solve/energy.h"
@@ -77,13 +78,19 @@ void copy(benchmark::State& state) {
   count(state, static_cast<double>(noisy.level.grid.vertices()), 4 * 6);
 }
 
-/// Sweeps from noise: no row rests.
+/// The first sweep of each sweeper: no row rests.
 void sweep(benchmark::State& state) {
   const Parallel parallel(static_cast<int>(state.range(0)));
   NoisyLevel noisy(parallel);
-  Sweeper sweeper(noisy.level, parallel);
-  sweeper.sweep(steps);
-  for (auto _ : state) sweeper.sweep(steps);
+  for (auto _ : state) {
+    state.PauseTiming();
+    auto sweeper = std::make_unique<Sweeper>(noisy.level, parallel);
+    state.ResumeTiming();
+    sweeper->sweep(steps);
+    state.PauseTiming();
+    sweeper.reset();
+    state.ResumeTiming();
+  }
   count(state, static_cast<double>(noisy.level.grid.vertices()), Sweeper::bytes_per_vertex);
 }
 

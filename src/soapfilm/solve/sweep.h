@@ -24,7 +24,7 @@
 
 namespace soapfilm {
 
-/// Step sizes; tau sigma 12 <= 1 (12 bounds the squared norm of the gradient).
+/// Step sizes; tau sigma 12 < 4/3 (12 bounds the squared norm of the gradient).
 struct StepSizes {
   float sigma = 0;
   float tau = 0;
@@ -35,7 +35,8 @@ class Sweeper {
  public:
   Sweeper(Level& level, const Parallel& parallel);
 
-  /// One iteration of the whole band. The result does not depend on threads or SIMD target.
+  /// One iteration of the whole band. The result does not depend on threads or SIMD target. Between the sweeps of one
+  /// Sweeper the level and the steps must stay as they are: rows rest on that.
   void sweep(StepSizes steps);
 
   /// Bytes that a sweep reads and writes per vertex, for the roofline: u, p in and out, f in.
