@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 namespace soapfilm {
 
@@ -23,6 +24,8 @@ size_t chunk_size(size_t bricks, int threads) {
   return std::max<size_t>(bricks / (chunks_per_thread * static_cast<size_t>(threads)), least_chunk);
 }
 
+void copy_row(const float* from, float* to) { std::memcpy(to, from, brick_side * sizeof(float)); }
+
 template <class Visit>
 void for_each_row(RowMask rows, Visit&& visit) {
   for (; rows != 0; rows &= rows - 1) visit(std::countr_zero(rows));
@@ -34,9 +37,9 @@ float* bar_row(UBar& bar, int row) { return bar_row(bar, row % brick_side, row /
 /// Leaves the first layers of u_bar in `rows` behind for the lower neighbours.
 void store_faces(UBar& bar, RowMask rows, float* faces) {
   for_each_row(rows, [&](int row) { faces[row] = *bar_row(bar, row); });
-  for_each_row(rows & first_y, [&](int row) { std::copy_n(bar_row(bar, row), brick_side, faces + brick_area + row); });
+  for_each_row(rows & first_y, [&](int row) { copy_row(bar_row(bar, row), faces + brick_area + row); });
   for_each_row(rows & first_z,
-               [&](int row) { std::copy_n(bar_row(bar, row), brick_side, faces + 2 * brick_area + brick_side * row); });
+               [&](int row) { copy_row(bar_row(bar, row), faces + 2 * brick_area + brick_side * row); });
 }
 
 /// Puts the upper neighbours' first layers around u_bar where `rows` touch them; zero where there is none.
@@ -50,18 +53,18 @@ void load_halo(const BrickGrid& grid, size_t brick, RowMask rows, const float* a
   for_each_row(rows, [&](int row) { bar_row(bar, row)[brick_side] = x[row]; });
   for_each_row(rows & last_y, [&](int row) {
     const int at = row / brick_side;
-    std::copy_n(y + brick_side * at, brick_side, bar_row(bar, brick_side, at));
+    copy_row(y + brick_side * at, bar_row(bar, brick_side, at));
   });
-  for_each_row(rows >> 56,
-               [&](int row) { std::copy_n(z + brick_side * row, brick_side, bar_row(bar, row, brick_side)); });
+  for_each_row(rows >> 56, [&](int row) { copy_row(z + brick_side * row, bar_row(bar, row, brick_side)); });
 }
 
 /// u_bar = u in the rows that have not been stepped.
 void load_rested(const float* u, RowMask rows, UBar& bar) {
-  for_each_row(rows, [&](int row) { std::copy_n(u + brick_side * row, brick_side, bar_row(bar, row)); });
+  for_each_row(rows, [&](int row) { copy_row(u + brick_side * row, bar_row(bar, row)); });
 }
 
 PrimalJob primal_job(Level& level, size_t brick, RowMask rows, StepSizes steps) {
+  const size_t next = brick > 0 ? brick - 1 : 0;  // bricks are visited in descending order
   const LowFace x = low_face(level, brick, 0), y = low_face(level, brick, 1), z = low_face(level, brick, 2);
   const FreeRange range = free_range(level.box, level.grid.coord(brick));
   return {rows,
@@ -76,11 +79,18 @@ PrimalJob primal_job(Level& level, size_t brick, RowMask rows, StepSizes steps) 
           z.base,
           range.lo,
           range.hi,
-          steps.tau};
+          steps.tau,
+          level.u.brick(next),
+          level.p.brick(next),
+          level.data(next)};
 }
 
+/// Rounding moves a projected p by at most 3.5e-7 of lambda: projected onto a ball this much smaller it stays feasible
+/// to the last bit, and the certificate needs no rescaling.
+constexpr float within_ball = 1 - 0x1p-21f;
+
 DualJob dual_job(Level& level, size_t brick, RowMask rows, StepSizes steps) {
-  DualJob job{rows, level.p.brick(brick), {}, steps.sigma, level.lambda};
+  DualJob job{rows, level.p.brick(brick), {}, steps.sigma, level.lambda * within_ball};
   for (int axis = 0; axis < 3; ++axis)
     job.fixed_up[axis] = level.grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])] == outside_band;
   return job;
@@ -146,7 +156,7 @@ void Sweeper::sweep_chunk(size_t begin, size_t end, StepSizes steps) {
     if (const int32_t slot = deferred_slot_[brick]; slot != not_deferred) {
       deferred_[static_cast<size_t>(slot)].stepped = rows;
       float* kept = deferred_u_bar_.data() + static_cast<size_t>(slot) * brick_volume;
-      for_each_row(rows, [&](int row) { std::copy_n(bar_row(bar, row), brick_side, kept + brick_side * row); });
+      for_each_row(rows, [&](int row) { copy_row(bar_row(bar, row), kept + brick_side * row); });
     } else {
       dual_step(brick, rows, steps, bar);
     }

@@ -1,6 +1,7 @@
 // The kernels of a sweep, compiled once per SIMD target (no include guard: see Highway's foreach_target.h).
 // No fused multiply-add, no reciprocal estimates: every target rounds alike.
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <bit>
@@ -58,6 +59,11 @@ RowMask primal(const PrimalJob& job, UBar& u_bar) {
     const bool free = y >= job.free_lo.y && y < job.free_hi.y && z >= job.free_lo.z && z < job.free_hi.z;
     float* bar = u_bar.values + y * UBar::row + z * UBar::layer;
     bool moves = false;
+    hwy::Prefetch(job.next_u + row);
+    hwy::Prefetch(job.next_p + row);
+    hwy::Prefetch(job.next_p + brick_volume + row);
+    hwy::Prefetch(job.next_p + 2 * brick_volume + row);
+    hwy::Prefetch(job.next_f + row);
     for (int x = 0; x < brick_side; x += lanes) {
       const V cap = free ? hn::Load(d, cap_row + x) : hn::Zero(d);
       const V u = hn::Load(d, job.u + row + x);

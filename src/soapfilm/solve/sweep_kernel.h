@@ -32,6 +32,8 @@ struct PrimalJob {
   const float* low_z;      ///< p_z below: row y at low_z + 8 y
   Vec3i free_lo, free_hi;  ///< u stays 0 outside this local range [lo, hi)
   float tau;
+  // The brick that comes next: on its way into the cache while this one is worked on.
+  const float *next_u, *next_p, *next_f;
 };
 
 struct DualJob {
