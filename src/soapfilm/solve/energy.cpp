@@ -3,50 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/solve/energy_kernel.h"
+
 namespace soapfilm {
 
 namespace {
-
-/// What one brick adds; summed in brick order, so the sums do not depend on threads.
-struct Terms {
-  double variation = 0;  ///< sum of |grad u|
-  double data = 0;       ///< sum of f u
-  double dual = 0;       ///< sum of min(0, r), r = grad^T p - f
-  double gap = 0;        ///< sum of lambda |grad u| - p . grad u, and of r u - min(0, r)
-  double max_norm_squared = 0;
-  size_t inside = 0;
-
-  void operator+=(const Terms& t) {
-    variation += t.variation;
-    data += t.data;
-    dual += t.dual;
-    gap += t.gap;
-    max_norm_squared = std::max(max_norm_squared, t.max_norm_squared);
-    inside += t.inside;
-  }
-};
-
-/// u of a brick and of the vertices one above it: (x, y, z) in [0, 9)^3, without the far edges.
-struct UpperWindow {
-  static constexpr int side = brick_side + 1;
-  double values[side * side * side];
-  double& at(int x, int y, int z) { return values[x + side * (y + side * z)]; }
-  double at(int x, int y, int z) const { return values[x + side * (y + side * z)]; }
-};
 
 struct Evaluator {
   const Level& level;
   std::optional<float> threshold;
   double p_scale = 1;
+  EnergyKernel kernel = energy_kernel(level.norm);
 
   double norm(double x, double y, double z) const {
     return level.norm == Norm::isotropic ? std::sqrt(x * x + y * y + z * z) : std::abs(x) + std::abs(y) + std::abs(z);
   }
-  double dual_norm_squared(double x, double y, double z) const {
-    return level.norm == Norm::isotropic ? x * x + y * y + z * z : std::max({x * x, y * y, z * z});
-  }
-
-  double u_value(float u) const { return threshold ? (u > *threshold ? 1.0 : 0.0) : static_cast<double>(u); }
+  float u_value(float u) const { return threshold ? (u > *threshold ? 1.0f : 0.0f) : u; }
 
   /// The upper halo of the brick at `coord`, whose neighbours come from neighbor(slot) (an index or a missing value).
   template <class Neighbor>
@@ -56,58 +28,40 @@ struct Evaluator {
       Vec3i above = coord;
       ++above[axis];
       const float* values = up >= 0 ? level.u.brick(static_cast<size_t>(up)) : nullptr;
-      const double missing = values ? 0.0 : level.missing_u(up, above);
+      const float missing = values ? 0.0f : level.missing_u(up, above);
       const int first = brick_stride[axis == 0 ? 1 : 0], second = brick_stride[axis == 2 ? 1 : 2];
       for (int b = 0; b < brick_side; ++b)
         for (int a = 0; a < brick_side; ++a) {
-          const double value = values ? u_value(values[a * first + b * second]) : missing;
+          const float value = values ? u_value(values[a * first + b * second]) : missing;
           (axis == 0 ? u.at(8, a, b) : axis == 1 ? u.at(a, 8, b) : u.at(a, b, 8)) = value;
         }
     }
   }
 
-  Terms brick_terms(size_t brick) const {
+  EnergyTerms brick_terms(size_t brick) const {
     UpperWindow u;
     const float* stored = level.u.brick(brick);
     for (int z = 0; z < brick_side; ++z)
-      for (int y = 0; y < brick_side; ++y)
-        for (int x = 0; x < brick_side; ++x) u.at(x, y, z) = u_value(stored[brick_offset(x, y, z)]);
+      for (int y = 0; y < brick_side; ++y) {
+        const float* row = stored + brick_offset(0, y, z);
+        float* values = &u.at(0, y, z);
+        if (threshold)
+          for (int x = 0; x < brick_side; ++x) values[x] = u_value(row[x]);
+        else
+          std::copy_n(row, brick_side, values);
+      }
     fill_upper_halo(
         level.grid.coord(brick), [&](int slot) { return level.grid.neighbors(brick)[static_cast<size_t>(slot)]; }, u);
-
-    const float* p[3] = {level.p.brick(brick, 0), level.p.brick(brick, 1), level.p.brick(brick, 2)};
-    const float* f = level.data(brick);
-    const LowFace low[3] = {low_face(level, brick, 0), low_face(level, brick, 1), low_face(level, brick, 2)};
+    const LowFace x = low_face(level, brick, 0), y = low_face(level, brick, 1), z = low_face(level, brick, 2);
     const FreeRange range = free_range(level.box, level.grid.coord(brick));
-    const double lambda = level.lambda;
-    Terms t;
-    for (int z = 0; z < brick_side; ++z)
-      for (int y = 0; y < brick_side; ++y)
-        for (int x = 0; x < brick_side; ++x) {
-          const int i = brick_offset(x, y, z);
-          const double here = u.at(x, y, z);
-          const double gx = u.at(x + 1, y, z) - here, gy = u.at(x, y + 1, z) - here, gz = u.at(x, y, z + 1) - here;
-          const double px = p[0][i], py = p[1][i], pz = p[2][i];
-          const double length = norm(gx, gy, gz);
-          t.variation += length;
-          t.gap += lambda * length - p_scale * (px * gx + py * gy + pz * gz);
-          t.max_norm_squared = std::max(t.max_norm_squared, dual_norm_squared(px, py, pz));
-          if (!range.contains(x, y, z)) continue;
-          const double below = (x > 0 ? p[0][i - 1] : low[0].at(y, z)) - px +
-                               ((y > 0 ? p[1][i - brick_side] : low[1].at(x, z)) - py) +
-                               ((z > 0 ? p[2][i - brick_area] : low[2].at(x, y)) - pz);
-          const double r = p_scale * below - f[i];
-          t.data += f[i] * here;
-          t.dual += std::min(0.0, r);
-          t.gap += r * here - std::min(0.0, r);
-          t.inside += here > 0.5;
-        }
-    return t;
+    return kernel({level.p.brick(brick), level.data(brick), x.base, x.inner, x.outer, y.base, y.outer, z.base, range.lo,
+                   range.hi, level.lambda, p_scale},
+                  u);
   }
 
   /// The faces through which an inactive brick looks up into the band: u is constant below them.
-  Terms rim_terms(Vec3i coord) const {
-    const double constant = level.missing_u(outside_band, coord);
+  EnergyTerms rim_terms(Vec3i coord) const {
+    const float constant = level.missing_u(outside_band, coord);
     UpperWindow u;
     std::fill(std::begin(u.values), std::end(u.values), constant);
     int32_t up[3];
@@ -121,14 +75,14 @@ struct Evaluator {
                                       : slot == slot_up[1] ? up[1]
                                                            : up[2]; }, u);
 
-    Terms t;
+    EnergyTerms t;
     const double lambda = level.lambda;
     for (int z = 0; z < brick_side; ++z)
       for (int y = 0; y < brick_side; ++y)
         for (int x = 0; x < brick_side; ++x) {
           if (x != 7 && y != 7 && z != 7) continue;
-          const double g[3] = {u.at(x + 1, y, z) - constant, u.at(x, y + 1, z) - constant,
-                               u.at(x, y, z + 1) - constant};
+          const double g[3] = {double{u.at(x + 1, y, z)} - constant, double{u.at(x, y + 1, z)} - constant,
+                               double{u.at(x, y, z + 1)} - constant};
           if (g[0] == 0 && g[1] == 0 && g[2] == 0) continue;
           const double length = norm(g[0], g[1], g[2]);
           const int at[3][2] = {{y, z}, {x, z}, {x, y}};
@@ -183,14 +137,14 @@ double Energies::relative(double amount, double lambda) const {
 Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Parallel& parallel,
                          std::vector<double>* local_gap) {
   Evaluator evaluator{level, options.threshold, 1.0};
-  std::vector<Terms> terms(level.grid.size());
+  std::vector<EnergyTerms> terms(level.grid.size());
   const auto evaluate_band = [&] {
     parallel.for_each(terms.size(), 256, [&](size_t b) { terms[b] = evaluator.brick_terms(b); });
-    Terms sum;
-    for (const Terms& t : terms) sum += t;
+    EnergyTerms sum;
+    for (const EnergyTerms& t : terms) sum += t;
     return sum;
   };
-  Terms sum = evaluate_band();
+  EnergyTerms sum = evaluate_band();
   const double max_norm = std::sqrt(sum.max_norm_squared) / level.lambda;
   if (options.certify && max_norm > 1) {
     evaluator.p_scale = 1 / max_norm;

@@ -11,15 +11,20 @@
 // upper neighbours (just visited: they left those layers behind). So u_bar is never stored whole, and the sweep is the
 // exact Jacobi-like iteration whatever the order. Chunks of bricks run in parallel; a brick with an upper neighbour in
 // the next chunk keeps its u_bar aside and takes its dual step after all chunks are done.
+//
+// Rows rest: a step whose inputs are those of the last sweep gives what it gave then, so a row is stepped only when a
+// value that it reads has changed. That is exact: the bits are those of sweeps that step every row. On scans half of
+// the band is soon at rest, since u stays clipped and p idle away from the film.
 #pragma once
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/solve/level.h"
+#include "soapfilm/solve/sweep_kernel.h"
 
 namespace soapfilm {
 
-/// Step sizes; tau sigma 12 <= 1 (12 bounds the squared norm of the gradient).
+/// Step sizes; tau sigma 12 < 4/3 (12 bounds the squared norm of the gradient).
 struct StepSizes {
   float sigma = 0;
   float tau = 0;
@@ -30,21 +35,35 @@ class Sweeper {
  public:
   Sweeper(Level& level, const Parallel& parallel);
 
-  /// One iteration of the whole band. The result does not depend on threads or SIMD target.
+  /// One iteration of the whole band. The result does not depend on threads or SIMD target. Between the sweeps of one
+  /// Sweeper the level and the steps must stay as they are: rows rest on that.
   void sweep(StepSizes steps);
 
   /// Bytes that a sweep reads and writes per vertex, for the roofline: u, p in and out, f in.
   static constexpr double bytes_per_vertex = 4 * (2 + 6 + 1);
 
  private:
+  /// A brick whose dual step waits for the next chunk.
+  struct Deferred {
+    uint32_t brick;
+    RowMask stepped;  ///< rows whose u_bar is kept aside
+  };
+
+  RowMask primal_rows(size_t brick) const;
+  RowMask dual_rows(size_t brick) const;
   void sweep_chunk(size_t begin, size_t end, StepSizes steps);
-  void finish_brick(size_t slot, StepSizes steps);
+  void finish_deferred(size_t slot, StepSizes steps);
+  void dual_step(size_t brick, RowMask stepped, StepSizes steps, UBar& bar);
 
   Level& level_;
   const Parallel& parallel_;
+  SweepKernel kernel_;
   size_t chunk_;
-  AlignedArray<float> faces_;           ///< u_bar of each brick's first layers: 3 x 64
-  std::vector<uint32_t> deferred_;      ///< bricks whose dual step waits for the next chunk
+  AlignedArray<float> faces_;         ///< u_bar of each brick's first layers: 3 x 64
+  std::vector<RowMask> u_moved_;      ///< per brick: rows that the last primal step moved
+  std::vector<RowMask> p_moved_;      ///< and the last dual step
+  std::vector<RowMask> u_bar_moved_;  ///< rows whose u_bar is not the last sweep's
+  std::vector<Deferred> deferred_;
   std::vector<int32_t> deferred_slot_;  ///< per brick: position in deferred_, -1 for none
   AlignedArray<float> deferred_u_bar_;  ///< 512 values each
 };

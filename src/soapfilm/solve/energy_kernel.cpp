@@ -1,0 +1,22 @@
+#include "soapfilm/solve/energy_kernel.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "soapfilm/solve/energy_kernel.cpp"
+#include <hwy/foreach_target.h>
+//
+#include "soapfilm/solve/energy_kernel-inl.h"
+
+#if HWY_ONCE
+#include "soapfilm/core/simd.h"
+
+namespace soapfilm {
+
+HWY_EXPORT(energy_kernel);
+EnergyKernel scalar_energy_kernel(Norm norm);
+
+EnergyKernel energy_kernel(Norm norm) {
+  return simd_target() == "scalar" ? scalar_energy_kernel(norm) : HWY_DYNAMIC_DISPATCH(energy_kernel)(norm);
+}
+
+}  // namespace soapfilm
+#endif  // HWY_ONCE

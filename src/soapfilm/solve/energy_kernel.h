@@ -1,0 +1,59 @@
+// What one brick adds to the energies, as plain pointers: the contract between energy.cpp and its kernel, which exists
+// once per SIMD target and knows nothing of grids or threads.
+#pragma once
+
+#include <cstddef>
+
+#include "soapfilm/grid/layout.h"
+#include "soapfilm/solve/norm.h"
+
+namespace soapfilm {
+
+/// u of a brick and of the vertices one above it: (x, y, z) in [0, 9)^3, without the far edges. Rows are 16 floats
+/// apart, so that a row shifted by one can be loaded.
+struct UpperWindow {
+  static constexpr int row = 16;
+  static constexpr int layer = (brick_side + 1) * row;
+  alignas(64) float values[(brick_side + 1) * layer];
+  float& at(int x, int y, int z) { return values[x + row * y + layer * z]; }
+  float at(int x, int y, int z) const { return values[x + row * y + layer * z]; }
+};
+
+struct EnergyJob {
+  const float* p;      ///< 3 x 512
+  const float* f;      ///< 512
+  const float* low_x;  ///< p_x below the brick: value of row (y, z) at low_x[y * low_x_inner + z * low_x_outer]
+  int low_x_inner, low_x_outer;
+  const float* low_y;  ///< p_y below: row z at low_y + z * low_y_outer
+  int low_y_outer;
+  const float* low_z;      ///< p_z below: row y at low_z + 8 y
+  Vec3i free_lo, free_hi;  ///< local range [lo, hi) of the vertices that count in data, dual, inside
+  double lambda;
+  double p_scale;  ///< p counts times this
+};
+
+/// Summed lane by lane, the 8 lanes in a fixed tree: the same bits on every target.
+struct EnergyTerms {
+  double variation = 0;  ///< sum of |grad u|
+  double data = 0;       ///< sum of f u
+  double dual = 0;       ///< sum of min(0, r), r = grad^T p - f
+  double gap = 0;        ///< sum of lambda |grad u| - p . grad u, and of r u - min(0, r)
+  double max_norm_squared = 0;
+  size_t inside = 0;
+
+  void operator+=(const EnergyTerms& t) {
+    variation += t.variation;
+    data += t.data;
+    dual += t.dual;
+    gap += t.gap;
+    max_norm_squared = max_norm_squared < t.max_norm_squared ? t.max_norm_squared : max_norm_squared;
+    inside += t.inside;
+  }
+};
+
+using EnergyKernel = EnergyTerms (*)(const EnergyJob& job, const UpperWindow& u);
+
+/// The kernel of the best target of this processor, or of the one that force_simd_target() named.
+EnergyKernel energy_kernel(Norm norm);
+
+}  // namespace soapfilm
