@@ -46,7 +46,7 @@ TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
   params.place.resolution = 160;
   Progress progress;
   const Parallel one_thread(1);
-  params.memory_limit = size_t{48} << 20;
+  params.memory_limit = size_t{28} << 20;
   std::string message;
   try {
     reconstruct(cloud, params, one_thread, progress);
