@@ -31,10 +31,10 @@ build-%: packages-build
 	cmake --build --preset $* --parallel $(JOBS)
 
 bench: CONFIGURE += -DSOAPFILM_BUILD_BENCH=ON
-bench: ## measure: how far the tolerance can go (SOAPFILM_DATA: folder with real scans)
-	@$(MAKE) --no-print-directory packages-build
+bench: packages-build packages-bench ## measure speed beside peers, kernels, tolerance (SOAPFILM_DATA: folder with real scans)
 	cmake --preset release $(CONFIGURE) >/dev/null && cmake --build --preset release --parallel $(JOBS)
 	sh bench/run.sh build/release/bin out/bench
+	/usr/bin/python3 -B bench/speed/speed.py build/release/bin out/bench
 
 paper: CONFIGURE += -DSOAPFILM_BUILD_BENCH=ON
 paper: packages-build packages-paper ## every table and figure of the paper, into docs/paper/ (SOAPFILM_DATA: as above)

@@ -1,5 +1,6 @@
 #!/bin/sh
 # run.sh PROGRAMS FOLDER: runs the measuring programs; results worth keeping go to bench/results/ with this command.
+# The whole program beside its peers is measured by bench/speed/speed.py.
 set -eu
 programs=$1
 out=$2
@@ -12,3 +13,4 @@ else
   scans=$out/scans/scans.conf
 fi
 "$programs/bench_tolerance" "$scans" 256 | tee "$out/tolerance.md"
+"$programs/bench_kernels_io" --benchmark_out="$out/kernels_io.csv" --benchmark_out_format=csv

@@ -97,7 +97,7 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw ParameterError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
-  const MemoryPlan plan = plan_memory(params.method, cloud, after, report.lattice, support);
+  const MemoryPlan plan = plan_memory(params.method, refines(params), cloud, after, report.lattice, support);
   report.planned_bytes = plan.total();
   check_memory(plan, params.memory_limit, held, report.lattice);
   return samples;

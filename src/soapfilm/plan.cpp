@@ -14,7 +14,7 @@ namespace soapfilm {
 namespace {
 
 /// The program itself with its libraries, threads and file buffers.
-constexpr size_t base_bytes = size_t{24} << 20;
+constexpr size_t base_bytes = size_t{12} << 20;
 
 /// A brick of a level: u and p, the layers that a sweep leaves behind, rim fluxes (about one face in three), topology
 /// twice (band and support).
@@ -29,6 +29,14 @@ constexpr double band_over_support = 1.1;
 /// coarser bands are wider.
 constexpr double coarser_share = 0.35;
 constexpr double coarser_data_share = 0.4;
+
+/// Refinement: the level's u, the narrow band and the fit's arrays, bytes per support brick (measured: 12.5e3 to 13e3);
+/// what it holds of each sample (cell, weight, normal, value and gradient) and of each cell with samples, of which a
+/// brick has about as many as given here where samples are dense.
+constexpr size_t refined_brick_bytes = 13000;
+constexpr size_t refined_sample_bytes = 38;
+constexpr size_t refined_cell_bytes = 110;
+constexpr size_t refined_cells_per_brick = 32;
 
 /// Arrays on every vertex of the box while the solver works, bytes per vertex (docs/methods.md has what they hold).
 double dense_bytes_per_vertex(Method method) {
@@ -69,8 +77,8 @@ double band_bytes_per_brick(Method method) {
 
 }  // namespace
 
-MemoryPlan plan_memory(Method method, const PointCloud& cloud, AfterPlacing after, const Lattice& lattice,
-                       size_t support_bricks) {
+MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
+                       const Lattice& lattice, size_t support_bricks) {
   size_t cloud_bytes = sizeof(Vec3d);
   if (!cloud.normals.empty()) cloud_bytes += sizeof(Vec3f);
   if (!cloud.sensors.empty()) cloud_bytes += sizeof(Vec3d);
@@ -89,6 +97,15 @@ MemoryPlan plan_memory(Method method, const PointCloud& cloud, AfterPlacing afte
   plan.fixed_bytes = base_bytes + sorted_bytes + (keeps ? cloud_bytes : 0);
   const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
   plan.grid_bytes = box_bytes(method, lattice) + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick);
+  if (!is_refined) return plan;
+
+  const size_t refine_fixed = plan.fixed_bytes + refined_sample_bytes * cloud.size();
+  const size_t cells = std::min(cloud.size(), refined_cells_per_brick * support_bricks);
+  const size_t refine_grid = refined_brick_bytes * support_bricks + refined_cell_bytes * cells;
+  if (refine_fixed + refine_grid > plan.total()) {
+    plan.fixed_bytes = refine_fixed;
+    plan.grid_bytes = refine_grid;
+  }
   return plan;
 }
 

@@ -23,9 +23,10 @@ struct MemoryPlan {
 enum class AfterPlacing { kept, freed };
 
 /// What a reconstruction on this lattice by this method will need. The band's size follows from the bricks that the
-/// samples reach (`support_bricks`), the only part of the grid that is known before the solve.
-MemoryPlan plan_memory(Method method, const PointCloud& cloud, AfterPlacing after, const Lattice& lattice,
-                       size_t support_bricks);
+/// samples reach (`support_bricks`), the only part of the grid that is known before the solve. Of the solve and, when
+/// the surface `is_refined`, the refinement, the plan is the one's that takes more.
+MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
+                       const Lattice& lattice, size_t support_bricks);
 
 /// The same before anything is built: what spans the whole box, whatever the samples.
 MemoryPlan plan_tables(Method method, const Lattice& lattice);

@@ -1,5 +1,9 @@
 // PLY: every type, order, format and kind of property; round trips.
+#include <fmt/format.h>
+
 #include <bit>
+#include <cmath>
+#include <cstdlib>
 
 #include "files.h"
 #include "samples.h"
@@ -132,6 +136,57 @@ TEST_P(PlyLayouts, ForeignElementsAndPropertiesInAnyOrderAreSkipped) {
 
 INSTANTIATE_TEST_SUITE_P(AllLayouts, PlyLayouts, testing::Values(Layout::ascii, Layout::little, Layout::big),
                          [](const auto& test) { return std::string(header_name(test.param)); });
+
+/// The C library rounds correctly, and is the judge of every spelling.
+TEST(PlyPoints, NumbersInTextAreRoundedCorrectly) {
+  std::vector<std::string> spellings{"0",
+                                     "-0",
+                                     "-0.0",
+                                     "007",
+                                     "1.",
+                                     ".5",
+                                     "-.5",
+                                     "1e3",
+                                     "1E+3",
+                                     "1.5e-3",
+                                     "1e22",
+                                     "1e23",
+                                     "1e-22",
+                                     "1e-23",
+                                     "1e300",
+                                     "4.9e-324",
+                                     "0.1",
+                                     "0.3",
+                                     "9007199254740992",
+                                     "9007199254740993",
+                                     "9007199254740993e-3",
+                                     "1234567890123456789",
+                                     "12345678901234567890",
+                                     "0.00000000000000000000001",
+                                     "0.1234567890123456789",
+                                     "3.4028234663852886e38",
+                                     "+2.5"};
+  Random random(1);
+  for (int i = 0; i < 3000; ++i) {
+    const double value = random.uniform(-1, 1) * std::pow(10.0, random.uniform(-30, 30));
+    spellings.push_back(fmt::format("{}", value));
+    spellings.push_back(fmt::format("{:.{}f}", random.uniform(-100, 100), i % 18));
+    spellings.push_back(fmt::format("{:.{}e}", value, i % 20));
+  }
+  while (spellings.size() % 3 != 0) spellings.push_back("1");
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\nend_header\n",
+      spellings.size() / 3);
+  for (size_t i = 0; i < spellings.size(); ++i) text += spellings[i] + (i % 3 == 2 ? "\n" : " ");
+  const TemporaryFolder folder;
+  const PointCloud cloud = read_points(folder.write("n.ply", text));
+  ASSERT_EQ(3 * cloud.size(), spellings.size());
+  for (size_t i = 0; i < spellings.size(); ++i) {
+    const double read = cloud.positions[i / 3][static_cast<int>(i % 3)];
+    const double expected = std::strtod(spellings[i].c_str(), nullptr);
+    EXPECT_EQ(std::bit_cast<uint64_t>(read), std::bit_cast<uint64_t>(expected)) << spellings[i];
+  }
+}
 
 TEST(PlyPoints, WrittenCloudComesBackWithAllItHas) {
   const TemporaryFolder folder;

@@ -4,6 +4,7 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/plan.h"
 #include "soapfilm/reconstruct.h"
+#include "support/hash.h"
 #include "support/problem.h"
 
 namespace soapfilm {
@@ -25,13 +26,27 @@ TEST(MemoryPlan, PredictsThePeakSlow) {
   EXPECT_GT(peak, 0.6 * planned);
 }
 
+TEST(MemoryPlan, ACloudThatMayBeFreedGivesTheSameMeshForLess) {
+  PointCloud cloud = sampled("torus", 48, 2);
+  ReconstructParams params;
+  params.place.resolution = 48;
+  Progress progress;
+  const Parallel one_thread(1);
+  const size_t samples = cloud.size();
+  const Reconstruction kept = reconstruct(cloud, params, one_thread, progress);
+  EXPECT_EQ(cloud.size(), samples);
+  const Reconstruction freed = reconstruct(std::move(cloud), params, one_thread, progress);
+  EXPECT_EQ(hash_mesh(freed.mesh), hash_mesh(kept.mesh));
+  EXPECT_LT(freed.report.planned_bytes, kept.report.planned_bytes);
+}
+
 TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
   const PointCloud cloud = sampled("torus", 160, 1);
   ReconstructParams params;
   params.place.resolution = 160;
   Progress progress;
   const Parallel one_thread(1);
-  params.memory_limit = size_t{48} << 20;
+  params.memory_limit = size_t{28} << 20;
   std::string message;
   try {
     reconstruct(cloud, params, one_thread, progress);

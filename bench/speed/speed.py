@@ -1,0 +1,175 @@
+"""How fast the whole program is, beside its peers: speed.py PROGRAMS WORK [--cases A,B] [--runs N] [--part PART]...
+
+PROGRAMS holds the built programs, WORK the clouds and meshes (large). Results go to bench/results/: speed.md, speed.csv,
+scaling.csv, scaling.png. PARTs are cases, scaling, instructions; all by default. Cases are 512, 1024 (the bunny's raw
+scans with SOAPFILM_DATA, else as many virtual samples) and 20M.
+
+Every program runs on one thread; runs of a case alternate between the programs and the medians are compared, in CPU
+seconds: work, whatever else the machine does. Nothing is read back from an earlier benchmark.
+"""
+import argparse
+import json
+import re
+import statistics
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent), str(HERE.parent / "accuracy")]
+
+import clouds
+from inputs import Input
+from lab import Lab
+from peers import ENVIRONMENT, read_peers
+
+# name: samples (None: the bunny's), resolution, CPU seconds and megabytes that issue 5 asks for; peers run where they can
+# end within minutes
+CASES = {"512": (None, 512, 2.5, 350, True), "1024": (None, 1024, 9, 1200, True), "20M": (20_000_000, 1024, 25, 1740, False)}
+SCALING = (256, 512, 1024, 2048)
+SCALING_SAMPLES_PER_VOXEL2 = 1.0
+UNITS = {"KiB": 1024, "MiB": 1024**2, "GiB": 1024**3}
+
+
+def run(lab, words, name, environment=None):
+    measured = lab.measure(words, lab.work / name, environment)
+    if measured["code"]:
+        sys.exit(f"{lab.shown(words)}\nexit code {measured['code']}: {measured['errors']}")
+    return measured
+
+
+def ours(lab, cloud, resolution):
+    return [lab.program, "reconstruct", cloud.file, "-o", lab.work / "ours.ply", "--resolution", resolution, "--threads", 1]
+
+
+def planned_mb(errors):
+    """From the line that a run prints before it begins."""
+    found = re.search(r"memory ([\d.]+) ([KMG]iB)", errors)
+    return float(found[1]) * UNITS[found[2]] / 1e6 if found else 0.0
+
+
+def stages(lab, words):
+    """CPU seconds of each stage, from a run with --report, without the check that a report brings."""
+    report = lab.work / "ours.json"
+    run(lab, [*words, "--report", report], "ours")
+    found = json.loads(report.read_text())
+    found["cpu_seconds"]["total"] -= found["cpu_seconds"].pop("check", 0)
+    return found
+
+
+def measure_case(lab, name, runs, peers):
+    samples, resolution, seconds, megabytes, with_peers = CASES[name]
+    cloud = Input(lab, samples, resolution)
+    commands = {"soapfilm": ours(lab, cloud, resolution)}
+    for peer in peers if with_peers else []:
+        commands[peer.name] = peer.words(cloud.for_peers(), lab.work / "peer.ply", cloud.voxel(resolution), resolution)
+    results = {program: [] for program in commands}
+    for k in range(runs):
+        for program, words in commands.items():
+            lab.say(f"{cloud.name} at {resolution}, run {k + 1} of {runs}: {program}")
+            results[program].append(run(lab, words, "speed", ENVIRONMENT if program != "soapfilm" else None))
+    rows = []
+    for program, measured in results.items():
+        median = {k: statistics.median(m[k] for m in measured) for k in ("cpu", "elapsed", "peak_mb")}
+        ratio = median["cpu"] / rows[0][3] if rows else 1.0
+        mine = program == "soapfilm"
+        rows.append([f"{cloud.name}, {resolution}", program, runs, round(median["cpu"], 2), round(median["elapsed"], 2),
+                     round(median["peak_mb"]), round(planned_mb(measured[0]["errors"])) if mine else "",
+                     round(ratio, 2), f"{seconds} s, {megabytes} MB" if mine else ""])
+    return rows, stages(lab, commands["soapfilm"])["cpu_seconds"]
+
+
+def cases(lab, names, runs, peers):
+    header = ["case", "program", "runs", "CPU s", "elapsed s", "peak MB", "planned MB", "CPU ratio", "target"]
+    rows, times = [], {}
+    for name in names:
+        found, times[name] = measure_case(lab, name, runs, peers)
+        rows += found
+    text = lab.table("speed", header, rows)
+    keys = list(dict.fromkeys(stage for t in times.values() for stage in t))
+    text += "\n\nCPU seconds by stage, one run each:\n\n"
+    return text + lab.table("stages", ["case", *keys],
+                            [[name, *(f"{t.get(k, 0):.2f}" for k in keys)] for name, t in times.items()])
+
+
+def scaling(lab, sizes):
+    """Virtual scans with the same samples per voxel^2 at each size."""
+    rows = []
+    for resolution in sizes:
+        cloud = Input(lab, clouds.samples_for(resolution, SCALING_SAMPLES_PER_VOXEL2), resolution)
+        lab.say(f"scaling: {cloud.name} at {resolution}")
+        words = ours(lab, cloud, resolution)
+        whole = run(lab, words, "speed")
+        report = stages(lab, words)
+        vertices = report["grid"]["levels"][-1]["active_vertices"]
+        spent = report["cpu_seconds"]
+        rows.append([resolution, cloud.samples, vertices, round(whole["cpu"], 2), round(whole["peak_mb"]),
+                     round(planned_mb(whole["errors"])), round(1e9 * whole["cpu"] / vertices, 1),
+                     round(1e9 * spent["solve"] / vertices, 1)])
+    plot(lab, rows)
+    header = ["resolution", "samples", "active vertices", "CPU s", "peak MB", "planned MB", "ns per active vertex",
+              "of these solve"]
+    return lab.table("scaling", header, rows) + "\n\n![CPU seconds against active vertices](scaling.png)"
+
+
+def plot(lab, rows):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    figure, axis = plt.subplots(figsize=(4.8, 3.4))
+    vertices, cpu = [row[2] for row in rows], [row[3] for row in rows]
+    axis.loglog(vertices, cpu, "o-", label="whole run")
+    axis.loglog(vertices, [cpu[0] * v / vertices[0] for v in vertices], ":", color="gray", label="constant per vertex")
+    for row in rows:
+        axis.annotate(str(row[0]), (row[2], row[3]), textcoords="offset points", xytext=(4, -10), fontsize=8)
+    axis.set_xlabel("active vertices of the finest level")
+    axis.set_ylabel("CPU seconds, one thread")
+    axis.grid(True, alpha=0.3)
+    axis.legend(frameon=False)
+    figure.tight_layout()
+    figure.savefig(lab.page / "scaling.png", dpi=110)
+
+
+def instructions(lab):
+    """A figure that does not depend on the machine's mood."""
+    cloud = Input(lab, clouds.samples_for(96, 2.0), 96)
+    words = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={lab.work / 'callgrind.out'}", *ours(lab, cloud, 96)]
+    lab.say(f"callgrind: {cloud.name} at 96")
+    found = re.search(r"Collected : (\d+)", run(lab, words, "speed")["errors"])
+    return f"{int(found[1]) / 1e6:.0f} million instructions: {cloud.samples} virtual samples at 96, one thread (callgrind)."
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("programs")
+    parser.add_argument("work")
+    parser.add_argument("--cases", default=",".join(CASES), help="of 512, 1024, 20M")
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--sizes", default=",".join(map(str, SCALING)), help="of the scaling series")
+    parser.add_argument("--part", action="append", choices=["cases", "scaling", "instructions"])
+    options = parser.parse_args()
+    names = options.cases.split(",")
+    if unknown := [n for n in names if n not in CASES]:
+        parser.error(f"case = {unknown[0]}, must be one of {', '.join(CASES)}")
+    lab = Lab(options.programs, options.work, HERE.parent / "results")
+    able, missing = read_peers(HERE.parent / "accuracy" / "peers.toml")
+    peers = [p for p in able if not p.conditions]
+    parts = options.part or ["cases", "scaling", "instructions"]
+    made = {"cases": lambda: cases(lab, names, options.runs, peers),
+            "scaling": lambda: scaling(lab, [int(n) for n in options.sizes.split(",")]),
+            "instructions": lambda: instructions(lab)}
+    page = ["# Speed of the whole program", "`make bench`; one thread, medians, reading and writing files included. What "
+            "the targets mean: `docs/performance.md`."]
+    if missing:
+        page.append(f"Not on this machine: {', '.join(p.name for p in missing)}.")
+    titles = {"cases": "Cases", "scaling": "Scaling", "instructions": "Instructions"}
+    for part in parts:
+        page.append(f"## {titles[part]}\n{made[part]()}")
+    text = "\n\n".join(page) + "\n"
+    if options.part:
+        print(text)
+    else:
+        (lab.page / "speed.md").write_text(text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,26 @@
+#include "soapfilm/core/radix_sort.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "soapfilm/core/random.h"
+
+namespace soapfilm {
+namespace {
+
+TEST(RadixSort, OrdersAsAComparisonDoes) {
+  for (const int bits : {1, 11, 12, 48, 63})
+    for (const size_t count : {0, 1, 2, 1000}) {
+      Random random(count + 1);
+      std::vector<uint64_t> keys;
+      for (size_t i = 0; i < count; ++i) keys.push_back(random.next() >> (64 - bits));
+      std::vector<uint64_t> expected = keys;
+      std::sort(expected.begin(), expected.end());
+      radix_sort(keys, bits);
+      EXPECT_EQ(keys, expected) << bits << " bits, " << count << " keys";
+    }
+}
+
+}  // namespace
+}  // namespace soapfilm
