@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "soapfilm/announce.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
 #include "soapfilm/extract/isosurface.h"
@@ -14,22 +15,6 @@
 namespace soapfilm {
 
 namespace {
-
-/// Whatever is true of the input and the grid before the solve.
-void announce(const ReconstructReport& report, Progress& progress) {
-  const Vec3i n = report.lattice.size;
-  const std::string weight =
-      weighs_area(report.params.method) ? fmt::format("lambda {:.3g}, ", report.certificate.lambda) : "";
-  progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, {}memory {}", n.x, n.y, n.z,
-                            report.lattice.voxel, report.input.density, weight, format_bytes(report.planned_bytes)));
-  if (report.thin && !report.thin->parts.empty())
-    progress.info(fmt::format("{} thinly sampled part{}: {} samples weigh {:.2g} times as much (--thin-parts)",
-                              report.thin->parts.size(), report.thin->parts.size() == 1 ? "" : "s",
-                              report.thin->samples, report.thin->mean_weight));
-  // orient() has shown its own.
-  for (size_t i = report.input.directions.warnings.size(); i < report.warnings.size(); ++i)
-    progress.warn(report.warnings[i]);
-}
 
 /// E(0) = 0 competes: a surface must have a lower energy, or the optimum is empty. (A cut has done so in its own
 /// energy, poisson's surface owes nothing to lambda: theirs only has to be there.)
@@ -51,42 +36,11 @@ void require_surface(const ReconstructReport& report, const Lattice& lattice, co
                     largest);
 }
 
-void warn_unconverged(ReconstructReport& report, Progress& progress) {
-  const auto warn = [&](std::string text) {
-    progress.warn(text);
-    report.warnings.push_back(std::move(text));
-  };
-  const auto warn_level = [&](int level, int iterations, double tolerance) {
-    warn(
-        fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate below holds all "
-                    "the same",
-                    level, iterations, tolerance));
-  };
-  for (const LevelReport& level : report.levels)
-    if (!level.converged) warn_level(level.level, level.iterations, report.params.solve.tolerance);
-  for (const SorLevelReport& level : report.sor)
-    if (!level.converged) warn_level(level.level, level.iterations, report.params.sor.tolerance);
-  if (report.poisson && !report.poisson->converged)
-    warn(fmt::format("poisson: not converged after {} iterations, relative residual {:.2g}", report.poisson->iterations,
-                     report.poisson->residual));
-  if (report.graph_cut && !report.graph_cut->globally_optimal)
-    warn(fmt::format("{}: the band's rim disagrees, the cut is not proved to be the global minimum of its energy",
-                     name_of(report.params.method)));
-}
-
 void certify(const Level& level, double threshold, const Parallel& parallel, ReconstructReport& report) {
   const auto mu = static_cast<float>(threshold);
   report.certificate.relaxed = evaluate_energy(level, {.threshold = {}, .certify = true}, parallel);
   report.certificate.binary = evaluate_energy(level, {.threshold = mu, .certify = true}, parallel);
   report.inside = count_inside(level, mu, parallel);
-}
-
-void announce_islands(const IslandReport& islands, const IslandParams& params, Progress& progress) {
-  if (islands.objects.dropped + islands.voids.dropped == 0) return;
-  const auto counted = [](size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
-  progress.info(fmt::format("{} and {} dropped: only {} on their {:.3g} voxel^2 (min-support {:g})",
-                            counted(islands.objects.dropped, "island"), counted(islands.voids.dropped, "bubble"),
-                            counted(islands.samples, "sample"), islands.area, params.min_support));
 }
 
 /// The field whose level set at report.isovalue is the surface: sub-voxel accurate, or the paper's (section 4.4).
@@ -103,15 +57,18 @@ SurfaceField level_set(Segmentation& found, const GridSamples& samples, const Re
   return surface;
 }
 
-/// What is known of the result's energy: proved by methods with a dual, else only weighed by the same judge.
-void announce_energy(const ReconstructReport& report, Progress& progress) {
-  const Certificate& c = report.certificate;
-  if (is_certified(report.params.method))
-    progress.info(
-        fmt::format("segmentation proved within {:.2g} % of the global optimum", 100 * c.relative_gap_binary()));
-  else
-    progress.info(
-        fmt::format("energy {:.6g} (method {} proves no bound of it)", c.binary.primal, name_of(report.params.method)));
+Mesh closed_mesh(const SurfaceField& surface, const Lattice& lattice, const Parallel& parallel,
+                 const ReconstructReport& report) {
+  Mesh mesh = extract_isosurface(
+      surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); },
+      static_cast<float>(report.isovalue), lattice, parallel);
+  if (mesh.triangles.empty())
+    throw EmptyResult(
+        fmt::format("empty result: the smoothed indicator stays on one side of the isovalue {:.3g}; parts "
+                    "thinner than two voxels need a smaller voxel than {:.4g}",
+                    report.isovalue, lattice.voxel),
+        report.certificate.lambda);
+  return mesh;
 }
 
 /// Curless and Levoy's surface needs neither the field nor the solve: its scans say what is known.
@@ -160,7 +117,7 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   auto samples = stages.run("place", [&] { return place(cloud, directions, params, after, parallel, report); });
   const Lattice& lattice = report.lattice;
   stages.run("weigh", [&] { weigh_area(cloud, directions, params, parallel, progress, samples, report); });
-  announce(report, progress);
+  announce_grid(report, progress);
   if (params.method == Method::vrip)
     return finish(fused_surface(cloud, lattice, params, stages, parallel, progress, report));
   directions = {};
@@ -184,30 +141,18 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
   // Specks and bubbles that hardly a sample vouches for, such as outliers leave, go. (The certificate speaks of the
   // solution with them.)
-  if (drops_islands(params)) {
+  if (drops_islands(params))
     stages.run("finish", [&] {
       drop_islands(level, static_cast<float>(params.surface.threshold), samples, report.input.density, params.islands,
                    parallel, report.islands.emplace());
     });
-    announce_islands(*report.islands, params.islands, progress);
-  }
+  announce_islands(report, progress);
 
   // The level set moves onto the samples; components and genus stay those of the segmentation.
   const auto surface = stages.run("refine", [&] { return level_set(segmentation, samples, params, parallel, report); });
 
   // The level set as a closed, manifold mesh.
-  Mesh mesh = stages.run("extract", [&] {
-    return extract_isosurface(
-        surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); },
-        static_cast<float>(report.isovalue), lattice, parallel);
-  });
-  if (mesh.triangles.empty())
-    throw EmptyResult(
-        fmt::format("empty result: the smoothed indicator stays on one side of the isovalue {:.3g}; parts "
-                    "thinner than two voxels need a smaller voxel than {:.4g}",
-                    report.isovalue, lattice.voxel),
-        report.certificate.lambda);
-  return finish(std::move(mesh));
+  return finish(stages.run("extract", [&] { return closed_mesh(surface, lattice, parallel, report); }));
 }
 
 }  // namespace

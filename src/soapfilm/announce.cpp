@@ -1,0 +1,70 @@
+#include "soapfilm/announce.h"
+
+#include <fmt/core.h>
+
+#include <string>
+#include <utility>
+
+#include "soapfilm/core/memory.h"
+
+namespace soapfilm {
+
+void announce_grid(const ReconstructReport& report, Progress& progress) {
+  const Vec3i n = report.lattice.size;
+  const std::string weight =
+      weighs_area(report.params.method) ? fmt::format("lambda {:.3g}, ", report.certificate.lambda) : "";
+  progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, {}memory {}", n.x, n.y, n.z,
+                            report.lattice.voxel, report.input.density, weight, format_bytes(report.planned_bytes)));
+  if (report.thin && !report.thin->parts.empty())
+    progress.info(fmt::format("{} thinly sampled part{}: {} samples weigh {:.2g} times as much (--thin-parts)",
+                              report.thin->parts.size(), report.thin->parts.size() == 1 ? "" : "s",
+                              report.thin->samples, report.thin->mean_weight));
+  // orient() has shown its own.
+  for (size_t i = report.input.directions.warnings.size(); i < report.warnings.size(); ++i)
+    progress.warn(report.warnings[i]);
+}
+
+void warn_unconverged(ReconstructReport& report, Progress& progress) {
+  const auto warn = [&](std::string text) {
+    progress.warn(text);
+    report.warnings.push_back(std::move(text));
+  };
+  const auto warn_level = [&](int level, int iterations, double tolerance) {
+    warn(
+        fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate below holds all "
+                    "the same",
+                    level, iterations, tolerance));
+  };
+  for (const LevelReport& level : report.levels)
+    if (!level.converged) warn_level(level.level, level.iterations, report.params.solve.tolerance);
+  for (const SorLevelReport& level : report.sor)
+    if (!level.converged) warn_level(level.level, level.iterations, report.params.sor.tolerance);
+  if (report.poisson && !report.poisson->converged)
+    warn(fmt::format("poisson: not converged after {} iterations, relative residual {:.2g}", report.poisson->iterations,
+                     report.poisson->residual));
+  if (report.graph_cut && !report.graph_cut->globally_optimal)
+    warn(fmt::format("{}: the band's rim disagrees, the cut is not proved to be the global minimum of its energy",
+                     name_of(report.params.method)));
+}
+
+void announce_energy(const ReconstructReport& report, Progress& progress) {
+  const Certificate& c = report.certificate;
+  if (is_certified(report.params.method))
+    progress.info(
+        fmt::format("segmentation proved within {:.2g} % of the global optimum", 100 * c.relative_gap_binary()));
+  else
+    progress.info(
+        fmt::format("energy {:.6g} (method {} proves no bound of it)", c.binary.primal, name_of(report.params.method)));
+}
+
+void announce_islands(const ReconstructReport& report, Progress& progress) {
+  if (!report.islands) return;
+  const IslandReport& islands = *report.islands;
+  if (islands.objects.dropped + islands.voids.dropped == 0) return;
+  const auto counted = [](size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
+  progress.info(fmt::format("{} and {} dropped: only {} on their {:.3g} voxel^2 (min-support {:g})",
+                            counted(islands.objects.dropped, "island"), counted(islands.voids.dropped, "bubble"),
+                            counted(islands.samples, "sample"), islands.area, report.params.islands.min_support));
+}
+
+}  // namespace soapfilm

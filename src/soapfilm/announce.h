@@ -1,0 +1,21 @@
+// What a run tells while it goes on: lines for the progress object, from the report as it fills.
+#pragma once
+
+#include "soapfilm/core/progress.h"
+#include "soapfilm/report.h"
+
+namespace soapfilm {
+
+/// Whatever is true of the input and the grid before the solve, warnings included (orient() has shown its own).
+void announce_grid(const ReconstructReport& report, Progress& progress);
+
+/// Warns, here and in the report, of what ran into its limit of iterations or could not be proved.
+void warn_unconverged(ReconstructReport& report, Progress& progress);
+
+/// What is known of the result's energy: proved by methods with a dual, else only weighed by the same judge.
+void announce_energy(const ReconstructReport& report, Progress& progress);
+
+/// What drop_islands() dropped, if anything.
+void announce_islands(const ReconstructReport& report, Progress& progress);
+
+}  // namespace soapfilm
