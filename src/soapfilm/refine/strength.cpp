@@ -205,16 +205,12 @@ double between_steps(double x, double step, double least, double most, Score&& s
   return bend > 0 ? x * std::pow(step, std::clamp(0.5 * (a - c) / bend, -0.5, 0.5)) : x;
 }
 
-/// The largest x whose score is at most `allowed`, between steps by interpolation in log(x); at least `x`, whose score
-/// is below.
+/// The largest x, at most one step away, whose score is at most `allowed`, by interpolation in log(x); that of `x` is.
 template <class Score>
 double largest_within(double x, double step, double most, double allowed, Score&& score) {
-  for (double here = score(x); x * step <= most; x *= step) {
-    const double next = score(x * step);
-    if (next > allowed) return x * std::pow(step, (allowed - here) / (next - here));
-    here = next;
-  }
-  return x;
+  if (x * step > most) return x;
+  const double here = score(x), next = score(x * step);
+  return next <= allowed ? x * step : x * std::pow(step, (allowed - here) / (next - here));
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ struct StrengthReport {
 /// small. gamma is searched in factors of 4 from 0.2 downhill, not below (1.57 noise)^4: bends shorter than the noise
 /// cannot be told from it, and under strong noise the band, which lies around the thresholded surface, favours surfaces
 /// that follow that one's own noise. Then it takes the smoothest surface within one standard error of the best (Hastie,
-/// Tibshirani and Friedman 2009, section 7.10), between the steps by interpolation in log gamma, or the lowest point of
-/// a parabola where that is larger: few held-out samples tell fits that are too rough from good ones. Directions are
+/// Tibshirani and Friedman 2009, section 7.10) and within one step, by interpolation in log gamma, or the lowest point
+/// of a parabola where that is larger: few held-out samples tell fits that are too rough from good ones. Directions are
 /// tried as normals when their median angle to the fitted surface is under 40 degrees, and used, with the weight found
 /// in factors of 4, when that lowers the score. The noise is 1.48 times the median of the held-out distances, the
 /// standard error that of as many normal deviates. Cost: some ten fits of `samples` samples, whatever their number.
