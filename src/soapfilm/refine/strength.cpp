@@ -16,6 +16,7 @@ constexpr double assumed_noise = 0.3;  // voxels, of the robust penalty during t
 constexpr double first_smoothing = 0.2;
 constexpr double least_smoothing = 2e-4, most_smoothing = 200;
 constexpr double smoothing_step = 4, normals_step = 4;
+constexpr double shortest_bend = 1.57;  // standard deviations of the noise: what is smaller cannot be told from it
 constexpr double first_normals = 0.05, least_normals = 0.003, most_normals = 50;
 constexpr double normals_agree_deg = 40;  // a larger median angle: viewing directions, not normals
 
@@ -89,6 +90,8 @@ float median(std::vector<float> values) {
 }
 
 class HeldOut {
+  static constexpr double deviation_of_absolute = 0.6028;  // of |x|, x normal with deviation 1: sqrt(1 - 2 / pi)
+
  public:
   HeldOut(const NarrowBand& band, const RowArray& phi0, const GridSamples& samples, const RobustParams& robust,
           const StrengthParams& params, const Parallel& parallel)
@@ -106,29 +109,35 @@ class HeldOut {
     robust_.rounds = 2;
   }
 
-  /// Mean |phi| of the held-out samples after a fit to the others. Remembered, so that searches may ask twice.
-  double score(double smoothing, double normals) {
-    const auto [it, fresh] = scores_.try_emplace({smoothing, normals}, 0.0);
-    if (!fresh) return it->second;
+  struct Outcome {
+    double score = 0;           ///< mean |phi| of the held-out samples
+    double noise = 0;           ///< standard deviation of the samples from the surface, voxels, by their median
+    double standard_error = 0;  ///< of the score, were the noise normal: outliers do not enter
+  };
+
+  /// Of a fit to the others. Remembered, so that searches may ask twice.
+  const Outcome& outcome(double smoothing, double normals) {
+    const auto [it, fresh] = outcomes_.try_emplace({smoothing, normals});
+    return fresh ? it->second = fit(smoothing, normals) : it->second;
+  }
+  double score(double smoothing, double normals) { return outcome(smoothing, normals).score; }
+
+  /// Fits, whether remembered or not.
+  Outcome fit(double smoothing, double normals) {
     std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
     fit_robustly(displacement_, part_.first, samples_, where_, train_, {smoothing, normals, assumed_noise}, robust_,
                  parallel_);
     const auto residuals = held_out_residuals();
+    if (residuals.empty()) return {};
     double sum = 0;
     for (const float r : residuals) sum += r;
-    it->second = residuals.empty() ? 0 : sum / static_cast<double>(residuals.size());
-    noise_ = 1.4826 * static_cast<double>(median(residuals));
-    return it->second;
+    const auto count = static_cast<double>(residuals.size());
+    const double noise = 1.4826 * static_cast<double>(median(residuals));
+    return {sum / count, noise, deviation_of_absolute * noise / std::sqrt(count)};
   }
 
-  /// Standard deviation of the samples from the surface, voxels, by the held-out samples' median.
-  double noise_at(double smoothing, double normals) {
-    scores_.erase({smoothing, normals});
-    score(smoothing, normals);
-    return noise_;
-  }
   size_t samples() const { return samples_.size(); }
-  int candidates() const { return static_cast<int>(scores_.size()); }
+  int candidates() const { return static_cast<int>(outcomes_.size()); }
 
   /// Median angle between directions and the present surface's normals, degrees.
   double agreement() const {
@@ -166,8 +175,7 @@ class HeldOut {
   Displacement displacement_;
   std::vector<uint8_t> train_;
   std::vector<Jet> first_;  // of phi0
-  std::map<std::pair<double, double>, double> scores_;
-  double noise_ = 0;
+  std::map<std::pair<double, double>, Outcome> outcomes_;
 };
 
 /// Steps along one axis of (gamma, normals) while that lowers the score.
@@ -197,6 +205,14 @@ double between_steps(double x, double step, double least, double most, Score&& s
   return bend > 0 ? x * std::pow(step, std::clamp(0.5 * (a - c) / bend, -0.5, 0.5)) : x;
 }
 
+/// The largest x, at most one step away, whose score is at most `allowed`, by interpolation in log(x); that of `x` is.
+template <class Score>
+double largest_within(double x, double step, double most, double allowed, Score&& score) {
+  if (x * step > most) return x;
+  const double here = score(x), next = score(x * step);
+  return next <= allowed ? x * step : x * std::pow(step, (allowed - here) / (next - here));
+}
+
 }  // namespace
 
 Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const GridSamples& samples,
@@ -205,13 +221,17 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
   HeldOut held_out(band, phi0, samples, robust, params, parallel);
   Strength best{params.smoothing.value_or(first_smoothing), params.normals.value_or(0), 0};
 
+  // A rough fit tells the noise, and that what one must not ask for.
+  const double noise = held_out.outcome(best.smoothing, best.normals).noise;
+  const double least = std::clamp(std::pow(shortest_bend * noise, 4), least_smoothing, most_smoothing);
+  if (!params.smoothing) best.smoothing = std::max(best.smoothing, least);
+  const auto score_of_smoothing = [&](double gamma) { return held_out.score(gamma, best.normals); };
   const auto search_smoothing = [&] {
-    if (params.smoothing) return;
-    best.smoothing = descend(best.smoothing, smoothing_step, least_smoothing, most_smoothing,
-                             [&](double gamma) { return held_out.score(gamma, best.normals); });
+    if (!params.smoothing)
+      best.smoothing = descend(best.smoothing, smoothing_step, least, most_smoothing, score_of_smoothing);
   };
   search_smoothing();
-  held_out.noise_at(best.smoothing, best.normals);  // the fit to compare directions with
+  held_out.fit(best.smoothing, best.normals);  // to compare directions with
   report.agreement_deg = held_out.agreement();
   if (!params.normals && report.agreement_deg < normals_agree_deg &&
       held_out.score(best.smoothing, first_normals) < held_out.score(best.smoothing, 0)) {
@@ -224,11 +244,13 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
       if (best.smoothing == before.smoothing && best.normals == before.normals) break;
     }
   }
-  report.held_out_error = held_out.score(best.smoothing, best.normals);
+  const HeldOut::Outcome found = held_out.outcome(best.smoothing, best.normals);
+  report.held_out_error = found.score;
+  best.noise = found.noise;
   if (!params.smoothing)
-    best.smoothing = between_steps(best.smoothing, smoothing_step, least_smoothing, most_smoothing,
-                                   [&](double gamma) { return held_out.score(gamma, best.normals); });
-  best.noise = held_out.noise_at(best.smoothing, best.normals);
+    best.smoothing = std::max(between_steps(best.smoothing, smoothing_step, least, most_smoothing, score_of_smoothing),
+                              largest_within(best.smoothing, smoothing_step, most_smoothing,
+                                             found.score + found.standard_error, score_of_smoothing));
   report.samples = held_out.samples();
   report.candidates = held_out.candidates();
   return best;
