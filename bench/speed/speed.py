@@ -22,7 +22,7 @@ from inputs import Input
 from lab import Lab
 from peers import ENVIRONMENT, read_peers
 
-# name: samples (None: the bunny's), resolution, CPU seconds and megabytes that issue 5 asks for; peers run where they can
+# name: samples (None: the bunny's), resolution, CPU seconds and megabytes that we aim at; peers run where they can
 # end within minutes
 CASES = {"512": (None, 512, 2.5, 350, True), "1024": (None, 1024, 9, 1200, True), "20M": (20_000_000, 1024, 25, 1740, False)}
 SCALING = (256, 512, 1024, 2048)

@@ -42,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, EmptyOptimumOf, testing::Values("sphere", "toru
 
 TEST(EmptyOptimum, IsAnnouncedByAWarningWhenNear) {
   const PointCloud cloud = sampled("sphere", 60, 0.2);
-  EXPECT_FALSE(reconstructed(cloud, 0.03).report.warnings.empty());
+  EXPECT_FALSE(reconstructed(cloud, 0.02).report.warnings.empty());
   EXPECT_TRUE(reconstructed(cloud, 0.004).report.warnings.empty());
 }
 
