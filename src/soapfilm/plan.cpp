@@ -30,10 +30,10 @@ constexpr double band_over_support = 1.1;
 constexpr double coarser_share = 0.35;
 constexpr double coarser_data_share = 0.4;
 
-/// Refinement: the level's u, the narrow band and the fit's arrays, bytes per support brick (measured: 12.5e3 to 13e3);
+/// Refinement: the level's u, the narrow band and the fit's arrays, bytes per support brick;
 /// what it holds of each sample (cell, weight, normal, value and gradient) and of each cell with samples, of which a
 /// brick has about as many as given here where samples are dense.
-constexpr size_t refined_brick_bytes = 13000;
+constexpr size_t refined_brick_bytes = 16000;
 constexpr size_t refined_sample_bytes = 38;
 constexpr size_t refined_cell_bytes = 110;
 constexpr size_t refined_cells_per_brick = 32;

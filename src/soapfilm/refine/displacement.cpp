@@ -1,6 +1,8 @@
 #include "soapfilm/refine/displacement.h"
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 namespace soapfilm {
 
@@ -13,15 +15,37 @@ Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const P
       residual_(band.make_array()),
       direction_(band.make_array()),
       image_(band.make_array()),
-      scratch_(band.make_array()) {
+      scratch_(band.make_array()),
+      share_(band.make_array()) {
+  stiffen();
   std::copy_n(phi0.data(), phi0.size(), phi_.data());
+}
+
+void Displacement::yield_to_bends(double medians) {
+  constexpr size_t stride = 7;  // a seventh of the vertices tells the median, at every x
+  const uint8_t* degree = band_.view().degree;
+  const float* laplacian = scratch_.data();
+  apply_laplacian(band_, phi_, 0, 1, scratch_, parallel_);
+  std::vector<float> bends;
+  for (size_t i = 0; i < scratch_.size(); i += stride)
+    if (degree[i] == 6) bends.push_back(std::abs(laplacian[i]));
+  if (bends.empty()) return;
+  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
+  std::nth_element(bends.begin(), middle, bends.end());
+  const float per_bend = 1 / std::max(static_cast<float>(medians) * *middle, 1e-6f);
+  parallel_.for_chunks(share_.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const float bend = degree[i] == 6 ? per_bend * laplacian[i] : 0.0f;
+      share_.data()[i] = 1 / (1 + bend * bend);
+    }
+  });
 }
 
 /// Minus half of the energy's gradient.
 void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
   const RowKernel kernel = row_kernel();
   // beta delta + gamma (G delta - k)
-  const BendJob job{phi_.data(), phi0_.data(), smoothness.slope, smoothness.curvature, scratch_.data()};
+  const BendJob job{phi_.data(), phi0_.data(), smoothness.slope, smoothness.curvature, share_.data(), scratch_.data()};
   parallel_.for_chunks(band_.rows(), rows_per_task,
                        [&](size_t begin, size_t end) { kernel.bend(band_.view(), job, begin + 1, end + 1); });
   apply_laplacian(band_, scratch_, 0, -1, residual_, parallel_);
@@ -52,7 +76,8 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
     rz = new_rz;
     for_values([&](size_t i) { direction[i] = preconditioned[i] + ratio * direction[i]; });
     // image = A direction
-    double curvature = apply_laplacian(band_, direction_, smoothness.slope, smoothness.curvature, scratch_, parallel_);
+    double curvature =
+        apply_laplacian(band_, direction_, smoothness.slope, smoothness.curvature, scratch_, parallel_, &share_);
     apply_laplacian(band_, scratch_, 0, 1, image_, parallel_);
     curvature += add_data_term(band_, data, direction_, false, 1, image_, parallel_);
     if (!(curvature > 0)) break;

@@ -1,6 +1,8 @@
 // The smooth displacement that moves a level set onto the samples: a linear system, solved matrix-free.
 #pragma once
 
+#include <algorithm>
+
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/refine/cell_samples.h"
 #include "soapfilm/refine/multilevel.h"
@@ -20,15 +22,23 @@ struct SolveLimits {
 };
 
 /// Minimises, over delta on the band,
-///   E = data term of CellSamples (phi) + beta <delta, G delta> + gamma |G delta - k|^2,
+///   E = data term of CellSamples (phi) + beta <delta, G delta> + gamma <G delta - k, s (G delta - k)>,
 /// phi = phi0 + delta, k = laplacian phi0 where all six neighbours are in the band and 0 elsewhere (there delta alone
-/// is kept from bending, so that the band's rim pulls nothing). Conjugate gradients, multigrid preconditioner.
+/// is kept from bending, so that the band's rim pulls nothing), s = 1 until yield_to_bends(). Conjugate gradients,
+/// multigrid preconditioner.
 class Displacement {
  public:
   Displacement(const NarrowBand& band, const RowArray& phi0, const Parallel& parallel);
 
   /// Starts from the present state; returns the number of iterations.
   int minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits);
+
+  /// Lowers the weight of curvature where the present surface bends: to gamma / (1 + (c / c0)^2) for the curvature c =
+  /// laplacian phi, c0 that many times the median of |c| over the band (re-weighted least squares of the penalty
+  /// c0^2 log(1 + (c / c0)^2)). The band's rim keeps gamma.
+  void yield_to_bends(double medians);
+  /// The same gamma everywhere, as at first.
+  void stiffen() { std::fill_n(share_.data(), share_.size(), 1.0f); }
 
   const RowArray& phi() const { return phi_; }
   RowArray& phi() { return phi_; }
@@ -42,6 +52,7 @@ class Displacement {
   const RowArray& phi0_;
   RowArray phi_;
   RowArray residual_, direction_, image_, scratch_;
+  RowArray share_;  // of gamma, in (0, 1]
 };
 
 }  // namespace soapfilm

@@ -19,7 +19,7 @@ struct RefineParams {
   std::optional<double> normals{};    ///< weight of a unit normal against one voxel; [0, 1e6], 0: viewing directions
                                       ///< only. Without it: chosen by held-out samples
   RobustParams robust{};
-  double reach = 2.3;  ///< half width of the band, voxels; [1, 3]
+  double reach = 3;  ///< half width of the band, voxels; [1, 3]
 };
 
 struct RefineReport {

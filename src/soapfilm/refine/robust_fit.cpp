@@ -14,7 +14,9 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
   std::vector<Vec3f> normal(samples.size());
   const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(strength.smoothing)),
                               static_cast<float>(strength.smoothing)};
-  for (int round = 0; round < params.rounds; ++round) {
+  const int rounds = params.rounds + (strength.yield ? params.yielding_rounds : 0);
+  for (int round = 0; round < rounds; ++round) {
+    if (strength.yield && round > 0) displacement.yield_to_bends(params.yielding_bend);
     const auto scale =
         static_cast<float>(std::max({params.least_scale, strength.noise, params.first_scale * std::pow(0.5, round)}));
     const std::vector<Jet> jets = jets_at_samples(displacement.phi(), samples, where, band, parallel);
@@ -33,7 +35,8 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
     fit.cells = data.count;
     // Weights need no more than a rough surface.
     SolveLimits limits = params.solve;
-    if (round + 1 < params.rounds) limits.iterations = std::max(1, limits.iterations / 4);
+    if (strength.yield) limits.iterations = std::max(1, limits.iterations / params.yielding_haste);
+    if (round + 1 < rounds) limits.iterations = std::max(2, limits.iterations / 4);
     fit.iterations += displacement.minimize(data, smoothness, limits);
   }
   return fit;

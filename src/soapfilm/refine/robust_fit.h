@@ -14,6 +14,7 @@ struct Strength {
   double smoothing = 0;  ///< gamma: weight of curvature against one sample, lattice units
   double normals = 0;    ///< weight of a direction's error (as a vector of unit length) against a voxel
   double noise = 0;      ///< standard deviation of the samples along the surface's normal, voxels
+  bool yield = false;    ///< whether curvature yields where the surface bends most: under noise
 };
 
 struct RobustParams {
@@ -24,6 +25,9 @@ struct RobustParams {
                                      ///< flattens among noisy samples and is no distance any more
   double slope_of_curvature = 0.02;  ///< beta / sqrt(gamma), > 0: gamma scales as length^4, beta as length^2
   int rounds = 3;                    ///< of weighing and solving, [1, 20]
+  int yielding_rounds = 2;           ///< so many more where curvature yields, >= 0
+  int yielding_haste = 3;            ///< and each takes the iterations over this: they go on from one another, > 0
+  double yielding_bend = 3;          ///< what it yields to, in medians of the surface's bends, > 0
   SolveLimits solve;                 ///< of the last round; the earlier ones take a quarter of the iterations
 };
 
@@ -33,7 +37,7 @@ struct RobustFit {
   int iterations = 0;
 };
 
-/// Moves `displacement` onto the samples; `active[s]` 0 leaves a sample out.
+/// Moves `displacement` onto the samples, from what it yields to at present; `active[s]` 0 leaves a sample out.
 RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const GridSamples& samples,
                        const BandSamples& where, std::span<const uint8_t> active, const Strength& strength,
                        const RobustParams& params, const Parallel& parallel);

@@ -108,7 +108,8 @@ double laplacian(const BandRows& band, const LaplacianJob& job, size_t begin, si
       const V g =
           hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)),
                              hn::Sub(hn::Mul(degree, here), neighbor_sum(Plain{job.v}, band.neighbors[r], r, x)));
-      const V out = hn::Add(hn::Mul(weight_v, here), hn::Mul(weight_g, g));
+      const V weight = job.share ? hn::Mul(weight_g, hn::Load(d, job.share + i)) : weight_g;
+      const V out = hn::Add(hn::Mul(weight_v, here), hn::Mul(weight, g));
       hn::Store(out, d, job.out + i);
       sum.add(hn::Mul(g, out), x);
     }
@@ -127,7 +128,8 @@ void bend(const BandRows& band, const BendJob& job, size_t begin, size_t end) {
       const V g = hn::Sub(hn::Mul(degree, here), neighbor_sum(Plain{job.v}, band.neighbors[r], r, x));
       const V g_start = hn::Sub(hn::Mul(degree, start), neighbor_sum(Plain{job.start}, band.neighbors[r], r, x));
       const V bent = hn::Sub(g, hn::IfThenZeroElse(hn::Eq(degree, six), g_start));
-      const V out = hn::Add(hn::Mul(beta, hn::Sub(here, start)), hn::Mul(gamma, bent));
+      const V out =
+          hn::Add(hn::Mul(beta, hn::Sub(here, start)), hn::Mul(hn::Mul(gamma, hn::Load(d, job.share + i)), bent));
       hn::Store(hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), out), d, job.out + i);
     }
   }

@@ -15,18 +15,20 @@ struct BandRows {
   const uint8_t* degree;
 };
 
-/// out = weight_v v + weight_g G v.
+/// out = weight_v v + weight_g s G v; `share` s may be null: 1.
 struct LaplacianJob {
   const float* v;
   float weight_v, weight_g;
   float* out;
+  const float* share = nullptr;
 };
 
-/// out = beta (v - start) + gamma (G (v - start) + [six neighbours] G start).
+/// out = beta (v - start) + gamma s (G (v - start) + [six neighbours] G start), with the shares s.
 struct BendJob {
   const float* v;
   const float* start;
   float beta, gamma;
+  const float* share;
   float* out;
 };
 

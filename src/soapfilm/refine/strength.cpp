@@ -17,6 +17,7 @@ constexpr double first_smoothing = 0.2;
 constexpr double least_smoothing = 2e-4, most_smoothing = 200;
 constexpr double smoothing_step = 4, normals_step = 4;
 constexpr double shortest_bend = 1.57;  // standard deviations of the noise: what is smaller cannot be told from it
+constexpr double least_noise_to_yield = 0.1;  // voxels; with less, a small gamma serves bends and faces alike
 constexpr double first_normals = 0.05, least_normals = 0.003, most_normals = 50;
 constexpr double normals_agree_deg = 40;  // a larger median angle: viewing directions, not normals
 
@@ -107,6 +108,8 @@ class HeldOut {
     for (size_t s = 0; s < samples_.size(); ++s)
       train_[s] = (Random(params.seed + 0x51ED2700ull * (samples_.source[s] + 1ull)).next() >> 11 & 3) != 0;
     robust_.rounds = 2;
+    robust_.yielding_rounds = 1;
+    robust_.yielding_haste = 1;
   }
 
   struct Outcome {
@@ -122,11 +125,11 @@ class HeldOut {
   }
   double score(double smoothing, double normals) { return outcome(smoothing, normals).score; }
 
-  /// Fits, whether remembered or not.
+  /// Fits, whether remembered or not. Each fit starts with the bends that the last one yielded to: rounds saved.
   Outcome fit(double smoothing, double normals) {
     std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
-    fit_robustly(displacement_, part_.first, samples_, where_, train_, {smoothing, normals, assumed_noise}, robust_,
-                 parallel_);
+    fit_robustly(displacement_, part_.first, samples_, where_, train_, {smoothing, normals, assumed_noise, yield_},
+                 robust_, parallel_);
     const auto residuals = held_out_residuals();
     if (residuals.empty()) return {};
     double sum = 0;
@@ -134,6 +137,13 @@ class HeldOut {
     const auto count = static_cast<double>(residuals.size());
     const double noise = 1.4826 * static_cast<double>(median(residuals));
     return {sum / count, noise, deviation_of_absolute * noise / std::sqrt(count)};
+  }
+
+  /// Curvature does not yield from now on.
+  void stiffen() {
+    yield_ = false;
+    displacement_.stiffen();
+    outcomes_.clear();
   }
 
   size_t samples() const { return samples_.size(); }
@@ -174,6 +184,7 @@ class HeldOut {
   BandSamples where_;
   Displacement displacement_;
   std::vector<uint8_t> train_;
+  bool yield_ = true;
   std::vector<Jet> first_;  // of phi0
   std::map<std::pair<double, double>, Outcome> outcomes_;
 };
@@ -219,12 +230,14 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
                          const RobustParams& robust, const StrengthParams& params, const Parallel& parallel,
                          StrengthReport& report) {
   HeldOut held_out(band, phi0, samples, robust, params, parallel);
-  Strength best{params.smoothing.value_or(first_smoothing), params.normals.value_or(0), 0};
+  Strength best{params.smoothing.value_or(first_smoothing), params.normals.value_or(0), 0, false};
 
   // A rough fit tells the noise, and that what one must not ask for.
   const double noise = held_out.outcome(best.smoothing, best.normals).noise;
   const double least = std::clamp(std::pow(shortest_bend * noise, 4), least_smoothing, most_smoothing);
   if (!params.smoothing) best.smoothing = std::max(best.smoothing, least);
+  best.yield = noise > least_noise_to_yield;
+  if (!best.yield) held_out.stiffen();
   const auto score_of_smoothing = [&](double gamma) { return held_out.score(gamma, best.normals); };
   const auto search_smoothing = [&] {
     if (!params.smoothing)
