@@ -14,9 +14,13 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
   std::vector<Vec3f> normal(samples.size());
   const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(strength.smoothing)),
                               static_cast<float>(strength.smoothing)};
-  for (int round = 0; round < params.rounds; ++round) {
-    const auto scale =
-        static_cast<float>(std::max({params.least_scale, strength.noise, params.first_scale * std::pow(0.5, round)}));
+  // Once the scale rests, the samples have been weighed as they will be.
+  const double least_scale = std::max(params.least_scale, strength.noise);
+  bool last = false;
+  for (int round = 0; !last; ++round) {
+    const double first_scale = params.first_scale * std::pow(0.5, round);
+    const auto scale = static_cast<float>(std::max(least_scale, first_scale));
+    last = round + 1 >= params.rounds || (round > 0 && first_scale <= least_scale);
     const std::vector<Jet> jets = jets_at_samples(displacement.phi(), samples, where, band, parallel);
     parallel.for_each(samples.size(), samples_per_task, [&](size_t s) {
       const bool speaks =
@@ -33,7 +37,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
     fit.cells = data.count;
     // Weights need no more than a rough surface.
     SolveLimits limits = params.solve;
-    if (round + 1 < params.rounds) limits.iterations = std::max(1, limits.iterations / 4);
+    if (!last) limits.iterations = std::max(1, limits.iterations / (round == 0 ? 4 : 6));
     fit.iterations += displacement.minimize(data, smoothness, limits);
   }
   return fit;
