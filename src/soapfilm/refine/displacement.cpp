@@ -68,10 +68,11 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
   const float *image = image_.data(), *preconditioned = z.data();
   double first = 0, rz = 0;
   int iteration = 0;
-  for (; iteration < limits.iterations; ++iteration) {
+  for (bool last = false; !last && iteration < limits.iterations; ++iteration) {
     const double new_rz = multilevel_.apply(residual_, z, image_, parallel_);
     if (iteration == 0) first = new_rz;
-    if (!(new_rz > limits.tolerance * limits.tolerance * first)) break;
+    if (!(new_rz > 0)) break;
+    last = new_rz <= limits.tolerance * limits.tolerance * first;
     const float ratio = iteration == 0 ? 0.0f : static_cast<float>(new_rz / rz);
     rz = new_rz;
     for_values([&](size_t i) { direction[i] = preconditioned[i] + ratio * direction[i]; });

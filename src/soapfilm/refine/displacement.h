@@ -18,7 +18,8 @@ struct Smoothness {
 
 struct SolveLimits {
   int iterations = 12;
-  double tolerance = 0.1;  ///< of the residual, in the preconditioner's norm, relative to the first one
+  double tolerance = 0.15;  ///< of the residual, in the preconditioner's norm, relative to the first one: the step that
+                            ///< starts below it is the last
 };
 
 /// Minimises, over delta on the band,

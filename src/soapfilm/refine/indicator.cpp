@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <utility>
 #include <vector>
 
+#include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/grid/smoothing.h"
-#include "soapfilm/grid/window.h"
 
 namespace soapfilm {
 
@@ -13,46 +15,6 @@ namespace {
 
 /// The smoothing's reach and one more for the cells that end in the next brick.
 constexpr int surface_margin = smoothing_reach + 1;
-
-/// Fills a window with the binary indicator around a brick of the band.
-template <int margin>
-void indicator_window(const Level& level, size_t brick, float threshold, Window<float, margin>& window) {
-  fill_window(
-      level.grid, brick, [&](int, int32_t n) { return n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr; },
-      [&](int slot, int32_t n) { return level.missing_u(n, level.grid.coord(brick) + slot_offset(slot)); }, window);
-  for (float& value : window.values) value = value > threshold ? 1.0f : 0.0f;
-}
-
-/// The 27 neighbours (as bits by neighbor_slot()) within the surface's margin of an interface in the brick.
-uint32_t bricks_near_interface(const Level& level, size_t brick, float threshold) {
-  Window<float, 1> inside;
-  indicator_window(level, brick, threshold, inside);
-  const float first = inside.values[0];
-  if (std::all_of(inside.values.begin(), inside.values.end(), [&](float v) { return v == first; })) return 0;
-
-  Vec3i lo{brick_side, brick_side, brick_side}, hi{-1, -1, -1};
-  for (int z = 0; z < brick_side; ++z)
-    for (int y = 0; y < brick_side; ++y)
-      for (int x = 0; x < brick_side; ++x) {
-        const float here = inside.at(x, y, z);
-        if (inside.at(x - 1, y, z) == here && inside.at(x + 1, y, z) == here && inside.at(x, y - 1, z) == here &&
-            inside.at(x, y + 1, z) == here && inside.at(x, y, z - 1) == here && inside.at(x, y, z + 1) == here)
-          continue;
-        lo = {std::min(lo.x, x), std::min(lo.y, y), std::min(lo.z, z)};
-        hi = {std::max(hi.x, x), std::max(hi.y, y), std::max(hi.z, z)};
-      }
-  if (hi.x < 0) return 0;
-  uint32_t near = 0;
-  for (int slot = 0; slot < 27; ++slot) {
-    const Vec3i d = slot_offset(slot);
-    bool reached = true;
-    for (int axis = 0; axis < 3; ++axis)
-      reached = reached &&
-                (d[axis] == 0 || (d[axis] < 0 ? lo[axis] < surface_margin : hi[axis] >= brick_side - surface_margin));
-    if (reached) near |= 1u << slot;
-  }
-  return near;
-}
 
 /// Whether the first vertex of each brick of the domain is inside: all that matters where a brick is constant.
 BrickMask inside_bricks(const Level& level, float threshold) {
@@ -73,6 +35,64 @@ std::vector<uint8_t> inside_bits(const Level& level, float threshold, const Para
     }
   });
   return bits;
+}
+
+/// The rows of a brick of the domain, given as BrickGrid::find gives it.
+const uint8_t* rows_of(const Level& level, const std::vector<uint8_t>& bits, float threshold, int32_t n, Vec3i brick) {
+  static constexpr std::array<uint8_t, brick_area> none = {};
+  static constexpr auto all = [] {
+    std::array<uint8_t, brick_area> rows{};
+    rows.fill(0xff);
+    return rows;
+  }();
+  if (n >= 0) return &bits[static_cast<size_t>(n) * brick_area];
+  return level.missing_u(n, brick) > threshold ? all.data() : none.data();
+}
+
+BrickBits bits_of(const uint8_t* rows) {
+  BrickBits bits;
+  for (size_t row = 0; row < brick_area; ++row)
+    bits.layer[row / brick_side] |= uint64_t{rows[row]} << brick_side * (row % brick_side);
+  return bits;
+}
+
+/// The first and the last set bit of a byte that is not 0.
+std::pair<int, int> ends_of(uint64_t byte) { return {std::countr_zero(byte), 63 - std::countl_zero(byte)}; }
+
+/// The 27 neighbours (as bits by neighbor_slot()) within the surface's margin of an interface in a brick; around[slot]
+/// are their rows.
+uint32_t bricks_near_interface(const std::array<const uint8_t*, 27>& around) {
+  const BrickBits inside = bits_of(around[own_slot]);
+  BrickBits interface;  // vertices with a neighbour on the other side
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int step : {-1, 1}) {
+      const auto slot = static_cast<size_t>(step > 0 ? slot_down[axis] : slot_up[axis]);
+      const BrickBits next = moved(inside, axis, step) | carried(bits_of(around[slot]), axis, step);
+      interface |= (inside & ~next) | (~inside & next);
+    }
+  if (!interface.any()) return 0;
+  uint64_t along_xy = 0, along_x = 0, along_y = 0, along_z = 0;
+  for (size_t z = 0; z < brick_side; ++z) {
+    along_xy |= interface.layer[z];
+    along_z |= uint64_t{interface.layer[z] != 0} << z;
+  }
+  for (size_t y = 0; y < brick_side; ++y) {
+    const uint64_t row = along_xy >> brick_side * y & 0xff;
+    along_x |= row;
+    along_y |= uint64_t{row != 0} << y;
+  }
+  const auto x = ends_of(along_x), y = ends_of(along_y), z = ends_of(along_z);
+  const Vec3i lo{x.first, y.first, z.first}, hi{x.second, y.second, z.second};
+  uint32_t near = 0;
+  for (int slot = 0; slot < 27; ++slot) {
+    const Vec3i d = slot_offset(slot);
+    bool reached = true;
+    for (int axis = 0; axis < 3; ++axis)
+      reached = reached &&
+                (d[axis] == 0 || (d[axis] < 0 ? lo[axis] < surface_margin : hi[axis] >= brick_side - surface_margin));
+    if (reached) near |= 1u << slot;
+  }
+  return near;
 }
 
 /// The filter of section 4.1 has taps of whole 27ths: exact in integers.
@@ -126,8 +146,17 @@ void smooth_brick(const std::array<const uint8_t*, 27>& around, float* out) {
 }  // namespace
 
 SurfaceField smoothed_indicator(const Level& level, float threshold, const Parallel& parallel) {
+  const std::vector<uint8_t> bits = inside_bits(level, threshold, parallel);
   std::vector<uint32_t> near(level.grid.size());
-  parallel.for_each(near.size(), 64, [&](size_t b) { near[b] = bricks_near_interface(level, b, threshold); });
+  parallel.for_each(near.size(), 64, [&](size_t b) {
+    std::array<const uint8_t*, 27> around;
+    for (int slot = 0; slot < 27; ++slot) {
+      const auto k = static_cast<size_t>(slot);
+      const int32_t n = slot == own_slot ? static_cast<int32_t>(b) : level.grid.neighbors(b)[k];
+      around[k] = rows_of(level, bits, threshold, n, level.grid.coord(b) + slot_offset(slot));
+    }
+    near[b] = bricks_near_interface(around);
+  });
   BrickMask mask(level.box.bricks);
   for (size_t b = 0; b < near.size(); ++b)
     for (int slot = 0; slot < 27; ++slot)
@@ -138,21 +167,11 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Paral
   field.inside = inside_bricks(level, threshold);
   field.grid = BrickGrid(mask, parallel);
   field.value = Field<float>(field.grid);
-  static constexpr std::array<uint8_t, brick_area> none = {};
-  static constexpr auto all = [] {
-    std::array<uint8_t, brick_area> rows{};
-    rows.fill(0xff);
-    return rows;
-  }();
-  const std::vector<uint8_t> bits = inside_bits(level, threshold, parallel);
   parallel.for_each(field.grid.size(), 64, [&](size_t b) {
     std::array<const uint8_t*, 27> around;
     for (int slot = 0; slot < 27; ++slot) {
       const Vec3i brick = field.grid.coord(b) + slot_offset(slot);
-      const int32_t n = level.grid.find(brick);
-      around[static_cast<size_t>(slot)] = n >= 0 ? &bits[static_cast<size_t>(n) * brick_area]
-                                          : level.missing_u(n, brick) > threshold ? all.data()
-                                                                                  : none.data();
+      around[static_cast<size_t>(slot)] = rows_of(level, bits, threshold, level.grid.find(brick), brick);
     }
     smooth_brick(around, field.value.brick(b));
   });

@@ -107,26 +107,32 @@ void CoarseBand::restrict_to(const NarrowBand& fine, const RowArray& from, RowAr
 
 void CoarseBand::prolong_onto(const NarrowBand& fine, const RowArray& coarse, const RowArray& inverse,
                               const RowArray& base, RowArray& to, const Parallel& parallel) const {
+  constexpr int side = brick_side / 2 + 1;  // coarse rows that a brick interpolates from, along y and z
   const RowKernel kernel = row_kernel();
   parallel.for_each(fine.grid().size(), 64, [&](size_t b) {
     if (fine.first_row(b) == fine.first_row(b + 1)) return;
     const Vec3i c = fine.grid().coord(b);
     const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
     const auto& around = band_.grid().neighbors(static_cast<size_t>(parent_[b]));
+    std::array<const float*, side * side> first, last;
+    for (int k = 0; k < side * side; ++k) {
+      const int y = half.y + k % side, z = half.z + k / side;
+      const auto row = [&](int x) {
+        const int32_t brick = around[static_cast<size_t>(neighbor_slot(x, y >> 3, z >> 3))];
+        return coarse.data() + size_t{band_.row(brick, y & 7, z & 7)} * brick_side;
+      };
+      const auto n = static_cast<size_t>(k);
+      first[n] = row(0) + half.x;
+      last[n] = half.x == 0 ? first[n] + 4 : row(1);
+    }
     for (uint32_t r = fine.first_row(b); r < fine.first_row(b + 1); ++r) {
-      const int place = fine.place(r);
+      const int y = fine.place(r) & 7, z = fine.place(r) >> 3;
       const size_t i = size_t{r} * brick_side;
       ProlongJob job{{}, {}, inverse.data() + i, base.data() + i, to.data() + i};
       for (int k = 0; k < 4; ++k) {
-        const int y = half.y + ((place & 7) + (k & 1)) / 2, z = half.z + ((place >> 3) + (k >> 1)) / 2;
-        const auto row = [&](int x) {
-          return coarse.data() +
-                 size_t{band_.row(around[static_cast<size_t>(neighbor_slot(x, y >> 3, z >> 3))], y & 7, z & 7)} *
-                     brick_side;
-        };
-        const auto n = static_cast<size_t>(k);
-        job.first[n] = row(0) + half.x;
-        job.last[n] = half.x == 0 ? job.first[n] + 4 : row(1);
+        const auto n = static_cast<size_t>((y + (k & 1)) / 2 + side * ((z + (k >> 1)) / 2));
+        job.first[static_cast<size_t>(k)] = first[n];
+        job.last[static_cast<size_t>(k)] = last[n];
       }
       kernel.prolong_row(job);
     }

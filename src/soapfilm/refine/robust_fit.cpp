@@ -14,11 +14,15 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
   std::vector<Vec3f> normal(samples.size());
   const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(strength.smoothing)),
                               static_cast<float>(strength.smoothing)};
+  // Once the scale rests, the samples have been weighed as they will be; bends go on being found.
+  const double least_scale = std::max(params.least_scale, strength.noise);
   const int rounds = params.rounds + (strength.yield ? params.yielding_rounds : 0);
-  for (int round = 0; round < rounds; ++round) {
+  bool last = false;
+  for (int round = 0; !last; ++round) {
     if (strength.yield && round > 0) displacement.yield_to_bends(params.yielding_bend);
-    const auto scale =
-        static_cast<float>(std::max({params.least_scale, strength.noise, params.first_scale * std::pow(0.5, round)}));
+    const double first_scale = params.first_scale * std::pow(0.5, round);
+    const auto scale = static_cast<float>(std::max(least_scale, first_scale));
+    last = round + 1 >= rounds || (!strength.yield && round > 0 && first_scale <= least_scale);
     const std::vector<Jet> jets = jets_at_samples(displacement.phi(), samples, where, band, parallel);
     parallel.for_each(samples.size(), samples_per_task, [&](size_t s) {
       const bool speaks =
@@ -35,8 +39,12 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
     fit.cells = data.count;
     // Weights need no more than a rough surface.
     SolveLimits limits = params.solve;
-    if (strength.yield) limits.iterations = std::max(1, limits.iterations / params.yielding_haste);
-    if (round + 1 < rounds) limits.iterations = std::max(2, limits.iterations / 4);
+    if (strength.yield) {
+      limits.iterations = std::max(1, limits.iterations / params.yielding_haste);
+      if (!last) limits.iterations = std::max(2, limits.iterations / 4);
+    } else if (!last) {
+      limits.iterations = std::max(1, limits.iterations / (round == 0 ? 4 : 6));
+    }
     fit.iterations += displacement.minimize(data, smoothness, limits);
   }
   return fit;

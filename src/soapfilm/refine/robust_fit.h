@@ -24,11 +24,13 @@ struct RobustParams {
   double slope = 2;                  ///< weight of a unit slope along the normal against gamma, >= 0: without it phi
                                      ///< flattens among noisy samples and is no distance any more
   double slope_of_curvature = 0.02;  ///< beta / sqrt(gamma), > 0: gamma scales as length^4, beta as length^2
-  int rounds = 3;                    ///< of weighing and solving, [1, 20]
-  int yielding_rounds = 2;           ///< so many more where curvature yields, >= 0
-  int yielding_haste = 3;            ///< and each takes the iterations over this: they go on from one another, > 0
-  double yielding_bend = 3;          ///< what it yields to, in medians of the surface's bends, > 0
-  SolveLimits solve;                 ///< of the last round; the earlier ones take a quarter of the iterations
+  int rounds = 3;  ///< of weighing and solving, at most, [1, 20]; the second or a later one is the last where the scale
+                   ///< has come down to the noise and curvature does not yield
+  int yielding_rounds = 2;   ///< so many more where curvature yields, >= 0
+  int yielding_haste = 3;    ///< and each takes the iterations over this: they go on from one another, > 0
+  double yielding_bend = 3;  ///< what it yields to, in medians of the surface's bends, > 0
+  SolveLimits solve;         ///< of the last round; the first takes a quarter of the iterations, others a sixth, or a
+                             ///< quarter where curvature yields
 };
 
 struct RobustFit {
