@@ -51,20 +51,22 @@ struct CoarseFlux {
   }
 };
 
+/// A coarse vertex's upper face is that of its upper children; within its cell lies the mean of its two faces.
 void prolong_p(const CoarseFlux& coarse, Vec3i octant, float* fine) {
   const Vec3i base = octant * half_brick;
-  for (int z = 0; z < brick_side; ++z)
-    for (int y = 0; y < brick_side; ++y)
-      for (int x = 0; x < brick_side; ++x) {
-        const Vec3i at{base.x + x / 2, base.y + y / 2, base.z + z / 2};
-        const int along = coarse.axis == 0 ? x : coarse.axis == 1 ? y : z;
-        float flux = coarse.at(at.x, at.y, at.z);
-        if ((along & 1) == 0) {
-          Vec3i below = at;
-          --below[coarse.axis];
-          flux = 0.5f * (coarse.at(below.x, below.y, below.z) + flux);
+  for (int z = 0; z < half_brick; ++z)
+    for (int y = 0; y < half_brick; ++y)
+      for (int x = 0; x < half_brick; ++x) {
+        const Vec3i at = base + Vec3i{x, y, z};
+        Vec3i below = at;
+        --below[coarse.axis];
+        const float upper = coarse.at(at.x, at.y, at.z);
+        const float within = 0.5f * (coarse.at(below.x, below.y, below.z) + upper);
+        float* first = fine + brick_offset(2 * x, 2 * y, 2 * z);
+        for (int k = 0; k < 8; ++k) {
+          const Vec3i child = octant_of(k);
+          first[brick_offset(child.x, child.y, child.z)] = face_share * (child[coarse.axis] ? upper : within);
         }
-        fine[brick_offset(x, y, z)] = face_share * flux;
       }
 }
 
