@@ -15,20 +15,27 @@ constexpr float face_share = 0.25f;
 
 Vec3i octant_of(int k) { return {k & 1, (k >> 1) & 1, k >> 2}; }
 
+/// Trilinear, an axis at a time: a fine vertex is 3/4 the coarse vertex that holds it and 1/4 the nearer neighbour,
+/// below for even, above for odd fine vertices.
 void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
-  const Vec3i base = octant * half_brick;
+  constexpr int around = half_brick + 2;  // coarse vertices that reach into an octant
+  const Vec3i first = octant * half_brick - Vec3i{1, 1, 1};
+  const auto near = [](int x) { return 1 + x / 2; };
+  const auto far = [](int x) { return x / 2 + 2 * (x & 1); };
+  const auto blend = [](float n, float f) { return 0.75f * n + 0.25f * f; };
+  float along_x[around][around][brick_side], along_y[around][brick_side][brick_side];
+  for (int z = 0; z < around; ++z) {
+    for (int y = 0; y < around; ++y) {
+      const float* row = &coarse.at(first.x, first.y + y, first.z + z);
+      for (int x = 0; x < brick_side; ++x) along_x[z][y][x] = blend(row[near(x)], row[far(x)]);
+    }
+    for (int y = 0; y < brick_side; ++y)
+      for (int x = 0; x < brick_side; ++x) along_y[z][y][x] = blend(along_x[z][near(y)][x], along_x[z][far(y)][x]);
+  }
   for (int z = 0; z < brick_side; ++z)
     for (int y = 0; y < brick_side; ++y)
-      for (int x = 0; x < brick_side; ++x) {
-        const int X = base.x + x / 2, Y = base.y + y / 2, Z = base.z + z / 2;
-        // The nearer coarse neighbour along each axis: below for even, above for odd fine vertices.
-        const int nx = X + 2 * (x & 1) - 1, ny = Y + 2 * (y & 1) - 1, nz = Z + 2 * (z & 1) - 1;
-        const auto along_x = [&](int yy, int zz) {
-          return 0.75f * coarse.at(X, yy, zz) + 0.25f * coarse.at(nx, yy, zz);
-        };
-        const auto along_y = [&](int zz) { return 0.75f * along_x(Y, zz) + 0.25f * along_x(ny, zz); };
-        fine[brick_offset(x, y, z)] = 0.75f * along_y(Z) + 0.25f * along_y(nz);
-      }
+      for (int x = 0; x < brick_side; ++x)
+        fine[brick_offset(x, y, z)] = blend(along_y[near(z)][y][x], along_y[far(z)][y][x]);
 }
 
 /// P_axis of coarse vertex (X, Y, Z), where the coordinate along `axis` may be -1: the face below the brick.
@@ -44,20 +51,22 @@ struct CoarseFlux {
   }
 };
 
+/// A coarse vertex's upper face is that of its upper children; within its cell lies the mean of its two faces.
 void prolong_p(const CoarseFlux& coarse, Vec3i octant, float* fine) {
   const Vec3i base = octant * half_brick;
-  for (int z = 0; z < brick_side; ++z)
-    for (int y = 0; y < brick_side; ++y)
-      for (int x = 0; x < brick_side; ++x) {
-        const Vec3i at{base.x + x / 2, base.y + y / 2, base.z + z / 2};
-        const int along = coarse.axis == 0 ? x : coarse.axis == 1 ? y : z;
-        float flux = coarse.at(at.x, at.y, at.z);
-        if ((along & 1) == 0) {
-          Vec3i below = at;
-          --below[coarse.axis];
-          flux = 0.5f * (coarse.at(below.x, below.y, below.z) + flux);
+  for (int z = 0; z < half_brick; ++z)
+    for (int y = 0; y < half_brick; ++y)
+      for (int x = 0; x < half_brick; ++x) {
+        const Vec3i at = base + Vec3i{x, y, z};
+        Vec3i below = at;
+        --below[coarse.axis];
+        const float upper = coarse.at(at.x, at.y, at.z);
+        const float within = 0.5f * (coarse.at(below.x, below.y, below.z) + upper);
+        float* first = fine + brick_offset(2 * x, 2 * y, 2 * z);
+        for (int k = 0; k < 8; ++k) {
+          const Vec3i child = octant_of(k);
+          first[brick_offset(child.x, child.y, child.z)] = face_share * (child[coarse.axis] ? upper : within);
         }
-        fine[brick_offset(x, y, z)] = face_share * flux;
       }
 }
 

@@ -60,10 +60,12 @@ RowMask primal(const PrimalJob& job, UBar& u_bar) {
     float* bar = u_bar.values + y * UBar::row + z * UBar::layer;
     bool moves = false;
     hwy::Prefetch(job.next_u + row);
-    hwy::Prefetch(job.next_p + row);
+    hwy::Prefetch(job.after_next_p + row);
     hwy::Prefetch(job.next_p + brick_volume + row);
     hwy::Prefetch(job.next_p + 2 * brick_volume + row);
     hwy::Prefetch(job.next_f + row);
+    if (y == 0) hwy::Prefetch(job.next_low_y + z * job.next_low_y_outer);
+    if (z == 0) hwy::Prefetch(job.next_low_z + y * brick_side);
     for (int x = 0; x < brick_side; x += lanes) {
       const V cap = free ? hn::Load(d, cap_row + x) : hn::Zero(d);
       const V u = hn::Load(d, job.u + row + x);

@@ -32,8 +32,13 @@ struct PrimalJob {
   const float* low_z;      ///< p_z below: row y at low_z + 8 y
   Vec3i free_lo, free_hi;  ///< u stays 0 outside this local range [lo, hi)
   float tau;
-  // The brick that comes next: on its way into the cache while this one is worked on.
+  // What the next brick reads: on its way into the cache while this one is worked on. Its low_x is most often the p_x
+  // of the brick after it, so that p_x is fetched a brick earlier than the rest.
   const float *next_u, *next_p, *next_f;
+  const float* next_low_y;
+  int next_low_y_outer;
+  const float* next_low_z;
+  const float* after_next_p;
 };
 
 struct DualJob {
