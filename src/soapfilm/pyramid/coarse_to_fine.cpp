@@ -74,7 +74,7 @@ PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField&
     if (l == start) {
       level = whole_level(box, field, lambda, norm, parallel);
     } else {
-      coarser.erase(coarser.begin() + l, coarser.end());  // the coarse level's data has done its work
+      coarser.erase(coarser.begin() + l, coarser.end());  // its work is done: nobody reads coarse.data() from here
       band = interface_children(coarse, box.bricks, parallel);
       band |= support_bricks(field, box.bricks);
       level = prolong_level(coarse, box, band, field, parallel);
