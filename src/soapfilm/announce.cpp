@@ -15,7 +15,7 @@ void announce_grid(const ReconstructReport& report, Progress& progress) {
       weighs_area(report.params.method) ? fmt::format("lambda {:.3g}, ", report.certificate.lambda) : "";
   progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, {}memory {}", n.x, n.y, n.z,
                             report.lattice.voxel, report.input.density, weight, format_bytes(report.planned_bytes)));
-  if (report.thin && !report.thin->parts.empty())
+  if (report.thin && report.thin->samples > 0)
     progress.info(fmt::format("{} thinly sampled part{}: {} samples weigh {:.2g} times as much (--thin-parts)",
                               report.thin->parts.size(), report.thin->parts.size() == 1 ? "" : "s",
                               report.thin->samples, report.thin->mean_weight));

@@ -29,6 +29,11 @@ double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling&
   return voxel_of_resolution(box, fallback_resolution, params.padding);
 }
 
+/// Whether weigh_area() looks for thinly sampled parts.
+bool probes(const ReconstructParams& params) {
+  return weighs_area(params.method) && !params.energy.lambda && params.thin.keep;
+}
+
 void warn_near_empty(double lambda, double density, std::vector<std::string>& warnings) {
   const double edge = critical_density * density;
   if (3 * lambda > edge)
@@ -97,7 +102,8 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw ParameterError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
-  const MemoryPlan plan = plan_memory(params.method, refines(params), cloud, after, report.lattice, support);
+  const MemoryPlan plan =
+      plan_memory(params.method, probes(params), refines(params), cloud, after, report.lattice, support);
   report.planned_bytes = plan.total();
   check_memory(plan, params.memory_limit, held, report.lattice);
   return samples;
@@ -112,10 +118,11 @@ void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, cons
     warn_at_end(*report.select, report.warnings);
   }
   const double lambda = params.energy.lambda.value_or(per_density * report.input.density);
+  if (!(lambda > 0)) throw ParameterError("too few samples to measure their density by: lambda must be given");
   report.certificate.lambda = lambda;
   if (!weighs_area(params.method)) return;
   warn_near_empty(lambda, report.input.density, report.warnings);
-  if (params.energy.lambda || !params.thin.keep) return;
+  if (!probes(params)) return;
   const double voxel = report.lattice.voxel;
   const Sampling sampling{report.input.density / (voxel * voxel)};
   const std::vector<float> weights =

@@ -77,7 +77,7 @@ double band_bytes_per_brick(Method method) {
 
 }  // namespace
 
-MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
+MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, size_t support_bricks) {
   size_t cloud_bytes = sizeof(Vec3d);
   if (!cloud.normals.empty()) cloud_bytes += sizeof(Vec3f);
@@ -90,9 +90,11 @@ MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, 
   // Sorted position, direction, source; while they are sorted also the direction as found and the brick.
   const size_t sorted_bytes = (2 * sizeof(Vec3f) + sizeof(uint32_t)) * cloud.size();
   const size_t sorting_bytes = (sizeof(Vec3f) + sizeof(int32_t)) * cloud.size();
+  // The probe holds the directions of all and of one half, that half sorted, and where its samples came from.
+  const size_t probing_bytes = (2 * sizeof(Vec3f) + sizeof(int32_t) + 1) * cloud.size() + sorted_bytes / 2;
 
   MemoryPlan plan;
-  plan.placing_bytes = base_bytes + cloud_bytes + sorted_bytes + sorting_bytes;
+  plan.placing_bytes = base_bytes + cloud_bytes + sorted_bytes + (probes ? probing_bytes : sorting_bytes);
   const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
   plan.fixed_bytes = base_bytes + sorted_bytes + (keeps ? cloud_bytes : 0);
   const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
@@ -118,7 +120,8 @@ void check_memory(const MemoryPlan& plan, std::optional<size_t> limit, size_t he
   if (needed <= free) return;
   const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z});
   const int around = 2 * lattice.padding;
-  const double left = free > plan.fixed_bytes ? static_cast<double>(free - plan.fixed_bytes) : 0;
+  const bool places = free >= plan.placing_bytes;  // which no resolution changes
+  const double left = places && free > plan.fixed_bytes ? static_cast<double>(free - plan.fixed_bytes) : 0;
   const double shrink = std::sqrt(0.85 * left / static_cast<double>(plan.grid_bytes));
   const int fits = around + static_cast<int>((longest - around) * shrink);
   throw MemoryError(

@@ -94,6 +94,13 @@ TEST(Islands, AThinlySampledObjectSurvivesByItsManySamples) {
   EXPECT_EQ(again.drop({.many_samples = 130}).objects.dropped, 1u);
 }
 
+TEST(Islands, SamplesThatWereWeighedUpVouchByTheirWeight) {
+  Drawing drawing({big, {{64, 30, 30}, 5, 30}});
+  for (size_t s = 0; s < drawing.samples.size(); ++s)
+    if (drawing.samples.source[s] >= big_samples) drawing.samples.direction[s] = 5.0f * drawing.samples.direction[s];
+  EXPECT_EQ(drawing.drop().objects.dropped, 0u);
+}
+
 TEST(Islands, BubblesAreFilledAndSampledVoidsStay) {
   const Vec3d bubble{22, 30, 30}, hollow{38, 30, 30};
   Drawing drawing({big, {bubble, 4, 6, false}, {hollow, 6, 300, false}});

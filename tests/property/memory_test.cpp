@@ -64,6 +64,20 @@ TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
   EXPECT_NO_THROW(reconstruct(cloud, params, one_thread, progress));
 }
 
+TEST(MemoryPlan, OfSamplesThatAloneDoNotFitNamesNoResolution) {
+  PointCloud cloud = sampled("sphere", 40, 100);
+  ReconstructParams params;
+  params.place.resolution = 40;
+  params.memory_limit = size_t{30} << 20;
+  Progress progress;
+  try {
+    reconstruct(std::move(cloud), params, Parallel(1), progress);
+    FAIL() << "a quarter of a million samples in 30 MiB";
+  } catch (const MemoryError& error) {
+    EXPECT_NE(std::string(error.what()).find("no resolution would fit"), std::string::npos) << error.what();
+  }
+}
+
 TEST(MemoryPlan, RefusesABoxThatOnlyItsTablesWouldFill) {
   const PointCloud cloud = sampled("sphere", 64, 0.05);
   ReconstructParams params;

@@ -42,21 +42,32 @@ Supported supported_parts(const Parts& parts, Vec3i first_vertex, Vec3f local, V
   return supported;
 }
 
-/// Samples on the surface of each part. One that two surfaces may claim counts for both, so that what happens to one of
-/// the parts takes nothing from the other.
-std::vector<size_t> count_samples(const Parts& parts, const GridSamples& samples, const Parallel& parallel) {
+/// Samples on the surface of each part, and what they weigh, each at least 1: thinly sampled parts were weighed up.
+struct Evidence {
+  std::vector<size_t> count;
+  std::vector<double> weight;
+};
+
+/// A sample that two surfaces may claim counts for both, so that what happens to one of the parts takes nothing from
+/// the other.
+Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Parallel& parallel) {
   std::vector<Supported> supported(samples.size());
   parallel.for_each(samples.bricks.size(), 16, [&](size_t b) {
     const Vec3i first_vertex = samples.bricks.first_vertex(b);
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
       supported[s] = supported_parts(parts, first_vertex, samples.local[s], samples.direction[s]);
   });
-  std::vector<size_t> count(parts.size());
-  for (const Supported& by : supported) {
-    ++count[by[0]];
-    if (by[1] != by[0]) ++count[by[1]];
+  Evidence evidence{std::vector<size_t>(parts.size()), std::vector<double>(parts.size())};
+  for (size_t s = 0; s < supported.size(); ++s) {
+    const Supported& by = supported[s];
+    const double weight = std::max(1.0f, norm(samples.direction[s]));
+    for (size_t k = 0; k < by.size(); ++k) {
+      if (k > 0 && by[k] == by[0]) continue;
+      ++evidence.count[by[k]];
+      evidence.weight[by[k]] += weight;
+    }
   }
-  return count;
+  return evidence;
 }
 
 /// Which parts stay. Where no object would, the one with most samples does.
@@ -107,11 +118,11 @@ void validate(const IslandParams& params) {
 void drop_islands(Level& level, float threshold, const GridSamples& samples, double density, const IslandParams& params,
                   const Parallel& parallel, IslandReport& report) {
   const Parts parts(level, threshold, parallel);
-  const std::vector<size_t> count = count_samples(parts, samples, parallel);
+  const auto [count, weight] = evidence_of(parts, samples, parallel);
   std::vector<double> area(parts.size()), support(parts.size());
   for (uint32_t p = 1; p < parts.size(); ++p) {
     area[p] = area_per_face * static_cast<double>(parts[p].faces);
-    support[p] = static_cast<double>(count[p]) / (density * area[p]);
+    support[p] = weight[p] / (density * area[p]);
   }
   const std::vector<uint8_t> keep = parts_to_keep(parts, count, support, params);
   bool first_kept = true;

@@ -26,7 +26,7 @@ struct IslandCount {
 struct IslandReport {
   IslandCount objects;         ///< parts of the inside
   IslandCount voids;           ///< parts of the outside but the outermost
-  size_t samples = 0;          ///< on the surfaces of dropped parts
+  size_t samples = 0;          ///< on the surfaces of dropped parts; one that lies on two of them counts twice
   double area = 0;             ///< of these surfaces, voxel^2
   size_t vertices = 0;         ///< that changed sides
   double highest_dropped = 0;  ///< support of the dropped part that has most; 0 without one
@@ -38,7 +38,8 @@ void validate(const IslandParams& params);
 
 /// Moves the parts of u > threshold (finish/parts.h) that their samples do not support to the side around them, voids
 /// like objects: there u becomes 0 or 1. `density` is in samples per voxel^2 of surface. A sample supports the surface
-/// that it lies on when it looks across it, from inside to outside. Where no object would stay, the one with most
+/// that it lies on when it looks across it, from inside to outside, by its weight where that is above 1 (of thinly
+/// sampled parts, select/thin_parts.h). Where no object would stay, the one with most
 /// samples does. Doing it twice changes nothing more; the result does not depend on the number of threads.
 void drop_islands(Level& level, float threshold, const GridSamples& samples, double density, const IslandParams& params,
                   const Parallel& parallel, IslandReport& report);

@@ -103,7 +103,7 @@ std::string_view TextCursor::token() {
 
 namespace {
 
-/// Numbers as most files have them: [-]digits[.digits][e[+-]digits] with a mantissa below 2^53 and a power of ten up to
+/// Numbers as most files have them: [-]digits[.digits][e[+-]digits] with a mantissa up to 2^53 and a power of ten up to
 /// 22. Both are exact in double, so one operation rounds rightly (Clinger 1990, "How to read floating point numbers
 /// accurately"). Returns where the number ends; null for anything else, which is left to from_chars().
 const char* parse_plain_number(const char* at, const char* end, double& value) {

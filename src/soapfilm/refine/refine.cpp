@@ -16,7 +16,7 @@ namespace {
 constexpr float far_distance = 3;       // voxels, of vertices beyond the band
 constexpr float held_distance = 0.05f;  // voxels, of vertices whose sign must not follow
 
-/// Quantile function of the standard normal distribution in [0.03, 0.97] (rational approximation of Acklam 2003).
+/// Quantile function of the standard normal distribution in [0.016, 0.984] (rational approximation of Acklam 2003).
 float normal_quantile(float p) {
   const float q = p - 0.5f, r = q * q;
   const float num =
@@ -105,6 +105,12 @@ void validate(const RefineParams& params) {
   require("refine iterations", params.robust.solve.iterations, 1, 10000);
   require("refine tolerance", params.robust.solve.tolerance, 0, 1);
   require("refine least_scale", params.robust.least_scale, 1e-3, 10);
+  require("refine first_scale", params.robust.first_scale, 0, 10);
+  require("refine slope", params.robust.slope, 0, 1e3);
+  require("refine slope_of_curvature", params.robust.slope_of_curvature, 1e-6, 1e3);
+  require("refine yielding_rounds", params.robust.yielding_rounds, 0, 20);
+  require("refine yielding_haste", params.robust.yielding_haste, 1, 10000);
+  require("refine yielding_bend", params.robust.yielding_bend, 1e-3, 1e3);
 }
 
 SurfaceField refine(const Level& level, float threshold, const GridSamples& samples, const RefineParams& params,

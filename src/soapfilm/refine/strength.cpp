@@ -261,10 +261,12 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
   const HeldOut::Outcome found = held_out.outcome(best.smoothing, best.normals);
   report.held_out_error = found.score;
   best.noise = found.noise;
-  if (!params.smoothing)
-    best.smoothing = std::max(between_steps(best.smoothing, smoothing_step, least, most_smoothing, score_of_smoothing),
-                              largest_within(best.smoothing, smoothing_step, most_smoothing,
-                                             found.score + found.standard_error, score_of_smoothing));
+  if (!params.smoothing) {
+    const double lowest = between_steps(best.smoothing, smoothing_step, least, most_smoothing, score_of_smoothing);
+    const double allowed = found.score + found.standard_error;
+    best.smoothing =
+        std::max(lowest, largest_within(best.smoothing, smoothing_step, most_smoothing, allowed, score_of_smoothing));
+  }
   report.samples = held_out.samples();
   report.candidates = held_out.candidates();
   return best;

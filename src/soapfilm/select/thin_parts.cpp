@@ -17,7 +17,7 @@ namespace {
 
 constexpr float threshold = 0.5f;
 /// Fewer samples are too few to be asked in halves.
-constexpr size_t fewest_samples = 4 * fewest_held_out;
+constexpr size_t fewest_samples = 8 * fewest_held_out;
 /// What a sample gains through a flat film across its direction: the middle tap.
 constexpr double flux_per_sample = smoothing_taps[smoothing_reach];
 /// Area of a surface per face of the grid that separates its sides: the mean over all directions.
