@@ -12,7 +12,7 @@ using namespace test;
 
 /// Enough bricks that eight threads have several chunks each; sanitizers, some 20 times slower, get fewer.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int resolution = 52;
+constexpr int resolution = 44;
 #else
 constexpr int resolution = 120;
 #endif
