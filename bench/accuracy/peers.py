@@ -82,9 +82,8 @@ def read_samples(path):
     return positions, towards(columns(vertices, "sensor_x", "sensor_y", "sensor_z"), positions)
 
 
-def read_scans(conf):
-    """The same of all scans of a set, whose scanners sit at the origin of each scan's frame."""
-    positions, directions = [], []
+def posed_scans(conf):
+    """Of each scan of a set: its file, and the R and t of v @ R + t, which takes row vectors to the world."""
     for line in conf.read_text().splitlines():
         if not line.startswith("bmesh "):
             continue
@@ -93,10 +92,16 @@ def read_scans(conf):
         textbook = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
                              [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
                              [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
-        vertices = read_vertices(conf.parent / name)
-        local = columns(vertices, "x", "y", "z")
-        positions.append(local @ textbook + shift)       # p_world = R p_scan + t, R the transpose of the textbook's
-        directions.append(towards(np.zeros(3), local) @ textbook)
+        yield conf.parent / name, textbook, shift        # p_world = R p_scan + t, R the transpose of the textbook's
+
+
+def read_scans(conf):
+    """The same of all scans of a set, whose scanners sit at the origin of each scan's frame."""
+    positions, directions = [], []
+    for path, rotation, shift in posed_scans(conf):
+        local = columns(read_vertices(path), "x", "y", "z")
+        positions.append(local @ rotation + shift)
+        directions.append(towards(np.zeros(3), local) @ rotation)
     return np.concatenate(positions), np.concatenate(directions)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "accuracy"))
 
 import clouds
-from peers import towards, write_oriented
+from peers import posed_scans, towards, write_oriented
 
 BUNNY_SAMPLES = 362272
 BUNNY_EXTENT = 0.17565  # longest side of its samples' box, the file's units
@@ -28,17 +28,10 @@ def ascii_vertices(path):
 def oriented_scans(conf):
     """Positions and viewing directions of a scan set without sensors: a scan's is its local +Z."""
     positions, directions = [], []
-    for line in conf.read_text().splitlines():
-        if not line.startswith("bmesh "):
-            continue
-        _, name, *numbers = line.split()
-        shift, (x, y, z, w) = np.array(numbers[:3], float), np.array(numbers[3:], float)
-        textbook = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
-        local = ascii_vertices(conf.parent / name)
-        positions.append(local @ textbook + shift)       # p_world = R p_scan + t, R the transpose of the textbook's
-        directions.append(np.tile(np.array([0, 0, 1]) @ textbook, (len(local), 1)))
+    for path, rotation, shift in posed_scans(conf):
+        local = ascii_vertices(path)
+        positions.append(local @ rotation + shift)
+        directions.append(np.tile(np.array([0, 0, 1]) @ rotation, (len(local), 1)))
     return np.concatenate(positions), np.concatenate(directions)
 
 

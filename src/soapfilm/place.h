@@ -21,9 +21,8 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
                   AfterPlacing after, const Parallel& parallel, ReconstructReport& report);
 
 /// Fills certificate.lambda: as given, by the samples' density, or by cross-validation (the report's `select`); warns
-/// when it is near the one where the film vanishes.
-/// Where lambda is not given, the samples of parts that it would lose for their thin sampling are weighed up (the
-/// report's `thin`): their directions in `samples` get longer.
+/// when it is near the one where the film vanishes. Where lambda is not given, the samples of parts that it would lose
+/// for their thin sampling are weighed up (the report's `thin`): their directions in `samples` get longer.
 void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
                 const Parallel& parallel, Progress& progress, GridSamples& samples, ReconstructReport& report);
 

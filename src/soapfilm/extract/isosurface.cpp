@@ -10,6 +10,7 @@
 #include "soapfilm/core/error.h"
 #include "soapfilm/extract/drawn_cells.h"
 #include "soapfilm/extract/marching_cubes_table.h"
+#include "soapfilm/grid/brick_bits.h"
 
 namespace soapfilm {
 
@@ -30,21 +31,6 @@ BrickMask mask_of_blocks(const BrickGrid& grid) {
     for (int d = 0; d < 8; ++d) mask.set(grid.coord(b) + Vec3i{d & 1, d >> 1 & 1, d >> 2});
   }
   return mask;
-}
-
-/// One bit per vertex of a brick: row (y, z) is byte y + 8 z.
-using InsideRows = std::array<uint8_t, brick_area>;
-
-InsideRows inside_rows(const float* values, float isovalue) {
-  std::array<uint8_t, brick_volume> inside;
-  for (int i = 0; i < brick_volume; ++i) inside[i] = values[i] > isovalue;
-  InsideRows rows;
-  for (int row = 0; row < brick_area; ++row) {
-    unsigned bits = 0;
-    for (int x = 0; x < brick_side; ++x) bits |= static_cast<unsigned>(inside[brick_side * row + x]) << x;
-    rows[row] = static_cast<uint8_t>(bits);
-  }
-  return rows;
 }
 
 /// What a block's cells touch: an inside bit for each of the 9^3 vertices and, where there is a surface, the values.
@@ -90,7 +76,7 @@ class Extraction {
 
   Mesh run() {
     parallel_.for_each(grid_.size(), blocks_per_task,
-                       [this](size_t b) { inside_[b] = inside_rows(value_.brick(b), isovalue_); });
+                       [this](size_t b) { inside_[b] = BrickBits::above(value_.brick(b), isovalue_); });
     parallel_.for_each(blocks_.size(), blocks_per_task,
                        [this](size_t b) { brick_of_[b] = grid_.find(brick_coord(b)); });
     for_blocks([](size_t) { return true; }, [this](size_t block, const Window& window) { count(block, window); });
@@ -149,7 +135,7 @@ class Extraction {
       const uint8_t constant = brick < 0 && missing_value_(brick_coord(block) + step) > isovalue_ ? 0xff : 0;
       for (int z = 0; z < (step.z ? 1 : brick_side); ++z)
         for (int y = 0; y < (step.y ? 1 : brick_side); ++y) {
-          const unsigned row = brick < 0 ? constant : inside_[static_cast<size_t>(brick)][brick_side * z + y];
+          const unsigned row = brick < 0 ? constant : inside_[static_cast<size_t>(brick)].row(y, z);
           uint16_t& bits = window.inside[step.z * brick_side + z][step.y * brick_side + y];
           bits = static_cast<uint16_t>(bits | (step.x ? (row & 1u) << brick_side : row));
         }
@@ -302,7 +288,7 @@ class Extraction {
   float isovalue_;
   const Lattice& lattice_;
   const Parallel& parallel_;
-  std::vector<InsideRows> inside_;  // by brick of the grid
+  std::vector<BrickBits> inside_;  // by brick of the grid
   BrickGrid blocks_;
   std::vector<int32_t> brick_of_;  // by block: the grid's brick, < 0 where it has none
   std::vector<EdgePoints> points_;

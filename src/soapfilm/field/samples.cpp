@@ -21,15 +21,12 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   const size_t n = cloud.size();
   GridSamples samples;
 
-  const auto speaks = [&](size_t i) {
-    return directions[i] != Vec3f{} && (cloud.weights.empty() || cloud.weights[i] > 0);
-  };
   // Neighbours in a scan mostly share a brick: it is looked up where it changes.
   constexpr Vec3i nowhere{INT_MIN, INT_MIN, INT_MIN};
   BrickMask occupied(lattice.box(0).bricks);
   Vec3i last = nowhere;
   for (size_t i = 0; i < n; ++i) {
-    if (!speaks(i)) continue;
+    if (!speaks(cloud, directions, i)) continue;
     const Vec3i brick = brick_at(lattice.to_lattice(cloud.positions[i]));
     if (!(brick == last)) occupied.set(last = brick);
   }
@@ -42,7 +39,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
     int32_t index = none;
     for (size_t i = begin; i < end; ++i) {
       holder[i] = none;
-      if (!speaks(i)) continue;
+      if (!speaks(cloud, directions, i)) continue;
       const Vec3i brick = brick_at(lattice.to_lattice(cloud.positions[i]));
       if (!(brick == found)) index = samples.bricks.find(found = brick);
       holder[i] = index;

@@ -24,6 +24,11 @@ struct GridSamples {
   size_t size() const { return local.size(); }
 };
 
+/// Has the sample a direction and a weight > 0?
+inline bool speaks(const PointCloud& cloud, std::span<const Vec3f> directions, size_t i) {
+  return directions[i] != Vec3f{} && (cloud.weights.empty() || cloud.weights[i] > 0);
+}
+
 /// Sorts the cloud's samples into bricks. `directions` is as long as the cloud; samples with a zero direction say
 /// nothing and are left out.
 GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,

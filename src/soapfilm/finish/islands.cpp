@@ -14,8 +14,6 @@ namespace soapfilm {
 
 namespace {
 
-/// Area of a plane per voxel face that its staircase has, averaged over its directions.
-constexpr double area_per_face = 2.0 / 3;
 /// How far before and behind a sample its sides are looked up, voxels: where accurate samples tell, and beyond noise. A
 /// viewing direction may be oblique to the surface and reach less deep.
 constexpr std::array<float, 2> reaches{1, 2};

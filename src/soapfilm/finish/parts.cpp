@@ -74,10 +74,7 @@ void Parts::find_pieces(const Level& level, float threshold, const Parallel& par
   parallel.for_chunks(grid_.size(), grain, [&](size_t begin, size_t end) {
     std::vector<Piece>& pieces = found[begin / grain];
     for (size_t b = begin; b < end; ++b) {
-      BrickBits inside;
-      const float* u = level.u.brick(b);
-      for (int i = 0; i < brick_volume; ++i)
-        if (u[i] > threshold) inside.set(i);
+      const BrickBits inside = BrickBits::above(level.u.brick(b), threshold);
       const size_t before = pieces.size();
       for (const bool side : {true, false})
         for (BrickBits left = side ? inside : ~inside; left.any();) {

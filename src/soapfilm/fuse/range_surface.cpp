@@ -6,8 +6,10 @@
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/median.h"
 
 namespace soapfilm {
 
@@ -41,10 +43,7 @@ double spacing(const RangeGrid& grid, std::span<const Vec3d> p) {
       const int32_t a = grid.sample[i], b = grid.sample[i + step];
       if (a >= 0 && b >= 0) distances.push_back(norm(p[static_cast<size_t>(b)] - p[static_cast<size_t>(a)]));
     }
-    if (distances.empty()) continue;
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    largest = std::max(largest, *middle);
+    largest = std::max(largest, median(std::move(distances)));
   }
   return largest;
 }

@@ -13,8 +13,22 @@ struct BrickBits {
   std::array<uint64_t, brick_side> layer{};
 
   static BrickBits full() { return ~BrickBits{}; }
+  /// Of the brick's 512 values, those above a threshold.
+  static BrickBits above(const float* values, float threshold) {
+    std::array<uint8_t, brick_volume> above;
+    for (int i = 0; i < brick_volume; ++i) above[static_cast<size_t>(i)] = values[i] > threshold;
+    BrickBits bits;
+    for (size_t row = 0; row < brick_area; ++row) {
+      unsigned byte = 0;
+      for (size_t x = 0; x < brick_side; ++x) byte |= static_cast<unsigned>(above[brick_side * row + x]) << x;
+      bits.layer[row / brick_side] |= uint64_t{byte} << brick_side * (row % brick_side);
+    }
+    return bits;
+  }
 
   bool test(int x, int y, int z) const { return layer[static_cast<size_t>(z)] >> (x + brick_side * y) & 1; }
+  /// Bit x for vertex x.
+  uint8_t row(int y, int z) const { return static_cast<uint8_t>(layer[static_cast<size_t>(z)] >> brick_side * y); }
   void set(int offset) { layer[static_cast<size_t>(offset / brick_area)] |= uint64_t{1} << offset % brick_area; }
   bool any() const {
     uint64_t bits = 0;

@@ -16,6 +16,9 @@
 
 namespace soapfilm {
 
+/// Area of a surface, voxel^2, per face of the grid that separates its sides: the mean over its directions.
+inline constexpr double area_per_face = 2.0 / 3;
+
 /// The vertices of one level.
 struct LevelBox {
   int level = 0;

@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <nanoflann.hpp>
+#include <utility>
 #include <vector>
+
+#include "soapfilm/core/median.h"
 
 namespace soapfilm {
 
@@ -45,10 +48,7 @@ double sample_spacing(const PointCloud& cloud, size_t queries) {
     constexpr double pi = 3.141592653589793;
     if (farthest > 0) areas.push_back(pi * farthest / static_cast<double>(found - 1));
   }
-  if (areas.empty()) return 0;
-  const auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
-  std::nth_element(areas.begin(), middle, areas.end());
-  return std::sqrt(*middle);
+  return std::sqrt(median(std::move(areas)));
 }
 
 CloudSummary summarize(const PointCloud& cloud) {

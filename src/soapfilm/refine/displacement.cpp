@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
+
+#include "soapfilm/core/median.h"
 
 namespace soapfilm {
 
@@ -30,9 +33,7 @@ void Displacement::yield_to_bends(double medians) {
   for (size_t i = 0; i < scratch_.size(); i += stride)
     if (degree[i] == 6) bends.push_back(std::abs(laplacian[i]));
   if (bends.empty()) return;
-  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-  std::nth_element(bends.begin(), middle, bends.end());
-  const float per_bend = 1 / std::max(static_cast<float>(medians) * *middle, 1e-6f);
+  const float per_bend = 1 / std::max(static_cast<float>(medians) * median(std::move(bends)), 1e-6f);
   parallel_.for_chunks(share_.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const float bend = degree[i] == 6 ? per_bend * laplacian[i] : 0.0f;

@@ -23,51 +23,33 @@ BrickMask inside_bricks(const Level& level, float threshold) {
   return inside;
 }
 
-/// u > threshold in the level's bricks: a byte per row, bit x for vertex x.
-std::vector<uint8_t> inside_bits(const Level& level, float threshold, const Parallel& parallel) {
-  std::vector<uint8_t> bits(level.grid.size() * brick_area);
-  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
-    const float* u = level.u.brick(b);
-    for (size_t row = 0; row < brick_area; ++row, u += brick_side) {
-      unsigned byte = 0;
-      for (unsigned x = 0; x < brick_side; ++x) byte |= static_cast<unsigned>(u[x] > threshold) << x;
-      bits[b * brick_area + row] = static_cast<uint8_t>(byte);
-    }
-  });
+/// u > threshold in the level's bricks.
+std::vector<BrickBits> inside_bits(const Level& level, float threshold, const Parallel& parallel) {
+  std::vector<BrickBits> bits(level.grid.size());
+  parallel.for_each(bits.size(), 64, [&](size_t b) { bits[b] = BrickBits::above(level.u.brick(b), threshold); });
   return bits;
 }
 
-/// The rows of a brick of the domain, given as BrickGrid::find gives it.
-const uint8_t* rows_of(const Level& level, const std::vector<uint8_t>& bits, float threshold, int32_t n, Vec3i brick) {
-  static constexpr std::array<uint8_t, brick_area> none = {};
-  static constexpr auto all = [] {
-    std::array<uint8_t, brick_area> rows{};
-    rows.fill(0xff);
-    return rows;
-  }();
-  if (n >= 0) return &bits[static_cast<size_t>(n) * brick_area];
-  return level.missing_u(n, brick) > threshold ? all.data() : none.data();
-}
-
-BrickBits bits_of(const uint8_t* rows) {
-  BrickBits bits;
-  for (size_t row = 0; row < brick_area; ++row)
-    bits.layer[row / brick_side] |= uint64_t{rows[row]} << brick_side * (row % brick_side);
-  return bits;
+/// Those of a brick of the domain, given as BrickGrid::find gives it.
+const BrickBits* bits_of(const Level& level, const std::vector<BrickBits>& bits, float threshold, int32_t n,
+                         Vec3i brick) {
+  static const BrickBits none, all = BrickBits::full();
+  if (n >= 0) return &bits[static_cast<size_t>(n)];
+  return level.missing_u(n, brick) > threshold ? &all : &none;
 }
 
 /// The first and the last set bit of a byte that is not 0.
 std::pair<int, int> ends_of(uint64_t byte) { return {std::countr_zero(byte), 63 - std::countl_zero(byte)}; }
 
 /// The 27 neighbours (as bits by neighbor_slot()) within the surface's margin of an interface in a brick; around[slot]
-/// are their rows.
-uint32_t bricks_near_interface(const std::array<const uint8_t*, 27>& around) {
-  const BrickBits inside = bits_of(around[own_slot]);
+/// are theirs.
+uint32_t bricks_near_interface(const std::array<const BrickBits*, 27>& around) {
+  const BrickBits& inside = *around[own_slot];
   BrickBits interface;  // vertices with a neighbour on the other side
   for (int axis = 0; axis < 3; ++axis)
     for (const int step : {-1, 1}) {
       const auto slot = static_cast<size_t>(step > 0 ? slot_down[axis] : slot_up[axis]);
-      const BrickBits next = moved(inside, axis, step) | carried(bits_of(around[slot]), axis, step);
+      const BrickBits next = moved(inside, axis, step) | carried(*around[slot], axis, step);
       interface |= (inside & ~next) | (~inside & next);
     }
   if (!interface.any()) return 0;
@@ -110,16 +92,15 @@ constexpr auto filtered_x = [] {
   return table;
 }();
 
-/// Smooths the indicator on a brick; around[slot] are the 64 rows of the 27 bricks around it.
-void smooth_brick(const std::array<const uint8_t*, 27>& around, float* out) {
+/// Smooths the indicator on a brick; around[slot] is that of the 27 bricks around it.
+void smooth_brick(const std::array<const BrickBits*, 27>& around, float* out) {
   constexpr int reach = smoothing_reach, side = brick_side + 2 * reach;
   std::array<std::array<uint16_t, brick_side>, side * side> after_x;
   for (int z = -reach; z < brick_side + reach; ++z)
     for (int y = -reach; y < brick_side + reach; ++y) {
-      const uint8_t* const* along = &around[static_cast<size_t>(neighbor_slot(-1, y >> 3, z >> 3))];
-      const int row = (y & 7) + brick_side * (z & 7);
-      const unsigned bits = along[0][row] >> (brick_side - reach) | unsigned{along[1][row]} << reach |
-                            unsigned{along[2][row]} << (8 + reach);
+      const BrickBits* const* along = &around[static_cast<size_t>(neighbor_slot(-1, y >> 3, z >> 3))];
+      const auto row = [&](int k) { return unsigned{along[k]->row(y & 7, z & 7)}; };
+      const unsigned bits = row(0) >> (brick_side - reach) | row(1) << reach | row(2) << (8 + reach);
       auto& to = after_x[static_cast<size_t>((z + reach) * side + y + reach)];
       for (size_t x = 0; x < 4; ++x) {
         to[x] = filtered_x[bits & 0x3ff][x];
@@ -146,14 +127,14 @@ void smooth_brick(const std::array<const uint8_t*, 27>& around, float* out) {
 }  // namespace
 
 SurfaceField smoothed_indicator(const Level& level, float threshold, const Parallel& parallel) {
-  const std::vector<uint8_t> bits = inside_bits(level, threshold, parallel);
+  const std::vector<BrickBits> bits = inside_bits(level, threshold, parallel);
   std::vector<uint32_t> near(level.grid.size());
   parallel.for_each(near.size(), 64, [&](size_t b) {
-    std::array<const uint8_t*, 27> around;
+    std::array<const BrickBits*, 27> around;
     for (int slot = 0; slot < 27; ++slot) {
       const auto k = static_cast<size_t>(slot);
       const int32_t n = slot == own_slot ? static_cast<int32_t>(b) : level.grid.neighbors(b)[k];
-      around[k] = rows_of(level, bits, threshold, n, level.grid.coord(b) + slot_offset(slot));
+      around[k] = bits_of(level, bits, threshold, n, level.grid.coord(b) + slot_offset(slot));
     }
     near[b] = bricks_near_interface(around);
   });
@@ -168,10 +149,10 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Paral
   field.grid = BrickGrid(mask, parallel);
   field.value = Field<float>(field.grid);
   parallel.for_each(field.grid.size(), 64, [&](size_t b) {
-    std::array<const uint8_t*, 27> around;
+    std::array<const BrickBits*, 27> around;
     for (int slot = 0; slot < 27; ++slot) {
       const Vec3i brick = field.grid.coord(b) + slot_offset(slot);
-      around[static_cast<size_t>(slot)] = rows_of(level, bits, threshold, level.grid.find(brick), brick);
+      around[static_cast<size_t>(slot)] = bits_of(level, bits, threshold, level.grid.find(brick), brick);
     }
     smooth_brick(around, field.value.brick(b));
   });

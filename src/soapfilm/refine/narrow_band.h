@@ -81,9 +81,9 @@ double sum_over_rows(const NarrowBand& band, const Parallel& parallel, Body&& bo
   return total;
 }
 
-/// out = weight_v v + weight_g s G v, s the `share` where it is not null; G is the band's graph Laplacian, positive semi-definite:
-/// (G v)_i = sum over neighbours j in the band of v_i - v_j. Its null space are the constants on connected parts.
-/// Returns <G v, out>.
+/// out = weight_v v + weight_g s G v, s the `share` where it is not null; G is the band's graph Laplacian, positive
+/// semi-definite: (G v)_i = sum over neighbours j in the band of v_i - v_j. Its null space are the constants on
+/// connected parts. Returns <G v, out>.
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
                        const Parallel& parallel, const RowArray* share = nullptr);
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "soapfilm/core/median.h"
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {
@@ -81,13 +82,6 @@ std::pair<NarrowBand, RowArray> part_of(const NarrowBand& band, const RowArray& 
   for (size_t r = 1; r < rows.size(); ++r)
     std::copy_n(values.data() + static_cast<size_t>(rows[r]) * brick_side, brick_side, array.data() + r * brick_side);
   return {std::move(part), std::move(array)};
-}
-
-float median(std::vector<float> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 class HeldOut {

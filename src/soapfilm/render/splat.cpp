@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <nanoflann.hpp>
+#include <utility>
 
 #include "soapfilm/core/box.h"
+#include "soapfilm/core/median.h"
 
 namespace soapfilm::render_detail {
 
@@ -42,9 +44,7 @@ double splat_radius(const std::vector<Vec3d>& positions) {
     tree.knnSearch(&positions[i].x, count, index, square);
     squares.push_back(square[count - 1]);
   }
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  if (*middle > 0) return radius_share * std::sqrt(*middle);
+  if (const double middle = median(std::move(squares)); middle > 0) return radius_share * std::sqrt(middle);
   Box3d box;
   for (const Vec3d& p : positions) box.extend(p);
   return box.longest() > 0 ? fallback_share * box.longest() : 1;

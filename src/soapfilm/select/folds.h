@@ -22,11 +22,6 @@ enum class FoldSource {
   scans       ///< whole scans
 };
 
-/// Has the sample a direction and a weight > 0?
-inline bool speaks(const PointCloud& cloud, std::span<const Vec3f> directions, size_t i) {
-  return directions[i] != Vec3f{} && (cloud.weights.empty() || cloud.weights[i] > 0);
-}
-
 /// Fewer held-out samples say nothing about a surface.
 inline constexpr size_t fewest_held_out = 20;
 

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/field/samples.h"
 #include "soapfilm/grid/dense_field.h"
 #include "soapfilm/grid/smoothing.h"
 #include "soapfilm/select/coarse_problem.h"
@@ -20,8 +21,6 @@ constexpr float threshold = 0.5f;
 constexpr size_t fewest_samples = 8 * fewest_held_out;
 /// What a sample gains through a flat film across its direction: the middle tap.
 constexpr double flux_per_sample = smoothing_taps[smoothing_reach];
-/// Area of a surface per face of the grid that separates its sides: the mean over all directions.
-constexpr double area_per_face = 2.0 / 3.0;
 constexpr std::array<Vec3i, 6> steps = {{{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 
 using Sides = DenseField<uint8_t>;  ///< 1 inside

@@ -52,10 +52,9 @@ struct Evaluator {
       }
     fill_upper_halo(
         level.grid.coord(brick), [&](int slot) { return level.grid.neighbors(brick)[static_cast<size_t>(slot)]; }, u);
-    const LowFace x = low_face(level, brick, 0), y = low_face(level, brick, 1), z = low_face(level, brick, 2);
     const FreeRange range = free_range(level.box, level.grid.coord(brick));
-    return kernel({level.p.brick(brick), level.data(brick), x.base, x.inner, x.outer, y.base, y.outer, z.base, range.lo,
-                   range.hi, level.lambda, p_scale},
+    return kernel({level.p.brick(brick), level.data(brick), low_face(level, brick, 0), low_face(level, brick, 1),
+                   low_face(level, brick, 2), range.lo, range.hi, level.lambda, p_scale},
                   u);
   }
 

@@ -74,9 +74,9 @@ EnergyTerms brick_terms(const EnergyJob& job, const UpperWindow& u) {
       const float* values = u.values + y * UpperWindow::row + z * UpperWindow::layer;
       const float* p = job.p + brick_offset(0, y, z);
       const float* f = job.f + brick_offset(0, y, z);
-      const float* below_y = y == 0 ? job.low_y + z * job.low_y_outer : p + brick_volume - brick_side;
-      const float* below_z = z == 0 ? job.low_z + y * brick_side : p + 2 * brick_volume - brick_area;
-      const float below_x = job.low_x[y * job.low_x_inner + z * job.low_x_outer];
+      const float* below_y = y == 0 ? job.low_y.row(z) : p + brick_volume - brick_side;
+      const float* below_z = z == 0 ? job.low_z.row(y) : p + 2 * brick_volume - brick_area;
+      const float below_x = job.low_x.at(y, z);
       const bool free = y >= job.free_lo.y && y < job.free_hi.y && z >= job.free_lo.z && z < job.free_hi.z;
       for (int x = 0; x < brick_side; x += lanes) {
         const V here = load(values + x);

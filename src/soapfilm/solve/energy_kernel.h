@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "soapfilm/grid/layout.h"
+#include "soapfilm/solve/low_face.h"
 #include "soapfilm/solve/norm.h"
 
 namespace soapfilm {
@@ -20,14 +21,10 @@ struct UpperWindow {
 };
 
 struct EnergyJob {
-  const float* p;      ///< 3 x 512
-  const float* f;      ///< 512
-  const float* low_x;  ///< p_x below the brick: value of row (y, z) at low_x[y * low_x_inner + z * low_x_outer]
-  int low_x_inner, low_x_outer;
-  const float* low_y;  ///< p_y below: row z at low_y + z * low_y_outer
-  int low_y_outer;
-  const float* low_z;      ///< p_z below: row y at low_z + 8 y
-  Vec3i free_lo, free_hi;  ///< local range [lo, hi) of the vertices that count in data, dual, inside
+  const float* p;               ///< 3 x 512
+  const float* f;               ///< 512
+  LowFace low_x, low_y, low_z;  ///< p below the brick
+  Vec3i free_lo, free_hi;       ///< local range [lo, hi) of the vertices that count in data, dual, inside
   double lambda;
   double p_scale;  ///< p counts times this
 };

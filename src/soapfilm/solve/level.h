@@ -9,6 +9,7 @@
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/solve/low_face.h"
 #include "soapfilm/solve/norm.h"
 
 namespace soapfilm {
@@ -64,13 +65,7 @@ struct Level {
 Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
                  const Field<float>& f, const Parallel& parallel, Norm norm = Norm::isotropic);
 
-/// The values of p_axis just below a brick: through its 64 low faces. value(row) = base[row * stride...]: see layout.
-struct LowFace {
-  const float* base;  ///< first of 64 values
-  int inner;          ///< distance between values along the lower remaining axis
-  int outer;          ///< and along the higher one
-  float at(int a, int b) const { return base[a * inner + b * outer]; }
-};
+/// See solve/low_face.h.
 LowFace low_face(const Level& level, size_t brick, int axis);
 
 /// Which vertices of a brick are free: local ranges [lo, hi) along each axis (8 wide when nothing is fixed).

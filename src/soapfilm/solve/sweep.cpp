@@ -65,28 +65,22 @@ void load_rested(const float* u, RowMask rows, UBar& bar) {
 
 PrimalJob primal_job(Level& level, size_t brick, RowMask rows, StepSizes steps) {
   const size_t next = brick > 0 ? brick - 1 : 0, after_next = next > 0 ? next - 1 : 0;  // visited in descending order
-  const LowFace x = low_face(level, brick, 0), y = low_face(level, brick, 1), z = low_face(level, brick, 2);
-  const LowFace next_y = low_face(level, next, 1), next_z = low_face(level, next, 2);
   const FreeRange range = free_range(level.box, level.grid.coord(brick));
   return {rows,
           level.u.brick(brick),
           level.p.brick(brick),
           level.data(brick),
-          x.base,
-          x.inner,
-          x.outer,
-          y.base,
-          y.outer,
-          z.base,
+          low_face(level, brick, 0),
+          low_face(level, brick, 1),
+          low_face(level, brick, 2),
           range.lo,
           range.hi,
           steps.tau,
           level.u.brick(next),
           level.p.brick(next),
           level.data(next),
-          next_y.base,
-          next_y.outer,
-          next_z.base,
+          low_face(level, next, 1),
+          low_face(level, next, 2),
           level.p.brick(after_next)};
 }
 

@@ -53,9 +53,9 @@ RowMask primal(const PrimalJob& job, UBar& u_bar) {
     const int bit = std::countr_zero(left);
     const int y = bit % brick_side, z = bit / brick_side;
     const int row = bit * brick_side;
-    const float* below_y = y == 0 ? job.low_y + z * job.low_y_outer : py + row - brick_side;
-    const float* below_z = z == 0 ? job.low_z + y * brick_side : pz + row - brick_area;
-    const float below_x = job.low_x[y * job.low_x_inner + z * job.low_x_outer];
+    const float* below_y = y == 0 ? job.low_y.row(z) : py + row - brick_side;
+    const float* below_z = z == 0 ? job.low_z.row(y) : pz + row - brick_area;
+    const float below_x = job.low_x.at(y, z);
     const bool free = y >= job.free_lo.y && y < job.free_hi.y && z >= job.free_lo.z && z < job.free_hi.z;
     float* bar = u_bar.values + y * UBar::row + z * UBar::layer;
     bool moves = false;
@@ -64,8 +64,8 @@ RowMask primal(const PrimalJob& job, UBar& u_bar) {
     hwy::Prefetch(job.next_p + brick_volume + row);
     hwy::Prefetch(job.next_p + 2 * brick_volume + row);
     hwy::Prefetch(job.next_f + row);
-    if (y == 0) hwy::Prefetch(job.next_low_y + z * job.next_low_y_outer);
-    if (z == 0) hwy::Prefetch(job.next_low_z + y * brick_side);
+    if (y == 0) hwy::Prefetch(job.next_low_y.row(z));
+    if (z == 0) hwy::Prefetch(job.next_low_z.row(y));
     for (int x = 0; x < brick_side; x += lanes) {
       const V cap = free ? hn::Load(d, cap_row + x) : hn::Zero(d);
       const V u = hn::Load(d, job.u + row + x);

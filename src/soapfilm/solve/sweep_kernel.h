@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "soapfilm/grid/layout.h"
+#include "soapfilm/solve/low_face.h"
 #include "soapfilm/solve/norm.h"
 
 namespace soapfilm {
@@ -21,23 +22,17 @@ struct UBar {
 };
 
 struct PrimalJob {
-  RowMask rows;        ///< the others keep their u, and u_bar is left as it is
-  float* u;            ///< 512, in and out
-  const float* p;      ///< 3 x 512
-  const float* f;      ///< 512
-  const float* low_x;  ///< p_x below the brick: value of row (y, z) at low_x[y * low_x_inner + z * low_x_outer]
-  int low_x_inner, low_x_outer;
-  const float* low_y;  ///< p_y below: row z at low_y + z * low_y_outer
-  int low_y_outer;
-  const float* low_z;      ///< p_z below: row y at low_z + 8 y
-  Vec3i free_lo, free_hi;  ///< u stays 0 outside this local range [lo, hi)
+  RowMask rows;                 ///< the others keep their u, and u_bar is left as it is
+  float* u;                     ///< 512, in and out
+  const float* p;               ///< 3 x 512
+  const float* f;               ///< 512
+  LowFace low_x, low_y, low_z;  ///< p below the brick
+  Vec3i free_lo, free_hi;       ///< u stays 0 outside this local range [lo, hi)
   float tau;
   // What the next brick reads: on its way into the cache while this one is worked on. Its low_x is most often the p_x
   // of the brick after it, so that p_x is fetched a brick earlier than the rest.
   const float *next_u, *next_p, *next_f;
-  const float* next_low_y;
-  int next_low_y_outer;
-  const float* next_low_z;
+  LowFace next_low_y, next_low_z;
   const float* after_next_p;
 };
 
