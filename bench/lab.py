@@ -73,6 +73,7 @@ class Lab:
         self.data = Path(data) if data else None
         self.runs_nothing = False  # raise NotKept instead
         self.digests = {}  # by path and time of change
+        self.cpu = {}  # seconds, by name: all that `once` ran or had kept
         self.work.mkdir(parents=True, exist_ok=True)
         self.page.mkdir(parents=True, exist_ok=True)
 
@@ -112,12 +113,14 @@ class Lab:
         if stamp.exists():
             kept = json.loads(stamp.read_text())
             if kept.get("key") == key and (kept["code"] != 0 or Path(makes).exists()):
+                self.cpu[name] = kept["cpu"]
                 return kept
         if self.runs_nothing:
             raise NotKept(name)
         self.say(label or self.shown(words))
         measured = self.measure(words, self.work / name, environment)
         stamp.write_text(json.dumps({"key": key, **measured}))
+        self.cpu[name] = measured["cpu"]
         return measured
 
     def measure(self, words, scratch, environment=None):

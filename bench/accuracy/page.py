@@ -43,7 +43,8 @@ class Contents:
 
 def head(lab, c):
     model = next((line.split(":", 1)[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "")
-    machine = f"Measured on {model or platform.machine()}, one thread for each run."
+    machine = (f"Measured on {model or platform.machine()}, one thread for each run, "
+               f"{sum(lab.cpu.values()) / 60:.0f} minutes of CPU time in all.")
     kinds = {k: ", ".join(s.name for s in c.shapes if s.kind == k) or "none" for k in ("smooth", "detailed", "sharp")}
     absent = f" Not there and not run: {', '.join(c.absent)}." if c.absent else ""
     return HEAD.format(data="" if lab.data else "; without SOAPFILM_DATA, on built-in shapes only",
