@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/core/parallel.h"
@@ -32,6 +33,11 @@ class BrickGrid {
 
   /// Index of the active brick at `b`; `outside_band` or `outside_box` where there is none.
   int32_t find(Vec3i b) const;
+  /// Indices [begin, end) of the active bricks (x, y, z) of a row along x; y and z in the box.
+  std::pair<size_t, size_t> row(int y, int z) const {
+    const size_t k = row_of({0, y, z});
+    return {static_cast<size_t>(row_begin_[k]), static_cast<size_t>(row_begin_[k + 1])};
+  }
   /// Number, from 0 in lexicographic order, of the run along x of missing bricks that holds the missing brick `b` of
   /// the box. A row with k active bricks has k + 1 runs, before, between and after them; some are empty.
   int32_t gap(Vec3i b) const;

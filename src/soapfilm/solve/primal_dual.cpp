@@ -34,10 +34,8 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
   int check_after = params.check_every;
   while (report.iterations < params.max_iterations && !report.converged) {
     const int sweeps = std::min(check_after, params.max_iterations - report.iterations);
-    for (int i = 0; i < sweeps; ++i) {
-      progress.check();
-      sweeper.sweep(steps);
-    }
+    progress.check();
+    sweeper.sweep(steps, sweeps);
     report.iterations += sweeps;
     report.energies = evaluate_energy(level, {}, parallel);
     const double gap = report.energies.relative_gap_band(level.lambda);

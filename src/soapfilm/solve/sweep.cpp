@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <cstring>
 
 namespace soapfilm {
@@ -9,20 +10,19 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t faces_per_brick = 3 * brick_area;
-constexpr int32_t not_deferred = -1;
 constexpr RowMask all_rows = ~RowMask{0};
+constexpr RowMask even_rows = 0x5555555555555555;
 constexpr RowMask first_y = 0x0101010101010101;  // rows with y = 0
 constexpr RowMask last_y = first_y << 7;
 constexpr RowMask first_z = 0xFF;  // rows with z = 0
 
-/// One chunk on one thread has nothing to defer; several per thread keep the threads busy to the end; below some
-/// hundred bricks (a fraction of a millisecond) waking a thread costs more than it brings.
-size_t chunk_size(size_t bricks, int threads) {
-  constexpr size_t chunks_per_thread = 6;
-  constexpr size_t least_chunk = 256;
-  if (threads == 1) return std::max<size_t>(bricks, 1);
-  return std::max<size_t>(bricks / (chunks_per_thread * static_cast<size_t>(threads)), least_chunk);
-}
+/// Sweeps that are done while a tile is in the cache, and its rows of bricks along y and z.
+const int tile_sweeps = std::getenv("TS") ? atoi(std::getenv("TS")) : 4;
+const int tile_y = std::getenv("TY") ? atoi(std::getenv("TY")) : 4;
+const int tile_z = std::getenv("TZ") ? atoi(std::getenv("TZ")) : 8;
+
+RowMask pairs_of(RowMask rows) { return (rows | rows >> 1) & even_rows; }
+RowMask rows_of(RowMask pairs) { return pairs | pairs << 1; }
 
 void copy_row(const float* from, float* to) { std::memcpy(to, from, brick_side * sizeof(float)); }
 
@@ -31,42 +31,17 @@ void for_each_row(RowMask rows, Visit&& visit) {
   for (; rows != 0; rows &= rows - 1) visit(std::countr_zero(rows));
 }
 
-float* bar_row(UBar& bar, int y, int z) { return bar.values + y * UBar::row + z * UBar::layer; }
-float* bar_row(UBar& bar, int row) { return bar_row(bar, row % brick_side, row / brick_side); }
-
-/// Leaves the first layers of u_bar in `rows` behind for the lower neighbours.
-void store_faces(UBar& bar, RowMask rows, float* faces) {
-  for_each_row(rows, [&](int row) { faces[row] = *bar_row(bar, row); });
-  for_each_row(rows & first_y, [&](int row) { copy_row(bar_row(bar, row), faces + brick_area + row); });
-  for_each_row(rows & first_z,
-               [&](int row) { copy_row(bar_row(bar, row), faces + 2 * brick_area + brick_side * row); });
-}
-
-/// Puts the upper neighbours' first layers around u_bar where `rows` touch them; zero where there is none.
-void load_halo(const BrickGrid& grid, size_t brick, RowMask rows, const float* all_faces, UBar& bar) {
+/// u_bar of an upper neighbour's first layer along an axis; zero where there is none.
+const float* above(const BrickGrid& grid, size_t brick, int axis, const float* faces) {
   static constexpr float zeros[brick_area] = {};
-  const auto faces = [&](int axis) {
-    const int32_t up = grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])];
-    return up < 0 ? zeros : all_faces + static_cast<size_t>(up) * faces_per_brick + axis * brick_area;
-  };
-  const float *x = faces(0), *y = faces(1), *z = faces(2);
-  for_each_row(rows, [&](int row) { bar_row(bar, row)[brick_side] = x[row]; });
-  for_each_row(rows & last_y, [&](int row) {
-    const int at = row / brick_side;
-    copy_row(y + brick_side * at, bar_row(bar, brick_side, at));
-  });
-  for_each_row(rows >> 56, [&](int row) { copy_row(z + brick_side * row, bar_row(bar, row, brick_side)); });
+  const int32_t up = grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])];
+  return up < 0 ? zeros : faces + static_cast<size_t>(up) * faces_per_brick + axis * brick_area;
 }
 
-/// u_bar = u in the rows that have not been stepped.
-void load_rested(const float* u, RowMask rows, UBar& bar) {
-  for_each_row(rows, [&](int row) { copy_row(u + brick_side * row, bar_row(bar, row)); });
-}
-
-PrimalJob primal_job(Level& level, size_t brick, RowMask rows, StepSizes steps) {
+PrimalJob primal_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, float* u_bar, float* faces) {
   const size_t next = brick > 0 ? brick - 1 : 0, after_next = next > 0 ? next - 1 : 0;  // visited in descending order
   const FreeRange range = free_range(level.box, level.grid.coord(brick));
-  return {rows,
+  return {pairs,
           level.u.brick(brick),
           level.p.brick(brick),
           level.data(brick),
@@ -76,6 +51,8 @@ PrimalJob primal_job(Level& level, size_t brick, RowMask rows, StepSizes steps) 
           range.lo,
           range.hi,
           steps.tau,
+          u_bar,
+          faces,
           level.u.brick(next),
           level.p.brick(next),
           level.data(next),
@@ -88,8 +65,16 @@ PrimalJob primal_job(Level& level, size_t brick, RowMask rows, StepSizes steps) 
 /// to the last bit, and the certificate needs no rescaling.
 constexpr float within_ball = 1 - 0x1p-21f;
 
-DualJob dual_job(Level& level, size_t brick, RowMask rows, StepSizes steps) {
-  DualJob job{rows, level.p.brick(brick), {}, steps.sigma, level.lambda * within_ball};
+DualJob dual_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, const float* u_bar, const float* faces) {
+  DualJob job{pairs,
+              level.p.brick(brick),
+              u_bar,
+              above(level.grid, brick, 0, faces),
+              above(level.grid, brick, 1, faces),
+              above(level.grid, brick, 2, faces),
+              {},
+              steps.sigma,
+              level.lambda * within_ball};
   for (int axis = 0; axis < 3; ++axis)
     job.fixed_up[axis] = level.grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])] == outside_band;
   return job;
@@ -101,27 +86,44 @@ Sweeper::Sweeper(Level& level, const Parallel& parallel)
     : level_(level),
       parallel_(parallel),
       kernel_(sweep_kernel(level.norm)),
-      chunk_(chunk_size(level.grid.size(), parallel.threads())),
       faces_(level.grid.size() * faces_per_brick),
       u_moved_(level.grid.size(), all_rows),
       p_moved_(level.grid.size(), all_rows),
-      u_bar_moved_(level.grid.size()),
-      deferred_slot_(level.grid.size(), not_deferred) {
-  for (size_t brick = 0; brick < level.grid.size(); ++brick) {
-    const size_t chunk_end = (brick / chunk_ + 1) * chunk_;
-    const BrickGrid::Neighbors& n = level.grid.neighbors(brick);
-    const auto beyond = [&](int slot) { return n[static_cast<size_t>(slot)] >= static_cast<int64_t>(chunk_end); };
-    if (std::any_of(std::begin(slot_up), std::end(slot_up), beyond)) {
-      deferred_slot_[brick] = static_cast<int32_t>(deferred_.size());
-      deferred_.push_back({static_cast<uint32_t>(brick), 0});
-    }
-  }
-  deferred_u_bar_ = AlignedArray<float>(deferred_.size() * brick_volume);
+      u_bar_moved_(level.grid.size()) {}
+
+void Sweeper::sweep(StepSizes steps, int times) {
+  const int parts = (times + tile_sweeps - 1) / tile_sweeps;
+  for (int k = 0; k < parts; ++k) sweep_tiles(steps, times * (k + 1) / parts - times * k / parts);
 }
 
-void Sweeper::sweep(StepSizes steps) {
-  parallel_.for_chunks(level_.grid.size(), chunk_, [&](size_t begin, size_t end) { sweep_chunk(begin, end, steps); });
-  parallel_.for_each(deferred_.size(), 256, [&](size_t slot) { finish_deferred(slot, steps); });
+void Sweeper::sweep_tiles(StepSizes steps, int sweeps) {
+  const auto tiles = [&](int bricks, int side) { return (bricks + sweeps - 1 + side - 1) / side; };
+  const Vec3i bricks = level_.grid.bricks();
+  const int ny = tiles(bricks.y, tile_y), nz = tiles(bricks.z, tile_z);
+  if (parallel_.threads() == 1) {
+    for (int y = 0; y < ny; ++y)
+      for (int z = 0; z < nz; ++z) sweep_tile({y, z, sweeps}, steps);
+    return;
+  }
+  for (int diagonal = 0; diagonal < ny + nz - 1; ++diagonal) {
+    const int first = std::max(0, diagonal - nz + 1), end = std::min(ny, diagonal + 1);
+    parallel_.for_each(static_cast<size_t>(end - first), 1, [&](size_t k) {
+      const int y = first + static_cast<int>(k);
+      sweep_tile({y, diagonal - y, sweeps}, steps);
+    });
+  }
+}
+
+void Sweeper::sweep_tile(Tile tile, StepSizes steps) {
+  const Vec3i bricks = level_.grid.bricks();
+  for (int z = tile.z * tile_z; z < (tile.z + 1) * tile_z; ++z)
+    for (int k = 0; k < tile.sweeps; ++k)
+      for (int y = tile.y * tile_y; y < (tile.y + 1) * tile_y; ++y) {
+        const int by = bricks.y - 1 - (y - k), bz = bricks.z - 1 - (z - k);
+        if (by < 0 || bz < 0 || by >= bricks.y || bz >= bricks.z) continue;
+        const auto [begin, end] = level_.grid.row(by, bz);
+        for (size_t brick = end; brick-- > begin;) sweep_brick(brick, steps);
+      }
 }
 
 RowMask Sweeper::primal_rows(size_t brick) const {
@@ -144,41 +146,27 @@ RowMask Sweeper::dual_rows(size_t brick) const {
   return p_moved_[brick] | u | above(0) | (u >> 1 & ~last_y) | (above(1) << 7 & last_y) | u >> 8 | above(2) << 56;
 }
 
-void Sweeper::sweep_chunk(size_t begin, size_t end, StepSizes steps) {
+void Sweeper::sweep_brick(size_t brick, StepSizes steps) {
   UBar bar;
-  for (size_t brick = end; brick-- > begin;) {
-    const RowMask rows = primal_rows(brick);
-    const RowMask moved = rows == 0 ? 0 : kernel_.primal(primal_job(level_, brick, rows, steps), bar);
-    u_bar_moved_[brick] = u_moved_[brick] | moved;
-    u_moved_[brick] = moved;
-    store_faces(bar, u_bar_moved_[brick], faces_.data() + brick * faces_per_brick);
-    if (const int32_t slot = deferred_slot_[brick]; slot != not_deferred) {
-      deferred_[static_cast<size_t>(slot)].stepped = rows;
-      float* kept = deferred_u_bar_.data() + static_cast<size_t>(slot) * brick_volume;
-      for_each_row(rows, [&](int row) { copy_row(bar_row(bar, row), kept + brick_side * row); });
-    } else {
-      dual_step(brick, rows, steps, bar);
-    }
-  }
-}
+  const float* u = level_.u.brick(brick);
+  float* faces = faces_.data() + brick * faces_per_brick;
+  const RowMask primal = pairs_of(primal_rows(brick)), stepped = rows_of(primal);
+  const RowMask moved = primal == 0 ? 0 : kernel_.primal(primal_job(level_, brick, primal, steps, bar.values, faces));
+  u_bar_moved_[brick] = u_moved_[brick] | moved;
+  u_moved_[brick] = moved;
+  // The first layers of u_bar stay behind for the lower neighbours.
+  for_each_row(stepped & first_y, [&](int row) { copy_row(bar.values + brick_side * row, faces + brick_area + row); });
+  for_each_row(stepped & first_z,
+               [&](int row) { copy_row(bar.values + brick_side * row, faces + 2 * brick_area + brick_side * row); });
 
-void Sweeper::finish_deferred(size_t slot, StepSizes steps) {
-  const Deferred& deferred = deferred_[slot];
-  UBar bar;
-  load_rested(deferred_u_bar_.data() + slot * brick_volume, deferred.stepped, bar);
-  dual_step(deferred.brick, deferred.stepped, steps, bar);
-}
-
-void Sweeper::dual_step(size_t brick, RowMask stepped, StepSizes steps, UBar& bar) {
-  const RowMask rows = dual_rows(brick);
-  if (rows != 0) {
-    const RowMask read = rows | (rows << 1 & ~first_y) | rows << 8;
-    load_rested(level_.u.brick(brick), read & ~stepped, bar);
-    load_halo(level_.grid, brick, rows, faces_.data(), bar);
-    p_moved_[brick] = kernel_.dual(dual_job(level_, brick, rows, steps), bar);
-  } else {
+  const RowMask dual = pairs_of(dual_rows(brick)), rows = rows_of(dual);
+  if (dual == 0) {
     p_moved_[brick] = 0;
+    return;
   }
+  const RowMask read = rows | (rows << 1 & ~first_y) | rows << 8;
+  for_each_row(read & ~stepped, [&](int row) { copy_row(u + brick_side * row, bar.values + brick_side * row); });
+  p_moved_[brick] = kernel_.dual(dual_job(level_, brick, dual, steps, bar.values, faces_.data()));
 }
 
 }  // namespace soapfilm

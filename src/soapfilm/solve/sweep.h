@@ -7,10 +7,14 @@
 // where the anisotropic norm projects each component of p onto [-lambda, lambda].
 //
 // Bricks are visited in descending order. A brick's primal step reads the old p of itself and of its lower neighbours
-// (not visited yet); its dual step reads u_bar of itself (still in registers and L1) and of the first layers of its
-// upper neighbours (just visited: they left those layers behind). So u_bar is never stored whole, and the sweep is the
-// exact Jacobi-like iteration whatever the order. Chunks of bricks run in parallel; a brick with an upper neighbour in
-// the next chunk keeps its u_bar aside and takes its dual step after all chunks are done.
+// (not visited yet); its dual step reads u_bar of itself (still in L1) and of the first layers of its upper neighbours
+// (just visited: they left those layers behind). So u_bar is never stored whole, and the sweep is the exact Jacobi-like
+// iteration whatever the order.
+//
+// Several sweeps at once: sweep k + 1 may step a brick as soon as sweep k has stepped it and its lower neighbours. With
+// rows of bricks along x numbered from the upper end of y and z, and sweep k's row shifted by k along both, every row
+// depends on rows before it alone, so the shifted rows are cut into rectangular tiles: all sweeps of a tile are done
+// while its bricks are in the cache, and tiles on a diagonal run in parallel.
 //
 // Rows rest: a step whose inputs are those of the last sweep gives what it gave then, so a row is stepped only when a
 // value that it reads has changed. That is exact: the bits are those of sweeps that step every row. On scans half of
@@ -35,37 +39,33 @@ class Sweeper {
  public:
   Sweeper(Level& level, const Parallel& parallel);
 
-  /// One iteration of the whole band. The result does not depend on threads or SIMD target. Between the sweeps of one
-  /// Sweeper the level and the steps must stay as they are: rows rest on that.
-  void sweep(StepSizes steps);
+  /// `times` iterations of the whole band. The result does not depend on threads or SIMD target. Between the sweeps of
+  /// one Sweeper the level and the steps must stay as they are: rows rest on that.
+  void sweep(StepSizes steps, int times = 1);
 
   /// Bytes that a sweep reads and writes per vertex, for the roofline: u, p in and out, f in.
   static constexpr double bytes_per_vertex = 4 * (2 + 6 + 1);
 
  private:
-  /// A brick whose dual step waits for the next chunk.
-  struct Deferred {
-    uint32_t brick;
-    RowMask stepped;  ///< rows whose u_bar is kept aside
+  /// Some rows of bricks, shifted, of `sweeps` sweeps.
+  struct Tile {
+    int y, z;
+    int sweeps;
   };
 
   RowMask primal_rows(size_t brick) const;
   RowMask dual_rows(size_t brick) const;
-  void sweep_chunk(size_t begin, size_t end, StepSizes steps);
-  void finish_deferred(size_t slot, StepSizes steps);
-  void dual_step(size_t brick, RowMask stepped, StepSizes steps, UBar& bar);
+  void sweep_tiles(StepSizes steps, int sweeps);
+  void sweep_tile(Tile tile, StepSizes steps);
+  void sweep_brick(size_t brick, StepSizes steps);
 
   Level& level_;
   const Parallel& parallel_;
   SweepKernel kernel_;
-  size_t chunk_;
   AlignedArray<float> faces_;         ///< u_bar of each brick's first layers: 3 x 64
   std::vector<RowMask> u_moved_;      ///< per brick: rows that the last primal step moved
   std::vector<RowMask> p_moved_;      ///< and the last dual step
   std::vector<RowMask> u_bar_moved_;  ///< rows whose u_bar is not the last sweep's
-  std::vector<Deferred> deferred_;
-  std::vector<int32_t> deferred_slot_;  ///< per brick: position in deferred_, -1 for none
-  AlignedArray<float> deferred_u_bar_;  ///< 512 values each
 };
 
 }  // namespace soapfilm

@@ -25,182 +25,236 @@ HWY_INLINE V primal_step(V u, V grad_t_p, V f, V tau, V cap) {
   return hn::Min(hn::Max(moved, hn::Zero(D())), cap);
 }
 
-/// The row of in-brick neighbours below x: lane 0 of a row's first lane group comes from outside. Nothing is loaded
-/// from before the brick: that belongs to another brick, which another thread may be writing.
-HWY_INLINE V load_below(const float* row, int x, float outside, bool first_row) {
-  if (x != 0) return hn::LoadU(D(), row + x - 1);
-  if (first_row) {
-    float shifted[brick_side + 1];
-    shifted[0] = outside;
-    for (int i = 0; i < brick_side; ++i) shifted[i + 1] = row[i];
-    return hn::LoadU(D(), shifted);
-  }
-  return hn::IfThenElse(hn::FirstN(D(), 1), hn::Set(D(), outside), hn::LoadU(D(), row - 1));
+/// Which rows hold a free vertex.
+RowMask free_rows(Vec3i lo, Vec3i hi) {
+  RowMask rows = 0;
+  for (int z = lo.z; z < hi.z; ++z)
+    for (int y = lo.y; y < hi.y; ++y) rows |= RowMask{1} << (y + brick_side * z);
+  return rows;
 }
 
-RowMask primal(const PrimalJob& job, UBar& u_bar) {
+RowMask primal(const PrimalJob& job) {
   const D d;
-  const int lanes = static_cast<int>(hn::Lanes(D()));
+  const int lanes = static_cast<int>(hn::Lanes(d));
   const V tau = hn::Set(d, job.tau);
+  const M first_lane = hn::FirstN(d, 1);
+  float* HWY_RESTRICT u = job.u;
+  float* HWY_RESTRICT u_bar = job.u_bar;
+  float* HWY_RESTRICT face_x = job.face_x;
+  const float* f = job.f;
   const float* px = job.p;
-  const float* py = job.p + brick_volume;
-  const float* pz = job.p + 2 * brick_volume;
-  HWY_ALIGN float cap_row[brick_side];
-  for (int x = 0; x < brick_side; ++x) cap_row[x] = x >= job.free_lo.x && x < job.free_hi.x ? 1.0f : 0.0f;
+  const float* py = px + brick_volume;
+  const float* pz = py + brick_volume;
+  const LowFace low_x = job.low_x, low_y = job.low_y, low_z = job.low_z;
+  const LowFace next_low_y = job.next_low_y, next_low_z = job.next_low_z;
+  const float *next_u = job.next_u, *next_p = job.next_p, *next_f = job.next_f, *after_next_p = job.after_next_p;
+
+  HWY_ALIGN float cap_row[2][brick_side] = {};  // of a row without, with free vertices
+  for (int x = job.free_lo.x; x < job.free_hi.x; ++x) cap_row[1][x] = 1;
+  const RowMask free = free_rows(job.free_lo, job.free_hi);
+  // Nothing is loaded from before the brick: that belongs to another brick, which another thread may be writing.
+  float row_0[brick_side + 1] = {};
+  for (int x = 0; x < brick_side; ++x) row_0[x + 1] = px[x];
 
   RowMask moved = 0;
-  for (RowMask left = job.rows; left != 0; left &= left - 1) {
-    const int bit = std::countr_zero(left);
-    const int y = bit % brick_side, z = bit / brick_side;
+  const auto step_row = [&](int bit, const float* below_y) HWY_ATTR {
     const int row = bit * brick_side;
-    const float* below_y = y == 0 ? job.low_y.row(z) : py + row - brick_side;
-    const float* below_z = z == 0 ? job.low_z.row(y) : pz + row - brick_area;
-    const float below_x = job.low_x.at(y, z);
-    const bool free = y >= job.free_lo.y && y < job.free_hi.y && z >= job.free_lo.z && z < job.free_hi.z;
-    float* bar = u_bar.values + y * UBar::row + z * UBar::layer;
-    bool moves = false;
-    hwy::Prefetch(job.next_u + row);
-    hwy::Prefetch(job.after_next_p + row);
-    hwy::Prefetch(job.next_p + brick_volume + row);
-    hwy::Prefetch(job.next_p + 2 * brick_volume + row);
-    hwy::Prefetch(job.next_f + row);
-    if (y == 0) hwy::Prefetch(job.next_low_y.row(z));
-    if (z == 0) hwy::Prefetch(job.next_low_z.row(y));
+    const float* below_x = bit == 0 ? row_0 : px + row - 1;
+    const float* below_z = bit < brick_side ? low_z.row(bit) : pz + row - brick_area;
+    const float* cap = cap_row[free >> bit & 1];
+    M moves = hn::FirstN(d, 0);
     for (int x = 0; x < brick_side; x += lanes) {
-      const V cap = free ? hn::Load(d, cap_row + x) : hn::Zero(d);
-      const V u = hn::Load(d, job.u + row + x);
-      const V dx = hn::Sub(load_below(px + row, x, below_x, row == 0), hn::Load(d, px + row + x));
+      V lower_x = hn::LoadU(d, below_x + x);
+      if (x == 0) lower_x = hn::IfThenElse(first_lane, hn::Set(d, low_x.base[bit * low_x.inner]), lower_x);
+      const V old = hn::Load(d, u + row + x);
+      const V dx = hn::Sub(lower_x, hn::Load(d, px + row + x));
       const V dy = hn::Sub(hn::LoadU(d, below_y + x), hn::Load(d, py + row + x));
       const V dz = hn::Sub(hn::LoadU(d, below_z + x), hn::Load(d, pz + row + x));
       const V grad_t_p = hn::Add(hn::Add(dx, dy), dz);
-      const V u_new = primal_step(u, grad_t_p, hn::Load(d, job.f + row + x), tau, cap);
-      moves |= !hn::AllFalse(d, hn::Ne(u_new, u));
-      hn::Store(u_new, d, job.u + row + x);
-      hn::Store(hn::Sub(hn::Add(u_new, u_new), u), d, bar + x);
+      const V u_new = primal_step(old, grad_t_p, hn::Load(d, f + row + x), tau, hn::Load(d, cap + x));
+      const V bar = hn::Sub(hn::Add(u_new, u_new), old);
+      moves = hn::Or(moves, hn::Ne(u_new, old));
+      hn::Store(u_new, d, u + row + x);
+      hn::Store(bar, d, u_bar + row + x);
+      if (x == 0) face_x[bit] = hn::GetLane(bar);
     }
-    if (moves) moved |= RowMask{1} << bit;
+    moved |= RowMask{!hn::AllFalse(d, moves)} << bit;
+  };
+  for (RowMask left = job.pairs; left != 0; left &= left - 1) {
+    const int bit = std::countr_zero(left);
+    const int row = bit * brick_side;
+    const bool first_y = bit % brick_side == 0;
+    hwy::Prefetch(next_u + row);
+    hwy::Prefetch(after_next_p + row);
+    hwy::Prefetch(next_p + brick_volume + row);
+    hwy::Prefetch(next_p + 2 * brick_volume + row);
+    hwy::Prefetch(next_f + row);
+    if (first_y) hwy::Prefetch(next_low_y.row(bit / brick_side));
+    if (bit < brick_side) hwy::Prefetch(next_low_z.row(bit));
+    step_row(bit, first_y ? low_y.row(bit / brick_side) : py + row - brick_side);
+    step_row(bit + 1, py + row);
   }
   return moved;
 }
 
-/// Forward differences of u_bar at a row.
+/// Forward differences of u_bar.
 struct Gradient {
   V x, y, z;
 };
 
-HWY_INLINE Gradient forward_difference(const float* bar) {
-  const D d;
-  const V here = hn::Load(d, bar);
-  return {hn::Sub(hn::LoadU(d, bar + 1), here), hn::Sub(hn::Load(d, bar + UBar::row), here),
-          hn::Sub(hn::Load(d, bar + UBar::layer), here)};
+/// The u_bar that a brick's dual step reads, row by row.
+class UBarRows {
+ public:
+  explicit HWY_INLINE UBarRows(const DualJob& job)
+      : u_bar_(job.u_bar),
+        above_x_(job.above_x),
+        above_y_(job.above_y),
+        above_z_(job.above_z),
+        inner_lanes_(hn::FirstN(D(), hn::Lanes(D()) - 1)) {}
+
+  HWY_INLINE Gradient forward_difference(int bit, int x) const {
+    const D d;
+    const int lanes = static_cast<int>(hn::Lanes(d));
+    const float* row = u_bar_ + bit * brick_side;
+    const bool last_y = bit % brick_side == brick_side - 1, last_z = bit >= brick_area - brick_side;
+    const float* next_y = last_y ? above_y_ + bit - (brick_side - 1) : row + brick_side;
+    const float* next_z = last_z ? above_z_ + (bit - (brick_area - brick_side)) * brick_side : row + brick_area;
+    const V here = hn::Load(d, row + x);
+    V next_x = hn::LoadU(d, row + x + 1);
+    if (x + lanes == brick_side) next_x = hn::IfThenElse(inner_lanes_, next_x, hn::Set(d, above_x_[bit]));
+    return {hn::Sub(next_x, here), hn::Sub(hn::LoadU(d, next_y + x), here), hn::Sub(hn::LoadU(d, next_z + x), here)};
+  }
+
+ private:
+  const float *u_bar_, *above_x_, *above_y_, *above_z_;
+  M inner_lanes_;
+};
+
+/// Calls step(bit) for both rows of each pair, and gathers the rows for which it says that a value has changed.
+template <class Step>
+HWY_INLINE RowMask for_each_row(RowMask pairs, Step&& step) {
+  RowMask moved = 0;
+  for (; pairs != 0; pairs &= pairs - 1) {
+    const int bit = std::countr_zero(pairs);
+    moved |= RowMask{step(bit)} << bit;
+    moved |= RowMask{step(bit + 1)} << (bit + 1);
+  }
+  return moved;
 }
 
-HWY_INLINE bool differ(V old_x, V new_x, V old_y, V new_y, V old_z, V new_z) {
-  const M some = hn::Or(hn::Or(hn::Ne(new_x, old_x), hn::Ne(new_y, old_y)), hn::Ne(new_z, old_z));
-  return !hn::AllFalse(D(), some);
+/// p of some vertices of a row.
+struct Flux {
+  V x, y, z;
+};
+
+HWY_INLINE Flux load(const float* p) {
+  const D d;
+  return {hn::Load(d, p), hn::Load(d, p + brick_volume), hn::Load(d, p + 2 * brick_volume)};
 }
+
+/// Where a value has changed.
+HWY_INLINE M store(const Flux& now, const Flux& old, float* p) {
+  const D d;
+  hn::Store(now.x, d, p);
+  hn::Store(now.y, d, p + brick_volume);
+  hn::Store(now.z, d, p + 2 * brick_volume);
+  return hn::Or(hn::Or(hn::Ne(now.z, old.z), hn::Ne(now.y, old.y)), hn::Ne(now.x, old.x));
+}
+
+HWY_INLINE V norm_squared(const Flux& q) {
+  return hn::Add(hn::Add(hn::Mul(q.x, q.x), hn::Mul(q.y, q.y)), hn::Mul(q.z, q.z));
+}
+
+/// Projects q onto the ball.
+HWY_INLINE void project(V lambda, V lambda_squared, Flux& q) {
+  const D d;
+  const V length_squared = norm_squared(q);
+  const M outside = hn::Gt(length_squared, lambda_squared);
+  if (hn::AllFalse(d, outside)) return;
+  const V scale = hn::IfThenElse(outside, hn::Div(lambda, hn::Sqrt(length_squared)), hn::Set(d, 1.0f));
+  q = {hn::Mul(q.x, scale), hn::Mul(q.y, scale), hn::Mul(q.z, scale)};
+}
+
+/// The same on the band's rim: fixed components keep their value and leave the others the ball's remaining radius.
+HWY_INLINE void project_free(const Flux& old, M fixed_x, bool fixed_y, bool fixed_z, V lambda_squared, Flux& q) {
+  const D d;
+  const V zero = hn::Zero(d);
+  const Flux moving{hn::IfThenZeroElse(fixed_x, q.x), fixed_y ? zero : q.y, fixed_z ? zero : q.z};
+  const Flux kept{hn::IfThenElseZero(fixed_x, old.x), fixed_y ? old.y : zero, fixed_z ? old.z : zero};
+  const V radius_squared = hn::Max(hn::Sub(lambda_squared, norm_squared(kept)), zero);
+  const V length_squared = norm_squared(moving);
+  const M outside = hn::Gt(length_squared, radius_squared);
+  const V scale =
+      hn::IfThenElse(outside, hn::Div(hn::Sqrt(radius_squared), hn::Sqrt(length_squared)), hn::Set(d, 1.0f));
+  q.x = hn::IfThenElse(fixed_x, old.x, hn::Mul(q.x, scale));
+  q.y = fixed_y ? old.y : hn::Mul(q.y, scale);
+  q.z = fixed_z ? old.z : hn::Mul(q.z, scale);
+}
+
+HWY_INLINE bool fixed_up_y(const DualJob& job, int bit) {
+  return job.fixed_up[1] && bit % brick_side == brick_side - 1;
+}
+HWY_INLINE bool fixed_up_z(const DualJob& job, int bit) { return job.fixed_up[2] && bit >= brick_area - brick_side; }
 
 /// The isotropic norm's.
-RowMask dual(const DualJob& job, const UBar& u_bar) {
+template <bool rim>
+RowMask dual_by_length(const DualJob& job) {
   const D d;
-  const int lanes = static_cast<int>(hn::Lanes(D()));
+  const int lanes = static_cast<int>(hn::Lanes(d));
   const V sigma = hn::Set(d, job.sigma);
   const V lambda = hn::Set(d, job.lambda);
   const V lambda_squared = hn::Mul(lambda, lambda);
-  const bool rim = job.fixed_up[0] || job.fixed_up[1] || job.fixed_up[2];
-
-  RowMask moved = 0;
-  for (RowMask left = job.rows; left != 0; left &= left - 1) {
-    const int bit = std::countr_zero(left);
-    const int y = bit % brick_side, z = bit / brick_side;
-    const bool fixed_y = job.fixed_up[1] && y == brick_side - 1;
-    const bool fixed_z = job.fixed_up[2] && z == brick_side - 1;
-    bool moved_here = false;
+  const UBarRows u_bar(job);
+  float* p = job.p;
+  return for_each_row(job.pairs, [&](int bit) HWY_ATTR {
+    M moved = hn::FirstN(d, 0);
     for (int x = 0; x < brick_side; x += lanes) {
-      float* px = job.p + bit * brick_side + x;
-      float* py = px + brick_volume;
-      float* pz = py + brick_volume;
-      const V old_x = hn::Load(d, px), old_y = hn::Load(d, py), old_z = hn::Load(d, pz);
-      const Gradient g = forward_difference(u_bar.values + x + y * UBar::row + z * UBar::layer);
-      V qx = hn::Add(old_x, hn::Mul(sigma, g.x));
-      V qy = hn::Add(old_y, hn::Mul(sigma, g.y));
-      V qz = hn::Add(old_z, hn::Mul(sigma, g.z));
-      if (!rim) {
-        const V norm_squared = hn::Add(hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy)), hn::Mul(qz, qz));
-        const M outside = hn::Gt(norm_squared, lambda_squared);
-        if (!hn::AllFalse(d, outside)) {
-          const V scale = hn::IfThenElse(outside, hn::Div(lambda, hn::Sqrt(norm_squared)), hn::Set(d, 1.0f));
-          qx = hn::Mul(qx, scale);
-          qy = hn::Mul(qy, scale);
-          qz = hn::Mul(qz, scale);
-        }
+      float* at = p + bit * brick_side + x;
+      const Flux old = load(at);
+      const Gradient g = u_bar.forward_difference(bit, x);
+      Flux q{hn::Add(old.x, hn::Mul(sigma, g.x)), hn::Add(old.y, hn::Mul(sigma, g.y)),
+             hn::Add(old.z, hn::Mul(sigma, g.z))};
+      if (rim) {
+        const int first_fixed = job.fixed_up[0] ? brick_side - 1 - x : lanes;
+        const M free_x = hn::FirstN(d, static_cast<size_t>(first_fixed));
+        project_free(old, hn::Not(free_x), fixed_up_y(job, bit), fixed_up_z(job, bit), lambda_squared, q);
       } else {
-        // Fixed components keep their value and leave the others the ball's remaining radius.
-        const V zero = hn::Zero(d);
-        const M last = hn::Eq(hn::Iota(d, static_cast<float>(x)), hn::Set(d, static_cast<float>(brick_side - 1)));
-        const M fixed_x = hn::And(last, hn::Eq(zero, hn::Set(d, job.fixed_up[0] ? 0.0f : 1.0f)));
-        const V free_x = hn::IfThenElse(fixed_x, zero, qx);
-        const V free_y = fixed_y ? zero : qy;
-        const V free_z = fixed_z ? zero : qz;
-        const V kept_x = hn::IfThenElseZero(fixed_x, old_x);
-        const V kept_y = fixed_y ? old_y : zero;
-        const V kept_z = fixed_z ? old_z : zero;
-        const V kept_squared =
-            hn::Add(hn::Add(hn::Mul(kept_x, kept_x), hn::Mul(kept_y, kept_y)), hn::Mul(kept_z, kept_z));
-        const V radius_squared = hn::Max(hn::Sub(lambda_squared, kept_squared), zero);
-        const V norm_squared =
-            hn::Add(hn::Add(hn::Mul(free_x, free_x), hn::Mul(free_y, free_y)), hn::Mul(free_z, free_z));
-        const M outside = hn::Gt(norm_squared, radius_squared);
-        const V scale =
-            hn::IfThenElse(outside, hn::Div(hn::Sqrt(radius_squared), hn::Sqrt(norm_squared)), hn::Set(d, 1.0f));
-        qx = hn::IfThenElse(fixed_x, old_x, hn::Mul(qx, scale));
-        qy = fixed_y ? old_y : hn::Mul(qy, scale);
-        qz = fixed_z ? old_z : hn::Mul(qz, scale);
+        project(lambda, lambda_squared, q);
       }
-      hn::Store(qx, d, px);
-      hn::Store(qy, d, py);
-      hn::Store(qz, d, pz);
-      moved_here |= differ(old_x, qx, old_y, qy, old_z, qz);
+      moved = hn::Or(moved, store(q, old, at));
     }
-    if (moved_here) moved |= RowMask{1} << bit;
-  }
-  return moved;
+    return !hn::AllFalse(d, moved);
+  });
+}
+
+RowMask dual(const DualJob& job) {
+  const bool rim = job.fixed_up[0] || job.fixed_up[1] || job.fixed_up[2];
+  return rim ? dual_by_length<true>(job) : dual_by_length<false>(job);
 }
 
 /// The anisotropic norm's: the ball is a cube, so each component is clamped on its own and fixed ones stay.
-RowMask dual_by_component(const DualJob& job, const UBar& u_bar) {
+RowMask dual_by_component(const DualJob& job) {
   const D d;
-  const int lanes = static_cast<int>(hn::Lanes(D()));
+  const int lanes = static_cast<int>(hn::Lanes(d));
   const V sigma = hn::Set(d, job.sigma);
   const V lambda = hn::Set(d, job.lambda);
-  const auto step = [&](V p, V g) { return hn::Min(hn::Max(hn::Add(p, hn::Mul(sigma, g)), hn::Neg(lambda)), lambda); };
-  RowMask moved = 0;
-  for (RowMask left = job.rows; left != 0; left &= left - 1) {
-    const int bit = std::countr_zero(left);
-    const int y = bit % brick_side, z = bit / brick_side;
-    const bool fixed_y = job.fixed_up[1] && y == brick_side - 1;
-    const bool fixed_z = job.fixed_up[2] && z == brick_side - 1;
+  const UBarRows u_bar(job);
+  return for_each_row(job.pairs, [&](int bit) HWY_ATTR {
+    const auto step = [&](V p, V g)
+                          HWY_ATTR { return hn::Min(hn::Max(hn::Add(p, hn::Mul(sigma, g)), hn::Neg(lambda)), lambda); };
     float* row = job.p + bit * brick_side;
     const float last_x = row[brick_side - 1];
-    bool moved_here = false;
+    M moved = hn::FirstN(d, 0);
     for (int x = 0; x < brick_side; x += lanes) {
-      float* px = row + x;
-      float* py = px + brick_volume;
-      float* pz = py + brick_volume;
-      const Gradient g = forward_difference(u_bar.values + x + y * UBar::row + z * UBar::layer);
-      const V old_x = hn::Load(d, px), old_y = hn::Load(d, py), old_z = hn::Load(d, pz);
-      const V qx = step(old_x, g.x);
-      const V qy = fixed_y ? old_y : step(old_y, g.y);
-      const V qz = fixed_z ? old_z : step(old_z, g.z);
-      hn::Store(qx, d, px);
-      hn::Store(qy, d, py);
-      hn::Store(qz, d, pz);
-      moved_here |= differ(old_x, qx, old_y, qy, old_z, qz);
+      const Flux old = load(row + x);
+      const Gradient g = u_bar.forward_difference(bit, x);
+      const Flux q{step(old.x, g.x), fixed_up_y(job, bit) ? old.y : step(old.y, g.y),
+                   fixed_up_z(job, bit) ? old.z : step(old.z, g.z)};
+      moved = hn::Or(moved, store(q, old, row + x));
     }
     if (job.fixed_up[0]) row[brick_side - 1] = last_x;
-    if (moved_here) moved |= RowMask{1} << bit;
-  }
-  return moved;
+    return !hn::AllFalse(d, moved);
+  });
 }
 
 }  // namespace
