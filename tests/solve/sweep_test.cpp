@@ -65,10 +65,7 @@ class Reference {
   DenseVectors p_;
 };
 
-void sweep(Level& level, int times, const Parallel& parallel) {
-  Sweeper sweeper(level, parallel);
-  for (int i = 0; i < times; ++i) sweeper.sweep(steps);
-}
+void sweep(Level& level, int times, const Parallel& parallel) { Sweeper(level, parallel).sweep(steps, times); }
 
 uint64_t hash_state(const Level& level) {
   uint64_t hash = 0;
@@ -112,6 +109,17 @@ TEST_P(Sweep, GivesTheSameBitsOnEveryBackEnd) {
     force_simd_target("scalar");
     sweep(oracle.level, 10, Parallel(1));
     EXPECT_EQ(hash_state(random.level), hash_state(oracle.level));
+  }
+}
+
+/// More sweeps than a tile holds, in calls of any size, on a band of more rows of bricks than a tile.
+TEST_P(Sweep, TilesOfSweepsAreSweepsOneByOne) {
+  for (const Norm norm : both_norms) {
+    RandomLevel tiled(14, {.norm = norm}), one_by_one(14, {.norm = norm});
+    Sweeper sweeper(tiled.level, parallel), reference(one_by_one.level, parallel);
+    for (const int times : {11, 1, 8}) sweeper.sweep(steps, times);
+    for (int i = 0; i < 20; ++i) reference.sweep(steps);
+    EXPECT_EQ(hash_state(tiled.level), hash_state(one_by_one.level));
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 
 namespace soapfilm {
@@ -16,10 +15,11 @@ constexpr RowMask first_y = 0x0101010101010101;  // rows with y = 0
 constexpr RowMask last_y = first_y << 7;
 constexpr RowMask first_z = 0xFF;  // rows with z = 0
 
-/// Sweeps that are done while a tile is in the cache, and its rows of bricks along y and z.
-const int tile_sweeps = std::getenv("TS") ? atoi(std::getenv("TS")) : 4;
-const int tile_y = std::getenv("TY") ? atoi(std::getenv("TY")) : 4;
-const int tile_z = std::getenv("TZ") ? atoi(std::getenv("TZ")) : 8;
+/// Sweeps that are done while a tile is in the cache, and a tile's rows of bricks along y and z. A row of a scan's band
+/// holds some ten bricks of 11 kB at 512 vertices, so 8 sweeps of 8 rows stay within a share of the last cache.
+constexpr int tile_sweeps = 8;
+constexpr int tile_y = 8;
+constexpr int tile_z = 4;
 
 RowMask pairs_of(RowMask rows) { return (rows | rows >> 1) & even_rows; }
 RowMask rows_of(RowMask pairs) { return pairs | pairs << 1; }
@@ -100,9 +100,11 @@ void Sweeper::sweep_tiles(StepSizes steps, int sweeps) {
   const auto tiles = [&](int bricks, int side) { return (bricks + sweeps - 1 + side - 1) / side; };
   const Vec3i bricks = level_.grid.bricks();
   const int ny = tiles(bricks.y, tile_y), nz = tiles(bricks.z, tile_z);
-  if (parallel_.threads() == 1) {
-    for (int y = 0; y < ny; ++y)
-      for (int z = 0; z < nz; ++z) sweep_tile({y, z, sweeps}, steps);
+  if (parallel_.threads() == 1) {  // along z, where the next tile reads what is still in the cache
+    parallel_.for_each(static_cast<size_t>(ny) * nz, 1, [&](size_t k) {
+      const auto tile = static_cast<int>(k);
+      sweep_tile({tile / nz, tile % nz, sweeps}, steps);
+    });
     return;
   }
   for (int diagonal = 0; diagonal < ny + nz - 1; ++diagonal) {
