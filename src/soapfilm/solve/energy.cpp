@@ -38,6 +38,15 @@ struct Evaluator {
     }
   }
 
+  bool first_layer_is(float constant, size_t brick, int axis) const {
+    const float* values = level.u.brick(brick);
+    const int first = brick_stride[axis == 0 ? 1 : 0], second = brick_stride[axis == 2 ? 1 : 2];
+    for (int b = 0; b < brick_side; ++b)
+      for (int a = 0; a < brick_side; ++a)
+        if (u_value(values[a * first + b * second]) != constant) return false;
+    return true;
+  }
+
   EnergyTerms brick_terms(size_t brick) const {
     UpperWindow u;
     const float* stored = level.u.brick(brick);
@@ -61,14 +70,18 @@ struct Evaluator {
   /// The faces through which an inactive brick looks up into the band: u is constant below them.
   EnergyTerms rim_terms(Vec3i coord) const {
     const float constant = level.missing_u(outside_band, coord);
-    UpperWindow u;
-    std::fill(std::begin(u.values), std::end(u.values), constant);
     int32_t up[3];
+    bool flat = true;
     for (int axis = 0; axis < 3; ++axis) {
       Vec3i above = coord;
       ++above[axis];
       up[axis] = level.grid.find(above);
+      flat = flat && (up[axis] < 0 ? level.missing_u(up[axis], above) == constant
+                                   : first_layer_is(constant, static_cast<size_t>(up[axis]), axis));
     }
+    if (flat) return {};
+    UpperWindow u;
+    std::fill(std::begin(u.values), std::end(u.values), constant);
     fill_upper_halo(
         coord, [&](int slot) { return slot == slot_up[0]   ? up[0]
                                       : slot == slot_up[1] ? up[1]

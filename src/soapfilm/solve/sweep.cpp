@@ -87,11 +87,16 @@ Sweeper::Sweeper(Level& level, const Parallel& parallel)
       parallel_(parallel),
       kernel_(sweep_kernel(level.norm)),
       faces_(level.grid.size() * faces_per_brick),
-      u_moved_(level.grid.size(), all_rows),
-      p_moved_(level.grid.size(), all_rows),
+      u_moved_(level.grid.size()),
+      p_moved_(level.grid.size()),
       u_bar_moved_(level.grid.size()) {}
 
 void Sweeper::sweep(StepSizes steps, int times) {
+  if (steps != last_steps_) {
+    std::fill(u_moved_.begin(), u_moved_.end(), all_rows);
+    std::fill(p_moved_.begin(), p_moved_.end(), all_rows);
+    last_steps_ = steps;
+  }
   const int parts = (times + tile_sweeps - 1) / tile_sweeps;
   for (int k = 0; k < parts; ++k) sweep_tiles(steps, times * (k + 1) / parts - times * k / parts);
 }

@@ -21,6 +21,8 @@
 // the band is soon at rest, since u stays clipped and p idle away from the film.
 #pragma once
 
+#include <optional>
+
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/solve/level.h"
@@ -32,6 +34,7 @@ namespace soapfilm {
 struct StepSizes {
   float sigma = 0;
   float tau = 0;
+  bool operator==(const StepSizes&) const = default;
 };
 
 /// Owns what the sweeps of one level keep between bricks.
@@ -40,7 +43,7 @@ class Sweeper {
   Sweeper(Level& level, const Parallel& parallel);
 
   /// `times` iterations of the whole band. The result does not depend on threads or SIMD target. Between the sweeps of
-  /// one Sweeper the level and the steps must stay as they are: rows rest on that.
+  /// one Sweeper the level must stay as it is: rows rest on that. Other steps than the last wake every row.
   void sweep(StepSizes steps, int times = 1);
 
   /// Bytes that a sweep reads and writes per vertex, for the roofline: u, p in and out, f in.
@@ -62,6 +65,7 @@ class Sweeper {
   Level& level_;
   const Parallel& parallel_;
   SweepKernel kernel_;
+  std::optional<StepSizes> last_steps_;
   AlignedArray<float> faces_;         ///< u_bar of each brick's first layers: 3 x 64
   std::vector<RowMask> u_moved_;      ///< per brick: rows that the last primal step moved
   std::vector<RowMask> p_moved_;      ///< and the last dual step
