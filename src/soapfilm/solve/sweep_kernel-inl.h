@@ -27,10 +27,10 @@ HWY_INLINE V primal_step(V u, V grad_t_p, V f, V tau, V cap) {
 
 /// Which rows hold a free vertex.
 RowMask free_rows(Vec3i lo, Vec3i hi) {
+  const RowMask layer = (RowMask{1} << hi.y) - (RowMask{1} << lo.y);
   RowMask rows = 0;
-  for (int z = lo.z; z < hi.z; ++z)
-    for (int y = lo.y; y < hi.y; ++y) rows |= RowMask{1} << (y + brick_side * z);
-  return rows;
+  for (int z = lo.z; z < hi.z; ++z) rows |= layer << (brick_side * z);
+  return hi.y > lo.y ? rows : 0;
 }
 
 RowMask primal(const PrimalJob& job) {
