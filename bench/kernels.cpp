@@ -78,20 +78,20 @@ void copy(benchmark::State& state) {
   count(state, static_cast<double>(noisy.level.grid.vertices()), 4 * 6);
 }
 
-/// The first sweep of each sweeper: no row rests.
-void sweep(benchmark::State& state) {
+/// The first sweeps of each sweeper, all of them of one pass over the tiles: hardly a row rests.
+void sweeps(benchmark::State& state, int times) {
   const Parallel parallel(static_cast<int>(state.range(0)));
   NoisyLevel noisy(parallel);
   for (auto _ : state) {
     state.PauseTiming();
     auto sweeper = std::make_unique<Sweeper>(noisy.level, parallel);
     state.ResumeTiming();
-    sweeper->sweep(steps);
+    sweeper->sweep(steps, times);
     state.PauseTiming();
     sweeper.reset();
     state.ResumeTiming();
   }
-  count(state, static_cast<double>(noisy.level.grid.vertices()), Sweeper::bytes_per_vertex);
+  count(state, times * static_cast<double>(noisy.level.grid.vertices()), Sweeper::bytes_per_vertex);
 }
 
 void energy(benchmark::State& state) {
@@ -106,7 +106,8 @@ void threads(benchmark::internal::Benchmark* b) {
 }
 
 BENCHMARK(copy)->Apply(threads);
-BENCHMARK(sweep)->Apply(threads);
+BENCHMARK_CAPTURE(sweeps, one, 1)->Apply(threads);
+BENCHMARK_CAPTURE(sweeps, eight, 8)->Apply(threads);
 BENCHMARK(energy)->Apply(threads);
 
 }  // namespace
