@@ -101,26 +101,17 @@ TEST_P(Sweep, IsTheIterationOfThePaper) {
   }
 }
 
+/// More sweeps at once than a tile holds, on a band of more rows of bricks than a tile, are sweeps one by one.
 TEST_P(Sweep, GivesTheSameBitsOnEveryBackEnd) {
+  const Parallel one_thread(1);
   for (const Norm norm : both_norms) {
     RandomLevel random(12, {.norm = norm}), oracle(12, {.norm = norm});
     force_simd_target(GetParam().target);
     sweep(random.level, 10, parallel);
     force_simd_target("scalar");
-    sweep(oracle.level, 10, Parallel(1));
+    Sweeper one_by_one(oracle.level, one_thread);
+    for (int i = 0; i < 10; ++i) one_by_one.sweep(steps);
     EXPECT_EQ(hash_state(random.level), hash_state(oracle.level));
-  }
-}
-
-/// More sweeps than a tile holds, in calls of any size, on a band of more rows of bricks than a tile.
-TEST_P(Sweep, TilesOfSweepsAreSweepsOneByOne) {
-  for (const Norm norm : both_norms) {
-    RandomLevel tiled(14, {.norm = norm}), one_by_one(14, {.norm = norm});
-    const Parallel one_thread(1);
-    Sweeper sweeper(tiled.level, parallel), reference(one_by_one.level, one_thread);
-    for (const int times : {9, 2}) sweeper.sweep(steps, times);
-    for (int i = 0; i < 11; ++i) reference.sweep(steps);
-    EXPECT_EQ(hash_state(tiled.level), hash_state(one_by_one.level));
   }
 }
 
