@@ -25,20 +25,30 @@ Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const P
 }
 
 void Displacement::yield_to_bends(double medians) {
-  constexpr size_t stride = 7;  // a seventh of the vertices tells the median, at every x
+  constexpr size_t stride = 7;      // a seventh of the vertices tells the median, at every x
+  constexpr int passes = 3;         // of diffusion: about a voxel's radius
+  constexpr float spread = 0.125f;  // to each neighbour in a pass; up to 1/6 no weight is negative
   const uint8_t* degree = band_.view().degree;
-  const float* laplacian = scratch_.data();
-  apply_laplacian(band_, phi_, 0, 1, scratch_, parallel_);
+  const auto for_values = [&](auto&& body) {
+    parallel_.for_chunks(share_.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) body(i);
+    });
+  };
+  RowArray *squares = &scratch_, *next = &image_;
+  apply_laplacian(band_, phi_, 0, 1, *squares, parallel_);
+  for_values([&, c = squares->data()](size_t i) { c[i] = degree[i] == 6 ? c[i] * c[i] : 0.0f; });
+  for (int pass = 0; pass < passes; ++pass) {
+    apply_laplacian(band_, *squares, 1, -spread, *next, parallel_);
+    std::swap(squares, next);
+  }
   std::vector<float> bends;
-  for (size_t i = 0; i < scratch_.size(); i += stride)
-    if (degree[i] == 6) bends.push_back(std::abs(laplacian[i]));
+  for (size_t i = 0; i < squares->size(); i += stride)
+    if (degree[i] == 6) bends.push_back(squares->data()[i]);
   if (bends.empty()) return;
-  const float per_bend = 1 / std::max(static_cast<float>(medians) * median(std::move(bends)), 1e-6f);
-  parallel_.for_chunks(share_.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const float bend = degree[i] == 6 ? per_bend * laplacian[i] : 0.0f;
-      share_.data()[i] = 1 / (1 + bend * bend);
-    }
+  const auto squared_medians = static_cast<float>(medians * medians);
+  const float per_square = 1 / std::max(squared_medians * median(std::move(bends)), 1e-12f);
+  for_values([&, c = squares->data()](size_t i) {
+    share_.data()[i] = degree[i] == 6 ? 1 / (1 + per_square * std::max(c[i], 0.0f)) : 1.0f;
   });
 }
 

@@ -35,8 +35,8 @@ class Displacement {
   int minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits);
 
   /// Lowers the weight of curvature where the present surface bends: to gamma / (1 + (c / c0)^2) for the curvature c =
-  /// laplacian phi, c0 that many times the median of |c| over the band (re-weighted least squares of the penalty
-  /// c0^2 log(1 + (c / c0)^2)). The band's rim keeps gamma.
+  /// laplacian phi, as root mean square over the vertices around, and c0 that many times the median of c over the band.
+  /// Without the mean each vertex would be free to follow the noise that bent it. The band's rim keeps gamma.
   void yield_to_bends(double medians);
   /// The same gamma everywhere, as at first.
   void stiffen() { std::fill_n(share_.data(), share_.size(), 1.0f); }

@@ -105,6 +105,7 @@ void validate(const RefineParams& params) {
   require("refine iterations", params.robust.solve.iterations, 1, 10000);
   require("refine tolerance", params.robust.solve.tolerance, 0, 1);
   require("refine least_scale", params.robust.least_scale, 1e-3, 10);
+  require("refine scale_of_noise", params.robust.scale_of_noise, 1, 10);
   require("refine first_scale", params.robust.first_scale, 0, 10);
   require("refine slope", params.robust.slope, 0, 1e3);
   require("refine slope_of_curvature", params.robust.slope_of_curvature, 1e-6, 1e3);

@@ -15,7 +15,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
   const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(strength.smoothing)),
                               static_cast<float>(strength.smoothing)};
   // Once the scale rests, the samples have been weighed as they will be; bends go on being found.
-  const double least_scale = std::max(params.least_scale, strength.noise);
+  const double least_scale = std::max(params.least_scale, params.scale_of_noise * strength.noise);
   const int rounds = params.rounds + (strength.yield ? params.yielding_rounds : 0);
   bool last = false;
   for (int round = 0; !last; ++round) {

@@ -19,18 +19,20 @@ struct Strength {
 
 struct RobustParams {
   Penalty penalty = Penalty::tukey;
-  double least_scale = 0.1;          ///< of the penalty, voxels, [1e-3, 10]; it takes the noise where that is larger
-  double first_scale = 0.5;          ///< at least this in the first round, half of it in the next, ...: voxels, >= 0
-  double slope = 2;                  ///< weight of a unit slope along the normal against gamma, >= 0: without it phi
-                                     ///< flattens among noisy samples and is no distance any more
+  double least_scale = 0.1;     ///< of the penalty, voxels, [1e-3, 10]
+  double scale_of_noise = 1.5;  ///< the scale over the noise, where that is larger, [1, 10]: samples of detail that
+                                ///< the first fits smooth away must not weigh less for it
+  double first_scale = 0.5;     ///< at least this in the first round, half of it in the next, ...: voxels, >= 0
+  double slope = 2;             ///< weight of a unit slope along the normal against gamma, >= 0: without it phi
+                                ///< flattens among noisy samples and is no distance any more
   double slope_of_curvature = 0.02;  ///< beta / sqrt(gamma), > 0: gamma scales as length^4, beta as length^2
   int rounds = 3;  ///< of weighing and solving, at most, [1, 20]; the second or a later one is the last where the scale
                    ///< has come down to the noise and curvature does not yield
-  int yielding_rounds = 2;   ///< so many more where curvature yields, >= 0
-  int yielding_haste = 3;    ///< and each takes the iterations over this: they go on from one another, > 0
-  double yielding_bend = 3;  ///< what it yields to, in medians of the surface's bends, > 0
-  SolveLimits solve;         ///< of the last round; the first takes a quarter of the iterations, others a sixth, or a
-                             ///< quarter where curvature yields
+  int yielding_rounds = 2;     ///< so many more where curvature yields, >= 0
+  int yielding_haste = 3;      ///< and each takes the iterations over this: they go on from one another, > 0
+  double yielding_bend = 2.5;  ///< what it yields to, in medians of the surface's bends, > 0
+  SolveLimits solve;           ///< of the last round; the first takes a quarter of the iterations, others a sixth, or a
+                               ///< quarter where curvature yields
 };
 
 struct RobustFit {

@@ -17,7 +17,8 @@ constexpr double assumed_noise = 0.3;  // voxels, of the robust penalty during t
 constexpr double first_smoothing = 0.2;
 constexpr double least_smoothing = 2e-4, most_smoothing = 200;
 constexpr double smoothing_step = 4, normals_step = 4;
-constexpr double shortest_bend = 1.57;  // standard deviations of the noise: what is smaller cannot be told from it
+constexpr double shortest_bend = 1.4;  // standard deviations of the noise: what is smaller cannot be told from it
+constexpr double indifference = 0.5;   // standard errors of the score within which the smoothest fit is taken
 constexpr double least_noise_to_yield = 0.1;  // voxels; with less, a small gamma serves bends and faces alike
 constexpr double first_normals = 0.05, least_normals = 0.003, most_normals = 50;
 constexpr double normals_agree_deg = 40;  // a larger median angle: viewing directions, not normals
@@ -211,12 +212,13 @@ double between_steps(double x, double step, double least, double most, Score&& s
   return bend > 0 ? x * std::pow(step, std::clamp(0.5 * (a - c) / bend, -0.5, 0.5)) : x;
 }
 
-/// The largest x, at most one step away, whose score is at most `allowed`, by interpolation in log(x); that of `x` is.
+/// The largest x upwards whose score is at most `allowed`, by interpolation in log(x); that of `x` is.
 template <class Score>
 double largest_within(double x, double step, double most, double allowed, Score&& score) {
+  while (x * step <= most && score(x * step) <= allowed) x *= step;
   if (x * step > most) return x;
   const double here = score(x), next = score(x * step);
-  return next <= allowed ? x * step : x * std::pow(step, (allowed - here) / (next - here));
+  return x * std::pow(step, (allowed - here) / (next - here));
 }
 
 }  // namespace
@@ -257,7 +259,7 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
   best.noise = found.noise;
   if (!params.smoothing) {
     const double lowest = between_steps(best.smoothing, smoothing_step, least, most_smoothing, score_of_smoothing);
-    const double allowed = found.score + found.standard_error;
+    const double allowed = found.score + indifference * found.standard_error;
     best.smoothing =
         std::max(lowest, largest_within(best.smoothing, smoothing_step, most_smoothing, allowed, score_of_smoothing));
   }

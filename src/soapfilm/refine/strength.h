@@ -23,14 +23,15 @@ struct StrengthReport {
 
 /// Fits patches of the surface to three quarters of their samples and looks how near the others come to lie: the score
 /// is the mean of |phi| along the first surface's normals, which a surface that folds towards its samples cannot make
-/// small. gamma is searched in factors of 4 from 0.2 downhill, not below (1.57 noise)^4: bends shorter than the noise
+/// small. gamma is searched in factors of 4 from 0.2 downhill, not below (1.4 noise)^4: bends shorter than the noise
 /// cannot be told from it, and under strong noise the band, which lies around the thresholded surface, favours surfaces
-/// that follow that one's own noise. Then it takes the smoothest surface within one standard error of the best (Hastie,
-/// Tibshirani and Friedman 2009, section 7.10) and within one step, by interpolation in log gamma, or the lowest point
-/// of a parabola where that is larger: few held-out samples tell fits that are too rough from good ones. Directions are
-/// tried as normals when their median angle to the fitted surface is under 40 degrees, and used, with the weight found
-/// in factors of 4, when that lowers the score. The noise is 1.48 times the median of the held-out distances, the
-/// standard error that of as many normal deviates. Cost: some ten fits of `samples` samples, whatever their number.
+/// that follow that one's own noise. Then it takes the smoothest surface within half a standard error of the best
+/// (after Hastie, Tibshirani and Friedman 2009, section 7.10, who take one), by interpolation in log gamma, or the
+/// lowest point of a parabola where that is larger: few held-out samples tell fits that are too rough from good ones.
+/// Directions are tried as normals when their median angle to the fitted surface is under 40 degrees, and used, with
+/// the weight found in factors of 4, when that lowers the score. The noise is 1.48 times the median of the held-out
+/// distances, the standard error that of as many normal deviates. Cost: some ten fits of `samples` samples, whatever
+/// their number.
 Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const GridSamples& samples,
                          const RobustParams& robust, const StrengthParams& params, const Parallel& parallel,
                          StrengthReport& report);
