@@ -86,35 +86,29 @@ void CoarseBand::restrict_to(const NarrowBand& fine, const RowArray& from, RowAr
                              const Parallel& parallel) const {
   const RowKernel kernel = row_kernel();
   parallel.for_each(band_.grid().size(), 32, [&](size_t b) {
-    std::array<const uint32_t*, 27> rows_of;
-    for (size_t slot = 0; slot < 27; ++slot) rows_of[slot] = fine.rows_of(children_[b][slot]);
-    for (uint32_t r = band_.first_row(b); r < band_.first_row(b + 1); ++r) {
-      const int y = 2 * (band_.place(r) & 7), z = 2 * (band_.place(r) >> 3);
-      TransferRows rows;
-      size_t k = 0;
-      for (int fz = z - 1; fz <= z + 1; ++fz)
-        for (int fy = y - 1; fy <= y + 1; ++fy, ++k) {
-          const uint32_t* const* along = &rows_of[static_cast<size_t>(neighbor_slot(-1, fy >> 3, fz >> 3))];
-          const int place = (fy & 7) + brick_side * (fz & 7);
-          rows.below[k] = along[0][place];
-          rows.first[k] = along[1][place];
-          rows.second[k] = along[2][place];
-        }
-      kernel.restrict_row(from.data(), rows, coarse.data() + size_t{r} * brick_side);
-    }
+    const uint32_t first = band_.first_row(b);
+    RestrictJob job{{},
+                    band_.places() + first,
+                    band_.first_row(b + 1) - first,
+                    from.data(),
+                    coarse.data() + size_t{first} * brick_side};
+    for (size_t slot = 0; slot < 27; ++slot) job.rows[slot] = fine.rows_of(children_[b][slot]);
+    kernel.restrict_brick(job);
   });
 }
 
 void CoarseBand::prolong_onto(const NarrowBand& fine, const RowArray& coarse, const RowArray& inverse,
                               const RowArray& base, RowArray& to, const Parallel& parallel) const {
-  constexpr int side = brick_side / 2 + 1;  // coarse rows that a brick interpolates from, along y and z
+  constexpr int side = ProlongJob::side;
   const RowKernel kernel = row_kernel();
   parallel.for_each(fine.grid().size(), 64, [&](size_t b) {
-    if (fine.first_row(b) == fine.first_row(b + 1)) return;
+    const uint32_t first = fine.first_row(b);
+    const size_t count = fine.first_row(b + 1) - first, i = size_t{first} * brick_side;
+    if (count == 0) return;
     const Vec3i c = fine.grid().coord(b);
     const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
     const auto& around = band_.grid().neighbors(static_cast<size_t>(parent_[b]));
-    std::array<const float*, side * side> first, last;
+    ProlongJob job{{}, {}, fine.places() + first, count, inverse.data() + i, base.data() + i, to.data() + i};
     for (int k = 0; k < side * side; ++k) {
       const int y = half.y + k % side, z = half.z + k / side;
       const auto row = [&](int x) {
@@ -122,20 +116,10 @@ void CoarseBand::prolong_onto(const NarrowBand& fine, const RowArray& coarse, co
         return coarse.data() + size_t{band_.row(brick, y & 7, z & 7)} * brick_side;
       };
       const auto n = static_cast<size_t>(k);
-      first[n] = row(0) + half.x;
-      last[n] = half.x == 0 ? first[n] + 4 : row(1);
+      job.first[n] = row(0) + half.x;
+      job.last[n] = half.x == 0 ? job.first[n] + 4 : row(1);
     }
-    for (uint32_t r = fine.first_row(b); r < fine.first_row(b + 1); ++r) {
-      const int y = fine.place(r) & 7, z = fine.place(r) >> 3;
-      const size_t i = size_t{r} * brick_side;
-      ProlongJob job{{}, {}, inverse.data() + i, base.data() + i, to.data() + i};
-      for (int k = 0; k < 4; ++k) {
-        const auto n = static_cast<size_t>((y + (k & 1)) / 2 + side * ((z + (k >> 1)) / 2));
-        job.first[static_cast<size_t>(k)] = first[n];
-        job.last[static_cast<size_t>(k)] = last[n];
-      }
-      kernel.prolong_row(job);
-    }
+    kernel.prolong_brick(job);
   });
 }
 
