@@ -153,20 +153,15 @@ void Multilevel::set_operator(const RowArray& position_weights, float beta, floa
 
 void Multilevel::set_inverse(size_t level, const RowArray& weights, float reaction, const Parallel& parallel) {
   const NarrowBand& band = this->band(level);
-  RowArray& inverse = level == 0 ? inverse_ : coarse_[level - 1].inverse;
-  const float* extent = level == 0 ? nullptr : coarse_[level - 1].extent.data();
-  const float diffusion = diffusion_ / static_cast<float>(1 << (2 * level));
-  // The sum of (e_i + e_j) / 2 over the neighbours is degree e_i - (G e)_i / 2.
-  if (level > 0) apply_laplacian(band, coarse_[level - 1].extent, 0, 1, inverse, parallel);
-  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
-    for (size_t i = (begin + 1) * brick_side; i < (end + 1) * brick_side; ++i) {
-      const auto degree = static_cast<float>(band.view().degree[i]);
-      const float e = extent ? extent[i] : 1, sum = extent ? degree * e - 0.5f * inverse.data()[i] : degree;
-      const float diagonal = diffusion * sum + std::sqrt(weights.data()[i] * e) + reaction * e;
-      const bool member = band.mask(static_cast<uint32_t>(i / brick_side)) >> (i % brick_side) & 1;
-      inverse.data()[i] = member ? damping / diagonal : 0.0f;
-    }
-  });
+  const InverseJob job{level == 0 ? nullptr : coarse_[level - 1].extent.data(),
+                       weights.data(),
+                       diffusion_ / static_cast<float>(1 << (2 * level)),
+                       reaction,
+                       damping,
+                       (level == 0 ? inverse_ : coarse_[level - 1].inverse).data()};
+  const RowKernel kernel = row_kernel();
+  parallel.for_chunks(band.rows(), rows_per_task,
+                      [&](size_t begin, size_t end) { kernel.inverse(band.view(), job, begin + 1, end + 1); });
 }
 
 double Multilevel::apply(const RowArray& r, RowArray& z, RowArray& work, const Parallel& parallel) {

@@ -137,6 +137,27 @@ void bend(const BandRows& band, const BendJob& job, size_t begin, size_t end) {
   }
 }
 
+void inverse(const BandRows& band, const InverseJob& job, size_t begin, size_t end) {
+  const D d;
+  const V half = hn::Set(d, 0.5f), diffusion = hn::Set(d, job.diffusion), reaction = hn::Set(d, job.reaction);
+  for (size_t r = begin; r < end; ++r) {
+    for (int x = 0; x < brick_side; x += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(x);
+      const V degree = degree_of(band.degree + i);
+      V e = hn::Set(d, 1.0f), sum = degree;
+      if (job.extent) {
+        e = hn::Load(d, job.extent + i);
+        sum = hn::Mul(half, hn::Add(hn::Mul(degree, e), neighbor_sum(Plain{job.extent}, band.neighbors[r], r, x)));
+      }
+      const V diagonal = hn::Add(hn::Add(hn::Mul(diffusion, sum), hn::Sqrt(hn::Mul(hn::Load(d, job.weights + i), e))),
+                                 hn::Mul(reaction, e));
+      // A vertex without neighbours is tied to nothing.
+      hn::Store(hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), hn::Div(hn::Set(d, job.omega), diagonal)), d,
+                job.inverse + i);
+    }
+  }
+}
+
 /// sum_j w_ij x_j.
 template <class Values, class Extended>
 HWY_INLINE V coupling(const CycleJob& job, const Values& x, const Extended& extended, const Neighbors& n, size_t row,
@@ -342,7 +363,9 @@ void prolong_brick(const ProlongJob& job) {
 
 }  // namespace
 
-inline RowKernel rows() { return {&laplacian, &bend, &residual, &smooth, &data_term, &restrict_brick, &prolong_brick}; }
+inline RowKernel rows() {
+  return {&laplacian, &bend, &inverse, &residual, &smooth, &data_term, &restrict_brick, &prolong_brick};
+}
 
 }  // namespace soapfilm::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

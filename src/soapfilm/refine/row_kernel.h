@@ -45,6 +45,14 @@ struct CycleJob {
   const float* weight;  ///< smooth() returns <weight, out>; null: 0
 };
 
+/// What CycleJob calls inverse, from the diagonal of K: the neighbours' w_ij, sqrt(weight e) and reaction e.
+struct InverseJob {
+  const float* extent;   ///< e; may be null: 1
+  const float* weights;  ///< of positions
+  float diffusion, reaction, omega;
+  float* inverse;
+};
+
 /// A row of eight cells, one sample in each: its place in the cell, its unit normal times its certainty, its weight (0:
 /// no sample).
 struct CellRow {
@@ -88,6 +96,7 @@ struct RowKernel {
   /// Returns <G v, out>.
   double (*laplacian)(const BandRows& band, const LaplacianJob& job, size_t begin, size_t end);
   void (*bend)(const BandRows& band, const BendJob& job, size_t begin, size_t end);
+  void (*inverse)(const BandRows& band, const InverseJob& job, size_t begin, size_t end);
   /// out = b - K (inverse b): the residual after one Jacobi step from zero.
   void (*residual)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
   /// out = x + inverse (b - K x).
