@@ -86,35 +86,29 @@ void CoarseBand::restrict_to(const NarrowBand& fine, const RowArray& from, RowAr
                              const Parallel& parallel) const {
   const RowKernel kernel = row_kernel();
   parallel.for_each(band_.grid().size(), 32, [&](size_t b) {
-    std::array<const uint32_t*, 27> rows_of;
-    for (size_t slot = 0; slot < 27; ++slot) rows_of[slot] = fine.rows_of(children_[b][slot]);
-    for (uint32_t r = band_.first_row(b); r < band_.first_row(b + 1); ++r) {
-      const int y = 2 * (band_.place(r) & 7), z = 2 * (band_.place(r) >> 3);
-      TransferRows rows;
-      size_t k = 0;
-      for (int fz = z - 1; fz <= z + 1; ++fz)
-        for (int fy = y - 1; fy <= y + 1; ++fy, ++k) {
-          const uint32_t* const* along = &rows_of[static_cast<size_t>(neighbor_slot(-1, fy >> 3, fz >> 3))];
-          const int place = (fy & 7) + brick_side * (fz & 7);
-          rows.below[k] = along[0][place];
-          rows.first[k] = along[1][place];
-          rows.second[k] = along[2][place];
-        }
-      kernel.restrict_row(from.data(), rows, coarse.data() + size_t{r} * brick_side);
-    }
+    const uint32_t first = band_.first_row(b);
+    RestrictJob job{{},
+                    band_.places() + first,
+                    band_.first_row(b + 1) - first,
+                    from.data(),
+                    coarse.data() + size_t{first} * brick_side};
+    for (size_t slot = 0; slot < 27; ++slot) job.rows[slot] = fine.rows_of(children_[b][slot]);
+    kernel.restrict_brick(job);
   });
 }
 
 void CoarseBand::prolong_onto(const NarrowBand& fine, const RowArray& coarse, const RowArray& inverse,
                               const RowArray& base, RowArray& to, const Parallel& parallel) const {
-  constexpr int side = brick_side / 2 + 1;  // coarse rows that a brick interpolates from, along y and z
+  constexpr int side = ProlongJob::side;
   const RowKernel kernel = row_kernel();
   parallel.for_each(fine.grid().size(), 64, [&](size_t b) {
-    if (fine.first_row(b) == fine.first_row(b + 1)) return;
+    const uint32_t first = fine.first_row(b);
+    const size_t count = fine.first_row(b + 1) - first, i = size_t{first} * brick_side;
+    if (count == 0) return;
     const Vec3i c = fine.grid().coord(b);
     const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
     const auto& around = band_.grid().neighbors(static_cast<size_t>(parent_[b]));
-    std::array<const float*, side * side> first, last;
+    ProlongJob job{{}, {}, fine.places() + first, count, inverse.data() + i, base.data() + i, to.data() + i};
     for (int k = 0; k < side * side; ++k) {
       const int y = half.y + k % side, z = half.z + k / side;
       const auto row = [&](int x) {
@@ -122,20 +116,10 @@ void CoarseBand::prolong_onto(const NarrowBand& fine, const RowArray& coarse, co
         return coarse.data() + size_t{band_.row(brick, y & 7, z & 7)} * brick_side;
       };
       const auto n = static_cast<size_t>(k);
-      first[n] = row(0) + half.x;
-      last[n] = half.x == 0 ? first[n] + 4 : row(1);
+      job.first[n] = row(0) + half.x;
+      job.last[n] = half.x == 0 ? job.first[n] + 4 : row(1);
     }
-    for (uint32_t r = fine.first_row(b); r < fine.first_row(b + 1); ++r) {
-      const int y = fine.place(r) & 7, z = fine.place(r) >> 3;
-      const size_t i = size_t{r} * brick_side;
-      ProlongJob job{{}, {}, inverse.data() + i, base.data() + i, to.data() + i};
-      for (int k = 0; k < 4; ++k) {
-        const auto n = static_cast<size_t>((y + (k & 1)) / 2 + side * ((z + (k >> 1)) / 2));
-        job.first[static_cast<size_t>(k)] = first[n];
-        job.last[static_cast<size_t>(k)] = last[n];
-      }
-      kernel.prolong_row(job);
-    }
+    kernel.prolong_brick(job);
   });
 }
 
@@ -169,20 +153,15 @@ void Multilevel::set_operator(const RowArray& position_weights, float beta, floa
 
 void Multilevel::set_inverse(size_t level, const RowArray& weights, float reaction, const Parallel& parallel) {
   const NarrowBand& band = this->band(level);
-  RowArray& inverse = level == 0 ? inverse_ : coarse_[level - 1].inverse;
-  const float* extent = level == 0 ? nullptr : coarse_[level - 1].extent.data();
-  const float diffusion = diffusion_ / static_cast<float>(1 << (2 * level));
-  // The sum of (e_i + e_j) / 2 over the neighbours is degree e_i - (G e)_i / 2.
-  if (level > 0) apply_laplacian(band, coarse_[level - 1].extent, 0, 1, inverse, parallel);
-  parallel.for_chunks(band.rows(), rows_per_task, [&](size_t begin, size_t end) {
-    for (size_t i = (begin + 1) * brick_side; i < (end + 1) * brick_side; ++i) {
-      const auto degree = static_cast<float>(band.view().degree[i]);
-      const float e = extent ? extent[i] : 1, sum = extent ? degree * e - 0.5f * inverse.data()[i] : degree;
-      const float diagonal = diffusion * sum + std::sqrt(weights.data()[i] * e) + reaction * e;
-      const bool member = band.mask(static_cast<uint32_t>(i / brick_side)) >> (i % brick_side) & 1;
-      inverse.data()[i] = member ? damping / diagonal : 0.0f;
-    }
-  });
+  const InverseJob job{level == 0 ? nullptr : coarse_[level - 1].extent.data(),
+                       weights.data(),
+                       diffusion_ / static_cast<float>(1 << (2 * level)),
+                       reaction,
+                       damping,
+                       (level == 0 ? inverse_ : coarse_[level - 1].inverse).data()};
+  const RowKernel kernel = row_kernel();
+  parallel.for_chunks(band.rows(), rows_per_task,
+                      [&](size_t begin, size_t end) { kernel.inverse(band.view(), job, begin + 1, end + 1); });
 }
 
 double Multilevel::apply(const RowArray& r, RowArray& z, RowArray& work, const Parallel& parallel) {

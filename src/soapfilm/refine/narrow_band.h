@@ -46,6 +46,7 @@ class NarrowBand {
   uint8_t mask(uint32_t row) const { return mask_[row]; }
   /// y + 8 z of a row.
   int place(uint32_t row) const { return place_[row]; }
+  const uint8_t* places() const { return place_.data(); }  ///< of all rows, from row 0 on
   /// Rows next to a row along -x, +x, -y, +y, -z, +z.
   const std::array<uint32_t, 6>& neighbors(uint32_t row) const { return neighbors_[row]; }
   /// How many of a vertex's six neighbours are in the band, eight per row; 0 outside the band.

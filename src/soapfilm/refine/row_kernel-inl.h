@@ -3,6 +3,8 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+
 #include "soapfilm/grid/layout.h"
 #include "soapfilm/refine/row_kernel.h"
 
@@ -135,6 +137,27 @@ void bend(const BandRows& band, const BendJob& job, size_t begin, size_t end) {
   }
 }
 
+void inverse(const BandRows& band, const InverseJob& job, size_t begin, size_t end) {
+  const D d;
+  const V half = hn::Set(d, 0.5f), diffusion = hn::Set(d, job.diffusion), reaction = hn::Set(d, job.reaction);
+  for (size_t r = begin; r < end; ++r) {
+    for (int x = 0; x < brick_side; x += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(x);
+      const V degree = degree_of(band.degree + i);
+      V e = hn::Set(d, 1.0f), sum = degree;
+      if (job.extent) {
+        e = hn::Load(d, job.extent + i);
+        sum = hn::Mul(half, hn::Add(hn::Mul(degree, e), neighbor_sum(Plain{job.extent}, band.neighbors[r], r, x)));
+      }
+      const V diagonal = hn::Add(hn::Add(hn::Mul(diffusion, sum), hn::Sqrt(hn::Mul(hn::Load(d, job.weights + i), e))),
+                                 hn::Mul(reaction, e));
+      // A vertex without neighbours is tied to nothing.
+      hn::Store(hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), hn::Div(hn::Set(d, job.omega), diagonal)), d,
+                job.inverse + i);
+    }
+  }
+}
+
 /// sum_j w_ij x_j.
 template <class Values, class Extended>
 HWY_INLINE V coupling(const CycleJob& job, const Values& x, const Extended& extended, const Neighbors& n, size_t row,
@@ -252,62 +275,97 @@ double data_term(const CellJob& job, const float* v, float* out) {
   return energy.total();
 }
 
-void restrict_row(const float* from, const TransferRows& rows, float* to) {
+/// The nine rows of fine vertices around a coarse row, y fastest, in one column of bricks.
+using NineRows = std::array<size_t, 9>;
+
+/// Their sum, weighted across x, for the vertices from x on.
+HWY_INLINE V sum_across(const float* from, const NineRows& rows, int x) {
   const D d;
-  float left = 0;
-  for (size_t k = 0; k < 9; ++k) left += transfer_weight[k] * from[size_t{rows.below[k]} * brick_side + brick_side - 1];
-  HWY_ALIGN float sums[2 * brick_side];
-  for (int x = 0; x < 2 * brick_side; x += lane_count()) {
-    const auto& part = x < brick_side ? rows.first : rows.second;
-    const auto at = [&](size_t k) { return hn::Load(d, from + size_t{part[k]} * brick_side + x % brick_side); };
-    const V corners = hn::Add(hn::Add(at(0), at(2)), hn::Add(at(6), at(8)));
-    const V edges = hn::Add(hn::Add(at(1), at(3)), hn::Add(at(5), at(7)));
-    hn::Store(hn::Add(at(4), hn::Add(hn::Mul(hn::Set(d, 0.5f), edges), hn::Mul(hn::Set(d, 0.25f), corners))), d,
-              sums + x);
-  }
-#if SOAPFILM_ROW_IN_A_VECTOR
-  HWY_ALIGN static constexpr int32_t up[brick_side] = {7, 0, 1, 2, 3, 4, 5, 6};
-  const V low = hn::Load(d, sums), high = hn::Load(d, sums + brick_side);
-  const V even = hn::ConcatEven(d, high, low), odd = hn::ConcatOdd(d, high, low);
-  const V before =
-      hn::IfThenElse(hn::FirstN(d, 1), hn::Set(d, left), hn::TableLookupLanes(odd, hn::SetTableIndices(d, up)));
-  hn::Store(hn::Add(even, hn::Mul(hn::Set(d, 0.5f), hn::Add(before, odd))), d, to);
-#else
-  for (int x = 0; x < brick_side; ++x)
-    to[x] = sums[2 * x] + 0.5f * ((x == 0 ? left : sums[2 * x - 1]) + sums[2 * x + 1]);
-#endif
+  const auto at = [&](size_t k) { return hn::Load(d, from + rows[k] * brick_side + x); };
+  const V corners = hn::Add(hn::Add(at(0), at(2)), hn::Add(at(6), at(8)));
+  const V edges = hn::Add(hn::Add(at(1), at(3)), hn::Add(at(5), at(7)));
+  return hn::Add(at(4), hn::Add(hn::Mul(hn::Set(d, 0.5f), edges), hn::Mul(hn::Set(d, 0.25f), corners)));
 }
 
-void prolong_row(const ProlongJob& job) {
-  const D d;
-  const float last = 0.25f * ((*job.last[0] + *job.last[1]) + (*job.last[2] + *job.last[3]));
-  HWY_ALIGN float values[brick_side];
+/// The last of such sums.
+HWY_INLINE float last_sum_across(const float* from, const NineRows& rows) {
+  const auto at = [&](size_t k) { return from[rows[k] * brick_side + brick_side - 1]; };
+  const float corners = (at(0) + at(2)) + (at(6) + at(8)), edges = (at(1) + at(3)) + (at(5) + at(7));
+  return at(4) + (0.5f * edges + 0.25f * corners);
+}
+
+void restrict_brick(const RestrictJob& job) {
+  for (size_t r = 0; r < job.count; ++r) {
+    const int y = 2 * (job.place[r] & 7), z = 2 * (job.place[r] >> 3);
+    std::array<NineRows, 3> rows;  // in the bricks below, under and right of the row
+    size_t k = 0;
+    for (int fz = z - 1; fz <= z + 1; ++fz)
+      for (int fy = y - 1; fy <= y + 1; ++fy, ++k) {
+        const uint32_t* const* along = &job.rows[static_cast<size_t>(neighbor_slot(-1, fy >> 3, fz >> 3))];
+        const int place = (fy & 7) + brick_side * (fz & 7);
+        for (size_t step = 0; step < 3; ++step) rows[step][k] = along[step][place];
+      }
+    const float left = last_sum_across(job.from, rows[0]);
+    float* to = job.to + r * brick_side;
 #if SOAPFILM_ROW_IN_A_VECTOR
-  HWY_ALIGN static constexpr int32_t down[brick_side] = {0, 0, 1, 1, 2, 2, 3, 3};
-  HWY_ALIGN static constexpr int32_t up[brick_side] = {0, 1, 1, 2, 2, 3, 3, 4};
-  const V sum = hn::Mul(hn::Set(d, 0.25f), hn::Add(hn::Add(hn::LoadU(d, job.first[0]), hn::LoadU(d, job.first[1])),
-                                                   hn::Add(hn::LoadU(d, job.first[2]), hn::LoadU(d, job.first[3]))));
-  const V five = hn::IfThenElse(hn::FirstN(d, 4), sum, hn::Set(d, last));
-  hn::Store(hn::Mul(hn::Set(d, 0.5f), hn::Add(hn::TableLookupLanes(five, hn::SetTableIndices(d, down)),
-                                              hn::TableLookupLanes(five, hn::SetTableIndices(d, up)))),
-            d, values);
+    const D d;
+    HWY_ALIGN static constexpr int32_t up[brick_side] = {7, 0, 1, 2, 3, 4, 5, 6};
+    const V low = sum_across(job.from, rows[1], 0), high = sum_across(job.from, rows[2], 0);
+    const V even = hn::ConcatEven(d, high, low), odd = hn::ConcatOdd(d, high, low);
+    const V before =
+        hn::IfThenElse(hn::FirstN(d, 1), hn::Set(d, left), hn::TableLookupLanes(odd, hn::SetTableIndices(d, up)));
+    hn::Store(hn::Add(even, hn::Mul(hn::Set(d, 0.5f), hn::Add(before, odd))), d, to);
 #else
-  float sum[5];
-  for (int x = 0; x < 4; ++x)
-    sum[x] = 0.25f * ((job.first[0][x] + job.first[1][x]) + (job.first[2][x] + job.first[3][x]));
-  sum[4] = last;
-  for (int x = 0; x < brick_side; ++x) values[x] = 0.5f * (sum[x / 2] + sum[(x + 1) / 2]);
+    HWY_ALIGN float sums[2 * brick_side];
+    for (int x = 0; x < 2 * brick_side; x += lane_count())
+      hn::Store(sum_across(job.from, rows[x < brick_side ? 1 : 2], x % brick_side), D(), sums + x);
+    for (int x = 0; x < brick_side; ++x)
+      to[x] = sums[2 * x] + 0.5f * ((x == 0 ? left : sums[2 * x - 1]) + sums[2 * x + 1]);
 #endif
-  for (int x = 0; x < brick_side; x += lane_count()) {
-    const V inverse = hn::Load(d, job.inverse + x);
-    const V onto = hn::Add(hn::Mul(inverse, hn::Load(d, job.base + x)), hn::Load(d, values + x));
-    hn::Store(hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), onto), d, job.to + x);
+  }
+}
+
+void prolong_brick(const ProlongJob& job) {
+  const D d;
+  HWY_ALIGN float coarse[ProlongJob::side * ProlongJob::side][brick_side] = {};  // five values in each row
+  for (size_t k = 0; k < job.first.size(); ++k) {
+    std::copy_n(job.first[k], 4, coarse[k]);
+    coarse[k][4] = *job.last[k];
+  }
+  for (size_t r = 0; r < job.count; ++r) {
+    const int y = job.place[r] & 7, z = job.place[r] >> 3;
+    const int low = y / 2 + ProlongJob::side * (z / 2), up_y = y & 1, up_z = ProlongJob::side * (z & 1);
+    const auto mean = [&](int x) {
+      const auto at = [&](int k) { return hn::Load(d, coarse[low + k] + x); };
+      return hn::Mul(hn::Set(d, 0.25f), hn::Add(hn::Add(at(0), at(up_y)), hn::Add(at(up_z), at(up_y + up_z))));
+    };
+    HWY_ALIGN float values[brick_side];
+#if SOAPFILM_ROW_IN_A_VECTOR
+    HWY_ALIGN static constexpr int32_t down[brick_side] = {0, 0, 1, 1, 2, 2, 3, 3};
+    HWY_ALIGN static constexpr int32_t up[brick_side] = {0, 1, 1, 2, 2, 3, 3, 4};
+    const V five = mean(0);
+    hn::Store(hn::Mul(hn::Set(d, 0.5f), hn::Add(hn::TableLookupLanes(five, hn::SetTableIndices(d, down)),
+                                                hn::TableLookupLanes(five, hn::SetTableIndices(d, up)))),
+              d, values);
+#else
+    HWY_ALIGN float five[brick_side];
+    for (int x = 0; x < brick_side; x += lane_count()) hn::Store(mean(x), d, five + x);
+    for (int x = 0; x < brick_side; ++x) values[x] = 0.5f * (five[x / 2] + five[(x + 1) / 2]);
+#endif
+    for (int x = 0; x < brick_side; x += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(x);
+      const V inverse = hn::Load(d, job.inverse + i);
+      const V onto = hn::Add(hn::Mul(inverse, hn::Load(d, job.base + i)), hn::Load(d, values + x));
+      hn::Store(hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), onto), d, job.to + i);
+    }
   }
 }
 
 }  // namespace
 
-inline RowKernel rows() { return {&laplacian, &bend, &residual, &smooth, &data_term, &restrict_row, &prolong_row}; }
+inline RowKernel rows() {
+  return {&laplacian, &bend, &inverse, &residual, &smooth, &data_term, &restrict_brick, &prolong_brick};
+}
 
 }  // namespace soapfilm::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

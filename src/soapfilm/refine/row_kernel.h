@@ -45,6 +45,14 @@ struct CycleJob {
   const float* weight;  ///< smooth() returns <weight, out>; null: 0
 };
 
+/// What CycleJob calls inverse, from the diagonal of K: the neighbours' w_ij, sqrt(weight e) and reaction e.
+struct InverseJob {
+  const float* extent;   ///< e; may be null: 1
+  const float* weights;  ///< of positions
+  float diffusion, reaction, omega;
+  float* inverse;
+};
+
 /// A row of eight cells, one sample in each: its place in the cell, its unit normal times its certainty, its weight (0:
 /// no sample).
 struct CellRow {
@@ -63,18 +71,23 @@ struct CellJob {
   float scale;  ///< of what is added
 };
 
-/// The nine by three rows of a fine band around a coarse row, y fastest: along x the two that lie under it, and the one
-/// below.
-struct TransferRows {
-  std::array<uint32_t, 9> below, first, second;
+/// to = P^T from on the rows of a coarse brick.
+struct RestrictJob {
+  std::array<const uint32_t*, 27> rows;  ///< the 64 rows of each fine brick around the one under it, by neighbor_slot()
+  const uint8_t* place;                  ///< y + 8 z of each coarse row
+  size_t count;                          ///< coarse rows
+  const float* from;
+  float* to;  ///< the first one
 };
-inline constexpr float transfer_weight[9] = {0.25f, 0.5f, 0.25f, 0.5f, 1, 0.5f, 0.25f, 0.5f, 0.25f};
 
-/// to = inverse base + P coarse on one fine row, 0 where inverse is.
+/// to = inverse base + P coarse on the rows of a fine brick, 0 where inverse is.
 struct ProlongJob {
-  std::array<const float*, 4> first;  ///< four coarse values in the rows around it, y fastest; the same on such a row
-  std::array<const float*, 4> last;   ///< and the next ones along x
-  const float *inverse, *base;
+  static constexpr int side = 5;                ///< coarse rows that a brick interpolates from, along y and z
+  std::array<const float*, side * side> first;  ///< four coarse values in each of them, y fastest
+  std::array<const float*, side * side> last;   ///< and the next one along x
+  const uint8_t* place;                         ///< y + 8 z of each fine row
+  size_t count;                                 ///< fine rows
+  const float *inverse, *base;                  ///< on the first one
   float* to;
 };
 
@@ -83,14 +96,15 @@ struct RowKernel {
   /// Returns <G v, out>.
   double (*laplacian)(const BandRows& band, const LaplacianJob& job, size_t begin, size_t end);
   void (*bend)(const BandRows& band, const BendJob& job, size_t begin, size_t end);
+  void (*inverse)(const BandRows& band, const InverseJob& job, size_t begin, size_t end);
   /// out = b - K (inverse b): the residual after one Jacobi step from zero.
   void (*residual)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
   /// out = x + inverse (b - K x).
   double (*smooth)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
   /// out += scale times half of the data term's gradient at v; returns scale <v, that>, for one row of cells.
   double (*data_term)(const CellJob& job, const float* v, float* out);
-  void (*restrict_row)(const float* from, const TransferRows& rows, float* to);
-  void (*prolong_row)(const ProlongJob& job);
+  void (*restrict_brick)(const RestrictJob& job);
+  void (*prolong_brick)(const ProlongJob& job);
 };
 
 /// The kernel of the best target of this processor, or of the one that force_simd_target() named.

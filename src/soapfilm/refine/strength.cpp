@@ -112,6 +112,7 @@ class HeldOut {
     double score = 0;           ///< mean |phi| of the held-out samples
     double noise = 0;           ///< standard deviation of the samples from the surface, voxels, by their median
     double standard_error = 0;  ///< of the score, were the noise normal: outliers do not enter
+    double agreement_deg = 0;   ///< median angle between the directions and the surface's normals
   };
 
   /// Of a fit to the others. Remembered, so that searches may ask twice.
@@ -121,7 +122,7 @@ class HeldOut {
   }
   double score(double smoothing, double normals) { return outcome(smoothing, normals).score; }
 
-  /// Fits, whether remembered or not. Each fit starts with the bends that the last one yielded to: rounds saved.
+  /// Each fit starts with the bends that the last one yielded to: rounds saved.
   Outcome fit(double smoothing, double normals) {
     std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
     fit_robustly(displacement_, part_.first, samples_, where_, train_, {smoothing, normals, assumed_noise, yield_},
@@ -132,7 +133,7 @@ class HeldOut {
     for (const float r : residuals) sum += r;
     const auto count = static_cast<double>(residuals.size());
     const double noise = 1.4826 * static_cast<double>(median(residuals));
-    return {sum / count, noise, deviation_of_absolute * noise / std::sqrt(count)};
+    return {sum / count, noise, deviation_of_absolute * noise / std::sqrt(count), agreement()};
   }
 
   /// Curvature does not yield from now on.
@@ -241,8 +242,7 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
       best.smoothing = descend(best.smoothing, smoothing_step, least, most_smoothing, score_of_smoothing);
   };
   search_smoothing();
-  held_out.fit(best.smoothing, best.normals);  // to compare directions with
-  report.agreement_deg = held_out.agreement();
+  report.agreement_deg = held_out.outcome(best.smoothing, best.normals).agreement_deg;
   if (!params.normals && report.agreement_deg < normals_agree_deg &&
       held_out.score(best.smoothing, first_normals) < held_out.score(best.smoothing, 0)) {
     best.normals = first_normals;
