@@ -21,6 +21,7 @@ constexpr double shortest_bend = 1.4;  // standard deviations of the noise: what
 constexpr double indifference = 0.5;   // standard errors of the score within which the smoothest fit is taken
 constexpr double least_noise_to_yield = 0.1;  // voxels; with less, a small gamma serves bends and faces alike
 constexpr double first_normals = 0.05, least_normals = 0.003, most_normals = 50;
+constexpr double caution_with_normals = 0.5;  // the score hardly rises below the best weight and steeply above it
 constexpr double normals_agree_deg = 40;  // a larger median angle: viewing directions, not normals
 
 /// The bricks that samples lie in, whole patches in a random order, until there are enough samples.
@@ -263,6 +264,7 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
     best.smoothing =
         std::max(lowest, largest_within(best.smoothing, smoothing_step, most_smoothing, allowed, score_of_smoothing));
   }
+  if (!params.normals) best.normals *= caution_with_normals;
   report.samples = held_out.samples();
   report.candidates = held_out.candidates();
   return best;
