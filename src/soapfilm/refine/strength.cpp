@@ -22,7 +22,7 @@ constexpr double indifference = 0.5;   // standard errors of the score within wh
 constexpr double least_noise_to_yield = 0.1;  // voxels; with less, a small gamma serves bends and faces alike
 constexpr double first_normals = 0.05, least_normals = 0.003, most_normals = 50;
 constexpr double caution_with_normals = 0.5;  // the score hardly rises below the best weight and steeply above it
-constexpr double normals_agree_deg = 40;  // a larger median angle: viewing directions, not normals
+constexpr double normals_agree_deg = 40;      // a larger median angle: viewing directions, not normals
 
 /// The bricks that samples lie in, whole patches in a random order, until there are enough samples.
 BrickMask choose_patches(const GridSamples& samples, size_t wanted, uint64_t seed) {
