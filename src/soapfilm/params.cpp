@@ -231,7 +231,8 @@ void validate(const ReconstructParams& params) {
   require(params.energy.lambda_per_density > 0, "lambda_per_density", params.energy.lambda_per_density, "> 0");
   require(params.solve.tolerance > 0, "tolerance", params.solve.tolerance, "> 0");
   require(params.solve.max_iterations >= 1, "max_iterations", params.solve.max_iterations, ">= 1");
-  require(params.solve.check_every >= 1, "check_every", params.solve.check_every, ">= 1");
+  const bool checks = params.solve.check_every >= 1 && params.solve.check_every <= 1000;
+  require(checks, "check_every", params.solve.check_every, ">= 1 and <= 1000");
   require(params.solve.step_balance > 0, "step_balance", params.solve.step_balance, "> 0");
   validate(params.sor);
   validate(params.select);

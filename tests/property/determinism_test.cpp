@@ -10,7 +10,7 @@ namespace {
 
 using namespace test;
 
-/// Enough bricks that eight threads have several chunks each; sanitizers, some 20 times slower, get fewer.
+/// Enough bricks that several threads have tiles to sweep at once; sanitizers, some 20 times slower, get fewer.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr int resolution = 44;
 #else

@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"lambda_per_density", [](P& p) { p.energy.lambda_per_density = 0; }, "0", "> 0"},
                     Refusal{"tolerance", [](P& p) { p.solve.tolerance = 0; }, "0", "> 0"},
                     Refusal{"max_iterations", [](P& p) { p.solve.max_iterations = 0; }, "0", ">= 1"},
-                    Refusal{"check_every", [](P& p) { p.solve.check_every = -1; }, "-1", ">= 1"},
+                    Refusal{"check_every", [](P& p) { p.solve.check_every = -1; }, "-1", ">= 1 and <= 1000"},
                     Refusal{"step_balance", [](P& p) { p.solve.step_balance = nan; }, "nan", "> 0"},
                     Refusal{"min_support", [](P& p) { p.islands.min_support = -1; }, "-1", ">= 0"},
                     Refusal{"threshold", [](P& p) { p.surface.threshold = 1; }, "1", "> 0 and < 1"},

@@ -53,6 +53,14 @@ TEST(Refine, StrongNoiseIsNotFollowedSlow) {
   EXPECT_GT(bend, 1.5 * result.report.strength.noise);
 }
 
+TEST(Refine, StaysModestWhereNoSampleTellsTheStrength) {
+  Solved solved("sphere", 40, 1, {.viewing = false});
+  for (Vec3f& direction : solved.problem.samples.direction) direction = -direction;  // all seen from inside
+  const Refined result = refined(solved);
+  EXPECT_EQ(result.report.search.held_out_error, 0) << "no sample counts";
+  EXPECT_LT(result.report.strength.smoothing, 1);
+}
+
 TEST(Refine, TrueNormalsAreRecognisedAndHelpSlow) {
   const Disturbance normals{.noise_vox = 1.0 / 3, .viewing = false};
   const Solved solved("torus", 70, 1, normals);

@@ -69,7 +69,7 @@ TEST(PrimalDual, SaysWhenTheIterationsRanOut) {
   EXPECT_EQ(report.iterations, 40);
 }
 
-TEST(PrimalDual, CancelsBetweenSweeps) {
+TEST(PrimalDual, CancelsBeforeTheNextSweeps) {
   const Problem problem = make_problem(sampled("sphere", 24, 2), 24);
   Level level = whole_box(problem, 0.02);
   Progress progress;

@@ -41,7 +41,7 @@ struct RandomLevel {
     const Parallel parallel(1);
     Lattice lattice;
     for (int axis = 0; axis < 3; ++axis) lattice.size[axis] = 36 + static_cast<int>(random.next() % 16);
-    lattice.size.z += 170;  // enough bricks for several chunks of work
+    lattice.size.z += 170;  // enough bricks for several tiles of work
     const LevelBox box = lattice.box(0);
 
     BrickMask band(box.bricks), with_data(box.bricks);

@@ -10,7 +10,7 @@
 
 // Where a row is one vector, its lanes are shuffled in registers.
 #undef SOAPFILM_ROW_IN_A_VECTOR
-#define SOAPFILM_ROW_IN_A_VECTOR (HWY_TARGET & (HWY_AVX2 | HWY_AVX3 | HWY_AVX3_DL))
+#define SOAPFILM_ROW_IN_A_VECTOR (HWY_ARCH_X86 && HWY_MAX_BYTES >= 32)
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {

@@ -35,7 +35,7 @@ struct BendJob {
 /// One level's system K x = b of the multigrid cycle, K x = diagonal x - sum_j w_ij x_j over the neighbours j, with
 /// w_ij = diffusion (e_i + e_j) / 2; `extent` e may be null: 1.
 struct CycleJob {
-  const float* inverse;  ///< omega / diagonal, 0 outside the band
+  const float* inverse;  ///< omega / diagonal, 0 outside the band and without neighbours
   const float* extent;
   const float* b;
   float diffusion;

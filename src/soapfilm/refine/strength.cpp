@@ -21,8 +21,11 @@ constexpr double shortest_bend = 1.4;  // standard deviations of the noise: what
 constexpr double indifference = 0.5;   // standard errors of the score within which the smoothest fit is taken
 constexpr double least_noise_to_yield = 0.1;  // voxels; with less, a small gamma serves bends and faces alike
 constexpr double first_normals = 0.05, least_normals = 0.003, most_normals = 50;
-constexpr double caution_with_normals = 0.5;  // the score hardly rises below the best weight and steeply above it
-constexpr double normals_agree_deg = 40;      // a larger median angle: viewing directions, not normals
+constexpr double normals_agree_deg = 40;  // a larger median angle: viewing directions, not normals
+// Directions between this and that are viewing directions that lie near the normals: the score hardly rises below the
+// best weight and steeply above it, so they get less.
+constexpr double normals_true_deg = 20;
+constexpr double caution = 0.5;
 
 /// The bricks that samples lie in, whole patches in a random order, until there are enough samples.
 BrickMask choose_patches(const GridSamples& samples, size_t wanted, uint64_t seed) {
@@ -261,10 +264,11 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
   if (!params.smoothing) {
     const double lowest = between_steps(best.smoothing, smoothing_step, least, most_smoothing, score_of_smoothing);
     const double allowed = found.score + indifference * found.standard_error;
-    best.smoothing =
-        std::max(lowest, largest_within(best.smoothing, smoothing_step, most_smoothing, allowed, score_of_smoothing));
+    if (found.standard_error > 0)
+      best.smoothing =
+          std::max(lowest, largest_within(best.smoothing, smoothing_step, most_smoothing, allowed, score_of_smoothing));
   }
-  if (!params.normals) best.normals *= caution_with_normals;
+  if (!params.normals && report.agreement_deg > normals_true_deg) best.normals *= caution;
   report.samples = held_out.samples();
   report.candidates = held_out.candidates();
   return best;

@@ -22,6 +22,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/field.h"
@@ -46,7 +47,8 @@ class Sweeper {
   /// one Sweeper the level must stay as it is: rows rest on that. Other steps than the last wake every row.
   void sweep(StepSizes steps, int times = 1);
 
-  /// Bytes that a sweep reads and writes per vertex, for the roofline: u, p in and out, f in.
+  /// Bytes that a sweep reads and writes per vertex, for the roofline: u, p in and out, f in. Of several sweeps at once
+  /// most come from the cache.
   static constexpr double bytes_per_vertex = 4 * (2 + 6 + 1);
 
  private:

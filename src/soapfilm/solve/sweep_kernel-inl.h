@@ -132,7 +132,7 @@ class UBarRows {
 
 /// Calls step(bit) for both rows of each pair, and gathers the rows for which it says that a value has changed.
 template <class Step>
-HWY_INLINE RowMask for_each_row(RowMask pairs, Step&& step) {
+HWY_INLINE RowMask step_pairs(RowMask pairs, Step&& step) {
   RowMask moved = 0;
   for (; pairs != 0; pairs &= pairs - 1) {
     const int bit = std::countr_zero(pairs);
@@ -191,6 +191,11 @@ HWY_INLINE void project_free(const Flux& old, M fixed_x, bool fixed_y, bool fixe
   q.z = fixed_z ? old.z : hn::Mul(q.z, scale);
 }
 
+/// The lanes from x on whose p_x is free: all, but for a row's last one on the band's rim.
+HWY_INLINE M free_along_x(const DualJob& job, int x) {
+  const D d;
+  return hn::FirstN(d, job.fixed_up[0] ? static_cast<size_t>(brick_side - 1 - x) : hn::Lanes(d));
+}
 HWY_INLINE bool fixed_up_y(const DualJob& job, int bit) {
   return job.fixed_up[1] && bit % brick_side == brick_side - 1;
 }
@@ -206,7 +211,7 @@ RowMask dual_by_length(const DualJob& job) {
   const V lambda_squared = hn::Mul(lambda, lambda);
   const UBarRows u_bar(job);
   float* p = job.p;
-  return for_each_row(job.pairs, [&](int bit) HWY_ATTR {
+  return step_pairs(job.pairs, [&](int bit) HWY_ATTR {
     M moved = hn::FirstN(d, 0);
     for (int x = 0; x < brick_side; x += lanes) {
       float* at = p + bit * brick_side + x;
@@ -215,9 +220,7 @@ RowMask dual_by_length(const DualJob& job) {
       Flux q{hn::Add(old.x, hn::Mul(sigma, g.x)), hn::Add(old.y, hn::Mul(sigma, g.y)),
              hn::Add(old.z, hn::Mul(sigma, g.z))};
       if (rim) {
-        const int first_fixed = job.fixed_up[0] ? brick_side - 1 - x : lanes;
-        const M free_x = hn::FirstN(d, static_cast<size_t>(first_fixed));
-        project_free(old, hn::Not(free_x), fixed_up_y(job, bit), fixed_up_z(job, bit), lambda_squared, q);
+        project_free(old, hn::Not(free_along_x(job, x)), fixed_up_y(job, bit), fixed_up_z(job, bit), lambda_squared, q);
       } else {
         project(lambda, lambda_squared, q);
       }
@@ -239,20 +242,19 @@ RowMask dual_by_component(const DualJob& job) {
   const V sigma = hn::Set(d, job.sigma);
   const V lambda = hn::Set(d, job.lambda);
   const UBarRows u_bar(job);
-  return for_each_row(job.pairs, [&](int bit) HWY_ATTR {
+  return step_pairs(job.pairs, [&](int bit) HWY_ATTR {
     const auto step = [&](V p, V g)
                           HWY_ATTR { return hn::Min(hn::Max(hn::Add(p, hn::Mul(sigma, g)), hn::Neg(lambda)), lambda); };
     float* row = job.p + bit * brick_side;
-    const float last_x = row[brick_side - 1];
     M moved = hn::FirstN(d, 0);
     for (int x = 0; x < brick_side; x += lanes) {
       const Flux old = load(row + x);
       const Gradient g = u_bar.forward_difference(bit, x);
-      const Flux q{step(old.x, g.x), fixed_up_y(job, bit) ? old.y : step(old.y, g.y),
+      const M free_x = free_along_x(job, x);
+      const Flux q{hn::IfThenElse(free_x, step(old.x, g.x), old.x), fixed_up_y(job, bit) ? old.y : step(old.y, g.y),
                    fixed_up_z(job, bit) ? old.z : step(old.z, g.z)};
       moved = hn::Or(moved, store(q, old, row + x));
     }
-    if (job.fixed_up[0]) row[brick_side - 1] = last_x;
     return !hn::AllFalse(d, moved);
   });
 }
