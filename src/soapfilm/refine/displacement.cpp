@@ -23,16 +23,18 @@ Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const P
   std::copy_n(phi0.data(), phi0.size(), phi_.data());
 }
 
+template <class Body>
+void Displacement::for_values(Body&& body) {
+  parallel_.for_chunks(phi_.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) body(i);
+  });
+}
+
 void Displacement::yield_to_bends(double medians) {
   constexpr size_t stride = 7;      // a seventh of the vertices tells the median, at every x
   constexpr int passes = 3;         // of diffusion: about a voxel's radius
   constexpr float spread = 0.125f;  // to each neighbour in a pass; up to 1/6 no weight is negative
   const uint8_t* degree = band_.view().degree;
-  const auto for_values = [&](auto&& body) {
-    parallel_.for_chunks(share_.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) body(i);
-    });
-  };
   RowArray *squares = &scratch_, *next = &image_;
   apply_laplacian(band_, phi_, 0, 1, *squares, parallel_);
   for_values([&, c = squares->data()](size_t i) { c[i] = degree[i] == 6 ? c[i] * c[i] : 0.0f; });
@@ -69,11 +71,6 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
   residual(data, smoothness);
 
   RowArray& z = scratch_;
-  const auto for_values = [&](auto&& body) {
-    parallel_.for_chunks(z.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) body(i);
-    });
-  };
   float *phi = phi_.data(), *residual = residual_.data(), *direction = direction_.data();
   const float *image = image_.data(), *preconditioned = z.data();
   double first = 0, rz = 0;

@@ -45,6 +45,9 @@ class Displacement {
   RowArray& phi() { return phi_; }
 
  private:
+  /// body(i) for every value of the band.
+  template <class Body>
+  void for_values(Body&& body);
   void residual(const CellSamples& data, Smoothness smoothness);
 
   const NarrowBand& band_;

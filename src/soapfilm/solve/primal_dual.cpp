@@ -15,9 +15,6 @@ namespace {
 /// primal-dual algorithms"), where |grad|^2 <= 12: a third more than Chambolle and Pock's own bound.
 constexpr double step_product = 1.3 / 12;
 
-/// So many while a tile of bricks is in the cache, and between two questions whether the run is cancelled.
-constexpr int sweeps_at_once = 8;
-
 /// Where the gap has come to this multiple of the tolerance, sigma is halved and tau doubled: what is left is mostly u
 /// on its way between 0 and 1 where data is scarce, and p has settled. The gap then falls as if this many of the
 /// iterations were left.
@@ -44,9 +41,9 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
   int check_after = (params.check_every + 1) / 2;
   while (report.iterations < params.max_iterations && !report.converged) {
     const int sweeps = std::min(check_after, params.max_iterations - report.iterations);
-    for (int done = 0; done < sweeps; done += sweeps_at_once) {
+    for (int done = 0; done < sweeps; done += Sweeper::tile_sweeps) {
       progress.check();
-      sweeper.sweep(steps_of(late ? late_balance * sigma : sigma), std::min(sweeps_at_once, sweeps - done));
+      sweeper.sweep(steps_of(late ? late_balance * sigma : sigma), std::min(Sweeper::tile_sweeps, sweeps - done));
     }
     report.iterations += sweeps;
     report.energies = evaluate_energy(level, {}, parallel);

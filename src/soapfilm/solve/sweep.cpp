@@ -15,9 +15,8 @@ constexpr RowMask first_y = 0x0101010101010101;  // rows with y = 0
 constexpr RowMask last_y = first_y << 7;
 constexpr RowMask first_z = 0xFF;  // rows with z = 0
 
-/// Sweeps that are done while a tile is in the cache, and a tile's rows of bricks along y and z. A row of a scan's band
-/// holds some ten bricks of 11 kB at 512 vertices, so 8 sweeps of 8 rows stay within a share of the last cache.
-constexpr int tile_sweeps = 8;
+/// A tile's rows of bricks along y and z. A row of a scan's band holds some ten bricks of 11 kB at 512 vertices, so 8
+/// sweeps of 8 rows stay within a share of the last cache.
 constexpr int tile_y = 8;
 constexpr int tile_z = 4;
 

@@ -43,6 +43,9 @@ class Sweeper {
  public:
   Sweeper(Level& level, const Parallel& parallel);
 
+  /// Most sweeps that are done while a tile is in the cache.
+  static constexpr int tile_sweeps = 8;
+
   /// `times` iterations of the whole band. The result does not depend on threads or SIMD target. Between the sweeps of
   /// one Sweeper the level must stay as it is: rows rest on that. Other steps than the last wake every row.
   void sweep(StepSizes steps, int times = 1);
