@@ -17,6 +17,8 @@ using namespace test;
 
 const Parallel one_thread(1);
 
+constexpr double allowed_outside = 1;  // of the gap, for data that the finest band leaves out
+
 /// solve_coarse_to_fine, with every level kept. data[l] and levels[l] belong to level l.
 struct KeptPyramid {
   std::vector<SupportField> data;
@@ -48,8 +50,7 @@ KeptPyramid solve_and_keep(const Problem& problem, double lambda, Norm norm) {
       continue;
     }
     const Level& coarse = kept.levels[l + 1];
-    BrickMask band = interface_children(coarse, box.bricks, one_thread);
-    for (size_t b = 0; b < kept.data[l].grid.size(); ++b) band.set(kept.data[l].grid.coord(b));
+    BrickMask band = choose_band(coarse, box, kept.data[l], allowed_outside, one_thread);
     level = prolong_level(coarse, box, band, kept.data[l], one_thread);
     solve_primal_dual(level, params, one_thread, progress);
     for (BrickMask grown = growth(level, coarse); grown.count() > 0; grown = growth(level, coarse)) {
@@ -129,7 +130,7 @@ class Certificate : public testing::TestWithParam<Case> {
   const KeptPyramid pyramid = solved(GetParam());
   const Level& level = pyramid.levels[0];
   const WholeDual dual = whole_dual(pyramid);
-  const Dense<double> f = dense_f(level);
+  const Dense<double> f = dense_field(pyramid.data[0], level.box);
 };
 
 TEST_P(Certificate, DualIsFeasibleOnTheWholeGrid) {
@@ -148,6 +149,25 @@ TEST_P(Certificate, DualBoundIsTheOneOfTheWholeGrid) {
   const double whole = dual_energy(dual.p, f, [&](Vec3i v) { return level.box.is_free(v); });
   EXPECT_LE(e.dual, whole + 1e-9 * std::abs(whole));
   EXPECT_NEAR(e.dual, whole, 1e-4 * std::abs(whole));
+}
+
+TEST_P(Certificate, DataLeftOutCostNoMoreThanIsAllowed) {
+  const Level& coarse = pyramid.levels[1];
+  const auto band_with = [&](double allowed) {
+    return choose_band(coarse, level.box, pyramid.data[0], allowed, one_thread);
+  };
+  const auto gap_with = [&](double allowed) {
+    return prolong_level(coarse, level.box, band_with(allowed), pyramid.data[0], one_thread).outside.gap;
+  };
+  constexpr double all = 1e9;
+  const BrickMask narrow = band_with(all), wide = band_with(-1);
+  EXPECT_LT(narrow.count(), wide.count());
+  narrow.for_each([&](Vec3i b) { EXPECT_TRUE(wide.test(b)); });
+  for (size_t b = 0; b < pyramid.data[0].grid.size(); ++b) EXPECT_TRUE(wide.test(pyramid.data[0].grid.coord(b)));
+  // What is allowed is used, to the grain of a brick.
+  const double none = gap_with(-1);
+  for (const double allowed : {0.01, 0.1, 1.0}) EXPECT_LE(gap_with(allowed), none + allowed * (1 + 1e-9));
+  EXPECT_GT(gap_with(all), none);
 }
 
 TEST_P(Certificate, EnergiesAreThoseOfTheWholeGrid) {

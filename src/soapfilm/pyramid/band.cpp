@@ -1,33 +1,33 @@
 #include "soapfilm/pyramid/band.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
 #include "soapfilm/grid/window.h"
+#include "soapfilm/pyramid/children.h"
 
 namespace soapfilm {
 
 namespace {
 
-constexpr int half_brick = brick_side / 2;
 constexpr unsigned all_octants = 0xFF;
 
 unsigned octant_bit(int x, int y, int z) {
   return 1u << (x / half_brick + 2 * (y / half_brick) + 4 * (z / half_brick));
 }
 
-/// Octants with a vertex whose rounded u differs from one of its 6 neighbours'.
-unsigned interface_octants(const Level& level, size_t brick) {
+/// Calls visit(x, y, z) for the vertices of a brick whose rounded u differs from one of their 6 neighbours'.
+template <class Visit>
+void for_each_at_interface(const Level& level, size_t brick, Visit&& visit) {
   Window<float, 1> u;
   fill_window(
       level.grid, brick, [&](int, int32_t n) { return n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr; },
       [&](int slot, int32_t n) { return level.missing_u(n, level.grid.coord(brick) + slot_offset(slot)); }, u);
   const auto inside = [](float value) { return value > 0.5f; };
   const bool first = inside(u.values[0]);
-  if (std::all_of(u.values.begin(), u.values.end(), [&](float value) { return inside(value) == first; })) return 0;
-
-  unsigned octants = 0;
+  if (std::all_of(u.values.begin(), u.values.end(), [&](float value) { return inside(value) == first; })) return;
   for (int z = 0; z < brick_side; ++z)
     for (int y = 0; y < brick_side; ++y)
       for (int x = 0; x < brick_side; ++x) {
@@ -35,9 +35,36 @@ unsigned interface_octants(const Level& level, size_t brick) {
         if (inside(u.at(x - 1, y, z)) != here || inside(u.at(x + 1, y, z)) != here ||
             inside(u.at(x, y - 1, z)) != here || inside(u.at(x, y + 1, z)) != here ||
             inside(u.at(x, y, z - 1)) != here || inside(u.at(x, y, z + 1)) != here)
-          octants |= octant_bit(x, y, z);
+          visit(x, y, z);
       }
+}
+
+unsigned interface_octants(const Level& level, size_t brick) {
+  unsigned octants = 0;
+  for_each_at_interface(level, brick, [&](int x, int y, int z) { octants |= octant_bit(x, y, z); });
   return octants;
+}
+
+/// The children within two fine vertices of the interface: room to move for it.
+BrickMask beside_interface(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel) {
+  std::vector<uint64_t> near(coarse.grid.size());  // of 4 x 4 x 4 octants, one of them below the brick
+  parallel.for_each(near.size(), 64, [&](size_t b) {
+    for_each_at_interface(coarse, b, [&](int x, int y, int z) {
+      for (const int oz : {z - 1, z + 1})
+        for (const int oy : {y - 1, y + 1})
+          for (const int ox : {x - 1, x + 1})
+            near[b] |= uint64_t{1} << ((ox + half_brick) / half_brick + 4 * ((oy + half_brick) / half_brick) +
+                                       16 * ((oz + half_brick) / half_brick));
+    });
+  });
+  BrickMask mask(fine_bricks);
+  for (size_t b = 0; b < near.size(); ++b)
+    for (uint64_t bits = near[b]; bits != 0; bits &= bits - 1) {
+      const int k = std::countr_zero(bits);
+      const Vec3i child = coarse.grid.coord(b) * 2 + Vec3i{(k & 3) - 1, (k >> 2 & 3) - 1, (k >> 4) - 1};
+      if (mask.contains(child)) mask.set(child);
+    }
+  return mask;
 }
 
 /// Octants with a vertex where the prolonged dual might leave the ball. The anisotropic norm's cube it cannot leave:
@@ -92,8 +119,38 @@ BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Paral
   BrickMask mask(fine_bricks);
   for (size_t b = 0; b < octants.size(); ++b)
     for (int k = 0; k < 8; ++k)
-      if (octants[b] >> k & 1u) mask.set(coarse.grid.coord(b) * 2 + Vec3i{k & 1, (k >> 1) & 1, k >> 2});
+      if (octants[b] >> k & 1u) mask.set(coarse.grid.coord(b) * 2 + octant_of(k));
   return coarse.box.level > 1 ? widened(mask, coarse) : mask;
+}
+
+BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
+                      const Parallel& parallel) {
+  BrickMask band = interface_children(coarse, box.bricks, parallel);
+  if (box.level > 0) {
+    for (size_t b = 0; b < support.grid.size(); ++b) band.set(support.grid.coord(b));
+    return band;
+  }
+  std::vector<double> gap(support.grid.size());
+  parallel.for_each(gap.size(), 64, [&](size_t b) {
+    const Vec3i c = support.grid.coord(b);
+    if (band.test(c)) return;
+    const auto parent = static_cast<size_t>(coarse.grid.find({c.x >> 1, c.y >> 1, c.z >> 1}));
+    gap[b] = outside_child(coarse, parent, {c.x & 1, c.y & 1, c.z & 1}, support).gap;
+  });
+  const BrickMask beside = beside_interface(coarse, box.bricks, parallel);
+  std::vector<size_t> candidates;
+  for (size_t b = 0; b < gap.size(); ++b) {
+    const Vec3i c = support.grid.coord(b);
+    if (beside.test(c))
+      band.set(c);
+    else if (!band.test(c))
+      candidates.push_back(b);
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [&](size_t a, size_t b) { return gap[a] < gap[b]; });
+  double sum = 0;
+  for (const size_t b : candidates)
+    if ((sum += gap[b]) > allowed) band.set(support.grid.coord(b));
+  return band;
 }
 
 BrickMask growth(const Level& level, const Level& coarse) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/brick_mask.h"
 #include "soapfilm/solve/level.h"
 
@@ -16,6 +17,12 @@ namespace soapfilm {
 ///   would answer with a void along its rim. So the finest level's rim has the flux of the next coarser level, and room
 ///   to grow.
 BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel);
+
+/// The band of the level below `coarse`: interface_children() and the bricks of its data, `support`. The finest level
+/// leaves those of them out that lie two vertices and more from the interface and whose data the prolonged state serves
+/// already, as long as this adds no more than `allowed` to the gap.
+BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
+                      const Parallel& parallel);
 
 /// The bricks just outside the band that its interface has reached (rounded u differs across the rim) and whose parent
 /// the coarse band holds: where the band must grow.

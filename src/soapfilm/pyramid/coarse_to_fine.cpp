@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "soapfilm/pyramid/band.h"
@@ -14,6 +15,7 @@ namespace soapfilm {
 namespace {
 
 constexpr int max_growths = 8;
+constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that the finest band leaves out
 
 /// The whole box, without a band: where the pyramid starts.
 Level whole_level(const LevelBox& box, const SupportField& support, double lambda, Norm norm,
@@ -45,12 +47,6 @@ int start_level(const Lattice& lattice, const std::vector<const SupportField*>& 
   return level;
 }
 
-BrickMask support_bricks(const SupportField& support, Vec3i bricks) {
-  BrickMask mask(bricks);
-  for (size_t b = 0; b < support.grid.size(); ++b) mask.set(support.grid.coord(b));
-  return mask;
-}
-
 }  // namespace
 
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
@@ -75,8 +71,8 @@ PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField&
       level = whole_level(box, field, lambda, norm, parallel);
     } else {
       coarser.erase(coarser.begin() + l, coarser.end());  // its work is done: nobody reads coarse.data() from here
-      band = interface_children(coarse, box.bricks, parallel);
-      band |= support_bricks(field, box.bricks);
+      const double scale = std::max(std::abs(solution.reports.back().energies.dual), 1000 * lambda);
+      band = choose_band(coarse, box, field, share_left_out * params.tolerance * scale, parallel);
       level = prolong_level(coarse, box, band, field, parallel);
     }
 

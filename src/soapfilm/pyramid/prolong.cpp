@@ -4,16 +4,14 @@
 #include <array>
 
 #include "soapfilm/grid/window.h"
+#include "soapfilm/pyramid/children.h"
 
 namespace soapfilm {
 
 namespace {
 
-constexpr int half_brick = brick_side / 2;
 /// A fine face is a quarter of a coarse one.
 constexpr float face_share = 0.25f;
-
-Vec3i octant_of(int k) { return {k & 1, (k >> 1) & 1, k >> 2}; }
 
 /// Trilinear, an axis at a time: a fine vertex is 3/4 the coarse vertex that holds it and 1/4 the nearer neighbour,
 /// below for even, above for odd fine vertices.
@@ -37,19 +35,6 @@ void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
       for (int x = 0; x < brick_side; ++x)
         fine[brick_offset(x, y, z)] = blend(along_y[near(z)][y][x], along_y[far(z)][y][x]);
 }
-
-/// P_axis of coarse vertex (X, Y, Z), where the coordinate along `axis` may be -1: the face below the brick.
-struct CoarseFlux {
-  const float* own;
-  LowFace low;
-  int axis;
-  float at(int X, int Y, int Z) const {
-    if (axis == 0 && X < 0) return low.at(Y, Z);
-    if (axis == 1 && Y < 0) return low.at(X, Z);
-    if (axis == 2 && Z < 0) return low.at(X, Y);
-    return own[brick_offset(X, Y, Z)];
-  }
-};
 
 /// A coarse vertex's upper face is that of its upper children; within its cell lies the mean of its two faces.
 void prolong_p(const CoarseFlux& coarse, Vec3i octant, float* fine) {
@@ -83,35 +68,6 @@ void prolong_rim(const CoarseFlux& coarse, Vec3i octant, float* plane) {
     }
 }
 
-/// What the inactive children of one coarse brick add to D and to the gap. There f = 0, u is constant, and each fine
-/// vertex has an eighth of the coarse divergence: the coarse terms themselves. (Where a coarse vertex is free but some
-/// of its children are fixed, this counts terms <= 0 too many: the bound stays a bound.)
-struct OutsideTerms {
-  double dual = 0;
-  double gap = 0;
-};
-
-OutsideTerms outside_terms(const Level& coarse, size_t brick, Vec3i octant, bool inside) {
-  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));
-  const Vec3i base = octant * half_brick;
-  OutsideTerms terms;
-  for (int z = base.z; z < base.z + half_brick; ++z)
-    for (int y = base.y; y < base.y + half_brick; ++y)
-      for (int x = base.x; x < base.x + half_brick; ++x) {
-        if (!range.contains(x, y, z)) continue;
-        double r = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-          const CoarseFlux flux{coarse.p.brick(brick, axis), low_face(coarse, brick, axis), axis};
-          Vec3i below{x, y, z};
-          --below[axis];
-          r += static_cast<double>(flux.at(below.x, below.y, below.z)) - flux.at(x, y, z);
-        }
-        terms.dual += std::min(0.0, r);
-        terms.gap += inside ? std::max(0.0, r) : -std::min(0.0, r);
-      }
-  return terms;
-}
-
 /// Prolongs the children of one coarse brick into the fine level.
 void prolong_children(const Level& coarse, size_t brick, Level& fine, const Level* previous) {
   const Vec3i parent = coarse.grid.coord(brick);
@@ -125,7 +81,7 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
     const auto b = static_cast<size_t>(found);
     const int32_t old = previous ? previous->grid.find(child) : outside_band;
     for (int axis = 0; axis < 3; ++axis) {
-      const CoarseFlux flux{coarse.p.brick(brick, axis), low_face(coarse, brick, axis), axis};
+      const CoarseFlux flux(coarse, brick, axis);
       if (float* plane = fine.rim.plane(b, axis)) prolong_rim(flux, octant, plane);
       if (old < 0) prolong_p(flux, octant, fine.p.brick(b, axis));
     }
@@ -157,26 +113,20 @@ Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& b
   Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, parallel, coarse.norm);
   parallel.for_each(coarse.grid.size(), 16, [&](size_t b) { prolong_children(coarse, b, fine, previous); });
 
-  fine.dual_outside = coarse.dual_outside;
-  fine.gap_outside = coarse.gap_outside;
   coarse.inside.for_each([&](Vec3i b) {
     for (int k = 0; k < 8; ++k) fine.inside.set(b * 2 + octant_of(k));
   });
-  std::vector<std::array<OutsideTerms, 8>> terms(coarse.grid.size());
-  const auto inside_octant = [&](size_t b, Vec3i octant) {
-    const Vec3i base = octant * half_brick;
-    return coarse.u.brick(b)[brick_offset(base.x, base.y, base.z)] > 0.5f;
-  };
+  std::vector<std::array<Outside, 8>> outside(coarse.grid.size());
   parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
     for (int k = 0; k < 8; ++k)
       if (fine.grid.find(coarse.grid.coord(b) * 2 + octant_of(k)) < 0)
-        terms[b][static_cast<size_t>(k)] = outside_terms(coarse, b, octant_of(k), inside_octant(b, octant_of(k)));
+        outside[b][static_cast<size_t>(k)] = outside_child(coarse, b, octant_of(k), support);
   });
+  fine.outside = coarse.outside;
   for (size_t b = 0; b < coarse.grid.size(); ++b)
     for (int k = 0; k < 8; ++k) {
-      fine.inside.set(coarse.grid.coord(b) * 2 + octant_of(k), inside_octant(b, octant_of(k)));
-      fine.dual_outside += terms[b][static_cast<size_t>(k)].dual;
-      fine.gap_outside += terms[b][static_cast<size_t>(k)].gap;
+      fine.inside.set(coarse.grid.coord(b) * 2 + octant_of(k), inside_child(coarse, b, octant_of(k)));
+      fine.outside += outside[b][static_cast<size_t>(k)];
     }
   return fine;
 }

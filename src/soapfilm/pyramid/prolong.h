@@ -13,7 +13,7 @@ namespace soapfilm {
 ///   the mean of its two parallel neighbours, all times 1/4 (lowest-order Raviart-Thomas: keeps the divergence), the
 ///   rim's fluxes, u outside, and what the outside adds to D and to the gap, exactly.
 /// Bricks that `previous` (the same level on a smaller band) has keep their state.
-/// `band` may hold only children of the coarse band's bricks and must hold all support bricks.
+/// `band` may hold only children of the coarse band's bricks; all children of its support bricks must be among these.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Parallel& parallel, const Level* previous = nullptr);
 

@@ -171,11 +171,11 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
 
   Energies e;
   e.total_variation = sum.variation + outside;
-  e.data = sum.data;
+  e.data = sum.data + level.outside.data;
   e.primal = level.lambda * e.total_variation - e.data;
-  e.dual = sum.dual + evaluator.p_scale * level.dual_outside;
+  e.dual = sum.dual + level.outside.dual_of_scaled(evaluator.p_scale);
   e.gap_band = sum.gap + level.lambda * outside;
-  e.gap = e.gap_band + evaluator.p_scale * level.gap_outside;
+  e.gap = e.gap_band + level.outside.gap_of_scaled(evaluator.p_scale);
   e.max_dual_norm = max_norm;
   e.inside = sum.inside;
   return e;

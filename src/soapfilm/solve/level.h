@@ -37,6 +37,25 @@ class Rim {
   AlignedArray<float> flux_;
 };
 
+/// What a part of the domain where u is constant, 0 or 1, and p is not moved adds to the energies.
+struct Outside {
+  double data = 0;  ///< to <f, u>
+  double gain = 0;  ///< sum of max(0, f): minus what it adds to D(0)
+  double dual = 0;  ///< to D(p)
+  double gap = 0;   ///< to E(u) - D(p), >= 0
+
+  Outside& operator+=(const Outside& o) {
+    data += o.data;
+    gain += o.gain;
+    dual += o.dual;
+    gap += o.gap;
+    return *this;
+  }
+  /// Bounds for s p, s in [0, 1]: D is concave.
+  double dual_of_scaled(double s) const { return s * dual - (1 - s) * gain; }
+  double gap_of_scaled(double s) const { return s * gap + (1 - s) * (gain - data); }
+};
+
 /// min lambda TV(u) - <f, u> over 0 <= u <= 1, u = 0 at fixed vertices (equation (4)), restricted to a band of bricks.
 /// Outside the band u is constant (0 or 1) on every connected part and p is the coarser level's, prolonged; through
 /// the band's rim that p is the boundary flux. Lattice units: h = 1 on every level.
@@ -52,8 +71,7 @@ struct Level {
   Rim rim;
   const Field<float>* f = nullptr;  ///< on the support bricks
   std::vector<int32_t> f_brick;     ///< index into f of each brick of the band, -1: zero
-  double dual_outside = 0;          ///< what the domain outside the band adds to D(p)
-  double gap_outside = 0;           ///< and to E(u) - D(p)
+  Outside outside;                  ///< what the domain outside the band adds to the energies
 
   /// 512 values of f.
   const float* data(size_t brick) const;
