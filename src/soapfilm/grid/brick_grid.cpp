@@ -22,16 +22,24 @@ BrickGrid::BrickGrid(const BrickMask& active, const Parallel& parallel) : bricks
   neighbors_.resize(coords_.size());
   parallel.for_each(coords_.size(), 1024, [&](size_t i) {
     for (int dz = -1; dz <= 1; ++dz)
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx)
-          neighbors_[i][neighbor_slot(dx, dy, dz)] = find(coords_[i] + Vec3i{dx, dy, dz});
+      for (int dy = -1; dy <= 1; ++dy) {
+        const Vec3i first = coords_[i] + Vec3i{-1, dy, dz};
+        size_t k = in_box(first.y, first.z) ? first_from(first) : coords_.size();
+        for (int dx = -1; dx <= 1; ++dx) {
+          const Vec3i b = coords_[i] + Vec3i{dx, dy, dz};
+          const bool found = k < coords_.size() && coords_[k] == b;
+          neighbors_[i][static_cast<size_t>(neighbor_slot(dx, dy, dz))] =
+              found ? static_cast<int32_t>(k++) : missing(b);
+        }
+      }
   });
 }
 
 int32_t BrickGrid::find(Vec3i b) const {
-  if (b.x < 0 || b.y < 0 || b.z < 0 || b.x >= bricks_.x || b.y >= bricks_.y || b.z >= bricks_.z) return outside_box;
+  const int32_t none = missing(b);
+  if (none == outside_box) return none;
   const size_t k = first_from(b);
-  return k < coords_.size() && coords_[k] == b ? static_cast<int32_t>(k) : outside_band;
+  return k < coords_.size() && coords_[k] == b ? static_cast<int32_t>(k) : none;
 }
 
 int32_t BrickGrid::gap(Vec3i b) const { return static_cast<int32_t>(first_from(b) + row_of(b)); }

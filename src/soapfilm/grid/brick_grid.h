@@ -48,6 +48,11 @@ class BrickGrid {
 
  private:
   size_t row_of(Vec3i b) const { return static_cast<size_t>(b.z) * bricks_.y + static_cast<size_t>(b.y); }
+  bool in_box(int y, int z) const { return y >= 0 && z >= 0 && y < bricks_.y && z < bricks_.z; }
+  /// What find() says of a brick that is not active.
+  int32_t missing(Vec3i b) const {
+    return b.x >= 0 && b.x < bricks_.x && in_box(b.y, b.z) ? outside_band : outside_box;
+  }
   /// Index of the first active brick of b's row that does not come before b.
   size_t first_from(Vec3i b) const;
 

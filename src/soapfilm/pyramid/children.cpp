@@ -1,6 +1,7 @@
 #include "soapfilm/pyramid/children.h"
 
 #include <algorithm>
+#include <array>
 
 namespace soapfilm {
 
@@ -9,32 +10,49 @@ bool inside_child(const Level& coarse, size_t brick, Vec3i octant) {
   return coarse.u.brick(brick)[brick_offset(base.x, base.y, base.z)] > 0.5f;
 }
 
+namespace {
+
+/// Minus the divergence of the fluxes at the coarse vertices of an octant, x fastest; 0 at fixed ones.
+std::array<double, 64> fluxes_in(const Level& coarse, size_t brick, Vec3i octant) {
+  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));
+  const CoarseFlux flux[3] = {{coarse, brick, 0}, {coarse, brick, 1}, {coarse, brick, 2}};
+  std::array<double, 64> sums{};
+  for (int i = 0; i < 64; ++i) {
+    const Vec3i at = octant * half_brick + Vec3i{i & 3, i >> 2 & 3, i >> 4};
+    if (!range.contains(at.x, at.y, at.z)) continue;
+    const auto k = static_cast<size_t>(i);
+    sums[k] += double{flux[0].at(at.x - 1, at.y, at.z)} - flux[0].at(at.x, at.y, at.z);
+    sums[k] += double{flux[1].at(at.x, at.y - 1, at.z)} - flux[1].at(at.x, at.y, at.z);
+    sums[k] += double{flux[2].at(at.x, at.y, at.z - 1)} - flux[2].at(at.x, at.y, at.z);
+  }
+  return sums;
+}
+
+}  // namespace
+
 /// Each fine vertex has an eighth of the coarse divergence. (Where a coarse vertex is free but some of its children are
 /// fixed, this counts terms <= 0 too many: the bound stays a bound.)
 Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const SupportField& support) {
-  const int32_t n = support.grid.find(coarse.grid.coord(brick) * 2 + octant);
-  const float* f = n < 0 ? nullptr : support.f.brick(static_cast<size_t>(n));
-  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));
-  const CoarseFlux flux[3] = {{coarse, brick, 0}, {coarse, brick, 1}, {coarse, brick, 2}};
+  const std::array<double, 64> in = fluxes_in(coarse, brick, octant);
   const double u = inside_child(coarse, brick, octant) ? 1 : 0;
   Outside sum;
-  for (int z = 0; z < half_brick; ++z)
-    for (int y = 0; y < half_brick; ++y)
-      for (int x = 0; x < half_brick; ++x) {
-        const Vec3i at = octant * half_brick + Vec3i{x, y, z};
-        if (!range.contains(at.x, at.y, at.z)) continue;
-        double divergence = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-          Vec3i below = at;
-          --below[axis];
-          divergence += double{flux[axis].at(below.x, below.y, below.z)} - flux[axis].at(at.x, at.y, at.z);
-        }
-        for (int k = 0; k < 8; ++k) {
-          const Vec3i child = octant_of(k);
-          const double gain = f ? f[brick_offset(2 * x + child.x, 2 * y + child.y, 2 * z + child.z)] : 0.0f;
-          const double r = divergence / 8 - gain;
-          sum += {gain * u, std::max(0.0, gain), std::min(0.0, r), r * u - std::min(0.0, r)};
-        }
+  const auto add = [&](double r) {
+    sum.dual += std::min(0.0, r);
+    sum.gap += r * u - std::min(0.0, r);
+  };
+  const int32_t n = support.grid.find(coarse.grid.coord(brick) * 2 + octant);
+  if (n < 0) {
+    for (const double r : in) add(r);
+    return sum;
+  }
+  const float* f = support.f.brick(static_cast<size_t>(n));
+  for (int z = 0; z < brick_side; ++z)
+    for (int y = 0; y < brick_side; ++y)
+      for (int x = 0; x < brick_side; ++x) {
+        const double gain = f[brick_offset(x, y, z)];
+        sum.data += gain * u;
+        sum.gain += std::max(0.0, gain);
+        add(in[static_cast<size_t>(x / 2 + 4 * (y / 2) + 16 * (z / 2))] / 8 - gain);
       }
   return sum;
 }

@@ -126,15 +126,16 @@ std::vector<Vec3i> bricks_below_band(const Level& level) {
 
 /// A bound on the variation between inactive bricks of different constant u: none, unless a band is too thin.
 double outside_variation(const Level& level) {
+  BrickMask band(level.box.bricks);
+  for (size_t b = 0; b < level.grid.size(); ++b) band.set(level.grid.coord(b));
   double faces = 0;
   level.inside.for_each([&](Vec3i b) {
-    if (level.grid.find(b) >= 0) return;
+    if (band.test(b)) return;
     for (int axis = 0; axis < 3; ++axis)
       for (int step = -1; step <= 1; step += 2) {
         Vec3i next = b;
         next[axis] += step;
-        const int32_t slot = level.grid.find(next);
-        if (slot == outside_box || (slot == outside_band && !level.inside.test(next))) faces += brick_area;
+        if (!band.contains(next) || (!band.test(next) && !level.inside.test(next))) faces += brick_area;
       }
   });
   return faces;
