@@ -69,10 +69,18 @@ TEST(NarrowBand, MultilevelTransfersAreAdjointAndKeepConstants) {
   RowArray down = coarse.band().make_array(), prolonged = band.make_array();
   coarse.restrict_to(band, fine, down, one_thread);
   const RowArray inverse = members(band), zero = band.make_array();
-  coarse.prolong_onto(band, up, inverse, zero, prolonged, one_thread);
+  CycleJob job{};
+  job.inverse = inverse.data();
+  job.b = zero.data();
+  job.x = up.data();
+  job.out = prolonged.data();
+  coarse.prolong_onto(band, job, one_thread);
   EXPECT_NEAR(dot(down, up, one_thread), dot(fine, prolonged, one_thread), 1e-3);
 
-  coarse.prolong_onto(band, members(coarse.band()), inverse, fine, prolonged, one_thread);
+  const RowArray constant = members(coarse.band());
+  job.x = constant.data();
+  job.b = fine.data();
+  coarse.prolong_onto(band, job, one_thread);
   for (size_t i = 8; i < band.slots(); ++i) ASSERT_EQ(prolonged.data()[i], fine.data()[i] + inverse.data()[i]);
 }
 

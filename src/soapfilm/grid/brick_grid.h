@@ -38,6 +38,8 @@ class BrickGrid {
     const size_t k = row_of({0, y, z});
     return {static_cast<size_t>(row_begin_[k]), static_cast<size_t>(row_begin_[k + 1])};
   }
+  /// Those of all rows with the same z.
+  std::pair<size_t, size_t> layer(int z) const { return {row(0, z).first, row(bricks_.y - 1, z).second}; }
   /// Number, from 0 in lexicographic order, of the run along x of missing bricks that holds the missing brick `b` of
   /// the box. A row with k active bricks has k + 1 runs, before, between and after them; some are empty.
   int32_t gap(Vec3i b) const;

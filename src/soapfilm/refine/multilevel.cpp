@@ -1,5 +1,6 @@
 #include "soapfilm/refine/multilevel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -75,51 +76,57 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
     }
   }
   band_ = NarrowBand(std::move(coarse), vertices, parallel);
-  children_.resize(band_.grid().size());
-  parallel.for_each(children_.size(), 64, [&](size_t b) {
-    for (int slot = 0; slot < 27; ++slot)
-      children_[b][static_cast<size_t>(slot)] = grid.find(band_.grid().coord(b) * 2 + slot_offset(slot));
-  });
+}
+
+BrickTransfer CoarseBand::transfer(const NarrowBand& fine, size_t brick) const {
+  constexpr int side = BrickTransfer::side;
+  const uint32_t first = fine.first_row(brick);
+  const Vec3i c = fine.grid().coord(brick);
+  const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
+  BrickTransfer transfer{{}, {}, half.x, first, fine.first_row(brick + 1) - first, fine.places() + first};
+  const auto& around = band_.grid().neighbors(static_cast<size_t>(parent_[brick]));
+  for (int x = 0; x <= half.x / 4; ++x) {
+    auto& rows = x == 0 ? transfer.row : transfer.right;
+    for (int z = half.z; z < half.z + side; ++z)
+      for (int y = half.y; y < half.y + side; ++y) {
+        const uint32_t* there = band_.rows_of(around[static_cast<size_t>(neighbor_slot(x, y >> 3, z >> 3))]);
+        rows[static_cast<size_t>((y - half.y) + side * (z - half.z))] = there[(y & 7) + brick_side * (z & 7)];
+      }
+  }
+  return transfer;
+}
+
+template <class Add>
+void CoarseBand::gather(const NarrowBand& fine, RowArray& coarse, const Parallel& parallel, Add&& add) const {
+  parallel.for_chunks(coarse.size(), rows_per_task * brick_side,
+                      [&](size_t begin, size_t end) { std::fill(coarse.data() + begin, coarse.data() + end, 0.0f); });
+  const auto layers = static_cast<size_t>(fine.grid().bricks().z);
+  for (size_t parity = 0; parity < 2; ++parity)
+    parallel.for_each((layers + 1 - parity) / 2, 1, [&](size_t i) {
+      const auto [begin, end] = fine.grid().layer(static_cast<int>(2 * i + parity));
+      for (size_t b = begin; b < end; ++b)
+        if (fine.first_row(b) < fine.first_row(b + 1)) add(transfer(fine, b));
+    });
 }
 
 void CoarseBand::restrict_to(const NarrowBand& fine, const RowArray& from, RowArray& coarse,
                              const Parallel& parallel) const {
   const RowKernel kernel = row_kernel();
-  parallel.for_each(band_.grid().size(), 32, [&](size_t b) {
-    const uint32_t first = band_.first_row(b);
-    RestrictJob job{{},
-                    band_.places() + first,
-                    band_.first_row(b + 1) - first,
-                    from.data(),
-                    coarse.data() + size_t{first} * brick_side};
-    for (size_t slot = 0; slot < 27; ++slot) job.rows[slot] = fine.rows_of(children_[b][slot]);
-    kernel.restrict_brick(job);
-  });
+  gather(fine, coarse, parallel,
+         [&](const BrickTransfer& transfer) { kernel.restrict_brick(transfer, from.data(), coarse.data()); });
 }
 
-void CoarseBand::prolong_onto(const NarrowBand& fine, const RowArray& coarse, const RowArray& inverse,
-                              const RowArray& base, RowArray& to, const Parallel& parallel) const {
-  constexpr int side = ProlongJob::side;
+void CoarseBand::restrict_residual(const NarrowBand& fine, const CycleJob& job, RowArray& coarse,
+                                   const Parallel& parallel) const {
+  const RowKernel kernel = row_kernel();
+  gather(fine, coarse, parallel,
+         [&](const BrickTransfer& transfer) { kernel.restrict_residual(fine.view(), job, transfer, coarse.data()); });
+}
+
+void CoarseBand::prolong_onto(const NarrowBand& fine, const CycleJob& job, const Parallel& parallel) const {
   const RowKernel kernel = row_kernel();
   parallel.for_each(fine.grid().size(), 64, [&](size_t b) {
-    const uint32_t first = fine.first_row(b);
-    const size_t count = fine.first_row(b + 1) - first, i = size_t{first} * brick_side;
-    if (count == 0) return;
-    const Vec3i c = fine.grid().coord(b);
-    const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
-    const auto& around = band_.grid().neighbors(static_cast<size_t>(parent_[b]));
-    ProlongJob job{{}, {}, fine.places() + first, count, inverse.data() + i, base.data() + i, to.data() + i};
-    for (int k = 0; k < side * side; ++k) {
-      const int y = half.y + k % side, z = half.z + k / side;
-      const auto row = [&](int x) {
-        const int32_t brick = around[static_cast<size_t>(neighbor_slot(x, y >> 3, z >> 3))];
-        return coarse.data() + size_t{band_.row(brick, y & 7, z & 7)} * brick_side;
-      };
-      const auto n = static_cast<size_t>(k);
-      job.first[n] = row(0) + half.x;
-      job.last[n] = half.x == 0 ? job.first[n] + 4 : row(1);
-    }
-    kernel.prolong_brick(job);
+    if (fine.first_row(b) < fine.first_row(b + 1)) kernel.prolong_brick(job, transfer(fine, b));
   });
 }
 
@@ -196,13 +203,12 @@ double Multilevel::cycle(size_t level, const RowArray& b, RowArray& work, RowArr
     }
     return sum;
   }
-  job.out = x.data();
-  parallel.for_chunks(band.rows(), rows_per_task,
-                      [&](size_t begin, size_t end) { kernel.residual(rows, job, begin + 1, end + 1); });
   Coarse& c = coarse_[level];
-  c.coarse.restrict_to(band, x, c.b, parallel);
+  c.coarse.restrict_residual(band, job, c.b, parallel);
   cycle(level + 1, c.b, c.work, c.x, nullptr, parallel);
-  c.coarse.prolong_onto(band, c.x, level == 0 ? inverse_ : coarse_[level - 1].inverse, b, work, parallel);
+  job.x = c.x.data();
+  job.out = work.data();
+  c.coarse.prolong_onto(band, job, parallel);
   return smooth(work, x);
 }
 

@@ -19,14 +19,20 @@ class CoarseBand {
   const NarrowBand& band() const { return band_; }
   /// coarse = P^T from, which is 0 outside the fine band.
   void restrict_to(const NarrowBand& fine, const RowArray& from, RowArray& coarse, const Parallel& parallel) const;
-  /// to = inverse base + P coarse where inverse > 0, elsewhere 0.
-  void prolong_onto(const NarrowBand& fine, const RowArray& coarse, const RowArray& inverse, const RowArray& base,
-                    RowArray& to, const Parallel& parallel) const;
+  /// coarse = P^T of the residual that RowKernel::restrict_residual() has.
+  void restrict_residual(const NarrowBand& fine, const CycleJob& job, RowArray& coarse, const Parallel& parallel) const;
+  /// out = inverse b + P x where inverse > 0, elsewhere 0; x is coarse.
+  void prolong_onto(const NarrowBand& fine, const CycleJob& job, const Parallel& parallel) const;
 
  private:
+  BrickTransfer transfer(const NarrowBand& fine, size_t brick) const;
+  /// coarse = 0, then add(transfer) for all fine bricks. A layer of bricks along z is one task: its bricks add to
+  /// common rows in order. So do neighbouring layers, which take turns.
+  template <class Add>
+  void gather(const NarrowBand& fine, RowArray& coarse, const Parallel& parallel, Add&& add) const;
+
   NarrowBand band_;
-  std::vector<int32_t> parent_;                    ///< brick that holds a fine brick's first vertex
-  std::vector<std::array<int32_t, 27>> children_;  ///< fine bricks around 2 B, by neighbor_slot()
+  std::vector<int32_t> parent_;  ///< brick that holds a fine brick's first vertex
 };
 
 /// An approximate inverse, symmetric positive definite, of A = data + beta G + gamma G^2: two V-cycles, one after the

@@ -169,19 +169,89 @@ HWY_INLINE V coupling(const CycleJob& job, const Values& x, const Extended& exte
   return hn::Mul(hn::Set(d, 0.5f * job.diffusion), hn::Add(hn::Mul(here, sum), neighbor_sum(extended, n, row, lane)));
 }
 
-void residual(const BandRows& band, const CycleJob& job, size_t begin, size_t end) {
+/// A brick's values at the places of its rows, 0 where it has none.
+struct PlacedRows {
+  HWY_ALIGN float row[brick_area][brick_side] = {};
+};
+
+/// The five coarse values below one row of fine ones, from `half` on.
+HWY_INLINE void add_across(const float* fine, int half, float* row, float* right) {
+#if SOAPFILM_ROW_IN_A_VECTOR
+  // The fine vertices on, left and right of the coarse ones.
+  HWY_ALIGN static constexpr int32_t index[2][3][brick_side] = {
+      {{0, 2, 4, 6, 0, 0, 0, 0}, {0, 1, 3, 5, 7, 0, 0, 0}, {1, 3, 5, 7, 0, 0, 0, 0}},
+      {{0, 0, 0, 0, 0, 2, 4, 6}, {0, 0, 0, 0, 0, 1, 3, 5}, {0, 0, 0, 0, 1, 3, 5, 7}}};
+  HWY_ALIGN static constexpr float weight[2][3][brick_side] = {
+      {{1, 1, 1, 1, 0, 0, 0, 0}, {0, 0.5f, 0.5f, 0.5f, 0.5f, 0, 0, 0}, {0.5f, 0.5f, 0.5f, 0.5f, 0, 0, 0, 0}},
+      {{0, 0, 0, 0, 1, 1, 1, 1}, {0, 0, 0, 0, 0, 0.5f, 0.5f, 0.5f}, {0, 0, 0, 0, 0.5f, 0.5f, 0.5f, 0.5f}}};
+  const D d;
+  const V v = hn::Load(d, fine);
+  const auto part = [&](int k) {
+    const size_t upper = half / 4;
+    return hn::Mul(hn::TableLookupLanes(v, hn::SetTableIndices(d, index[upper][k])), hn::Load(d, weight[upper][k]));
+  };
+  hn::Store(hn::Add(hn::Load(d, row), hn::Add(part(0), hn::Add(part(1), part(2)))), d, row);
+#else
+  for (int i = 0; i < 4; ++i)
+    row[half + i] += fine[2 * i] + ((i == 0 ? 0.0f : 0.5f * fine[2 * i - 1]) + 0.5f * fine[2 * i + 1]);
+  if (half == 0) row[4] += 0.5f * fine[7];
+#endif
+  if (half != 0) right[0] += 0.5f * fine[7];
+}
+
+/// Sums along one axis: to[k] = from[2 k] + (from[2 k - 1] + from[2 k + 1]) / 2 over rows `stride` apart, k = 0..4.
+HWY_INLINE void sum_along(const float* from, size_t stride, float* to, size_t to_stride) {
+  const D d;
+  const V half = hn::Set(d, 0.5f);
+  for (int x = 0; x < brick_side; x += lane_count()) {
+    V before = hn::Zero(d);
+    for (size_t k = 0; k < BrickTransfer::side - 1; ++k) {
+      const V after = hn::Mul(half, hn::Load(d, from + (2 * k + 1) * stride + x));
+      hn::Store(hn::Add(hn::Load(d, from + 2 * k * stride + x), hn::Add(before, after)), d, to + k * to_stride + x);
+      before = after;
+    }
+    hn::Store(before, d, to + (BrickTransfer::side - 1) * to_stride + x);
+  }
+}
+
+/// coarse += P^T fine.
+HWY_INLINE void add_restricted(const PlacedRows& fine, const BrickTransfer& transfer, float* coarse) {
+  constexpr size_t side = BrickTransfer::side;
+  HWY_ALIGN float along_y[brick_side * side][brick_side], along_z[side * side][brick_side];
+  for (size_t z = 0; z < brick_side; ++z)
+    sum_along(fine.row[z * brick_side], brick_side, along_y[z * side], brick_side);
+  for (size_t y = 0; y < side; ++y) sum_along(along_y[y], side * brick_side, along_z[y], side * brick_side);
+  HWY_ALIGN float nowhere[brick_side] = {};  // coarse rows that are missing get nothing but zeros
+  for (size_t k = 0; k < side * side; ++k) {
+    const auto to = [&](uint32_t row) { return row == 0 ? nowhere : coarse + size_t{row} * brick_side; };
+    add_across(along_z[k], transfer.half, to(transfer.row[k]), to(transfer.right[k]));
+  }
+}
+
+void restrict_brick(const BrickTransfer& transfer, const float* from, float* coarse) {
+  PlacedRows fine;
+  for (size_t r = 0; r < transfer.count; ++r)
+    std::copy_n(from + (transfer.first + r) * brick_side, brick_side, fine.row[transfer.place[r]]);
+  add_restricted(fine, transfer, coarse);
+}
+
+void restrict_residual(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse) {
   const D d;
   const Product x{job.inverse, job.b};
   const V rest = hn::Set(d, 1 - job.omega);
-  for (size_t r = begin; r < end; ++r) {
+  PlacedRows residual;
+  for (size_t k = 0; k < transfer.count; ++k) {
+    const size_t r = transfer.first + k;
     for (int lane = 0; lane < brick_side; lane += lane_count()) {
       const size_t i = r * brick_side + static_cast<size_t>(lane);
       // The diagonal's share of K x is omega b.
       const V left = hn::Add(hn::Mul(rest, hn::Load(d, job.b + i)),
                              coupling(job, x, Weighted{x, job.extent}, band.neighbors[r], r, lane));
-      hn::Store(hn::IfThenElseZero(hn::Gt(hn::Load(d, job.inverse + i), hn::Zero(d)), left), d, job.out + i);
+      hn::Store(hn::IfThenElseZero(hn::Gt(hn::Load(d, job.inverse + i), hn::Zero(d)), left), d,
+                residual.row[transfer.place[k]] + lane);
     }
   }
+  add_restricted(residual, transfer, coarse);
 }
 
 double smooth(const BandRows& band, const CycleJob& job, size_t begin, size_t end) {
@@ -275,68 +345,20 @@ double data_term(const CellJob& job, const float* v, float* out) {
   return energy.total();
 }
 
-/// The nine rows of fine vertices around a coarse row, y fastest, in one column of bricks.
-using NineRows = std::array<size_t, 9>;
-
-/// Their sum, weighted across x, for the vertices from x on.
-HWY_INLINE V sum_across(const float* from, const NineRows& rows, int x) {
+void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
+  constexpr int side = BrickTransfer::side;
   const D d;
-  const auto at = [&](size_t k) { return hn::Load(d, from + rows[k] * brick_side + x); };
-  const V corners = hn::Add(hn::Add(at(0), at(2)), hn::Add(at(6), at(8)));
-  const V edges = hn::Add(hn::Add(at(1), at(3)), hn::Add(at(5), at(7)));
-  return hn::Add(at(4), hn::Add(hn::Mul(hn::Set(d, 0.5f), edges), hn::Mul(hn::Set(d, 0.25f), corners)));
-}
-
-/// The last of such sums.
-HWY_INLINE float last_sum_across(const float* from, const NineRows& rows) {
-  const auto at = [&](size_t k) { return from[rows[k] * brick_side + brick_side - 1]; };
-  const float corners = (at(0) + at(2)) + (at(6) + at(8)), edges = (at(1) + at(3)) + (at(5) + at(7));
-  return at(4) + (0.5f * edges + 0.25f * corners);
-}
-
-void restrict_brick(const RestrictJob& job) {
-  for (size_t r = 0; r < job.count; ++r) {
-    const int y = 2 * (job.place[r] & 7), z = 2 * (job.place[r] >> 3);
-    std::array<NineRows, 3> rows;  // in the bricks below, under and right of the row
-    size_t k = 0;
-    for (int fz = z - 1; fz <= z + 1; ++fz)
-      for (int fy = y - 1; fy <= y + 1; ++fy, ++k) {
-        const uint32_t* const* along = &job.rows[static_cast<size_t>(neighbor_slot(-1, fy >> 3, fz >> 3))];
-        const int place = (fy & 7) + brick_side * (fz & 7);
-        for (size_t step = 0; step < 3; ++step) rows[step][k] = along[step][place];
-      }
-    const float left = last_sum_across(job.from, rows[0]);
-    float* to = job.to + r * brick_side;
-#if SOAPFILM_ROW_IN_A_VECTOR
-    const D d;
-    HWY_ALIGN static constexpr int32_t up[brick_side] = {7, 0, 1, 2, 3, 4, 5, 6};
-    const V low = sum_across(job.from, rows[1], 0), high = sum_across(job.from, rows[2], 0);
-    const V even = hn::ConcatEven(d, high, low), odd = hn::ConcatOdd(d, high, low);
-    const V before =
-        hn::IfThenElse(hn::FirstN(d, 1), hn::Set(d, left), hn::TableLookupLanes(odd, hn::SetTableIndices(d, up)));
-    hn::Store(hn::Add(even, hn::Mul(hn::Set(d, 0.5f), hn::Add(before, odd))), d, to);
-#else
-    HWY_ALIGN float sums[2 * brick_side];
-    for (int x = 0; x < 2 * brick_side; x += lane_count())
-      hn::Store(sum_across(job.from, rows[x < brick_side ? 1 : 2], x % brick_side), D(), sums + x);
-    for (int x = 0; x < brick_side; ++x)
-      to[x] = sums[2 * x] + 0.5f * ((x == 0 ? left : sums[2 * x - 1]) + sums[2 * x + 1]);
-#endif
+  HWY_ALIGN float coarse[side * side][brick_side];  // five values in each row
+  for (size_t k = 0; k < side * side; ++k) {
+    const float* from = job.x + size_t{transfer.row[k]} * brick_side + transfer.half;
+    for (int x = 0; x < brick_side; x += lane_count()) hn::Store(hn::LoadU(d, from + x), d, coarse[k] + x);
+    if (transfer.half != 0) coarse[k][4] = job.x[size_t{transfer.right[k]} * brick_side];
   }
-}
-
-void prolong_brick(const ProlongJob& job) {
-  const D d;
-  HWY_ALIGN float coarse[ProlongJob::side * ProlongJob::side][brick_side] = {};  // five values in each row
-  for (size_t k = 0; k < job.first.size(); ++k) {
-    std::copy_n(job.first[k], 4, coarse[k]);
-    coarse[k][4] = *job.last[k];
-  }
-  for (size_t r = 0; r < job.count; ++r) {
-    const int y = job.place[r] & 7, z = job.place[r] >> 3;
-    const int low = y / 2 + ProlongJob::side * (z / 2), up_y = y & 1, up_z = ProlongJob::side * (z & 1);
+  for (size_t k = 0; k < transfer.count; ++k) {
+    const int y = transfer.place[k] & 7, z = transfer.place[k] >> 3;
+    const int low = y / 2 + side * (z / 2), up_y = y & 1, up_z = side * (z & 1);
     const auto mean = [&](int x) {
-      const auto at = [&](int k) { return hn::Load(d, coarse[low + k] + x); };
+      const auto at = [&](int row) { return hn::Load(d, coarse[low + row] + x); };
       return hn::Mul(hn::Set(d, 0.25f), hn::Add(hn::Add(at(0), at(up_y)), hn::Add(at(up_z), at(up_y + up_z))));
     };
     HWY_ALIGN float values[brick_side];
@@ -353,10 +375,10 @@ void prolong_brick(const ProlongJob& job) {
     for (int x = 0; x < brick_side; ++x) values[x] = 0.5f * (five[x / 2] + five[(x + 1) / 2]);
 #endif
     for (int x = 0; x < brick_side; x += lane_count()) {
-      const size_t i = r * brick_side + static_cast<size_t>(x);
+      const size_t i = (transfer.first + k) * brick_side + static_cast<size_t>(x);
       const V inverse = hn::Load(d, job.inverse + i);
-      const V onto = hn::Add(hn::Mul(inverse, hn::Load(d, job.base + i)), hn::Load(d, values + x));
-      hn::Store(hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), onto), d, job.to + i);
+      const V onto = hn::Add(hn::Mul(inverse, hn::Load(d, job.b + i)), hn::Load(d, values + x));
+      hn::Store(hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), onto), d, job.out + i);
     }
   }
 }
@@ -364,7 +386,7 @@ void prolong_brick(const ProlongJob& job) {
 }  // namespace
 
 inline RowKernel rows() {
-  return {&laplacian, &bend, &inverse, &residual, &smooth, &data_term, &restrict_brick, &prolong_brick};
+  return {&laplacian, &bend, &inverse, &restrict_residual, &smooth, &data_term, &restrict_brick, &prolong_brick};
 }
 
 }  // namespace soapfilm::HWY_NAMESPACE

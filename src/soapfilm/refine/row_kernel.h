@@ -71,24 +71,15 @@ struct CellJob {
   float scale;  ///< of what is added
 };
 
-/// to = P^T from on the rows of a coarse brick.
-struct RestrictJob {
-  std::array<const uint32_t*, 27> rows;  ///< the 64 rows of each fine brick around the one under it, by neighbor_slot()
-  const uint8_t* place;                  ///< y + 8 z of each coarse row
-  size_t count;                          ///< coarse rows
-  const float* from;
-  float* to;  ///< the first one
-};
-
-/// to = inverse base + P coarse on the rows of a fine brick, 0 where inverse is.
-struct ProlongJob {
-  static constexpr int side = 5;                ///< coarse rows that a brick interpolates from, along y and z
-  std::array<const float*, side * side> first;  ///< four coarse values in each of them, y fastest
-  std::array<const float*, side * side> last;   ///< and the next one along x
-  const uint8_t* place;                         ///< y + 8 z of each fine row
-  size_t count;                                 ///< fine rows
-  const float *inverse, *base;                  ///< on the first one
-  float* to;
+/// A fine brick and what it interpolates from: the coarse rows y = 0..4, z = 0..4 above half of it, y fastest, and
+/// those right of them where that half is the upper one along x; 0: none.
+struct BrickTransfer {
+  static constexpr int side = 5;
+  std::array<uint32_t, side * side> row, right;
+  int half;              ///< where the brick begins in the coarse rows: 0 or 4
+  uint32_t first;        ///< the brick's first row
+  size_t count;          ///< and how many it has
+  const uint8_t* place;  ///< y + 8 z of each
 };
 
 /// The loops of one SIMD target: over rows [begin, end), or of one row.
@@ -97,14 +88,17 @@ struct RowKernel {
   double (*laplacian)(const BandRows& band, const LaplacianJob& job, size_t begin, size_t end);
   void (*bend)(const BandRows& band, const BendJob& job, size_t begin, size_t end);
   void (*inverse)(const BandRows& band, const InverseJob& job, size_t begin, size_t end);
-  /// out = b - K (inverse b): the residual after one Jacobi step from zero.
-  void (*residual)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
+  /// coarse += P^T (b - K (inverse b)) of one brick: the residual after one Jacobi step from zero. CycleJob's x and out
+  /// are not used.
+  void (*restrict_residual)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse);
   /// out = x + inverse (b - K x).
   double (*smooth)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
   /// out += scale times half of the data term's gradient at v; returns scale <v, that>, for one row of cells.
   double (*data_term)(const CellJob& job, const float* v, float* out);
-  void (*restrict_brick)(const RestrictJob& job);
-  void (*prolong_brick)(const ProlongJob& job);
+  /// coarse += P^T from of one brick.
+  void (*restrict_brick)(const BrickTransfer& transfer, const float* from, float* coarse);
+  /// out = inverse b + P x on one brick, 0 where inverse is; x is coarse.
+  void (*prolong_brick)(const CycleJob& job, const BrickTransfer& transfer);
 };
 
 /// The kernel of the best target of this processor, or of the one that force_simd_target() named.
