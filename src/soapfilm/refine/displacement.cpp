@@ -24,9 +24,10 @@ Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const P
 }
 
 template <class Body>
-void Displacement::for_values(Body&& body) {
-  parallel_.for_chunks(phi_.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) body(i);
+void Displacement::for_values(RowRange rows, Body&& body) {
+  const size_t first = rows.begin * brick_side, count = (rows.end - rows.begin) * brick_side;
+  parallel_.for_chunks(count, rows_per_task * brick_side, [&](size_t begin, size_t end) {
+    for (size_t i = first + begin; i < first + end; ++i) body(i);
   });
 }
 
@@ -37,7 +38,7 @@ void Displacement::yield_to_bends(double medians) {
   const uint8_t* degree = band_.view().degree;
   RowArray *squares = &scratch_, *next = &image_;
   apply_laplacian(band_, phi_, 0, 1, *squares, parallel_);
-  for_values([&, c = squares->data()](size_t i) { c[i] = degree[i] == 6 ? c[i] * c[i] : 0.0f; });
+  for_values(all_rows(band_), [&, c = squares->data()](size_t i) { c[i] = degree[i] == 6 ? c[i] * c[i] : 0.0f; });
   for (int pass = 0; pass < passes; ++pass) {
     apply_laplacian(band_, *squares, 1, -spread, *next, parallel_);
     std::swap(squares, next);
@@ -48,7 +49,7 @@ void Displacement::yield_to_bends(double medians) {
   if (bends.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
   const float per_square = 1 / std::max(squared_medians * median(std::move(bends)), 1e-12f);
-  for_values([&, c = squares->data()](size_t i) {
+  for_values(all_rows(band_), [&, c = squares->data()](size_t i) {
     share_.data()[i] = degree[i] == 6 ? 1 / (1 + per_square * std::max(c[i], 0.0f)) : 1.0f;
   });
 }
@@ -73,6 +74,11 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
   RowArray& z = scratch_;
   float *phi = phi_.data(), *residual = residual_.data(), *direction = direction_.data();
   const float *image = image_.data(), *preconditioned = z.data();
+  const RowKernel kernel = row_kernel();
+  const auto laplacian = [&](const LaplacianJob& job, int layer) {
+    return sum_over_rows(rows_of_layer(band_, layer), parallel_,
+                         [&](size_t begin, size_t end) { return kernel.laplacian(band_.view(), job, begin, end); });
+  };
   double first = 0, rz = 0;
   int iteration = 0;
   for (bool last = false; !last && iteration < limits.iterations; ++iteration) {
@@ -82,15 +88,21 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
     last = new_rz <= limits.tolerance * limits.tolerance * first;
     const float ratio = iteration == 0 ? 0.0f : static_cast<float>(new_rz / rz);
     rz = new_rz;
-    for_values([&](size_t i) { direction[i] = preconditioned[i] + ratio * direction[i]; });
-    // image = A direction
-    double curvature =
-        apply_laplacian(band_, direction_, smoothness.slope, smoothness.curvature, scratch_, parallel_, &share_);
-    apply_laplacian(band_, scratch_, 0, 1, image_, parallel_);
+    // direction = z + ratio direction, image = A direction
+    double curvature = 0;
+    const LaplacianJob inner{direction, smoothness.slope, smoothness.curvature, scratch_.data(), share_.data()};
+    const LaplacianJob outer{scratch_.data(), 0, 1, image_.data()};
+    layer_by_layer(
+        band_,
+        [&](int layer) {
+          for_values(rows_of_layer(band_, layer),
+                     [&](size_t i) { direction[i] = preconditioned[i] + ratio * direction[i]; });
+        },
+        [&](int layer) { curvature += laplacian(inner, layer); }, [&](int layer) { laplacian(outer, layer); });
     curvature += add_data_term(band_, data, direction_, false, 1, image_, parallel_);
     if (!(curvature > 0)) break;
     const auto step = static_cast<float>(rz / curvature);
-    for_values([&](size_t i) {
+    for_values(all_rows(band_), [&](size_t i) {
       phi[i] += step * direction[i];
       residual[i] -= step * image[i];
     });

@@ -45,9 +45,9 @@ class Displacement {
   RowArray& phi() { return phi_; }
 
  private:
-  /// body(i) for every value of the band.
+  /// body(i) for every value of some rows.
   template <class Body>
-  void for_values(Body&& body);
+  void for_values(RowRange rows, Body&& body);
   void residual(const CellSamples& data, Smoothness smoothness);
 
   const NarrowBand& band_;

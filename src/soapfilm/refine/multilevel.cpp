@@ -123,9 +123,11 @@ void CoarseBand::restrict_residual(const NarrowBand& fine, const CycleJob& job, 
          [&](const BrickTransfer& transfer) { kernel.restrict_residual(fine.view(), job, transfer, coarse.data()); });
 }
 
-void CoarseBand::prolong_onto(const NarrowBand& fine, const CycleJob& job, const Parallel& parallel) const {
+void CoarseBand::prolong_onto(const NarrowBand& fine, int layer, const CycleJob& job, const Parallel& parallel) const {
   const RowKernel kernel = row_kernel();
-  parallel.for_each(fine.grid().size(), 64, [&](size_t b) {
+  const auto [begin, end] = fine.grid().layer(layer);
+  parallel.for_each(end - begin, 64, [&, first = begin](size_t i) {
+    const size_t b = first + i;
     if (fine.first_row(b) < fine.first_row(b + 1)) kernel.prolong_brick(job, transfer(fine, b));
   });
 }
@@ -188,28 +190,31 @@ double Multilevel::cycle(size_t level, const RowArray& b, RowArray& work, RowArr
   job.diffusion = diffusion_ / static_cast<float>(1 << (2 * level));
   job.omega = damping;
   job.weight = weight ? weight->data() : nullptr;
-  const auto smooth = [&](const RowArray& from, RowArray& to) {
+  const auto smooth = [&](const RowArray& from, RowArray& to, RowRange range) {
     job.x = from.data();
     job.out = to.data();
-    return sum_over_rows(band, parallel,
+    return sum_over_rows(range, parallel,
                          [&](size_t begin, size_t end) { return kernel.smooth(rows, job, begin, end); });
   };
+  double sum = 0;
   if (level == coarse_.size()) {
     multiply(level == 0 ? inverse_ : coarse_[level - 1].inverse, b, x, parallel);
-    double sum = 0;
     for (int step = 0; step < coarsest_steps; step += 2) {
-      smooth(x, work);
-      sum = smooth(work, x);
+      smooth(x, work, all_rows(band));
+      sum = smooth(work, x, all_rows(band));
     }
     return sum;
   }
   Coarse& c = coarse_[level];
   c.coarse.restrict_residual(band, job, c.b, parallel);
   cycle(level + 1, c.b, c.work, c.x, nullptr, parallel);
-  job.x = c.x.data();
-  job.out = work.data();
-  c.coarse.prolong_onto(band, job, parallel);
-  return smooth(work, x);
+  CycleJob prolong = job;
+  prolong.x = c.x.data();
+  prolong.out = work.data();
+  layer_by_layer(
+      band, [&](int layer) { c.coarse.prolong_onto(band, layer, prolong, parallel); },
+      [&](int layer) { sum += smooth(work, x, rows_of_layer(band, layer)); });
+  return sum;
 }
 
 }  // namespace soapfilm

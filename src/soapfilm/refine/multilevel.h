@@ -21,8 +21,8 @@ class CoarseBand {
   void restrict_to(const NarrowBand& fine, const RowArray& from, RowArray& coarse, const Parallel& parallel) const;
   /// coarse = P^T of the residual that RowKernel::restrict_residual() has.
   void restrict_residual(const NarrowBand& fine, const CycleJob& job, RowArray& coarse, const Parallel& parallel) const;
-  /// out = inverse b + P x where inverse > 0, elsewhere 0; x is coarse.
-  void prolong_onto(const NarrowBand& fine, const CycleJob& job, const Parallel& parallel) const;
+  /// out = inverse b + P x where inverse > 0, elsewhere 0, on a layer of fine bricks along z; x is coarse.
+  void prolong_onto(const NarrowBand& fine, int layer, const CycleJob& job, const Parallel& parallel) const;
 
  private:
   BrickTransfer transfer(const NarrowBand& fine, size_t brick) const;

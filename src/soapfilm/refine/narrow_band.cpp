@@ -65,7 +65,7 @@ size_t NarrowBand::bytes() const {
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
                        const Parallel& parallel, const RowArray* share) {
   const RowKernel kernel = row_kernel();
-  return sum_over_rows(band, parallel, [&](size_t begin, size_t end) {
+  return sum_over_rows(all_rows(band), parallel, [&](size_t begin, size_t end) {
     return kernel.laplacian(band.view(), {v.data(), weight_v, weight_g, out.data(), share ? share->data() : nullptr},
                             begin, end);
   });

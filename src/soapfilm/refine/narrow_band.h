@@ -69,17 +69,44 @@ class NarrowBand {
   std::vector<uint8_t> degree_;
 };
 
-inline constexpr size_t rows_per_task = 1 << 12;
+inline constexpr size_t rows_per_task = 1 << 10;
 
-/// The sum of body(begin, end) over the band's rows in chunks, in an order that does not depend on threads.
+/// A range [begin, end) of rows.
+struct RowRange {
+  size_t begin, end;
+};
+inline RowRange all_rows(const NarrowBand& band) { return {1, band.rows() + 1}; }
+inline RowRange rows_of_layer(const NarrowBand& band, int z) {
+  const auto [begin, end] = band.grid().layer(z);
+  return {band.first_row(begin), band.first_row(end)};
+}
+
+/// The sum of body(begin, end) over rows in chunks, in an order that does not depend on threads.
 template <class Body>
-double sum_over_rows(const NarrowBand& band, const Parallel& parallel, Body&& body) {
-  std::vector<double> sums((band.rows() + rows_per_task - 1) / rows_per_task);
-  parallel.for_chunks(band.rows(), rows_per_task,
-                      [&](size_t begin, size_t end) { sums[begin / rows_per_task] = body(begin + 1, end + 1); });
+double sum_over_rows(RowRange rows, const Parallel& parallel, Body&& body) {
+  const size_t count = rows.end - rows.begin;
+  std::vector<double> sums((count + rows_per_task - 1) / rows_per_task);
+  parallel.for_chunks(count, rows_per_task, [&](size_t begin, size_t end) {
+    sums[begin / rows_per_task] = body(rows.begin + begin, rows.begin + end);
+  });
   double total = 0;
   for (const double sum : sums) total += sum;
   return total;
+}
+
+/// Calls each of the stages with every layer of bricks along z, a stage one layer behind the one before it: what that
+/// one wrote in the layer and in those next to it is complete and still in the cache.
+template <class... Stages>
+void layer_by_layer(const NarrowBand& band, Stages&&... stages) {
+  const int layers = band.grid().bricks().z;
+  for (int turn = 0; turn < layers + static_cast<int>(sizeof...(Stages)) - 1; ++turn) {
+    int layer = turn;
+    const auto run = [&](auto& stage) {
+      if (layer >= 0 && layer < layers) stage(layer);
+      --layer;
+    };
+    (run(stages), ...);
+  }
 }
 
 /// out = weight_v v + weight_g s G v, s the `share` where it is not null; G is the band's graph Laplacian, positive
