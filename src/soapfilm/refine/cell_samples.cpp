@@ -111,16 +111,17 @@ size_t divide_by_weight(CellRow& cells) {
 
 CellSamples merge(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
                   std::span<const float> weight, std::span<const Vec3f> normal, DataWeights weights,
-                  const Parallel& parallel) {
+                  const Parallel& parallel, CellSamples merged) {
   const size_t bricks = samples.bricks.size();
   std::vector<uint64_t> touched(bricks);  // rows of each brick that hold a sample
   parallel.for_each(bricks, 32, [&](size_t b) {
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
       if (where.cell_row[s] != 0 && weight[s] > 0) touched[b] |= uint64_t{1} << band.place(where.cell_row[s]);
   });
-  CellSamples merged;
   merged.weights = weights;
-  merged.layer.resize(static_cast<size_t>(band.grid().bricks().z) + 1);
+  merged.count = 0;
+  merged.row.clear();
+  merged.layer.assign(static_cast<size_t>(band.grid().bricks().z) + 1, 0);
   std::vector<size_t> first(bricks + 1);
   for (size_t b = 0; b < bricks; ++b) {
     const int32_t brick = band.grid().find(samples.bricks.coord(b));
@@ -133,7 +134,7 @@ CellSamples merge(const GridSamples& samples, const BandSamples& where, const Na
   }
   for (size_t z = 1; z < merged.layer.size(); ++z) merged.layer[z] = std::max(merged.layer[z], merged.layer[z - 1]);
 
-  merged.rows.resize(merged.row.size());
+  merged.rows.assign(merged.row.size(), {});
   std::vector<size_t> counts(bricks);
   parallel.for_each(bricks, 32, [&](size_t b) {
     std::array<uint8_t, brick_area> at{};
@@ -162,16 +163,15 @@ std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples
 
 namespace {
 
-/// Calls visit(index of a row of cells) for all of them, layer of bricks by layer; the visits of a layer in order.
-/// Every second layer touches no common vertex: they may add to their corners at the same time, and the order of the
-/// sums is fixed. visit returns a number; the sum of all is returned.
-template <class Visit>
-double for_each_cell_row(const CellSamples& data, const Parallel& parallel, Visit&& visit) {
+/// All rows of cells, layer of bricks by layer; those of a layer in order. Every second layer touches no common vertex:
+/// they may add to their corners at the same time, and the order of the sums is fixed.
+double add(const NarrowBand& band, const CellSamples& data, const DataJob& job, const Parallel& parallel) {
+  const RowKernel kernel = row_kernel();
   std::vector<double> sums(data.layer.size() - 1);
   for (size_t parity = 0; parity < 2; ++parity)
     parallel.for_each((sums.size() + 1 - parity) / 2, 1, [&](size_t i) {
       const size_t layer = 2 * i + parity;
-      for (size_t k = data.layer[layer]; k < data.layer[layer + 1]; ++k) sums[layer] += visit(k);
+      sums[layer] = kernel.data_term(band.view(), job, data.layer[layer], data.layer[layer + 1]);
     });
   double total = 0;
   for (const double sum : sums) total += sum;
@@ -182,30 +182,13 @@ double for_each_cell_row(const CellSamples& data, const Parallel& parallel, Visi
 
 double add_data_term(const NarrowBand& band, const CellSamples& data, const RowArray& v, bool affine, float scale,
                      RowArray& out, const Parallel& parallel) {
-  const RowKernel kernel = row_kernel();
-  return for_each_cell_row(data, parallel, [&](size_t k) {
-    const CellRows rows = rows_of(band, data.row[k]);
-    CellRows right;
-    for (size_t i = 0; i < 4; ++i) right[i] = band.neighbors(rows[i])[1];
-    return kernel.data_term({&data.rows[k], rows, right, data.weights.normal, data.weights.slope, affine, scale},
-                            v.data(), out.data());
-  });
+  const auto [normal, slope] = data.weights;
+  return add(band, data, {data.rows.data(), data.row.data(), normal, slope, affine, scale, v.data(), out.data()},
+             parallel);
 }
 
 void add_position_weights(const NarrowBand& band, const CellSamples& data, RowArray& out, const Parallel& parallel) {
-  for_each_cell_row(data, parallel, [&](size_t k) {
-    const CellRow& cells = data.rows[k];
-    const CellRows rows = rows_of(band, data.row[k]);
-    for (size_t x = 0; x < brick_side; ++x) {
-      if (cells.weight[x] <= 0) continue;
-      const Corners corners = corners_of(band, rows, static_cast<int>(x));
-      const float fx = cells.fraction[0][x], fy = cells.fraction[1][x], fz = cells.fraction[2][x];
-      for (size_t c = 0; c < 8; ++c)
-        out.data()[corners.slot[c]] +=
-            cells.weight[x] * (c & 1 ? fx : 1 - fx) * (c & 2 ? fy : 1 - fy) * (c & 4 ? fz : 1 - fz);
-    }
-    return 0.0;
-  });
+  add(band, data, {data.rows.data(), data.row.data(), 0, 0, false, 1, nullptr, out.data()}, parallel);
 }
 
 }  // namespace soapfilm

@@ -39,10 +39,10 @@ struct CellSamples {
 };
 
 /// Merges samples: weight[s] times 1 for the position and `weights` for its unit normal. Samples that are out of the
-/// band or of weight 0 are left out.
+/// band or of weight 0 are left out. The memory of an `old` one is used again.
 CellSamples merge(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
                   std::span<const float> weight, std::span<const Vec3f> normal, DataWeights weights,
-                  const Parallel& parallel);
+                  const Parallel& parallel, CellSamples old = {});
 
 /// Value and gradient of phi at a sample (per voxel).
 struct Jet {

@@ -33,25 +33,39 @@ void Displacement::for_values(RowRange rows, Body&& body) {
 
 void Displacement::yield_to_bends(double medians) {
   constexpr size_t stride = 7;      // a seventh of the vertices tells the median, at every x
-  constexpr int passes = 3;         // of diffusion: about a voxel's radius
-  constexpr float spread = 0.125f;  // to each neighbour in a pass; up to 1/6 no weight is negative
-  const uint8_t* degree = band_.view().degree;
-  RowArray *squares = &scratch_, *next = &image_;
-  apply_laplacian(band_, phi_, 0, 1, *squares, parallel_);
-  for_values(all_rows(band_), [&, c = squares->data()](size_t i) { c[i] = degree[i] == 6 ? c[i] * c[i] : 0.0f; });
-  for (int pass = 0; pass < passes; ++pass) {
-    apply_laplacian(band_, *squares, 1, -spread, *next, parallel_);
-    std::swap(squares, next);
-  }
+  constexpr float spread = 0.125f;  // to each neighbour in one of three passes: about a voxel's radius
+  const RowKernel kernel = row_kernel();
+  const BandRows rows = band_.view();
+  RowArray &squares = scratch_, &spread_squares = image_;
+  const auto spread_out = [&](const RowArray& from, RowArray& to, int layer) {
+    laplacian({from.data(), 1, -spread, to.data()}, layer);
+  };
+  // Two arrays do: what a stage overwrites has been read by the stage before it.
+  layer_by_layer(
+      band_,
+      [&](int layer) {
+        for_rows(rows_of_layer(band_, layer), parallel_, [&](size_t begin, size_t end) {
+          kernel.squared_bends(rows, phi_.data(), spread_squares.data(), begin, end);
+        });
+      },
+      [&](int layer) { spread_out(spread_squares, squares, layer); },
+      [&](int layer) { spread_out(squares, spread_squares, layer); },
+      [&](int layer) { spread_out(spread_squares, squares, layer); });
   std::vector<float> bends;
-  for (size_t i = 0; i < squares->size(); i += stride)
-    if (degree[i] == 6) bends.push_back(squares->data()[i]);
+  for (size_t i = 0; i < squares.size(); i += stride)
+    if (rows.degree[i] == 6) bends.push_back(squares.data()[i]);
   if (bends.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
   const float per_square = 1 / std::max(squared_medians * median(std::move(bends)), 1e-12f);
-  for_values(all_rows(band_), [&, c = squares->data()](size_t i) {
-    share_.data()[i] = degree[i] == 6 ? 1 / (1 + per_square * std::max(c[i], 0.0f)) : 1.0f;
+  for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
+    kernel.yield(rows, squares.data(), per_square, share_.data(), begin, end);
   });
+}
+
+double Displacement::laplacian(const LaplacianJob& job, int layer) {
+  const RowKernel kernel = row_kernel();
+  return sum_over_rows(rows_of_layer(band_, layer), parallel_,
+                       [&](size_t begin, size_t end) { return kernel.laplacian(band_.view(), job, begin, end); });
 }
 
 /// Minus half of the energy's gradient.
@@ -59,9 +73,14 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
   const RowKernel kernel = row_kernel();
   // beta delta + gamma (G delta - k)
   const BendJob job{phi_.data(), phi0_.data(), smoothness.slope, smoothness.curvature, share_.data(), scratch_.data()};
-  parallel_.for_chunks(band_.rows(), rows_per_task,
-                       [&](size_t begin, size_t end) { kernel.bend(band_.view(), job, begin + 1, end + 1); });
-  apply_laplacian(band_, scratch_, 0, -1, residual_, parallel_);
+  const LaplacianJob outer{scratch_.data(), 0, -1, residual_.data()};
+  layer_by_layer(
+      band_,
+      [&](int layer) {
+        for_rows(rows_of_layer(band_, layer), parallel_,
+                 [&](size_t begin, size_t end) { kernel.bend(band_.view(), job, begin, end); });
+      },
+      [&](int layer) { laplacian(outer, layer); });
   add_data_term(band_, data, phi_, true, -1, residual_, parallel_);
 }
 
@@ -74,11 +93,6 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
   RowArray& z = scratch_;
   float *phi = phi_.data(), *residual = residual_.data(), *direction = direction_.data();
   const float *image = image_.data(), *preconditioned = z.data();
-  const RowKernel kernel = row_kernel();
-  const auto laplacian = [&](const LaplacianJob& job, int layer) {
-    return sum_over_rows(rows_of_layer(band_, layer), parallel_,
-                         [&](size_t begin, size_t end) { return kernel.laplacian(band_.view(), job, begin, end); });
-  };
   double first = 0, rz = 0;
   int iteration = 0;
   for (bool last = false; !last && iteration < limits.iterations; ++iteration) {

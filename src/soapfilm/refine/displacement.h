@@ -49,6 +49,8 @@ class Displacement {
   template <class Body>
   void for_values(RowRange rows, Body&& body);
   void residual(const CellSamples& data, Smoothness smoothness);
+  /// The kernel of that name on a layer of bricks.
+  double laplacian(const LaplacianJob& job, int layer);
 
   const NarrowBand& band_;
   const Parallel& parallel_;

@@ -81,6 +81,13 @@ inline RowRange rows_of_layer(const NarrowBand& band, int z) {
   return {band.first_row(begin), band.first_row(end)};
 }
 
+/// body(begin, end) over rows in chunks.
+template <class Body>
+void for_rows(RowRange rows, const Parallel& parallel, Body&& body) {
+  parallel.for_chunks(rows.end - rows.begin, rows_per_task,
+                      [&](size_t begin, size_t end) { body(rows.begin + begin, rows.begin + end); });
+}
+
 /// The sum of body(begin, end) over rows in chunks, in an order that does not depend on threads.
 template <class Body>
 double sum_over_rows(RowRange rows, const Parallel& parallel, Body&& body) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace soapfilm {
 
@@ -17,6 +18,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
   // Once the scale rests, the samples have been weighed as they will be; bends go on being found.
   const double least_scale = std::max(params.least_scale, params.scale_of_noise * strength.noise);
   const int rounds = params.rounds + (strength.yield ? params.yielding_rounds : 0);
+  CellSamples data;
   bool last = false;
   for (int round = 0; !last; ++round) {
     if (strength.yield && round > 0) displacement.yield_to_bends(params.yielding_bend);
@@ -32,10 +34,10 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
       normal[s] =
           strength.normals > 0 ? normalized(samples.direction[s]) : -(jets[s].gradient / std::max(slope, 1e-3f));
     });
-    const CellSamples data = merge(samples, where, band, fit.weight, normal,
-                                   {static_cast<float>(strength.normals),
-                                    static_cast<float>(std::max(params.slope * strength.smoothing, strength.normals))},
-                                   parallel);
+    data = merge(samples, where, band, fit.weight, normal,
+                 {static_cast<float>(strength.normals),
+                  static_cast<float>(std::max(params.slope * strength.smoothing, strength.normals))},
+                 parallel, std::move(data));
     fit.cells = data.count;
     // Weights need no more than a rough surface.
     SolveLimits limits = params.solve;

@@ -137,6 +137,28 @@ void bend(const BandRows& band, const BendJob& job, size_t begin, size_t end) {
   }
 }
 
+void squared_bends(const BandRows& band, const float* v, float* out, size_t begin, size_t end) {
+  const D d;
+  const V six = hn::Set(d, 6.0f);
+  for (size_t r = begin; r < end; ++r) {
+    for (int x = 0; x < brick_side; x += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(x);
+      const V degree = degree_of(band.degree + i);
+      const V g = hn::Sub(hn::Mul(six, hn::Load(d, v + i)), neighbor_sum(Plain{v}, band.neighbors[r], r, x));
+      hn::Store(hn::IfThenElseZero(hn::Eq(degree, six), hn::Mul(g, g)), d, out + i);
+    }
+  }
+}
+
+void yield(const BandRows& band, const float* squares, float per_square, float* share, size_t begin, size_t end) {
+  const D d;
+  const V one = hn::Set(d, 1.0f), per = hn::Set(d, per_square);
+  for (size_t i = begin * brick_side; i < end * brick_side; i += static_cast<size_t>(lane_count())) {
+    const V less = hn::Div(one, hn::Add(one, hn::Mul(per, hn::Max(hn::Load(d, squares + i), hn::Zero(d)))));
+    hn::Store(hn::IfThenElse(hn::Eq(degree_of(band.degree + i), hn::Set(d, 6.0f)), less, one), d, share + i);
+  }
+}
+
 void inverse(const BandRows& band, const InverseJob& job, size_t begin, size_t end) {
   const D d;
   const V half = hn::Set(d, 0.5f), diffusion = hn::Set(d, job.diffusion), reaction = hn::Set(d, job.reaction);
@@ -274,9 +296,14 @@ double smooth(const BandRows& band, const CycleJob& job, size_t begin, size_t en
 
 HWY_INLINE V mix(V a, V b, V t) { return hn::Add(a, hn::Mul(t, hn::Sub(b, a))); }
 
-double data_term(const CellJob& job, const float* v, float* out) {
+/// Adds one row of cells; the terms of <v, what is added> go to `energy`.
+HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, LaneSum& energy) {
   const D d;
-  const CellRow& cells = *job.cells;
+  const CellRow& cells = job.cells[k];
+  // The rows of the corners, y fastest, and those right of them.
+  const auto next = [&](size_t row, size_t side) { return size_t{band.neighbors[row][side]}; };
+  const size_t own = job.row[k], rows[4] = {own, next(own, 3), next(own, 5), next(next(own, 3), 5)};
+  const size_t right[4] = {next(rows[0], 1), next(rows[1], 1), next(rows[2], 1), next(rows[3], 1)};
   const int lanes = lane_count();
   // Lanes moved up by one, round the end.
   HWY_ALIGN int32_t up[brick_side];
@@ -286,29 +313,32 @@ double data_term(const CellJob& job, const float* v, float* out) {
   const auto first = hn::FirstN(d, 1);
   const V one = hn::Set(d, 1.0f), scale = hn::Set(d, job.scale);
   float carry[4] = {};
-  LaneSum energy;
   for (int x = 0; x < brick_side; x += lanes) {
     const V fx = hn::Load(d, cells.fraction[0] + x), fy = hn::Load(d, cells.fraction[1] + x),
             fz = hn::Load(d, cells.fraction[2] + x);
     const V nx = hn::Load(d, cells.normal[0] + x), ny = hn::Load(d, cells.normal[1] + x),
             nz = hn::Load(d, cells.normal[2] + x);
     const V weight = hn::Mul(scale, hn::Load(d, cells.weight + x));
-    const auto low = [&](size_t k) { return hn::Load(d, v + size_t{job.row[k]} * brick_side + x); };
-    const auto high = [&](size_t k) {
-      const V next = hn::LoadU(d, v + size_t{job.row[k]} * brick_side + x + 1);
-      return x + lanes < brick_side
-                 ? next
-                 : hn::IfThenElse(all_but_last, next, hn::Set(d, v[size_t{job.right[k]} * brick_side]));
-    };
-    // Value and gradient, trilinear.
-    const V l0 = low(0), l1 = low(1), l2 = low(2), l3 = low(3);
-    const V d0 = hn::Sub(high(0), l0), d1 = hn::Sub(high(1), l1), d2 = hn::Sub(high(2), l2), d3 = hn::Sub(high(3), l3);
-    const V m0 = hn::Add(l0, hn::Mul(fx, d0)), m1 = hn::Add(l1, hn::Mul(fx, d1)), m2 = hn::Add(l2, hn::Mul(fx, d2)),
-            m3 = hn::Add(l3, hn::Mul(fx, d3));
-    const V y0 = mix(m0, m1, fy), y1 = mix(m2, m3, fy);
-    const V value = mix(y0, y1, fz);
-    V gx = mix(mix(d0, d1, fy), mix(d2, d3, fy), fz), gy = mix(hn::Sub(m1, m0), hn::Sub(m3, m2), fz),
+    V value = one, gx = hn::Zero(d), gy = hn::Zero(d), gz = hn::Zero(d);
+    if (job.v) {
+      const auto low = [&](size_t c) { return hn::Load(d, job.v + rows[c] * brick_side + x); };
+      const auto high = [&](size_t c) {
+        const V above = hn::LoadU(d, job.v + rows[c] * brick_side + x + 1);
+        return x + lanes < brick_side ? above
+                                      : hn::IfThenElse(all_but_last, above, hn::Set(d, job.v[right[c] * brick_side]));
+      };
+      // Value and gradient, trilinear.
+      const V l0 = low(0), l1 = low(1), l2 = low(2), l3 = low(3);
+      const V d0 = hn::Sub(high(0), l0), d1 = hn::Sub(high(1), l1), d2 = hn::Sub(high(2), l2),
+              d3 = hn::Sub(high(3), l3);
+      const V m0 = hn::Add(l0, hn::Mul(fx, d0)), m1 = hn::Add(l1, hn::Mul(fx, d1)), m2 = hn::Add(l2, hn::Mul(fx, d2)),
+              m3 = hn::Add(l3, hn::Mul(fx, d3));
+      const V y0 = mix(m0, m1, fy), y1 = mix(m2, m3, fy);
+      value = mix(y0, y1, fz);
+      gx = mix(mix(d0, d1, fy), mix(d2, d3, fy), fz);
+      gy = mix(hn::Sub(m1, m0), hn::Sub(m3, m2), fz);
       gz = hn::Sub(y1, y0);
+    }
     if (job.affine) {
       gx = hn::Add(gx, nx);
       gy = hn::Add(gy, ny);
@@ -331,17 +361,23 @@ double data_term(const CellJob& job, const float* v, float* out) {
     const V corner[4] = {hn::Sub(hn::Mul(qy, z0), ey0), hn::Add(hn::Mul(fy, z0), ey0), hn::Sub(hn::Mul(qy, z1), ey1),
                          hn::Add(hn::Mul(fy, z1), ey1)};
     const V slope[4] = {hn::Mul(qy, ex0), hn::Mul(fy, ex0), hn::Mul(qy, ex1), hn::Mul(fy, ex1)};
-    for (size_t k = 0; k < 4; ++k) {
-      const V to_low = hn::Sub(hn::Mul(qx, corner[k]), slope[k]), to_high = hn::Add(hn::Mul(fx, corner[k]), slope[k]);
+    for (size_t c = 0; c < 4; ++c) {
+      const V to_low = hn::Sub(hn::Mul(qx, corner[c]), slope[c]), to_high = hn::Add(hn::Mul(fx, corner[c]), slope[c]);
       const V moved = hn::TableLookupLanes(to_high, moved_up);
-      float* to = out + size_t{job.row[k]} * brick_side + x;
-      const V from_left = hn::IfThenElse(first, hn::Set(d, carry[k]), moved);
+      float* to = job.out + rows[c] * brick_side + x;
+      const V from_left = hn::IfThenElse(first, hn::Set(d, carry[c]), moved);
       hn::Store(hn::Add(hn::Load(d, to), hn::Add(to_low, from_left)), d, to);
-      carry[k] = hn::GetLane(moved);
+      carry[c] = hn::GetLane(moved);
     }
   }
-  for (size_t k = 0; k < 4; ++k)
-    if (carry[k] != 0) out[size_t{job.right[k]} * brick_side] += carry[k];  // row 0 is nobody's to write
+  for (size_t c = 0; c < 4; ++c)
+    if (carry[c] != 0) job.out[right[c] * brick_side] += carry[c];  // row 0 is nobody's to write
+  energy.end_row();
+}
+
+double data_term(const BandRows& band, const DataJob& job, size_t begin, size_t end) {
+  LaneSum energy;
+  for (size_t k = begin; k < end; ++k) add_cells(band, job, k, energy);
   return energy.total();
 }
 
@@ -386,7 +422,8 @@ void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
 }  // namespace
 
 inline RowKernel rows() {
-  return {&laplacian, &bend, &inverse, &restrict_residual, &smooth, &data_term, &restrict_brick, &prolong_brick};
+  return {&laplacian,         &bend,   &squared_bends, &yield,          &inverse,
+          &restrict_residual, &smooth, &data_term,     &restrict_brick, &prolong_brick};
 }
 
 }  // namespace soapfilm::HWY_NAMESPACE

@@ -61,14 +61,16 @@ struct CellRow {
   float weight[8];
 };
 
-/// The data term of one row of cells: see CellSamples.
-struct CellJob {
+/// The data term of rows of cells: see CellSamples. out += scale times half of its gradient at v, or with `affine`
+/// unset of its quadratic part's.
+struct DataJob {
   const CellRow* cells;
-  std::array<uint32_t, 4> row;    ///< of the corners, y fastest
-  std::array<uint32_t, 4> right;  ///< the rows next to them along +x
-  float normal, slope;            ///< weights of the normal and of the slope against one position
+  const uint32_t* row;  ///< of the band, with the lowest corners of each row of cells
+  float normal, slope;  ///< weights of the normal and of the slope against one position
   bool affine;
-  float scale;  ///< of what is added
+  float scale;
+  const float* v;  ///< null: 1 everywhere
+  float* out;
 };
 
 /// A fine brick and what it interpolates from: the coarse rows y = 0..4, z = 0..4 above half of it, y fastest, and
@@ -87,14 +89,18 @@ struct RowKernel {
   /// Returns <G v, out>.
   double (*laplacian)(const BandRows& band, const LaplacianJob& job, size_t begin, size_t end);
   void (*bend)(const BandRows& band, const BendJob& job, size_t begin, size_t end);
+  /// out = (G v)^2 where all six neighbours are in the band, 0 elsewhere.
+  void (*squared_bends)(const BandRows& band, const float* v, float* out, size_t begin, size_t end);
+  /// share = 1 / (1 + per_square max(squares, 0)) there, 1 elsewhere.
+  void (*yield)(const BandRows& band, const float* squares, float per_square, float* share, size_t begin, size_t end);
   void (*inverse)(const BandRows& band, const InverseJob& job, size_t begin, size_t end);
   /// coarse += P^T (b - K (inverse b)) of one brick: the residual after one Jacobi step from zero. CycleJob's x and out
   /// are not used.
   void (*restrict_residual)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse);
   /// out = x + inverse (b - K x).
   double (*smooth)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
-  /// out += scale times half of the data term's gradient at v; returns scale <v, that>, for one row of cells.
-  double (*data_term)(const CellJob& job, const float* v, float* out);
+  /// Rows of cells one after the other: neighbours share corners. Returns <v, what is added> without `affine`.
+  double (*data_term)(const BandRows& band, const DataJob& job, size_t begin, size_t end);
   /// coarse += P^T from of one brick.
   void (*restrict_brick)(const BrickTransfer& transfer, const float* from, float* coarse);
   /// out = inverse b + P x on one brick, 0 where inverse is; x is coarse.
