@@ -14,7 +14,7 @@ namespace soapfilm {
 namespace {
 
 const std::string scalar_name = "scalar";
-bool scalar_forced = false;
+bool only_scalar = false;
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -34,16 +34,18 @@ std::vector<std::string> simd_targets() {
 }
 
 std::string simd_target() {
-  if (scalar_forced) return scalar_name;
+  if (only_scalar) return scalar_name;
   const int64_t supported = hwy::SupportedTargets() & HWY_TARGETS;
   // Better targets are lower bits.
   return lower(hwy::TargetName(supported & -supported));
 }
 
+bool scalar_forced() { return only_scalar; }
+
 void force_simd_target(const std::string& name) {
   hwy::SetSupportedTargetsForTest(0);
-  scalar_forced = name == scalar_name;
-  if (!name.empty() && !scalar_forced) {
+  only_scalar = name == scalar_name;
+  if (!name.empty() && !only_scalar) {
     const std::vector<int64_t> targets = hwy::SupportedAndGeneratedTargets();
     const auto it = std::find_if(targets.begin(), targets.end(),
                                  [&](int64_t target) { return lower(hwy::TargetName(target)) == name; });

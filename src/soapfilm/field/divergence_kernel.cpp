@@ -15,7 +15,7 @@ HWY_EXPORT(kernel);
 DivergenceKernel scalar_divergence_kernel();
 
 DivergenceKernel divergence_kernel() {
-  return simd_target() == "scalar" ? scalar_divergence_kernel() : HWY_DYNAMIC_DISPATCH(kernel)();
+  return scalar_forced() ? scalar_divergence_kernel() : HWY_DYNAMIC_DISPATCH(kernel)();
 }
 
 }  // namespace soapfilm

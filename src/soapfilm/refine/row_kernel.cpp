@@ -14,7 +14,7 @@ namespace soapfilm {
 HWY_EXPORT(rows);
 RowKernel scalar_row_kernel();
 
-RowKernel row_kernel() { return simd_target() == "scalar" ? scalar_row_kernel() : HWY_DYNAMIC_DISPATCH(rows)(); }
+RowKernel row_kernel() { return scalar_forced() ? scalar_row_kernel() : HWY_DYNAMIC_DISPATCH(rows)(); }
 
 }  // namespace soapfilm
 #endif  // HWY_ONCE

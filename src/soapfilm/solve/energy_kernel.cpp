@@ -15,7 +15,7 @@ HWY_EXPORT(energy_kernel);
 EnergyKernel scalar_energy_kernel(Norm norm);
 
 EnergyKernel energy_kernel(Norm norm) {
-  return simd_target() == "scalar" ? scalar_energy_kernel(norm) : HWY_DYNAMIC_DISPATCH(energy_kernel)(norm);
+  return scalar_forced() ? scalar_energy_kernel(norm) : HWY_DYNAMIC_DISPATCH(energy_kernel)(norm);
 }
 
 }  // namespace soapfilm

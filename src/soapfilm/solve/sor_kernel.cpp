@@ -15,7 +15,7 @@ HWY_EXPORT(sor_row_kernel);
 SorKernel scalar_sor_kernel();
 
 SorKernel sor_kernel() {
-  return simd_target() == "scalar" ? scalar_sor_kernel() : HWY_DYNAMIC_DISPATCH(sor_row_kernel)();
+  return scalar_forced() ? scalar_sor_kernel() : HWY_DYNAMIC_DISPATCH(sor_row_kernel)();
 }
 
 }  // namespace soapfilm

@@ -15,7 +15,7 @@ HWY_EXPORT(kernel);
 SweepKernel scalar_sweep_kernel(Norm norm);
 
 SweepKernel sweep_kernel(Norm norm) {
-  return simd_target() == "scalar" ? scalar_sweep_kernel(norm) : HWY_DYNAMIC_DISPATCH(kernel)(norm);
+  return scalar_forced() ? scalar_sweep_kernel(norm) : HWY_DYNAMIC_DISPATCH(kernel)(norm);
 }
 
 }  // namespace soapfilm
