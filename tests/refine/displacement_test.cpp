@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "refine/band_support.h"
+#include "support/back_ends.h"
 
 namespace soapfilm {
 namespace {
@@ -43,8 +44,7 @@ class BallDisplacement : public testing::Test {
       }
     return merge(samples, locate(samples, band, one_thread), band, weight, normal, {0, 2 * gamma}, one_thread);
   }
-  /// The largest change that solving on to `more` steps brings, over the largest displacement.
-  double left_after(int steps, float gamma) {
+  void displace() {
     for (size_t b = 0; b < band.grid().size(); ++b)
       for_each_vertex(band.grid().coord(b), [&](Vec3i v, int i) {
         const uint32_t row = band.row(static_cast<int32_t>(b), i >> 3 & 7, i >> 6);
@@ -52,6 +52,10 @@ class BallDisplacement : public testing::Test {
           phi0.data()[row * brick_side + static_cast<size_t>(i & 7)] =
               static_cast<float>(distance(Vec3d(v)) + 0.5 * std::sin(0.4 * v.x) * std::cos(0.5 * v.y));
       });
+  }
+  /// The largest change that solving on to `more` steps brings, over the largest displacement.
+  double left_after(int steps, float gamma) {
+    displace();
     const CellSamples cells = fitted(gamma);
     const Smoothness smoothness{0.02f * std::sqrt(gamma), gamma};
     Displacement few(band, phi0, one_thread), many(band, phi0, one_thread);
@@ -69,6 +73,27 @@ class BallDisplacement : public testing::Test {
 TEST_F(BallDisplacement, TwelveStepsConvergeForAnySmoothness) {
   for (const float gamma : {0.01f, 1.0f, 200.0f}) EXPECT_LT(left_after(12, gamma), 0.02) << "gamma " << gamma;
 }
+
+class BallDisplacementOn : public BallDisplacement, public testing::WithParamInterface<BackEnd> {};
+
+TEST_P(BallDisplacementOn, GivesTheSameBits) {
+  displace();
+  const CellSamples cells = fitted(0.5f);
+  const auto run = [&](const Parallel& parallel) {
+    Displacement displacement(band, phi0, parallel);
+    for (int round = 0; round < 2; ++round) {
+      displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
+      displacement.yield_to_bends(1);
+    }
+    displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
+    return std::vector<float>(displacement.phi().data(), displacement.phi().data() + displacement.phi().size());
+  };
+  const std::vector<float> expected = run(one_thread);
+  const ForcedTarget target(GetParam().target);
+  EXPECT_EQ(run(Parallel(GetParam().threads)), expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, BallDisplacementOn, testing::ValuesIn(back_ends()), back_end_name);
 
 }  // namespace
 }  // namespace soapfilm

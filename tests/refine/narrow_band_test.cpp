@@ -84,6 +84,28 @@ TEST(NarrowBand, MultilevelTransfersAreAdjointAndKeepConstants) {
   for (size_t i = 8; i < band.slots(); ++i) ASSERT_EQ(prolonged.data()[i], fine.data()[i] + inverse.data()[i]);
 }
 
+TEST(NarrowBand, MultilevelRestrictsTheResidualOfAJacobiStep) {
+  const NarrowBand band = random_band(3, 0.4, 14);
+  const CoarseBand coarse(band, one_thread);
+  const RowArray b = random_array(band, 15), extent = members(band);
+  RowArray inverse = members(band), x = band.make_array(), out = band.make_array(), residual = band.make_array();
+  RowArray expected = coarse.band().make_array(), restricted = coarse.band().make_array();
+  // A vertex without neighbours is tied to nothing.
+  for (size_t i = 0; i < x.size(); ++i) {
+    inverse.data()[i] *= band.degree(0)[i] > 0 ? 0.1f : 0.0f;
+    x.data()[i] = inverse.data()[i] * b.data()[i];
+  }
+  for (const float* e : {static_cast<const float*>(nullptr), extent.data()}) {
+    CycleJob job{inverse.data(), e, b.data(), 0.7f, 0.8f, x.data(), out.data(), nullptr};
+    row_kernel().smooth(band.view(), job, 1, band.rows() + 1);
+    for (size_t i = 0; i < x.size(); ++i)
+      residual.data()[i] = inverse.data()[i] > 0 ? (out.data()[i] - x.data()[i]) / inverse.data()[i] : 0.0f;
+    coarse.restrict_to(band, residual, expected, one_thread);
+    coarse.restrict_residual(band, job, restricted, one_thread);
+    for (size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(restricted.data()[i], expected.data()[i], 2e-5);
+  }
+}
+
 TEST(NarrowBand, MultilevelIsSymmetricPositiveDefinite) {
   const NarrowBand band = random_band(3, 0.5, 9);
   Multilevel multilevel(band, one_thread);

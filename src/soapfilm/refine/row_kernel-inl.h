@@ -245,6 +245,7 @@ HWY_INLINE void add_restricted(const PlacedRows& fine, const BrickTransfer& tran
   for (size_t y = 0; y < side; ++y) sum_along(along_y[y], side * brick_side, along_z[y], side * brick_side);
   HWY_ALIGN float nowhere[brick_side] = {};  // coarse rows that are missing get nothing but zeros
   for (size_t k = 0; k < side * side; ++k) {
+    if ((transfer.row[k] | transfer.right[k]) == 0) continue;
     const auto to = [&](uint32_t row) { return row == 0 ? nowhere : coarse + size_t{row} * brick_side; };
     add_across(along_z[k], transfer.half, to(transfer.row[k]), to(transfer.right[k]));
   }
