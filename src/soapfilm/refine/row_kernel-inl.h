@@ -371,8 +371,8 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
       carry[c] = hn::GetLane(moved);
     }
   }
-  for (size_t c = 0; c < 4; ++c)
-    if (carry[c] != 0) job.out[right[c] * brick_side] += carry[c];  // row 0 is nobody's to write
+  if (cells.weight[brick_side - 1] > 0)  // else there may be no such row, and row 0 is nobody's to write
+    for (size_t c = 0; c < 4; ++c) job.out[right[c] * brick_side] += carry[c];
   energy.end_row();
 }
 
