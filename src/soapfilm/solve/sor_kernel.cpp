@@ -14,9 +14,7 @@ namespace soapfilm {
 HWY_EXPORT(sor_row_kernel);
 SorKernel scalar_sor_kernel();
 
-SorKernel sor_kernel() {
-  return scalar_forced() ? scalar_sor_kernel() : HWY_DYNAMIC_DISPATCH(sor_row_kernel)();
-}
+SorKernel sor_kernel() { return scalar_forced() ? scalar_sor_kernel() : HWY_DYNAMIC_DISPATCH(sor_row_kernel)(); }
 
 }  // namespace soapfilm
 #endif  // HWY_ONCE
