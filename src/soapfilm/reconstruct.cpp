@@ -160,8 +160,8 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
     stages.run("bend", [&] {
       const double scale = std::max(params.refine.robust.least_scale,
                                     params.refine.robust.scale_of_noise * report.refine->strength.noise);
-      bend_edges(mesh, SmoothField(surface.grid, surface.value, far_distance, parallel), samples, scale, lattice,
-                 params.surface.bend, parallel, report.bend.emplace());
+      bend_edges(mesh, SmoothField(surface.grid, surface.value, parallel), samples, scale, lattice, params.surface.bend,
+                 parallel, report.bend.emplace());
     });
   return finish(std::move(mesh));
 }

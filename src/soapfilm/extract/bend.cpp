@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <vector>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/extract/flip.h"
 #include "soapfilm/extract/leftover.h"
 
 namespace soapfilm {
 
 namespace {
 
-constexpr double reach = 0.25;      // voxels, the most that a vertex moves onto the smooth surface
-constexpr double suspicion = 0.33;  // of the tolerance: a bend by the triangles' normals that is looked at closely
+constexpr double reach = 0.25;        // voxels, the most that a vertex moves onto the smooth surface
+constexpr double suspicion = 0.33;    // of the tolerance: a sag by the ends' normals that is looked at closely
+constexpr double least_gain = 0.004;  // voxels
 constexpr size_t triangles_per_task = 1 << 14;
 constexpr size_t points_per_task = 1 << 10;
 constexpr uint32_t none = ~uint32_t{0};
@@ -25,15 +26,13 @@ struct Edge {
   uint32_t a, b;  // vertices, a < b
 };
 
-/// The sum of the triangles' normals around each vertex, made unit.
-std::vector<Vec3f> vertex_normals(const Mesh& mesh) {
+/// Of the smooth surface, at each vertex; zero where it is not known.
+std::vector<Vec3f> vertex_normals(const Mesh& mesh, const SmoothField& field, const Lattice& lattice,
+                                  const Parallel& parallel) {
   std::vector<Vec3f> normals(mesh.vertices.size());
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3d at = mesh.vertices[t[0]];
-    const Vec3f n(normalized(cross(mesh.vertices[t[1]] - at, mesh.vertices[t[2]] - at)));
-    for (const uint32_t v : t) normals[v] += n;
-  }
-  for (Vec3f& n : normals) n = normalized(n);
+  parallel.for_each(normals.size(), points_per_task, [&](size_t v) {
+    if (const auto jet = field.at(lattice.to_lattice(mesh.vertices[v]))) normals[v] = Vec3f(normalized(jet->gradient));
+  });
   return normals;
 }
 
@@ -43,33 +42,35 @@ class Bending {
       : mesh_(mesh), field_(field), lattice_(lattice), tolerance_(tolerance), parallel_(parallel) {}
 
   size_t run(const Leftover& leftover) {
-    find_suspects();
+    const std::vector<Vec3f> normals = vertex_normals(mesh_, field_, lattice_, parallel_);
+    flip_edges(mesh_, normals, lattice_.voxel, least_gain * lattice_.voxel, parallel_);
+    find_suspects(normals);
     place_ends();
     place_middles();
     keep_split();
-    settle(ends_, leftover);
-    settle(middles_, leftover);
-    for (size_t i = 0; i < moved_.size(); ++i) mesh_.vertices[moved_[i]] = lattice_.to_world(ends_[i]);
+    parallel_.for_each(mesh_.vertices.size(), points_per_task, [&](size_t v) {
+      const Vec3d p = slot_[v] == none ? lattice_.to_lattice(mesh_.vertices[v]) : ends_[slot_[v]];
+      mesh_.vertices[v] = settled(p, leftover);
+    });
     first_new_ = mesh_.vertices.size();
-    for (const Vec3d& p : middles_) mesh_.vertices.push_back(lattice_.to_world(p));
+    mesh_.vertices.resize(first_new_ + middles_.size());
+    parallel_.for_each(middles_.size(), points_per_task,
+                       [&](size_t i) { mesh_.vertices[first_new_ + i] = settled(middles_[i], leftover); });
     cut_triangles();
     return edges_.size();
   }
 
  private:
-  /// Every edge of a closed mesh runs upwards in one of its triangles. On a surface that bends evenly the middle of an
-  /// edge e lies e (n_b - n_a) / 8 off.
-  void find_suspects() {
-    const std::vector<Vec3f> normals = vertex_normals(mesh_);
-    const double limit = 8 * suspicion * tolerance_ * lattice_.voxel;
+  /// Every edge of a closed mesh runs upwards in one of its triangles.
+  void find_suspects(const std::vector<Vec3f>& normals) {
+    const double limit = suspicion * tolerance_ * lattice_.voxel;
     std::vector<std::vector<Edge>> found((mesh_.triangles.size() + triangles_per_task - 1) / triangles_per_task);
     parallel_.for_chunks(mesh_.triangles.size(), triangles_per_task, [&](size_t begin, size_t end) {
       for (size_t t = begin; t < end; ++t)
         for (size_t k = 0; k < 3; ++k) {
           const Edge e{mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]};
           if (e.a > e.b) continue;
-          const Vec3d along = mesh_.vertices[e.b] - mesh_.vertices[e.a];
-          if (std::abs(dot(along, Vec3d(normals[e.b] - normals[e.a]))) > limit)
+          if (sag(mesh_.vertices[e.a], mesh_.vertices[e.b], normals[e.a], normals[e.b]) > limit)
             found[begin / triangles_per_task].push_back(e);
         }
     });
@@ -133,13 +134,13 @@ class Bending {
     for (size_t i = 0; i < moved_.size(); ++i) ends_[i] = old_ends[old_slot[moved_[i]]];
   }
 
-  void settle(std::vector<Vec3d>& points, const Leftover& leftover) const {
-    parallel_.for_each(points.size(), points_per_task, [&](size_t i) {
-      const auto jet = field_.at(points[i]);
-      if (!jet) return;
+  /// In the world, from the lattice.
+  Vec3d settled(Vec3d point, const Leftover& leftover) const {
+    if (const auto jet = field_.at(point)) {
       const Vec3d normal = normalized(jet->gradient);
-      points[i] += normal * leftover.mean_at(points[i], normal);
-    });
+      point += normal * leftover.mean_at(point, normal);
+    }
+    return lattice_.to_world(point);
   }
 
   /// The vertex in the middle of an edge; `none` where it is not split.

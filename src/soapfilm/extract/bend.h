@@ -10,7 +10,7 @@
 namespace soapfilm {
 
 struct BendParams {
-  double tolerance = 0.02;  ///< split edges whose middle lies further from the smooth surface, voxels; [0, 1], 0: none
+  double tolerance = 0.018;  ///< split edges whose middle lies further from the smooth surface, voxels; [0, 1], 0: none
 };
 
 struct BendReport {

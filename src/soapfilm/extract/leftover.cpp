@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "soapfilm/refine/robust.h"
 #include "soapfilm/refine/robust_fit.h"
@@ -11,7 +10,9 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double radius = 1;  // voxels; the search looks at the 27 cells around
+constexpr double radius = 1;   // voxels; the search looks at the 27 cells around
+constexpr double prior = 0.1;  // samples of distance 0 in every mean
+constexpr int passes = 4;
 
 int cell_of(Vec3f local) {
   const auto part = [](float q) { return std::min(static_cast<int>(q), brick_side - 1); };
@@ -40,10 +41,21 @@ Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double 
     std::stable_sort(entries_.begin() + samples.begin[b], entries_.begin() + samples.begin[b + 1],
                      [](const Entry& a, const Entry& c) { return a.cell < c.cell; });
   });
+  // A mean also takes of what its own samples need: they ask for more until it gives them what they lie off.
+  std::vector<float> target(entries_.size()), mean(entries_.size());
+  for (size_t s = 0; s < target.size(); ++s) target[s] = entries_[s].distance;
+  for (int pass = 1; pass < passes; ++pass) {
+    parallel.for_each(samples.bricks.size(), 32, [&](size_t b) {
+      const Vec3d origin(samples.bricks.first_vertex(b));
+      for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
+        if (const Entry& e = entries_[s]; e.weight > 0)
+          mean[s] = static_cast<float>(mean_at(origin + Vec3d(e.local), Vec3d(e.normal)));
+    });
+    for (size_t s = 0; s < target.size(); ++s) entries_[s].distance += target[s] - mean[s];
+  }
 }
 
 double Leftover::mean_at(Vec3d point, Vec3d normal) const {
-  static const double prior = getenv("SF_REG") ? atof(getenv("SF_REG")) : 0.2;
   const Vec3i cell{static_cast<int>(std::floor(point.x)), static_cast<int>(std::floor(point.y)),
                    static_cast<int>(std::floor(point.z))};
   const Vec3i first = cell - Vec3i{1, 1, 1}, last = cell + Vec3i{1, 1, 1};

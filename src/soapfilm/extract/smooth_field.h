@@ -21,10 +21,10 @@ class SmoothField {
     Vec3d gradient;  ///< per voxel
   };
 
-  /// `value`: voxels, a distance where its magnitude is < `far`, nothing but a side elsewhere. `grid` must outlive it.
-  SmoothField(const BrickGrid& grid, const Field<float>& value, float far, const Parallel& parallel);
+  /// `value`: voxels. `grid` must outlive it.
+  SmoothField(const BrickGrid& grid, const Field<float>& value, const Parallel& parallel);
 
-  /// At a lattice point; none unless the 32 vertices that it depends on carry distances.
+  /// At a lattice point; none unless the 32 vertices that it depends on are in the grid's bricks.
   std::optional<Jet> at(Vec3d point) const;
 
   /// The point of the surface next to `point`, by Newton steps along the gradient; none where the field is not known,
@@ -36,7 +36,6 @@ class SmoothField {
  private:
   const BrickGrid& grid_;
   Field<float> value_;
-  float far_;
 };
 
 }  // namespace soapfilm

@@ -13,6 +13,7 @@ namespace soapfilm {
 
 namespace {
 
+constexpr float far_distance = 3;       // voxels, of vertices beyond the band
 constexpr float held_distance = 0.05f;  // voxels, of vertices whose sign must not follow
 
 /// Quantile function of the standard normal distribution in [0.016, 0.984] (rational approximation of Acklam 2003).

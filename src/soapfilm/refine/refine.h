@@ -33,9 +33,6 @@ struct RefineReport {
   int iterations = 0;        ///< conjugate-gradient steps on the whole band
 };
 
-/// What the refined field holds beyond the band, with the sign of its side: voxels.
-inline constexpr float far_distance = 3;
-
 /// Throws ParameterError naming the first value that is out of its range, and the range.
 void validate(const RefineParams& params);
 
