@@ -18,6 +18,8 @@ namespace {
 constexpr double reach = 0.25;        // voxels, the most that a vertex moves onto the smooth surface
 constexpr double suspicion = 0.33;    // of the tolerance: a sag by the ends' normals that is looked at closely
 constexpr double least_gain = 0.004;  // voxels
+constexpr double least_cosine = 0.3;  // between a triangle's normals before and after its corners move
+constexpr int most_halvings = 3;      // of a move that turns one further; then it is taken back
 constexpr size_t triangles_per_task = 1 << 14;
 constexpr size_t points_per_task = 1 << 10;
 constexpr uint32_t none = ~uint32_t{0};
@@ -48,15 +50,19 @@ class Bending {
     place_ends();
     place_middles();
     keep_split();
-    parallel_.for_each(mesh_.vertices.size(), points_per_task, [&](size_t v) {
-      const Vec3d p = slot_[v] == none ? lattice_.to_lattice(mesh_.vertices[v]) : ends_[slot_[v]];
+    const size_t old = mesh_.vertices.size();
+    start_ = mesh_.vertices;
+    for (const Edge& e : edges_) start_.push_back(0.5 * (start_[e.a] + start_[e.b]));
+    mesh_.vertices.resize(start_.size());
+    parallel_.for_each(start_.size(), points_per_task, [&](size_t v) {
+      const Vec3d p = v >= old           ? middles_[v - old]
+                      : slot_[v] == none ? lattice_.to_lattice(start_[v])
+                                         : ends_[slot_[v]];
       mesh_.vertices[v] = settled(p, leftover);
     });
-    first_new_ = mesh_.vertices.size();
-    mesh_.vertices.resize(first_new_ + middles_.size());
-    parallel_.for_each(middles_.size(), points_per_task,
-                       [&](size_t i) { mesh_.vertices[first_new_ + i] = settled(middles_[i], leftover); });
+    first_new_ = old;
     cut_triangles();
+    unfold();
     return edges_.size();
   }
 
@@ -188,6 +194,40 @@ class Bending {
     put({ab, b, bc}, {{a, ab, c}, {ab, bc, c}});
   }
 
+  /// Takes back, by half and in the end wholly, the moves of the corners of triangles that they turn too far: without
+  /// them each part of a cut triangle lies in the triangle.
+  void unfold() {
+    std::vector<uint8_t> halvings(start_.size());
+    const std::vector<Vec3d> target = mesh_.vertices;
+    for (std::vector<uint32_t> folded = folded_corners(); !folded.empty(); folded = folded_corners())
+      for (const uint32_t v : folded) {
+        const double share = ++halvings[v] < most_halvings ? std::ldexp(1.0, -halvings[v]) : 0;
+        mesh_.vertices[v] = start_[v] + (target[v] - start_[v]) * share;
+        if (share == 0) mesh_.vertices[v] = start_[v];
+      }
+  }
+
+  /// Of triangles that have turned too far, each one once, those that moved.
+  std::vector<uint32_t> folded_corners() const {
+    std::vector<std::vector<uint32_t>> found((mesh_.triangles.size() + triangles_per_task - 1) / triangles_per_task);
+    const auto normal_of = [](const std::vector<Vec3d>& at, const Triangle& t) {
+      return normalized(cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]));
+    };
+    parallel_.for_chunks(mesh_.triangles.size(), triangles_per_task, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const Triangle& t = mesh_.triangles[i];
+        if (dot(normal_of(start_, t), normal_of(mesh_.vertices, t)) > least_cosine) continue;
+        for (const uint32_t v : t)
+          if (!(mesh_.vertices[v] == start_[v])) found[begin / triangles_per_task].push_back(v);
+      }
+    });
+    std::vector<uint32_t> corners;
+    for (const auto& part : found) corners.insert(corners.end(), part.begin(), part.end());
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    return corners;
+  }
+
   Mesh& mesh_;
   const SmoothField& field_;
   const Lattice& lattice_;
@@ -200,6 +240,7 @@ class Bending {
   std::vector<uint32_t> slot_;      // by vertex: its place among them
   std::vector<Vec3d> ends_;         // their places, lattice
   std::vector<uint32_t> first_of_;  // by vertex: the first edge that it is the lower end of
+  std::vector<Vec3d> start_;        // vertices, new ones too, before they move
   size_t first_new_ = 0;
 };
 

@@ -10,7 +10,7 @@ namespace soapfilm {
 namespace {
 
 constexpr int passes = 3;
-constexpr double least_area = 0.01;  // voxel^2, of a new triangle seen along the old ones' normal
+constexpr double least_area = 0.01;  // voxel^2, of a new triangle seen along either old one's normal
 constexpr size_t edges_per_task = 1 << 13;
 
 /// The edges of a closed mesh, by their lower end.
@@ -72,9 +72,12 @@ double gain_of(const Mesh& mesh, const EdgeTable& table, const EdgeTable::Edge& 
   const double gain = here - sag(at[c], at[d], normals[c], normals[d]);
   if (!(gain > least_gain) || c == d || table.holds(c, d)) return 0;
   const auto twice = [&](uint32_t p, uint32_t q, uint32_t r) { return cross(at[q] - at[p], at[r] - at[p]); };
-  const Vec3d along = normalized(twice(a, b, c) + twice(b, a, d));
+  const Vec3d old[] = {normalized(twice(a, b, c)), normalized(twice(b, a, d))};
   const double least = 2 * least_area * voxel * voxel;
-  return dot(twice(d, b, c), along) > least && dot(twice(a, d, c), along) > least ? gain : 0;
+  for (const Vec3d& fresh : {twice(d, b, c), twice(a, d, c)})
+    for (const Vec3d& normal : old)
+      if (!(dot(fresh, normal) > least)) return 0;
+  return gain;
 }
 
 size_t flip_once(Mesh& mesh, std::span<const Vec3f> normals, double voxel, double least_gain,
