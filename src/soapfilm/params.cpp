@@ -214,6 +214,9 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(fmt::format("min_support = {:g}: islands are kept", params.islands.min_support));
   if (params.refine.smoothing && !refines(params))
     throw ParameterError(fmt::format("smoothing = {:g}: the surface is not refined", *params.refine.smoothing));
+  if (params.surface.bend.tolerance != BendParams{}.tolerance && !refines(params))
+    throw ParameterError(
+        fmt::format("bend_tolerance = {:g}: the surface is not refined", params.surface.bend.tolerance));
 }
 
 }  // namespace

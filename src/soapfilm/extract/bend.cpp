@@ -18,7 +18,7 @@ namespace {
 constexpr double reach = 0.25;        // voxels, the most that a vertex moves onto the smooth surface
 constexpr double suspicion = 0.33;    // of the tolerance: a sag by the ends' normals that is looked at closely
 constexpr double least_gain = 0.004;  // voxels
-constexpr double least_cosine = 0.3;  // between a triangle's normals before and after its corners move
+constexpr double least_cosine = 0.4;  // between a triangle's normals before and after its corners move
 constexpr int most_halvings = 3;      // of a move that turns one further; then it is taken back
 constexpr size_t triangles_per_task = 1 << 14;
 constexpr size_t points_per_task = 1 << 10;
@@ -248,7 +248,7 @@ class Bending {
 
 void validate(const BendParams& params) {
   if (!(params.tolerance >= 0 && params.tolerance <= 1))
-    throw ParameterError(fmt::format("bend tolerance = {}, must be in [0, 1]", params.tolerance));
+    throw ParameterError(fmt::format("bend_tolerance = {}, must be in [0, 1]", params.tolerance));
 }
 
 void bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale, const Lattice& lattice,
