@@ -31,8 +31,6 @@ class SmoothField {
   /// flat (slope under 0.3), or has no surface within `reach` voxels.
   std::optional<Vec3d> project(Vec3d point, double reach) const;
 
-  size_t bytes() const { return value_.bytes(); }
-
  private:
   const BrickGrid& grid_;
   Field<float> value_;
