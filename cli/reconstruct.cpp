@@ -308,6 +308,9 @@ void add_surface_options(CLI::App& app, Options& o) {
                          "Of the refined surface: weight of curvature against one sample\n(default: chosen by held-out "
                          "samples)"))
       ->option_text("V");
+  surface(app.add_option("--bend-tolerance", p.surface.bend.tolerance,
+                         "Of the refined surface: split edges whose middle lies further from it,\nvoxels; 0: none"))
+      ->option_text(fmt::format("V [{:g}]", p.surface.bend.tolerance));
 
   const auto output = [&](auto* option) { return option->group("Output"); };
   output(app.add_option("--report", o.report, "Write what was done and proved, as JSON"))->option_text("FILE.json");

@@ -92,6 +92,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("surface", "refine", p.surface.refine);
   visit("surface", "isovalue", p.surface.isovalue);
   visit("surface", "drop_islands", p.surface.drop_islands);
+  visit("surface", "bend_tolerance", p.surface.bend.tolerance);
   visit("islands", "min_support", p.islands.min_support);
   visit("islands", "few_samples", p.islands.few_samples);
   visit("islands", "many_samples", p.islands.many_samples);
@@ -213,6 +214,9 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(fmt::format("min_support = {:g}: islands are kept", params.islands.min_support));
   if (params.refine.smoothing && !refines(params))
     throw ParameterError(fmt::format("smoothing = {:g}: the surface is not refined", *params.refine.smoothing));
+  if (params.surface.bend.tolerance != BendParams{}.tolerance && !refines(params))
+    throw ParameterError(
+        fmt::format("bend_tolerance = {:g}: the surface is not refined", params.surface.bend.tolerance));
 }
 
 }  // namespace
@@ -248,6 +252,7 @@ void validate(const ReconstructParams& params) {
   require(params.poisson.max_iterations >= 1, "poisson max_iterations", params.poisson.max_iterations, ">= 1");
   refuse_contradictions(params);
   const auto inside_unit = [](double v) { return v > 0 && v < 1; };
+  validate(params.surface.bend);
   require(inside_unit(params.surface.threshold), "threshold", params.surface.threshold, "> 0 and < 1");
   if (params.surface.isovalue)
     require(inside_unit(*params.surface.isovalue), "isovalue", *params.surface.isovalue, "> 0 and < 1");

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "soapfilm/extract/bend.h"
 #include "soapfilm/finish/islands.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/method.h"
@@ -44,7 +45,8 @@ struct SurfaceParams {
   std::optional<bool> refine;        ///< move the level set onto the samples; without it: by Method::tv alone
   std::optional<bool> drop_islands;  ///< drop parts that few samples support; without it: where the surface is refined
   std::optional<double>
-      isovalue;  ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the samples
+      isovalue;     ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the samples
+  BendParams bend;  ///< refined, noise under 0.1 voxel: where edges are split
 };
 
 struct ReconstructParams {

@@ -5,6 +5,7 @@
 #include "soapfilm/announce.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
+#include "soapfilm/extract/bend.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/finish/islands.h"
@@ -152,7 +153,17 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   const auto surface = stages.run("refine", [&] { return level_set(segmentation, samples, params, parallel, report); });
 
   // The level set as a closed, manifold mesh.
-  return finish(stages.run("extract", [&] { return closed_mesh(surface, lattice, parallel, report); }));
+  Mesh mesh = stages.run("extract", [&] { return closed_mesh(surface, lattice, parallel, report); });
+
+  // Where the surface bends, triangles of a voxel are too coarse for what the samples tell.
+  if (report.refine && params.surface.bend.tolerance > 0 && !report.refine->strength.yield)
+    stages.run("bend", [&] {
+      const double scale = std::max(params.refine.robust.least_scale,
+                                    params.refine.robust.scale_of_noise * report.refine->strength.noise);
+      bend_edges(mesh, SmoothField(surface.grid, surface.value, parallel), samples, scale, lattice, params.surface.bend,
+                 parallel, report.bend.emplace());
+    });
+  return finish(std::move(mesh));
 }
 
 }  // namespace

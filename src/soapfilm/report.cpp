@@ -133,6 +133,10 @@ ordered_json refine_json(const RefineReport& r) {
           {"iterations", r.iterations}};
 }
 
+ordered_json bend_json(const BendReport& r) {
+  return {{"split_edges", r.split_edges}, {"triangles_before", r.triangles_before}};
+}
+
 ordered_json select_json(const CrossValidationReport& select) {
   ordered_json curve = ordered_json::array();
   for (const CrossValidationPoint& p : select.curve)
@@ -213,7 +217,8 @@ std::string to_json(const ReconstructReport& report) {
       {"surface",
        {{"isovalue", report.isovalue},
         {"islands", report.islands ? islands_json(*report.islands, report.params.islands) : ordered_json(nullptr)},
-        {"refine", report.refine ? refine_json(*report.refine) : ordered_json(nullptr)}}},
+        {"refine", report.refine ? refine_json(*report.refine) : ordered_json(nullptr)},
+        {"bend", report.bend ? bend_json(*report.bend) : ordered_json(nullptr)}}},
       {"mesh", mesh_json(report)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},

@@ -1,0 +1,34 @@
+// From flat triangles of one voxel to ones that follow the surface where it bends.
+#pragma once
+
+#include "soapfilm/core/mesh.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/extract/smooth_field.h"
+#include "soapfilm/field/samples.h"
+#include "soapfilm/grid/lattice.h"
+
+namespace soapfilm {
+
+struct BendParams {
+  double tolerance = 0.018;  ///< split edges whose middle lies further from the smooth surface, voxels; [0, 1], 0: none
+};
+
+struct BendReport {
+  size_t split_edges = 0;
+  size_t triangles_before = 0;
+};
+
+/// Throws ParameterError naming the first value that is out of its range, and the range.
+void validate(const BendParams& params);
+
+/// Splits the edges of a mesh whose middle lies further than the tolerance from the surface of `field`, once each, and
+/// moves their middles and ends onto it; then towards the samples within a voxel of them, by a weighted mean of what
+/// these still lie off the surface. A sample further off than some 4.7 `scale` (voxels) counts as an outlier.
+///
+/// Triangles are cut along their split edges into two, three or four, so a closed manifold stays one, with the same
+/// components and genus. New vertices come after the old ones and new triangles after the old ones, in an order that
+/// does not depend on the number of threads. `mesh` is closed, and from a field of which `field` was made.
+void bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale, const Lattice& lattice,
+                const BendParams& params, const Parallel& parallel, BendReport& report);
+
+}  // namespace soapfilm

@@ -1,0 +1,37 @@
+// What a fitted surface leaves over: how far the samples still lie off it, found by place.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/extract/smooth_field.h"
+#include "soapfilm/field/samples.h"
+
+namespace soapfilm {
+
+/// The samples' signed distances to a surface, sorted by cell. Outliers, and samples that were seen from behind, weigh
+/// less or nothing.
+class Leftover {
+ public:
+  /// `scale` of the robust penalty (Tukey's), voxels. `samples` must outlive it.
+  Leftover(const GridSamples& samples, const SmoothField& field, double scale, const Parallel& parallel);
+
+  /// How far along the unit `normal` (inwards) the surface should move at a lattice point: the mean over the samples
+  /// within a voxel, weighted by nearness and by how their normals agree, with `prior` samples of distance 0.
+  double mean_at(Vec3d point, Vec3d normal) const;
+
+ private:
+  struct Entry {
+    Vec3f local;   ///< of its brick
+    Vec3f normal;  ///< unit, inwards
+    float distance = 0;
+    float weight = 0;
+    uint16_t cell = 0;  ///< x + 8 y + 64 z
+  };
+
+  const GridSamples& samples_;
+  std::vector<Entry> entries_;  ///< in each brick by cell
+};
+
+}  // namespace soapfilm

@@ -1,0 +1,39 @@
+// The smooth surface behind the values on a grid: what marching cubes draws flat.
+#pragma once
+
+#include <optional>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/field.h"
+
+namespace soapfilm {
+
+/// A signed distance on the grid's vertices, interpolated with continuous slopes. Values that were fitted to samples by
+/// trilinear interpolation lie on the hollow side of a bend, so that its chords straddle the samples; a share of their
+/// Laplacian is added to undo that. Between vertices: trilinear interpolation less sum_k t_k (1 - t_k) / 2 times that
+/// of the second difference along axis k, which along grid lines is the cubic of Catmull and Rom (1974). O(h^3).
+class SmoothField {
+ public:
+  struct Jet {
+    double value;
+    Vec3d gradient;  ///< per voxel
+  };
+
+  /// `value`: voxels. `grid` must outlive it.
+  SmoothField(const BrickGrid& grid, const Field<float>& value, const Parallel& parallel);
+
+  /// At a lattice point; none unless the 32 vertices that it depends on are in the grid's bricks.
+  std::optional<Jet> at(Vec3d point) const;
+
+  /// The point of the surface next to `point`, by Newton steps along the gradient; none where the field is not known,
+  /// flat (slope under 0.3), or has no surface within `reach` voxels.
+  std::optional<Vec3d> project(Vec3d point, double reach) const;
+
+ private:
+  const BrickGrid& grid_;
+  Field<float> value_;
+};
+
+}  // namespace soapfilm

@@ -1,0 +1,139 @@
+#include "soapfilm/extract/bend.h"
+
+#include <gtest/gtest.h>
+
+#include "refine/band_support.h"
+#include "soapfilm/core/error.h"
+#include "soapfilm/evaluate/self_intersection.h"
+#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/extract/flip.h"
+#include "support/hash.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+
+constexpr double scale = 0.1;
+
+Mesh bent(const Solved& solved, const Refined& refined, const BendParams& params = {}, int threads = 1,
+          BendReport* report = nullptr) {
+  const Parallel parallel(threads);
+  Mesh mesh = refined.mesh;
+  BendReport own;
+  bend_edges(mesh, SmoothField(refined.field.grid, refined.field.value, parallel), solved.problem.samples, scale,
+             solved.problem.lattice, params, parallel, report ? *report : own);
+  return mesh;
+}
+
+void expect_same_topology(const Mesh& mesh, const Mesh& before) {
+  const TopologyReport a = check_topology(mesh), b = check_topology(before);
+  EXPECT_TRUE(a.watertight());
+  EXPECT_EQ(a.components.size(), b.components.size());
+  EXPECT_EQ(a.genus(), b.genus());
+}
+
+TEST(Bend, FollowsDetailThatTrianglesOfAVoxelLoseSlow) {
+  for (const char* shape : {"knot", "plate", "part"}) {
+    const Solved solved(shape, 70);
+    const Refined flat = refined(solved);
+    BendReport report;
+    const Mesh mesh = bent(solved, flat, {}, 1, &report);
+    EXPECT_LT(mean_error_vox(solved, mesh), 0.85 * mean_error_vox(solved, flat.mesh)) << shape;
+    expect_same_topology(mesh, flat.mesh);
+    EXPECT_LT(mesh.triangles.size(), 2.0 * static_cast<double>(flat.mesh.triangles.size())) << shape;
+    EXPECT_EQ(report.triangles_before, flat.mesh.triangles.size());
+    EXPECT_EQ(mesh.vertices.size(), flat.mesh.vertices.size() + report.split_edges);
+    EXPECT_EQ(mesh.triangles.size(), flat.mesh.triangles.size() + 2 * report.split_edges);
+    EXPECT_LT(count_self_intersections(mesh, Parallel(1)), mesh.triangles.size() / 1000) << shape;
+  }
+}
+
+TEST(Bend, IsTheSameOnAnyNumberOfThreads) {
+  const Solved solved("torus", 30);
+  const Refined flat = refined(solved);
+  const Mesh one = bent(solved, flat);
+  EXPECT_GT(one.triangles.size(), flat.mesh.triangles.size());
+  for (const int threads : {2, 3, 8}) EXPECT_EQ(hash_mesh(bent(solved, flat, {}, threads)), hash_mesh(one)) << threads;
+}
+
+TEST(Bend, ASmallerToleranceSplitsMoreAndZeroNothing) {
+  const Solved solved("torus", 30);
+  const Refined flat = refined(solved);
+  const auto triangles = [&](double tolerance) { return bent(solved, flat, {tolerance}).triangles.size(); };
+  EXPECT_GT(triangles(0.005), triangles(0.02));
+  EXPECT_GT(triangles(0.02), triangles(1));
+  EXPECT_EQ(triangles(1), flat.mesh.triangles.size());
+  EXPECT_EQ(hash_mesh(bent(solved, flat, {0})), hash_mesh(flat.mesh));
+}
+
+TEST(Bend, OutliersPullNothing) {
+  const Solved solved("torus", 40, 2, {.viewing = false, .outliers = 0.1});
+  const Refined flat = refined(solved);
+  const Mesh mesh = bent(solved, flat);
+  EXPECT_LT(mean_error_vox(solved, mesh), mean_error_vox(solved, flat.mesh));
+  expect_same_topology(mesh, flat.mesh);
+}
+
+TEST(Bend, RefusesAToleranceOutOfRange) {
+  for (const double tolerance : {-0.01, 1.1, std::nan("")}) {
+    try {
+      validate(BendParams{tolerance});
+      FAIL() << tolerance;
+    } catch (const ParameterError& e) {
+      EXPECT_NE(std::string(e.what()).find("must be in [0, 1]"), std::string::npos) << e.what();
+    }
+  }
+}
+
+TEST(Flip, TakesDiagonalsNearerToTheSurface) {
+  const Solved solved("torus", 40);
+  const Refined flat = refined(solved);
+  Mesh mesh = flat.mesh;
+  const SmoothField field(flat.field.grid, flat.field.value, Parallel(1));
+  std::vector<Vec3f> normals;
+  for (const Vec3d& v : mesh.vertices) {
+    const auto jet = field.at(solved.problem.lattice.to_lattice(v));
+    ASSERT_TRUE(jet);
+    normals.push_back(Vec3f(normalized(jet->gradient)));
+  }
+  const double voxel = solved.problem.lattice.voxel;
+  const auto mean_sag = [&] {
+    double sum = 0;
+    for (const Triangle& t : mesh.triangles)
+      for (size_t k = 0; k < 3; ++k) {
+        const uint32_t a = t[k], b = t[(k + 1) % 3];
+        sum += sag(mesh.vertices[a], mesh.vertices[b], normals[a], normals[b]);
+      }
+    return sum;
+  };
+  const double at_first = mean_sag();
+  EXPECT_GT(flip_edges(mesh, normals, voxel, 0.002 * voxel, Parallel(2)), 0u);
+  EXPECT_LT(mean_sag(), 0.97 * at_first);
+  EXPECT_EQ(mesh.triangles.size(), flat.mesh.triangles.size());
+  expect_same_topology(mesh, flat.mesh);
+}
+
+TEST(Flip, KeepsAManifoldWhateverTheNormalsSay) {
+  const Solved solved("knot", 40);
+  const Mesh before = refined(solved).mesh;
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    Mesh mesh = before;
+    Random random(seed);
+    std::vector<Vec3f> normals;
+    for (size_t v = 0; v < mesh.vertices.size(); ++v)
+      normals.push_back(Vec3f(normalized(Vec3d{random.normal(), random.normal(), random.normal()})));
+    EXPECT_GT(flip_edges(mesh, normals, solved.problem.lattice.voxel, 0, Parallel(1)), mesh.triangles.size() / 10);
+    expect_same_topology(mesh, before);
+  }
+}
+
+TEST(Flip, LeavesAloneWhatIsNotKnown) {
+  const Solved solved("sphere", 30);
+  Mesh mesh = refined(solved).mesh;
+  const std::vector<Vec3f> unknown(mesh.vertices.size());
+  EXPECT_EQ(flip_edges(mesh, unknown, 1, 0, Parallel(1)), 0u);
+}
+
+}  // namespace
+}  // namespace soapfilm
