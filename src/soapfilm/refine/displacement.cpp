@@ -1,6 +1,7 @@
 #include "soapfilm/refine/displacement.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -18,7 +19,8 @@ Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const P
       direction_(band.make_array()),
       image_(band.make_array()),
       scratch_(band.make_array()),
-      share_(band.make_array()) {
+      share_(band.make_array()),
+      target_(band.make_array()) {
   stiffen();
   std::copy_n(phi0.data(), phi0.size(), phi_.data());
 }
@@ -30,27 +32,45 @@ void Displacement::for_values(Body&& body) {
   });
 }
 
+void Displacement::stiffen() {
+  std::fill_n(share_.data(), share_.size(), 1.0f);
+  drop_target();
+}
+
 void Displacement::yield_to_bends(double medians) {
-  constexpr size_t stride = 7;      // a seventh of the vertices tells the median, at every x
-  constexpr int passes = 3;         // of diffusion: about a voxel's radius
-  constexpr float spread = 0.125f;  // to each neighbour in a pass; up to 1/6 no weight is negative
+  constexpr size_t stride = 7;             // a seventh of the vertices tells the median, at every x
+  constexpr float near = 0.5f, reach = 1;  // voxels from the surface: up to where phi counts in full, and a half
+  constexpr float follow = 0.5f;           // of the mean around that the target takes
   const uint8_t* degree = band_.view().degree;
-  RowArray *squares = &scratch_, *next = &image_;
-  apply_laplacian(band_, phi_, 0, 1, *squares, parallel_);
-  for_values([&, c = squares->data()](size_t i) { c[i] = degree[i] == 6 ? c[i] * c[i] : 0.0f; });
-  for (int pass = 0; pass < passes; ++pass) {
-    apply_laplacian(band_, *squares, 1, -spread, *next, parallel_);
-    std::swap(squares, next);
-  }
+  RowArray &bend = image_, &weight = residual_, &product = direction_, &mean = scratch_;
+  float *c = bend.data(), *w = weight.data(), *wc = product.data(), *target = target_.data(), *share = share_.data();
+  const float *around = mean.data(), *distance = phi0_.data();
+  apply_laplacian(band_, phi_, 0, -1, bend, parallel_);
+  const auto nearness = [&](size_t i) {
+    const float beyond = std::max(std::abs(distance[i]) - near, 0.0f) / reach;
+    return 1 / (1 + beyond * beyond);
+  };
+  for_values([&](size_t i) {
+    // Weights are positive all over the band: they tell it from the rest.
+    w[i] = degree[i] == 6 ? nearness(i) : degree[i] > 0 ? 1e-6f : 0.0f;
+    const float d = c[i] - target[i];
+    wc[i] = degree[i] == 6 ? w[i] * d * d : 0.0f;
+  });
+  if (!multilevel_.local_mean(product, weight, mean, parallel_)) return;
   std::vector<float> bends;
-  for (size_t i = 0; i < squares->size(); i += stride)
-    if (degree[i] == 6) bends.push_back(squares->data()[i]);
+  for (size_t i = 0; i < mean.size(); i += stride)
+    if (degree[i] == 6 && std::abs(distance[i]) < reach) bends.push_back(around[i]);
   if (bends.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
   const float per_square = 1 / std::max(squared_medians * median(std::move(bends)), 1e-12f);
-  for_values([&, c = squares->data()](size_t i) {
-    share_.data()[i] = degree[i] == 6 ? 1 / (1 + per_square * std::max(c[i], 0.0f)) : 1.0f;
+  for_values([&](size_t i) {
+    const float yielded = 1 / (1 + per_square * std::max(around[i], 0.0f));
+    share[i] = degree[i] == 6 ? yielded * w[i] : 1.0f;
+    if (degree[i] == 6) w[i] *= share[i];
+    wc[i] = degree[i] == 6 ? w[i] * c[i] : 0.0f;
   });
+  multilevel_.local_mean(product, weight, mean, parallel_);
+  for_values([&](size_t i) { target[i] = degree[i] == 6 ? follow * around[i] : 0.0f; });
 }
 
 /// Minus half of the energy's gradient.
@@ -60,6 +80,10 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
   const BendJob job{phi_.data(), phi0_.data(), smoothness.slope, smoothness.curvature, share_.data(), scratch_.data()};
   parallel_.for_chunks(band_.rows(), rows_per_task,
                        [&](size_t begin, size_t end) { kernel.bend(band_.view(), job, begin + 1, end + 1); });
+  // G is minus the Laplacian.
+  for_values([&, bent = scratch_.data(), gamma = smoothness.curvature](size_t i) {
+    bent[i] += gamma * share_.data()[i] * target_.data()[i];
+  });
   apply_laplacian(band_, scratch_, 0, -1, residual_, parallel_);
   add_data_term(band_, data, phi_, true, -1, residual_, parallel_);
 }

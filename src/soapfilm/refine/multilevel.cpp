@@ -1,5 +1,6 @@
 #include "soapfilm/refine/multilevel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -149,6 +150,30 @@ void Multilevel::set_operator(const RowArray& position_weights, float beta, floa
     c.coarse.restrict_to(band(l - 1), l == 1 ? position_weights : coarse_[l - 2].b, c.b, parallel);
     set_inverse(l, c.b, reaction, parallel);
   }
+}
+
+bool Multilevel::local_mean(const RowArray& values, const RowArray& weights, RowArray& mean, const Parallel& parallel) {
+  constexpr int passes = 2;         // of diffusion, each one voxel^2; restricting and interpolating are the third
+  constexpr float spread = 0.125f;  // to each neighbour in a pass
+  if (coarse_.empty()) return false;
+  Coarse& c = coarse_.front();
+  const NarrowBand& band = c.coarse.band();
+  const auto sums = [&](const RowArray& from, RowArray& to) {
+    c.coarse.restrict_to(fine_, from, to, parallel);
+    for (int pass = 0; pass < passes; pass += 2) {
+      apply_laplacian(band, to, 1, -spread, c.work, parallel);
+      apply_laplacian(band, c.work, 1, -spread, to, parallel);
+    }
+  };
+  sums(values, c.b);
+  sums(weights, c.x);
+  parallel.for_chunks(c.b.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) c.b.data()[i] = c.x.data()[i] > 0 ? c.b.data()[i] / c.x.data()[i] : 0.0f;
+  });
+  // inverse is positive in the band, and nothing is added.
+  std::fill_n(work_.data(), work_.size(), 0.0f);
+  c.coarse.prolong_onto(fine_, c.b, weights, work_, mean, parallel);
+  return true;
 }
 
 void Multilevel::set_inverse(size_t level, const RowArray& weights, float reaction, const Parallel& parallel) {

@@ -30,7 +30,7 @@ struct RobustParams {
                    ///< has come down to the noise and curvature does not yield
   int yielding_rounds = 2;     ///< so many more where curvature yields, >= 0
   int yielding_haste = 3;      ///< and each takes the iterations over this: they go on from one another, > 0
-  double yielding_bend = 2.5;  ///< what it yields to, in medians of the surface's bends, > 0
+  double yielding_bend = 1.5;  ///< what it yields to, in medians of the surface's bends, > 0
   SolveLimits solve;           ///< of the last round; the first takes a quarter of the iterations, others a sixth, or a
                                ///< quarter where curvature yields
 };
