@@ -38,9 +38,10 @@ void Displacement::stiffen() {
 }
 
 void Displacement::yield_to_bends(double medians) {
-  constexpr size_t stride = 7;             // a seventh of the vertices tells the median, at every x
-  constexpr float near = 0.5f, reach = 1;  // voxels from the surface: up to where phi counts in full, and a half
-  constexpr float follow = 0.5f;           // of the mean around that the target takes
+  constexpr size_t stride = 7;  // a seventh of the vertices tells the median, at every x
+  constexpr float near = 0.5f,
+                  reach = 1;      // voxels from the surface: up to where phi counts in full; a half so far beyond
+  constexpr float follow = 0.6f;  // of the mean around that the target takes
   const uint8_t* degree = band_.view().degree;
   RowArray &bend = image_, &weight = residual_, &product = direction_, &mean = scratch_;
   float *c = bend.data(), *w = weight.data(), *wc = product.data(), *target = target_.data(), *share = share_.data();
@@ -52,7 +53,7 @@ void Displacement::yield_to_bends(double medians) {
   };
   for_values([&](size_t i) {
     // Weights are positive all over the band: they tell it from the rest.
-    w[i] = degree[i] == 6 ? nearness(i) : degree[i] > 0 ? 1e-6f : 0.0f;
+    w[i] = degree[i] == 6 && std::abs(phi_.data()[i]) < reach ? 1.0f : degree[i] > 0 ? 1e-6f : 0.0f;
     const float d = c[i] - target[i];
     wc[i] = degree[i] == 6 ? w[i] * d * d : 0.0f;
   });
@@ -65,7 +66,7 @@ void Displacement::yield_to_bends(double medians) {
   const float per_square = 1 / std::max(squared_medians * median(std::move(bends)), 1e-12f);
   for_values([&](size_t i) {
     const float yielded = 1 / (1 + per_square * std::max(around[i], 0.0f));
-    share[i] = degree[i] == 6 ? yielded * w[i] : 1.0f;
+    share[i] = degree[i] == 6 ? yielded * nearness(i) : 1.0f;
     if (degree[i] == 6) w[i] *= share[i];
     wc[i] = degree[i] == 6 ? w[i] * c[i] : 0.0f;
   });

@@ -28,9 +28,8 @@ constexpr double normals_true_deg = 20;
 constexpr double caution = 0.5;
 
 // Standard errors that directions may cost where curvature yields: they keep phi from steepening along the noise of its
-// own slopes, which held-out samples hardly show (detailed shapes: cost of 0.3 to 1.5), and they cost smooth ones 4
-// to 11.
-constexpr double directions_cost = 2;
+// own slopes, which held-out samples hardly show. Smooth shapes pay 4 to 11 for them.
+constexpr double directions_cost = 1;
 
 /// The bricks that samples lie in, whole patches in a random order, until there are enough samples.
 BrickMask choose_patches(const GridSamples& samples, size_t wanted, uint64_t seed) {
