@@ -1,6 +1,7 @@
 #include "soapfilm/refine/displacement.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -18,7 +19,8 @@ Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const P
       direction_(band.make_array()),
       image_(band.make_array()),
       scratch_(band.make_array()),
-      share_(band.make_array()) {
+      share_(band.make_array()),
+      target_(band.make_array()) {
   stiffen();
   std::copy_n(phi0.data(), phi0.size(), phi_.data());
 }
@@ -31,35 +33,46 @@ void Displacement::for_values(RowRange rows, Body&& body) {
   });
 }
 
+void Displacement::stiffen() {
+  std::fill_n(share_.data(), share_.size(), 1.0f);
+  drop_target();
+}
+
 void Displacement::yield_to_bends(double medians) {
-  constexpr size_t stride = 7;      // a seventh of the vertices tells the median, at every x
-  constexpr float spread = 0.125f;  // to each neighbour in one of three passes: about a voxel's radius
-  const RowKernel kernel = row_kernel();
-  const BandRows rows = band_.view();
-  RowArray &squares = scratch_, &spread_squares = image_;
-  const auto spread_out = [&](const RowArray& from, RowArray& to, int layer) {
-    laplacian({from.data(), 1, -spread, to.data()}, layer);
+  constexpr size_t stride = 7;  // a seventh of the vertices tells the median, at every x
+  constexpr float near = 0.5f,
+                  reach = 1;      // voxels from the surface: up to where phi counts in full; a half so far beyond
+  constexpr float follow = 0.6f;  // of the mean around that the target takes
+  const uint8_t* degree = band_.view().degree;
+  RowArray &bend = image_, &weight = residual_, &product = direction_, &mean = scratch_;
+  float *c = bend.data(), *w = weight.data(), *wc = product.data(), *target = target_.data(), *share = share_.data();
+  const float *around = mean.data(), *distance = phi0_.data();
+  apply_laplacian(band_, phi_, 0, -1, bend, parallel_);
+  const auto nearness = [&](size_t i) {
+    const float beyond = std::max(std::abs(distance[i]) - near, 0.0f) / reach;
+    return 1 / (1 + beyond * beyond);
   };
-  // Two arrays do: what a stage overwrites has been read by the stage before it.
-  layer_by_layer(
-      band_,
-      [&](int layer) {
-        for_rows(rows_of_layer(band_, layer), parallel_, [&](size_t begin, size_t end) {
-          kernel.squared_bends(rows, phi_.data(), spread_squares.data(), begin, end);
-        });
-      },
-      [&](int layer) { spread_out(spread_squares, squares, layer); },
-      [&](int layer) { spread_out(squares, spread_squares, layer); },
-      [&](int layer) { spread_out(spread_squares, squares, layer); });
+  for_values(all_rows(band_), [&](size_t i) {
+    // Weights are positive all over the band: they tell it from the rest.
+    w[i] = degree[i] == 6 && std::abs(phi_.data()[i]) < reach ? 1.0f : degree[i] > 0 ? 1e-6f : 0.0f;
+    const float d = c[i] - target[i];
+    wc[i] = degree[i] == 6 ? w[i] * d * d : 0.0f;
+  });
+  if (!multilevel_.local_mean(product, weight, mean, parallel_)) return;
   std::vector<float> bends;
-  for (size_t i = 0; i < squares.size(); i += stride)
-    if (rows.degree[i] == 6) bends.push_back(squares.data()[i]);
+  for (size_t i = 0; i < mean.size(); i += stride)
+    if (degree[i] == 6 && std::abs(distance[i]) < reach) bends.push_back(around[i]);
   if (bends.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
   const float per_square = 1 / std::max(squared_medians * median(std::move(bends)), 1e-12f);
-  for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
-    kernel.yield(rows, squares.data(), per_square, share_.data(), begin, end);
+  for_values(all_rows(band_), [&](size_t i) {
+    const float yielded = 1 / (1 + per_square * std::max(around[i], 0.0f));
+    share[i] = degree[i] == 6 ? yielded * nearness(i) : 1.0f;
+    if (degree[i] == 6) w[i] *= share[i];
+    wc[i] = degree[i] == 6 ? w[i] * c[i] : 0.0f;
   });
+  multilevel_.local_mean(product, weight, mean, parallel_);
+  for_values(all_rows(band_), [&](size_t i) { target[i] = degree[i] == 6 ? follow * around[i] : 0.0f; });
 }
 
 double Displacement::laplacian(const LaplacianJob& job, int layer) {
@@ -74,11 +87,15 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
   // beta delta + gamma (G delta - k)
   const BendJob job{phi_.data(), phi0_.data(), smoothness.slope, smoothness.curvature, share_.data(), scratch_.data()};
   const LaplacianJob outer{scratch_.data(), 0, -1, residual_.data()};
+  // G is minus the Laplacian.
+  const auto add_target = [bent = scratch_.data(), target = target_.data(), share = share_.data(),
+                           gamma = smoothness.curvature](size_t i) { bent[i] += gamma * share[i] * target[i]; };
   layer_by_layer(
       band_,
       [&](int layer) {
-        for_rows(rows_of_layer(band_, layer), parallel_,
-                 [&](size_t begin, size_t end) { kernel.bend(band_.view(), job, begin, end); });
+        const RowRange rows = rows_of_layer(band_, layer);
+        for_rows(rows, parallel_, [&](size_t begin, size_t end) { kernel.bend(band_.view(), job, begin, end); });
+        for_values(rows, add_target);
       },
       [&](int layer) { laplacian(outer, layer); });
   add_data_term(band_, data, phi_, true, -1, residual_, parallel_);

@@ -24,9 +24,9 @@ struct SolveLimits {
 
 /// Minimises, over delta on the band,
 ///   E = data term of CellSamples (phi) + beta <delta, G delta> + gamma <G delta - k, s (G delta - k)>,
-/// phi = phi0 + delta, k = laplacian phi0 where all six neighbours are in the band and 0 elsewhere (there delta alone
-/// is kept from bending, so that the band's rim pulls nothing), s = 1 until yield_to_bends(). Conjugate gradients,
-/// multigrid preconditioner.
+/// phi = phi0 + delta, k = laplacian phi0 less its target where all six neighbours are in the band and 0 elsewhere
+/// (there delta alone is kept from bending, so that the band's rim pulls nothing), s = 1 and the target 0 until
+/// yield_to_bends(). Conjugate gradients, multigrid preconditioner.
 class Displacement {
  public:
   Displacement(const NarrowBand& band, const RowArray& phi0, const Parallel& parallel);
@@ -34,12 +34,17 @@ class Displacement {
   /// Starts from the present state; returns the number of iterations.
   int minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits);
 
-  /// Lowers the weight of curvature where the present surface bends: to gamma / (1 + (c / c0)^2) for the curvature c =
-  /// laplacian phi, as root mean square over the vertices around, and c0 that many times the median of c over the band.
-  /// Without the mean each vertex would be free to follow the noise that bent it. The band's rim keeps gamma.
+  /// What the next solves expect of the curvature c = laplacian phi, from the present surface. Its target c1 is a share
+  /// of the mean of c over the vertices around (within about two voxels) that yield little: bends that go on, as on a
+  /// limb, are not pulled flat. Where c differs from c1 its weight falls to gamma / (1 + (d / d0)^2), d the root mean
+  /// square of c - c1 around and d0 that many times its median over the band: without the mean each vertex would be
+  /// free to follow the noise that bent it. Away from the surface, where a near fold of it bends phi, the weight falls
+  /// as well; the band's rim keeps the target 0.
   void yield_to_bends(double medians);
-  /// The same gamma everywhere, as at first.
-  void stiffen() { std::fill_n(share_.data(), share_.size(), 1.0f); }
+  /// The same gamma everywhere and no target, as at first.
+  void stiffen();
+  /// Keeps what yields and drops the target.
+  void drop_target() { std::fill_n(target_.data(), target_.size(), 0.0f); }
 
   const RowArray& phi() const { return phi_; }
   RowArray& phi() { return phi_; }
@@ -58,7 +63,8 @@ class Displacement {
   const RowArray& phi0_;
   RowArray phi_;
   RowArray residual_, direction_, image_, scratch_;
-  RowArray share_;  // of gamma, in (0, 1]
+  RowArray share_;   // of gamma, in (0, 1]
+  RowArray target_;  // of laplacian phi inside the band
 };
 
 }  // namespace soapfilm

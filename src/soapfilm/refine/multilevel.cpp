@@ -160,6 +160,33 @@ void Multilevel::set_operator(const RowArray& position_weights, float beta, floa
   }
 }
 
+bool Multilevel::local_mean(const RowArray& values, const RowArray& weights, RowArray& mean, const Parallel& parallel) {
+  constexpr float spread = 0.125f;  // to each neighbour in a pass
+  if (coarse_.empty()) return false;
+  Coarse& c = coarse_.front();
+  const NarrowBand& band = c.coarse.band();
+  const auto sums = [&](const RowArray& from, RowArray& to) {
+    c.coarse.restrict_to(fine_, from, to, parallel);
+    // Two passes of diffusion, each one voxel^2; restricting and interpolating are the third.
+    apply_laplacian(band, to, 1, -spread, c.work, parallel);
+    apply_laplacian(band, c.work, 1, -spread, to, parallel);
+  };
+  sums(values, c.b);
+  sums(weights, c.x);
+  parallel.for_chunks(c.b.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) c.b.data()[i] = c.x.data()[i] > 0 ? c.b.data()[i] / c.x.data()[i] : 0.0f;
+  });
+  // What prolong_onto() calls inverse is positive in the band, and nothing is added.
+  std::fill_n(work_.data(), work_.size(), 0.0f);
+  CycleJob job{};
+  job.inverse = weights.data();
+  job.b = work_.data();
+  job.x = c.b.data();
+  job.out = mean.data();
+  for (int layer = 0; layer < fine_.grid().bricks().z; ++layer) c.coarse.prolong_onto(fine_, layer, job, parallel);
+  return true;
+}
+
 void Multilevel::set_inverse(size_t level, const RowArray& weights, float reaction, const Parallel& parallel) {
   const NarrowBand& band = this->band(level);
   const InverseJob job{level == 0 ? nullptr : coarse_[level - 1].extent.data(),

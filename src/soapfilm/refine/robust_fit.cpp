@@ -18,6 +18,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
   // Once the scale rests, the samples have been weighed as they will be; bends go on being found.
   const double least_scale = std::max(params.least_scale, params.scale_of_noise * strength.noise);
   const int rounds = params.rounds + (strength.yield ? params.yielding_rounds : 0);
+  displacement.drop_target();
   CellSamples data;
   bool last = false;
   for (int round = 0; !last; ++round) {

@@ -20,7 +20,7 @@ struct Strength {
 struct RobustParams {
   Penalty penalty = Penalty::tukey;
   double least_scale = 0.1;     ///< of the penalty, voxels, [1e-3, 10]
-  double scale_of_noise = 1.5;  ///< the scale over the noise, where that is larger, [1, 10]: samples of detail that
+  double scale_of_noise = 2.5;  ///< the scale over the noise, where that is larger, [1, 10]: samples of detail that
                                 ///< the first fits smooth away must not weigh less for it
   double first_scale = 0.5;     ///< at least this in the first round, half of it in the next, ...: voxels, >= 0
   double slope = 2;             ///< weight of a unit slope along the normal against gamma, >= 0: without it phi
@@ -30,7 +30,7 @@ struct RobustParams {
                    ///< has come down to the noise and curvature does not yield
   int yielding_rounds = 2;     ///< so many more where curvature yields, >= 0
   int yielding_haste = 3;      ///< and each takes the iterations over this: they go on from one another, > 0
-  double yielding_bend = 2.5;  ///< what it yields to, in medians of the surface's bends, > 0
+  double yielding_bend = 1.5;  ///< what it yields to, in medians of the surface's bends, > 0
   SolveLimits solve;           ///< of the last round; the first takes a quarter of the iterations, others a sixth, or a
                                ///< quarter where curvature yields
 };
