@@ -52,7 +52,8 @@ SurfaceField level_set(Segmentation& found, const GridSamples& samples, const Re
     report.isovalue = 0.5;
     return std::move(*found.surface);
   }
-  if (refines(params)) return refine(found.level, threshold, samples, params.refine, parallel, report.refine.emplace());
+  if (refines(params))
+    return refine(std::move(found.level), threshold, samples, params.refine, parallel, report.refine.emplace());
   SurfaceField surface = smoothed_indicator(found.level, threshold, parallel);
   report.isovalue = params.surface.isovalue ? *params.surface.isovalue : mean_at_samples(surface, samples, parallel);
   return surface;

@@ -1,6 +1,7 @@
 // Small bands and solved problems for the tests of the sub-voxel fit.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "soapfilm/core/random.h"
@@ -115,9 +116,21 @@ inline Mesh mesh_of(const SurfaceField& field, float isovalue, const Lattice& la
       field.grid, field.value, [&](Vec3i brick) { return field.missing_value(brick); }, isovalue, lattice, Parallel(1));
 }
 
+/// What refine() reads of a level, which it takes over.
+inline Level copy_of(const Level& level) {
+  Level copy;
+  copy.box = level.box;
+  copy.grid = level.grid;
+  copy.inside = level.inside;
+  copy.u = Field<float>(level.grid);
+  for (size_t b = 0; b < level.grid.size(); ++b) std::copy_n(level.u.brick(b), brick_volume, copy.u.brick(b));
+  return copy;
+}
+
 inline Refined refined(const Solved& solved, const RefineParams& params = {}, int threads = 1) {
   Refined result;
-  result.field = refine(solved.solution.finest, 0.5f, solved.problem.samples, params, Parallel(threads), result.report);
+  result.field =
+      refine(copy_of(solved.solution.finest), 0.5f, solved.problem.samples, params, Parallel(threads), result.report);
   result.mesh = mesh_of(result.field, 0, solved.problem.lattice);
   return result;
 }

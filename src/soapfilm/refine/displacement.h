@@ -24,9 +24,9 @@ struct SolveLimits {
 
 /// Minimises, over delta on the band,
 ///   E = data term of CellSamples (phi) + beta <delta, G delta> + gamma <G delta - k, s (G delta - k)>,
-/// phi = phi0 + delta, k = laplacian phi0 less its target where all six neighbours are in the band and 0 elsewhere
-/// (there delta alone is kept from bending, so that the band's rim pulls nothing), s = 1 and the target 0 until
-/// yield_to_bends(). Conjugate gradients, multigrid preconditioner.
+/// phi = phi0 + delta, k = laplacian phi0 less its target, along the axes on which both neighbours are in the band (on
+/// the others delta alone is kept from sloping, so that the band's rim pulls nothing, and bends of phi0 along the rim
+/// do not stay), s = 1 and the target 0 until yield_to_bends(). Conjugate gradients, multigrid preconditioner.
 class Displacement {
  public:
   Displacement(const NarrowBand& band, const RowArray& phi0, const Parallel& parallel);

@@ -53,7 +53,7 @@ class NarrowBand {
   const uint8_t* degree(uint32_t row) const { return degree_.data() + static_cast<size_t>(row) * brick_side; }
 
   /// What kernels see of it.
-  BandRows view() const { return {neighbors_.data(), degree_.data()}; }
+  BandRows view() const { return {neighbors_.data(), degree_.data(), mask_.data()}; }
 
   size_t bytes() const;
 

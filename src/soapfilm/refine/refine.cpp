@@ -75,7 +75,7 @@ RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Pa
   return distance;
 }
 
-/// Replaces the field by the distance on the band, and by its sign alone beyond it.
+/// The field becomes the distance on the band, and its sign alone beyond it.
 void write_distance(const NarrowBand& band, const RowArray& distance, const SignBits& signs, SurfaceField& field,
                     const Parallel& parallel) {
   parallel.for_each(band.grid().size(), 64, [&](size_t b) {
@@ -114,14 +114,18 @@ void validate(const RefineParams& params) {
   require("refine yielding_bend", params.robust.yielding_bend, 1e-3, 1e3);
 }
 
-SurfaceField refine(const Level& level, float threshold, const GridSamples& samples, const RefineParams& params,
+SurfaceField refine(Level level, float threshold, const GridSamples& samples, const RefineParams& params,
                     const Parallel& parallel, RefineReport& report) {
   validate(params);
   // The smoothed indicator tells roughly how far each vertex is from the surface.
   SurfaceField field = smoothed_indicator(level, threshold, parallel);
   const NarrowBand band = make_band(field, level.box, params.reach, parallel);
   const RowArray phi0 = distance_on(band, field, parallel);
+  SignBits signs = make_signs(level, threshold, field, parallel);
   report.band_vertices = band.count();
+  // Memory for the fit: what follows asks for the distance and the signs alone.
+  level = {};
+  field.value = {};
 
   // How much the samples are worth is for the samples to say.
   report.strength =
@@ -138,10 +142,10 @@ SurfaceField refine(const Level& level, float threshold, const GridSamples& samp
       static_cast<size_t>(std::count_if(fit.weight.begin(), fit.weight.end(), [](float w) { return w < 0.25f; }));
 
   // Signs follow where the topology allows.
-  SignBits signs = make_signs(level, threshold, field, parallel);
   const FlipCount flips = follow(displacement.phi(), band, signs, held_distance);
   report.flips = flips.wanted - flips.refused;
   report.refused = flips.refused;
+  field.value = Field<float>(field.grid);
   write_distance(band, displacement.phi(), signs, field, parallel);
   return field;
 }

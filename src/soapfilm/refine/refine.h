@@ -38,9 +38,10 @@ void validate(const RefineParams& params);
 
 /// Moves the level set of the binary indicator u > threshold onto the samples: design note in displacement.h. The level
 /// set 0 of the result is the surface; it is positive inside and about the signed distance in voxels near it. Its
-/// components and genus are the indicator's: signs differ only where simple points were turned one after the other.
-/// The result does not depend on the number of threads. Throws ParameterError.
-SurfaceField refine(const Level& level, float threshold, const GridSamples& samples, const RefineParams& params,
+/// components and genus are the indicator's (`level` is freed early when it is moved in): signs differ only where
+/// simple points were turned one after the other. The result does not depend on the number of threads. Throws
+/// ParameterError.
+SurfaceField refine(Level level, float threshold, const GridSamples& samples, const RefineParams& params,
                     const Parallel& parallel, RefineReport& report);
 
 }  // namespace soapfilm

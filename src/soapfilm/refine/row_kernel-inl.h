@@ -47,9 +47,14 @@ struct Weighted {
   HWY_INLINE float one(size_t i) const { return product.one(i) * e[i]; }
 };
 
-/// The sum over the six neighbours of the vertices from x on in a row.
+/// The sums over the two neighbours along each axis.
+struct AxisSums {
+  V x, y, z;
+};
+
+/// Of the vertices from x on in a row.
 template <class Values>
-HWY_INLINE V neighbor_sum(const Values& values, const Neighbors& n, size_t row, int x) {
+HWY_INLINE AxisSums axis_sums(const Values& values, const Neighbors& n, size_t row, int x) {
   const D d;
   const size_t here = row * brick_side + static_cast<size_t>(x);
   const auto at = [&](size_t k) { return static_cast<size_t>(n[k]) * brick_side + static_cast<size_t>(x); };
@@ -60,8 +65,15 @@ HWY_INLINE V neighbor_sum(const Values& values, const Neighbors& n, size_t row, 
   if (x + lane_count() == brick_side)
     above = hn::IfThenElse(hn::FirstN(d, static_cast<size_t>(lane_count()) - 1), above,
                            hn::Set(d, values.one(size_t{n[1]} * brick_side)));
-  return hn::Add(hn::Add(below, above), hn::Add(hn::Add(values.load(at(2)), values.load(at(3))),
-                                                hn::Add(values.load(at(4)), values.load(at(5)))));
+  return {hn::Add(below, above), hn::Add(values.load(at(2)), values.load(at(3))),
+          hn::Add(values.load(at(4)), values.load(at(5)))};
+}
+
+/// The sum over all six.
+template <class Values>
+HWY_INLINE V neighbor_sum(const Values& values, const Neighbors& n, size_t row, int x) {
+  const AxisSums sums = axis_sums(values, n, row, x);
+  return hn::Add(sums.x, hn::Add(sums.y, sums.z));
 }
 
 HWY_INLINE V degree_of(const uint8_t* degree) {
@@ -120,42 +132,35 @@ double laplacian(const BandRows& band, const LaplacianJob& job, size_t begin, si
   return sum.total();
 }
 
+/// R v: differences to neighbours without an opposite one; outside the band v is 0.
+HWY_INLINE V one_sided(const BandRows& band, const float* v, size_t row, int x) {
+  const D d;
+  const Neighbors& n = band.neighbors[row];
+  const AxisSums sums = axis_sums(Plain{v}, n, row, x);
+  const V here = hn::Load(d, v + row * brick_side + static_cast<size_t>(x));
+  const unsigned own = band.mask[row];
+  const unsigned below = own << 1 | band.mask[n[0]] >> 7, above = own >> 1 | (band.mask[n[1]] & 1u) << 7;
+  const auto where = [&](unsigned one_of_two, V sum) {
+    const uint8_t bits[8] = {static_cast<uint8_t>((one_of_two & 0xff) >> x)};
+    return hn::IfThenElseZero(hn::LoadMaskBits(d, bits), hn::Sub(here, sum));
+  };
+  return hn::Add(where(below ^ above, sums.x), hn::Add(where(band.mask[n[2]] ^ band.mask[n[3]], sums.y),
+                                                       where(band.mask[n[4]] ^ band.mask[n[5]], sums.z)));
+}
+
 void bend(const BandRows& band, const BendJob& job, size_t begin, size_t end) {
   const D d;
-  const V beta = hn::Set(d, job.beta), gamma = hn::Set(d, job.gamma), six = hn::Set(d, 6.0f);
+  const V beta = hn::Set(d, job.beta), gamma = hn::Set(d, job.gamma);
   for (size_t r = begin; r < end; ++r) {
     for (int x = 0; x < brick_side; x += lane_count()) {
       const size_t i = r * brick_side + static_cast<size_t>(x);
       const V degree = degree_of(band.degree + i), here = hn::Load(d, job.v + i), start = hn::Load(d, job.start + i);
       const V g = hn::Sub(hn::Mul(degree, here), neighbor_sum(Plain{job.v}, band.neighbors[r], r, x));
-      const V g_start = hn::Sub(hn::Mul(degree, start), neighbor_sum(Plain{job.start}, band.neighbors[r], r, x));
-      const V bent = hn::Sub(g, hn::IfThenZeroElse(hn::Eq(degree, six), g_start));
+      const V bent = hn::Sub(g, one_sided(band, job.start, r, x));
       const V out =
           hn::Add(hn::Mul(beta, hn::Sub(here, start)), hn::Mul(hn::Mul(gamma, hn::Load(d, job.share + i)), bent));
       hn::Store(hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), out), d, job.out + i);
     }
-  }
-}
-
-void squared_bends(const BandRows& band, const float* v, float* out, size_t begin, size_t end) {
-  const D d;
-  const V six = hn::Set(d, 6.0f);
-  for (size_t r = begin; r < end; ++r) {
-    for (int x = 0; x < brick_side; x += lane_count()) {
-      const size_t i = r * brick_side + static_cast<size_t>(x);
-      const V degree = degree_of(band.degree + i);
-      const V g = hn::Sub(hn::Mul(six, hn::Load(d, v + i)), neighbor_sum(Plain{v}, band.neighbors[r], r, x));
-      hn::Store(hn::IfThenElseZero(hn::Eq(degree, six), hn::Mul(g, g)), d, out + i);
-    }
-  }
-}
-
-void yield(const BandRows& band, const float* squares, float per_square, float* share, size_t begin, size_t end) {
-  const D d;
-  const V one = hn::Set(d, 1.0f), per = hn::Set(d, per_square);
-  for (size_t i = begin * brick_side; i < end * brick_side; i += static_cast<size_t>(lane_count())) {
-    const V less = hn::Div(one, hn::Add(one, hn::Mul(per, hn::Max(hn::Load(d, squares + i), hn::Zero(d)))));
-    hn::Store(hn::IfThenElse(hn::Eq(degree_of(band.degree + i), hn::Set(d, 6.0f)), less, one), d, share + i);
   }
 }
 
@@ -423,8 +428,7 @@ void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
 }  // namespace
 
 inline RowKernel rows() {
-  return {&laplacian,         &bend,   &squared_bends, &yield,          &inverse,
-          &restrict_residual, &smooth, &data_term,     &restrict_brick, &prolong_brick};
+  return {&laplacian, &bend, &inverse, &restrict_residual, &smooth, &data_term, &restrict_brick, &prolong_brick};
 }
 
 }  // namespace soapfilm::HWY_NAMESPACE

@@ -9,10 +9,12 @@
 
 namespace soapfilm {
 
-/// Of a band: rows next to each row along -x, +x, -y, +y, -z, +z, and how many neighbours each vertex has.
+/// Of a band: rows next to each row along -x, +x, -y, +y, -z, +z, how many neighbours each vertex has, and each row's
+/// vertices as bits.
 struct BandRows {
   const std::array<uint32_t, 6>* neighbors;
   const uint8_t* degree;
+  const uint8_t* mask;
 };
 
 /// out = weight_v v + weight_g s G v; `share` s may be null: 1.
@@ -23,7 +25,9 @@ struct LaplacianJob {
   const float* share = nullptr;
 };
 
-/// out = beta (v - start) + gamma s (G (v - start) + [six neighbours] G start), with the shares s.
+/// out = beta (v - start) + gamma s (G v - R start), with the shares s; R sums the differences to neighbours that have
+/// no opposite one in the band. Where both are there G v is the second difference of v, elsewhere G v - R start is the
+/// slope of v - start alone: bends are felt up to the band's rim, and what slopes there is not.
 struct BendJob {
   const float* v;
   const float* start;
@@ -89,10 +93,6 @@ struct RowKernel {
   /// Returns <G v, out>.
   double (*laplacian)(const BandRows& band, const LaplacianJob& job, size_t begin, size_t end);
   void (*bend)(const BandRows& band, const BendJob& job, size_t begin, size_t end);
-  /// out = (G v)^2 where all six neighbours are in the band, 0 elsewhere.
-  void (*squared_bends)(const BandRows& band, const float* v, float* out, size_t begin, size_t end);
-  /// share = 1 / (1 + per_square max(squares, 0)) there, 1 elsewhere.
-  void (*yield)(const BandRows& band, const float* squares, float per_square, float* share, size_t begin, size_t end);
   void (*inverse)(const BandRows& band, const InverseJob& job, size_t begin, size_t end);
   /// coarse += P^T (b - K (inverse b)) of one brick: the residual after one Jacobi step from zero. CycleJob's x and out
   /// are not used.
