@@ -87,11 +87,14 @@ class Method:
     arguments: tuple = ()
     ours: bool = False           # the method this project is about, not a baseline
     range_images: bool = False   # reads range scans only, whatever the condition gives the others
+    series_only: bool = False    # run for the order of convergence alone
 
 
+FLAT = "tv, edges not split"  # triangles of one voxel at every size
 METHODS = (
     Method("tv", ours=True),
     Method("tv unrefined", ("--refine", "off"), ours=True),
+    Method(FLAT, ("--bend-tolerance", "0"), ours=True, series_only=True),
     Method("poisson", ("--method", "poisson")),
     Method("vrip", ("--method", "vrip"), range_images=True),
     Method("graph-cut-26", ("--method", "graph-cut-26")),
@@ -137,7 +140,7 @@ def plan(shapes, conditions, own, peers, cells, full):
         for condition in conditions:
             sizes = FULL if full else (cells,)
             for method in own:
-                if runs_here(method, shape, condition, full):
+                if not method.series_only and runs_here(method, shape, condition, full):
                     cases += [Case(shape, condition, method, n) for n in sizes]
             for peer in peers:
                 if not peer.conditions or condition.name in peer.conditions:
@@ -145,5 +148,6 @@ def plan(shapes, conditions, own, peers, cells, full):
                     cases += [Case(shape, condition, peer, n, f) for n in sizes for f in factors]
             if shape.series and condition.name in SERIES_CONDITIONS and cells == BASE:
                 chosen = [m for m in own if m.ours] + [p for p in peers if not p.conditions]
-                cases += [Case(shape, condition, m, n) for m in chosen for n in SERIES if n not in sizes]
+                cases += [Case(shape, condition, m, n) for m in chosen for n in SERIES
+                          if n not in sizes or getattr(m, "series_only", False)]
     return sorted(cases, key=lambda c: order.index(c.method.name))

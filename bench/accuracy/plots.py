@@ -4,10 +4,10 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from cases import NOISE, SERIES, SERIES_CONDITIONS
+from cases import FLAT, NOISE, SERIES, SERIES_CONDITIONS
 from targets import order_of
 
-COLORS = {"tv": "tab:blue", "tv unrefined": "tab:cyan", "poisson": "tab:green", "vrip": "tab:brown",
+COLORS = {"tv": "tab:blue", FLAT: "tab:gray", "tv unrefined": "tab:cyan", "poisson": "tab:green", "vrip": "tab:brown",
           "graph-cut-26": "tab:orange", "screened Poisson": "tab:red", "PoissonRecon": "tab:purple"}
 
 
