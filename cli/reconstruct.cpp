@@ -309,7 +309,8 @@ void add_surface_options(CLI::App& app, Options& o) {
                          "samples)"))
       ->option_text("V");
   surface(app.add_option("--bend-tolerance", p.surface.bend.tolerance,
-                         "Of the refined surface: split edges whose middle lies further from it,\nvoxels; 0: none"))
+                         "Of the refined surface: split edges whose middle lies further from it,\nvoxels; 0: leave the "
+                         "triangles of marching cubes"))
       ->option_text(fmt::format("V [{:g}]", p.surface.bend.tolerance));
 
   const auto output = [&](auto* option) { return option->group("Output"); };

@@ -4,6 +4,7 @@ import platform
 from dataclasses import dataclass, fields
 
 import plots
+from cases import FLAT
 from results import Results
 from scans import bunny
 from targets import Targets, order_of, topology
@@ -20,7 +21,8 @@ same run.
 - **Samples**: even and independent, about one per voxel^2 of surface, {cells} voxels along the longest side. Density 50
   to 1: the geometric mean of the two halves is one. *Range scans* are 18 views with one ray per voxel, some six samples
   per voxel^2; `vrip`, which needs range images, always gets these, with the condition's errors.
-- **Nothing is set by hand**: every run of ours gets the voxel and the method, no other option.
+- **Nothing is set by hand**: every run of ours gets the voxel and the method, no other option. (For the order of
+  convergence `{FLAT}` draws triangles of one size at every voxel beside.)
 - **Peers** get exactly our voxel as the width of their finest cell, and true normals, or where there are viewing
   directions only the unit vectors towards the scanner. Under noise they run at 1.41, 2 and 4 voxels too and enter with
   their best mean error.{absent}
@@ -47,7 +49,7 @@ def head(lab, c):
                f"{sum(lab.cpu.values()) / 60:.0f} minutes of CPU time in all.")
     kinds = {k: ", ".join(s.name for s in c.shapes if s.kind == k) or "none" for k in ("smooth", "detailed", "sharp")}
     absent = f" Not there and not run: {', '.join(c.absent)}." if c.absent else ""
-    return HEAD.format(data="" if lab.data else "; without SOAPFILM_DATA, on built-in shapes only",
+    return HEAD.format(FLAT=FLAT, data="" if lab.data else "; without SOAPFILM_DATA, on built-in shapes only",
                        reference=c.reference or "nothing: no peer is there", cells=c.cells, absent=absent,
                        machine=machine + (f" Program of commit {c.commit}." if c.commit else ""), **kinds)
 
@@ -116,7 +118,7 @@ def order_table(lab, c, results):
     rows = []
     for shape in (s for s in c.shapes if s.series):
         for condition in c.conditions:
-            for method in results.methods(c.cells):
+            for method in results.methods(c.cells, series=True):
                 sizes = results.sizes(shape.name, condition.name, method)
                 slope = order_of(sizes)
                 if slope is not None:

@@ -52,6 +52,8 @@ def error_over_noise(lab, results, shapes, conditions, cells):
         axis.set_visible(False)
     for axis, shape in zip(axes.flat, shapes):
         for method, color in COLORS.items():
+            if method == FLAT:
+                continue
             points = [(v, results.error(shape.name, name, method, cells)) for name, v in noise.items()]
             points = [p for p in points if p[1] is not None]
             if points:

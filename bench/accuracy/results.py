@@ -1,4 +1,5 @@
 """The rows of a benchmark, found by what they are, and the comparisons between them."""
+from cases import FLAT
 
 
 class Results:
@@ -38,9 +39,9 @@ class Results:
             return None
         return mine.normal_angle / theirs.normal_angle if theirs.normal_angle else 0.0
 
-    def methods(self, cells):
-        """Names, in the order in which they were run."""
-        return list(dict.fromkeys(k[2] for k in self.rows if k[3] == cells))
+    def methods(self, cells, series=False):
+        """Names, in the order in which they were run; with `series` those too that only the order of convergence runs."""
+        return list(dict.fromkeys(k[2] for k in self.rows if k[3] == cells and (series or k[2] != FLAT)))
 
     def sizes(self, shape, condition, method):
         """(cells, row) with a mesh, coarse to fine."""

@@ -107,10 +107,10 @@ class Targets:
                 if slope is None:
                     continue
                 slopes.append((slope, f"{shape.name}, {condition}"))
-                for (cells, row), (_, split) in zip(flat, self.results.sizes(shape.name, condition, self.ours)):
-                    gains.append((split.mean / row.mean, f"{shape.name}, {condition}, 1/{cells}"))
+                split = dict(self.results.sizes(shape.name, condition, self.ours))
+                gains += [(split[n].mean / row.mean, f"{shape.name}, {condition}, 1/{n}") for n, row in flat if n in split]
         head = ["order of the error in the voxel, edges not split", "smooth", f">= {LEAST_ORDER:g}"]
-        if not slopes:
+        if not slopes or not gains:
             return [[*head, MISSING, MISSING]]
         slope, name = min(slopes)
         gain, where = max(gains)

@@ -255,7 +255,8 @@ void bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples
                 const BendParams& params, const Parallel& parallel, BendReport& report) {
   validate(params);
   report.triangles_before = mesh.triangles.size();
-  if (params.tolerance == 0) return;
+  // Half edges, and vertices with the new ones, are counted by 32 bits.
+  if (params.tolerance == 0 || mesh.triangles.size() >= none / 3) return;
   const Leftover leftover(samples, field, scale, parallel);
   report.split_edges = Bending(mesh, field, lattice, params.tolerance, parallel).run(leftover);
 }

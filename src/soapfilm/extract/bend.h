@@ -10,7 +10,8 @@
 namespace soapfilm {
 
 struct BendParams {
-  double tolerance = 0.018;  ///< split edges whose middle lies further from the smooth surface, voxels; [0, 1], 0: none
+  double tolerance =
+      0.018;  ///< split edges whose middle lies further from the smooth surface, voxels; [0, 1], 0: leave the mesh
 };
 
 struct BendReport {
@@ -21,9 +22,10 @@ struct BendReport {
 /// Throws ParameterError naming the first value that is out of its range, and the range.
 void validate(const BendParams& params);
 
-/// Splits the edges of a mesh whose middle lies further than the tolerance from the surface of `field`, once each, and
-/// moves their middles and ends onto it; then towards the samples within a voxel of them, by a weighted mean of what
-/// these still lie off the surface. A sample further off than some 4.7 `scale` (voxels) counts as an outlier.
+/// Exchanges diagonals that the surface of `field` would not take, splits the edges of a mesh whose middle lies further
+/// than the tolerance from it, once each, and moves their middles and ends onto it; then moves every vertex towards the
+/// samples within a voxel of it, by a weighted mean of what these still lie off the surface. A sample further off than
+/// some 4.7 `scale` (voxels) counts as an outlier.
 ///
 /// Triangles are cut along their split edges into two, three or four, so a closed manifold stays one, with the same
 /// components and genus. New vertices come after the old ones and new triangles after the old ones, in an order that

@@ -30,8 +30,9 @@ class Leftover {
     uint16_t cell = 0;  ///< x + 8 y + 64 z
   };
 
-  const GridSamples& samples_;
-  std::vector<Entry> entries_;  ///< in each brick by cell
+  const BrickGrid& bricks_;      ///< that samples lie in
+  std::vector<uint32_t> begin_;  ///< first entry of each brick; one more at the end
+  std::vector<Entry> entries_;   ///< in each brick by cell, some of each cell
 };
 
 }  // namespace soapfilm

@@ -10,9 +10,6 @@ namespace soapfilm {
 
 namespace {
 
-/// A fine face is a quarter of a coarse one.
-constexpr float face_share = 0.25f;
-
 /// Trilinear, an axis at a time: a fine vertex is 3/4 the coarse vertex that holds it and 1/4 the nearer neighbour,
 /// below for even, above for odd fine vertices.
 void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {

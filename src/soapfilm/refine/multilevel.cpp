@@ -21,11 +21,11 @@ unsigned coarse_bits(unsigned fine_mask) {
   return bits;
 }
 
-/// Calls visit(coarse y relative to the parent brick, weight) for the one or two coarse rows of a fine coordinate.
+/// Calls visit(coarse y relative to the parent brick) for the one or two coarse rows of a fine coordinate.
 template <class Visit>
 void for_each_parent(int fine, Visit&& visit) {
-  visit(fine >> 1, fine & 1 ? 0.5f : 1.0f);
-  if (fine & 1) visit((fine >> 1) + 1, 0.5f);
+  visit(fine >> 1);
+  if (fine & 1) visit((fine >> 1) + 1);
 }
 
 void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Parallel& parallel) {
@@ -61,8 +61,8 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
     for (uint32_t r = fine.first_row(b); r < fine.first_row(b + 1); ++r) {
       const unsigned bits = coarse_bits(fine.mask(r)) << half.x;
       const auto& around = coarse.neighbors(static_cast<size_t>(parent_[b]));
-      for_each_parent(fine.place(r) >> 3, [&](int cz, float) {
-        for_each_parent(fine.place(r) & 7, [&](int cy, float) {
+      for_each_parent(fine.place(r) >> 3, [&](int cz) {
+        for_each_parent(fine.place(r) & 7, [&](int cy) {
           const int y = half.y + cy, z = half.z + cz;
           for (int up = 0; up < 2; ++up) {
             const unsigned part = bits >> (8 * up) & 0xff;

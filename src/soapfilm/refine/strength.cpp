@@ -251,9 +251,12 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
   };
   search_smoothing();
   report.agreement_deg = held_out.outcome(best.smoothing, best.normals).agreement_deg;
-  const double allowed_cost = best.yield ? directions_cost * held_out.outcome(best.smoothing, 0).standard_error : 0;
-  if (!params.normals && report.agreement_deg < normals_agree_deg &&
-      held_out.score(best.smoothing, first_normals) < held_out.score(best.smoothing, 0) + allowed_cost) {
+  const auto directions_help = [&] {
+    const HeldOut::Outcome without = held_out.outcome(best.smoothing, 0);
+    const double allowed_cost = best.yield ? directions_cost * without.standard_error : 0;
+    return held_out.score(best.smoothing, first_normals) < without.score + allowed_cost;
+  };
+  if (!params.normals && report.agreement_deg < normals_agree_deg && directions_help()) {
     best.normals = first_normals;
     for (int turn = 0; turn < 3; ++turn) {
       const Strength before = best;
