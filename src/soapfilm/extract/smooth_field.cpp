@@ -21,15 +21,6 @@ constexpr int around_stride[3] = {1, 4, 16};
 /// Corner k of the cell, x fastest.
 constexpr int corner_of(int k) { return (1 + (k & 1)) + 4 * (1 + (k >> 1 & 1)) + 16 * (1 + (k >> 2)); }
 
-SmoothField::Jet trilinear(const std::array<double, 8>& v, Vec3d t) {
-  const auto mix = [](double a, double b, double s) { return a + s * (b - a); };
-  const double x00 = mix(v[0], v[1], t.x), x10 = mix(v[2], v[3], t.x);
-  const double x01 = mix(v[4], v[5], t.x), x11 = mix(v[6], v[7], t.x);
-  const double y0 = mix(x00, x10, t.y), y1 = mix(x01, x11, t.y);
-  const double dx = mix(mix(v[1] - v[0], v[3] - v[2], t.y), mix(v[5] - v[4], v[7] - v[6], t.y), t.z);
-  return {mix(y0, y1, t.z), {dx, mix(x10 - x00, x11 - x01, t.z), y1 - y0}};
-}
-
 /// False when one of the values is missing. Of the vertices whose place along two axes or more is
 /// outside the cell, none matters.
 bool gather(const BrickGrid& grid, const Field<float>& value, Vec3i cell, Around& around) {

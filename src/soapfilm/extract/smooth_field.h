@@ -7,6 +7,7 @@
 #include "soapfilm/core/vec.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
+#include "soapfilm/grid/trilinear.h"
 
 namespace soapfilm {
 
@@ -16,10 +17,7 @@ namespace soapfilm {
 /// of the second difference along axis k, which along grid lines is the cubic of Catmull and Rom (1974). O(h^3).
 class SmoothField {
  public:
-  struct Jet {
-    double value;
-    Vec3d gradient;  ///< per voxel
-  };
+  using Jet = FieldJet<double>;
 
   /// `value`: voxels. `grid` must outlive it.
   SmoothField(const BrickGrid& grid, const Field<float>& value, const Parallel& parallel);

@@ -39,16 +39,6 @@ bool in_band(const NarrowBand& band, const Corners& corners) {
   });
 }
 
-/// Trilinear value and gradient.
-Jet jet(const std::array<float, 8>& v, Vec3f f) {
-  const auto mix = [](float a, float b, float t) { return a + t * (b - a); };
-  const float x00 = mix(v[0], v[1], f.x), x10 = mix(v[2], v[3], f.x);
-  const float x01 = mix(v[4], v[5], f.x), x11 = mix(v[6], v[7], f.x);
-  const float y0 = mix(x00, x10, f.y), y1 = mix(x01, x11, f.y);
-  const float dx = mix(mix(v[1] - v[0], v[3] - v[2], f.y), mix(v[5] - v[4], v[7] - v[6], f.y), f.z);
-  return {mix(y0, y1, f.z), {dx, mix(x10 - x00, x11 - x01, f.z), y1 - y0}};
-}
-
 Vec3f fraction_of(Vec3f local) {
   const auto part = [](float q) { return q - static_cast<float>(std::min(static_cast<int>(q), 7)); };
   return {part(local.x), part(local.y), part(local.z)};
@@ -156,7 +146,7 @@ std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples
     const Corners corners = corners_of(band, rows_of(band, where.cell_row[s]), where.cell_x[s]);
     std::array<float, 8> v;
     for (size_t k = 0; k < 8; ++k) v[k] = phi.data()[corners.slot[k]];
-    jets[s] = jet(v, fraction_of(samples.local[s]));
+    jets[s] = trilinear(v, fraction_of(samples.local[s]));
   });
   return jets;
 }

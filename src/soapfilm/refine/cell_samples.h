@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "soapfilm/field/samples.h"
+#include "soapfilm/grid/trilinear.h"
 #include "soapfilm/refine/narrow_band.h"
 
 namespace soapfilm {
@@ -44,11 +45,8 @@ CellSamples merge(const GridSamples& samples, const BandSamples& where, const Na
                   std::span<const float> weight, std::span<const Vec3f> normal, DataWeights weights,
                   const Parallel& parallel, CellSamples old = {});
 
-/// Value and gradient of phi at a sample (per voxel).
-struct Jet {
-  float value = 0;
-  Vec3f gradient;
-};
+/// Value and gradient of phi at a sample.
+using Jet = FieldJet<float>;
 /// At every sample that the band sees, zero at others; of a field on the band.
 std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples, const BandSamples& where,
                                  const NarrowBand& band, const Parallel& parallel);
