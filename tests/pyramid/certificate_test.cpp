@@ -53,7 +53,7 @@ KeptPyramid solve_and_keep(const Problem& problem, double lambda, Norm norm) {
     BrickMask band = choose_band(coarse, box, kept.data[l], allowed_outside, one_thread);
     level = prolong_level(coarse, box, band, kept.data[l], one_thread);
     solve_primal_dual(level, params, one_thread, progress);
-    for (BrickMask grown = growth(level, coarse); grown.count() > 0; grown = growth(level, coarse)) {
+    for (BrickMask grown = growth(level, coarse.grid); grown.count() > 0; grown = growth(level, coarse.grid)) {
       band |= grown;
       level = prolong_level(coarse, box, band, kept.data[l], one_thread, &level);
       solve_primal_dual(level, params, one_thread, progress);

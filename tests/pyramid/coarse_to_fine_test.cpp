@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "soapfilm/pyramid/prolong.h"
 #include "soapfilm/refine/indicator.h"
 #include "support/dense.h"
 #include "support/problem.h"
@@ -30,6 +31,12 @@ Level dense_solution(const Problem& problem, double lambda, Norm norm) {
   Progress progress;
   EXPECT_TRUE(solve_primal_dual(level, params, one_thread, progress).converged);
   return level;
+}
+
+BrickMask mask_of(const BrickGrid& grid) {
+  BrickMask mask(grid.bricks());
+  for (size_t b = 0; b < grid.size(); ++b) mask.set(grid.coord(b));
+  return mask;
 }
 
 struct Case {
@@ -143,6 +150,49 @@ TEST(CoarseToFine, ConvergesWhereTheFluxMustTurnSlow) {
       solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, one_thread, progress);
   for (const LevelReport& report : solution.reports) EXPECT_TRUE(report.converged) << "level " << report.level;
   EXPECT_LT(solution.reports.back().energies.relative_gap(lambda), 5e-4);
+}
+
+/// The coarse level's state is gone when the finest band turns out too small, and is solved for again: the grown band's
+/// rim and outside are those of the state that the first band came from. (With so few iterations the coarse film is not
+/// where the fine one goes.)
+TEST(CoarseToFine, AGrownFinestBandHasTheFluxOfTheCoarseLevel) {
+  constexpr double lambda = 0.01;
+  const Problem problem = make_problem(sampled("sphere", 64, 1), 64);
+  PrimalDualParams params;
+  params.max_iterations = 8;
+  Progress progress;
+  Level coarse;
+  int solved = 0;
+  PyramidObserver observe;
+  observe.solved = [&](const Level& level, const Lattice&) {
+    ++solved;
+    if (level.box.level != 1) return;
+    coarse =
+        make_level(level.box, level.lambda, mask_of(level.grid), problem.support.grid, problem.support.f, one_thread);
+    std::copy_n(level.u.brick(0), level.grid.vertices(), coarse.u.brick(0));
+    std::copy_n(level.p.brick(0), 3 * level.grid.vertices(), coarse.p.brick(0));
+    for (size_t b = 0; b < level.grid.size(); ++b)
+      for (int axis = 0; axis < 3; ++axis)
+        if (const float* flux = level.rim.plane(b, axis)) std::copy_n(flux, brick_area, coarse.rim.plane(b, axis));
+    coarse.inside = level.inside;
+    coarse.outside = level.outside;
+  };
+  const PyramidSolution solution = solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, one_thread,
+                                                        progress, Norm::isotropic, observe);
+  ASSERT_GT(solution.reports.back().band_growths, 0);
+  EXPECT_EQ(static_cast<size_t>(solved), solution.reports.size()) << "each level is told of once";
+  const Level& grown = solution.finest;
+  const Level again = prolong_level(coarse, grown.box, mask_of(grown.grid), problem.support, one_thread);
+  EXPECT_EQ(grown.outside.dual, again.outside.dual);
+  EXPECT_EQ(grown.outside.gap, again.outside.gap);
+  size_t faces = 0;
+  for (size_t b = 0; b < grown.grid.size(); ++b)
+    for (int axis = 0; axis < 3; ++axis) {
+      const float *flux = grown.rim.plane(b, axis), *expected = again.rim.plane(b, axis);
+      ASSERT_EQ(flux == nullptr, expected == nullptr);
+      for (int k = 0; flux && k < brick_area; ++k, ++faces) ASSERT_EQ(flux[k], expected[k]);
+    }
+  EXPECT_GT(faces, 1000u);
 }
 
 }  // namespace

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "soapfilm/pyramid/restrict.h"
 #include "support/dense.h"
 #include "support/problem.h"
@@ -19,9 +23,14 @@ struct TwoLevels {
   SupportField no_data;
   Level coarse;
 
-  TwoLevels() {
+  static Lattice small() {
+    Lattice lattice;
     lattice.size = {50, 37, 44};
     lattice.levels = 2;
+    return lattice;
+  }
+
+  explicit TwoLevels(const Lattice& on = small()) : lattice(on) {
     BrickMask everywhere(lattice.box(1).bricks);
     everywhere.fill(true);
     no_data.grid = BrickGrid(BrickMask(lattice.box(0).bricks), one_thread);
@@ -133,6 +142,30 @@ TEST(Prolong, BricksOfThePreviousBandKeepTheirState) {
     const bool is_new = grown.grid.coord(b).y == 3;
     EXPECT_EQ(grown.u.brick(b)[100], is_new ? fresh.u.brick(b)[100] : 0.875f);
     EXPECT_EQ(grown.p.brick(b)[700], is_new ? fresh.p.brick(b)[700] : 0.0625f);
+  }
+}
+
+/// Memory that goes back on the way was not needed any more.
+TEST(Prolong, OfALevelThatIsGivenUpIsTheSame) {
+  Lattice lattice = TwoLevels::small();
+  lattice.size = {170, 100, 180};  // layers of many pages
+  const auto wave = [](Vec3d v) { return 0.5 + 0.4 * std::sin(0.3 * v.x + 0.2 * v.y + 0.5 * v.z); };
+  TwoLevels large(lattice);
+  large.fill_coarse(wave, 7);
+  Random random(8);
+  BrickMask band(lattice.box(0).bricks), all(band.bricks());
+  all.fill(true);
+  all.for_each([&](Vec3i b) { band.set(b, random.uniform() < 0.7); });
+  const Level kept = large.fine(band);
+  for (const int threads : {1, 3}) {
+    TwoLevels given_up(lattice);
+    given_up.fill_coarse(wave, 7);
+    const Level fine =
+        prolong_level(std::move(given_up.coarse), lattice.box(0), band, large.no_data, Parallel(threads));
+    EXPECT_EQ(fine.outside.dual, kept.outside.dual);
+    ASSERT_TRUE(std::equal(fine.u.brick(0), fine.u.brick(0) + fine.grid.vertices(), kept.u.brick(0)));
+    ASSERT_TRUE(std::equal(fine.p.brick(0), fine.p.brick(0) + 3 * fine.grid.vertices(), kept.p.brick(0)));
+    all.for_each([&](Vec3i b) { ASSERT_EQ(fine.inside.test(b), kept.inside.test(b)); });
   }
 }
 

@@ -2,18 +2,15 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdlib>
-#include <cstring>
-#include <memory>
-#include <new>
 #include <type_traits>
 
+#include "soapfilm/core/zeroed_memory.h"
 #include "soapfilm/grid/brick_grid.h"
 
 namespace soapfilm {
 
-/// An array of zeros, aligned to 64 bytes, its memory to huge pages when it is large. The 64 bytes before the first and
-/// after the last value may be read: a vector load may reach past a row's ends.
+/// An array of zeros, aligned to 64 bytes. The 64 bytes before the first and after the last value may be read: a vector
+/// load may reach past a row's ends.
 template <class T>
 class AlignedArray {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -21,28 +18,22 @@ class AlignedArray {
  public:
   AlignedArray() = default;
   explicit AlignedArray(size_t count) : count_(count) {
-    if (count == 0) return;
-    const size_t bytes = lead_bytes + count * sizeof(T) + lead_bytes;
-    const size_t alignment = bytes >= huge_page_bytes ? huge_page_bytes : lead_bytes;
-    const size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-    memory_.reset(static_cast<std::byte*>(std::aligned_alloc(alignment, rounded)));
-    if (!memory_) throw std::bad_alloc();
-    std::memset(memory_.get(), 0, bytes);
+    if (count > 0) memory_ = allocate_zeroed(lead_bytes + count * sizeof(T) + lead_bytes);
   }
 
   size_t size() const { return count_; }
   size_t bytes() const { return count_ * sizeof(T); }
   T* data() { return reinterpret_cast<T*>(memory_.get() + lead_bytes); }
   const T* data() const { return reinterpret_cast<const T*>(memory_.get() + lead_bytes); }
+  /// Values [begin, end) are not read any more: their memory goes back early.
+  void give_back(size_t begin, size_t end) {
+    soapfilm::give_back(reinterpret_cast<std::byte*>(data() + begin), reinterpret_cast<std::byte*>(data() + end));
+  }
 
  private:
   static constexpr size_t lead_bytes = 64;
-  static constexpr size_t huge_page_bytes = size_t{1} << 21;
-  struct Free {
-    void operator()(std::byte* p) const { std::free(p); }
-  };
   size_t count_ = 0;
-  std::unique_ptr<std::byte, Free> memory_;
+  ZeroedMemory memory_;
 };
 
 /// `components` values of type T at each vertex of a grid's bricks: brick after brick, in a brick component after
@@ -62,6 +53,8 @@ class Field {
     return values_.data() + b * values_per_brick + component * brick_volume;
   }
   size_t bytes() const { return values_.bytes(); }
+  /// Bricks [begin, end) are not read any more: their memory goes back early.
+  void give_back(size_t begin, size_t end) { values_.give_back(begin * values_per_brick, end * values_per_brick); }
 
  private:
   AlignedArray<T> values_;

@@ -153,7 +153,7 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
   return band;
 }
 
-BrickMask growth(const Level& level, const Level& coarse) {
+BrickMask growth(const Level& level, const BrickGrid& coarse) {
   BrickMask grown(level.box.bricks);
   for (size_t b = 0; b < level.grid.size(); ++b) {
     const float* u = level.u.brick(b);
@@ -162,7 +162,7 @@ BrickMask growth(const Level& level, const Level& coarse) {
         const int slot = up ? slot_up[axis] : slot_down[axis];
         if (level.grid.neighbors(b)[static_cast<size_t>(slot)] != outside_band) continue;
         const Vec3i next = level.grid.coord(b) + slot_offset(slot);
-        if (coarse.grid.find({next.x >> 1, next.y >> 1, next.z >> 1}) < 0) continue;
+        if (coarse.find({next.x >> 1, next.y >> 1, next.z >> 1}) < 0) continue;
         const bool outside_is_inside = level.inside.test(next);
         const int first = brick_stride[axis == 0 ? 1 : 0], second = brick_stride[axis == 2 ? 1 : 2];
         const float* layer = u + (up ? (brick_side - 1) * brick_stride[axis] : 0);

@@ -47,61 +47,106 @@ int start_level(const Lattice& lattice, const std::vector<const SupportField*>& 
   return level;
 }
 
+/// The way down from the coarsest level.
+class Descent {
+ public:
+  Descent(const Lattice& lattice, const SupportField& support, double lambda, const PrimalDualParams& params,
+          const Parallel& parallel, Progress& progress, Norm norm, const PyramidObserver& observe)
+      : lattice_(lattice),
+        support_(support),
+        lambda_(lambda),
+        params_(params),
+        parallel_(parallel),
+        progress_(progress),
+        norm_(norm),
+        observe_(observe) {}
+
+  /// Solves the levels down to `last`; returns that one.
+  PyramidSolution to(int last) {
+    std::vector<SupportField> coarser;  // data terms of levels 1, 2, ...
+    coarser.reserve(static_cast<size_t>(lattice_.levels));
+    for (int l = 1; l < lattice_.levels; ++l)
+      coarser.push_back(restrict_field(l == 1 ? support_ : coarser.back(), lattice_.box(l), parallel_));
+    std::vector<const SupportField*> data = {&support_};
+    for (const SupportField& field : coarser) data.push_back(&field);
+    start_ = start_level(lattice_, data, lambda_, norm_);
+
+    PyramidSolution solution;
+    Level& level = solution.finest;
+    for (int l = start_; l >= last; --l) {
+      const SupportField& field = *data[static_cast<size_t>(l)];
+      LevelReport report;
+      report.level = l;
+      if (l == start_) {
+        level = whole_level(lattice_.box(l), field, lambda_, norm_, parallel_);
+        solve(level, report);
+      } else {
+        coarser.erase(coarser.begin() + l, coarser.end());  // its work is done: nobody reads coarse.data() from here
+        const double scale = std::max(std::abs(solution.reports.back().energies.dual), 1000 * lambda_);
+        level = solve_on_band(std::move(level), field, share_left_out * params_.tolerance * scale, report);
+      }
+      report.active_vertices = level.grid.vertices();
+      if (observe_.solved) observe_.solved(level, lattice_.of_level(l));
+      solution.reports.push_back(report);
+    }
+    return solution;
+  }
+
+ private:
+  /// The level below `coarse`, on a band that grows until its interface stays within.
+  Level solve_on_band(Level coarse, const SupportField& field, double allowed, LevelReport& report) {
+    const LevelBox box = lattice_.box(report.level);
+    BrickMask band = choose_band(coarse, box, field, allowed, parallel_);
+    // A quarter of the finest level's memory would wait for the rare band that has to grow. It goes; should the band
+    // grow after all, the way down to there is taken once more.
+    const bool finest = report.level == 0;
+    const BrickGrid held = coarse.grid;
+    Level level = finest ? prolong_level(std::move(coarse), box, band, field, parallel_)
+                         : prolong_level(coarse, box, band, field, parallel_);
+    if (finest) coarse = {};
+    for (;;) {
+      solve(level, report);
+      if (report.band_growths == max_growths) return level;
+      const BrickMask grown = growth(level, held);
+      if (grown.count() == 0) return level;
+      band |= grown;
+      if (coarse.grid.size() == 0)
+        coarse = Descent(lattice_, support_, lambda_, params_, parallel_, progress_, norm_, {}).to(1).finest;
+      level = prolong_level(coarse, box, band, field, parallel_, &level);
+      ++report.band_growths;
+    }
+  }
+
+  void solve(Level& level, LevelReport& report) const {
+    const PrimalDualReport solved =
+        solve_primal_dual(level, params_, parallel_, progress_, [&](int iterations, const Energies& e) {
+          progress_.advance(1.0 - static_cast<double>(report.level) / (start_ + 1),
+                            fmt::format("level {}, {} iterations, gap {:.1e}", report.level,
+                                        report.iterations + iterations, e.relative_gap(level.lambda)));
+          if (observe_.evaluated) observe_.evaluated(level, report.iterations + iterations, e);
+        });
+    report.iterations += solved.iterations;
+    report.converged = solved.converged;
+    report.energies = solved.energies;
+  }
+
+  const Lattice& lattice_;
+  const SupportField& support_;
+  double lambda_;
+  const PrimalDualParams& params_;
+  const Parallel& parallel_;
+  Progress& progress_;
+  Norm norm_;
+  PyramidObserver observe_;
+  int start_ = 0;
+};
+
 }  // namespace
 
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
                                      const PrimalDualParams& params, const Parallel& parallel, Progress& progress,
                                      Norm norm, const PyramidObserver& observe) {
-  std::vector<SupportField> coarser;  // data terms of levels 1, 2, ...
-  coarser.reserve(static_cast<size_t>(lattice.levels));
-  for (int l = 1; l < lattice.levels; ++l)
-    coarser.push_back(restrict_field(l == 1 ? support : coarser.back(), lattice.box(l), parallel));
-  std::vector<const SupportField*> data = {&support};
-  for (const SupportField& field : coarser) data.push_back(&field);
-  const int start = start_level(lattice, data, lambda, norm);
-
-  PyramidSolution solution;
-  Level level;
-  for (int l = start; l >= 0; --l) {
-    const LevelBox box = lattice.box(l);
-    const SupportField& field = *data[static_cast<size_t>(l)];
-    const Level coarse = std::exchange(level, Level{});
-    BrickMask band;
-    if (l == start) {
-      level = whole_level(box, field, lambda, norm, parallel);
-    } else {
-      coarser.erase(coarser.begin() + l, coarser.end());  // its work is done: nobody reads coarse.data() from here
-      const double scale = std::max(std::abs(solution.reports.back().energies.dual), 1000 * lambda);
-      band = choose_band(coarse, box, field, share_left_out * params.tolerance * scale, parallel);
-      level = prolong_level(coarse, box, band, field, parallel);
-    }
-
-    LevelReport report;
-    report.level = l;
-    for (;;) {
-      const PrimalDualReport solved =
-          solve_primal_dual(level, params, parallel, progress, [&](int iterations, const Energies& e) {
-            progress.advance(1.0 - static_cast<double>(l) / (start + 1),
-                             fmt::format("level {}, {} iterations, gap {:.1e}", l, report.iterations + iterations,
-                                         e.relative_gap(level.lambda)));
-            if (observe.evaluated) observe.evaluated(level, report.iterations + iterations, e);
-          });
-      report.iterations += solved.iterations;
-      report.converged = solved.converged;
-      report.energies = solved.energies;
-      if (l == start || report.band_growths == max_growths) break;
-      const BrickMask grown = growth(level, coarse);
-      if (grown.count() == 0) break;
-      band |= grown;
-      level = prolong_level(coarse, box, band, field, parallel, &level);
-      ++report.band_growths;
-    }
-    report.active_vertices = level.grid.vertices();
-    if (observe.solved) observe.solved(level, lattice.of_level(l));
-    solution.reports.push_back(report);
-  }
-  solution.finest = std::move(level);
-  return solution;
+  return Descent(lattice, support, lambda, params, parallel, progress, norm, observe).to(0);
 }
 
 }  // namespace soapfilm

@@ -103,29 +103,65 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
   }
 }
 
-}  // namespace
+/// What the children of one coarse brick that the fine band leaves out are.
+struct LeftOut {
+  std::array<Outside, 8> outside;
+  uint8_t inside = 0;  // a bit per child, those of the band too
+};
 
-Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                    const Parallel& parallel, const Level* previous) {
+LeftOut left_out_children(const Level& coarse, size_t brick, const Level& fine, const SupportField& support) {
+  LeftOut children;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3i octant = octant_of(k);
+    if (inside_child(coarse, brick, octant)) children.inside |= static_cast<uint8_t>(1 << k);
+    if (fine.grid.find(coarse.grid.coord(brick) * 2 + octant) < 0)
+      children.outside[static_cast<size_t>(k)] = outside_child(coarse, brick, octant, support);
+  }
+  return children;
+}
+
+/// Layer by layer of coarse bricks along z; used(z) is called when nothing below layer z is read any more.
+template <class Used>
+Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+                     const Parallel& parallel, const Level* previous, Used&& used) {
   Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, parallel, coarse.norm);
-  parallel.for_each(coarse.grid.size(), 16, [&](size_t b) { prolong_children(coarse, b, fine, previous); });
-
+  std::vector<LeftOut> left_out(coarse.grid.size());
+  for (int z = 0; z < coarse.grid.bricks().z; ++z) {
+    const auto [begin, end] = coarse.grid.layer(z);
+    parallel.for_each(end - begin, 16, [&, first = begin](size_t i) {
+      prolong_children(coarse, first + i, fine, previous);
+      left_out[first + i] = left_out_children(coarse, first + i, fine, support);
+    });
+    used(z);
+  }
   coarse.inside.for_each([&](Vec3i b) {
     for (int k = 0; k < 8; ++k) fine.inside.set(b * 2 + octant_of(k));
-  });
-  std::vector<std::array<Outside, 8>> outside(coarse.grid.size());
-  parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
-    for (int k = 0; k < 8; ++k)
-      if (fine.grid.find(coarse.grid.coord(b) * 2 + octant_of(k)) < 0)
-        outside[b][static_cast<size_t>(k)] = outside_child(coarse, b, octant_of(k), support);
   });
   fine.outside = coarse.outside;
   for (size_t b = 0; b < coarse.grid.size(); ++b)
     for (int k = 0; k < 8; ++k) {
-      fine.inside.set(coarse.grid.coord(b) * 2 + octant_of(k), inside_child(coarse, b, octant_of(k)));
-      fine.outside += outside[b][static_cast<size_t>(k)];
+      fine.inside.set(coarse.grid.coord(b) * 2 + octant_of(k), left_out[b].inside >> k & 1);
+      fine.outside += left_out[b].outside[static_cast<size_t>(k)];
     }
   return fine;
+}
+
+}  // namespace
+
+Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+                    const Parallel& parallel, const Level* previous) {
+  return prolong_layers(coarse, box, band, support, parallel, previous, [](int) {});
+}
+
+Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+                    const Parallel& parallel) {
+  return prolong_layers(coarse, box, band, support, parallel, nullptr, [&](int z) {
+    // The next layer looks at this one through its low faces and windows.
+    if (z == 0) return;
+    const auto [begin, end] = coarse.grid.layer(z - 1);
+    coarse.u.give_back(begin, end);
+    coarse.p.give_back(begin, end);
+  });
 }
 
 }  // namespace soapfilm

@@ -16,5 +16,8 @@ namespace soapfilm {
 /// `band` may hold only children of the coarse band's bricks; all children of its support bricks must be among these.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Parallel& parallel, const Level* previous = nullptr);
+/// The same, but u and p of `coarse` go back to the system as they are used: it may only be destroyed then.
+Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+                    const Parallel& parallel);
 
 }  // namespace soapfilm

@@ -124,6 +124,8 @@ CellSamples merge(const GridSamples& samples, const BandSamples& where, const Na
   }
   for (size_t z = 1; z < merged.layer.size(); ++z) merged.layer[z] = std::max(merged.layer[z], merged.layer[z - 1]);
 
+  // Where it has to grow the old memory goes first: both at once would be the refinement's peak.
+  if (merged.rows.capacity() < merged.row.size()) merged.rows = std::vector<CellRow>();
   merged.rows.assign(merged.row.size(), {});
   std::vector<size_t> counts(bricks);
   parallel.for_each(bricks, 32, [&](size_t b) {

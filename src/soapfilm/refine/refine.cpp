@@ -75,6 +75,19 @@ RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Pa
   return distance;
 }
 
+/// The level set 0 of phi0, moved by the strength that the report names.
+RowArray moved_onto(const GridSamples& samples, const NarrowBand& band, const RowArray& phi0,
+                    const RobustParams& params, const Parallel& parallel, RefineReport& report) {
+  Displacement displacement(band, phi0, parallel);
+  const RobustFit fit = fit_robustly(displacement, band, samples, locate(samples, band, parallel),
+                                     std::vector<uint8_t>(samples.size(), 1), report.strength, params, parallel);
+  report.iterations = fit.iterations;
+  report.cells = fit.cells;
+  report.down_weighted =
+      static_cast<size_t>(std::count_if(fit.weight.begin(), fit.weight.end(), [](float w) { return w < 0.25f; }));
+  return std::move(displacement.phi());
+}
+
 /// The field becomes the distance on the band, and its sign alone beyond it.
 void write_distance(const NarrowBand& band, const RowArray& distance, const SignBits& signs, SurfaceField& field,
                     const Parallel& parallel) {
@@ -133,20 +146,14 @@ SurfaceField refine(Level level, float threshold, const GridSamples& samples, co
                       parallel, report.search);
 
   // The surface moves onto them.
-  Displacement displacement(band, phi0, parallel);
-  const RobustFit fit = fit_robustly(displacement, band, samples, locate(samples, band, parallel),
-                                     std::vector<uint8_t>(samples.size(), 1), report.strength, params.robust, parallel);
-  report.iterations = fit.iterations;
-  report.cells = fit.cells;
-  report.down_weighted =
-      static_cast<size_t>(std::count_if(fit.weight.begin(), fit.weight.end(), [](float w) { return w < 0.25f; }));
+  RowArray phi = moved_onto(samples, band, phi0, params.robust, parallel, report);
 
   // Signs follow where the topology allows.
-  const FlipCount flips = follow(displacement.phi(), band, signs, held_distance);
+  const FlipCount flips = follow(phi, band, signs, held_distance);
   report.flips = flips.wanted - flips.refused;
   report.refused = flips.refused;
   field.value = Field<float>(field.grid);
-  write_distance(band, displacement.phi(), signs, field, parallel);
+  write_distance(band, phi, signs, field, parallel);
   return field;
 }
 
