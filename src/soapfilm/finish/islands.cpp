@@ -25,12 +25,14 @@ Vec3i nearest_vertex(Vec3f p) {
           static_cast<int>(std::floor(p.z + 0.5f))};
 }
 
-Supported supported_parts(const Parts& parts, Vec3i first_vertex, Vec3f local, Vec3f direction) {
+/// `part_at` tells the part that holds a vertex of a brick, relative to its first one, as `local` is.
+template <class PartAt>
+Supported supported_parts(const Parts& parts, Vec3f local, Vec3f direction, PartAt&& part_at) {
   const Vec3f outward = normalized(direction);
   Supported supported{};
   for (size_t k = 0; k < reaches.size(); ++k) {
-    const uint32_t inner = parts.at(first_vertex + nearest_vertex(local - outward * reaches[k]));
-    const uint32_t outer = parts.at(first_vertex + nearest_vertex(local + outward * reaches[k]));
+    const uint32_t inner = part_at(nearest_vertex(local - outward * reaches[k]));
+    const uint32_t outer = part_at(nearest_vertex(local + outward * reaches[k]));
     if (!parts[inner].inside || parts[outer].inside) continue;
     if (parts[inner].around == outer)
       supported[k] = inner;
@@ -46,25 +48,43 @@ struct Evidence {
   std::vector<double> weight;
 };
 
+/// The same of some samples, for the few parts that these lie on.
+struct PartEvidence {
+  uint32_t part;
+  size_t count;
+  double weight;
+};
+
+void add_evidence(uint32_t part, double weight, std::vector<PartEvidence>& evidence) {
+  auto at = std::find_if(evidence.begin(), evidence.end(), [&](const PartEvidence& e) { return e.part == part; });
+  if (at == evidence.end()) at = evidence.insert(at, {part, 0, 0});
+  ++at->count;
+  at->weight += weight;
+}
+
 /// A sample that two surfaces may claim counts for both, so that what happens to one of the parts takes nothing from
 /// the other.
-Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Parallel& parallel) {
-  std::vector<Supported> supported(samples.size());
+Evidence evidence_of(const Level& level, const Parts& parts, const GridSamples& samples, const Parallel& parallel) {
+  std::vector<std::vector<PartEvidence>> in_brick(samples.bricks.size());
   parallel.for_each(samples.bricks.size(), 16, [&](size_t b) {
     const Vec3i first_vertex = samples.bricks.first_vertex(b);
-    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
-      supported[s] = supported_parts(parts, first_vertex, samples.local[s], samples.direction[s]);
+    const int32_t brick = level.grid.find(samples.bricks.coord(b));
+    const auto part_at = [&](Vec3i v) {
+      return brick < 0 ? parts.at(first_vertex + v) : parts.at(static_cast<size_t>(brick), v);
+    };
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
+      const Supported by = supported_parts(parts, samples.local[s], samples.direction[s], part_at);
+      const double weight = std::max(1.0f, norm(samples.direction[s]));
+      for (size_t k = 0; k < by.size(); ++k)
+        if (k == 0 || by[k] != by[0]) add_evidence(by[k], weight, in_brick[b]);
+    }
   });
   Evidence evidence{std::vector<size_t>(parts.size()), std::vector<double>(parts.size())};
-  for (size_t s = 0; s < supported.size(); ++s) {
-    const Supported& by = supported[s];
-    const double weight = std::max(1.0f, norm(samples.direction[s]));
-    for (size_t k = 0; k < by.size(); ++k) {
-      if (k > 0 && by[k] == by[0]) continue;
-      ++evidence.count[by[k]];
-      evidence.weight[by[k]] += weight;
+  for (const auto& found : in_brick)
+    for (const PartEvidence& e : found) {
+      evidence.count[e.part] += e.count;
+      evidence.weight[e.part] += e.weight;
     }
-  }
   return evidence;
 }
 
@@ -116,7 +136,7 @@ void validate(const IslandParams& params) {
 void drop_islands(Level& level, float threshold, const GridSamples& samples, double density, const IslandParams& params,
                   const Parallel& parallel, IslandReport& report) {
   const Parts parts(level, threshold, parallel);
-  const auto [count, weight] = evidence_of(parts, samples, parallel);
+  const auto [count, weight] = evidence_of(level, parts, samples, parallel);
   std::vector<double> area(parts.size()), support(parts.size());
   for (uint32_t p = 1; p < parts.size(); ++p) {
     area[p] = area_per_face * static_cast<double>(parts[p].faces);

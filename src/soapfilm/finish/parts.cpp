@@ -232,13 +232,23 @@ void Parts::find_surroundings(const std::vector<std::vector<Contact>>& contacts)
   }
 }
 
-uint32_t Parts::at(Vec3i vertex) const {
-  const Vec3i coord = brick_of(vertex);
-  const int32_t b = grid_.find(coord);
-  if (b < 0) return part_[node_of_missing(b, coord)];
-  uint32_t piece = first_piece_[static_cast<size_t>(b)];
+/// `slot`: the brick as BrickGrid::find() has it; of the vertex the low three bits count.
+uint32_t Parts::part_in(int32_t slot, Vec3i brick, Vec3i vertex) const {
+  if (slot < 0) return part_[node_of_missing(slot, brick)];
+  uint32_t piece = first_piece_[static_cast<size_t>(slot)];
   while (!pieces_[piece].vertices.test(vertex.x & 7, vertex.y & 7, vertex.z & 7)) ++piece;
   return part_[node_of_piece(piece)];
+}
+
+uint32_t Parts::at(size_t brick, Vec3i vertex) const {
+  const Vec3i offset = brick_of(vertex);
+  const auto slot = static_cast<size_t>(neighbor_slot(offset.x, offset.y, offset.z));
+  return part_in(grid_.neighbors(brick)[slot], grid_.coord(brick) + offset, vertex);
+}
+
+uint32_t Parts::at(Vec3i vertex) const {
+  const Vec3i brick = brick_of(vertex);
+  return part_in(grid_.find(brick), brick, vertex);
 }
 
 void Parts::write(const std::vector<uint8_t>& inside, Level& level, const Parallel& parallel) const {

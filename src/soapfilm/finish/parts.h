@@ -29,6 +29,9 @@ class Parts {
 
   size_t size() const { return parts_.size(); }
   const Part& operator[](uint32_t part) const { return parts_[part]; }
+  /// The part that holds a vertex, given relative to the first one of active brick `brick`, each coordinate in [-8,
+  /// 16).
+  uint32_t at(size_t brick, Vec3i vertex) const;
   /// The part that holds a lattice vertex.
   uint32_t at(Vec3i vertex) const;
 
@@ -57,6 +60,7 @@ class Parts {
     return 1 + static_cast<uint32_t>(pieces_.size()) + static_cast<uint32_t>(gap);
   }
   uint32_t node_of_missing(int32_t slot, Vec3i brick) const;
+  uint32_t part_in(int32_t slot, Vec3i brick, Vec3i vertex) const;
 
   void find_pieces(const Level& level, float threshold, const Parallel& parallel);
   void find_gaps(const Level& level);
