@@ -36,10 +36,11 @@ class Displacement {
 
   /// What the next solves expect of the curvature c = laplacian phi, from the present surface. Its target c1 is a share
   /// of the mean of c over the vertices around (within about two voxels) that yield little: bends that go on, as on a
-  /// limb, are not pulled flat. Where c differs from c1 its weight falls to gamma / (1 + (d / d0)^2), d the root mean
-  /// square of c - c1 around and d0 that many times its median over the band: without the mean each vertex would be
-  /// free to follow the noise that bent it. Away from the surface, where a near fold of it bends phi, the weight falls
-  /// as well; the band's rim keeps the target 0.
+  /// limb, are not pulled flat. Where the surface bends otherwise the weight falls to gamma / (1 + (d / d0)^2), d^2 the
+  /// mean around of (c - c1)^2 + (k1 - k2)^2, k1 and k2 the principal curvatures, and d0 that many times the median of
+  /// d over the band: without the mean each vertex would be free to follow the noise that bent it, and of a surface's
+  /// three second derivatives c alone is one: too few to tell bends from noise so near by. Away from the surface, where
+  /// a near fold of it bends phi, the weight falls as well; the band's rim keeps the target 0.
   void yield_to_bends(double medians);
   /// The same gamma everywhere and no target, as at first.
   void stiffen();

@@ -121,6 +121,7 @@ void validate(const RefineParams& params) {
   require("refine scale_of_noise", params.robust.scale_of_noise, 1, 10);
   require("refine first_scale", params.robust.first_scale, 0, 10);
   require("refine slope", params.robust.slope, 0, 1e3);
+  require("refine slope_along_directions", params.robust.slope_along_directions, 0, 1e3);
   require("refine slope_of_curvature", params.robust.slope_of_curvature, 1e-6, 1e3);
   require("refine yielding_rounds", params.robust.yielding_rounds, 0, 20);
   require("refine yielding_haste", params.robust.yielding_haste, 1, 10000);

@@ -17,6 +17,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
                               static_cast<float>(strength.smoothing)};
   // Once the scale rests, the samples have been weighed as they will be; bends go on being found.
   const double least_scale = std::max(params.least_scale, params.scale_of_noise * strength.noise);
+  const double slope_weight = strength.yield && strength.normals > 0 ? params.slope_along_directions : params.slope;
   const int rounds = params.rounds + (strength.yield ? params.yielding_rounds : 0);
   displacement.drop_target();
   CellSamples data;
@@ -37,7 +38,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
     });
     data = merge(samples, where, band, fit.weight, normal,
                  {static_cast<float>(strength.normals),
-                  static_cast<float>(std::max(params.slope * strength.smoothing, strength.normals))},
+                  static_cast<float>(std::max(slope_weight * strength.smoothing, strength.normals))},
                  parallel, std::move(data));
     fit.cells = data.count;
     // Weights need no more than a rough surface.

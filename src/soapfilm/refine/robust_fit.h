@@ -25,12 +25,14 @@ struct RobustParams {
   double first_scale = 0.5;     ///< at least this in the first round, half of it in the next, ...: voxels, >= 0
   double slope = 2;             ///< weight of a unit slope along the normal against gamma, >= 0: without it phi
                                 ///< flattens among noisy samples and is no distance any more
-  double slope_of_curvature = 0.02;  ///< beta / sqrt(gamma), > 0: gamma scales as length^4, beta as length^2
+  double slope_along_directions = 8;  ///< instead of `slope` where directions are used and curvature yields, >= 0: what
+                                      ///< neighbours that were seen from different sides say of the normal between
+  double slope_of_curvature = 0.02;   ///< beta / sqrt(gamma), > 0: gamma scales as length^4, beta as length^2
   int rounds = 3;  ///< of weighing and solving, at most, [1, 20]; the second or a later one is the last where the scale
                    ///< has come down to the noise and curvature does not yield
   int yielding_rounds = 2;     ///< so many more where curvature yields, >= 0
   int yielding_haste = 3;      ///< and each takes the iterations over this: they go on from one another, > 0
-  double yielding_bend = 1.5;  ///< what it yields to, in medians of the surface's bends, > 0
+  double yielding_bend = 1.2;  ///< what it yields to, in medians of the surface's bends, > 0
   SolveLimits solve;           ///< of the last round; the first takes a quarter of the iterations, others a sixth, or a
                                ///< quarter where curvature yields
 };

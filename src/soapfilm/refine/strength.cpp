@@ -26,6 +26,7 @@ constexpr double normals_agree_deg = 40;  // a larger median angle: viewing dire
 // best weight and steeply above it, so they get less.
 constexpr double normals_true_deg = 20;
 constexpr double caution = 0.5;
+constexpr double caution_when_yielding = 0.1;  // the slopes along them say more then, and pull nothing towards them
 
 // Standard errors that directions may cost where curvature yields: they keep phi from steepening along the noise of its
 // own slopes, which held-out samples hardly show. Smooth shapes pay 4 to 11 for them.
@@ -113,7 +114,8 @@ class HeldOut {
     robust_.rounds = 2;
     robust_.yielding_rounds = 1;
     robust_.yielding_haste = 1;
-    robust_.solve.tolerance *= 0.5;  // scores that are compared differ by little
+    robust_.slope_along_directions = robust_.slope;  // a steeper phi looks farther from the samples than it is
+    robust_.solve.tolerance *= 0.5;                  // scores that are compared differ by little
   }
 
   struct Outcome {
@@ -276,7 +278,8 @@ Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const Gri
       best.smoothing =
           std::max(lowest, largest_within(best.smoothing, smoothing_step, most_smoothing, allowed, score_of_smoothing));
   }
-  if (!params.normals && report.agreement_deg > normals_true_deg) best.normals *= caution;
+  if (!params.normals && report.agreement_deg > normals_true_deg)
+    best.normals *= best.yield ? caution_when_yielding : caution;
   report.samples = held_out.samples();
   report.candidates = held_out.candidates();
   return best;
