@@ -48,6 +48,45 @@ TEST(NarrowBand, LaplacianIsTheDenseGraphLaplacian) {
   });
 }
 
+TEST(NarrowBand, SaddlesAreTheDifferenceOfThePrincipalCurvatures) {
+  const NarrowBand band = random_band(3, 0.95, 6);
+  const Dense<double> in_band = dense(band, members(band));
+  Random random(7);
+  for (int turn = 0; turn < 5; ++turn) {
+    const auto direction = [&] { return normalized(Vec3d{random.normal(), random.normal(), random.normal()}); };
+    const Vec3d normal = direction(), first = normalized(cross(normal, direction())), second = cross(normal, first);
+    const double k1 = 0.2 * random.normal(), k2 = 0.2 * random.normal();
+    RowArray phi = band.make_array();
+    for (size_t b = 0; b < band.grid().size(); ++b)
+      for_each_vertex(band.grid().coord(b), [&](Vec3i v, int i) {
+        const uint32_t row = band.row(static_cast<int32_t>(b), i >> 3 & 7, i >> 6);
+        if ((band.mask(row) >> (i & 7) & 1) == 0) return;
+        const Vec3d p = Vec3d{v.x - 12.0, v.y - 12.0, v.z - 12.0};
+        const double along_first = dot(p, first), along_second = dot(p, second);
+        phi.data()[row * brick_side + static_cast<size_t>(i & 7)] = static_cast<float>(
+            dot(p, normal) + 0.5 * (k1 * along_first * along_first + k2 * along_second * along_second));
+      });
+    RowArray out = band.make_array();
+    for (uint32_t row = 1; row <= band.rows(); ++row) {
+      const auto squares = squared_saddles(band, phi, row);
+      std::copy(squares.begin(), squares.end(), out.data() + size_t{row} * brick_side);
+    }
+    const Dense<double> result = dense(band, out);
+    int known = 0;
+    in_band.for_each([&](Vec3i at) {
+      bool all = in_band[at] > 0;
+      for (int a = 0; a < 3; ++a)
+        for (int s : {-1, 1}) {
+          all = all && in_band.get(at + along(a) * s) > 0;
+          for (int t : {-1, 1}) all = all && in_band.get(at + along(a) * s + along((a + 1) % 3) * t) > 0;
+        }
+      known += all;
+      EXPECT_NEAR(result[at], all ? (k1 - k2) * (k1 - k2) : 0, 1e-3);
+    });
+    EXPECT_GT(known, 500);
+  }
+}
+
 TEST(NarrowBand, LaplacianIsSymmetricAndPositiveAndForgetsConstants) {
   const NarrowBand band = random_band(2, 0.7, 3);
   const RowArray a = random_array(band, 4), b = random_array(band, 5);
