@@ -29,10 +29,10 @@ struct StrengthReport {
 /// (after Hastie, Tibshirani and Friedman 2009, section 7.10, who take one), by interpolation in log gamma, or the
 /// lowest point of a parabola where that is larger: few held-out samples tell fits that are too rough from good ones.
 /// Directions are tried as normals when their median angle to the fitted surface is under 40 degrees, and used, with
-/// the weight found in factors of 4 (half of it where the angle is over 20 degrees), when that lowers the score or,
-/// where curvature yields, raises it by less than one standard error. The noise is 1.48 times the median of the
-/// held-out distances, the standard error that of as many normal deviates. Cost: some ten fits of `samples` samples,
-/// whatever their number.
+/// the weight found in factors of 4 (where the angle is over 20 degrees half of it, or a tenth where curvature yields),
+/// when that lowers the score or, where curvature yields, raises it by less than one standard error. The noise is 1.48
+/// times the median of the held-out distances, the standard error that of as many normal deviates. Cost: some ten fits
+/// of `samples` samples, whatever their number.
 Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const GridSamples& samples,
                          const RobustParams& robust, const StrengthParams& params, const Parallel& parallel,
                          StrengthReport& report);
