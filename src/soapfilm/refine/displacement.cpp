@@ -1,6 +1,7 @@
 #include "soapfilm/refine/displacement.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -54,7 +55,10 @@ void Displacement::yield_to_bends(double medians) {
   };
   for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
     for (size_t r = begin; r < end; ++r) {
-      const auto saddle = squared_saddles(band_, phi_, static_cast<uint32_t>(r));
+      const float* value = phi_.data() + r * brick_side;
+      const bool counts = std::any_of(value, value + brick_side, [](float v) { return std::abs(v) < reach; });
+      const auto saddle =
+          counts ? squared_saddles(band_, phi_, static_cast<uint32_t>(r)) : std::array<float, brick_side>{};
       for (size_t x = 0; x < brick_side; ++x) {
         const size_t i = r * brick_side + x;
         // Weights are positive all over the band: they tell it from the rest.
