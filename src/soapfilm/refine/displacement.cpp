@@ -55,14 +55,15 @@ void Displacement::yield_to_bends(double medians) {
   };
   for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
     for (size_t r = begin; r < end; ++r) {
-      const float* value = phi_.data() + r * brick_side;
-      const bool counts = std::any_of(value, value + brick_side, [](float v) { return std::abs(v) < reach; });
+      const auto counts = [&](size_t i) { return degree[i] == 6 && std::abs(phi_.data()[i]) < reach; };
+      bool any = false;
+      for (size_t x = 0; x < brick_side; ++x) any |= counts(r * brick_side + x);
       const auto saddle =
-          counts ? squared_saddles(band_, phi_, static_cast<uint32_t>(r)) : std::array<float, brick_side>{};
+          any ? squared_saddles(band_, phi_, static_cast<uint32_t>(r)) : std::array<float, brick_side>{};
       for (size_t x = 0; x < brick_side; ++x) {
         const size_t i = r * brick_side + x;
         // Weights are positive all over the band: they tell it from the rest.
-        w[i] = degree[i] == 6 && std::abs(phi_.data()[i]) < reach ? 1.0f : degree[i] > 0 ? 1e-6f : 0.0f;
+        w[i] = counts(i) ? 1.0f : degree[i] > 0 ? 1e-6f : 0.0f;
         const float d = c[i] - target[i];
         wc[i] = degree[i] == 6 ? w[i] * (d * d + saddle[x]) : 0.0f;
       }
