@@ -43,36 +43,24 @@ void Displacement::yield_to_bends(double medians) {
   constexpr float near = 0.5f,
                   reach = 1;      // voxels from the surface: up to where phi counts in full; a half so far beyond
   constexpr float follow = 0.6f;  // of the mean around that the target takes
-  const uint8_t* degree = band_.view().degree;
-  RowArray &bend = image_, &weight = residual_, &product = direction_, &mean = scratch_;
-  float *c = bend.data(), *w = weight.data(), *wc = product.data(), *target = target_.data(), *share = share_.data();
-  const float *around = mean.data(), *distance = phi0_.data();
-  apply_laplacian(band_, phi_, 0, -1, bend, parallel_);
-  const auto nearness = [&](size_t i) {
-    const float beyond = std::max(std::abs(distance[i]) - near, 0.0f) / reach;
-    return 1 / (1 + beyond * beyond);
-  };
-  for_values(all_rows(band_), [&](size_t i) {
-    // Weights are positive all over the band: they tell it from the rest.
-    w[i] = degree[i] == 6 && std::abs(phi_.data()[i]) < reach ? 1.0f : degree[i] > 0 ? 1e-6f : 0.0f;
-    const float d = c[i] - target[i];
-    wc[i] = degree[i] == 6 ? w[i] * d * d : 0.0f;
-  });
-  if (!multilevel_.local_mean(product, weight, mean, parallel_)) return;
-  std::vector<float> bends;
+  constexpr float faint = 1e-6f;  // positive all over the band
+  const RowKernel kernel = row_kernel();
+  const BandRows rows = band_.view();
+  RowArray &curvature = image_, &weight = residual_, &product = direction_, &mean = scratch_;
+  const CurvatureJob bends{phi_.data(), target_.data(), reach, faint, curvature.data(), weight.data(), product.data()};
+  for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) { kernel.curvature(rows, bends, begin, end); });
+  if (!multilevel_.local_mean(product, weight, weight, 1, mean, parallel_)) return;
+  std::vector<float> squares;
   for (size_t i = 0; i < mean.size(); i += stride)
-    if (degree[i] == 6 && std::abs(distance[i]) < reach) bends.push_back(around[i]);
-  if (bends.empty()) return;
+    if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach) squares.push_back(mean.data()[i]);
+  if (squares.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
-  const float per_square = 1 / std::max(squared_medians * median(std::move(bends)), 1e-12f);
-  for_values(all_rows(band_), [&](size_t i) {
-    const float yielded = 1 / (1 + per_square * std::max(around[i], 0.0f));
-    share[i] = degree[i] == 6 ? yielded * nearness(i) : 1.0f;
-    if (degree[i] == 6) w[i] *= share[i];
-    wc[i] = degree[i] == 6 ? w[i] * c[i] : 0.0f;
-  });
-  multilevel_.local_mean(product, weight, mean, parallel_);
-  for_values(all_rows(band_), [&](size_t i) { target[i] = degree[i] == 6 ? follow * around[i] : 0.0f; });
+  const float per_square = 1 / std::max(squared_medians * median(std::move(squares)), 1e-12f);
+  const ShareJob yield{mean.data(),   phi0_.data(),     per_square,    near,          reach,
+                       share_.data(), curvature.data(), weight.data(), product.data()};
+  for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) { kernel.share(rows, yield, begin, end); });
+  const RowArray& inside = curvature;  // by now
+  multilevel_.local_mean(product, weight, inside, follow, target_, parallel_);
 }
 
 double Displacement::laplacian(const LaplacianJob& job, int layer) {
@@ -101,10 +89,13 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
   add_data_term(band_, data, phi_, true, -1, residual_, parallel_);
 }
 
-int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits) {
+void Displacement::precondition(const CellSamples& data, Smoothness smoothness) {
   std::fill_n(scratch_.data(), scratch_.size(), 0.0f);
   add_position_weights(band_, data, scratch_, parallel_);
   multilevel_.set_operator(scratch_, smoothness.slope, smoothness.curvature, parallel_);
+}
+
+int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits) {
   residual(data, smoothness);
 
   RowArray& z = scratch_;
