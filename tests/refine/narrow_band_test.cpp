@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "refine/band_support.h"
 #include "soapfilm/refine/multilevel.h"
 #include "support/back_ends.h"
@@ -142,6 +144,23 @@ TEST(NarrowBand, MultilevelRestrictsTheResidualOfAJacobiStep) {
     coarse.restrict_to(band, residual, expected, one_thread);
     coarse.restrict_residual(band, job, restricted, one_thread);
     for (size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(restricted.data()[i], expected.data()[i], 2e-5);
+  }
+}
+
+TEST(NarrowBand, LocalMeansKeepConstantsAndLieWithinTheValues) {
+  const NarrowBand band = random_band(3, 0.5, 21);
+  Multilevel multilevel(band, one_thread);
+  const RowArray weights = members(band), noise = random_array(band, 22);
+  RowArray values = band.make_array(), where = members(band), mean = band.make_array();
+  for (size_t i = 0; i < where.size(); i += 3) where.data()[i] = 0;
+  for (size_t i = 0; i < values.size(); ++i) values.data()[i] = 3 * weights.data()[i];
+  ASSERT_TRUE(multilevel.local_mean(values, weights, where, 0.5f, mean, one_thread));
+  for (size_t i = 8; i < band.slots(); ++i) ASSERT_NEAR(mean.data()[i], where.data()[i] > 0 ? 1.5f : 0.0f, 1e-5);
+  ASSERT_TRUE(multilevel.local_mean(noise, weights, weights, 1, mean, one_thread));
+  const auto [least, most] = std::minmax_element(noise.data(), noise.data() + noise.size());
+  for (size_t i = 8; i < band.slots(); ++i) {
+    ASSERT_GE(mean.data()[i], std::min(*least, 0.0f));
+    ASSERT_LE(mean.data()[i], std::max(*most, 0.0f));
   }
 }
 

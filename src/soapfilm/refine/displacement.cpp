@@ -39,51 +39,44 @@ void Displacement::stiffen() {
   drop_target();
 }
 
+namespace {
+
+/// product += weight (k1 - k2)^2 on a row, where the surface is near.
+void add_saddles(const NarrowBand& band, const RowArray& phi, uint32_t row, const RowArray& weight, RowArray& product) {
+  const float* w = weight.data() + size_t{row} * brick_side;
+  if (std::none_of(w, w + brick_side, [](float v) { return v == 1; })) return;
+  const auto squares = squared_saddles(band, phi, row);
+  for (size_t x = 0; x < brick_side; ++x) product.data()[size_t{row} * brick_side + x] += w[x] * squares[x];
+}
+
+}  // namespace
+
 void Displacement::yield_to_bends(double medians) {
   constexpr size_t stride = 7;  // a seventh of the vertices tells the median, at every x
   constexpr float near = 0.5f,
                   reach = 1;      // voxels from the surface: up to where phi counts in full; a half so far beyond
   constexpr float follow = 0.6f;  // of the mean around that the target takes
-  const uint8_t* degree = band_.view().degree;
-  RowArray &bend = image_, &weight = residual_, &product = direction_, &mean = scratch_;
-  float *c = bend.data(), *w = weight.data(), *wc = product.data(), *target = target_.data(), *share = share_.data();
-  const float *around = mean.data(), *distance = phi0_.data();
-  apply_laplacian(band_, phi_, 0, -1, bend, parallel_);
-  const auto nearness = [&](size_t i) {
-    const float beyond = std::max(std::abs(distance[i]) - near, 0.0f) / reach;
-    return 1 / (1 + beyond * beyond);
-  };
+  constexpr float faint = 1e-6f;  // positive all over the band
+  const RowKernel kernel = row_kernel();
+  const BandRows rows = band_.view();
+  RowArray &curvature = image_, &weight = residual_, &product = direction_, &mean = scratch_;
+  const CurvatureJob bends{phi_.data(), target_.data(), reach, faint, curvature.data(), weight.data(), product.data()};
   for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
-    for (size_t r = begin; r < end; ++r) {
-      const auto counts = [&](size_t i) { return degree[i] == 6 && std::abs(phi_.data()[i]) < reach; };
-      bool any = false;
-      for (size_t x = 0; x < brick_side; ++x) any |= counts(r * brick_side + x);
-      const auto saddle =
-          any ? squared_saddles(band_, phi_, static_cast<uint32_t>(r)) : std::array<float, brick_side>{};
-      for (size_t x = 0; x < brick_side; ++x) {
-        const size_t i = r * brick_side + x;
-        // Weights are positive all over the band: they tell it from the rest.
-        w[i] = counts(i) ? 1.0f : degree[i] > 0 ? 1e-6f : 0.0f;
-        const float d = c[i] - target[i];
-        wc[i] = degree[i] == 6 ? w[i] * (d * d + saddle[x]) : 0.0f;
-      }
-    }
+    kernel.curvature(rows, bends, begin, end);
+    for (size_t r = begin; r < end; ++r) add_saddles(band_, phi_, static_cast<uint32_t>(r), weight, product);
   });
-  if (!multilevel_.local_mean(product, weight, mean, parallel_)) return;
-  std::vector<float> bends;
+  if (!multilevel_.local_mean(product, weight, weight, 1, mean, parallel_)) return;
+  std::vector<float> squares;
   for (size_t i = 0; i < mean.size(); i += stride)
-    if (degree[i] == 6 && std::abs(distance[i]) < reach) bends.push_back(around[i]);
-  if (bends.empty()) return;
+    if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach) squares.push_back(mean.data()[i]);
+  if (squares.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
-  const float per_square = 1 / std::max(squared_medians * median(std::move(bends)), 1e-12f);
-  for_values(all_rows(band_), [&](size_t i) {
-    const float yielded = 1 / (1 + per_square * std::max(around[i], 0.0f));
-    share[i] = degree[i] == 6 ? yielded * nearness(i) : 1.0f;
-    if (degree[i] == 6) w[i] *= share[i];
-    wc[i] = degree[i] == 6 ? w[i] * c[i] : 0.0f;
-  });
-  multilevel_.local_mean(product, weight, mean, parallel_);
-  for_values(all_rows(band_), [&](size_t i) { target[i] = degree[i] == 6 ? follow * around[i] : 0.0f; });
+  const float per_square = 1 / std::max(squared_medians * median(std::move(squares)), 1e-12f);
+  const ShareJob yield{mean.data(),   phi0_.data(),     per_square,    near,          reach,
+                       share_.data(), curvature.data(), weight.data(), product.data()};
+  for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) { kernel.share(rows, yield, begin, end); });
+  const RowArray& inside = curvature;  // by now
+  multilevel_.local_mean(product, weight, inside, follow, target_, parallel_);
 }
 
 double Displacement::laplacian(const LaplacianJob& job, int layer) {
@@ -112,10 +105,13 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
   add_data_term(band_, data, phi_, true, -1, residual_, parallel_);
 }
 
-int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits) {
+void Displacement::precondition(const CellSamples& data, Smoothness smoothness) {
   std::fill_n(scratch_.data(), scratch_.size(), 0.0f);
   add_position_weights(band_, data, scratch_, parallel_);
   multilevel_.set_operator(scratch_, smoothness.slope, smoothness.curvature, parallel_);
+}
+
+int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits) {
   residual(data, smoothness);
 
   RowArray& z = scratch_;

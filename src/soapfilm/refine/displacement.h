@@ -31,7 +31,9 @@ class Displacement {
  public:
   Displacement(const NarrowBand& band, const RowArray& phi0, const Parallel& parallel);
 
-  /// Starts from the present state; returns the number of iterations.
+  /// Fits the preconditioner to the positions and their weights, which may change a little before it is fitted again.
+  void precondition(const CellSamples& data, Smoothness smoothness);
+  /// Starts from the present state; returns the number of iterations. Once preconditioned.
   int minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits);
 
   /// What the next solves expect of the curvature c = laplacian phi, from the present surface. Its target c1 is a share

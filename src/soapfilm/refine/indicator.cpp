@@ -150,9 +150,15 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Paral
   field.value = Field<float>(field.grid);
   parallel.for_each(field.grid.size(), 64, [&](size_t b) {
     std::array<const BrickBits*, 27> around;
+    const Vec3i own = field.grid.coord(b);
+    const int32_t here = level.grid.find(own);
     for (int slot = 0; slot < 27; ++slot) {
-      const Vec3i brick = field.grid.coord(b) + slot_offset(slot);
-      around[static_cast<size_t>(slot)] = bits_of(level, bits, threshold, level.grid.find(brick), brick);
+      const Vec3i brick = own + slot_offset(slot);
+      const auto k = static_cast<size_t>(slot);
+      const int32_t n = slot == own_slot ? here
+                        : here >= 0      ? level.grid.neighbors(static_cast<size_t>(here))[k]
+                                         : level.grid.find(brick);
+      around[k] = bits_of(level, bits, threshold, n, brick);
     }
     smooth_brick(around, field.value.brick(b));
   });

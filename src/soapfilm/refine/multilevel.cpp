@@ -85,14 +85,20 @@ BrickTransfer CoarseBand::transfer(const NarrowBand& fine, size_t brick) const {
   const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
   BrickTransfer transfer{{}, {}, half.x, first, fine.first_row(brick + 1) - first, fine.places() + first};
   const auto& around = band_.grid().neighbors(static_cast<size_t>(parent_[brick]));
-  for (int x = 0; x <= half.x / 4; ++x) {
-    auto& rows = x == 0 ? transfer.row : transfer.right;
-    for (int z = half.z; z < half.z + side; ++z)
-      for (int y = half.y; y < half.y + side; ++y) {
-        const uint32_t* there = band_.rows_of(around[static_cast<size_t>(neighbor_slot(x, y >> 3, z >> 3))]);
-        rows[static_cast<size_t>((y - half.y) + side * (z - half.z))] = there[(y & 7) + brick_side * (z & 7)];
-      }
-  }
+  // Four rows along y lie in one coarse brick, the fifth there too or in the next one.
+  const auto gather_rows = [&](int x, auto& rows) {
+    for (int z = 0; z < side; ++z) {
+      const int coarse_z = half.z + z;
+      const auto there = [&](int y) {
+        return band_.rows_of(around[static_cast<size_t>(neighbor_slot(x, y >> 3, coarse_z >> 3))]) + (y & 7) +
+               brick_side * (coarse_z & 7);
+      };
+      std::copy_n(there(half.y), side - 1, rows.data() + side * z);
+      rows[static_cast<size_t>(side * z + side - 1)] = *there(half.y + side - 1);
+    }
+  };
+  gather_rows(0, transfer.row);
+  if (half.x != 0) gather_rows(1, transfer.right);
   return transfer;
 }
 
@@ -160,7 +166,8 @@ void Multilevel::set_operator(const RowArray& position_weights, float beta, floa
   }
 }
 
-bool Multilevel::local_mean(const RowArray& values, const RowArray& weights, RowArray& mean, const Parallel& parallel) {
+bool Multilevel::local_mean(const RowArray& values, const RowArray& weights, const RowArray& where, float scale,
+                            RowArray& mean, const Parallel& parallel) {
   constexpr float spread = 0.125f;  // to each neighbour in a pass
   if (coarse_.empty()) return false;
   Coarse& c = coarse_.front();
@@ -174,13 +181,11 @@ bool Multilevel::local_mean(const RowArray& values, const RowArray& weights, Row
   sums(values, c.b);
   sums(weights, c.x);
   parallel.for_chunks(c.b.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) c.b.data()[i] = c.x.data()[i] > 0 ? c.b.data()[i] / c.x.data()[i] : 0.0f;
+    for (size_t i = begin; i < end; ++i)
+      c.b.data()[i] = c.x.data()[i] > 0 ? scale * (c.b.data()[i] / c.x.data()[i]) : 0.0f;
   });
-  // What prolong_onto() calls inverse is positive in the band, and nothing is added.
-  std::fill_n(work_.data(), work_.size(), 0.0f);
   CycleJob job{};
-  job.inverse = weights.data();
-  job.b = work_.data();
+  job.inverse = where.data();
   job.x = c.b.data();
   job.out = mean.data();
   for (int layer = 0; layer < fine_.grid().bricks().z; ++layer) c.coarse.prolong_onto(fine_, layer, job, parallel);

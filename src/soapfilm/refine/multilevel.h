@@ -46,9 +46,11 @@ class Multilevel {
 
   /// gamma > 0.
   void set_operator(const RowArray& position_weights, float beta, float gamma, const Parallel& parallel);
-  /// mean = weighted mean of values / weights over the vertices around, three voxels^2 of variance along each axis; of
-  /// `values`, which hold weight times value. False, and nothing done, where the band is too small for a coarse one.
-  bool local_mean(const RowArray& values, const RowArray& weights, RowArray& mean, const Parallel& parallel);
+  /// mean = `scale` times the weighted mean of values / weights over the vertices around, three voxels^2 of variance
+  /// along each axis, where `where` is positive, elsewhere 0; of `values`, which hold weight times value. False, and
+  /// nothing done, where the band is too small for a coarse one.
+  bool local_mean(const RowArray& values, const RowArray& weights, const RowArray& where, float scale, RowArray& mean,
+                  const Parallel& parallel);
   /// Returns <r, z>; `work` is overwritten.
   double apply(const RowArray& r, RowArray& z, RowArray& work, const Parallel& parallel);
 

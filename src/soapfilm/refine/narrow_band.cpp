@@ -1,10 +1,27 @@
 #include "soapfilm/refine/narrow_band.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cstring>
 #include <utility>
 
 namespace soapfilm {
+
+namespace {
+
+/// Each bit of a byte as a byte of its own, the lowest first in memory.
+constexpr auto bytes_of_bits = [] {
+  std::array<uint64_t, 256> table{};
+  for (size_t bits = 0; bits < table.size(); ++bits) {
+    std::array<uint8_t, brick_side> bytes{};
+    for (size_t x = 0; x < brick_side; ++x) bytes[x] = bits >> x & 1;
+    table[bits] = std::bit_cast<uint64_t>(bytes);
+  }
+  return table;
+}();
+
+}  // namespace
 
 NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Parallel& parallel)
     : grid_(std::move(grid)), row_of_(vertices.size()), first_row_(grid_.size() + 1), mask_{0}, place_{0} {
@@ -41,12 +58,11 @@ void NarrowBand::count_neighbors(const Parallel& parallel) {
       const auto& n = neighbors_[r];
       const int m = mask_[r];
       const int below = (m << 1 | mask_[n[0]] >> 7) & 0xff, above = m >> 1 | (mask_[n[1]] & 1) << 7;
-      for (int x = 0; x < brick_side; ++x) {
-        const auto bit = [x](int bits) { return bits >> x & 1; };
-        const int degree =
-            bit(below) + bit(above) + bit(mask_[n[2]]) + bit(mask_[n[3]]) + bit(mask_[n[4]]) + bit(mask_[n[5]]);
-        degree_[r * brick_side + static_cast<size_t>(x)] = static_cast<uint8_t>(bit(m) * degree);
-      }
+      const auto bytes = [](int bits) { return bytes_of_bits[static_cast<size_t>(bits)]; };
+      const uint64_t sum = bytes(below) + bytes(above) + bytes(mask_[n[2]]) + bytes(mask_[n[3]]) + bytes(mask_[n[4]]) +
+                           bytes(mask_[n[5]]);
+      const uint64_t degree = 0xff * bytes(m) & sum;
+      std::memcpy(degree_.data() + r * brick_side, &degree, brick_side);
     }
   });
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/refine/topology.h"
 
 namespace soapfilm {
@@ -32,17 +33,16 @@ float distance_of(float smoothed) { return 1.41421356f * normal_quantile(smoothe
 
 NarrowBand make_band(const SurfaceField& field, const LevelBox& box, double reach, const Parallel& parallel) {
   const auto limit = static_cast<float>(0.5 * std::erfc(reach / 2));
+  const float last = std::nextafter(1 - limit, 0.0f);  // below 1 - limit
   std::vector<uint8_t> vertices(field.grid.size() * brick_area);
   parallel.for_each(field.grid.size(), 64, [&](size_t b) {
     const float* v = field.value.brick(b);
+    const BrickBits near = BrickBits::above(v, limit) & ~BrickBits::above(v, last);
     const FreeRange range = free_range(box, field.grid.coord(b));
+    const unsigned free_x = range.lo.x < range.hi.x ? (1u << range.hi.x) - (1u << range.lo.x) : 0;
     for (int z = range.lo.z; z < range.hi.z; ++z)
       for (int y = range.lo.y; y < range.hi.y; ++y)
-        for (int x = range.lo.x; x < range.hi.x; ++x) {
-          const float value = v[brick_offset(x, y, z)];
-          if (value > limit && value < 1 - limit)
-            vertices[b * brick_area + static_cast<size_t>(y + 8 * z)] |= static_cast<uint8_t>(1 << x);
-        }
+        vertices[b * brick_area + static_cast<size_t>(y + 8 * z)] = static_cast<uint8_t>(near.row(y, z) & free_x);
   });
   return NarrowBand(field.grid, vertices, parallel);
 }
@@ -53,10 +53,11 @@ SignBits make_signs(const Level& level, float threshold, const SurfaceField& fie
     const int32_t n = level.grid.find(field.grid.coord(b));
     const float* u = n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr;
     const float constant = u ? 0 : level.missing_u(n, field.grid.coord(b));
-    for (int row = 0; row < brick_area; ++row)
-      for (int x = 0; x < brick_side; ++x)
-        if ((u ? u[row * brick_side + x] : constant) > threshold)
-          signs.row(b, row & 7, row >> 3) |= static_cast<uint8_t>(1 << x);
+    const BrickBits inside = u                      ? BrickBits::above(u, threshold)
+                             : constant > threshold ? BrickBits::full()
+                                                    : BrickBits();
+    for (int z = 0; z < brick_side; ++z)
+      for (int y = 0; y < brick_side; ++y) signs.row(b, y, z) = inside.row(y, z);
   });
   return signs;
 }
@@ -93,9 +94,10 @@ void write_distance(const NarrowBand& band, const RowArray& distance, const Sign
                     const Parallel& parallel) {
   parallel.for_each(band.grid().size(), 64, [&](size_t b) {
     float* out = field.value.brick(b);
-    for (int row = 0; row < brick_area; ++row)
-      for (int x = 0; x < brick_side; ++x)
-        out[row * brick_side + x] = signs.test(b, x, row & 7, row >> 3) ? far_distance : -far_distance;
+    for (int row = 0; row < brick_area; ++row) {
+      const unsigned inside = signs.row(b, row & 7, row >> 3);
+      for (int x = 0; x < brick_side; ++x) out[row * brick_side + x] = inside >> x & 1 ? far_distance : -far_distance;
+    }
     for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r)
       for (int x = 0; x < brick_side; ++x)
         if (band.mask(r) >> x & 1)

@@ -41,6 +41,8 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
                   static_cast<float>(std::max(slope_weight * strength.smoothing, strength.normals))},
                  parallel, std::move(data));
     fit.cells = data.count;
+    // Weights change little from here on.
+    if (round == 0 || !strength.yield) displacement.precondition(data, smoothness);
     // Weights need no more than a rough surface.
     SolveLimits limits = params.solve;
     if (strength.yield) {

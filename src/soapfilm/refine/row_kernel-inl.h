@@ -164,6 +164,43 @@ void bend(const BandRows& band, const BendJob& job, size_t begin, size_t end) {
   }
 }
 
+void curvature(const BandRows& band, const CurvatureJob& job, size_t begin, size_t end) {
+  const D d;
+  const V one = hn::Set(d, 1.0f), six = hn::Set(d, 6.0f), faint = hn::Set(d, job.faint), reach = hn::Set(d, job.reach);
+  for (size_t r = begin; r < end; ++r) {
+    for (int x = 0; x < brick_side; x += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(x);
+      const V degree = degree_of(band.degree + i), here = hn::Load(d, job.v + i);
+      const auto inside = hn::Eq(degree, six);
+      const V c = hn::Sub(neighbor_sum(Plain{job.v}, band.neighbors[r], r, x), hn::Mul(degree, here));
+      const V weight = hn::IfThenElse(hn::And(inside, hn::Lt(hn::Abs(here), reach)), one,
+                                      hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), faint));
+      const V off = hn::Sub(c, hn::Load(d, job.target + i));
+      hn::Store(c, d, job.curvature + i);
+      hn::Store(weight, d, job.weight + i);
+      hn::Store(hn::IfThenElseZero(inside, hn::Mul(hn::Mul(weight, off), off)), d, job.product + i);
+    }
+  }
+}
+
+void share(const BandRows& band, const ShareJob& job, size_t begin, size_t end) {
+  const D d;
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), six = hn::Set(d, 6.0f);
+  const V near = hn::Set(d, job.near), reach = hn::Set(d, job.reach), per_square = hn::Set(d, job.per_square);
+  for (size_t i = begin * brick_side; i < end * brick_side; i += static_cast<size_t>(lane_count())) {
+    const auto inside = hn::Eq(degree_of(band.degree + i), six);
+    const V yielded = hn::Div(one, hn::Add(one, hn::Mul(per_square, hn::Max(hn::Load(d, job.around + i), zero))));
+    const V beyond = hn::Div(hn::Max(hn::Sub(hn::Abs(hn::Load(d, job.distance + i)), near), zero), reach);
+    const V nearness = hn::Div(one, hn::Add(one, hn::Mul(beyond, beyond)));
+    const V share = hn::IfThenElse(inside, hn::Mul(yielded, nearness), one);
+    const V weight = hn::Mul(hn::Load(d, job.weight + i), share);
+    hn::Store(share, d, job.share + i);
+    hn::Store(weight, d, job.weight + i);
+    hn::Store(hn::IfThenElseZero(inside, hn::Mul(weight, hn::Load(d, job.curvature + i))), d, job.product + i);
+    hn::Store(hn::IfThenElseZero(inside, one), d, job.curvature + i);
+  }
+}
+
 void inverse(const BandRows& band, const InverseJob& job, size_t begin, size_t end) {
   const D d;
   const V half = hn::Set(d, 0.5f), diffusion = hn::Set(d, job.diffusion), reaction = hn::Set(d, job.reaction);
@@ -419,7 +456,8 @@ void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
     for (int x = 0; x < brick_side; x += lane_count()) {
       const size_t i = (transfer.first + k) * brick_side + static_cast<size_t>(x);
       const V inverse = hn::Load(d, job.inverse + i);
-      const V onto = hn::Add(hn::Mul(inverse, hn::Load(d, job.b + i)), hn::Load(d, values + x));
+      const V value = hn::Load(d, values + x);
+      const V onto = job.b ? hn::Add(hn::Mul(inverse, hn::Load(d, job.b + i)), value) : value;
       hn::Store(hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), onto), d, job.out + i);
     }
   }
@@ -428,7 +466,8 @@ void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
 }  // namespace
 
 inline RowKernel rows() {
-  return {&laplacian, &bend, &inverse, &restrict_residual, &smooth, &data_term, &restrict_brick, &prolong_brick};
+  return {&laplacian,         &bend,   &curvature, &share,          &inverse,
+          &restrict_residual, &smooth, &data_term, &restrict_brick, &prolong_brick};
 }
 
 }  // namespace soapfilm::HWY_NAMESPACE

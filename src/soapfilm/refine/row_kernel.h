@@ -36,12 +36,31 @@ struct BendJob {
   float* out;
 };
 
+/// What Displacement::yield_to_bends() averages first, in the band's vertices with six neighbours: their curvature
+/// c = -G v, the weight 1 near the surface and `faint` elsewhere, the weight times (c - target)^2. Beyond: c, faint, 0.
+struct CurvatureJob {
+  const float* v;
+  const float* target;
+  float reach, faint;  ///< |v| < reach is near
+  float *curvature, *weight, *product;
+};
+
+/// And then, where `around` holds the mean of that: the share of gamma 1 / (1 + per_square around) / (1 + x^2), x what
+/// |distance| is beyond `near` in units of `reach`; the weight times the share, and times the curvature; the
+/// curvature's place takes 1 where a vertex has six neighbours, else 0. Beyond: share 1, product 0.
+struct ShareJob {
+  const float* around;
+  const float* distance;
+  float per_square, near, reach;
+  float *share, *curvature, *weight, *product;
+};
+
 /// One level's system K x = b of the multigrid cycle, K x = diagonal x - sum_j w_ij x_j over the neighbours j, with
 /// w_ij = diffusion (e_i + e_j) / 2; `extent` e may be null: 1.
 struct CycleJob {
   const float* inverse;  ///< omega / diagonal, 0 outside the band and without neighbours
   const float* extent;
-  const float* b;
+  const float* b;  ///< prolong_brick() takes null for 0
   float diffusion;
   float omega;     ///< damping of the Jacobi steps, in (0, 1)
   const float* x;  ///< smooth() starts from it
@@ -93,6 +112,8 @@ struct RowKernel {
   /// Returns <G v, out>.
   double (*laplacian)(const BandRows& band, const LaplacianJob& job, size_t begin, size_t end);
   void (*bend)(const BandRows& band, const BendJob& job, size_t begin, size_t end);
+  void (*curvature)(const BandRows& band, const CurvatureJob& job, size_t begin, size_t end);
+  void (*share)(const BandRows& band, const ShareJob& job, size_t begin, size_t end);
   void (*inverse)(const BandRows& band, const InverseJob& job, size_t begin, size_t end);
   /// coarse += P^T (b - K (inverse b)) of one brick: the residual after one Jacobi step from zero. CycleJob's x and out
   /// are not used.
