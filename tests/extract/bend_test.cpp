@@ -108,7 +108,8 @@ TEST(Flip, TakesDiagonalsNearerToTheSurface) {
     return sum;
   };
   const double at_first = mean_sag();
-  EXPECT_GT(flip_edges(mesh, normals, voxel, 0.002 * voxel, Parallel(2)), 0u);
+  HalfEdges edges(mesh);
+  EXPECT_GT(flip_edges(edges, normals, voxel, 0.002 * voxel, Parallel(2)), 0u);
   EXPECT_LT(mean_sag(), 0.97 * at_first);
   EXPECT_EQ(mesh.triangles.size(), flat.mesh.triangles.size());
   expect_same_topology(mesh, flat.mesh);
@@ -123,7 +124,8 @@ TEST(Flip, KeepsAManifoldWhateverTheNormalsSay) {
     std::vector<Vec3f> normals;
     for (size_t v = 0; v < mesh.vertices.size(); ++v)
       normals.push_back(Vec3f(normalized(Vec3d{random.normal(), random.normal(), random.normal()})));
-    EXPECT_GT(flip_edges(mesh, normals, solved.problem.lattice.voxel, 0, Parallel(1)), mesh.triangles.size() / 10);
+    HalfEdges edges(mesh);
+    EXPECT_GT(flip_edges(edges, normals, solved.problem.lattice.voxel, 0, Parallel(1)), mesh.triangles.size() / 10);
     expect_same_topology(mesh, before);
   }
 }
@@ -132,7 +134,8 @@ TEST(Flip, LeavesAloneWhatIsNotKnown) {
   const Solved solved("sphere", 30);
   Mesh mesh = refined(solved).mesh;
   const std::vector<Vec3f> unknown(mesh.vertices.size());
-  EXPECT_EQ(flip_edges(mesh, unknown, 1, 0, Parallel(1)), 0u);
+  HalfEdges edges(mesh);
+  EXPECT_EQ(flip_edges(edges, unknown, 1, 0, Parallel(1)), 0u);
 }
 
 }  // namespace
