@@ -8,6 +8,7 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
+#include "soapfilm/extract/crossings.h"
 #include "soapfilm/extract/flip.h"
 #include "soapfilm/extract/half_edges.h"
 #include "soapfilm/extract/leftover.h"
@@ -40,26 +41,8 @@ class Bending {
       : mesh_(mesh), field_(field), lattice_(lattice), tolerance_(tolerance), parallel_(parallel) {}
 
   size_t run(const Leftover& leftover) {
-    std::vector<Vec3f> normals = vertex_normals(mesh_, field_, lattice_, parallel_);
-    const Mesh before = mesh_;
-    for (;;) {
-      const size_t split = try_once(normals, leftover);
-      // Exchanged diagonals ran the mesh through itself before any vertex moved: not there again.
-      bool again = false;
-      for (const uint32_t v : stuck_)
-        if (v < normals.size() && !(normals[v] == Vec3f{})) {
-          normals[v] = {};
-          again = true;
-        }
-      if (!again) return split;
-      mesh_ = before;
-    }
-  }
-
- private:
-  size_t try_once(std::span<const Vec3f> normals, const Leftover& leftover) {
-    HalfEdges edges(mesh_);
-    flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, parallel_);
+    const std::vector<Vec3f> normals = vertex_normals(mesh_, field_, lattice_, parallel_);
+    const HalfEdges edges = flipped(normals);
     find_suspects(edges, normals);
     place_ends(edges);
     place_middles(edges);
@@ -72,8 +55,30 @@ class Bending {
       mesh_.vertices[v] = settled(p, leftover);
     });
     cut_triangles(edges, static_cast<uint32_t>(old));
-    stuck_ = take_back(mesh_, start, lattice_, parallel_);
+    take_back(mesh_, start, lattice_.voxel, parallel_);
     return split_.size();
+  }
+
+ private:
+  /// Exchanges diagonals, but none near where that would run the mesh through itself.
+  HalfEdges flipped(std::vector<Vec3f> normals) {
+    const std::vector<Triangle> before = mesh_.triangles;
+    for (;;) {
+      HalfEdges edges(mesh_);
+      flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, parallel_);
+      std::vector<uint8_t> changed(before.size());
+      for (size_t t = 0; t < before.size(); ++t) changed[t] = mesh_.triangles[t] != before[t];
+      const CrossingSearch search(mesh_.vertices, mesh_.vertices, mesh_.triangles, changed, lattice_.voxel, parallel_);
+      bool found = false;
+      for (const auto& pair : search.find(mesh_.vertices, changed))
+        for (const uint32_t t : pair)
+          for (const uint32_t v : mesh_.triangles[t]) {
+            found |= !(normals[v] == Vec3f{});
+            normals[v] = {};  // flip_edges() leaves what is not known
+          }
+      if (!found) return edges;
+      mesh_.triangles = before;
+    }
   }
 
   /// Edges that may lie too far off, by the half that runs upwards.
@@ -176,7 +181,6 @@ class Bending {
   std::vector<Vec3d> middles_;   // of those, lattice
   std::vector<uint8_t> is_end_;  // by vertex: ends one of them
   std::vector<Vec3d> ends_;      // by vertex: the place of such, lattice
-  std::vector<uint32_t> stuck_;  // vertices where the mesh met itself before they moved
 };
 
 }  // namespace

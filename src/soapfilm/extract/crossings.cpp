@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "soapfilm/core/box.h"
 #include "soapfilm/core/gather.h"
@@ -14,165 +13,213 @@ namespace soapfilm {
 namespace {
 
 constexpr int least_side = 1;      // of a bin, log2 of voxels
-constexpr double steps = 0x1p23;   // of the integer lattice in a voxel: lattice coordinates are below 2^15
-constexpr double slack = 1e-6;     // voxels, about boxes: far more than a step
+constexpr double steps = 0x1p23;   // of the integer lattice in a voxel: a lattice has less than 2^15 voxels a side
+constexpr double slack = 2e-6;     // voxels, about boxes: far more than a step, and than what float rounds in a bin
 constexpr double certain = 1e-12;  // voxels^3: what rounding does to a product of three lengths stays far below
 constexpr size_t triangles_per_task = 1 << 14;
 constexpr size_t vertices_per_task = 1 << 14;
 constexpr size_t bins_per_task = 256;
-constexpr int none = -1;
-
-Vec3i bin_of(Vec3d place, int side) {
-  const auto part = [&](double x) { return static_cast<int>(std::floor(x)) >> side; };
-  return {part(place.x), part(place.y), part(place.z)};
-}
-
-bool overlap(const Box3d& a, const Box3d& b) {
-  return (a.lo.x <= b.hi.x) & (b.lo.x <= a.hi.x) & (a.lo.y <= b.hi.y) & (b.lo.y <= a.hi.y) & (a.lo.z <= b.hi.z) &
-         (b.lo.z <= a.hi.z);
-}
-
-}  // namespace
 
 /// A triangle, its corners on the integer lattice but in voxels: their differences are exact.
-struct CrossingSearch::Item {
+struct Item {
   uint32_t triangle;
-  bool changed;
   Triangle vertices;
   std::array<Vec3d, 3> corner;
   Vec3d normal;  // not of unit length
-  Box3d box;
 
   LatticeTriangle on_lattice() const {
     LatticeTriangle t;
     for (size_t k = 0; k < 3; ++k) t[k] = static_cast<LatticePoint>(corner[k] * steps);
     return t;
   }
-
-  /// A plane through this triangle or upright through one of its edges has the other one strictly on the far side, but
-  /// for the corner that they share, where there is one.
-  bool parted_from(const Item& other, int own_shared, int its_shared) const {
-    const Vec3d origin = corner[own_shared == none ? 0 : static_cast<size_t>(own_shared)];
-    int above = 0, below = 0, count = 0;
-    for (int j = 0; j < 3; ++j) {
-      if (j == its_shared) continue;
-      const double side = dot(normal, other.corner[static_cast<size_t>(j)] - origin);
-      ++count;
-      above += side > certain;
-      below += side < -certain;
-    }
-    if (above == count || below == count) return true;
-    for (int k = 0; k < 3; ++k) {
-      const int next = k == 2 ? 0 : k + 1;
-      if (own_shared != none && own_shared != k && own_shared != next) continue;
-      const Vec3d from = corner[static_cast<size_t>(k)];
-      const Vec3d outward = cross(corner[static_cast<size_t>(next)] - from, normal);
-      bool beyond = true;
-      for (int j = 0; j < 3; ++j)
-        beyond &= j == its_shared || dot(outward, other.corner[static_cast<size_t>(j)] - from) > certain;
-      if (beyond) return true;
-    }
-    return false;
-  }
 };
 
-namespace {
+/// A plane through `a`, or upright on it through one of its edges, has `b` strictly on the far side, but for the corner
+/// that they share: the first one of both when `shared` is 1.
+template <int shared>
+bool parted(const std::array<Vec3d, 3>& a, Vec3d normal, const std::array<Vec3d, 3>& b) {
+  const auto all = [&](auto&& test) {
+    bool yes = test(b[1]) & test(b[2]);
+    if constexpr (shared == 0) yes &= test(b[0]);
+    return yes;
+  };
+  if (all([&](const Vec3d& p) { return dot(normal, p - a[0]) > certain; })) return true;
+  if (all([&](const Vec3d& p) { return dot(normal, p - a[0]) < -certain; })) return true;
+  for (size_t k = 0; k < 3; ++k) {
+    if (shared == 1 && k == 1) continue;
+    const Vec3d outward = cross(a[k == 2 ? 0 : k + 1] - a[k], normal);
+    if (all([&](const Vec3d& p) { return dot(outward, p - a[k]) > certain; })) return true;
+  }
+  return false;
+}
 
-/// Exact; most pairs are told apart without it.
-template <class Item>
+std::array<Vec3d, 3> turned(const std::array<Vec3d, 3>& corner, size_t first) {
+  return {corner[first], corner[(first + 1) % 3], corner[(first + 2) % 3]};
+}
+
+/// Exact; most pairs are told apart in floating point, with room for its rounding.
 bool cross_each_other(const Item& a, const Item& b) {
-  int shared = 0, in_a = none, in_b = none;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (a.vertices[static_cast<size_t>(i)] == b.vertices[static_cast<size_t>(j)]) {
+  int shared = 0;
+  size_t in_a = 0, in_b = 0;
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t j = 0; j < 3; ++j)
+      if (a.vertices[i] == b.vertices[j]) {
         ++shared;
         in_a = i;
         in_b = j;
       }
-  // On one edge they meet beyond it only when they are folded onto each other.
-  if (shared == 2 && dot(a.normal, b.normal) > 0) return false;
-  if (shared < 2 && (a.parted_from(b, in_a, in_b) || b.parted_from(a, in_b, in_a))) return false;
+  if (shared == 0) {
+    if (parted<0>(a.corner, a.normal, b.corner) || parted<0>(b.corner, b.normal, a.corner)) return false;
+  } else if (shared == 1) {
+    const auto s = turned(a.corner, in_a), t = turned(b.corner, in_b);
+    if (parted<1>(s, a.normal, t) || parted<1>(t, b.normal, s)) return false;
+  } else if (dot(a.normal, b.normal) > 0) {  // on one edge they meet elsewhere only when folded onto each other
+    return false;
+  }
   const LatticeTriangle s = a.on_lattice(), t = b.on_lattice();
   return !is_flat(s) && !is_flat(t) && improperly_meet(s, t);
 }
 
 }  // namespace
 
-CrossingSearch::CrossingSearch(std::span<const Vec3d> start, std::span<const Vec3d> target,
-                               std::span<const Triangle> triangles, const Lattice& lattice, const Parallel& parallel)
-    : triangles_(triangles), lattice_(lattice), parallel_(parallel) {
-  Box3d all;
-  for (const auto& places : {start, target})
-    for (const Vec3d& p : places) all.extend(p);
-  const Vec3d margin{slack, slack, slack};
-  for (side_ = least_side;; ++side_) {
-    first_bin_ = bin_of(lattice.to_lattice(all.lo) - margin, side_);
-    bins_ = bin_of(lattice.to_lattice(all.hi) + margin, side_) - first_bin_ + Vec3i{1, 1, 1};
-    bin_bits_ = static_cast<int>(std::bit_width(number_of(bins_ - Vec3i{1, 1, 1})));
-    if (bin_bits_ + static_cast<int>(std::bit_width(triangles.size())) <= 64) break;
+/// The triangles of a bin, and their boxes from its lowest corner.
+class CrossingSearch::Scratch {
+ public:
+  void clear() {
+    items_.clear();
+    flags_.clear();
+    for (auto& axis : lo_) axis.clear();
+    for (auto& axis : hi_) axis.clear();
   }
-  entries_ =
-      gather<uint64_t>(triangles.size(), triangles_per_task, parallel, [&](size_t t, std::vector<uint64_t>& found) {
-        Box3d box;
-        for (const uint32_t v : triangles[t]) {
-          box.extend(start[v]);
-          box.extend(target[v]);
-        }
-        const Vec3i lo = bin_of(lattice.to_lattice(box.lo) - margin, side_) - first_bin_;
-        const Vec3i hi = bin_of(lattice.to_lattice(box.hi) + margin, side_) - first_bin_;
-        for (int z = lo.z; z <= hi.z; ++z)
-          for (int y = lo.y; y <= hi.y; ++y)
-            for (int x = lo.x; x <= hi.x; ++x) found.push_back(t << bin_bits_ | number_of({x, y, z}));
-      });
+
+  void add(uint32_t triangle, bool changed, const Triangle& t, std::span<const Vec3d> places, Vec3d bin, double side) {
+    const std::array<Vec3d, 3> corner{places[t[0]], places[t[1]], places[t[2]]};
+    uint8_t flags = changed ? is_changed : 0;
+    std::array<double, 3> lo, hi;
+    for (int axis = 0; axis < 3; ++axis) {
+      lo[axis] = std::min({corner[0][axis], corner[1][axis], corner[2][axis]}) - bin[axis];
+      hi[axis] = std::max({corner[0][axis], corner[1][axis], corner[2][axis]}) - bin[axis];
+      if (lo[axis] >= side || hi[axis] < 0) return;
+      if (lo[axis] >= 0) flags = static_cast<uint8_t>(flags | 1 << axis);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      lo_[axis].push_back(static_cast<float>(lo[axis] - slack));
+      hi_[axis].push_back(static_cast<float>(hi[axis] + slack));
+    }
+    flags_.push_back(flags);
+    items_.push_back({triangle, t, corner, cross(corner[1] - corner[0], corner[2] - corner[0])});
+  }
+
+  void find(std::vector<Pair>& found) {
+    close_.resize(items_.size());
+    for (size_t i = 0; i + 1 < items_.size(); ++i) {
+      look_around(i);
+      for (size_t j = i + 1; j < items_.size(); ++j) {
+        if (!close_[j]) continue;
+        // Of the bins that both are in, the one that holds the lowest corner of what their boxes share.
+        const int flags = flags_[i] | flags_[j];
+        if (!(flags & is_changed) || (flags & starts_here) != starts_here) continue;
+        if (cross_each_other(items_[i], items_[j])) found.push_back({items_[i].triangle, items_[j].triangle});
+      }
+    }
+  }
+
+ private:
+  static constexpr uint8_t starts_here = 7;  // bit k: along axis k the box starts in this bin
+  static constexpr uint8_t is_changed = 8;
+
+  /// Which of the later boxes overlap box i.
+  void look_around(size_t i) {
+    const float lx = lo_[0][i], ly = lo_[1][i], lz = lo_[2][i], hx = hi_[0][i], hy = hi_[1][i], hz = hi_[2][i];
+    const float *x = lo_[0].data(), *y = lo_[1].data(), *z = lo_[2].data();
+    const float *u = hi_[0].data(), *v = hi_[1].data(), *w = hi_[2].data();
+    int* out = close_.data();
+    for (size_t j = i + 1; j < items_.size(); ++j)
+      out[j] = (x[j] <= hx) & (u[j] >= lx) & (y[j] <= hy) & (v[j] >= ly) & (z[j] <= hz) & (w[j] >= lz);
+  }
+
+  std::vector<Item> items_;
+  std::vector<uint8_t> flags_;
+  std::array<std::vector<float>, 3> lo_, hi_;  // by axis
+  std::vector<int> close_;
+};
+
+CrossingSearch::CrossingSearch(std::span<const Vec3d> start, std::span<const Vec3d> target,
+                               std::span<const Triangle> triangles, std::span<const uint8_t> changing, double voxel,
+                               const Parallel& parallel)
+    : triangles_(triangles), parallel_(parallel), per_voxel_(1 / voxel) {
+  place_bins(start, target);
+  const auto for_bins = [&](size_t t, auto&& visit) {
+    Box3d box;
+    for (const uint32_t v : triangles[t]) {
+      box.extend(start[v]);
+      box.extend(target[v]);
+    }
+    const Vec3i lo(place(box.lo) - Vec3d{slack, slack, slack}), hi(place(box.hi) + Vec3d{slack, slack, slack});
+    for (int z = lo.z >> side_; z <= hi.z >> side_; ++z)
+      for (int y = lo.y >> side_; y <= hi.y >> side_; ++y)
+        for (int x = lo.x >> side_; x <= hi.x >> side_; ++x) visit(number_of(x, y, z));
+  };
+  // By some bits of the bin's number: a triangle that changes may be in it.
+  const size_t slots = std::bit_ceil(4 * triangles.size() + 1);
+  std::vector<uint8_t> wanted(slots);
+  for (size_t t = 0; t < triangles.size(); ++t)
+    if (changing[t]) for_bins(t, [&](uint64_t bin) { wanted[bin & (slots - 1)] = 1; });
+  entries_ = gather<uint64_t>(triangles.size(), triangles_per_task, parallel, [&](size_t t, auto& found) {
+    for_bins(t, [&](uint64_t bin) {
+      if (wanted[bin & (slots - 1)]) found.push_back(t << bin_bits_ | bin);
+    });
+  });
   radix_sort(entries_, bin_bits_);
-  const uint64_t bin_mask = (uint64_t{1} << bin_bits_) - 1;
   for (size_t i = 0, begin = 0; i < entries_.size(); ++i)
-    if (i + 1 == entries_.size() || ((entries_[i] ^ entries_[i + 1]) & bin_mask) != 0) {
+    if (i + 1 == entries_.size() || ((entries_[i] ^ entries_[i + 1]) & bin_mask()) != 0) {
       if (i > begin) by_bin_.push_back({begin, i + 1});
       begin = i + 1;
     }
+}
+
+/// As small as can be counted.
+void CrossingSearch::place_bins(std::span<const Vec3d> start, std::span<const Vec3d> target) {
+  Box3d box;
+  for (const auto& vertices : {start, target})
+    for (const Vec3d& v : vertices) box.extend(v);
+  origin_ = box.lo;
+  const Vec3i last(place(box.hi) + Vec3d{1, 1, 1});
+  for (side_ = least_side;; ++side_) {
+    bins_ = Vec3i{last.x >> side_, last.y >> side_, last.z >> side_} + Vec3i{1, 1, 1};
+    bin_bits_ = static_cast<int>(std::bit_width(number_of(bins_.x - 1, bins_.y - 1, bins_.z - 1)));
+    if (bin_bits_ + static_cast<int>(std::bit_width(triangles_.size())) <= 64) return;
+  }
 }
 
 std::vector<CrossingSearch::Pair> CrossingSearch::find(std::span<const Vec3d> vertices,
                                                        std::span<const uint8_t> changed) const {
   std::vector<Vec3d> places(vertices.size());
   parallel_.for_each(places.size(), vertices_per_task, [&](size_t v) {
-    const Vec3d p = lattice_.to_lattice(vertices[v]) * steps;
-    places[v] = Vec3d(static_cast<Vec3<int64_t>>(p)) / steps;
+    places[v] = Vec3d(static_cast<LatticePoint>(place(vertices[v]) * steps)) / steps;
   });
   const size_t tasks = (by_bin_.size() + bins_per_task - 1) / bins_per_task;
   return gather<Pair>(tasks, 1, parallel_, [&](size_t task, std::vector<Pair>& found) {
-    std::vector<Item> items;
+    Scratch scratch;
     for (size_t b = task * bins_per_task; b < std::min((task + 1) * bins_per_task, by_bin_.size()); ++b)
-      collect(by_bin_[b], places, changed, items, found);
+      search(by_bin_[b], places, changed, scratch, found);
   });
 }
 
-void CrossingSearch::collect(const Bin& bin, std::span<const Vec3d> places, std::span<const uint8_t> changed,
-                             std::vector<Item>& items, std::vector<Pair>& found) const {
-  const auto entry = [&](size_t i) { return triangle_of(entries_[i]); };
+void CrossingSearch::search(const Bin& bin, std::span<const Vec3d> places, std::span<const uint8_t> changed,
+                            Scratch& scratch, std::vector<Pair>& found) const {
+  const auto triangle = [&](size_t i) { return static_cast<uint32_t>(entries_[i] >> bin_bits_); };
   bool any = false;
-  for (size_t i = bin.begin; i < bin.end; ++i) any |= changed[entry(i)] != 0;
+  for (size_t i = bin.begin; i < bin.end; ++i) any |= changed[triangle(i)] != 0;
   if (!any) return;
-  const uint64_t number = entries_[bin.begin] & ((uint64_t{1} << bin_bits_) - 1);
-  items.clear();
-  for (size_t i = bin.begin; i < bin.end; ++i) {
-    const Triangle& t = triangles_[entry(i)];
-    Item& item = items.emplace_back(
-        Item{entry(i), changed[entry(i)] != 0, t, {places[t[0]], places[t[1]], places[t[2]]}, {}, {}});
-    item.normal = cross(item.corner[1] - item.corner[0], item.corner[2] - item.corner[0]);
-    for (const Vec3d& p : item.corner) item.box.extend(p);
-  }
-  for (size_t i = 0; i < items.size(); ++i)
-    for (size_t j = i + 1; j < items.size(); ++j) {
-      const Item &a = items[i], &b = items[j];
-      if (!(a.changed | b.changed) || !overlap(a.box, b.box)) continue;
-      // Of the bins that both are in, the one that holds the lowest corner of what their boxes share.
-      const Vec3d corner{std::max(a.box.lo.x, b.box.lo.x), std::max(a.box.lo.y, b.box.lo.y),
-                         std::max(a.box.lo.z, b.box.lo.z)};
-      if (number_of(bin_of(corner, side_) - first_bin_) == number && cross_each_other(a, b))
-        found.push_back({a.triangle, b.triangle});
-    }
+  const auto number = static_cast<int64_t>(entries_[bin.begin] & bin_mask());
+  const double side = 1 << side_;
+  const Vec3d lowest =
+      Vec3d(Vec3<int64_t>{number % bins_.x, number / bins_.x % bins_.y, number / bins_.x / bins_.y}) * side;
+  scratch.clear();
+  for (size_t i = bin.begin; i < bin.end; ++i)
+    scratch.add(triangle(i), changed[triangle(i)] != 0, triangles_[triangle(i)], places, lowest, side);
+  scratch.find(found);
 }
 
 }  // namespace soapfilm

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/extract/crossings.h"
@@ -22,39 +21,30 @@ void make_unique(std::vector<uint32_t>& list) {
 
 class Moves {
  public:
-  Moves(Mesh& mesh, std::span<const Vec3d> start, const Lattice& lattice, const Parallel& parallel)
+  Moves(Mesh& mesh, std::span<const Vec3d> start, double voxel, const Parallel& parallel)
       : mesh_(mesh),
         start_(start),
         target_(mesh.vertices),
         parallel_(parallel),
-        search_(start_, target_, mesh.triangles, lattice, parallel),
         halvings_(start.size()),
         may_fold_(mesh.triangles.size(), 1),
-        may_cross_(mesh.triangles.size(), 1) {}
+        may_cross_(mesh.triangles.size(), 1),
+        search_(start_, target_, mesh.triangles, may_cross_, voxel, parallel) {}
 
-  std::vector<uint32_t> run() {
+  void run() {
     for (;;) {
       unfold();
       std::vector<uint32_t> corners;
-      auto pp = search_.find(mesh_.vertices, may_cross_); fprintf(stderr, "pairs %zu\n", pp.size());
-      for (const auto& pair : pp) { if (!(moved(pair[0]) || moved(pair[1]))) fprintf(stderr, "stuck %u %u\n", pair[0], pair[1]);
-        std::vector<uint32_t>& list = moved(pair[0]) || moved(pair[1]) ? corners : stuck_;
-        for (const uint32_t t : pair) list.insert(list.end(), mesh_.triangles[t].begin(), mesh_.triangles[t].end());
-      }
+      for (const auto& pair : search_.find(mesh_.vertices, may_cross_))
+        for (const uint32_t t : pair)
+          corners.insert(corners.end(), mesh_.triangles[t].begin(), mesh_.triangles[t].end());
       std::fill(may_cross_.begin(), may_cross_.end(), uint8_t{0});
-      if (corners.empty()) break;
+      if (corners.empty()) return;
       halve(corners);
     }
-    make_unique(stuck_);
-    return std::move(stuck_);
   }
 
  private:
-  bool moved(uint32_t triangle) const {
-    const Triangle& t = mesh_.triangles[triangle];
-    return std::any_of(t.begin(), t.end(), [&](uint32_t v) { return !(mesh_.vertices[v] == start_[v]); });
-  }
-
   void unfold() {
     for (;;) {
       std::vector<uint32_t> corners = folded_corners();
@@ -96,17 +86,15 @@ class Moves {
   std::span<const Vec3d> start_;
   const std::vector<Vec3d> target_;
   const Parallel& parallel_;
-  const CrossingSearch search_;
   std::vector<uint8_t> halvings_;              // by vertex
   std::vector<uint8_t> may_fold_, may_cross_;  // by triangle: changed since it was looked at
-  std::vector<uint32_t> stuck_;
+  const CrossingSearch search_;
 };
 
 }  // namespace
 
-std::vector<uint32_t> take_back(Mesh& mesh, std::span<const Vec3d> start, const Lattice& lattice,
-                                const Parallel& parallel) {
-  return Moves(mesh, start, lattice, parallel).run();
+void take_back(Mesh& mesh, std::span<const Vec3d> start, double voxel, const Parallel& parallel) {
+  Moves(mesh, start, voxel, parallel).run();
 }
 
 }  // namespace soapfilm
