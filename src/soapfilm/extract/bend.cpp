@@ -68,7 +68,7 @@ class Bending {
       flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, parallel_);
       std::vector<uint8_t> changed(before.size());
       for (size_t t = 0; t < before.size(); ++t) changed[t] = mesh_.triangles[t] != before[t];
-      const CrossingSearch search(mesh_.vertices, mesh_.vertices, mesh_.triangles, changed, lattice_.voxel, parallel_);
+      const CrossingSearch search({before, mesh_.triangles, mesh_.vertices, mesh_.vertices}, lattice_.voxel, parallel_);
       bool found = false;
       for (const auto& pair : search.find(mesh_.vertices, changed))
         for (const uint32_t t : pair)
