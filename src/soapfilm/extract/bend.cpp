@@ -25,13 +25,17 @@ constexpr size_t half_edges_per_task = 1 << 15;
 constexpr size_t points_per_task = 1 << 10;
 constexpr uint32_t none = ~uint32_t{0};
 
-/// Of the smooth surface, at each vertex; zero where it is not known.
+/// Of the smooth surface, at a lattice point; zero where it is not known.
+Vec3d normal_at(const SmoothField& field, Vec3d point) {
+  const auto jet = field.at(point);
+  return jet ? normalized(jet->gradient) : Vec3d{};
+}
+
 std::vector<Vec3f> vertex_normals(const Mesh& mesh, const SmoothField& field, const Lattice& lattice,
                                   const Parallel& parallel) {
   std::vector<Vec3f> normals(mesh.vertices.size());
-  parallel.for_each(normals.size(), points_per_task, [&](size_t v) {
-    if (const auto jet = field.at(lattice.to_lattice(mesh.vertices[v]))) normals[v] = Vec3f(normalized(jet->gradient));
-  });
+  parallel.for_each(normals.size(), points_per_task,
+                    [&](size_t v) { normals[v] = Vec3f(normal_at(field, lattice.to_lattice(mesh.vertices[v]))); });
   return normals;
 }
 
@@ -51,8 +55,10 @@ class Bending {
     for (const uint32_t h : split_) start.push_back(0.5 * (start[edges.from(h)] + start[edges.to(h)]));
     mesh_.vertices.resize(start.size());
     parallel_.for_each(start.size(), points_per_task, [&](size_t v) {
-      const Vec3d p = v >= old ? middles_[v - old] : is_end_[v] ? ends_[v] : lattice_.to_lattice(start[v]);
-      mesh_.vertices[v] = settled(p, leftover);
+      const bool stays = v < old && !is_end_[v];
+      const Vec3d p = v >= old ? middles_[v - old] : stays ? lattice_.to_lattice(start[v]) : ends_[v];
+      const Vec3d normal = stays ? Vec3d(normals[v]) : normal_at(field_, p);
+      mesh_.vertices[v] = lattice_.to_world(p + normal * leftover.mean_at(p, normal));
     });
     cut_triangles(edges, static_cast<uint32_t>(old));
     take_back(mesh_, start, lattice_.voxel, parallel_);
@@ -126,15 +132,6 @@ class Bending {
       middles_.push_back(m.place);
     }
     mark_ends(edges);
-  }
-
-  /// In the world, from the lattice.
-  Vec3d settled(Vec3d point, const Leftover& leftover) const {
-    if (const auto jet = field_.at(point)) {
-      const Vec3d normal = normalized(jet->gradient);
-      point += normal * leftover.mean_at(point, normal);
-    }
-    return lattice_.to_world(point);
   }
 
   void cut_triangles(const HalfEdges& edges, uint32_t first_new) {

@@ -18,7 +18,8 @@ constexpr double slack = 1e-6;    // voxels, about boxes: far more than a step
 constexpr size_t triangles_per_task = 1 << 14;
 constexpr size_t bins_per_task = 64;
 
-constexpr uint32_t unchanged = uint32_t{1} << 31;
+constexpr uint32_t all_directions = (uint32_t{1} << 26) - 1;
+constexpr uint32_t unchanged = ~uint32_t{0};
 
 /// A bit for each of 26 directions (to a cube's faces, edges and corners) whose half space holds the vector's tip.
 uint32_t directions_along(Vec3d n) {
@@ -52,9 +53,11 @@ struct CrossingSearch::Item {
 CrossingSearch::CrossingSearch(const MeshChange& change, double voxel, const Parallel& parallel)
     : change_(change), parallel_(parallel), per_voxel_(1 / voxel) {
   place_bins();
-  const std::vector<uint32_t> common = half_spaces(parallel);
-  entries_ = gather<uint64_t>(change.after.size(), triangles_per_task, parallel, [&](size_t t, auto& found) {
-    for_bins(t, [&](uint64_t bin) {
+  std::vector<Reach> reach(change.after.size());
+  parallel.for_each(reach.size(), triangles_per_task, [&](size_t t) { reach[t] = reach_of(t); });
+  const std::vector<uint32_t> common = half_spaces(reach);
+  entries_ = gather<uint64_t>(reach.size(), triangles_per_task, parallel, [&](size_t t, auto& found) {
+    for_bins(reach[t], [&](uint64_t bin) {
       if (common[bin & (common.size() - 1)] == 0) found.push_back(t << bin_bits_ | bin);
     });
   });
@@ -86,53 +89,70 @@ uint64_t CrossingSearch::number_of(Vec3i bin) const {
   return row * static_cast<uint64_t>(bins_.x) + static_cast<uint64_t>(bin.x);
 }
 
-/// Those that the triangle is in some time.
-template <class Visit>
-void CrossingSearch::for_bins(size_t triangle, Visit&& visit) const {
+CrossingSearch::Reach CrossingSearch::reach_of(size_t triangle) const {
+  const Triangle &old = change_.before[triangle], &t = change_.after[triangle];
   Box3d box;
-  for (const uint32_t v : change_.after[triangle]) {
-    box.extend(change_.start[v]);
-    box.extend(change_.target[v]);
+  for (const uint32_t v : t) box.extend(change_.start[v]);
+  bool still = change_.start.data() == change_.target.data();
+  if (!still)
+    for (const uint32_t v : t) box.extend(change_.target[v]);
+  if (old != t) {
+    for (const uint32_t v : old) box.extend(change_.start[v]);
+    still = false;
   }
-  for (const uint32_t v : change_.before[triangle]) box.extend(change_.start[v]);
   const Vec3d margin{slack, slack, slack};
-  const Vec3i lo = bin_of(place(box.lo) - margin), hi = bin_of(place(box.hi) + margin);
-  for (int z = lo.z; z <= hi.z; ++z)
-    for (int y = lo.y; y <= hi.y; ++y)
-      for (int x = lo.x; x <= hi.x; ++x) visit(number_of({x, y, z}));
+  return {bin_of(place(box.lo) - margin), bin_of(place(box.hi) + margin), still};
 }
 
-/// By some bits of their numbers, what the triangles of bins agree on.
-std::vector<uint32_t> CrossingSearch::half_spaces(const Parallel& parallel) const {
-  std::vector<uint32_t> common(std::bit_ceil(change_.after.size()), ~uint32_t{0});
-  parallel.for_each(change_.after.size(), triangles_per_task, [&](size_t t) {
-    const uint32_t own = half_spaces_of(t);
-    for_bins(t, [&](uint64_t bin) {
-      const std::atomic_ref<uint32_t> slot(common[bin & (common.size() - 1)]);
-      const uint32_t now = slot.load(std::memory_order_relaxed);
-      if ((now & own) != now) slot.fetch_and(own, std::memory_order_relaxed);
+template <class Visit>
+void CrossingSearch::for_bins(const Reach& reach, Visit&& visit) const {
+  for (int z = reach.lo.z; z <= reach.hi.z; ++z)
+    for (int y = reach.lo.y; y <= reach.hi.y; ++y)
+      for (int x = reach.lo.x; x <= reach.hi.x; ++x) visit(number_of({x, y, z}));
+}
+
+/// By some bits of the bins' numbers, what their triangles agree on: the directions that all of them face; all, where
+/// none changes.
+std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reach) const {
+  const size_t slots = std::bit_ceil(reach.size());
+  std::vector<uint32_t> common(slots, unchanged);
+  const auto for_slots = [&](size_t t, auto&& visit) {
+    for_bins(reach[t], [&](uint64_t bin) { visit(std::atomic_ref<uint32_t>(common[bin & (slots - 1)])); });
+  };
+  constexpr auto order = std::memory_order_relaxed;
+  parallel_.for_each(reach.size(), triangles_per_task, [&](size_t t) {
+    if (!reach[t].still) for_slots(t, [&](auto slot) { slot.store(all_directions, order); });
+  });
+  parallel_.for_each(reach.size(), triangles_per_task, [&](size_t t) {
+    uint32_t own = unchanged;  // not known yet
+    for_slots(t, [&](auto slot) {
+      const uint32_t now = slot.load(order);
+      if (now == unchanged) return;
+      if (own == unchanged) own = half_spaces_of(t);
+      if ((now & own) != now) slot.fetch_and(own, order);
     });
   });
   return common;
 }
 
-/// The directions that the triangle faces all the way, and whether it stays as it is. On the way its normal is a
-/// quadratic Bezier curve; while a diagonal changes it lies between the old and the new triangle's.
+/// The directions that the triangle faces all the way. On the way its normal is a quadratic Bezier curve; while a
+/// diagonal changes it lies between the old and the new triangles'.
 uint32_t CrossingSearch::half_spaces_of(size_t triangle) const {
   const auto sides = [](std::span<const Vec3d> at, const Triangle& t) {
     return std::array<Vec3d, 2>{at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]};
   };
   const Triangle &old = change_.before[triangle], &t = change_.after[triangle];
-  const auto s = sides(change_.start, t), e = sides(change_.target, t);
-  uint32_t faced = directions_along(cross(s[0], s[1])) & directions_along(cross(e[0], e[1])) &
-                   directions_along(cross(s[0], e[1]) + cross(e[0], s[1]));
-  bool same = old == t;
-  if (!same) {
+  const auto s = sides(change_.start, t);
+  uint32_t faced = directions_along(cross(s[0], s[1]));
+  if (change_.start.data() != change_.target.data()) {
+    const auto e = sides(change_.target, t);
+    faced &= directions_along(cross(e[0], e[1])) & directions_along(cross(s[0], e[1]) + cross(e[0], s[1]));
+  }
+  if (old != t) {
     const auto o = sides(change_.start, old);
     faced &= directions_along(cross(o[0], o[1]));
   }
-  for (const uint32_t v : t) same &= change_.start[v] == change_.target[v];
-  return same ? faced | unchanged : faced;
+  return faced;
 }
 
 std::vector<CrossingSearch::Pair> CrossingSearch::find(std::span<const Vec3d> vertices,

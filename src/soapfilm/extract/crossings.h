@@ -42,13 +42,19 @@ class CrossingSearch {
     size_t begin, end;  ///< of entries_
   };
 
+  struct Reach {
+    Vec3i lo, hi;  ///< bins that a triangle is in some time, both ends included
+    bool still;    ///< it does not change
+  };
+
   /// In voxels, all coordinates above 0.
   Vec3d place(Vec3d vertex) const { return (vertex - origin_) * per_voxel_ + Vec3d{1, 1, 1}; }
   void place_bins();
-  std::vector<uint32_t> half_spaces(const Parallel& parallel) const;
-  uint32_t half_spaces_of(size_t triangle) const;
+  Reach reach_of(size_t triangle) const;
   template <class Visit>
-  void for_bins(size_t triangle, Visit&& visit) const;
+  void for_bins(const Reach& reach, Visit&& visit) const;
+  std::vector<uint32_t> half_spaces(const std::vector<Reach>& reach) const;
+  uint32_t half_spaces_of(size_t triangle) const;
   uint64_t number_of(Vec3i bin) const;
   Vec3i bin_of(Vec3d place) const {
     const Vec3i cell(place);

@@ -34,15 +34,16 @@ double gain_of(const HalfEdges& edges, uint32_t h, std::span<const Vec3f> normal
   return gain;
 }
 
+/// `open`, by triangle: one of its edges may gain. Kept up to date.
 size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel, double least_gain,
-                 const Parallel& parallel) {
+                 std::vector<uint8_t>& open, const Parallel& parallel) {
   struct Gain {
     float gain;
     uint32_t half_edge;
   };
   auto order = gather<Gain>(edges.size(), half_edges_per_task, parallel, [&](size_t i, std::vector<Gain>& found) {
     const auto h = static_cast<uint32_t>(i);
-    if (!edges.upward(h)) return;
+    if (!edges.upward(h) || (!open[h / 3] && !open[edges.twin(h) / 3])) return;
     const auto gain = static_cast<float>(gain_of(edges, h, normals, voxel, least_gain));
     if (gain > 0) found.push_back({gain, h});
   });
@@ -50,9 +51,11 @@ size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel,
 
   // A triangle changes once in a pass, and a vertex gains one edge: no two exchanges can make the same edge.
   std::vector<uint8_t> changed(edges.mesh().triangles.size()), joined(edges.mesh().vertices.size());
+  std::fill(open.begin(), open.end(), uint8_t{0});
   size_t count = 0;
   for (const auto& [gain, h] : order) {
     const uint32_t twin = edges.twin(h), c = edges.opposite(h), d = edges.opposite(twin);
+    open[h / 3] = open[twin / 3] = 1;
     if (changed[h / 3] || changed[twin / 3] || joined[c] || joined[d]) continue;
     changed[h / 3] = changed[twin / 3] = joined[c] = joined[d] = 1;
     edges.flip(h);
@@ -66,8 +69,9 @@ size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel,
 size_t flip_edges(HalfEdges& edges, std::span<const Vec3f> normals, double voxel, double least_gain,
                   const Parallel& parallel) {
   size_t count = 0;
+  std::vector<uint8_t> open(edges.mesh().triangles.size(), 1);
   for (int pass = 0; pass < passes; ++pass) {
-    const size_t flipped = flip_once(edges, normals, voxel, least_gain, parallel);
+    const size_t flipped = flip_once(edges, normals, voxel, least_gain, open, parallel);
     count += flipped;
     if (flipped == 0) break;
   }
