@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/core/error.h"
@@ -69,21 +70,19 @@ class Bending {
   /// Exchanges diagonals, but none near where that would run the mesh through itself.
   HalfEdges flipped(std::vector<Vec3f> normals) {
     const std::vector<Triangle> before = mesh_.triangles;
+    std::vector<Triangle> known = before;  // pairs of these that meet were dealt with
+    std::vector<uint8_t> changed(before.size());
     for (;;) {
       HalfEdges edges(mesh_);
       flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, parallel_);
-      std::vector<uint8_t> changed(before.size());
-      for (size_t t = 0; t < before.size(); ++t) changed[t] = mesh_.triangles[t] != before[t];
-      const CrossingSearch search({before, mesh_.triangles, mesh_.vertices, mesh_.vertices}, lattice_.voxel, parallel_);
-      bool found = false;
-      for (const auto& pair : search.find(mesh_.vertices, changed))
+      for (size_t t = 0; t < before.size(); ++t) changed[t] = mesh_.triangles[t] != known[t];
+      const MeshChange change{before, mesh_.triangles, mesh_.vertices, mesh_.vertices, changed};
+      const auto pairs = CrossingSearch(change, lattice_.voxel, parallel_).find(mesh_.vertices, changed);
+      if (pairs.empty()) return edges;
+      for (const auto& pair : pairs)
         for (const uint32_t t : pair)
-          for (const uint32_t v : mesh_.triangles[t]) {
-            found |= !(normals[v] == Vec3f{});
-            normals[v] = {};  // flip_edges() leaves what is not known
-          }
-      if (!found) return edges;
-      mesh_.triangles = before;
+          for (const uint32_t v : mesh_.triangles[t]) normals[v] = {};  // flip_edges() leaves what is not known
+      known = std::exchange(mesh_.triangles, before);
     }
   }
 

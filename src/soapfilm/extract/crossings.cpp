@@ -18,24 +18,13 @@ constexpr double slack = 1e-6;    // voxels, about boxes: far more than a step
 constexpr size_t triangles_per_task = 1 << 14;
 constexpr size_t bins_per_task = 64;
 
-constexpr uint32_t all_directions = (uint32_t{1} << 26) - 1;
+constexpr uint32_t all_directions = (uint32_t{1} << 14) - 1;
 constexpr uint32_t unchanged = ~uint32_t{0};
 
-/// A bit for each of 26 directions (to a cube's faces, edges and corners) whose half space holds the vector's tip.
+/// A bit for each of 14 directions (to a cube's faces and corners) whose half space holds the vector's tip.
 uint32_t directions_along(Vec3d n) {
-  const double along[] = {n.x,
-                          n.y,
-                          n.z,
-                          n.x + n.y,
-                          n.x - n.y,
-                          n.x + n.z,
-                          n.x - n.z,
-                          n.y + n.z,
-                          n.y - n.z,
-                          n.x + n.y + n.z,
-                          n.x + n.y - n.z,
-                          n.x - n.y + n.z,
-                          n.x - n.y - n.z};
+  const double sum = n.x + n.y, difference = n.x - n.y;
+  const double along[] = {n.x, n.y, n.z, sum + n.z, sum - n.z, difference + n.z, difference - n.z};
   uint32_t bits = 0;
   for (const double a : along) bits = bits << 2 | uint32_t{a > 0} << 1 | uint32_t{a < 0};
   return bits;
@@ -93,15 +82,12 @@ CrossingSearch::Reach CrossingSearch::reach_of(size_t triangle) const {
   const Triangle &old = change_.before[triangle], &t = change_.after[triangle];
   Box3d box;
   for (const uint32_t v : t) box.extend(change_.start[v]);
-  bool still = change_.start.data() == change_.target.data();
-  if (!still)
+  if (change_.start.data() != change_.target.data())
     for (const uint32_t v : t) box.extend(change_.target[v]);
-  if (old != t) {
+  if (old != t)
     for (const uint32_t v : old) box.extend(change_.start[v]);
-    still = false;
-  }
   const Vec3d margin{slack, slack, slack};
-  return {bin_of(place(box.lo) - margin), bin_of(place(box.hi) + margin), still};
+  return {bin_of(place(box.lo) - margin), bin_of(place(box.hi) + margin)};
 }
 
 template <class Visit>
@@ -121,7 +107,7 @@ std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reac
   };
   constexpr auto order = std::memory_order_relaxed;
   parallel_.for_each(reach.size(), triangles_per_task, [&](size_t t) {
-    if (!reach[t].still) for_slots(t, [&](auto slot) { slot.store(all_directions, order); });
+    if (change_.changing[t]) for_slots(t, [&](auto slot) { slot.store(all_directions, order); });
   });
   parallel_.for_each(reach.size(), triangles_per_task, [&](size_t t) {
     uint32_t own = unchanged;  // not known yet

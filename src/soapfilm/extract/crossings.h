@@ -17,6 +17,7 @@ namespace soapfilm {
 struct MeshChange {
   std::span<const Triangle> before, after;
   std::span<const Vec3d> start, target;
+  std::span<const uint8_t> changing;  ///< by triangle: of every pair that is looked for one is marked
 };
 
 /// Finds pairs of triangles that come to meet elsewhere than in common corners and edges while a closed mesh that does
@@ -44,7 +45,6 @@ class CrossingSearch {
 
   struct Reach {
     Vec3i lo, hi;  ///< bins that a triangle is in some time, both ends included
-    bool still;    ///< it does not change
   };
 
   /// In voxels, all coordinates above 0.

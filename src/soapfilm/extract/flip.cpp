@@ -12,7 +12,7 @@ namespace {
 
 constexpr int passes = 3;
 constexpr double least_area = 0.01;  // voxel^2, of a new triangle seen along either old one's normal
-constexpr size_t half_edges_per_task = 1 << 14;
+constexpr size_t triangles_per_task = 1 << 13;
 
 /// What the exchange of an edge's diagonal gains; 0 where it is not allowed.
 double gain_of(const HalfEdges& edges, uint32_t h, std::span<const Vec3f> normals, double voxel, double least_gain) {
@@ -41,11 +41,12 @@ size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel,
     float gain;
     uint32_t half_edge;
   };
-  auto order = gather<Gain>(edges.size(), half_edges_per_task, parallel, [&](size_t i, std::vector<Gain>& found) {
-    const auto h = static_cast<uint32_t>(i);
-    if (!edges.upward(h) || (!open[h / 3] && !open[edges.twin(h) / 3])) return;
-    const auto gain = static_cast<float>(gain_of(edges, h, normals, voxel, least_gain));
-    if (gain > 0) found.push_back({gain, h});
+  auto order = gather<Gain>(open.size(), triangles_per_task, parallel, [&](size_t t, std::vector<Gain>& found) {
+    for (auto h = static_cast<uint32_t>(3 * t); h < 3 * t + 3; ++h) {
+      if (!edges.upward(h) || (!open[t] && !open[edges.twin(h) / 3])) continue;
+      const auto gain = static_cast<float>(gain_of(edges, h, normals, voxel, least_gain));
+      if (gain > 0) found.push_back({gain, h});
+    }
   });
   std::stable_sort(order.begin(), order.end(), [](const Gain& x, const Gain& y) { return x.gain > y.gain; });
 

@@ -29,7 +29,7 @@ class Moves {
         halvings_(start.size()),
         may_fold_(mesh.triangles.size(), 1),
         may_cross_(mesh.triangles.size(), 1),
-        search_({mesh.triangles, mesh.triangles, start_, target_}, voxel, parallel) {}
+        search_({mesh.triangles, mesh.triangles, start_, target_, may_cross_}, voxel, parallel) {}
 
   void run() {
     for (;;) {
