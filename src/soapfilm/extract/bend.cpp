@@ -72,8 +72,9 @@ class Bending {
     const std::vector<Triangle> before = mesh_.triangles;
     std::vector<Triangle> known = before;  // pairs of these that meet were dealt with
     std::vector<uint8_t> changed(before.size());
+    const HalfEdges untouched(mesh_);
     for (;;) {
-      HalfEdges edges(mesh_);
+      HalfEdges edges = untouched;
       flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, parallel_);
       for (size_t t = 0; t < before.size(); ++t) changed[t] = mesh_.triangles[t] != known[t];
       const MeshChange change{before, mesh_.triangles, mesh_.vertices, mesh_.vertices, changed};
