@@ -75,17 +75,17 @@ TEST(Bend, OutliersPullNothing) {
   expect_same_topology(mesh, flat.mesh);
 }
 
-// Sharp edges, thin parts and outliers: before pairs were looked for, some of each of these met.
+// Without a search for them 27, 68 and 40 pairs meet.
 TEST(Bend, LeavesNoTrianglesThatMeetSlow) {
-  for (const char* shape : {"part", "plate", "sheets"})
-    for (const Disturbance& d : {Disturbance{}, {.viewing = false}, {.viewing = false, .outliers = 0.1}}) {
-      const Solved solved(shape, 90, 1, d);
-      const Refined flat = refined(solved);
-      ASSERT_EQ(count_self_intersections(flat.mesh, Parallel(1)), 0u);
-      const Mesh mesh = bent(solved, flat);
-      EXPECT_EQ(count_self_intersections(mesh, Parallel(1)), 0u) << shape << d.viewing << d.outliers;
-      expect_same_topology(mesh, flat.mesh);
-    }
+  const Disturbance normals{.viewing = false}, outliers{.viewing = false, .outliers = 0.1};
+  for (const auto& [shape, disturbance] : {std::pair{"part", normals}, {"part", outliers}, {"plate", outliers}}) {
+    const Solved solved(shape, 90, 1, disturbance);
+    const Refined flat = refined(solved);
+    ASSERT_EQ(count_self_intersections(flat.mesh, Parallel(1)), 0u);
+    const Mesh mesh = bent(solved, flat);
+    EXPECT_EQ(count_self_intersections(mesh, Parallel(1)), 0u) << shape;
+    expect_same_topology(mesh, flat.mesh);
+  }
 }
 
 TEST(Bend, NoFieldRunsAMeshThroughItself) {

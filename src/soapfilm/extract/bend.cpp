@@ -192,7 +192,7 @@ void bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples
   validate(params);
   report.triangles_before = mesh.triangles.size();
   // Half edges, and vertices with the new ones, are counted by 32 bits.
-  if (params.tolerance == 0 || mesh.triangles.size() >= none / 3) return;
+  if (params.tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 3) return;
   const Leftover leftover(samples, field, scale, parallel);
   report.split_edges = Bending(mesh, field, lattice, params.tolerance, parallel).run(leftover);
 }
