@@ -16,7 +16,10 @@ std::vector<T> gather(size_t count, size_t grain, const Parallel& parallel, Body
   parallel.for_chunks(count, grain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) body(i, found[begin / grain]);
   });
+  size_t total = 0;
+  for (const std::vector<T>& part : found) total += part.size();
   std::vector<T> all;
+  all.reserve(total);
   for (const std::vector<T>& part : found) all.insert(all.end(), part.begin(), part.end());
   return all;
 }

@@ -46,36 +46,45 @@ class Bending {
       : mesh_(mesh), field_(field), lattice_(lattice), tolerance_(tolerance), parallel_(parallel) {}
 
   size_t run(const Leftover& leftover) {
+    const std::vector<Vec3d> start = move_vertices(leftover);
+    take_back(mesh_, start, lattice_.voxel, parallel_);
+    return start.size() - old_;
+  }
+
+ private:
+  /// Returns where the vertices, new ones too, were before.
+  std::vector<Vec3d> move_vertices(const Leftover& leftover) {
     const std::vector<Vec3f> normals = vertex_normals(mesh_, field_, lattice_, parallel_);
     const HalfEdges edges = flipped(normals);
     find_suspects(edges, normals);
     place_ends(edges);
     place_middles(edges);
-    const size_t old = mesh_.vertices.size();
-    std::vector<Vec3d> start = mesh_.vertices;
+    old_ = mesh_.vertices.size();
+    std::vector<Vec3d> start;
+    start.reserve(old_ + split_.size());
+    start = mesh_.vertices;
     for (const uint32_t h : split_) start.push_back(0.5 * (start[edges.from(h)] + start[edges.to(h)]));
     mesh_.vertices.resize(start.size());
     parallel_.for_each(start.size(), points_per_task, [&](size_t v) {
-      const bool stays = v < old && !is_end_[v];
-      const Vec3d p = v >= old ? middles_[v - old] : stays ? lattice_.to_lattice(start[v]) : ends_[v];
+      const bool stays = v < old_ && !is_end_[v];
+      const Vec3d p = v >= old_ ? middles_[v - old_] : stays ? lattice_.to_lattice(start[v]) : ends_[v];
       const Vec3d normal = stays ? Vec3d(normals[v]) : normal_at(field_, p);
       mesh_.vertices[v] = lattice_.to_world(p + normal * leftover.mean_at(p, normal));
     });
-    cut_triangles(edges, static_cast<uint32_t>(old));
-    take_back(mesh_, start, lattice_.voxel, parallel_);
-    return split_.size();
+    ends_ = {};
+    cut_triangles(edges);
+    return start;
   }
 
- private:
   /// Exchanges diagonals, but none near where that would run the mesh through itself.
   HalfEdges flipped(std::vector<Vec3f> normals) {
     const std::vector<Triangle> before = mesh_.triangles;
-    std::vector<Triangle> known = before;  // pairs of these that meet were dealt with
-    std::vector<uint8_t> changed(before.size());
-    const HalfEdges untouched(mesh_);
+    std::vector<Triangle> failed;  // pairs of these that meet were dealt with
     for (;;) {
-      HalfEdges edges = untouched;
+      HalfEdges edges(mesh_);
       flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, parallel_);
+      const std::vector<Triangle>& known = failed.empty() ? before : failed;
+      std::vector<uint8_t> changed(before.size());
       for (size_t t = 0; t < before.size(); ++t) changed[t] = mesh_.triangles[t] != known[t];
       const MeshChange change{before, mesh_.triangles, mesh_.vertices, mesh_.vertices, changed};
       const auto pairs = CrossingSearch(change, lattice_.voxel, parallel_).find(mesh_.vertices, changed);
@@ -83,7 +92,7 @@ class Bending {
       for (const auto& pair : pairs)
         for (const uint32_t t : pair)
           for (const uint32_t v : mesh_.triangles[t]) normals[v] = {};  // flip_edges() leaves what is not known
-      known = std::exchange(mesh_.triangles, before);
+      failed = std::exchange(mesh_.triangles, before);
     }
   }
 
@@ -134,12 +143,13 @@ class Bending {
     mark_ends(edges);
   }
 
-  void cut_triangles(const HalfEdges& edges, uint32_t first_new) {
+  void cut_triangles(const HalfEdges& edges) {
     std::vector<uint32_t> middle_of(edges.size(), none);  // vertices, by half edge
     for (size_t i = 0; i < split_.size(); ++i)
-      middle_of[split_[i]] = middle_of[edges.twin(split_[i])] = first_new + static_cast<uint32_t>(i);
-    const size_t old = mesh_.triangles.size();
-    for (size_t t = 0; t < old; ++t) {
+      middle_of[split_[i]] = middle_of[edges.twin(split_[i])] = static_cast<uint32_t>(old_ + i);
+    const size_t count_before = mesh_.triangles.size();
+    mesh_.triangles.reserve(count_before + 2 * split_.size());
+    for (size_t t = 0; t < count_before; ++t) {
       Triangle corner = mesh_.triangles[t];
       std::array<uint32_t, 3> middle{middle_of[3 * t], middle_of[3 * t + 1], middle_of[3 * t + 2]};
       const auto count = 3 - std::count(middle.begin(), middle.end(), none);
@@ -174,6 +184,7 @@ class Bending {
   const Lattice& lattice_;
   double tolerance_;
   const Parallel& parallel_;
+  size_t old_ = 0;               // vertices before any was added
   std::vector<uint32_t> split_;  // half edges: suspects at first, then those that are split
   std::vector<Vec3d> middles_;   // of those, lattice
   std::vector<uint8_t> is_end_;  // by vertex: ends one of them

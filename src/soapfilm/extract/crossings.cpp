@@ -42,14 +42,16 @@ struct CrossingSearch::Item {
 CrossingSearch::CrossingSearch(const MeshChange& change, double voxel, const Parallel& parallel)
     : change_(change), parallel_(parallel), per_voxel_(1 / voxel) {
   place_bins();
-  std::vector<Reach> reach(change.after.size());
-  parallel.for_each(reach.size(), triangles_per_task, [&](size_t t) { reach[t] = reach_of(t); });
-  const std::vector<uint32_t> common = half_spaces(reach);
-  entries_ = gather<uint64_t>(reach.size(), triangles_per_task, parallel, [&](size_t t, auto& found) {
-    for_bins(reach[t], [&](uint64_t bin) {
-      if (common[bin & (common.size() - 1)] == 0) found.push_back(t << bin_bits_ | bin);
+  {
+    std::vector<Reach> reach(change.after.size());
+    parallel.for_each(reach.size(), triangles_per_task, [&](size_t t) { reach[t] = reach_of(t); });
+    const std::vector<uint32_t> common = half_spaces(reach);
+    entries_ = gather<uint64_t>(reach.size(), triangles_per_task, parallel, [&](size_t t, auto& found) {
+      for_bins(reach[t], [&](uint64_t bin) {
+        if (common[bin & (common.size() - 1)] == 0) found.push_back(t << bin_bits_ | bin);
+      });
     });
-  });
+  }
   radix_sort(entries_, bin_bits_);
   const uint64_t bin_mask = (uint64_t{1} << bin_bits_) - 1;
   for (size_t i = 0, begin = 0; i < entries_.size(); ++i)
@@ -87,7 +89,7 @@ CrossingSearch::Reach CrossingSearch::reach_of(size_t triangle) const {
   if (old != t)
     for (const uint32_t v : old) box.extend(change_.start[v]);
   const Vec3d margin{slack, slack, slack};
-  return {bin_of(place(box.lo) - margin), bin_of(place(box.hi) + margin)};
+  return {Vec3<uint16_t>(bin_of(place(box.lo) - margin)), Vec3<uint16_t>(bin_of(place(box.hi) + margin))};
 }
 
 template <class Visit>

@@ -44,7 +44,7 @@ class CrossingSearch {
   };
 
   struct Reach {
-    Vec3i lo, hi;  ///< bins that a triangle is in some time, both ends included
+    Vec3<uint16_t> lo, hi;  ///< bins that a triangle is in some time, both ends included
   };
 
   /// In voxels, all coordinates above 0.
