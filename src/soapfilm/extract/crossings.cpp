@@ -102,7 +102,7 @@ void CrossingSearch::for_bins(const Reach& reach, Visit&& visit) const {
 /// By some bits of the bins' numbers, what their triangles agree on: the directions that all of them face; all, where
 /// none changes.
 std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reach) const {
-  const size_t slots = std::bit_ceil(reach.size());
+  const size_t slots = std::bit_ceil(reach.size() / 4 + 1);
   std::vector<uint32_t> common(slots, unchanged);
   const auto for_slots = [&](size_t t, auto&& visit) {
     for_bins(reach[t], [&](uint64_t bin) { visit(std::atomic_ref<uint32_t>(common[bin & (slots - 1)])); });

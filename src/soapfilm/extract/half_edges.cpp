@@ -4,17 +4,17 @@ namespace soapfilm {
 
 HalfEdges::HalfEdges(Mesh& mesh) : mesh_(mesh), twin_(3 * mesh.triangles.size()) {
   // The upward halves by where they come from: some three each.
-  std::vector<uint32_t> first(mesh.vertices.size() + 1);
+  std::vector<uint32_t> end(mesh.vertices.size());
   for (uint32_t h = 0; h < size(); ++h)
-    if (upward(h)) ++first[from(h) + 1];
-  for (size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
-  std::vector<uint32_t> next_free(first.begin(), first.end() - 1), upwards(first.back());
+    if (upward(h)) ++end[from(h)];
+  for (size_t v = 1; v < end.size(); ++v) end[v] += end[v - 1];
+  std::vector<uint32_t> upwards(size() / 2), first = end;
   for (uint32_t h = 0; h < size(); ++h)
-    if (upward(h)) upwards[next_free[from(h)]++] = h;
+    if (upward(h)) upwards[--first[from(h)]] = h;
   for (uint32_t h = 0; h < size(); ++h) {
     if (upward(h)) continue;
     const uint32_t lower = to(h), upper = from(h);
-    for (uint32_t i = first[lower]; i < first[lower + 1]; ++i)
+    for (uint32_t i = first[lower]; i < end[lower]; ++i)
       if (to(upwards[i]) == upper) link(h, upwards[i]);
   }
 }
