@@ -22,5 +22,18 @@ TEST(RadixSort, OrdersAsAComparisonDoes) {
     }
 }
 
+TEST(RadixSort, KeepsTheOrderOfKeysThatAgreeInTheirLowestBits) {
+  for (const int bits : {1, 5, 13, 22}) {
+    Random random(3);
+    std::vector<uint64_t> keys;
+    for (size_t i = 0; i < 1000; ++i) keys.push_back(random.next());
+    std::vector<uint64_t> expected = keys;
+    const uint64_t mask = (uint64_t{1} << bits) - 1;
+    std::stable_sort(expected.begin(), expected.end(), [&](uint64_t a, uint64_t b) { return (a & mask) < (b & mask); });
+    radix_sort(keys, bits);
+    EXPECT_EQ(keys, expected) << bits;
+  }
+}
+
 }  // namespace
 }  // namespace soapfilm

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/triangle_pair.h"
 #include "soapfilm/evaluate/embree_scene.h"
-#include "soapfilm/evaluate/triangle_pair.h"
 
 namespace soapfilm {
 

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "soapfilm/core/mesh.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/extract/half_edges.h"
 
 namespace soapfilm {
 
@@ -17,7 +17,7 @@ inline double sag(Vec3d a, Vec3d b, Vec3f normal_a, Vec3f normal_b) {
 /// normals at the vertices are given, by more than `least_gain` (a length), the largest gains first. A zero normal is
 /// not known and stays out of it. Never folds two triangles over each other or makes one of less than a hundredth of
 /// voxel^2, and never makes an edge twice: a closed manifold stays one. Returns the number of exchanges.
-size_t flip_edges(Mesh& mesh, std::span<const Vec3f> normals, double voxel, double least_gain,
+size_t flip_edges(HalfEdges& edges, std::span<const Vec3f> normals, double voxel, double least_gain,
                   const Parallel& parallel);
 
 }  // namespace soapfilm

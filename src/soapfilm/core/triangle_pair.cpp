@@ -1,4 +1,4 @@
-#include "soapfilm/evaluate/triangle_pair.h"
+#include "soapfilm/core/triangle_pair.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,27 @@
+// Lists that are made by several threads and do not depend on how many.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+
+namespace soapfilm {
+
+/// What body(i, found) appends to the vector `found` for each i in [0, count), `grain` of them per task, in the order
+/// of i.
+template <class T, class Body>
+std::vector<T> gather(size_t count, size_t grain, const Parallel& parallel, Body&& body) {
+  std::vector<std::vector<T>> found((count + grain - 1) / grain);
+  parallel.for_chunks(count, grain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) body(i, found[begin / grain]);
+  });
+  size_t total = 0;
+  for (const std::vector<T>& part : found) total += part.size();
+  std::vector<T> all;
+  all.reserve(total);
+  for (const std::vector<T>& part : found) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+}  // namespace soapfilm

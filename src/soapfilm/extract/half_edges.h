@@ -1,0 +1,45 @@
+// Which triangles of a mesh lie side by side.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/core/mesh.h"
+
+namespace soapfilm {
+
+/// The edges of a closed manifold mesh. Half edge 3 t + k runs from corner k of triangle t to the next corner; its twin
+/// runs back, in the triangle beside.
+class HalfEdges {
+ public:
+  /// `mesh` must outlive it, has fewer than 2^32 half edges, and no vertex where it meets itself.
+  explicit HalfEdges(Mesh& mesh);
+
+  const Mesh& mesh() const { return mesh_; }
+  uint32_t size() const { return static_cast<uint32_t>(twin_.size()); }
+  uint32_t twin(uint32_t h) const { return twin_[h]; }
+  static uint32_t next(uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static uint32_t previous(uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  uint32_t from(uint32_t h) const { return mesh_.triangles[h / 3][h % 3]; }
+  uint32_t to(uint32_t h) const { return from(next(h)); }
+  uint32_t opposite(uint32_t h) const { return from(previous(h)); }  ///< the triangle's third corner
+  /// True for one half of every edge.
+  bool upward(uint32_t h) const { return from(h) < to(h); }
+
+  /// There is an edge between the vertex that `h` comes from and `vertex`.
+  bool joins(uint32_t h, uint32_t vertex) const;
+
+  /// Gives the two triangles beside an edge their other diagonal. They keep their numbers.
+  void flip(uint32_t h);
+
+ private:
+  void link(uint32_t h, uint32_t other) {
+    twin_[h] = other;
+    twin_[other] = h;
+  }
+
+  Mesh& mesh_;
+  std::vector<uint32_t> twin_;
+};
+
+}  // namespace soapfilm
