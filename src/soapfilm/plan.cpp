@@ -27,15 +27,13 @@ constexpr size_t data_brick_bytes = brick_volume * sizeof(float);
 constexpr double band_over_support = 1.1;
 /// tv's finest band leaves out support that needs no more work: measured 0.86.
 constexpr double finest_over_support = 0.88;
-/// A level beside its coarser one, and all data terms: surfaces shrink by 4 per level, small levels a little less, and
-/// coarser bands are wider.
-constexpr double coarser_share = 0.35;
-constexpr double coarser_data_share = 0.4;
+/// What is left of the coarser level and its data term while they go back, as a share of a whole band.
+constexpr double coarser_share = 0.1;
 
 /// Refinement: the narrow band and the fit's arrays, bytes per support brick;
 /// what it holds of each sample (cell, weight, normal, value and gradient) and of each cell with samples, of which a
 /// brick has about as many as given here where samples are dense.
-constexpr size_t refined_brick_bytes = 13000;
+constexpr size_t refined_brick_bytes = 11000;
 constexpr size_t refined_sample_bytes = 38;
 constexpr size_t refined_cell_bytes = 110;
 constexpr size_t refined_cells_per_brick = 32;
@@ -62,7 +60,7 @@ double band_bytes_per_brick(Method method) {
   const double graph_vertices = 0.58 * brick_volume;
   switch (method) {
     case Method::tv:
-      return finest_over_support * level_brick_bytes + coarser_share * level + coarser_data_share * data_brick_bytes;
+      return finest_over_support * level_brick_bytes + coarser_share * level;
     case Method::graph_cut_6:
       return level + 117 * graph_vertices;
     case Method::graph_cut_26:
