@@ -1,0 +1,97 @@
+// The data term's kernel, compiled once per SIMD target (no include guard: see Highway's foreach_target.h). After
+// row_ops-inl.h.
+
+HWY_BEFORE_NAMESPACE();
+namespace soapfilm::HWY_NAMESPACE {
+namespace {
+
+HWY_INLINE V mix(V a, V b, V t) { return hn::Add(a, hn::Mul(t, hn::Sub(b, a))); }
+
+/// Adds one row of cells; the terms of <v, what is added> go to `energy`.
+HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, LaneSum& energy) {
+  const D d;
+  const CellRow& cells = job.cells[k];
+  // The rows of the corners, y fastest, and those right of them.
+  const auto next = [&](size_t row, size_t side) { return size_t{band.neighbors[row][side]}; };
+  const size_t own = job.row[k], rows[4] = {own, next(own, 3), next(own, 5), next(next(own, 3), 5)};
+  const size_t right[4] = {next(rows[0], 1), next(rows[1], 1), next(rows[2], 1), next(rows[3], 1)};
+  const int lanes = lane_count();
+  // Lanes moved up by one, round the end.
+  HWY_ALIGN int32_t up[brick_side];
+  for (int i = 0; i < lanes; ++i) up[i] = (i + lanes - 1) % lanes;
+  const auto moved_up = hn::SetTableIndices(d, up);
+  const auto all_but_last = hn::FirstN(d, static_cast<size_t>(lanes) - 1);
+  const auto first = hn::FirstN(d, 1);
+  const V one = hn::Set(d, 1.0f), scale = hn::Set(d, job.scale);
+  float carry[4] = {};
+  for (int x = 0; x < brick_side; x += lanes) {
+    const V fx = hn::Load(d, cells.fraction[0] + x), fy = hn::Load(d, cells.fraction[1] + x),
+            fz = hn::Load(d, cells.fraction[2] + x);
+    const V nx = hn::Load(d, cells.normal[0] + x), ny = hn::Load(d, cells.normal[1] + x),
+            nz = hn::Load(d, cells.normal[2] + x);
+    const V weight = hn::Mul(scale, hn::Load(d, cells.weight + x));
+    V value = one, gx = hn::Zero(d), gy = hn::Zero(d), gz = hn::Zero(d);
+    if (job.v) {
+      const auto low = [&](size_t c) { return hn::Load(d, job.v + rows[c] * brick_side + x); };
+      const auto high = [&](size_t c) {
+        const V above = hn::LoadU(d, job.v + rows[c] * brick_side + x + 1);
+        return x + lanes < brick_side ? above
+                                      : hn::IfThenElse(all_but_last, above, hn::Set(d, job.v[right[c] * brick_side]));
+      };
+      // Value and gradient, trilinear.
+      const V l0 = low(0), l1 = low(1), l2 = low(2), l3 = low(3);
+      const V d0 = hn::Sub(high(0), l0), d1 = hn::Sub(high(1), l1), d2 = hn::Sub(high(2), l2),
+              d3 = hn::Sub(high(3), l3);
+      const V m0 = hn::Add(l0, hn::Mul(fx, d0)), m1 = hn::Add(l1, hn::Mul(fx, d1)), m2 = hn::Add(l2, hn::Mul(fx, d2)),
+              m3 = hn::Add(l3, hn::Mul(fx, d3));
+      const V y0 = mix(m0, m1, fy), y1 = mix(m2, m3, fy);
+      value = mix(y0, y1, fz);
+      gx = mix(mix(d0, d1, fy), mix(d2, d3, fy), fz);
+      gy = mix(hn::Sub(m1, m0), hn::Sub(m3, m2), fz);
+      gz = hn::Sub(y1, y0);
+    }
+    if (job.affine) {
+      gx = hn::Add(gx, nx);
+      gy = hn::Add(gy, ny);
+      gz = hn::Add(gz, nz);
+    }
+    // Half of the energy's derivatives by them.
+    const V along = hn::Mul(hn::Set(d, job.slope - job.normal),
+                            hn::Add(hn::Add(hn::Mul(nx, gx), hn::Mul(ny, gy)), hn::Mul(nz, gz)));
+    const V across = hn::Set(d, job.normal);
+    const V pv = hn::Mul(weight, value);
+    const V px = hn::Mul(weight, hn::Add(hn::Mul(across, gx), hn::Mul(along, nx)));
+    const V py = hn::Mul(weight, hn::Add(hn::Mul(across, gy), hn::Mul(along, ny)));
+    const V pz = hn::Mul(weight, hn::Add(hn::Mul(across, gz), hn::Mul(along, nz)));
+    energy.add(hn::Add(hn::Add(hn::Mul(pv, value), hn::Mul(px, gx)), hn::Add(hn::Mul(py, gy), hn::Mul(pz, gz))), x);
+    // And back to the corners, the same way in reverse.
+    const V qy = hn::Sub(one, fy), qx = hn::Sub(one, fx);
+    const V z1 = hn::Add(hn::Mul(fz, pv), pz), z0 = hn::Sub(pv, z1);
+    const V ey1 = hn::Mul(fz, py), ey0 = hn::Sub(py, ey1);
+    const V ex1 = hn::Mul(fz, px), ex0 = hn::Sub(px, ex1);
+    const V corner[4] = {hn::Sub(hn::Mul(qy, z0), ey0), hn::Add(hn::Mul(fy, z0), ey0), hn::Sub(hn::Mul(qy, z1), ey1),
+                         hn::Add(hn::Mul(fy, z1), ey1)};
+    const V slope[4] = {hn::Mul(qy, ex0), hn::Mul(fy, ex0), hn::Mul(qy, ex1), hn::Mul(fy, ex1)};
+    for (size_t c = 0; c < 4; ++c) {
+      const V to_low = hn::Sub(hn::Mul(qx, corner[c]), slope[c]), to_high = hn::Add(hn::Mul(fx, corner[c]), slope[c]);
+      const V moved = hn::TableLookupLanes(to_high, moved_up);
+      float* to = job.out + rows[c] * brick_side + x;
+      const V from_left = hn::IfThenElse(first, hn::Set(d, carry[c]), moved);
+      hn::Store(hn::Add(hn::Load(d, to), hn::Add(to_low, from_left)), d, to);
+      carry[c] = hn::GetLane(moved);
+    }
+  }
+  if (cells.weight[brick_side - 1] > 0)  // else there may be no such row, and row 0 is nobody's to write
+    for (size_t c = 0; c < 4; ++c) job.out[right[c] * brick_side] += carry[c];
+  energy.end_row();
+}
+
+double data_term(const BandRows& band, const DataJob& job, size_t begin, size_t end) {
+  LaneSum energy;
+  for (size_t k = begin; k < end; ++k) add_cells(band, job, k, energy);
+  return energy.total();
+}
+
+}  // namespace
+}  // namespace soapfilm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();

@@ -1,0 +1,110 @@
+// What the kernels on rows share, compiled once per SIMD target (no include guard: see Highway's foreach_target.h):
+// a row's lanes, the sums over its neighbours, sums by lane.
+
+#include <hwy/highway.h>
+
+#include "soapfilm/grid/layout.h"
+#include "soapfilm/refine/row_kernel.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace soapfilm::HWY_NAMESPACE {
+namespace {  // the scalar target is compiled twice: among the dispatched ones and on its own
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// At most a row: 8 lanes, fewer where the target has fewer.
+using D = hn::CappedTag<float, brick_side>;
+using V = hn::Vec<D>;
+using Neighbors = std::array<uint32_t, 6>;
+
+HWY_INLINE int lane_count() { return static_cast<int>(hn::Lanes(D())); }
+
+/// Values of an array at slots.
+struct Plain {
+  const float* v;
+  HWY_INLINE V load(size_t i) const { return hn::LoadU(D(), v + i); }
+  HWY_INLINE float one(size_t i) const { return v[i]; }
+};
+
+/// Products of two arrays.
+struct Product {
+  const float *a, *b;
+  HWY_INLINE V load(size_t i) const { return hn::Mul(hn::LoadU(D(), a + i), hn::LoadU(D(), b + i)); }
+  HWY_INLINE float one(size_t i) const { return a[i] * b[i]; }
+};
+
+/// Products with a third array.
+struct Weighted {
+  Product product;
+  const float* e;
+  HWY_INLINE V load(size_t i) const { return hn::Mul(product.load(i), hn::LoadU(D(), e + i)); }
+  HWY_INLINE float one(size_t i) const { return product.one(i) * e[i]; }
+};
+
+/// The sums over the two neighbours along each axis.
+struct AxisSums {
+  V x, y, z;
+};
+
+/// Of the vertices from x on in a row.
+template <class Values>
+HWY_INLINE AxisSums axis_sums(const Values& values, const Neighbors& n, size_t row, int x) {
+  const D d;
+  const size_t here = row * brick_side + static_cast<size_t>(x);
+  const auto at = [&](size_t k) { return static_cast<size_t>(n[k]) * brick_side + static_cast<size_t>(x); };
+  V below = values.load(here - 1), above = values.load(here + 1);
+  // The ends of a row have their neighbours in other bricks.
+  if (x == 0)
+    below = hn::IfThenElse(hn::FirstN(d, 1), hn::Set(d, values.one(size_t{n[0]} * brick_side + brick_side - 1)), below);
+  if (x + lane_count() == brick_side)
+    above = hn::IfThenElse(hn::FirstN(d, static_cast<size_t>(lane_count()) - 1), above,
+                           hn::Set(d, values.one(size_t{n[1]} * brick_side)));
+  return {hn::Add(below, above), hn::Add(values.load(at(2)), values.load(at(3))),
+          hn::Add(values.load(at(4)), values.load(at(5)))};
+}
+
+/// The sum over all six.
+template <class Values>
+HWY_INLINE V neighbor_sum(const Values& values, const Neighbors& n, size_t row, int x) {
+  const AxisSums sums = axis_sums(values, n, row, x);
+  return hn::Add(sums.x, hn::Add(sums.y, sums.z));
+}
+
+HWY_INLINE V degree_of(const uint8_t* degree) {
+  const hn::Rebind<uint8_t, D> bytes;
+  const hn::Rebind<int32_t, D> integers;
+  return hn::ConvertTo(D(), hn::PromoteTo(integers, hn::LoadU(bytes, degree)));
+}
+
+/// Sums by lane: in float over a few rows, then in double.
+class LaneSum {
+ public:
+  HWY_INLINE void add(V value, int x) {
+    const D d;
+    hn::Store(hn::Add(hn::Load(d, few_ + x), value), d, few_ + x);
+  }
+  HWY_INLINE void end_row() {
+    if (++rows_ == most_rows) flush();
+  }
+  double total() {
+    flush();
+    return ((all_[0] + all_[1]) + (all_[2] + all_[3])) + ((all_[4] + all_[5]) + (all_[6] + all_[7]));
+  }
+
+ private:
+  static constexpr int most_rows = 64;
+  void flush() {
+    for (int x = 0; x < brick_side; ++x) {
+      all_[x] += static_cast<double>(few_[x]);
+      few_[x] = 0;
+    }
+    rows_ = 0;
+  }
+  HWY_ALIGN float few_[brick_side] = {};
+  double all_[brick_side] = {};
+  int rows_ = 0;
+};
+
+}  // namespace
+}  // namespace soapfilm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
