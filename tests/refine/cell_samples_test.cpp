@@ -18,9 +18,18 @@ class DataTerm : public testing::Test {
   NarrowBand band = random_band(2, 0.97, 1);
   GridSamples samples = random_samples(2, 400, 2);
   BandSamples where = locate(samples, band, one_thread);
-  std::vector<float> weight = std::vector<float>(samples.size(), 0.75f);
-  CellSamples data =
-      merge(samples, where, band, weight, samples.direction, {.normal = 0.3f, .slope = 0.8f}, one_thread);
+  CellSamples data = merged({.normal = 0.3f, .slope = 0.8f}, one_thread);
+
+  CellSamples merged(DataWeights weights, const Parallel& parallel) const {
+    CellSamples cells = cells_of(samples, where, band, parallel);
+    merge(
+        samples, where, band,
+        [&](size_t s) {
+          return WeighedSample{0.75f, samples.direction[s]};
+        },
+        weights, parallel, cells);
+    return cells;
+  }
 
   /// Half of the energy's gradient, or its linear part.
   RowArray gradient(const RowArray& v, bool affine) const {
@@ -74,7 +83,7 @@ TEST_F(DataTerm, IsSymmetricAndTellsItsEnergy) {
 }
 
 TEST_F(DataTerm, PositionsWeighOnConstantsAsMuchAsTheirRowSums) {
-  const CellSamples positions = merge(samples, where, band, weight, samples.direction, {}, one_thread);
+  const CellSamples positions = merged({}, one_thread);
   RowArray ones = band.make_array(), expected = band.make_array(), sums = band.make_array();
   std::fill_n(ones.data(), ones.size(), 1.0f);
   add_data_term(band, positions, ones, false, 1, expected, one_thread);
@@ -90,6 +99,26 @@ TEST_F(DataTerm, MergingKeepsWeightsAndMeans) {
   EXPECT_NEAR(merged, seen, 1e-4);
 }
 
+/// Merged again with other weights the cells hold these alone; samples that weigh little are counted, unseen ones too.
+TEST_F(DataTerm, MergingForgetsWhatWasMerged) {
+  const auto few = [&](size_t s) { return WeighedSample{s % 3 == 0 ? 1.0f : 0.0f, samples.direction[s]}; };
+  CellSamples fresh = cells_of(samples, where, band, one_thread);
+  merge(samples, where, band, few, {}, one_thread, fresh);
+  merge(samples, where, band, few, {}, one_thread, data);
+  size_t heard = 0;
+  for (size_t s = 0; s < samples.size(); s += 3) heard += where.cell_row[s] != 0;
+  EXPECT_EQ(data.doubted, samples.size() - heard);
+  EXPECT_EQ(data.count, fresh.count);
+  for (size_t k = 0; k < data.rows.size(); ++k)
+    for (size_t x = 0; x < brick_side; ++x) {
+      ASSERT_EQ(data.rows[k].weight[x], fresh.rows[k].weight[x]);
+      for (int axis = 0; axis < 3; ++axis) {
+        ASSERT_EQ(data.rows[k].fraction[axis][x], fresh.rows[k].fraction[axis][x]);
+        ASSERT_EQ(data.rows[k].normal[axis][x], fresh.rows[k].normal[axis][x]);
+      }
+    }
+}
+
 class DataTermOn : public DataTerm, public testing::WithParamInterface<BackEnd> {};
 
 TEST_P(DataTermOn, GivesTheSameBits) {
@@ -98,8 +127,7 @@ TEST_P(DataTermOn, GivesTheSameBits) {
   const ForcedTarget target(GetParam().target);
   const Parallel parallel(GetParam().threads);
   RowArray out = band.make_array();
-  add_data_term(band, merge(samples, where, band, weight, samples.direction, {0.3f, 0.8f}, parallel), phi, true, 1, out,
-                parallel);
+  add_data_term(band, merged({0.3f, 0.8f}, parallel), phi, true, 1, out, parallel);
   for (size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out.data()[i], expected.data()[i]);
 }
 

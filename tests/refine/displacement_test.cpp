@@ -42,7 +42,15 @@ class BallDisplacement : public testing::Test {
         weight[s] = std::abs(distance(q)) < 0.3 ? 1.0f : 0.0f;
         normal[s] = Vec3f(normalized(q - Vec3d{15.3, 16.1, 15.8}));
       }
-    return merge(samples, locate(samples, band, one_thread), band, weight, normal, {0, 2 * gamma}, one_thread);
+    const BandSamples where = locate(samples, band, one_thread);
+    CellSamples cells = cells_of(samples, where, band, one_thread);
+    merge(
+        samples, where, band,
+        [&](size_t s) {
+          return WeighedSample{weight[s], normal[s]};
+        },
+        {0, 2 * gamma}, one_thread, cells);
+    return cells;
   }
   void displace() {
     for (size_t b = 0; b < band.grid().size(); ++b)

@@ -64,23 +64,39 @@ BandSamples locate(const GridSamples& samples, const NarrowBand& band, const Par
   return where;
 }
 
+CellSamples cells_of(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
+                     const Parallel& parallel) {
+  const size_t bricks = samples.bricks.size();
+  std::vector<uint64_t> touched(bricks);  // rows of each brick that hold a sample
+  parallel.for_each(bricks, 32, [&](size_t b) {
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
+      if (where.cell_row[s] != 0) touched[b] |= uint64_t{1} << band.place(where.cell_row[s]);
+  });
+  CellSamples cells;
+  cells.layer.assign(static_cast<size_t>(band.grid().bricks().z) + 1, 0);
+  cells.first.assign(1, 0);
+  for (size_t b = 0; b < bricks; ++b) {
+    const int32_t brick = band.grid().find(samples.bricks.coord(b));
+    for (uint64_t bits = touched[b]; bits != 0; bits &= bits - 1) {
+      const int place = std::countr_zero(bits);
+      cells.row.push_back(band.row(brick, place & 7, place >> 3));
+    }
+    cells.first.push_back(static_cast<uint32_t>(cells.row.size()));
+    cells.layer[static_cast<size_t>(samples.bricks.coord(b).z) + 1] = cells.row.size();
+  }
+  for (size_t z = 1; z < cells.layer.size(); ++z) cells.layer[z] = std::max(cells.layer[z], cells.layer[z - 1]);
+  cells.rows.resize(cells.row.size());
+  return cells;
+}
+
 namespace {
 
-/// Adds a brick's samples to the rows of cells that hold them; `first` is the brick's first.
-void merge_brick(const GridSamples& samples, const BandSamples& where, const NarrowBand& band, size_t brick,
-                 std::span<const float> weight, std::span<const Vec3f> normal,
-                 const std::array<uint8_t, brick_area>& at, CellRow* first) {
-  for (uint32_t s = samples.begin[brick]; s < samples.begin[brick + 1]; ++s) {
-    if (where.cell_row[s] == 0 || weight[s] <= 0) continue;
-    CellRow& cells = first[at[static_cast<size_t>(band.place(where.cell_row[s]))]];
-    const size_t x = where.cell_x[s];
-    const Vec3f fraction = fraction_of(samples.local[s]);
-    for (int axis = 0; axis < 3; ++axis) {
-      cells.fraction[axis][x] += weight[s] * fraction[axis];
-      cells.normal[axis][x] += weight[s] * normal[s][axis];
-    }
-    cells.weight[x] += weight[s];
+void add_sample(Vec3f fraction, size_t x, const WeighedSample& sample, CellRow& cells) {
+  for (int axis = 0; axis < 3; ++axis) {
+    cells.fraction[axis][x] += sample.weight * fraction[axis];
+    cells.normal[axis][x] += sample.weight * sample.normal[axis];
   }
+  cells.weight[x] += sample.weight;
 }
 
 /// From sums to means.
@@ -99,57 +115,54 @@ size_t divide_by_weight(CellRow& cells) {
 
 }  // namespace
 
-CellSamples merge(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
-                  std::span<const float> weight, std::span<const Vec3f> normal, DataWeights weights,
-                  const Parallel& parallel, CellSamples merged) {
-  const size_t bricks = samples.bricks.size();
-  std::vector<uint64_t> touched(bricks);  // rows of each brick that hold a sample
-  parallel.for_each(bricks, 32, [&](size_t b) {
-    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
-      if (where.cell_row[s] != 0 && weight[s] > 0) touched[b] |= uint64_t{1} << band.place(where.cell_row[s]);
-  });
-  merged.weights = weights;
-  merged.count = 0;
-  merged.row.clear();
-  merged.layer.assign(static_cast<size_t>(band.grid().bricks().z) + 1, 0);
-  std::vector<size_t> first(bricks + 1);
-  for (size_t b = 0; b < bricks; ++b) {
-    const int32_t brick = band.grid().find(samples.bricks.coord(b));
-    for (uint64_t bits = touched[b]; bits != 0; bits &= bits - 1) {
-      const int place = std::countr_zero(bits);
-      merged.row.push_back(band.row(brick, place & 7, place >> 3));
+void merge(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
+           const std::function<WeighedSample(size_t)>& weigh, DataWeights weights, const Parallel& parallel,
+           CellSamples& cells) {
+  constexpr float doubt = 0.25f;
+  struct Counts {
+    size_t cells = 0, doubted = 0;
+  };
+  std::vector<Counts> counts(samples.bricks.size());
+  parallel.for_each(counts.size(), 32, [&](size_t b) {
+    CellRow* rows = cells.rows.data() + cells.first[b];
+    const size_t count = cells.first[b + 1] - cells.first[b];
+    std::array<uint8_t, brick_area> at{};  // which of the brick's rows of cells is at a place
+    for (size_t k = 0; k < count; ++k) {
+      rows[k] = {};
+      at[static_cast<size_t>(band.place(cells.row[cells.first[b] + k]))] = static_cast<uint8_t>(k);
     }
-    first[b + 1] = merged.row.size();
-    merged.layer[static_cast<size_t>(samples.bricks.coord(b).z) + 1] = merged.row.size();
-  }
-  for (size_t z = 1; z < merged.layer.size(); ++z) merged.layer[z] = std::max(merged.layer[z], merged.layer[z - 1]);
-
-  // Where it has to grow the old memory goes first: both at once would be the refinement's peak.
-  if (merged.rows.capacity() < merged.row.size()) merged.rows = std::vector<CellRow>();
-  merged.rows.assign(merged.row.size(), {});
-  std::vector<size_t> counts(bricks);
-  parallel.for_each(bricks, 32, [&](size_t b) {
-    std::array<uint8_t, brick_area> at{};
-    uint8_t next = 0;
-    for (uint64_t bits = touched[b]; bits != 0; bits &= bits - 1)
-      at[static_cast<size_t>(std::countr_zero(bits))] = next++;
-    merge_brick(samples, where, band, b, weight, normal, at, merged.rows.data() + first[b]);
-    for (size_t k = first[b]; k < first[b + 1]; ++k) counts[b] += divide_by_weight(merged.rows[k]);
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
+      const uint32_t row = where.cell_row[s];
+      const WeighedSample sample = row != 0 ? weigh(s) : WeighedSample{};
+      if (sample.weight < doubt) ++counts[b].doubted;
+      if (sample.weight > 0)
+        add_sample(fraction_of(samples.local[s]), where.cell_x[s], sample,
+                   rows[at[static_cast<size_t>(band.place(row))]]);
+    }
+    for (size_t k = 0; k < count; ++k) counts[b].cells += divide_by_weight(rows[k]);
   });
-  for (const size_t count : counts) merged.count += count;
-  return merged;
+  cells.weights = weights;
+  cells.count = cells.doubted = 0;
+  for (const Counts& brick : counts) {
+    cells.count += brick.cells;
+    cells.doubted += brick.doubted;
+  }
+}
+
+Jet jet_at_sample(const RowArray& phi, const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
+                  size_t sample) {
+  if (where.cell_row[sample] == 0) return {};
+  const Corners corners = corners_of(band, rows_of(band, where.cell_row[sample]), where.cell_x[sample]);
+  std::array<float, 8> v;
+  for (size_t k = 0; k < 8; ++k) v[k] = phi.data()[corners.slot[k]];
+  return trilinear(v, fraction_of(samples.local[sample]));
 }
 
 std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples, const BandSamples& where,
                                  const NarrowBand& band, const Parallel& parallel) {
   std::vector<Jet> jets(samples.size());
-  parallel.for_each(samples.size(), cells_per_task, [&](size_t s) {
-    if (where.cell_row[s] == 0) return;
-    const Corners corners = corners_of(band, rows_of(band, where.cell_row[s]), where.cell_x[s]);
-    std::array<float, 8> v;
-    for (size_t k = 0; k < 8; ++k) v[k] = phi.data()[corners.slot[k]];
-    jets[s] = trilinear(v, fraction_of(samples.local[s]));
-  });
+  parallel.for_each(samples.size(), cells_per_task,
+                    [&](size_t s) { jets[s] = jet_at_sample(phi, samples, where, band, s); });
   return jets;
 }
 

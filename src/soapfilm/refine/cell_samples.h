@@ -3,7 +3,7 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
+#include <functional>
 #include <vector>
 
 #include "soapfilm/field/samples.h"
@@ -12,7 +12,7 @@
 
 namespace soapfilm {
 
-/// Where each sample lies in the band, and what it weighs.
+/// Where each sample lies in the band.
 struct BandSamples {
   std::vector<uint32_t> cell_row;  ///< row of its cell's lowest vertex; 0: a corner of its cell is not in the band
   std::vector<uint8_t> cell_x;     ///< and x in that row, 0..7
@@ -27,27 +27,42 @@ struct DataWeights {
   float slope = 0;
 };
 
+/// What a sample says: its weight, and its unit outward normal.
+struct WeighedSample {
+  float weight = 0;
+  Vec3f normal;
+};
+
 /// Samples merged by cell: weighted means of their positions and of their unit outward normals, and the sums of their
 /// weights. The quadratic data term over the cells, phi trilinear in each (phi > 0 inside: its gradient is minus the
 /// normal), with v and s of DataWeights:
 ///   sum_c w_c (phi(p_c)^2 + v |g_c - n_c (n_c g_c)|^2 + s (n_c g_c)^2),  g_c = grad phi(p_c) + n_c.
 struct CellSamples {
-  std::vector<CellRow> rows;  ///< of eight cells, in the order of the band's rows
-  std::vector<uint32_t> row;  ///< the band's row of each one's lowest corners
-  std::vector<size_t> layer;  ///< first row of each layer of bricks along z; one more at the end
-  size_t count = 0;           ///< cells that hold a sample
+  std::vector<CellRow> rows;    ///< of eight cells, in the order of the band's rows
+  std::vector<uint32_t> row;    ///< the band's row of each one's lowest corners
+  std::vector<uint32_t> first;  ///< first row of each brick of samples; one more at the end
+  std::vector<size_t> layer;    ///< first row of each layer of bricks along z; one more at the end
+  size_t count = 0;             ///< cells that hold a sample of weight > 0
+  size_t doubted = 0;           ///< samples of weight < 1/4, those that the band does not see included
   DataWeights weights;
 };
 
-/// Merges samples: weight[s] times 1 for the position and `weights` for its unit normal. Samples that are out of the
-/// band or of weight 0 are left out. The memory of an `old` one is used again.
-CellSamples merge(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
-                  std::span<const float> weight, std::span<const Vec3f> normal, DataWeights weights,
-                  const Parallel& parallel, CellSamples old = {});
+/// The rows of cells that hold samples which the band sees; no weights as yet.
+CellSamples cells_of(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
+                     const Parallel& parallel);
+
+/// Merges samples into `cells`, in place of what these held: weigh(s).weight times 1 for the position and `weights` for
+/// the normal. weigh() is called once for each sample that the band sees, from any thread.
+void merge(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
+           const std::function<WeighedSample(size_t)>& weigh, DataWeights weights, const Parallel& parallel,
+           CellSamples& cells);
 
 /// Value and gradient of phi at a sample.
 using Jet = FieldJet<float>;
-/// At every sample that the band sees, zero at others; of a field on the band.
+/// Of a field on the band; zero where the band does not see the sample.
+Jet jet_at_sample(const RowArray& phi, const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
+                  size_t sample);
+/// At every sample.
 std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples, const BandSamples& where,
                                  const NarrowBand& band, const Parallel& parallel);
 

@@ -84,8 +84,7 @@ RowArray moved_onto(const GridSamples& samples, const NarrowBand& band, const Ro
                                      std::vector<uint8_t>(samples.size(), 1), report.strength, params, parallel);
   report.iterations = fit.iterations;
   report.cells = fit.cells;
-  report.down_weighted =
-      static_cast<size_t>(std::count_if(fit.weight.begin(), fit.weight.end(), [](float w) { return w < 0.25f; }));
+  report.down_weighted = fit.down_weighted;
   return std::move(displacement.phi());
 }
 

@@ -1,8 +1,8 @@
 // The displacement under a robust penalty: weigh the samples, solve, and again.
 #pragma once
 
+#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "soapfilm/refine/displacement.h"
 #include "soapfilm/refine/robust.h"
@@ -38,8 +38,8 @@ struct RobustParams {
 };
 
 struct RobustFit {
-  std::vector<float> weight;  ///< of each sample, in [0, 1]; 0 where the band does not see it
-  size_t cells = 0;           ///< with a sample of weight > 0
+  size_t cells = 0;          ///< with a sample of weight > 0
+  size_t down_weighted = 0;  ///< samples of weight < 1/4, those that the band does not see included
   int iterations = 0;
 };
 
