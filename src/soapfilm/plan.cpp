@@ -31,10 +31,10 @@ constexpr double finest_over_support = 0.88;
 constexpr double coarser_share = 0.1;
 
 /// Refinement: the narrow band and the fit's arrays, bytes per support brick;
-/// what it holds of each sample (cell, weight, normal, value and gradient) and of each cell with samples, of which a
+/// what it holds of each sample (its cell, whether it takes part) and of each cell with samples, of which a
 /// brick has about as many as given here where samples are dense.
 constexpr size_t refined_brick_bytes = 11000;
-constexpr size_t refined_sample_bytes = 38;
+constexpr size_t refined_sample_bytes = 6;
 constexpr size_t refined_cell_bytes = 110;
 constexpr size_t refined_cells_per_brick = 32;
 
