@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "refine/band_support.h"
 #include "soapfilm/evaluate/self_intersection.h"
 #include "soapfilm/extract/crossings.h"
@@ -55,6 +58,29 @@ TEST(Crossings, AreThePairsThatTheJudgeCounts) {
       std::sort(pairs.begin(), pairs.end());
       pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
       EXPECT_EQ(pairs.size(), count_self_intersections(mesh, Parallel(1))) << every << " " << deviation;
+    }
+}
+
+/// Each vertex has come as far as it likes.
+TEST(Crossings, AreThosePairsOnTheWayToo) {
+  const Drawn d = drawn("knot");
+  const std::vector<uint8_t> all(d.mesh.triangles.size(), 1);
+  const Parallel parallel(1);
+  Random random(9);
+  for (const int every : {1, 20, 200})
+    for (const double deviation : {0.1, 0.5, 2.0}) {
+      const auto target = disturbed(d, deviation, every, 5);
+      const CrossingSearch search({d.mesh.triangles, d.mesh.triangles, d.mesh.vertices, target, all}, d.voxel,
+                                  parallel);
+      Mesh mesh = d.mesh;
+      for (size_t v = 0; v < target.size(); ++v) {
+        constexpr std::array<double, 4> come = {0, 0.25, 0.5, 1};
+        mesh.vertices[v] += (target[v] - mesh.vertices[v]) * come[random.next() % come.size()];
+      }
+      auto pairs = search.find(mesh.vertices, all);
+      std::sort(pairs.begin(), pairs.end());
+      pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+      EXPECT_EQ(pairs.size(), count_self_intersections(mesh, parallel)) << every << " " << deviation;
     }
 }
 

@@ -1,6 +1,7 @@
 // The sparse certificate against brute force: the dual of every level spread out on the whole fine grid.
 #include <gtest/gtest.h>
 
+#include <utility>
 #include <vector>
 
 #include "soapfilm/pyramid/band.h"
@@ -55,7 +56,7 @@ KeptPyramid solve_and_keep(const Problem& problem, double lambda, Norm norm) {
     solve_primal_dual(level, params, one_thread, progress);
     for (BrickMask grown = growth(level, coarse.grid); grown.count() > 0; grown = growth(level, coarse.grid)) {
       band |= grown;
-      level = prolong_level(coarse, box, band, kept.data[l], one_thread, &level);
+      level = prolong_level(coarse, box, band, kept.data[l], one_thread, std::move(level));
       solve_primal_dual(level, params, one_thread, progress);
     }
   }

@@ -136,7 +136,8 @@ TEST(Prolong, BricksOfThePreviousBandKeepTheirState) {
     std::fill_n(previous.p.brick(b), 3 * brick_volume, 0.0625f);
   }
   band.set({2, 3, 2});
-  const Level grown = prolong_level(levels.coarse, levels.lattice.box(0), band, levels.no_data, one_thread, &previous);
+  const Level grown =
+      prolong_level(levels.coarse, levels.lattice.box(0), band, levels.no_data, one_thread, std::move(previous));
   const Level fresh = levels.fine(band);
   for (size_t b = 0; b < grown.grid.size(); ++b) {
     const bool is_new = grown.grid.coord(b).y == 3;

@@ -76,11 +76,13 @@ class Bending {
     return start;
   }
 
-  /// Exchanges diagonals, but none near where that would run the mesh through itself.
+  /// Exchanges diagonals, but none near where that would run the mesh through itself; none at all where that goes on
+  /// and on.
   HalfEdges flipped(std::vector<Vec3f> normals) {
+    constexpr int most_tries = 8;
     const std::vector<Triangle> before = mesh_.triangles;
     std::vector<Triangle> failed;  // pairs of these that meet were dealt with
-    for (;;) {
+    for (int tries = 0; tries < most_tries; ++tries) {
       HalfEdges edges(mesh_);
       flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, parallel_);
       const std::vector<Triangle>& known = failed.empty() ? before : failed;
@@ -94,6 +96,7 @@ class Bending {
           for (const uint32_t v : mesh_.triangles[t]) normals[v] = {};  // flip_edges() leaves what is not known
       failed = std::exchange(mesh_.triangles, before);
     }
+    return HalfEdges(mesh_);
   }
 
   /// Edges that may lie too far off, by the half that runs upwards.
@@ -202,8 +205,8 @@ void bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples
                 const BendParams& params, const Parallel& parallel, BendReport& report) {
   validate(params);
   report.triangles_before = mesh.triangles.size();
-  // Half edges, and vertices with the new ones, are counted by 32 bits.
-  if (params.tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 3) return;
+  // Half edges, and triangles with the new ones, are counted by 32 bits.
+  if (params.tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 4) return;
   const Leftover leftover(samples, field, scale, parallel);
   report.split_edges = Bending(mesh, field, lattice, params.tolerance, parallel).run(leftover);
 }

@@ -28,8 +28,8 @@ void validate(const BendParams& params);
 /// some 4.7 `scale` (voxels) counts as an outlier.
 ///
 /// Triangles are cut along their split edges into two, three or four, so a closed manifold stays one, with the same
-/// components and genus. Diagonals and moves that would run the mesh through itself are left: no two triangles meet
-/// that did not before. New vertices come after the old ones and new triangles after the old ones, in an order that
+/// components and genus. Diagonals and moves that would run the mesh through itself are left (crossings.h says how they
+/// are found). New vertices come after the old ones and new triangles after the old ones, in an order that
 /// does not depend on the number of threads. `mesh` is closed, and from a field of which `field` was made.
 void bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale, const Lattice& lattice,
                 const BendParams& params, const Parallel& parallel, BendReport& report);

@@ -123,24 +123,25 @@ std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reac
   return common;
 }
 
-/// The directions that the triangle faces all the way. On the way its normal is a quadratic Bezier curve; while a
-/// diagonal changes it lies between the old and the new triangles'.
+/// The directions that the triangle faces wherever its corners are on their ways: its normal is linear in how far each
+/// has come, so it faces least where each is at one of its ends. While a diagonal changes it lies between the old and
+/// the new triangles'.
 uint32_t CrossingSearch::half_spaces_of(size_t triangle) const {
-  const auto sides = [](std::span<const Vec3d> at, const Triangle& t) {
-    return std::array<Vec3d, 2>{at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]};
-  };
   const Triangle &old = change_.before[triangle], &t = change_.after[triangle];
-  const auto s = sides(change_.start, t);
-  uint32_t faced = directions_along(cross(s[0], s[1]));
-  if (change_.start.data() != change_.target.data()) {
-    const auto e = sides(change_.target, t);
-    faced &= directions_along(cross(e[0], e[1])) & directions_along(cross(s[0], e[1]) + cross(e[0], s[1]));
-  }
-  if (old != t) {
-    const auto o = sides(change_.start, old);
-    faced &= directions_along(cross(o[0], o[1]));
-  }
-  return faced;
+  const auto faced = [](const std::array<Vec3d, 3>& p) { return directions_along(cross(p[1] - p[0], p[2] - p[0])); };
+  const auto at_start = [&](const Triangle& of) {
+    return std::array<Vec3d, 3>{change_.start[of[0]], change_.start[of[1]], change_.start[of[2]]};
+  };
+  uint32_t all = faced(at_start(t));
+  if (change_.start.data() != change_.target.data())
+    for (unsigned arrived = 1; arrived < 8 && all != 0; ++arrived) {
+      std::array<Vec3d, 3> corners = at_start(t);
+      for (unsigned k = 0; k < 3; ++k)
+        if (arrived >> k & 1) corners[k] = change_.target[t[k]];
+      all &= faced(corners);
+    }
+  if (old != t) all &= faced(at_start(old));
+  return all;
 }
 
 std::vector<CrossingSearch::Pair> CrossingSearch::find(std::span<const Vec3d> vertices,

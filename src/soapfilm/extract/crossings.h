@@ -25,7 +25,8 @@ struct MeshChange {
 /// voxel.
 ///
 /// Space is cut into bins of two voxels. Two sheets that come to touch face each other there: not where all triangles
-/// of a bin face the same half of all directions, all the way. In the few bins that are left every pair is tried.
+/// of a bin face the same half of all directions, all the way. In the few bins that are left every pair is tried. (What
+/// first touches in such a bin is not followed into others.)
 class CrossingSearch {
  public:
   using Pair = std::array<uint32_t, 2>;  ///< triangles, the lower first

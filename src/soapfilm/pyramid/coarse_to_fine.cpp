@@ -100,9 +100,9 @@ class Descent {
     // A quarter of the finest level's memory would wait for the rare band that has to grow. It goes; should the band
     // grow after all, the way down to there is taken once more.
     const bool finest = report.level == 0;
-    const BrickGrid held = coarse.grid;
     Level level = finest ? prolong_level(std::move(coarse), box, band, field, parallel_)
                          : prolong_level(coarse, box, band, field, parallel_);
+    const BrickGrid held = finest ? std::move(coarse.grid) : coarse.grid;
     if (finest) coarse = {};
     for (;;) {
       solve(level, report);
@@ -112,7 +112,7 @@ class Descent {
       band |= grown;
       if (coarse.grid.size() == 0)
         coarse = Descent(lattice_, support_, lambda_, params_, parallel_, progress_, norm_, {}).to(1).finest;
-      level = prolong_level(coarse, box, band, field, parallel_, &level);
+      level = prolong_level(coarse, box, band, field, parallel_, std::move(level));
       ++report.band_growths;
     }
   }

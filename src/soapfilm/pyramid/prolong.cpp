@@ -120,7 +120,8 @@ LeftOut left_out_children(const Level& coarse, size_t brick, const Level& fine, 
   return children;
 }
 
-/// Layer by layer of coarse bricks along z; used(z) is called when nothing below layer z is read any more.
+/// Layer by layer of coarse bricks along z; used(z) is called when of the coarse level nothing below layer z is read
+/// any more, and of the previous one no child of layer z.
 template <class Used>
 Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                      const Parallel& parallel, const Level* previous, Used&& used) {
@@ -146,22 +147,32 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
   return fine;
 }
 
+void give_back_layer(Level& level, int z) {
+  if (z < 0 || z >= level.grid.bricks().z) return;
+  const auto [begin, end] = level.grid.layer(z);
+  level.u.give_back(begin, end);
+  level.p.give_back(begin, end);
+}
+
 }  // namespace
 
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                    const Parallel& parallel, const Level* previous) {
-  return prolong_layers(coarse, box, band, support, parallel, previous, [](int) {});
+                    const Parallel& parallel) {
+  return prolong_layers(coarse, box, band, support, parallel, nullptr, [](int) {});
+}
+
+Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+                    const Parallel& parallel, Level&& previous) {
+  return prolong_layers(coarse, box, band, support, parallel, &previous, [&](int z) {
+    give_back_layer(previous, 2 * z);
+    give_back_layer(previous, 2 * z + 1);
+  });
 }
 
 Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Parallel& parallel) {
-  return prolong_layers(coarse, box, band, support, parallel, nullptr, [&](int z) {
-    // The next layer looks at this one through its low faces and windows.
-    if (z == 0) return;
-    const auto [begin, end] = coarse.grid.layer(z - 1);
-    coarse.u.give_back(begin, end);
-    coarse.p.give_back(begin, end);
-  });
+  // The next layer looks at this one through its low faces and windows.
+  return prolong_layers(coarse, box, band, support, parallel, nullptr, [&](int z) { give_back_layer(coarse, z - 1); });
 }
 
 }  // namespace soapfilm

@@ -12,11 +12,15 @@ namespace soapfilm {
 ///   p as face fluxes: the flux of a coarse face lands on the matching fine faces, a face inside a coarse cell takes
 ///   the mean of its two parallel neighbours, all times 1/4 (lowest-order Raviart-Thomas: keeps the divergence), the
 ///   rim's fluxes, u outside, and what the outside adds to D and to the gap, exactly.
-/// Bricks that `previous` (the same level on a smaller band) has keep their state.
 /// `band` may hold only children of the coarse band's bricks; all children of its support bricks must be among these.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                    const Parallel& parallel, const Level* previous = nullptr);
-/// The same, but u and p of `coarse` go back to the system as they are used: it may only be destroyed then.
+                    const Parallel& parallel);
+/// The same, but bricks that `previous` (the same level on a smaller band) has keep their state; its u and p go back to
+/// the system as they are copied.
+Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+                    const Parallel& parallel, Level&& previous);
+/// The same without one, but u and p of `coarse` go back to the system as they are used: beside its grid it may only be
+/// destroyed then.
 Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Parallel& parallel);
 

@@ -56,7 +56,7 @@ void Displacement::yield_to_bends(double medians) {
   constexpr float near = 0.5f,
                   reach = 1;      // voxels from the surface: up to where phi counts in full; a half so far beyond
   constexpr float follow = 0.6f;  // of the mean around that the target takes
-  constexpr float faint = 1e-6f;  // positive all over the band
+  constexpr float faint = 1e-6f;  // positive at the rim too
   const RowKernel kernel = row_kernel();
   const BandRows rows = band_.view();
   RowArray &curvature = image_, &weight = residual_, &product = direction_, &mean = scratch_;

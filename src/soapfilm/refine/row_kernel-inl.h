@@ -75,7 +75,7 @@ void curvature(const BandRows& band, const CurvatureJob& job, size_t begin, size
       const V weight = hn::IfThenElse(hn::And(inside, hn::Lt(hn::Abs(here), reach)), one,
                                       hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), faint));
       const V off = hn::Sub(c, hn::Load(d, job.target + i));
-      hn::Store(c, d, job.curvature + i);
+      hn::Store(hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), c), d, job.curvature + i);
       hn::Store(weight, d, job.weight + i);
       hn::Store(hn::IfThenElseZero(inside, hn::Mul(hn::Mul(weight, off), off)), d, job.product + i);
     }

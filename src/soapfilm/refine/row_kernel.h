@@ -37,7 +37,8 @@ struct BendJob {
 };
 
 /// What Displacement::yield_to_bends() averages first, in the band's vertices with six neighbours: their curvature
-/// c = -G v, the weight 1 near the surface and `faint` elsewhere, the weight times (c - target)^2. Beyond: c, faint, 0.
+/// c = -G v, the weight 1 near the surface and `faint` elsewhere, the weight times (c - target)^2. At the
+/// rim: c, faint, 0.
 struct CurvatureJob {
   const float* v;
   const float* target;
