@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "soapfilm/core/gather.h"
+
 namespace soapfilm {
 
 namespace {
@@ -69,24 +71,18 @@ Parts::Parts(const Level& level, float threshold, const Parallel& parallel) : gr
 }
 
 void Parts::find_pieces(const Level& level, float threshold, const Parallel& parallel) {
-  std::vector<std::vector<Piece>> found((grid_.size() + grain - 1) / grain);
   first_piece_.assign(grid_.size() + 1, 0);
-  parallel.for_chunks(grid_.size(), grain, [&](size_t begin, size_t end) {
-    std::vector<Piece>& pieces = found[begin / grain];
-    for (size_t b = begin; b < end; ++b) {
-      const BrickBits inside = BrickBits::above(level.u.brick(b), threshold);
-      const size_t before = pieces.size();
-      for (const bool side : {true, false})
-        for (BrickBits left = side ? inside : ~inside; left.any();) {
-          pieces.push_back({first_piece(left, side), side});
-          left &= ~pieces.back().vertices;
-        }
-      first_piece_[b + 1] = static_cast<uint32_t>(pieces.size() - before);
-    }
+  pieces_ = gather<Piece>(grid_.size(), grain, parallel, [&](size_t b, std::vector<Piece>& pieces) {
+    const BrickBits inside = BrickBits::above(level.u.brick(b), threshold);
+    const size_t before = pieces.size();
+    for (const bool side : {true, false})
+      for (BrickBits left = side ? inside : ~inside; left.any();) {
+        pieces.push_back({first_piece(left, side), side});
+        left &= ~pieces.back().vertices;
+      }
+    first_piece_[b + 1] = static_cast<uint32_t>(pieces.size() - before);
   });
   for (size_t b = 0; b < grid_.size(); ++b) first_piece_[b + 1] += first_piece_[b];
-  pieces_.reserve(first_piece_.back());
-  for (const auto& pieces : found) pieces_.insert(pieces_.end(), pieces.begin(), pieces.end());
 }
 
 void Parts::find_gaps(const Level& level) {

@@ -1,7 +1,6 @@
 #include "soapfilm/refine/displacement.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
