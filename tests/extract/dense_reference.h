@@ -39,16 +39,45 @@ struct DenseField {
 
 inline Vec3i corner_offset(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2}; }
 
-/// `draws` says which cells are drawn, by their first corner; all when it is empty.
-inline Mesh dense_isosurface(const DenseField& field, float isovalue, const std::function<bool(Vec3i)>& draws = {}) {
+using IsKnown = std::function<bool(Vec3i)>;
+
+/// A vertex's value over `isovalue`, at least 1/1000 of the largest difference along its cut edges.
+inline double height_of(const DenseField& field, float isovalue, Vec3i v, const IsKnown& known) {
+  const double height = double{field.at(v)} - isovalue;
+  double steepest = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int up : {-1, 1}) {
+      Vec3i n = v;
+      n[axis] += up;
+      const double other = double{field.at(n)} - isovalue;
+      if (known(n) && (other > 0) != (height > 0)) steepest = std::max(steepest, std::abs(other - height));
+    }
+  return height > 0 ? std::max(height, 1e-3 * steepest) : std::min(height, -1e-3 * steepest);
+}
+
+/// Of the edge from a to b; vertices that are more than 0.15 of the edge from it keep their values.
+inline double cut_fraction(const DenseField& field, float isovalue, Vec3i a, Vec3i b, const IsKnown& known) {
+  double low = double{field.at(a)} - isovalue, high = double{field.at(b)} - isovalue;
+  const double cut = low / (low - high);
+  if (cut < 0.15) low = height_of(field, isovalue, a, known);
+  if (cut > 0.85) high = height_of(field, isovalue, b, known);
+  return low / (low - high);
+}
+
+/// Of the cells whose corners are all `known`.
+inline Mesh dense_isosurface(
+    const DenseField& field, float isovalue, const IsKnown& known = [](Vec3i) { return true; }) {
   using namespace marching_cubes;
   Mesh mesh;
   std::map<std::array<int, 4>, uint32_t> vertex_of_edge;
   field.for_each(
       [&](Vec3i cell) {
-        if (draws && !draws(cell)) return;
         int inside = 0;
-        for (int c = 0; c < corner_count; ++c) inside |= (field.at(cell + corner_offset(c)) > isovalue) << c;
+        for (int c = 0; c < corner_count; ++c) {
+          const Vec3i corner = cell + corner_offset(c);
+          if (!known(corner)) return;
+          inside |= (field.at(corner) > isovalue) << c;
+        }
         const auto vertex_on = [&](int edge) {
           const Vec3i a = cell + corner_offset(edge_corner(edge));
           Vec3i b = a;
@@ -56,10 +85,8 @@ inline Mesh dense_isosurface(const DenseField& field, float isovalue, const std:
           const auto [it, is_new] =
               vertex_of_edge.try_emplace({a.x, a.y, a.z, edge_axis(edge)}, static_cast<uint32_t>(mesh.vertices.size()));
           if (is_new) {
-            const double t =
-                std::clamp((double{isovalue} - field.at(a)) / (double{field.at(b)} - field.at(a)), 1e-3, 1.0 - 1e-3);
             Vec3d p(a);
-            p[edge_axis(edge)] += t;
+            p[edge_axis(edge)] += cut_fraction(field, isovalue, a, b, known);
             mesh.vertices.push_back(p);
           }
           return it->second;

@@ -136,6 +136,32 @@ TEST(Isosurface, TheSameBytesForAnyNumberOfThreads) {
   }
 }
 
+TEST(Isosurface, SmallTrianglesFaceWhereTheSurfaceDoes) {
+  // Planes that all but meet a vertex, whose points must keep away from it together.
+  BrickMask mask({2, 2, 2});
+  mask.fill(true);
+  Random random(5);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Vec3d normal = normalized(Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+    const Vec3d through{8, 7, 9};
+    const double offset = trial % 4 == 0 ? 0 : random.uniform(-1, 1) * std::pow(10, -2 - trial % 4);
+    const auto half_space = [&](Vec3i v) {  // within the box: missing bricks are outside
+      if (std::min({v.x, v.y, v.z}) == 0 || std::max({v.x, v.y, v.z}) == 15) return 0.f;
+      return static_cast<float>(0.5 + 0.1 * (dot(normal, Vec3d(v) - through) - offset));
+    };
+    const Mesh mesh = extract(sample(mask, half_space), zero_everywhere);
+    double worst = 1;
+    for (const Triangle& t : mesh.triangles) {
+      const Vec3d corner[] = {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+      if (std::any_of(corner, corner + 3, [&](Vec3d c) { return norm(c - through) > 3; })) continue;
+      const Vec3d n = cross(corner[1] - corner[0], corner[2] - corner[0]);
+      EXPECT_GT(norm(n), 1e-8);
+      worst = std::min(worst, -dot(n, normal) / norm(n));
+    }
+    EXPECT_GT(worst, std::cos(0.03)) << "trial " << trial;
+  }
+}
+
 TEST(Isosurface, VerticesAreInTheWorldFrameAtFullAccuracy) {
   BrickMask mask({4, 4, 4});
   mask.fill(true);

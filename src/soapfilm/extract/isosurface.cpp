@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <limits>
+#include <optional>
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/extract/drawn_cells.h"
@@ -20,7 +22,9 @@ namespace mc = marching_cubes;
 
 constexpr int side = brick_side + 1;  // vertices that the cells of one block touch, along an axis
 constexpr int words_per_block = static_cast<int>(BrickEdges{}.size());
-constexpr double least_fraction = 1e-3;  // distance of a surface point from the ends of its edge
+constexpr double least_fraction =
+    1e-3;                         // of an edge, between a surface point and a vertex, where the field is steepest
+constexpr double crowded = 0.15;  // of an edge: cut nearer to a vertex, one asks whether the surface all but meets it
 constexpr size_t blocks_per_task = 64;
 
 /// A block owns the cells and the edges whose lower vertex lies in its brick. All bricks of the grid are blocks, and
@@ -41,6 +45,11 @@ struct Window {
   DrawnCells drawn;
 
   static int offset(int x, int y, int z) { return x + side * (y + side * z); }
+  static bool holds(Vec3i v) {
+    const auto within = [](int i) { return i >= 0 && i < side; };
+    return within(v.x) && within(v.y) && within(v.z);
+  }
+  float value(Vec3i v) const { return values[static_cast<size_t>(offset(v.x, v.y, v.z))]; }
 };
 
 /// Which of a block's edges carry a surface point. Surface points are numbered in the order of the bits, so the index
@@ -119,9 +128,9 @@ class Extraction {
 
   Vec3i brick_coord(size_t block) const { return blocks_.coord(block) - Vec3i{1, 1, 1}; }
 
-  /// The grid's brick at a block or `step` (0 or 1 along each axis) above it; < 0 where there is none. Every brick of
+  /// The grid's brick at a block or `step` (-1 to 1 along each axis) from it; < 0 where there is none. Every brick of
   /// the grid is a block too.
-  int32_t brick_above(size_t block, Vec3i step) const {
+  int32_t brick_at(size_t block, Vec3i step) const {
     const int32_t at = blocks_.neighbors(block)[neighbor_slot(step.x, step.y, step.z)];
     return at < 0 ? outside_band : brick_of_[static_cast<size_t>(at)];
   }
@@ -131,7 +140,7 @@ class Extraction {
     for (auto& layer : window.inside) layer.fill(0);
     for (int d = 0; d < 8; ++d) {
       const Vec3i step{d & 1, d >> 1 & 1, d >> 2};
-      const int32_t brick = brick_above(block, step);
+      const int32_t brick = brick_at(block, step);
       const uint8_t constant = brick < 0 && missing_value_(brick_coord(block) + step) > isovalue_ ? 0xff : 0;
       for (int z = 0; z < (step.z ? 1 : brick_side); ++z)
         for (int y = 0; y < (step.y ? 1 : brick_side); ++y) {
@@ -153,7 +162,7 @@ class Extraction {
   void fill_values(size_t block, Window& window) const {
     for (int d = 0; d < 8; ++d) {
       const Vec3i step{d & 1, d >> 1 & 1, d >> 2};
-      const int32_t brick = brick_above(block, step);
+      const int32_t brick = brick_at(block, step);
       const float* in = brick < 0 ? nullptr : value_.brick(static_cast<size_t>(brick));
       const float constant = in ? 0.f : missing_value_(brick_coord(block) + step);
       const Vec3i extent{step.x ? 1 : brick_side, step.y ? 1 : brick_side, step.z ? 1 : brick_side};
@@ -218,7 +227,6 @@ class Extraction {
   }
 
   void place_vertices(size_t block, const Window& window) {
-    constexpr int step[3] = {1, side, side * side};
     const Vec3i origin = brick_coord(block) * brick_side;
     Vec3d* out = &mesh_.vertices[first_vertex_[block]];
     for (int word = 0; word < words_per_block; ++word) {
@@ -226,11 +234,8 @@ class Extraction {
       for (uint64_t bits = points_[block].bits[word]; bits != 0; bits &= bits - 1) {
         const int bit = std::countr_zero(bits);
         const Vec3i v{bit % brick_side, bit / brick_side, word / 3};
-        const float* value = &window.values[Window::offset(v.x, v.y, v.z)];
-        const double low = value[0];
-        const double high = value[step[axis]];
         Vec3d p(origin + v);
-        p[axis] += std::clamp((isovalue_ - low) / (high - low), least_fraction, 1 - least_fraction);
+        p[axis] += fraction(block, window, v, axis);
         *out++ = lattice_.to_world(p);
         if (window.drawn.split[word] >> bit & 1) {
           *out = out[-1];
@@ -238,6 +243,47 @@ class Extraction {
         }
       }
     }
+  }
+
+  /// Where the surface cuts the edge from the block's vertex v upwards along an axis, by linear interpolation.
+  double fraction(size_t block, const Window& window, Vec3i v, int axis) const {
+    Vec3i upper = v;
+    ++upper[axis];
+    double low = double{window.value(v)} - isovalue_, high = double{window.value(upper)} - isovalue_;
+    const double cut = low / (low - high);
+    if (cut < crowded) {
+      low = pushed_away(block, window, v, low);
+    } else if (cut > 1 - crowded) {
+      high = pushed_away(block, window, upper, high);
+    }
+    return low / (low - high);
+  }
+
+  /// The height of a vertex over the isovalue; where the surface all but meets the vertex, it is moved along its normal
+  /// by at most 1/1000 of an edge, together on all the vertex's edges: points moved one by one would turn the small
+  /// triangles between them.
+  double pushed_away(size_t block, const Window& window, Vec3i v, double height) const {
+    double steepest = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int up : {-1, 1}) {
+        Vec3i n = v;
+        n[axis] += up;
+        const double other = known_value(block, window, n).value_or(isovalue_ + height) - isovalue_;
+        if ((other > 0) != (height > 0)) steepest = std::max(steepest, std::abs(other - height));
+      }
+    const double least = least_fraction * steepest;
+    return height > 0 ? std::max(height, least) : std::min(height, -least);
+  }
+
+  /// Of a vertex at most one brick away from the block's; none where nothing was seen.
+  std::optional<double> known_value(size_t block, const Window& window, Vec3i v) const {
+    if (!weight_ && window.holds(v)) return window.value(v);
+    const Vec3i step{v.x >> 3, v.y >> 3, v.z >> 3};
+    const int32_t brick = brick_at(block, step);
+    if (brick < 0) return weight_ ? std::nullopt : std::optional<double>(missing_value_(brick_coord(block) + step));
+    const int k = brick_offset(v.x & 7, v.y & 7, v.z & 7);
+    if (weight_ && !(weight_->brick(static_cast<size_t>(brick))[k] > 0)) return std::nullopt;
+    return value_.brick(static_cast<size_t>(brick))[k];
   }
 
   void draw_triangles(size_t block, const Window& window) {

@@ -15,9 +15,10 @@ namespace soapfilm {
 using MissingBrickValue = std::function<float(Vec3i brick)>;
 
 /// Marching cubes with the table of extract/marching_cubes_table.h. A vertex is inside where its value exceeds
-/// `isovalue`; the surface point on an edge follows from linear interpolation, kept at least 1/1000 of the edge away
-/// from its ends so that no triangle loses its area. Triangles are counter-clockwise seen from outside, where values
-/// are lower.
+/// `isovalue`; the surface point on an edge follows from linear interpolation. Where the surface all but meets a vertex
+/// it is moved away along its normal, until none of the vertex's edges is cut nearer to it than at 1/1000, so that no
+/// triangle loses its area and small ones face where the surface does. Triangles are counter-clockwise seen from
+/// outside, where values are lower.
 ///
 /// The mesh is closed, manifold and without unused vertices whenever two missing bricks that touch (also by an edge or
 /// a corner) carry values on the same side of `isovalue`; its components and genus are those of the inside vertices
