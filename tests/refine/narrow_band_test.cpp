@@ -115,13 +115,13 @@ TEST(NarrowBand, MultilevelTransfersAreAdjointAndKeepConstants) {
   job.b = zero.data();
   job.x = up.data();
   job.out = prolonged.data();
-  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(band, layer, job, one_thread);
+  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(band, layer, job);
   EXPECT_NEAR(dot(down, up, one_thread), dot(fine, prolonged, one_thread), 1e-3);
 
   const RowArray constant = members(coarse.band());
   job.x = constant.data();
   job.b = fine.data();
-  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(band, layer, job, one_thread);
+  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(band, layer, job);
   for (size_t i = 8; i < band.slots(); ++i) ASSERT_EQ(prolonged.data()[i], fine.data()[i] + inverse.data()[i]);
 }
 

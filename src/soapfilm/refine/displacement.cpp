@@ -2,12 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "soapfilm/core/median.h"
 
 namespace soapfilm {
+
+namespace {
+
+/// body(i) for every value of some rows.
+template <class Body>
+void for_values(RowRange rows, Body&& body) {
+  for (size_t i = rows.begin * brick_side; i < rows.end * brick_side; ++i) body(i);
+}
+
+}  // namespace
 
 Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const Parallel& parallel)
     : band_(band),
@@ -23,14 +34,6 @@ Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const P
       target_(band.make_array()) {
   stiffen();
   std::copy_n(phi0.data(), phi0.size(), phi_.data());
-}
-
-template <class Body>
-void Displacement::for_values(RowRange rows, Body&& body) {
-  const size_t first = rows.begin * brick_side, count = (rows.end - rows.begin) * brick_side;
-  parallel_.for_chunks(count, rows_per_task * brick_side, [&](size_t begin, size_t end) {
-    for (size_t i = first + begin; i < first + end; ++i) body(i);
-  });
 }
 
 void Displacement::stiffen() {
@@ -78,9 +81,9 @@ void Displacement::yield_to_bends(double medians) {
   multilevel_.local_mean(product, weight, inside, follow, target_, parallel_);
 }
 
-double Displacement::laplacian(const LaplacianJob& job, int layer) {
+double Displacement::laplacian(const LaplacianJob& job, int layer) const {
   const RowKernel kernel = row_kernel();
-  return sum_over_rows(rows_of_layer(band_, layer), parallel_,
+  return sum_over_rows(rows_of_layer(band_, layer),
                        [&](size_t begin, size_t end) { return kernel.laplacian(band_.view(), job, begin, end); });
 }
 
@@ -94,10 +97,10 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
   const auto add_target = [bent = scratch_.data(), target = target_.data(), share = share_.data(),
                            gamma = smoothness.curvature](size_t i) { bent[i] += gamma * share[i] * target[i]; };
   layer_by_layer(
-      band_,
+      band_, parallel_,
       [&](int layer) {
         const RowRange rows = rows_of_layer(band_, layer);
-        for_rows(rows, parallel_, [&](size_t begin, size_t end) { kernel.bend(band_.view(), job, begin, end); });
+        kernel.bend(band_.view(), job, rows.begin, rows.end);
         for_values(rows, add_target);
       },
       [&](int layer) { laplacian(outer, layer); });
@@ -126,22 +129,26 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
     const float ratio = iteration == 0 ? 0.0f : static_cast<float>(new_rz / rz);
     rz = new_rz;
     // direction = z + ratio direction, image = A direction
-    double curvature = 0;
+    std::vector<double> curvatures(static_cast<size_t>(band_.grid().bricks().z));
     const LaplacianJob inner{direction, smoothness.slope, smoothness.curvature, scratch_.data(), share_.data()};
     const LaplacianJob outer{scratch_.data(), 0, 1, image_.data()};
     layer_by_layer(
-        band_,
+        band_, parallel_,
         [&](int layer) {
           for_values(rows_of_layer(band_, layer),
                      [&](size_t i) { direction[i] = preconditioned[i] + ratio * direction[i]; });
         },
-        [&](int layer) { curvature += laplacian(inner, layer); }, [&](int layer) { laplacian(outer, layer); });
+        [&](int layer) { curvatures[static_cast<size_t>(layer)] = laplacian(inner, layer); },
+        [&](int layer) { laplacian(outer, layer); });
+    double curvature = std::accumulate(curvatures.begin(), curvatures.end(), 0.0);
     curvature += add_data_term(band_, data, direction_, false, 1, image_, parallel_);
     if (!(curvature > 0)) break;
     const auto step = static_cast<float>(rz / curvature);
-    for_values(all_rows(band_), [&](size_t i) {
-      phi[i] += step * direction[i];
-      residual[i] -= step * image[i];
+    for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
+      for_values({begin, end}, [&](size_t i) {
+        phi[i] += step * direction[i];
+        residual[i] -= step * image[i];
+      });
     });
   }
   return iteration;

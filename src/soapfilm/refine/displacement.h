@@ -53,12 +53,9 @@ class Displacement {
   RowArray& phi() { return phi_; }
 
  private:
-  /// body(i) for every value of some rows.
-  template <class Body>
-  void for_values(RowRange rows, Body&& body);
   void residual(const CellSamples& data, Smoothness smoothness);
   /// The kernel of that name on a layer of bricks.
-  double laplacian(const LaplacianJob& job, int layer);
+  double laplacian(const LaplacianJob& job, int layer) const;
 
   const NarrowBand& band_;
   const Parallel& parallel_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace soapfilm {
@@ -129,13 +130,11 @@ void CoarseBand::restrict_residual(const NarrowBand& fine, const CycleJob& job, 
          [&](const BrickTransfer& transfer) { kernel.restrict_residual(fine.view(), job, transfer, coarse.data()); });
 }
 
-void CoarseBand::prolong_onto(const NarrowBand& fine, int layer, const CycleJob& job, const Parallel& parallel) const {
+void CoarseBand::prolong_onto(const NarrowBand& fine, int layer, const CycleJob& job) const {
   const RowKernel kernel = row_kernel();
   const auto [begin, end] = fine.grid().layer(layer);
-  parallel.for_each(end - begin, 64, [&, first = begin](size_t i) {
-    const size_t b = first + i;
+  for (size_t b = begin; b < end; ++b)
     if (fine.first_row(b) < fine.first_row(b + 1)) kernel.prolong_brick(job, transfer(fine, b));
-  });
 }
 
 Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel)
@@ -188,7 +187,7 @@ bool Multilevel::local_mean(const RowArray& values, const RowArray& weights, con
   job.inverse = where.data();
   job.x = c.b.data();
   job.out = mean.data();
-  for (int layer = 0; layer < fine_.grid().bricks().z; ++layer) c.coarse.prolong_onto(fine_, layer, job, parallel);
+  layer_by_layer(fine_, parallel, [&](int layer) { c.coarse.prolong_onto(fine_, layer, job); });
   return true;
 }
 
@@ -222,18 +221,22 @@ double Multilevel::cycle(size_t level, const RowArray& b, RowArray& work, RowArr
   job.diffusion = diffusion_ / static_cast<float>(1 << (2 * level));
   job.omega = damping;
   job.weight = weight ? weight->data() : nullptr;
-  const auto smooth = [&](const RowArray& from, RowArray& to, RowRange range) {
-    job.x = from.data();
-    job.out = to.data();
-    return sum_over_rows(range, parallel,
-                         [&](size_t begin, size_t end) { return kernel.smooth(rows, job, begin, end); });
+  const auto smoothing = [&job](const RowArray& from, RowArray& to) {
+    CycleJob smooth = job;
+    smooth.x = from.data();
+    smooth.out = to.data();
+    return smooth;
   };
-  double sum = 0;
   if (level == coarse_.size()) {
     multiply(level == 0 ? inverse_ : coarse_[level - 1].inverse, b, x, parallel);
+    double sum = 0;
+    const auto smooth = [&](const CycleJob& of) {
+      return sum_over_rows(all_rows(band),
+                           [&](size_t begin, size_t end) { return kernel.smooth(rows, of, begin, end); });
+    };
     for (int step = 0; step < coarsest_steps; step += 2) {
-      smooth(x, work, all_rows(band));
-      sum = smooth(work, x, all_rows(band));
+      smooth(smoothing(x, work));
+      sum = smooth(smoothing(work, x));
     }
     return sum;
   }
@@ -243,10 +246,16 @@ double Multilevel::cycle(size_t level, const RowArray& b, RowArray& work, RowArr
   CycleJob prolong = job;
   prolong.x = c.x.data();
   prolong.out = work.data();
+  const CycleJob smooth = smoothing(work, x);
+  std::vector<double> sums(static_cast<size_t>(band.grid().bricks().z));
   layer_by_layer(
-      band, [&](int layer) { c.coarse.prolong_onto(band, layer, prolong, parallel); },
-      [&](int layer) { sum += smooth(work, x, rows_of_layer(band, layer)); });
-  return sum;
+      band, parallel, [&](int layer) { c.coarse.prolong_onto(band, layer, prolong); },
+      [&](int layer) {
+        sums[static_cast<size_t>(layer)] = sum_over_rows(rows_of_layer(band, layer), [&](size_t begin, size_t end) {
+          return kernel.smooth(rows, smooth, begin, end);
+        });
+      });
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 }  // namespace soapfilm

@@ -22,7 +22,7 @@ class CoarseBand {
   /// coarse = P^T of the residual that RowKernel::restrict_residual() has.
   void restrict_residual(const NarrowBand& fine, const CycleJob& job, RowArray& coarse, const Parallel& parallel) const;
   /// out = inverse b + P x where inverse > 0, elsewhere 0, on a layer of fine bricks along z; x is coarse.
-  void prolong_onto(const NarrowBand& fine, int layer, const CycleJob& job, const Parallel& parallel) const;
+  void prolong_onto(const NarrowBand& fine, int layer, const CycleJob& job) const;
 
  private:
   BrickTransfer transfer(const NarrowBand& fine, size_t brick) const;

@@ -101,19 +101,47 @@ double sum_over_rows(RowRange rows, const Parallel& parallel, Body&& body) {
   return total;
 }
 
-/// Calls each of the stages with every layer of bricks along z, a stage one layer behind the one before it: what that
-/// one wrote in the layer and in those next to it is complete and still in the cache.
+/// The same, bit for bit, on the calling thread alone.
+template <class Body>
+double sum_over_rows(RowRange rows, Body&& body) {
+  double total = 0;
+  for (size_t begin = rows.begin; begin < rows.end; begin += rows_per_task)
+    total += body(begin, std::min(begin + rows_per_task, rows.end));
+  return total;
+}
+
+/// Calls each of the stages with every layer of bricks along z. What a stage writes in a layer and in those next to it
+/// is complete when the next stage comes to that layer, and mostly still in the cache: stages follow one another a
+/// layer apart through slabs of layers, a slab on one thread. Where slabs meet, the later stages wait until both are
+/// done. A stage must not write what an earlier one reads in other layers.
 template <class... Stages>
-void layer_by_layer(const NarrowBand& band, Stages&&... stages) {
-  const int layers = band.grid().bricks().z;
-  for (int turn = 0; turn < layers + static_cast<int>(sizeof...(Stages)) - 1; ++turn) {
-    int layer = turn;
-    const auto run = [&](auto& stage) {
-      if (layer >= 0 && layer < layers) stage(layer);
-      --layer;
+void layer_by_layer(const NarrowBand& band, const Parallel& parallel, Stages&&... stages) {
+  constexpr int depth = sizeof...(Stages) - 1, slabs_per_thread = 6;
+  const int layers = band.grid().bricks().z, threads = parallel.threads();
+  const int slabs = threads == 1 ? 1 : std::clamp(layers / std::max(2 * depth, 4), 1, slabs_per_thread * threads);
+  const auto first_layer = [&](size_t slab) { return layers * static_cast<int>(slab) / slabs; };
+  parallel.for_each(static_cast<size_t>(slabs), 1, [&](size_t slab) {
+    const int begin = first_layer(slab), end = first_layer(slab + 1);
+    const int from_below = begin > 0, from_above = end < layers;  // layers that each stage stays behind the one before
+    for (int turn = begin; turn < end + depth; ++turn) {
+      int stage = 0;
+      const auto run = [&](auto& body) {
+        const int layer = turn - stage;
+        if (layer >= begin + from_below * stage && layer < end - from_above * stage) body(layer);
+        ++stage;
+      };
+      (run(stages), ...);
+    }
+  });
+  parallel.for_each(static_cast<size_t>(slabs - 1), 1, [&](size_t slab) {
+    const int border = first_layer(slab + 1);
+    int stage = 0;
+    const auto run = [&](auto& body) {
+      for (int layer = border - stage; layer < border + stage; ++layer) body(layer);
+      ++stage;
     };
     (run(stages), ...);
-  }
+  });
 }
 
 /// out = weight_v v + weight_g s G v, s the `share` where it is not null; G is the band's graph Laplacian, positive
