@@ -167,7 +167,10 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
     local_gap->resize(terms.size());
     for (size_t b = 0; b < terms.size(); ++b) (*local_gap)[b] = terms[b].gap;
   }
-  for (const Vec3i b : bricks_below_band(level)) sum += evaluator.rim_terms(b);
+  const std::vector<Vec3i> below = bricks_below_band(level);
+  std::vector<EnergyTerms> rim(below.size());
+  parallel.for_each(below.size(), 256, [&](size_t b) { rim[b] = evaluator.rim_terms(below[b]); });
+  for (const EnergyTerms& t : rim) sum += t;
   const double outside = outside_variation(level);
 
   Energies e;
