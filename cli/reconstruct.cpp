@@ -83,8 +83,8 @@ void finish_params(const CLI::App& app, Options& options) {
   validate(params);
 }
 
-PointCloud read_input(const Options& options, Progress& progress, ReadReport& read) {
-  PointCloud cloud = read_points(options.inputs, &read);
+PointCloud read_input(const Options& options, const Parallel& parallel, Progress& progress, ReadReport& read) {
+  PointCloud cloud = read_points(options.inputs, &read, parallel);
   for (const std::string& warning : read.warnings) progress.warn(warning);
   if (read.dropped() > 0)
     progress.warn(fmt::format("{} of {} samples dropped: not finite", read.dropped(), read.dropped() + cloud.size()));
@@ -159,7 +159,7 @@ int run(const CLI::App& app, Options& options, const GlobalOptions& global) {
 
   Stages stages(progress);
   ReadReport read;
-  PointCloud cloud = stages.run("read", [&] { return read_input(options, progress, read); });
+  PointCloud cloud = stages.run("read", [&] { return read_input(options, parallel, progress, read); });
   LevelFiles levels;
   const bool checks = options.check || !options.report.empty();
   const PyramidObserver observe = levels.writer(options.levels_folder, options.params.surface.threshold, parallel);

@@ -92,6 +92,41 @@ TEST(Files, SeveralAreSeveralScans) {
   EXPECT_EQ(report.samples(), cloud.size());
 }
 
+TEST(Files, ReadOnAnyNumberOfThreadsAreTheSameCloudReportAndError) {
+  const TemporaryFolder folder;
+  std::vector<std::string> paths;
+  std::string set;
+  for (int i = 0; i < 7; ++i) {
+    const std::string name = "scan" + std::to_string(i) + ".xyz";
+    paths.push_back(folder.write(name, std::to_string(i) + " 2 3\nnan 0 0\n4 5 6\n"));
+    set += std::string(i % 3 == 0 ? "odd\n" : "") + "bmesh " + name + " 0 0 1 0 0 0 1\n";
+  }
+  paths.push_back(folder.write("all.conf", set));
+  ReadReport report;
+  const PointCloud cloud = read_points(paths, &report);
+  ASSERT_EQ(cloud.scans.size(), 14u);
+  std::vector<std::string> broken = paths;
+  for (const int i : {3, 5})
+    broken[static_cast<size_t>(i)] = folder.write("broken" + std::to_string(i) + ".xyz", "1 2 x\n");
+  for (const int threads : {2, 3, 8}) {
+    const Parallel parallel(threads);
+    ReadReport other;
+    expect_same_cloud(read_points(paths, &other, parallel), cloud);
+    EXPECT_EQ(other.warnings, report.warnings);
+    ASSERT_EQ(other.files.size(), report.files.size());
+    for (size_t i = 0; i < report.files.size(); ++i) {
+      EXPECT_EQ(other.files[i].path, report.files[i].path);
+      EXPECT_EQ(other.files[i].dropped, 1u);
+    }
+    try {
+      read_points(broken, nullptr, parallel);
+      ADD_FAILURE() << "read a broken file";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("broken3.xyz"), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST(Obj, WrittenMeshComesBack) {
   const TemporaryFolder folder;
   Mesh mesh = torus_mesh(12, 1.0);

@@ -34,6 +34,10 @@ Box3d PointCloud::box() const {
 }
 
 void PointCloud::append(PointCloud&& other) {
+  if (size() == 0 && scans.empty()) {
+    *this = std::exchange(other, {});
+    return;
+  }
   const size_t n = size();
   const size_t m = other.size();
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();

@@ -7,6 +7,7 @@
 #include "soapfilm/io/off.h"
 #include "soapfilm/io/ply.h"
 #include "soapfilm/io/ply_header.h"
+#include "soapfilm/io/read_each.h"
 #include "soapfilm/io/scan_set.h"
 #include "soapfilm/io/stl.h"
 #include "soapfilm/io/text.h"
@@ -58,7 +59,7 @@ size_t ReadReport::dropped() const {
   return sum;
 }
 
-PointCloud read_points(const std::string& path, ReadReport* report) {
+PointCloud read_points(const std::string& path, ReadReport* report, const Parallel& parallel) {
   ReadReport unused;
   ReadReport& to = report != nullptr ? *report : unused;
   io::ByteSource source(path);
@@ -68,17 +69,17 @@ PointCloud read_points(const std::string& path, ReadReport* report) {
     case Format::xyz:
       return io::read_xyz(source, to);
     case Format::scan_set:
-      return io::read_scan_set_points(source, to);
+      return io::read_scan_set_points(source, to, parallel);
     default:
       refuse_extension<InputError>(path, ".ply, .xyz, .txt, .pts or .conf to be read as points");
   }
 }
 
-PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report) {
+PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report, const Parallel& parallel) {
   if (paths.empty()) throw ParameterError("0 input files, must be > 0");
-  PointCloud cloud = read_points(paths.front(), report);
-  for (size_t i = 1; i < paths.size(); ++i) cloud.append(read_points(paths[i], report));
-  return cloud;
+  ReadReport unused;
+  return io::read_each(paths.size(), report != nullptr ? *report : unused, parallel,
+                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, parallel); });
 }
 
 Mesh read_mesh(const std::string& path) {

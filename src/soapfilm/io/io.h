@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "soapfilm/core/mesh.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/point_cloud.h"
 
 namespace soapfilm {
@@ -41,11 +42,13 @@ struct ReadReport {
 };
 
 /// Reads a point cloud of one or several scans. Samples with a non-finite coordinate are dropped and counted.
-/// Throws InputError for a file that cannot be read to its end, holds no sample or no finite one.
-PointCloud read_points(const std::string& path, ReadReport* report = nullptr);
+/// The scans of a set are read as many at once as there are threads. Throws InputError for a file that cannot be read
+/// to its end, holds no sample or no finite one.
+PointCloud read_points(const std::string& path, ReadReport* report = nullptr, const Parallel& parallel = Parallel(1));
 
-/// Reads several files and appends them in order as further scans.
-PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report = nullptr);
+/// Reads several files, as many at once, and appends them in order as further scans.
+PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report = nullptr,
+                       const Parallel& parallel = Parallel(1));
 
 /// Reads a triangle mesh; polygons become fans of triangles. Throws InputError for a file that cannot be read to its
 /// end, has no faces, an index out of range or a non-finite coordinate.

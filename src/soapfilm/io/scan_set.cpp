@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/io/read_each.h"
 #include "soapfilm/io/text.h"
 
 namespace soapfilm {
@@ -93,21 +94,21 @@ void write_scan_set(const std::string& path, const std::vector<ScanSetEntry>& en
   write_text_file(path, text);
 }
 
-PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report) {
+PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, const Parallel& parallel) {
   const std::filesystem::path folder = std::filesystem::path(source.path()).parent_path();
-  PointCloud all;
-  for (const ScanSetEntry& entry : parse_scan_set(source, report)) {
+  const std::vector<ScanSetEntry> entries = parse_scan_set(source, report);
+  return read_each(entries.size(), report, parallel, [&](size_t i, ReadReport& to) {
+    const ScanSetEntry& entry = entries[i];
     const std::string file = (folder / entry.file).string();
     if (lower_case(std::filesystem::path(file).extension().string()) == ".conf")
       throw InputError(
           fmt::format("{}: bmesh names {}, must be a scan, not a scan set", source.path(), in_quotes(entry.file)));
-    PointCloud cloud = read_points(file, &report);
+    PointCloud cloud = read_points(file, &to);
     for (Scan& scan : cloud.scans)
       if (!scan.sensor && !scan.view_direction && cloud.sensors.empty()) scan.view_direction = Vec3d{0, 0, 1};
     apply_pose(entry.pose, cloud);
-    all.append(std::move(cloud));
-  }
-  return all;
+    return cloud;
+  });
 }
 
 }  // namespace soapfilm

@@ -1,0 +1,35 @@
+// Several files read at once, as one cloud in their order.
+#pragma once
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/io/io.h"
+
+namespace soapfilm::io {
+
+/// read(i, report) for i in [0, count), as many at once as there are threads, so that no more clouds than that wait to
+/// be appended. Clouds, reports and errors are those of reading one after the other.
+template <class Read>
+PointCloud read_each(size_t count, ReadReport& report, const Parallel& parallel, Read&& read) {
+  const auto at_once = static_cast<size_t>(parallel.threads());
+  PointCloud all;
+  for (size_t first = 0; first < count; first += at_once) {
+    const size_t files = std::min(at_once, count - first);
+    std::vector<PointCloud> clouds(files);
+    std::vector<ReadReport> reports(files);
+    parallel.for_each(files, 1, [&](size_t i) { clouds[i] = read(first + i, reports[i]); });
+    for (size_t i = 0; i < files; ++i) {
+      all.append(std::move(clouds[i]));
+      std::move(reports[i].files.begin(), reports[i].files.end(), std::back_inserter(report.files));
+      std::move(reports[i].warnings.begin(), reports[i].warnings.end(), std::back_inserter(report.warnings));
+    }
+  }
+  return all;
+}
+
+}  // namespace soapfilm::io
