@@ -42,11 +42,10 @@ class BallDisplacement : public testing::Test {
         weight[s] = std::abs(distance(q)) < 0.3 ? 1.0f : 0.0f;
         normal[s] = Vec3f(normalized(q - Vec3d{15.3, 16.1, 15.8}));
       }
-    const BandSamples where = locate(samples, band, one_thread);
-    CellSamples cells = cells_of(samples, where, band, one_thread);
+    CellSamples cells(samples, band, one_thread);
     merge(
-        samples, where, band,
-        [&](size_t s) {
+        phi0, samples, band,
+        [&](size_t s, const Jet&) {
           return WeighedSample{weight[s], normal[s]};
         },
         {0, 2 * gamma}, one_thread, cells);
@@ -90,8 +89,9 @@ TEST_F(BallDisplacement, APreconditionerOfOtherWeightsServes) {
   Displacement few(band, phi0, one_thread), many(band, phi0, one_thread);
   few.precondition(cells, smoothness);
   // A third of the samples turn out to be half as good.
-  for (size_t k = 0; k < cells.rows.size(); k += 3)
-    for (float& weight : cells.rows[k].weight) weight *= 0.5f;
+  for (size_t k = 0; k < cells.rows(); k += 3)
+    for (int x = 0; x < brick_side; ++x)
+      if (cells.present(k) >> x & 1) cells.set_weight(k, x, 0.5f * cells.cell(k, x).weight);
   few.minimize(cells, smoothness, {12, 0});
   many.precondition(cells, smoothness);
   many.minimize(cells, smoothness, {200, 1e-6});

@@ -1,9 +1,9 @@
 // The samples of a cell as one: what the fit sees of them, however many there are.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "soapfilm/field/samples.h"
@@ -11,15 +11,6 @@
 #include "soapfilm/refine/narrow_band.h"
 
 namespace soapfilm {
-
-/// Where each sample lies in the band.
-struct BandSamples {
-  std::vector<uint32_t> cell_row;  ///< row of its cell's lowest vertex; 0: a corner of its cell is not in the band
-  std::vector<uint8_t> cell_x;     ///< and x in that row, 0..7
-};
-
-/// Finds the cells. Eight corners of a cell in the band: the sample can be seen by it.
-BandSamples locate(const GridSamples& samples, const NarrowBand& band, const Parallel& parallel);
 
 /// What samples weigh, beside each one's own weight.
 struct DataWeights {
@@ -33,38 +24,66 @@ struct WeighedSample {
   Vec3f normal;
 };
 
-/// Samples merged by cell: weighted means of their positions and of their unit outward normals, and the sums of their
-/// weights. The quadratic data term over the cells, phi trilinear in each (phi > 0 inside: its gradient is minus the
-/// normal), with v and s of DataWeights:
-///   sum_c w_c (phi(p_c)^2 + v |g_c - n_c (n_c g_c)|^2 + s (n_c g_c)^2),  g_c = grad phi(p_c) + n_c.
-struct CellSamples {
-  std::vector<CellRow> rows;    ///< of eight cells, in the order of the band's rows
-  std::vector<uint32_t> row;    ///< the band's row of each one's lowest corners
-  std::vector<uint32_t> first;  ///< first row of each brick of samples; one more at the end
-  std::vector<size_t> layer;    ///< first row of each layer of bricks along z; one more at the end
-  size_t count = 0;             ///< cells that hold a sample of weight > 0
-  size_t doubted = 0;           ///< samples of weight < 1/4, those that the band does not see included
-  DataWeights weights;
+/// What samples in a cell say together: means weighted by the samples', and the sum of their weights.
+struct MergedCell {
+  Vec3f fraction;  ///< place in the cell, in [0, 1]
+  Vec3f normal;    ///< shorter than a unit vector where the samples' differ
+  float weight = 0;
 };
 
-/// The rows of cells that hold samples which the band sees; no weights as yet.
-CellSamples cells_of(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
-                     const Parallel& parallel);
+/// Samples merged by cell. A sample is seen by the band where all eight corners of its cell are in it; cells that hold
+/// none of these are left out. The quadratic data term over the cells, phi trilinear in each (phi > 0 inside: its
+/// gradient is minus the normal), with v and s of DataWeights:
+///   sum_c w_c (phi(p_c)^2 + v |g_c - n_c (n_c g_c)|^2 + s (n_c g_c)^2),  g_c = grad phi(p_c) + n_c.
+class CellSamples {
+ public:
+  CellSamples() = default;
+  /// The cells that hold samples which the band sees; weightless as yet.
+  CellSamples(const GridSamples& samples, const NarrowBand& band, const Parallel& parallel);
 
-/// Merges samples into `cells`, in place of what these held: weigh(s).weight times 1 for the position and `weights` for
-/// the normal. weigh() is called once for each sample that the band sees, from any thread.
-void merge(const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
-           const std::function<WeighedSample(size_t)>& weigh, DataWeights weights, const Parallel& parallel,
-           CellSamples& cells);
+  /// Rows of cells: those with the same y and z in a brick, in the order of the band's rows.
+  size_t rows() const { return row_.size(); }
+  uint32_t band_row(size_t row) const { return row_[row]; }    ///< of its lowest corners
+  uint8_t present(size_t row) const { return present_[row]; }  ///< which of the eight are there, as bits
+  MergedCell cell(size_t row, int x) const;                    ///< one that is there
+  void set_weight(size_t row, int x, float weight);
+  /// Rows of the cells of brick b of the samples: [first, second).
+  std::pair<size_t, size_t> brick(size_t b) const { return {brick_[b], brick_[b + 1]}; }
+
+  size_t count = 0;    ///< cells that hold a sample of weight > 0
+  size_t doubted = 0;  ///< samples of weight < 1/4, those that the band does not see included
+  DataWeights weights;
+
+ private:
+  friend void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band,
+                    const std::function<WeighedSample(size_t, const FieldJet<float>&)>& weigh, DataWeights weights,
+                    const Parallel& parallel, CellSamples& cells);
+  friend double add_to_rows(const NarrowBand& band, const CellSamples& data, DataJob job, const Parallel& parallel);
+
+  float* values(size_t row) { return values_.data() + DataJob::values * size_t{first_[row]}; }
+  const float* values(size_t row) const { return values_.data() + DataJob::values * size_t{first_[row]}; }
+
+  std::vector<uint32_t> row_;     // of the band
+  std::vector<uint8_t> present_;  // of each row
+  std::vector<uint32_t> first_;   // cells before each row; one more at the end
+  std::vector<uint32_t> brick_;   // first row of each brick of samples; one more at the end
+  std::vector<size_t> layer_;     // first row of each layer of bricks along z; one more at the end
+  AlignedArray<float> values_;    // as DataJob has them
+};
 
 /// Value and gradient of phi at a sample.
 using Jet = FieldJet<float>;
-/// Of a field on the band; zero where the band does not see the sample.
-Jet jet_at_sample(const RowArray& phi, const GridSamples& samples, const BandSamples& where, const NarrowBand& band,
-                  size_t sample);
-/// At every sample.
-std::vector<Jet> jets_at_samples(const RowArray& phi, const GridSamples& samples, const BandSamples& where,
-                                 const NarrowBand& band, const Parallel& parallel);
+
+/// Merges samples into `cells`, in place of what these held: weigh(s, jet of phi).weight times 1 for the position and
+/// `weights` for the normal. weigh() is called once for each sample that the band sees, from any thread.
+void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band,
+           const std::function<WeighedSample(size_t, const Jet&)>& weigh, DataWeights weights, const Parallel& parallel,
+           CellSamples& cells);
+
+/// Of a field on the band, at every sample that it sees.
+std::vector<std::optional<Jet>> jets_at_samples(const RowArray& phi, const GridSamples& samples,
+                                                const CellSamples& cells, const NarrowBand& band,
+                                                const Parallel& parallel);
 
 /// out += scale times the data term's Hessian (half of it) times v, or with `affine` its gradient (half of it) at v.
 /// Returns scale <v, H v> without `affine`.

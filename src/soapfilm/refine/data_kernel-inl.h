@@ -7,10 +7,48 @@ namespace {
 
 HWY_INLINE V mix(V a, V b, V t) { return hn::Add(a, hn::Mul(t, hn::Sub(b, a))); }
 
+/// How many bits below each are set, for every byte.
+struct Ranks {
+  uint8_t below[256][brick_side];
+};
+constexpr Ranks make_ranks() {
+  Ranks ranks{};
+  for (unsigned bits = 0; bits < 256; ++bits)
+    for (unsigned i = 1; i < brick_side; ++i)
+      ranks.below[bits][i] = static_cast<uint8_t>(ranks.below[bits][i - 1] + (bits >> (i - 1) & 1));
+  return ranks;
+}
+constexpr Ranks ranks = make_ranks();
+
+/// The cells of a row from x on, as many as there are lanes: what is held of those that are present, spread out.
+class PresentCells {
+ public:
+  HWY_INLINE PresentCells(const DataJob& job, size_t k, int x)
+      : count_(static_cast<size_t>(std::popcount(job.present[k]))) {
+    const unsigned present = job.present[k];
+    const auto bits = static_cast<uint8_t>(present >> x);
+    const hn::Rebind<uint8_t, D> bytes;
+    const hn::Rebind<int32_t, D> integers;
+    there_ = hn::LoadMaskBits(D(), &bits);
+    // Beyond the last lane's there are bits of other lanes: they count for nobody here.
+    rank_ = hn::IndicesFromVec(D(), hn::PromoteTo(integers, hn::LoadU(bytes, ranks.below[bits])));
+    at_ = job.cells + DataJob::values * size_t{job.first[k]} +
+          static_cast<size_t>(std::popcount(present & ((1u << x) - 1)));
+  }
+  HWY_INLINE V load(size_t value) const {
+    return hn::IfThenElseZero(there_, hn::TableLookupLanes(hn::LoadU(D(), at_ + value * count_), rank_));
+  }
+
+ private:
+  size_t count_;
+  const float* at_;
+  hn::Mask<D> there_;
+  decltype(hn::IndicesFromVec(D(), hn::Zero(hn::Rebind<int32_t, D>()))) rank_;
+};
+
 /// Adds one row of cells; the terms of <v, what is added> go to `energy`.
 HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, LaneSum& energy) {
   const D d;
-  const CellRow& cells = job.cells[k];
   // The rows of the corners, y fastest, and those right of them.
   const auto next = [&](size_t row, size_t side) { return size_t{band.neighbors[row][side]}; };
   const size_t own = job.row[k], rows[4] = {own, next(own, 3), next(own, 5), next(next(own, 3), 5)};
@@ -25,11 +63,10 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
   const V one = hn::Set(d, 1.0f), scale = hn::Set(d, job.scale);
   float carry[4] = {};
   for (int x = 0; x < brick_side; x += lanes) {
-    const V fx = hn::Load(d, cells.fraction[0] + x), fy = hn::Load(d, cells.fraction[1] + x),
-            fz = hn::Load(d, cells.fraction[2] + x);
-    const V nx = hn::Load(d, cells.normal[0] + x), ny = hn::Load(d, cells.normal[1] + x),
-            nz = hn::Load(d, cells.normal[2] + x);
-    const V weight = hn::Mul(scale, hn::Load(d, cells.weight + x));
+    const PresentCells cells(job, k, x);
+    const V fx = cells.load(0), fy = cells.load(1), fz = cells.load(2);
+    const V nx = cells.load(3), ny = cells.load(4), nz = cells.load(5);
+    const V weight = hn::Mul(scale, cells.load(6));
     V value = one, gx = hn::Zero(d), gy = hn::Zero(d), gz = hn::Zero(d);
     if (job.v) {
       const auto low = [&](size_t c) { return hn::Load(d, job.v + rows[c] * brick_side + x); };
@@ -81,7 +118,7 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
       carry[c] = hn::GetLane(moved);
     }
   }
-  if (cells.weight[brick_side - 1] > 0)  // else there may be no such row, and row 0 is nobody's to write
+  if (job.present[k] >> (brick_side - 1) != 0)  // else there may be no such row, and row 0 is nobody's to write
     for (size_t c = 0; c < 4; ++c) job.out[right[c] * brick_side] += carry[c];
   energy.end_row();
 }

@@ -80,8 +80,8 @@ RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Pa
 RowArray moved_onto(const GridSamples& samples, const NarrowBand& band, const RowArray& phi0,
                     const RobustParams& params, const Parallel& parallel, RefineReport& report) {
   Displacement displacement(band, phi0, parallel);
-  const RobustFit fit = fit_robustly(displacement, band, samples, locate(samples, band, parallel),
-                                     std::vector<uint8_t>(samples.size(), 1), report.strength, params, parallel);
+  CellSamples cells(samples, band, parallel);
+  const RobustFit fit = fit_robustly(displacement, band, samples, cells, {}, report.strength, params, parallel);
   report.iterations = fit.iterations;
   report.cells = fit.cells;
   report.down_weighted = fit.down_weighted;

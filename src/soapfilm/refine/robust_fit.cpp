@@ -7,7 +7,7 @@
 namespace soapfilm {
 
 RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const GridSamples& samples,
-                       const BandSamples& where, std::span<const uint8_t> active, const Strength& strength,
+                       CellSamples& cells, std::span<const uint8_t> active, const Strength& strength,
                        const RobustParams& params, const Parallel& parallel) {
   RobustFit fit;
   const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(strength.smoothing)),
@@ -17,29 +17,27 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
   const double slope_weight = strength.yield && strength.normals > 0 ? params.slope_along_directions : params.slope;
   const int rounds = params.rounds + (strength.yield ? params.yielding_rounds : 0);
   displacement.drop_target();
-  CellSamples data = cells_of(samples, where, band, parallel);
   bool last = false;
   for (int round = 0; !last; ++round) {
     if (strength.yield && round > 0) displacement.yield_to_bends(params.yielding_bend);
     const double first_scale = params.first_scale * std::pow(0.5, round);
     const auto scale = static_cast<float>(std::max(least_scale, first_scale));
     last = round + 1 >= rounds || (!strength.yield && round > 0 && first_scale <= least_scale);
-    const auto weigh = [&](size_t s) {
-      const Jet jet = jet_at_sample(displacement.phi(), samples, where, band, s);
-      const bool speaks = active[s] != 0 && seen_from_outside(samples.direction[s], jet.gradient);
+    const auto weigh = [&](size_t s, const Jet& jet) {
+      const bool speaks = (active.empty() || active[s] != 0) && seen_from_outside(samples.direction[s], jet.gradient);
       const float slope = norm(jet.gradient);
       return WeighedSample{
           speaks ? robust_weight(params.penalty, jet.value / std::max(slope, 0.3f), scale) : 0.0f,
           strength.normals > 0 ? normalized(samples.direction[s]) : -(jet.gradient / std::max(slope, 1e-3f))};
     };
-    merge(samples, where, band, weigh,
+    merge(displacement.phi(), samples, band, weigh,
           {static_cast<float>(strength.normals),
            static_cast<float>(std::max(slope_weight * strength.smoothing, strength.normals))},
-          parallel, data);
-    fit.cells = data.count;
-    fit.down_weighted = data.doubted;
+          parallel, cells);
+    fit.cells = cells.count;
+    fit.down_weighted = cells.doubted;
     // Weights change little from here on.
-    if (round == 0 || !strength.yield) displacement.precondition(data, smoothness);
+    if (round == 0 || !strength.yield) displacement.precondition(cells, smoothness);
     // Weights need no more than a rough surface.
     SolveLimits limits = params.solve;
     if (strength.yield) {
@@ -48,7 +46,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
     } else if (!last) {
       limits.iterations = std::max(1, limits.iterations / (round == 0 ? 4 : 6));
     }
-    fit.iterations += displacement.minimize(data, smoothness, limits);
+    fit.iterations += displacement.minimize(cells, smoothness, limits);
   }
   return fit;
 }

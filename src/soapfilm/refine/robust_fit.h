@@ -43,9 +43,10 @@ struct RobustFit {
   int iterations = 0;
 };
 
-/// Moves `displacement` onto the samples, from what it yields to at present; `active[s]` 0 leaves a sample out.
+/// Moves `displacement` onto the samples, from what it yields to at present; `active[s]` 0 leaves a sample out, where
+/// there is any. `cells` are those of the samples: room to merge them in.
 RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const GridSamples& samples,
-                       const BandSamples& where, std::span<const uint8_t> active, const Strength& strength,
+                       CellSamples& cells, std::span<const uint8_t> active, const Strength& strength,
                        const RobustParams& params, const Parallel& parallel);
 
 /// Whether a sample was seen from the side on which the surface is: its direction looks out of it, or nearly so.

@@ -77,20 +77,16 @@ struct InverseJob {
   float* inverse;
 };
 
-/// A row of eight cells, one sample in each: its place in the cell, its unit normal times its certainty, its weight (0:
-/// no sample).
-struct CellRow {
-  alignas(32) float fraction[3][8];
-  float normal[3][8];
-  float weight[8];
-};
-
 /// The data term of rows of cells: see CellSamples. out += scale times half of its gradient at v, or with `affine`
 /// unset of its quadratic part's.
 struct DataJob {
-  const CellRow* cells;
-  const uint32_t* row;  ///< of the band, with the lowest corners of each row of cells
-  float normal, slope;  ///< weights of the normal and of the slope against one position
+  static constexpr size_t values = 7;  ///< of a cell: place in it, unit normal times its certainty, weight
+
+  const float* cells;      ///< those of a row one value after the other; a row of eight may be read past the end
+  const uint32_t* first;   ///< cells before each row
+  const uint8_t* present;  ///< which of a row's eight cells there are, as bits
+  const uint32_t* row;     ///< of the band, with the lowest corners of each row of cells
+  float normal, slope;     ///< weights of the normal and of the slope against one position
   bool affine;
   float scale;
   const float* v;  ///< null: 1 everywhere

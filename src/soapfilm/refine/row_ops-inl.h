@@ -3,6 +3,8 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
+
 #include "soapfilm/grid/layout.h"
 #include "soapfilm/refine/row_kernel.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "soapfilm/core/median.h"
@@ -105,10 +106,10 @@ class HeldOut {
         patches_(choose_patches(samples, params.samples, params.seed)),
         samples_(part_of(samples, patches_, parallel)),
         part_(part_of(band, phi0, patches_, parallel)),
-        where_(locate(samples_, part_.first, parallel)),
+        cells_(samples_, part_.first, parallel),
         displacement_(part_.first, part_.second, parallel),
         train_(samples_.size()),
-        first_(jets_at_samples(part_.second, samples_, where_, part_.first, parallel)) {
+        first_(jets_at_samples(part_.second, samples_, cells_, part_.first, parallel)) {
     for (size_t s = 0; s < samples_.size(); ++s)
       train_[s] = (Random(params.seed + 0x51ED2700ull * (samples_.source[s] + 1ull)).next() >> 11 & 3) != 0;
     robust_.rounds = 2;
@@ -135,7 +136,7 @@ class HeldOut {
   /// Each fit starts with the bends that the last one yielded to: rounds saved.
   Outcome fit(double smoothing, double normals) {
     std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
-    fit_robustly(displacement_, part_.first, samples_, where_, train_, {smoothing, normals, assumed_noise, yield_},
+    fit_robustly(displacement_, part_.first, samples_, cells_, train_, {smoothing, normals, assumed_noise, yield_},
                  robust_, parallel_);
     const auto residuals = held_out_residuals();
     if (residuals.empty()) return {};
@@ -158,12 +159,12 @@ class HeldOut {
 
   /// Median angle between directions and the present surface's normals, degrees.
   double agreement() const {
-    const auto jets = jets_at_samples(displacement_.phi(), samples_, where_, part_.first, parallel_);
+    const auto jets = jets_at_samples(displacement_.phi(), samples_, cells_, part_.first, parallel_);
     std::vector<float> angles;
     for (size_t s = 0; s < jets.size(); ++s)
-      if (where_.cell_row[s] != 0)
+      if (jets[s])
         angles.push_back(
-            std::acos(std::clamp(-dot(normalized(samples_.direction[s]), normalized(jets[s].gradient)), -1.0f, 1.0f)));
+            std::acos(std::clamp(-dot(normalized(samples_.direction[s]), normalized(jets[s]->gradient)), -1.0f, 1.0f)));
     return 57.29578 * static_cast<double>(median(std::move(angles)));
   }
 
@@ -172,13 +173,12 @@ class HeldOut {
   /// be near every sample is not near them in that direction.
   std::vector<float> held_out_residuals() const {
     constexpr float least_slope = 0.02f, most_distance = 3;
-    const auto jets = jets_at_samples(displacement_.phi(), samples_, where_, part_.first, parallel_);
+    const auto jets = jets_at_samples(displacement_.phi(), samples_, cells_, part_.first, parallel_);
     std::vector<float> residuals;
     for (size_t s = 0; s < jets.size(); ++s) {
-      if (where_.cell_row[s] == 0 || train_[s] || !seen_from_outside(samples_.direction[s], first_[s].gradient))
-        continue;
-      const float slope = dot(jets[s].gradient, normalized(first_[s].gradient));
-      residuals.push_back(std::min(std::abs(jets[s].value) / std::clamp(slope, least_slope, 1.0f), most_distance));
+      if (!jets[s] || train_[s] || !seen_from_outside(samples_.direction[s], first_[s]->gradient)) continue;
+      const float slope = dot(jets[s]->gradient, normalized(first_[s]->gradient));
+      residuals.push_back(std::min(std::abs(jets[s]->value) / std::clamp(slope, least_slope, 1.0f), most_distance));
     }
     return residuals;
   }
@@ -188,11 +188,11 @@ class HeldOut {
   BrickMask patches_;
   GridSamples samples_;
   std::pair<NarrowBand, RowArray> part_;
-  BandSamples where_;
+  CellSamples cells_;
   Displacement displacement_;
   std::vector<uint8_t> train_;
   bool yield_ = true;
-  std::vector<Jet> first_;  // of phi0
+  std::vector<std::optional<Jet>> first_;  // of phi0
   std::map<std::pair<double, double>, Outcome> outcomes_;
 };
 
