@@ -122,7 +122,8 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   announce_grid(report, progress);
   if (params.method == Method::vrip)
     return finish(fused_surface(cloud, lattice, params, stages, parallel, progress, report));
-  directions = {};
+  release(directions);
+  release(samples.source);
   if (owned) *owned = {};
 
   // The data term f = div v (section 4.1).

@@ -90,7 +90,7 @@ GridSamples on_plane(double shift, Vec3f direction) {
           samples.local.push_back({static_cast<float>(4 + shift), 0.25f + 0.5f * static_cast<float>(y),
                                    0.25f + 0.5f * static_cast<float>(z)});
           samples.direction.push_back(direction);
-          samples.source.push_back(static_cast<uint32_t>(samples.source.size()));
+          samples.lot.push_back(lot_of(samples.lot.size()));
         }
     samples.begin.push_back(static_cast<uint32_t>(samples.local.size()));
   }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace soapfilm {
 
@@ -14,6 +15,12 @@ size_t peak_memory_bytes();
 /// or less where a control group (v1 or v2, such as a container's) limits it. SIZE_MAX where the system does not say.
 /// `root` is where proc/ and sys/ lie: a test may bring its own.
 size_t available_memory_bytes(const std::string& root = "/");
+
+/// Empties a vector and hands its memory back. (`v = {}` keeps it: that assigns an empty initializer list.)
+template <class T>
+void release(std::vector<T>& values) {
+  std::vector<T>().swap(values);
+}
 
 /// Reads "600M", "2G", "1.5GiB", "800 MB" or plain bytes. K, M, G, T and KiB, MiB, GiB, TiB are powers of 1024; KB, MB,
 /// GB, TB powers of 1000; upper or lower case. Throws ParameterError unless it is a size of at least one byte.

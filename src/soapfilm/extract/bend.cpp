@@ -9,6 +9,7 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/memory.h"
 #include "soapfilm/extract/crossings.h"
 #include "soapfilm/extract/flip.h"
 #include "soapfilm/extract/half_edges.h"
@@ -71,7 +72,7 @@ class Bending {
       const Vec3d normal = stays ? Vec3d(normals[v]) : normal_at(field_, p);
       mesh_.vertices[v] = lattice_.to_world(p + normal * leftover.mean_at(p, normal));
     });
-    ends_ = {};
+    release(ends_);
     cut_triangles(edges);
     return start;
   }

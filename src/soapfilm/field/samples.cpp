@@ -3,6 +3,9 @@
 #include <climits>
 #include <cmath>
 
+#include "soapfilm/core/memory.h"
+#include "soapfilm/core/random.h"
+
 namespace soapfilm {
 
 namespace {
@@ -14,11 +17,17 @@ Vec3i brick_at(Vec3d lattice_position) {
 
 }  // namespace
 
+uint8_t lot_of(size_t source) {
+  constexpr uint64_t stride = 0x51ED2700;  // between seeds
+  return static_cast<uint8_t>(Random(1 + stride * (source + 1)).next() >> 11);
+}
+
 GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
-                         const Parallel& parallel) {
+                         const Parallel& parallel, const std::function<bool(size_t)>& wanted) {
   constexpr size_t grain = 1 << 14;
   constexpr int32_t none = -1;
   const size_t n = cloud.size();
+  const auto takes = [&](size_t i) { return speaks(cloud, directions, i) && (!wanted || wanted(i)); };
   GridSamples samples;
 
   // Neighbours in a scan mostly share a brick: it is looked up where it changes.
@@ -26,7 +35,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   BrickMask occupied(lattice.box(0).bricks);
   Vec3i last = nowhere;
   for (size_t i = 0; i < n; ++i) {
-    if (!speaks(cloud, directions, i)) continue;
+    if (!takes(i)) continue;
     const Vec3i brick = brick_at(lattice.to_lattice(cloud.positions[i]));
     if (!(brick == last)) occupied.set(last = brick);
   }
@@ -39,7 +48,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
     int32_t index = none;
     for (size_t i = begin; i < end; ++i) {
       holder[i] = none;
-      if (!speaks(cloud, directions, i)) continue;
+      if (!takes(i)) continue;
       const Vec3i brick = brick_at(lattice.to_lattice(cloud.positions[i]));
       if (!(brick == found)) index = samples.bricks.find(found = brick);
       holder[i] = index;
@@ -53,14 +62,17 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   std::vector<uint32_t> next(samples.begin.begin(), samples.begin.end() - 1);
   for (size_t i = 0; i < n; ++i)
     if (holder[i] != none) samples.source[next[static_cast<size_t>(holder[i])]++] = static_cast<uint32_t>(i);
+  release(holder);
 
   samples.local.resize(samples.source.size());
   samples.direction.resize(samples.source.size());
+  samples.lot.resize(samples.source.size());
   parallel.for_each(samples.source.size(), grain, [&](size_t k) {
     const size_t i = samples.source[k];
     const Vec3d position = lattice.to_lattice(cloud.positions[i]);
     samples.local[k] = Vec3f(position - Vec3d(brick_at(position) * brick_side));
     samples.direction[k] = cloud.weights.empty() ? directions[i] : directions[i] * cloud.weights[i];
+    samples.lot[k] = lot_of(i);
   });
   return samples;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -19,7 +20,8 @@ struct GridSamples {
   std::vector<uint32_t> begin;   ///< brick b holds samples [begin[b], begin[b + 1])
   std::vector<Vec3f> local;      ///< position relative to the brick's first vertex, voxels, each in [0, 8)
   std::vector<Vec3f> direction;  ///< weak outward direction times the sample's weight
-  std::vector<uint32_t> source;  ///< index of the sample in the cloud
+  std::vector<uint32_t> source;  ///< index of the sample in the cloud; dropped once nobody asks the cloud any more
+  std::vector<uint8_t> lot;      ///< random bits for each, the same wherever the grid lies: lot_of(source)
 
   size_t size() const { return local.size(); }
 };
@@ -29,9 +31,12 @@ inline bool speaks(const PointCloud& cloud, std::span<const Vec3f> directions, s
   return directions[i] != Vec3f{} && (cloud.weights.empty() || cloud.weights[i] > 0);
 }
 
+/// What decides a sample's part where some of them are held out.
+uint8_t lot_of(size_t source);
+
 /// Sorts the cloud's samples into bricks. `directions` is as long as the cloud; samples with a zero direction say
-/// nothing and are left out.
+/// nothing and are left out, and so are those that are not `wanted`, where that is given.
 GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
-                         const Parallel& parallel);
+                         const Parallel& parallel, const std::function<bool(size_t)>& wanted = {});
 
 }  // namespace soapfilm

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "soapfilm/core/memory.h"
 #include "soapfilm/core/radix_sort.h"
 
 namespace soapfilm {
@@ -94,7 +95,7 @@ Sampling measure_sampling(const PointCloud& cloud) {
   }
   radix_sort(keys, 3 * deepest);
   std::vector<Cell> occupied = cells_of(keys);
-  keys = {};
+  release(keys);
   for (int depth = deepest; depth >= coarsest; --depth) {
     if (depth < deepest) coarsen(occupied);
     const double companions = mean_companions(occupied, cloud.size());

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/memory.h"
 #include "soapfilm/io/sanitize.h"
 #include "soapfilm/io/text.h"
 
@@ -143,7 +144,7 @@ class XyzReader {
     six_are_colors_ = true;
     for (const Vec3f& n : cloud_.normals)
       cloud_.colors.push_back({static_cast<uint8_t>(n.x), static_cast<uint8_t>(n.y), static_cast<uint8_t>(n.z)});
-    cloud_.normals = {};
+    release(cloud_.normals);
   }
 
   ByteSource& source_;

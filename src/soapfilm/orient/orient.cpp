@@ -93,14 +93,14 @@ void refuse_absent_source(DirectionSource source, const OrientReport& report) {
 void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known,
               const Parallel& parallel, Progress& progress, std::vector<Vec3f>& directions, OrientReport& report) {
   std::vector<uint32_t> wanted;
+  for (size_t i = 0; i < cloud.size(); ++i)
+    if (directions[i] == Vec3f{}) wanted.push_back(static_cast<uint32_t>(i));
+  if (wanted.empty()) return;
   std::vector<Vec3f> hints = directions;
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    if (!(directions[i] == Vec3f{})) continue;
-    wanted.push_back(static_cast<uint32_t>(i));
+  for (const uint32_t i : wanted) {
     hints[i] = known.direction(DirectionSource::sensor, i);
     if (hints[i] == Vec3f{}) hints[i] = known.direction(DirectionSource::scan, i);
   }
-  if (wanted.empty()) return;
   const EstimatedNormals estimated =
       estimate_normals(cloud.positions, wanted, hints, params.neighbours, parallel, progress);
   for (size_t k = 0; k < wanted.size(); ++k) {

@@ -65,7 +65,7 @@ GridSamples part_of(const GridSamples& samples, const BrickMask& bricks, const P
     for (uint32_t s = samples.begin[from]; s < samples.begin[from + 1]; ++s) {
       part.local.push_back(samples.local[s]);
       part.direction.push_back(samples.direction[s]);
-      part.source.push_back(samples.source[s]);
+      part.lot.push_back(samples.lot[s]);
     }
     part.begin.push_back(static_cast<uint32_t>(part.local.size()));
   }
@@ -110,8 +110,7 @@ class HeldOut {
         displacement_(part_.first, part_.second, parallel),
         train_(samples_.size()),
         first_(jets_at_samples(part_.second, samples_, cells_, part_.first, parallel)) {
-    for (size_t s = 0; s < samples_.size(); ++s)
-      train_[s] = (Random(params.seed + 0x51ED2700ull * (samples_.source[s] + 1ull)).next() >> 11 & 3) != 0;
+    for (size_t s = 0; s < samples_.size(); ++s) train_[s] = (samples_.lot[s] & 3) != 0;  // three quarters
     robust_.rounds = 2;
     robust_.yielding_rounds = 1;
     robust_.yielding_haste = 1;

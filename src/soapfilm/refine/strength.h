@@ -11,7 +11,7 @@ struct StrengthParams {
   std::optional<double> smoothing{};  ///< gamma; without it: chosen
   std::optional<double> normals{};    ///< weight of directions; without it: chosen
   size_t samples = 20000;             ///< look at patches with about this many
-  uint64_t seed = 1;                  ///< of the choice of patches and of the samples held out
+  uint64_t seed = 1;                  ///< of the choice of patches
 };
 
 struct StrengthReport {

@@ -83,17 +83,12 @@ FoldFields hold_out(const PointCloud& cloud, std::span<const Vec3f> directions, 
                     const Lattice& lattice, const Parallel& parallel) {
   if (fold < 0 || fold >= folds.count)
     throw ParameterError(fmt::format("fold = {}, must be between 0 and {}", fold, folds.count - 1));
-  // A sample without a direction says nothing: each side is the cloud with the other's directions erased.
-  std::vector<Vec3f> training(directions.begin(), directions.end());
-  std::vector<Vec3f> held_out(cloud.size());
-  for (size_t i = 0; i < cloud.size(); ++i)
-    if (folds.of_sample[i] == fold) std::swap(training[i], held_out[i]);
-
-  const auto field_of = [&](const std::vector<Vec3f>& side) {
-    return divergence_field(sort_samples(cloud, side, lattice, parallel), lattice.box(0), parallel);
+  const auto field_of = [&](bool held_out) {
+    const auto wanted = [&](size_t i) { return (folds.of_sample[i] == fold) == held_out; };
+    return divergence_field(sort_samples(cloud, directions, lattice, parallel, wanted), lattice.box(0), parallel);
   };
   const auto all = std::accumulate(folds.sizes.begin(), folds.sizes.end(), size_t{0});
-  FoldFields fields{field_of(training), field_of(held_out), 0};
+  FoldFields fields{field_of(false), field_of(true), 0};
   fields.training_share = 1 - static_cast<double>(folds.sizes[static_cast<size_t>(fold)]) / static_cast<double>(all);
   return fields;
 }

@@ -157,11 +157,9 @@ struct Probe {
 
 /// The data term of one fold.
 SupportField field_of(const Probe& probe, const Folds& folds, int fold) {
-  std::vector<Vec3f> side(probe.directions.begin(), probe.directions.end());
-  for (size_t i = 0; i < side.size(); ++i)
-    if (folds.of_sample[i] != fold) side[i] = {};
-  return divergence_field(sort_samples(probe.cloud, side, probe.lattice, probe.parallel), probe.lattice.box(0),
-                          probe.parallel);
+  const auto in_fold = [&](size_t i) { return folds.of_sample[i] == fold; };
+  return divergence_field(sort_samples(probe.cloud, probe.directions, probe.lattice, probe.parallel, in_fold),
+                          probe.lattice.box(0), probe.parallel);
 }
 
 /// The lost parts that the held-out samples confirm and that are thin; the others lose their labels.

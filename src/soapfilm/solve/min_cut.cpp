@@ -10,6 +10,8 @@
 #include <iterator>
 #include <utility>
 
+#include "soapfilm/core/memory.h"
+
 namespace soapfilm {
 
 namespace {
@@ -232,7 +234,7 @@ MinCut min_cut(const BandGraph& band, const Progress& progress) {
   const Graph graph = make_graph(band, nodes);
   const std::vector<uint32_t> terminal_edge = terminal_edges(graph, n);
   std::vector<double> residual = capacities(graph, nodes, band.links(), terminal_edge);
-  nodes.unary = {};
+  release(nodes.unary);
 
   const Reverse reverse{&graph, nodes.directions.data(), terminal_edge.data(), n,
                         static_cast<int>(band.links().size()) - 1};
