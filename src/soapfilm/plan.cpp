@@ -31,11 +31,9 @@ constexpr double finest_over_support = 0.88;
 constexpr double coarser_share = 0.1;
 
 /// Refinement: the narrow band and the fit's arrays, bytes per support brick;
-/// what it holds of each sample (its cell, whether it takes part) and of each cell with samples, of which a
-/// brick has about as many as given here where samples are dense.
-constexpr size_t refined_brick_bytes = 11000;
-constexpr size_t refined_sample_bytes = 6;
-constexpr size_t refined_cell_bytes = 110;
+/// and of each cell with samples, of which a brick has about as many as given here where samples are dense.
+constexpr size_t refined_brick_bytes = 10700;
+constexpr size_t refined_cell_bytes = 33;
 constexpr size_t refined_cells_per_brick = 32;
 
 /// Arrays on every vertex of the box while the solver works, bytes per vertex (docs/methods.md has what they hold).
@@ -87,27 +85,24 @@ MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointC
   cloud_bytes *= cloud.size();
   for (const Scan& scan : cloud.scans)
     if (scan.range_grid) cloud_bytes += scan.range_grid->sample.size() * sizeof(int32_t);
-  // Sorted position, direction, source; while they are sorted also the direction as found and the brick.
-  const size_t sorted_bytes = (2 * sizeof(Vec3f) + sizeof(uint32_t)) * cloud.size();
-  const size_t sorting_bytes = (sizeof(Vec3f) + sizeof(int32_t)) * cloud.size();
-  // The probe holds the directions of all and of one half, that half sorted, and where its samples came from.
-  const size_t probing_bytes = (2 * sizeof(Vec3f) + sizeof(int32_t) + 1) * cloud.size() + sorted_bytes / 2;
+  // Sorted position, direction and lot; while the cloud is there also where they came from and the direction as found.
+  const size_t kept_bytes = (2 * sizeof(Vec3f) + sizeof(uint8_t)) * cloud.size();
+  const size_t sorted_bytes = kept_bytes + sizeof(uint32_t) * cloud.size();
+  // The probe holds the folds, and one of two sorted.
+  const size_t probing_bytes = sizeof(uint8_t) * cloud.size() + sorted_bytes / 2;
 
   MemoryPlan plan;
-  plan.placing_bytes = base_bytes + cloud_bytes + sorted_bytes + (probes ? probing_bytes : sorting_bytes);
+  plan.placing_bytes =
+      base_bytes + cloud_bytes + sizeof(Vec3f) * cloud.size() + sorted_bytes + (probes ? probing_bytes : 0);
   const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
-  plan.fixed_bytes = base_bytes + sorted_bytes + (keeps ? cloud_bytes : 0);
+  plan.fixed_bytes = base_bytes + kept_bytes + (keeps ? cloud_bytes : 0);
   const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
   plan.grid_bytes = box_bytes(method, lattice) + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick);
   if (!is_refined) return plan;
 
-  const size_t refine_fixed = plan.fixed_bytes + refined_sample_bytes * cloud.size();
   const size_t cells = std::min(cloud.size(), refined_cells_per_brick * support_bricks);
   const size_t refine_grid = refined_brick_bytes * support_bricks + refined_cell_bytes * cells;
-  if (refine_fixed + refine_grid > plan.total()) {
-    plan.fixed_bytes = refine_fixed;
-    plan.grid_bytes = refine_grid;
-  }
+  plan.grid_bytes = std::max(plan.grid_bytes, refine_grid);
   return plan;
 }
 

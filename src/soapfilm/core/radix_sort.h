@@ -12,7 +12,7 @@ namespace soapfilm {
 /// Sorts keys by their lowest `bits`, and keeps the order of those that agree in these: lowest digits first (Knuth, The
 /// Art of Computer Programming 3, section 5.2.5). Takes as much memory again as the keys while it works.
 inline void radix_sort(std::vector<uint64_t>& keys, int bits) {
-  constexpr int digit_bits = 11;
+  constexpr int digit_bits = 12;
   constexpr size_t digits = size_t{1} << digit_bits;
   std::vector<uint64_t> other(keys.size());
   for (int shift = 0; shift < bits; shift += digit_bits) {

@@ -1,14 +1,17 @@
 #include "soapfilm/field/samples.h"
 
+#include <algorithm>
 #include <climits>
 #include <cmath>
+#include <utility>
 
-#include "soapfilm/core/memory.h"
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {
 
 namespace {
+
+constexpr size_t most_chunks = 16;
 
 Vec3i brick_at(Vec3d lattice_position) {
   return brick_of({static_cast<int>(std::floor(lattice_position.x)), static_cast<int>(std::floor(lattice_position.y)),
@@ -24,54 +27,56 @@ uint8_t lot_of(size_t source) {
 
 GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
                          const Parallel& parallel, const std::function<bool(size_t)>& wanted) {
-  constexpr size_t grain = 1 << 14;
-  constexpr int32_t none = -1;
-  const size_t n = cloud.size();
-  const auto takes = [&](size_t i) { return speaks(cloud, directions, i) && (!wanted || wanted(i)); };
   GridSamples samples;
-
-  // Neighbours in a scan mostly share a brick: it is looked up where it changes.
-  constexpr Vec3i nowhere{INT_MIN, INT_MIN, INT_MIN};
+  // visit(i, brick, is_new, position) for samples [begin, end) that take part. Neighbours in a scan mostly share a
+  // brick: it is looked up where it changes.
+  const auto for_each_sample = [&](size_t begin, size_t end, auto&& visit) {
+    Vec3i last{INT_MIN, INT_MIN, INT_MIN};
+    for (size_t i = begin; i < end; ++i) {
+      if (!speaks(cloud, directions, i) || (wanted && !wanted(i))) continue;
+      const Vec3d position = lattice.to_lattice(cloud.positions[i]);
+      const Vec3i brick = brick_at(position);
+      const bool is_new = !(brick == last);
+      visit(i, last = brick, is_new, position);
+    }
+  };
   BrickMask occupied(lattice.box(0).bricks);
-  Vec3i last = nowhere;
-  for (size_t i = 0; i < n; ++i) {
-    if (!takes(i)) continue;
-    const Vec3i brick = brick_at(lattice.to_lattice(cloud.positions[i]));
-    if (!(brick == last)) occupied.set(last = brick);
-  }
+  for_each_sample(0, cloud.size(), [&](size_t, Vec3i brick, bool is_new, Vec3d) {
+    if (is_new) occupied.set(brick);
+  });
   samples.bricks = BrickGrid(occupied, parallel);
 
-  // A counting sort: stable, so the order within a brick is the cloud's.
-  std::vector<int32_t> holder(n);
-  parallel.for_chunks(n, grain, [&](size_t begin, size_t end) {
-    Vec3i found = nowhere;
-    int32_t index = none;
-    for (size_t i = begin; i < end; ++i) {
-      holder[i] = none;
-      if (!takes(i)) continue;
-      const Vec3i brick = brick_at(lattice.to_lattice(cloud.positions[i]));
-      if (!(brick == found)) index = samples.bricks.find(found = brick);
-      holder[i] = index;
-    }
-  });
-  samples.begin.assign(samples.bricks.size() + 1, 0);
-  for (const int32_t b : holder)
-    if (b != none) ++samples.begin[static_cast<size_t>(b) + 1];
-  for (size_t b = 0; b < samples.bricks.size(); ++b) samples.begin[b + 1] += samples.begin[b];
-  samples.source.resize(samples.begin.back());
-  std::vector<uint32_t> next(samples.begin.begin(), samples.begin.end() - 1);
-  for (size_t i = 0; i < n; ++i)
-    if (holder[i] != none) samples.source[next[static_cast<size_t>(holder[i])]++] = static_cast<uint32_t>(i);
-  release(holder);
+  // A counting sort, so stable: the order within a brick is the cloud's, whatever the number of chunks.
+  const size_t bricks = samples.bricks.size();
+  const size_t chunks = std::clamp<size_t>(cloud.size() / (2 * std::max<size_t>(bricks, 1)), 1, most_chunks);
+  const size_t grain = cloud.size() / chunks + 1;
+  std::vector<uint32_t> next(chunks * bricks);  // of each chunk and brick: first how many samples, then the next place
+  const auto for_each_place = [&](auto&& visit) {
+    parallel.for_each(chunks, 1, [&](size_t c) {
+      uint32_t* place = nullptr;
+      for_each_sample(std::min(c * grain, cloud.size()), std::min((c + 1) * grain, cloud.size()),
+                      [&](size_t i, Vec3i brick, bool is_new, Vec3d position) {
+                        if (is_new) place = &next[c * bricks + static_cast<size_t>(samples.bricks.find(brick))];
+                        visit(i, (*place)++, Vec3f(position - Vec3d(brick * brick_side)));
+                      });
+    });
+  };
+  for_each_place([](size_t, size_t, Vec3f) {});
+  samples.begin.assign(1, 0);
+  uint32_t count = 0;
+  for (size_t b = 0; b < bricks; ++b) {
+    for (size_t c = 0; c < chunks; ++c) count += std::exchange(next[c * bricks + b], count);
+    samples.begin.push_back(count);
+  }
 
-  samples.local.resize(samples.source.size());
-  samples.direction.resize(samples.source.size());
-  samples.lot.resize(samples.source.size());
-  parallel.for_each(samples.source.size(), grain, [&](size_t k) {
-    const size_t i = samples.source[k];
-    const Vec3d position = lattice.to_lattice(cloud.positions[i]);
-    samples.local[k] = Vec3f(position - Vec3d(brick_at(position) * brick_side));
+  samples.local.resize(count);
+  samples.direction.resize(count);
+  samples.source.resize(count);
+  samples.lot.resize(count);
+  for_each_place([&](size_t i, size_t k, Vec3f local) {
+    samples.local[k] = local;
     samples.direction[k] = cloud.weights.empty() ? directions[i] : directions[i] * cloud.weights[i];
+    samples.source[k] = static_cast<uint32_t>(i);
     samples.lot[k] = lot_of(i);
   });
   return samples;

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/memory.h"
 #include "soapfilm/core/radix_sort.h"
 
 namespace soapfilm {
@@ -52,6 +51,22 @@ std::vector<Cell> cells_of(const std::vector<uint64_t>& sorted_keys) {
   return cells;
 }
 
+std::vector<Cell> occupied_cells(const PointCloud& cloud, const Box3d& box, int depth) {
+  const double longest = box.longest(), cells = static_cast<double>(1 << deepest);
+  std::vector<uint64_t> keys;
+  keys.reserve(cloud.size());
+  for (const Vec3d& p : cloud.positions) {
+    uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double cell = std::min((p[axis] - box.lo[axis]) / longest * cells, cells - 1);
+      key |= spread_bits(static_cast<uint64_t>(cell) >> (deepest - depth)) << axis;
+    }
+    keys.push_back(key);
+  }
+  radix_sort(keys, 3 * depth);
+  return cells_of(keys);
+}
+
 /// The occupied cells one depth less deep.
 void coarsen(std::vector<Cell>& cells) {
   size_t kept = 0;
@@ -82,29 +97,19 @@ Sampling measure_sampling(const PointCloud& cloud) {
   Sampling sampling;
   if (!(longest > 0)) return sampling;
 
-  const double cells = static_cast<double>(1 << deepest);
-  std::vector<uint64_t> keys;
-  keys.reserve(cloud.size());
-  for (const Vec3d& p : cloud.positions) {
-    uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::min((p[axis] - box.lo[axis]) / longest * cells, cells - 1);
-      key |= spread_bits(static_cast<uint64_t>(cell)) << axis;
-    }
-    keys.push_back(key);
-  }
-  radix_sort(keys, 3 * deepest);
-  std::vector<Cell> occupied = cells_of(keys);
-  release(keys);
-  for (int depth = deepest; depth >= coarsest; --depth) {
-    if (depth < deepest) coarsen(occupied);
+  // A surface has about 4^depth cells: at this depth mostly less than one sample for each, so few companions.
+  int depth = coarsest;
+  while (depth < deepest && size_t{1} << (2 * depth) < cloud.size()) ++depth;
+  std::vector<Cell> occupied = occupied_cells(cloud, box, depth);
+  while (depth < deepest && mean_companions(occupied, cloud.size()) >= companions_wanted)
+    occupied = occupied_cells(cloud, box, depth = std::min(depth + 2, deepest));
+  for (;; --depth, coarsen(occupied)) {
     const double companions = mean_companions(occupied, cloud.size());
     if (companions < companions_wanted && depth > coarsest) continue;
     const double cell = longest / static_cast<double>(1 << depth);
     sampling.per_area = companions / (mean_section * cell * cell);
-    break;
+    return sampling;
   }
-  return sampling;
 }
 
 }  // namespace soapfilm

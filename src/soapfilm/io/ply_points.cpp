@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "soapfilm/core/error.h"
 #include "soapfilm/io/ply.h"
 #include "soapfilm/io/ply_rows.h"
@@ -11,6 +13,32 @@ namespace soapfilm::io {
 
 namespace {
 
+/// One column of rows of nothing but floats.
+template <class T>
+void append_column(const char* rows, size_t count, size_t row_bytes, const PlyTriple& triple,
+                   std::vector<Vec3<T>>& column) {
+  if (!triple.present()) return;
+  const size_t first = column.size();
+  column.resize(first + count);
+  for (size_t i = 0; i < count; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      column[first + i][axis] = static_cast<T>(
+          load<float>(rows + i * row_bytes + triple.index[static_cast<size_t>(axis)] * sizeof(float), false));
+}
+
+/// Rows of nothing but floats, some at a time while they are in the cache.
+void read_floats(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, PointCloud& cloud) {
+  constexpr uint64_t rows_at_once = 1 << 12;
+  const size_t row_bytes = vertex.properties.size() * sizeof(float);
+  for (uint64_t i = 0; i < vertex.count; i += rows_at_once) {
+    const size_t count = std::min(rows_at_once, vertex.count - i);
+    const char* at = rows.take_floats(count);
+    append_column(at, count, row_bytes, layout.position, cloud.positions);
+    append_column(at, count, row_bytes, layout.normal, cloud.normals);
+    append_column(at, count, row_bytes, layout.sensor, cloud.sensors);
+  }
+}
+
 void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, const std::string& path,
                   PointCloud& cloud) {
   rows.begin(vertex);
@@ -21,6 +49,7 @@ void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout
   if (layout.color.present()) cloud.colors.reserve(vertex.count);
   const bool weighted = layout.weight != PlyElement::absent;
   if (weighted) cloud.weights.reserve(vertex.count);
+  if (rows.plain_floats() && !weighted && !layout.color.present()) return read_floats(rows, vertex, layout, cloud);
 
   for (uint64_t i = 0; i < vertex.count; ++i) {
     rows.next();

@@ -67,11 +67,6 @@ void PlyRows::next() {
   const std::vector<PlyProperty>& properties = element_->properties;
   if (binary_ && !has_lists_) {  // the usual case, with one check of the bounds per row
     const char* at = binary_->take(row_bytes_);
-    if (plain_floats_) {
-      for (size_t k = 0; k < values_.size(); ++k)
-        values_[k] = static_cast<double>(load<float>(at + k * sizeof(float), false));
-      return binary_->release();
-    }
     for (size_t k = 0; k < properties.size(); at += size_of(properties[k++].type))
       values_[k] = load_as_double(at, properties[k].type, binary_->swaps());
     return binary_->release();
@@ -87,6 +82,14 @@ void PlyRows::next() {
     text_->release();
   else
     binary_->release();
+}
+
+const char* PlyRows::take_floats(size_t count) {
+  const char* at = binary_->take(count * row_bytes_);
+  rows_read_ += count;
+  row_ = rows_read_ - 1;
+  binary_->release();
+  return at;
 }
 
 double PlyRows::read_value(const PlyProperty& property, PlyType type) {

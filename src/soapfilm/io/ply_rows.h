@@ -25,6 +25,11 @@ class PlyRows {
   /// Reads a row. Throws InputError when the file ends or a value is no number.
   void next();
 
+  /// Whether a row is nothing but float32 in this machine's order: take_floats() may be called instead of next().
+  bool plain_floats() const { return plain_floats_; }
+  /// The next `count` rows, value after value, not aligned.
+  const char* take_floats(size_t count);
+
   double scalar(size_t property) const { return values_[property]; }
   std::span<const double> list(size_t property) const {
     return {items_.data() + lists_[property].begin, lists_[property].size};
