@@ -1,7 +1,9 @@
 #include "soapfilm/core/memory.h"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -83,6 +85,14 @@ uint64_t room_in_groups(const std::string& root) {
 }
 
 }  // namespace
+
+void prefer_large_pages(void* memory, size_t bytes) {
+  constexpr size_t large_page = size_t{2} << 20;
+  if (bytes < large_page) return;
+  const auto page = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
+  const auto begin = reinterpret_cast<uintptr_t>(memory), first = (begin + page - 1) / page * page;
+  static_cast<void>(madvise(reinterpret_cast<void*>(first), begin + bytes - first, MADV_HUGEPAGE));
+}
 
 size_t peak_memory_bytes() {
   rusage usage{};

@@ -22,6 +22,17 @@ void release(std::vector<T>& values) {
   std::vector<T>().swap(values);
 }
 
+/// Asks the system to back [memory, memory + bytes), not touched yet, with large pages: fewer faults, and fewer misses
+/// of the address cache. Advice: where the system does not take it, nothing changes.
+void prefer_large_pages(void* memory, size_t bytes);
+
+/// Room for `count` values in an empty vector, on large pages where there are many.
+template <class T>
+void reserve_many(std::vector<T>& values, size_t count) {
+  values.reserve(count);
+  prefer_large_pages(values.data(), count * sizeof(T));
+}
+
 /// Reads "600M", "2G", "1.5GiB", "800 MB" or plain bytes. K, M, G, T and KiB, MiB, GiB, TiB are powers of 1024; KB, MB,
 /// GB, TB powers of 1000; upper or lower case. Throws ParameterError unless it is a size of at least one byte.
 size_t parse_memory(std::string_view text);

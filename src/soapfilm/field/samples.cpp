@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "soapfilm/core/memory.h"
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {
@@ -69,10 +70,14 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
     samples.begin.push_back(count);
   }
 
-  samples.local.resize(count);
-  samples.direction.resize(count);
-  samples.source.resize(count);
-  samples.lot.resize(count);
+  const auto make_room = [&](auto& values) {
+    reserve_many(values, count);
+    values.resize(count);
+  };
+  make_room(samples.local);
+  make_room(samples.direction);
+  make_room(samples.source);
+  make_room(samples.lot);
   for_each_place([&](size_t i, size_t k, Vec3f local) {
     samples.local[k] = local;
     samples.direction[k] = cloud.weights.empty() ? directions[i] : directions[i] * cloud.weights[i];

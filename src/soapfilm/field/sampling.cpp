@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "soapfilm/core/memory.h"
 #include "soapfilm/core/radix_sort.h"
 
 namespace soapfilm {
@@ -54,7 +55,7 @@ std::vector<Cell> cells_of(const std::vector<uint64_t>& sorted_keys) {
 std::vector<Cell> occupied_cells(const PointCloud& cloud, const Box3d& box, int depth) {
   const double longest = box.longest(), cells = static_cast<double>(1 << deepest);
   std::vector<uint64_t> keys;
-  keys.reserve(cloud.size());
+  reserve_many(keys, cloud.size());
   for (const Vec3d& p : cloud.positions) {
     uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/memory.h"
 #include "soapfilm/io/ply.h"
 #include "soapfilm/io/ply_rows.h"
 #include "soapfilm/io/ply_scans.h"
@@ -43,9 +44,9 @@ void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout
                   PointCloud& cloud) {
   rows.begin(vertex);
   check_count(vertex, INT32_MAX, path);  // range grids hold indices of 32 bits
-  cloud.positions.reserve(vertex.count);
-  if (layout.normal.present()) cloud.normals.reserve(vertex.count);
-  if (layout.sensor.present()) cloud.sensors.reserve(vertex.count);
+  reserve_many(cloud.positions, vertex.count);
+  if (layout.normal.present()) reserve_many(cloud.normals, vertex.count);
+  if (layout.sensor.present()) reserve_many(cloud.sensors, vertex.count);
   if (layout.color.present()) cloud.colors.reserve(vertex.count);
   const bool weighted = layout.weight != PlyElement::absent;
   if (weighted) cloud.weights.reserve(vertex.count);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/memory.h"
 #include "soapfilm/orient/estimate_normals.h"
 
 namespace soapfilm {
@@ -130,7 +131,9 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
                           Progress& progress, OrientReport& report) {
   check(params);
   report = {};
-  std::vector<Vec3f> directions(cloud.size());
+  std::vector<Vec3f> directions;
+  reserve_many(directions, cloud.size());
+  directions.resize(cloud.size());
   std::vector<uint8_t> used(cloud.size(), 0);  // which of the known sources, counted from 1
   const KnownDirections known(cloud, params);
   const size_t first = params.source == DirectionSource::automatic  ? 0
