@@ -35,6 +35,19 @@ class FakeSystem : public testing::Test {
   std::filesystem::path root_;
 };
 
+TEST(Vectors, AreFreedAndReserved) {
+  constexpr size_t count = 3'000'000;  // on large pages
+  std::vector<double> values;
+  reserve_many(values, count);
+  EXPECT_GE(values.capacity(), count);
+  EXPECT_TRUE(values.empty());
+  values.assign(count, 1.5);
+  prefer_large_pages(values.data(), count * sizeof(double));  // what is there stays
+  EXPECT_EQ(values, std::vector<double>(count, 1.5));
+  release(values);
+  EXPECT_EQ(values.capacity(), 0u);
+}
+
 TEST_F(FakeSystem, WithoutGroupsTheSystemDecides) {
   write_meminfo(2048);
   EXPECT_EQ(available(), 2048u * 1024);

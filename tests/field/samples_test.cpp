@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <vector>
+
 #include "support/problem.h"
 
 namespace soapfilm {
@@ -42,6 +46,41 @@ TEST(Samples, WithoutADirectionOrWeightSayNothing) {
   EXPECT_EQ(problem.samples.size(), all - 2);
   for (const uint32_t i : problem.samples.source) EXPECT_TRUE(i != 3 && i != 5);
   EXPECT_EQ(problem.samples.direction[0], cloud.normals[problem.samples.source[0]] * 2.0f);
+}
+
+/// Counted in several chunks, the order is the same; a part of the samples is what is left of it.
+TEST(Samples, AreSortedAlikeByAnyNumberOfThreads) {
+  const PointCloud cloud = sampled("knot", 40, 20);
+  const Lattice lattice = place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), 40, 6), 6);
+  const GridSamples one = sort_samples(cloud, cloud.normals, lattice, Parallel(1));
+  for (size_t s = 0; s < one.size(); ++s) ASSERT_EQ(one.lot[s], lot_of(one.source[s]));
+  const auto third = [](size_t i) { return i % 3 == 0; };
+  for (const int threads : {2, 3, 8}) {
+    const GridSamples many = sort_samples(cloud, cloud.normals, lattice, Parallel(threads));
+    EXPECT_EQ(many.begin, one.begin);
+    EXPECT_EQ(many.source, one.source);
+    EXPECT_EQ(many.local, one.local);
+    EXPECT_EQ(many.direction, one.direction);
+    const GridSamples part = sort_samples(cloud, cloud.normals, lattice, Parallel(threads), third);
+    std::vector<uint32_t> expected;
+    for (const uint32_t i : one.source)
+      if (third(i)) expected.push_back(i);
+    EXPECT_EQ(part.source, expected);
+  }
+}
+
+/// Three quarters of the samples are fitted, one is held out: two bits of the lots are even and independent.
+TEST(Samples, LotsAreEven) {
+  constexpr size_t count = 100'000;
+  std::array<size_t, 4> found{}, after_zero{};
+  for (size_t i = 0; i < count; ++i) {
+    ++found[lot_of(i) & 3];
+    if (i > 0 && (lot_of(i - 1) & 3) == 0) ++after_zero[lot_of(i) & 3];
+  }
+  for (size_t k = 0; k < 4; ++k) {
+    EXPECT_NEAR(static_cast<double>(found[k]), count / 4.0, 5 * std::sqrt(count * 3 / 16.0));
+    EXPECT_NEAR(static_cast<double>(after_zero[k]), count / 16.0, 5 * std::sqrt(count * 15 / 256.0));
+  }
 }
 
 /// Offsets of 5e6 with detail of 1e-3: the grid sees the same samples.

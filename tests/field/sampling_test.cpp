@@ -23,6 +23,18 @@ TEST(Sampling, MeasuresTheDensityOfEvenSamples) {
   }
 }
 
+/// What is sampled is a thousandth of the box: far finer cells than there would be for an object that fills it.
+TEST(Sampling, FindsTheScaleOfASmallPatch) {
+  PointCloud cloud;
+  Random random(3);
+  const Vec3d a = normalized(Vec3d{1, 0.3, -0.2}), b = normalized(cross(a, Vec3d{0.1, 1, 0.4}));
+  for (int i = 0; i < 4000; ++i) cloud.positions.push_back(random.uniform() * a + random.uniform() * b);
+  const double alone = measure_sampling(cloud).per_area;
+  EXPECT_NEAR(alone, 4000, 1000);
+  cloud.positions.push_back({1000, 0, 0});
+  EXPECT_NEAR(measure_sampling(cloud).per_area, alone, 0.2 * alone);
+}
+
 TEST(Sampling, HardlySeesOutliers) {
   PointCloud cloud = sample_surface(*make_torus(), 20000, 1);
   const double clean = measure_sampling(cloud).per_area;

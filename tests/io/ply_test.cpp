@@ -137,6 +137,44 @@ TEST_P(PlyLayouts, ForeignElementsAndPropertiesInAnyOrderAreSkipped) {
 INSTANTIATE_TEST_SUITE_P(AllLayouts, PlyLayouts, testing::Values(Layout::ascii, Layout::little, Layout::big),
                          [](const auto& test) { return std::string(header_name(test.param)); });
 
+/// Rows of nothing but floats in this machine's order have a path of their own, some thousand rows at a time.
+TEST(PlyPoints, RowsOfFloatsAreReadAsAnyOther) {
+  constexpr int rows = 10'000;
+  const std::string names[] = {"z", "nx", "quality", "y", "sensor_z", "ny", "x", "nz", "sensor_x", "sensor_y"};
+  const auto value = [](int row, size_t property) {
+    return static_cast<float>(row) + 0.125f * static_cast<float>(property);
+  };
+  const TemporaryFolder folder;
+  const auto read = [&](Layout layout, bool weighted) {
+    std::string text =
+        std::string("ply\nformat ") + header_name(layout) + " 1.0\nelement vertex " + std::to_string(rows);
+    for (const std::string& name : names) text += "\nproperty float " + name;
+    if (weighted) text += "\nproperty float weight";
+    Body body(layout);
+    for (int row = 0; row < rows; ++row) {
+      for (size_t k = 0; k < std::size(names); ++k) body.put(value(row, k));
+      if (weighted) body.put(2.0f);
+      body.end_row();
+    }
+    return read_points(folder.write("floats.ply", text + "\nend_header\n" + body.text()));
+  };
+  const PointCloud floats = read(Layout::little, false);
+  ASSERT_EQ(floats.size(), static_cast<size_t>(rows));
+  for (int row = 0; row < rows; ++row) {
+    const auto i = static_cast<size_t>(row);
+    ASSERT_EQ(floats.positions[i], Vec3d(Vec3f{value(row, 6), value(row, 3), value(row, 0)})) << row;
+    ASSERT_EQ(floats.normals[i], (Vec3f{value(row, 1), value(row, 5), value(row, 7)})) << row;
+    ASSERT_EQ(floats.sensors[i], Vec3d(Vec3f{value(row, 8), value(row, 9), value(row, 4)})) << row;
+  }
+  const PointCloud swapped = read(Layout::big, false), weighted = read(Layout::little, true);
+  for (const PointCloud* other : {&swapped, &weighted}) {
+    EXPECT_EQ(other->positions, floats.positions);
+    EXPECT_EQ(other->normals, floats.normals);
+    EXPECT_EQ(other->sensors, floats.sensors);
+  }
+  EXPECT_EQ(weighted.weights, std::vector<float>(rows, 2.0f));
+}
+
 /// The C library rounds correctly, and is the judge of every spelling.
 TEST(PlyPoints, NumbersInTextAreRoundedCorrectly) {
   std::vector<std::string> spellings{"0",
