@@ -38,7 +38,7 @@ NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, con
   first_row_.back() = static_cast<uint32_t>(mask_.size());
   mask_.push_back(0);
   place_.push_back(0);
-  neighbors_.resize(mask_.size());
+  neighbors_.resize(mask_.size() + rows_ahead);
   degree_.resize(slots());
   count_neighbors(parallel);
 }

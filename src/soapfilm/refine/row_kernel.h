@@ -9,8 +9,11 @@
 
 namespace soapfilm {
 
+/// How many rows ahead kernels fetch what they will read.
+inline constexpr size_t rows_ahead = 16;
+
 /// Of a band: rows next to each row along -x, +x, -y, +y, -z, +z, how many neighbours each vertex has, and each row's
-/// vertices as bits.
+/// vertices as bits. The neighbours of `rows_ahead` rows after the last may be asked for: they are row 0.
 struct BandRows {
   const std::array<uint32_t, 6>* neighbors;
   const uint8_t* degree;

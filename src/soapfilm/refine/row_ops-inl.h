@@ -1,6 +1,7 @@
 // What the kernels on rows share, compiled once per SIMD target (no include guard: see Highway's foreach_target.h):
 // a row's lanes, the sums over its neighbours, sums by lane.
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "soapfilm/grid/layout.h"
@@ -40,6 +41,11 @@ struct Weighted {
   HWY_INLINE V load(size_t i) const { return hn::Mul(product.load(i), hn::LoadU(D(), e + i)); }
   HWY_INLINE float one(size_t i) const { return product.one(i) * e[i]; }
 };
+
+/// Fetches what a row further on will read of an array beyond the rows that are next to it in memory.
+HWY_INLINE void fetch_neighbors(const float* v, const Neighbors& n) {
+  for (const size_t above : {3, 5}) hwy::Prefetch(v + size_t{n[above]} * brick_side);
+}
 
 /// The sums over the two neighbours along each axis.
 struct AxisSums {
