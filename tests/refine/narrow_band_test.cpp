@@ -69,10 +69,8 @@ TEST(NarrowBand, SaddlesAreTheDifferenceOfThePrincipalCurvatures) {
             dot(p, normal) + 0.5 * (k1 * along_first * along_first + k2 * along_second * along_second));
       });
     RowArray out = band.make_array();
-    for (uint32_t row = 1; row <= band.rows(); ++row) {
-      const auto squares = squared_saddles(band, phi, row);
-      std::copy(squares.begin(), squares.end(), out.data() + size_t{row} * brick_side);
-    }
+    const RowArray weight = members(band);
+    row_kernel().saddles(band.view(), {phi.data(), weight.data(), out.data()}, 1, band.rows() + 1);
     const Dense<double> result = dense(band, out);
     int known = 0;
     in_band.for_each([&](Vec3i at) {

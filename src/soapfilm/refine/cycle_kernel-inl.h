@@ -117,6 +117,8 @@ void restrict_residual(const BandRows& band, const CycleJob& job, const BrickTra
   PlacedRows residual;
   for (size_t k = 0; k < transfer.count; ++k) {
     const size_t r = transfer.first + k;
+    fetch_neighbors(job.b, band.neighbors[r + rows_ahead]);
+    fetch_neighbors(job.inverse, band.neighbors[r + rows_ahead]);
     for (int lane = 0; lane < brick_side; lane += lane_count()) {
       const size_t i = r * brick_side + static_cast<size_t>(lane);
       // The diagonal's share of K x is omega b.
@@ -147,6 +149,17 @@ double smooth(const BandRows& band, const CycleJob& job, size_t begin, size_t en
   return sum.total();
 }
 
+/// The four coarse rows around a fine row at y + 8 z.
+constexpr auto coarse_rows = [] {
+  std::array<std::array<uint8_t, 4>, brick_area> table{};
+  for (size_t place = 0; place < brick_area; ++place) {
+    const size_t y = place % brick_side, z = place / brick_side;
+    for (size_t k = 0; k < 4; ++k)
+      table[place][k] = static_cast<uint8_t>((y + (k & 1)) / 2 + BrickTransfer::side * ((z + k / 2) / 2));
+  }
+  return table;
+}();
+
 void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
   constexpr int side = BrickTransfer::side;
   const D d;
@@ -156,12 +169,16 @@ void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
     for (int x = 0; x < brick_side; x += lane_count()) hn::Store(hn::LoadU(d, from + x), d, coarse[k] + x);
     if (transfer.half != 0) coarse[k][4] = job.x[size_t{transfer.right[k]} * brick_side];
   }
-  for (size_t k = 0; k < transfer.count; ++k) {
-    const int y = transfer.place[k] & 7, z = transfer.place[k] >> 3;
-    const int low = y / 2 + side * (z / 2), up_y = y & 1, up_z = side * (z & 1);
+  const size_t first = transfer.first * size_t{brick_side};
+  const float *inverses = job.inverse + first, *b = job.b ? job.b + first : nullptr;
+  float* out = job.out + first;
+  const uint8_t* place = transfer.place;
+  const size_t count = transfer.count;
+  for (size_t k = 0; k < count; ++k) {
+    const std::array<uint8_t, 4> rows = coarse_rows[place[k]];
     const auto mean = [&](int x) {
-      const auto at = [&](int row) { return hn::Load(d, coarse[low + row] + x); };
-      return hn::Mul(hn::Set(d, 0.25f), hn::Add(hn::Add(at(0), at(up_y)), hn::Add(at(up_z), at(up_y + up_z))));
+      const auto at = [&](size_t corner) { return hn::Load(d, coarse[rows[corner]] + x); };
+      return hn::Mul(hn::Set(d, 0.25f), hn::Add(hn::Add(at(0), at(1)), hn::Add(at(2), at(3))));
     };
     HWY_ALIGN float values[brick_side];
 #if SOAPFILM_ROW_IN_A_VECTOR
@@ -177,11 +194,11 @@ void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
     for (int x = 0; x < brick_side; ++x) values[x] = 0.5f * (five[x / 2] + five[(x + 1) / 2]);
 #endif
     for (int x = 0; x < brick_side; x += lane_count()) {
-      const size_t i = (transfer.first + k) * brick_side + static_cast<size_t>(x);
-      const V inverse = hn::Load(d, job.inverse + i);
+      const size_t i = k * brick_side + static_cast<size_t>(x);
+      const V inverse = hn::Load(d, inverses + i);
       const V value = hn::Load(d, values + x);
-      const V onto = job.b ? hn::Add(hn::Mul(inverse, hn::Load(d, job.b + i)), value) : value;
-      hn::Store(hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), onto), d, job.out + i);
+      const V onto = b ? hn::Add(hn::Mul(inverse, hn::Load(d, b + i)), value) : value;
+      hn::Store(hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), onto), d, out + i);
     }
   }
 }

@@ -41,18 +41,6 @@ void Displacement::stiffen() {
   drop_target();
 }
 
-namespace {
-
-/// product += weight (k1 - k2)^2 on a row, where the surface is near.
-void add_saddles(const NarrowBand& band, const RowArray& phi, uint32_t row, const RowArray& weight, RowArray& product) {
-  const float* w = weight.data() + size_t{row} * brick_side;
-  if (std::none_of(w, w + brick_side, [](float v) { return v == 1; })) return;
-  const auto squares = squared_saddles(band, phi, row);
-  for (size_t x = 0; x < brick_side; ++x) product.data()[size_t{row} * brick_side + x] += w[x] * squares[x];
-}
-
-}  // namespace
-
 void Displacement::yield_to_bends(double medians) {
   constexpr size_t stride = 7;  // a seventh of the vertices tells the median, at every x
   constexpr float near = 0.5f,
@@ -65,7 +53,7 @@ void Displacement::yield_to_bends(double medians) {
   const CurvatureJob bends{phi_.data(), target_.data(), reach, faint, curvature.data(), weight.data(), product.data()};
   for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
     kernel.curvature(rows, bends, begin, end);
-    for (size_t r = begin; r < end; ++r) add_saddles(band_, phi_, static_cast<uint32_t>(r), weight, product);
+    kernel.saddles(rows, {phi_.data(), weight.data(), product.data()}, begin, end);
   });
   if (!multilevel_.local_mean(product, weight, weight, 1, mean, parallel_)) return;
   std::vector<float> squares;

@@ -38,7 +38,7 @@ NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, con
   first_row_.back() = static_cast<uint32_t>(mask_.size());
   mask_.push_back(0);
   place_.push_back(0);
-  neighbors_.resize(mask_.size());
+  neighbors_.resize(mask_.size() + rows_ahead);
   degree_.resize(slots());
   count_neighbors(parallel);
 }
@@ -85,54 +85,6 @@ double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v
     return kernel.laplacian(band.view(), {v.data(), weight_v, weight_g, out.data(), share ? share->data() : nullptr},
                             begin, end);
   });
-}
-
-namespace {
-
-/// A row of values together with the one before and the one after it: of vertex x at x + 1.
-std::array<float, brick_side + 2> extended_row(const NarrowBand& band, const RowArray& values, uint32_t row) {
-  const auto at = [&](uint32_t r, size_t x) { return values.data()[size_t{r} * brick_side + x]; };
-  std::array<float, brick_side + 2> line;
-  line[0] = at(band.neighbors(row)[0], brick_side - 1);
-  for (size_t x = 0; x < brick_side; ++x) line[x + 1] = at(row, x);
-  line[brick_side + 1] = at(band.neighbors(row)[1], 0);
-  return line;
-}
-
-/// Bits of the vertices that have both neighbours along x in the band.
-unsigned inner_along_x(const NarrowBand& band, uint32_t row) {
-  const unsigned own = band.mask(row), below = band.mask(band.neighbors(row)[0]),
-                 above = band.mask(band.neighbors(row)[1]);
-  return (own << 1 | below >> 7) & (own >> 1 | above << 7);
-}
-
-}  // namespace
-
-std::array<float, brick_side> squared_saddles(const NarrowBand& band, const RowArray& phi, uint32_t row) {
-  std::array<float, brick_side> squares{};
-  const auto& n = band.neighbors(row);
-  // Of -y -z, +y -z, -y +z, +y +z.
-  const std::array<uint32_t, 4> diagonal = {band.neighbors(n[2])[4], band.neighbors(n[3])[4], band.neighbors(n[2])[5],
-                                            band.neighbors(n[3])[5]};
-  unsigned known = band.mask(row) & inner_along_x(band, row);
-  for (size_t k = 2; k < 6; ++k) known &= band.mask(n[k]) & inner_along_x(band, n[k]);
-  for (const uint32_t d : diagonal) known &= band.mask(d);
-  if (known == 0) return squares;
-  const auto here = extended_row(band, phi, row), y0 = extended_row(band, phi, n[2]),
-             y1 = extended_row(band, phi, n[3]), z0 = extended_row(band, phi, n[4]), z1 = extended_row(band, phi, n[5]);
-  for (size_t x = 0; x < brick_side; ++x) {
-    if ((known >> x & 1) == 0) continue;
-    const auto at = [&](size_t k) { return phi.data()[size_t{diagonal[k]} * brick_side + x]; };
-    const size_t i = x + 1;
-    const float xx = here[i + 1] + here[i - 1] - 2 * here[i], yy = y1[i] + y0[i] - 2 * here[i],
-                zz = z1[i] + z0[i] - 2 * here[i];
-    const float xy = 0.25f * (y1[i + 1] + y0[i - 1] - y1[i - 1] - y0[i + 1]),
-                xz = 0.25f * (z1[i + 1] + z0[i - 1] - z1[i - 1] - z0[i + 1]),
-                yz = 0.25f * (at(3) + at(0) - at(1) - at(2));
-    const float sum = xx + yy + zz;
-    squares[x] = std::max(2 * (xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)) - sum * sum, 0.0f);
-  }
-  return squares;
 }
 
 double dot(const RowArray& a, const RowArray& b, const Parallel& parallel) {

@@ -150,11 +150,6 @@ void layer_by_layer(const NarrowBand& band, const Parallel& parallel, Stages&&..
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
                        const Parallel& parallel, const RowArray* share = nullptr);
 
-/// (k1 - k2)^2 at the vertices of a row, k1 and k2 the principal curvatures of the level sets of phi, about a distance
-/// in voxels: 2 |D^2 phi|^2 - (laplacian phi)^2 by central differences, exact for quadratic phi. 0 where one of the
-/// eighteen vertices around is not in the band.
-std::array<float, brick_side> squared_saddles(const NarrowBand& band, const RowArray& phi, uint32_t row);
-
 /// Sum of a_i b_i in double, in an order that does not depend on threads.
 double dot(const RowArray& a, const RowArray& b, const Parallel& parallel);
 

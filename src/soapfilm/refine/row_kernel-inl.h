@@ -31,6 +31,12 @@ double laplacian(const BandRows& band, const LaplacianJob& job, size_t begin, si
   return sum.total();
 }
 
+/// The lanes from x on, of a row's as bits.
+HWY_INLINE hn::Mask<D> lanes_of(unsigned row, int x) {
+  const uint8_t bits[8] = {static_cast<uint8_t>((row & 0xff) >> x)};
+  return hn::LoadMaskBits(D(), bits);
+}
+
 /// R v: differences to neighbours without an opposite one; outside the band v is 0.
 HWY_INLINE V one_sided(const BandRows& band, const float* v, size_t row, int x) {
   const D d;
@@ -40,8 +46,7 @@ HWY_INLINE V one_sided(const BandRows& band, const float* v, size_t row, int x) 
   const unsigned own = band.mask[row];
   const unsigned below = own << 1 | band.mask[n[0]] >> 7, above = own >> 1 | (band.mask[n[1]] & 1u) << 7;
   const auto where = [&](unsigned one_of_two, V sum) {
-    const uint8_t bits[8] = {static_cast<uint8_t>((one_of_two & 0xff) >> x)};
-    return hn::IfThenElseZero(hn::LoadMaskBits(d, bits), hn::Sub(here, sum));
+    return hn::IfThenElseZero(lanes_of(one_of_two, x), hn::Sub(here, sum));
   };
   return hn::Add(where(below ^ above, sums.x), hn::Add(where(band.mask[n[2]] ^ band.mask[n[3]], sums.y),
                                                        where(band.mask[n[4]] ^ band.mask[n[5]], sums.z)));
@@ -82,6 +87,69 @@ void curvature(const BandRows& band, const CurvatureJob& job, size_t begin, size
   }
 }
 
+/// Bits of the vertices of a row that have both neighbours along x in the band.
+HWY_INLINE unsigned inner_along_x(const BandRows& band, size_t row) {
+  const unsigned own = band.mask[row], below = band.mask[band.neighbors[row][0]],
+                 above = band.mask[band.neighbors[row][1]];
+  return (own << 1 | below >> 7) & (own >> 1 | above << 7);
+}
+
+/// Of a row: whether the eighteen vertices around each one are in the band. `diagonal`: the rows at -y -z, +y -z, -y +z
+/// and +y +z.
+HWY_INLINE unsigned surrounded(const BandRows& band, size_t row, const std::array<uint32_t, 4>& diagonal) {
+  const Neighbors& n = band.neighbors[row];
+  unsigned bits = band.mask[row] & inner_along_x(band, row);
+  for (size_t k = 2; k < 6; ++k) bits &= band.mask[n[k]] & inner_along_x(band, n[k]);
+  for (const uint32_t d : diagonal) bits &= band.mask[d];
+  return bits;
+}
+
+/// (k1 - k2)^2 of the vertices from x on in a row, 2 |D^2 v|^2 - (laplacian v)^2 by central differences.
+HWY_INLINE V squared_saddles(const BandRows& band, const float* v, size_t row, const std::array<uint32_t, 4>& diagonal,
+                             int x) {
+  const D d;
+  const Neighbors& n = band.neighbors[row];
+  const V two = hn::Set(d, 2.0f), quarter = hn::Set(d, 0.25f);
+  const auto at = [&](size_t r) { return hn::Load(d, v + r * brick_side + static_cast<size_t>(x)); };
+  const auto along_x = [&](size_t r) { return sides(Plain{v}, band.neighbors[r], r, x); };
+  const V here = hn::Mul(two, at(row));
+  const auto second = [&](V above, V below) { return hn::Sub(hn::Add(above, below), here); };
+  const auto mixed = [&](V pp, V mm, V mp, V pm) {
+    return hn::Mul(quarter, hn::Sub(hn::Sub(hn::Add(pp, mm), mp), pm));
+  };
+  const Sides own = along_x(row), y0 = along_x(n[2]), y1 = along_x(n[3]), z0 = along_x(n[4]), z1 = along_x(n[5]);
+  const V xx = second(own.above, own.below), yy = second(at(n[3]), at(n[2])), zz = second(at(n[5]), at(n[4]));
+  const V xy = mixed(y1.above, y0.below, y1.below, y0.above), xz = mixed(z1.above, z0.below, z1.below, z0.above),
+          yz = mixed(at(diagonal[3]), at(diagonal[0]), at(diagonal[1]), at(diagonal[2]));
+  const V pure = hn::Add(hn::Add(hn::Mul(xx, xx), hn::Mul(yy, yy)), hn::Mul(zz, zz));
+  const V cross = hn::Add(hn::Add(hn::Mul(xy, xy), hn::Mul(xz, xz)), hn::Mul(yz, yz));
+  const V sum = hn::Add(hn::Add(xx, yy), zz);
+  const V square = hn::Sub(hn::Mul(two, hn::Add(pure, hn::Mul(two, cross))), hn::Mul(sum, sum));
+  return hn::Max(square, hn::Zero(d));
+}
+
+void saddles(const BandRows& band, const SaddleJob& job, size_t begin, size_t end) {
+  const D d;
+  const V one = hn::Set(d, 1.0f);
+  for (size_t r = begin; r < end; ++r) {
+    bool near = false;
+    for (int x = 0; x < brick_side; x += lane_count())
+      near |= !hn::AllFalse(d, hn::Eq(hn::Load(d, job.weight + r * brick_side + static_cast<size_t>(x)), one));
+    if (!near) continue;
+    const Neighbors& n = band.neighbors[r];
+    const std::array<uint32_t, 4> diagonal = {band.neighbors[n[2]][4], band.neighbors[n[3]][4], band.neighbors[n[2]][5],
+                                              band.neighbors[n[3]][5]};
+    const unsigned known = surrounded(band, r, diagonal);
+    if (known == 0) continue;
+    for (int x = 0; x < brick_side; x += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(x);
+      const V square = hn::IfThenElseZero(lanes_of(known, x), squared_saddles(band, job.v, r, diagonal, x));
+      const V sum = hn::Add(hn::Load(d, job.product + i), hn::Mul(hn::Load(d, job.weight + i), square));
+      hn::Store(sum, d, job.product + i);
+    }
+  }
+}
+
 void share(const BandRows& band, const ShareJob& job, size_t begin, size_t end) {
   const D d;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), six = hn::Set(d, 6.0f);
@@ -103,7 +171,7 @@ void share(const BandRows& band, const ShareJob& job, size_t begin, size_t end) 
 }  // namespace
 
 inline RowKernel rows() {
-  return {&laplacian,         &bend,   &curvature, &share,          &inverse,
+  return {&laplacian,         &bend,   &curvature, &saddles,        &share,        &inverse,
           &restrict_residual, &smooth, &data_term, &restrict_brick, &prolong_brick};
 }
 

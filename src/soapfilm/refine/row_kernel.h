@@ -9,8 +9,11 @@
 
 namespace soapfilm {
 
+/// How many rows ahead kernels fetch what they will read.
+inline constexpr size_t rows_ahead = 16;
+
 /// Of a band: rows next to each row along -x, +x, -y, +y, -z, +z, how many neighbours each vertex has, and each row's
-/// vertices as bits.
+/// vertices as bits. The neighbours of `rows_ahead` rows after the last may be asked for: they are row 0.
 struct BandRows {
   const std::array<uint32_t, 6>* neighbors;
   const uint8_t* degree;
@@ -44,6 +47,15 @@ struct CurvatureJob {
   const float* target;
   float reach, faint;  ///< |v| < reach is near
   float *curvature, *weight, *product;
+};
+
+/// product += weight (k1 - k2)^2 in the rows where a weight is 1: k1 and k2 are the principal curvatures of the level
+/// sets of v, about a distance in voxels, (k1 - k2)^2 = 2 |D^2 v|^2 - (laplacian v)^2 by central differences, exact for
+/// quadratic v; 0 where one of the eighteen vertices around is not in the band.
+struct SaddleJob {
+  const float* v;
+  const float* weight;
+  float* product;
 };
 
 /// And then, where `around` holds the mean of that: the share of gamma 1 / (1 + per_square around) / (1 + x^2), x what
@@ -110,6 +122,7 @@ struct RowKernel {
   double (*laplacian)(const BandRows& band, const LaplacianJob& job, size_t begin, size_t end);
   void (*bend)(const BandRows& band, const BendJob& job, size_t begin, size_t end);
   void (*curvature)(const BandRows& band, const CurvatureJob& job, size_t begin, size_t end);
+  void (*saddles)(const BandRows& band, const SaddleJob& job, size_t begin, size_t end);
   void (*share)(const BandRows& band, const ShareJob& job, size_t begin, size_t end);
   void (*inverse)(const BandRows& band, const InverseJob& job, size_t begin, size_t end);
   /// coarse += P^T (b - K (inverse b)) of one brick: the residual after one Jacobi step from zero. CycleJob's x and out

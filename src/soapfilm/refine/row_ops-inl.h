@@ -1,6 +1,7 @@
 // What the kernels on rows share, compiled once per SIMD target (no include guard: see Highway's foreach_target.h):
 // a row's lanes, the sums over its neighbours, sums by lane.
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <bit>
@@ -43,6 +44,31 @@ struct Weighted {
   HWY_INLINE float one(size_t i) const { return product.one(i) * e[i]; }
 };
 
+/// Fetches what a row further on will read of an array beyond the rows that are next to it in memory.
+HWY_INLINE void fetch_neighbors(const float* v, const Neighbors& n) {
+  for (const size_t above : {3, 5}) hwy::Prefetch(v + size_t{n[above]} * brick_side);
+}
+
+/// The two neighbours along x.
+struct Sides {
+  V below, above;
+};
+
+/// Of the vertices from x on in a row.
+template <class Values>
+HWY_INLINE Sides sides(const Values& values, const Neighbors& n, size_t row, int x) {
+  const D d;
+  const size_t here = row * brick_side + static_cast<size_t>(x);
+  V below = values.load(here - 1), above = values.load(here + 1);
+  // The ends of a row have their neighbours in other bricks.
+  if (x == 0)
+    below = hn::IfThenElse(hn::FirstN(d, 1), hn::Set(d, values.one(size_t{n[0]} * brick_side + brick_side - 1)), below);
+  if (x + lane_count() == brick_side)
+    above = hn::IfThenElse(hn::FirstN(d, static_cast<size_t>(lane_count()) - 1), above,
+                           hn::Set(d, values.one(size_t{n[1]} * brick_side)));
+  return {below, above};
+}
+
 /// The sums over the two neighbours along each axis.
 struct AxisSums {
   V x, y, z;
@@ -51,16 +77,8 @@ struct AxisSums {
 /// Of the vertices from x on in a row.
 template <class Values>
 HWY_INLINE AxisSums axis_sums(const Values& values, const Neighbors& n, size_t row, int x) {
-  const D d;
-  const size_t here = row * brick_side + static_cast<size_t>(x);
   const auto at = [&](size_t k) { return static_cast<size_t>(n[k]) * brick_side + static_cast<size_t>(x); };
-  V below = values.load(here - 1), above = values.load(here + 1);
-  // The ends of a row have their neighbours in other bricks.
-  if (x == 0)
-    below = hn::IfThenElse(hn::FirstN(d, 1), hn::Set(d, values.one(size_t{n[0]} * brick_side + brick_side - 1)), below);
-  if (x + lane_count() == brick_side)
-    above = hn::IfThenElse(hn::FirstN(d, static_cast<size_t>(lane_count()) - 1), above,
-                           hn::Set(d, values.one(size_t{n[1]} * brick_side)));
+  const auto [below, above] = sides(values, n, row, x);
   return {hn::Add(below, above), hn::Add(values.load(at(2)), values.load(at(3))),
           hn::Add(values.load(at(4)), values.load(at(5)))};
 }
