@@ -21,7 +21,7 @@ namespace soapfilm::cli {
 namespace {
 
 /// What the options say, before it is checked.
-struct Options {
+struct EvaluateOptions {
   std::string mesh;
   ObjectOptions truth;
   std::string samples;
@@ -34,7 +34,7 @@ struct Options {
   EvaluationOptions evaluation;
 };
 
-void check(const Options& options) {
+void check(const EvaluateOptions& options) {
   const auto positive = [](const CLI::Option* option, const char* name, double value) {
     if (option->count() > 0 && !(value > 0.0 && std::isfinite(value)))
       throw ParameterError(fmt::format("{} = {}, must be > 0", name, value));
@@ -51,7 +51,7 @@ void check(const Options& options) {
   check_mesh_output(options.error_ply);
 }
 
-void write_errors(const Options& options, Mesh mesh, const Surface& truth, const Evaluation& evaluation,
+void write_errors(const EvaluateOptions& options, Mesh mesh, const Surface& truth, const Evaluation& evaluation,
                   const Parallel& parallel) {
   const double found = evaluation.mesh_to_truth.distance.percentile99;
   // A mesh that lies on the truth has no error to scale by; any range shows it dark.
@@ -61,7 +61,7 @@ void write_errors(const Options& options, Mesh mesh, const Surface& truth, const
   write_mesh(options.error_ply, color_by_error(std::move(mesh), truth, top, parallel), write);
 }
 
-int run(const Options& options, const GlobalOptions& global) {
+int run(const EvaluateOptions& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
   const Parallel parallel(global.threads, &progress);
   check(options);
@@ -89,7 +89,7 @@ int run(const Options& options, const GlobalOptions& global) {
   return 0;
 }
 
-void add_options(CLI::App& app, Options& o) {
+void add_options(CLI::App& app, EvaluateOptions& o) {
   EvaluationOptions& e = o.evaluation;
   app.add_option("mesh", o.mesh, "The mesh to judge (.ply, .obj, .off, .stl)")->required()->option_text("MESH");
   app.add_option("--truth", o.truth.name, object_description())->required()->option_text("SHAPE|MESH");
@@ -118,7 +118,7 @@ void add_options(CLI::App& app, Options& o) {
                              ->option_text("D");
 }
 
-constexpr const char* footer =
+constexpr const char* evaluate_footer =
     R"(EXAMPLES
   soapfilm scan knot -o scans
   soapfilm reconstruct scans/scans.conf -o knot.ply
@@ -130,10 +130,10 @@ constexpr const char* footer =
 }  // namespace
 
 void add_evaluate(CLI::App& app, const GlobalOptions& global, Runner& runner) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvaluateOptions>();
   CLI::App* command = app.add_subcommand("evaluate", "Judge a mesh against the truth: distances, normals, topology");
   add_options(*command, *options);
-  command->footer(footer);
+  command->footer(evaluate_footer);
   command->callback([options, &global, &runner] { runner = [options, &global] { return run(*options, global); }; });
 }
 

@@ -19,7 +19,7 @@ ordered_json or_null(const std::optional<T>& value) {
   return value ? ordered_json(*value) : ordered_json(nullptr);
 }
 
-ordered_json json_of(const DistanceSummary& d, double unit) {
+ordered_json summary_json(const DistanceSummary& d, double unit) {
   return {{"mean", d.mean / unit},
           {"rms", d.rms / unit},
           {"percentile95", d.percentile95 / unit},
@@ -29,21 +29,21 @@ ordered_json json_of(const DistanceSummary& d, double unit) {
 
 ordered_json distances_json(const DistanceSummary& d, double voxel) {
   return {{"points", d.count},
-          {"distance", json_of(d, 1.0)},
-          {"distance_voxels", voxel > 0 ? json_of(d, voxel) : ordered_json(nullptr)}};
+          {"distance", summary_json(d, 1.0)},
+          {"distance_voxels", voxel > 0 ? summary_json(d, voxel) : ordered_json(nullptr)}};
 }
 
 ordered_json directed_json(const DirectedError& error, double voxel) {
   ordered_json json = distances_json(error.distance, voxel);
-  json["normal_angle_deg"] = json_of(error.angle, 1.0);
+  json["normal_angle_deg"] = summary_json(error.angle, 1.0);
   return json;
 }
 
-ordered_json json_of(const Compared& c) {
+ordered_json compared_json(const Compared& c) {
   return {{"mesh", or_null(c.mesh)}, {"truth", or_null(c.truth)}, {"relative_error", or_null(c.relative_error())}};
 }
 
-ordered_json json_of(const TopologyReport& t) {
+ordered_json topology_json(const TopologyReport& t) {
   return {{"vertices", t.vertices},
           {"triangles", t.triangles},
           {"closed", t.closed()},
@@ -117,9 +117,9 @@ ordered_json evaluation_json(const EvaluationSubject& subject, const Evaluation&
           {"mesh_to_truth", directed_json(e.mesh_to_truth, voxel)},
           {"samples_to_mesh", e.samples_to_mesh ? distances_json(*e.samples_to_mesh, voxel) : ordered_json(nullptr)},
           {"f_scores", scores},
-          {"volume", json_of(e.volume)},
-          {"area", json_of(e.area)},
-          {"topology", {{"mesh", json_of(e.topology)}, {"truth", json_of(e.truth_topology)}}},
+          {"volume", compared_json(e.volume)},
+          {"area", compared_json(e.area)},
+          {"topology", {{"mesh", topology_json(e.topology)}, {"truth", topology_json(e.truth_topology)}}},
           {"self_intersections", e.self_intersections}};
 }
 

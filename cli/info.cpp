@@ -19,18 +19,18 @@ namespace soapfilm::cli {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using nlohmann::ordered_json;
 
 struct InfoOptions {
   std::vector<std::string> files;
   bool as_json = false;
 };
 
-json to_json(const Vec3d& v) { return json::array({v.x, v.y, v.z}); }
-json to_json(const Box3d& box) { return {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}}; }
+ordered_json to_json(const Vec3d& v) { return ordered_json::array({v.x, v.y, v.z}); }
+ordered_json to_json(const Box3d& box) { return {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}}; }
 
-json scan_facts(const Scan& scan) {
-  json facts = {{"name", scan.name}, {"samples", scan.size()}};
+ordered_json scan_facts(const Scan& scan) {
+  ordered_json facts = {{"name", scan.name}, {"samples", scan.size()}};
   if (scan.sensor) facts["sensor"] = to_json(*scan.sensor);
   if (scan.view_direction) facts["view_direction"] = to_json(*scan.view_direction);
   if (scan.range_grid) {
@@ -41,26 +41,26 @@ json scan_facts(const Scan& scan) {
   return facts;
 }
 
-json point_facts(const std::string& path) {
+ordered_json point_facts(const std::string& path) {
   ReadReport report;
   const PointCloud cloud = read_points(path, &report);
   const CloudSummary summary = summarize(cloud);
-  json facts = {{"file", path},
-                {"kind", "points"},
-                {"samples", cloud.size()},
-                {"dropped_non_finite", report.dropped()},
-                {"box", to_json(summary.box)},
-                {"size", to_json(summary.box.size())},
-                {"spacing", summary.spacing},
-                {"normals", summary.normals},
-                {"sensor_positions", summary.sensors},
-                {"scans_with_sensor", summary.scans_with_sensor},
-                {"scans_with_view_direction", summary.scans_with_view_direction},
-                {"scans_with_range_grid", summary.scans_with_range_grid},
-                {"weights", !cloud.weights.empty()},
-                {"colors", !cloud.colors.empty()},
-                {"scans", json::array()},
-                {"warnings", report.warnings}};
+  ordered_json facts = {{"file", path},
+                        {"kind", "points"},
+                        {"samples", cloud.size()},
+                        {"dropped_non_finite", report.dropped()},
+                        {"box", to_json(summary.box)},
+                        {"size", to_json(summary.box.size())},
+                        {"spacing", summary.spacing},
+                        {"normals", summary.normals},
+                        {"sensor_positions", summary.sensors},
+                        {"scans_with_sensor", summary.scans_with_sensor},
+                        {"scans_with_view_direction", summary.scans_with_view_direction},
+                        {"scans_with_range_grid", summary.scans_with_range_grid},
+                        {"weights", !cloud.weights.empty()},
+                        {"colors", !cloud.colors.empty()},
+                        {"scans", ordered_json::array()},
+                        {"warnings", report.warnings}};
   std::vector<std::string> formats;  // each once, in order
   std::vector<std::string> properties;
   const auto add = [](std::vector<std::string>& to, const std::string& name) {
@@ -76,21 +76,21 @@ json point_facts(const std::string& path) {
   return facts;
 }
 
-json mesh_facts(const std::string& path) {
+ordered_json mesh_facts(const std::string& path) {
   const Mesh mesh = read_mesh(path);
   const Box3d box = mesh.box();
-  json facts = {{"file", path},
-                {"kind", "mesh"},
-                {"vertices", mesh.vertices.size()},
-                {"triangles", mesh.triangles.size()},
-                {"box", to_json(box)},
-                {"size", to_json(box.size())},
-                {"mean_edge", io::mean_edge(mesh)},
-                {"area", mesh.area()},
-                {"volume", mesh.volume()},
-                {"normals", !mesh.normals.empty()},
-                {"colors", !mesh.colors.empty()},
-                {"attributes", json::array()}};
+  ordered_json facts = {{"file", path},
+                        {"kind", "mesh"},
+                        {"vertices", mesh.vertices.size()},
+                        {"triangles", mesh.triangles.size()},
+                        {"box", to_json(box)},
+                        {"size", to_json(box.size())},
+                        {"mean_edge", io::mean_edge(mesh)},
+                        {"area", mesh.area()},
+                        {"volume", mesh.volume()},
+                        {"normals", !mesh.normals.empty()},
+                        {"colors", !mesh.colors.empty()},
+                        {"attributes", ordered_json::array()}};
   const TopologyReport topology = check_topology(mesh);
   facts["closed"] = topology.closed();
   facts["manifold"] = topology.manifold();
@@ -110,13 +110,13 @@ std::string grouped(size_t value) {
   for (size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
   return digits;
 }
-std::string grouped(const json& value) { return grouped(value.get<size_t>()); }
+std::string grouped(const ordered_json& value) { return grouped(value.get<size_t>()); }
 
 /// Three numbers with as many digits as leave `resolution` visible.
-std::string triple(const json& v, double resolution) {
+std::string triple(const ordered_json& v, double resolution) {
   const int digits = resolution > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(resolution))), 0, 12) : 6;
   const double invisible = 0.5 * std::pow(10.0, -digits);
-  const auto text = [&](const json& number) {
+  const auto text = [&](const ordered_json& number) {
     const double value = number;
     return fmt::format("{:.{}f}", std::abs(value) < invisible ? 0.0 : value, digits);  // no "-0.00"
   };
@@ -131,14 +131,14 @@ void print_lines(const Lines& lines) {
   for (const auto& [label, text] : lines) fmt::print("  {:<{}}  {}\n", label, width, text);
 }
 
-void add_box(Lines& lines, const json& facts, double resolution) {
+void add_box(Lines& lines, const ordered_json& facts, double resolution) {
   lines.emplace_back("box from", triple(facts["box"]["lo"], resolution));
   lines.emplace_back("to", triple(facts["box"]["hi"], resolution));
   lines.emplace_back("size", triple(facts["size"], resolution));
 }
 
 /// Where `--directions auto` can take directions from, in its order of preference.
-std::string direction_sources(const json& facts) {
+std::string direction_sources(const ordered_json& facts) {
   std::vector<std::string> sources;
   const size_t scans = facts["scans"].size();
   if (facts["normals"] > 0) sources.push_back(fmt::format("normals of {} samples", grouped(facts["normals"])));
@@ -153,16 +153,17 @@ std::string direction_sources(const json& facts) {
   return sources.empty() ? "none: they would be estimated" : fmt::format("{}", fmt::join(sources, "; "));
 }
 
-void print_scans(const json& scans, double spacing) {
+void print_scans(const ordered_json& scans, double spacing) {
   size_t name_width = 4;
-  for (const json& scan : scans) name_width = std::max(name_width, scan["name"].get_ref<const std::string&>().size());
+  for (const ordered_json& scan : scans)
+    name_width = std::max(name_width, scan["name"].get_ref<const std::string&>().size());
   fmt::print("\n  {:<{}}  {:>11}  {:>11}  {:>6}  {}\n", "scan", name_width, "samples", "range grid", "filled",
              "seen from");
-  for (const json& scan : scans) {
+  for (const ordered_json& scan : scans) {
     std::string grid = "-";
     std::string filled = "-";
     if (scan.contains("range_grid")) {
-      const json& cells = scan["range_grid"];
+      const ordered_json& cells = scan["range_grid"];
       const double columns = cells["columns"];
       const double rows = cells["rows"];
       grid = fmt::format("{} x {}", columns, rows);
@@ -178,7 +179,7 @@ void print_scans(const json& scans, double spacing) {
   }
 }
 
-void print_points(const json& facts) {
+void print_points(const ordered_json& facts) {
   const double spacing = facts["spacing"];
   Lines lines{{"kind", fmt::format("points ({})", facts["format"].get<std::string>())},
               {"samples", grouped(facts["samples"])}};
@@ -197,7 +198,7 @@ void print_points(const json& facts) {
 }
 
 /// "closed, manifold, 1 component, genus 0".
-std::string surface_text(const json& facts) {
+std::string surface_text(const ordered_json& facts) {
   const size_t components = facts["components"];
   std::string text =
       facts["closed"] ? "closed" : fmt::format("open ({} boundary edges)", grouped(facts["boundary_edges"]));
@@ -207,7 +208,7 @@ std::string surface_text(const json& facts) {
   return text;
 }
 
-void print_mesh(const json& facts) {
+void print_mesh(const ordered_json& facts) {
   Lines lines{{"kind", "mesh"}, {"vertices", grouped(facts["vertices"])}, {"triangles", grouped(facts["triangles"])}};
   const double edge = facts["mean_edge"];
   add_box(lines, facts, 0.1 * edge);
@@ -219,16 +220,16 @@ void print_mesh(const json& facts) {
                                              facts["volume"] < 0 ? " (the surface is inside out)" : ""));
   lines.emplace_back("normals", facts["normals"].get<bool>() ? "yes" : "no");
   lines.emplace_back("colours", facts["colors"].get<bool>() ? "yes" : "no");
-  for (const json& attribute : facts["attributes"])
+  for (const ordered_json& attribute : facts["attributes"])
     lines.emplace_back("attribute", fmt::format("{} from {:.4g} to {:.4g}", attribute["name"].get<std::string>(),
                                                 attribute["lo"].get<float>(), attribute["hi"].get<float>()));
   print_lines(lines);
 }
 
 int run_info(const InfoOptions& options) {
-  json all = json::array();
+  ordered_json all = ordered_json::array();
   for (const std::string& path : options.files) {
-    const json facts = file_kind(path) == FileKind::mesh ? mesh_facts(path) : point_facts(path);
+    const ordered_json facts = file_kind(path) == FileKind::mesh ? mesh_facts(path) : point_facts(path);
     if (options.as_json) {
       all.push_back(facts);
       continue;
@@ -239,7 +240,7 @@ int run_info(const InfoOptions& options) {
       continue;
     }
     print_points(facts);
-    for (const json& warning : facts["warnings"]) fmt::print("  warning: {}\n", warning.get<std::string>());
+    for (const ordered_json& warning : facts["warnings"]) fmt::print("  warning: {}\n", warning.get<std::string>());
   }
   if (options.as_json) fmt::print("{}\n", all.dump(2));
   return 0;

@@ -25,7 +25,7 @@ namespace soapfilm::cli {
 
 namespace {
 
-struct Options {
+struct ReconstructOptions {
   std::vector<std::string> inputs;
   std::string output;
   std::string report;
@@ -70,7 +70,7 @@ void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
   only({"--thin-parts"}, !params.energy.lambda, "a lambda that follows the samples");
 }
 
-void finish_params(const CLI::App& app, Options& options) {
+void finish_params(const CLI::App& app, ReconstructOptions& options) {
   ReconstructParams& params = options.params;
   if (!options.memory.empty()) params.memory_limit = parse_memory(options.memory);
   if (!options.sensor.empty()) params.orient.sensor = {options.sensor[0], options.sensor[1], options.sensor[2]};
@@ -83,7 +83,8 @@ void finish_params(const CLI::App& app, Options& options) {
   validate(params);
 }
 
-PointCloud read_input(const Options& options, const Parallel& parallel, Progress& progress, ReadReport& read) {
+PointCloud read_input(const ReconstructOptions& options, const Parallel& parallel, Progress& progress,
+                      ReadReport& read) {
   PointCloud cloud = read_points(options.inputs, &read, parallel);
   for (const std::string& warning : read.warnings) progress.warn(warning);
   if (read.dropped() > 0)
@@ -150,7 +151,7 @@ void print_check(const ReconstructReport& report, Progress& progress) {
                   d.maximum / voxel));
 }
 
-int run(const CLI::App& app, Options& options, const GlobalOptions& global) {
+int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
   const Parallel parallel(global.threads, &progress);
   finish_params(app, options);
@@ -200,7 +201,7 @@ CLI::Validator named(const std::vector<std::pair<std::string, Enum>>& names) {
   return CLI::CheckedTransformer(names).description("");
 }
 
-void add_main_options(CLI::App& app, Options& o) {
+void add_main_options(CLI::App& app, ReconstructOptions& o) {
   ReconstructParams& p = o.params;
   app.add_option("input", o.inputs, "Point clouds or scan sets (.ply, .xyz, .conf); several are several scans")
       ->required()
@@ -256,7 +257,7 @@ void add_main_options(CLI::App& app, Options& o) {
       ->option_text(fmt::format("N [{}]", p.solve.max_iterations));
 }
 
-void add_method_options(CLI::App& app, Options& o) {
+void add_method_options(CLI::App& app, ReconstructOptions& o) {
   ReconstructParams& p = o.params;
   std::vector<std::pair<std::string, Method>> methods;
   for (size_t i = 0; i < method_names.size(); ++i) methods.emplace_back(method_names[i], static_cast<Method>(i));
@@ -282,7 +283,7 @@ void add_method_options(CLI::App& app, Options& o) {
       ->option_text("SOURCE [auto]");
 }
 
-void add_surface_options(CLI::App& app, Options& o) {
+void add_surface_options(CLI::App& app, ReconstructOptions& o) {
   ReconstructParams& p = o.params;
 
   const auto surface = [&](auto* option) { return option->group("Surface"); };
@@ -326,7 +327,7 @@ void add_surface_options(CLI::App& app, Options& o) {
 }  // namespace
 
 void add_reconstruct(CLI::App& app, const GlobalOptions& global, Runner& runner) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReconstructOptions>();
   CLI::App* command = app.add_subcommand("reconstruct", "Scans to a watertight mesh, with a proof of optimality");
   add_main_options(*command, *options);
   add_method_options(*command, *options);

@@ -159,7 +159,7 @@ int run(const ScanOptions& options, const GlobalOptions& global) {
   return 0;
 }
 
-constexpr const char* footer =
+constexpr const char* scan_footer =
     R"(A LENGTH is in input units, or with a percent sign in hundredths of the object's longest side.
 
 WRITES
@@ -182,7 +182,7 @@ void add_scan(CLI::App& app, const GlobalOptions& global, Runner& runner) {
   auto options = std::make_shared<ScanOptions>();
   CLI::App* command = app.add_subcommand("scan", "Virtual scans of a shape or a mesh, with the truth beside them");
   add_scan_options(*command, *options);
-  command->footer(footer);
+  command->footer(scan_footer);
   command->callback([options, &global, &runner] { runner = [options, &global] { return run(*options, global); }; });
 }
 

@@ -10,15 +10,15 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
-ordered_json json_of(const Vec3i& v) { return {v.x, v.y, v.z}; }
+ordered_json vector_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
+ordered_json vector_json(const Vec3i& v) { return {v.x, v.y, v.z}; }
 
 ordered_json input_json(const InputFacts& input) {
   const OrientReport& d = input.directions;
   return {{"samples", input.samples},
           {"dropped", input.dropped},
           {"scans", input.scans},
-          {"box", {{"lo", json_of(input.box.lo)}, {"hi", json_of(input.box.hi)}}},
+          {"box", {{"lo", vector_json(input.box.lo)}, {"hi", vector_json(input.box.hi)}}},
           {"samples_per_voxel2", input.density},
           {"directions",
            {{"normals", d.from_normals},
@@ -41,8 +41,12 @@ ordered_json grid_json(const ReconstructReport& report) {
                       {"relative_gap", l.energies.relative_gap(lambda)},
                       {"relative_gap_band", l.energies.relative_gap_band(lambda)}});
   }
-  return {{"size", json_of(lattice.size)}, {"voxel", lattice.voxel},  {"first_vertex", json_of(lattice.first_vertex)},
-          {"padding", lattice.padding},    {"inside", report.inside}, {"levels", levels}};
+  return {{"size", vector_json(lattice.size)},
+          {"voxel", lattice.voxel},
+          {"first_vertex", vector_json(lattice.first_vertex)},
+          {"padding", lattice.padding},
+          {"inside", report.inside},
+          {"levels", levels}};
 }
 
 /// Methods without a dual prove no bound: only their energies are told. vrip has none.
@@ -147,7 +151,7 @@ ordered_json select_json(const CrossValidationReport& select) {
                      {"empty_folds", p.empty_folds}});
   return {{"folds", select.folds},
           {"whole_scans", select.whole_scans},
-          {"grid", json_of(select.grid)},
+          {"grid", vector_json(select.grid)},
           {"voxel", select.voxel},
           {"best", select.best},
           {"chosen", select.chosen},
@@ -158,7 +162,7 @@ ordered_json thin_json(const ThinPartsReport& thin) {
   ordered_json parts = ordered_json::array();
   for (const ThinPart& p : thin.parts)
     parts.push_back({{"samples", p.samples}, {"density", p.density}, {"agreement", p.agreement}});
-  return {{"grid", json_of(thin.grid)},
+  return {{"grid", vector_json(thin.grid)},
           {"voxel", thin.voxel},
           {"parts", parts},
           {"samples", thin.samples},
@@ -208,7 +212,7 @@ std::string to_json(const ReconstructReport& report) {
       {"command", report.command},
       {"parameters", ordered_json::parse(to_json(report.params))},
       {"input", input_json(report.input)},
-      {"frame", {{"centre", json_of(centre)}, {"scale", report.lattice.voxel}}},
+      {"frame", {{"centre", vector_json(centre)}, {"scale", report.lattice.voxel}}},
       {"grid", grid_json(report)},
       {"method", method_json(report)},
       {"select", report.select ? select_json(*report.select) : ordered_json(nullptr)},

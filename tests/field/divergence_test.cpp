@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-constexpr int resolution = 40;
+constexpr int resolution = 28;
 
 /// Section 4.1 to the letter, in double on a dense grid: splat, smooth three times with the box filter along each axis,
 /// central differences.
@@ -79,7 +79,7 @@ TEST(Divergence, OfOneSampleIsWhatSection41Says) {
   const Lattice lattice = unit_box_lattice();
   // Inside a brick, on its faces and corner, on a vertex, and at the samples' box's corners.
   for (const Vec3d p : {Vec3d{0.31, 0.52, 0.74}, lattice.to_world({16, 20.3, 17.1}), lattice.to_world({16, 16, 16}),
-                        lattice.to_world({15.999, 23.5, 24.001}), Vec3d{0, 0, 0}, Vec3d{1, 1, 1}}) {
+                        lattice.to_world({15.999, 15.5, 8.001}), Vec3d{0, 0, 0}, Vec3d{1, 1, 1}}) {
     PointCloud cloud;
     cloud.positions = {p};
     cloud.normals = {{0.6f, -0.48f, 0.64f}};
@@ -88,7 +88,7 @@ TEST(Divergence, OfOneSampleIsWhatSection41Says) {
 }
 
 TEST(Divergence, OfManySamplesIsTheSumOverThem) {
-  PointCloud cloud = random_cloud(2000, 1);
+  PointCloud cloud = random_cloud(500, 1);
   EXPECT_LT(largest_difference(field_of(cloud), brute_force(cloud, unit_box_lattice())), 2e-6);
   Random random(2);
   for (size_t i = 0; i < cloud.size(); ++i) cloud.weights.push_back(static_cast<float>(random.uniform(0, 3)));
@@ -122,7 +122,7 @@ TEST(Divergence, SumsToZero) {
 
 TEST(Divergence, IsPositiveJustInsideAndNegativeJustOutside) {
   const auto sphere = make_sphere();
-  const Problem problem = make_problem(sampled(*sphere, resolution, 4), resolution);
+  const Problem problem = make_problem(sampled(*sphere, 40, 4), 40);
   const Dense<double> f = dense_field(problem.support, problem.lattice.box(0));
   int wrong = 0, checked = 0;
   f.for_each([&](Vec3i v) {
@@ -147,7 +147,7 @@ TEST(Divergence, SupportHoldsEveryVertexThatASampleReaches) {
     ++reached;
     missed += !support.test(brick_of(v));
   });
-  EXPECT_GT(reached, 10000u);
+  EXPECT_GT(reached, 3000u);
   EXPECT_EQ(missed, 0u);
 }
 

@@ -4,18 +4,15 @@
 #include "support/back_ends.h"
 #include "support/hash.h"
 #include "support/problem.h"
+#include "support/sanitized.h"
 
 namespace soapfilm {
 namespace {
 
 using namespace test;
 
-/// Enough bricks that several threads have tiles to sweep at once; sanitizers, some 20 times slower, get fewer.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int resolution = 44;
-#else
-constexpr int resolution = 120;
-#endif
+/// Enough bricks that several threads have tiles to sweep at once.
+constexpr int resolution = sanitized ? 44 : 96;
 
 const PointCloud& cloud() {
   static const PointCloud made = [] {

@@ -3,60 +3,24 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "property/each_method.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/evaluate/topology.h"
 #include "soapfilm/reconstruct.h"
-#include "soapfilm/scanner/virtual_scan.h"
-#include "support/hash.h"
 #include "support/problem.h"
 
 namespace soapfilm {
 namespace {
 
 using namespace test;
-using nlohmann::json;
-
-constexpr int resolution = 56;
-constexpr double density = 2;  // samples per voxel^2
 
 const std::vector<Method> segmenting = {Method::tv, Method::tv_sor, Method::poisson, Method::graph_cut_6,
                                         Method::graph_cut_26};
 const std::vector<std::string> shapes = {"sphere", "torus", "sheets"};
-
-ReconstructParams params_of(Method method) {
-  ReconstructParams params;
-  params.method = method;
-  params.place.resolution = resolution;
-  return params;
-}
-
-Reconstruction reconstructed(const PointCloud& cloud, const ReconstructParams& params, int threads = 1) {
-  Progress progress;
-  return reconstruct(cloud, params, Parallel(threads), progress);
-}
-
-Reconstruction reconstructed(const std::string& shape, Method method) {
-  return reconstructed(sampled(shape, resolution, density), params_of(method));
-}
-
-/// A sphere of diameter 1 as range scans: one for each scanner position, all round without any.
-PointCloud range_scans(const std::vector<Vec3d>& positions = {}) {
-  ScannerParams scanner;
-  scanner.step = 1.0 / (resolution - 12);
-  scanner.positions = positions;
-  return virtual_scan(*make_sphere(), scanner, Parallel(1)).cloud;
-}
-
-std::string identifier(std::string name) {
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
 
 struct Case {
   std::string shape;
@@ -135,121 +99,6 @@ TEST_P(OneJudge, AnisotropicTvAndTheCutReachTheSameEnergy) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, OneJudge, testing::ValuesIn(shapes), [](const auto& s) { return s.param; });
-
-class EveryMethod : public testing::TestWithParam<Method> {
- protected:
-  const PointCloud cloud = range_scans();
-  ReconstructParams params = params_of(GetParam());
-};
-
-TEST_P(EveryMethod, GivesTheSameBytesForAnyNumberOfThreads) {
-  const Reconstruction one = reconstructed(cloud, params, 1), three = reconstructed(cloud, params, 3);
-  EXPECT_GT(one.mesh.triangles.size(), 1000u);
-  EXPECT_EQ(hash_mesh(one.mesh), hash_mesh(three.mesh));
-  EXPECT_EQ(one.report.certificate.binary.primal, three.report.certificate.binary.primal);
-}
-
-/// Remembers which stages began.
-struct StageList : Progress {
-  void begin_stage(std::string_view name) override { names.emplace_back(name); }
-  std::vector<std::string> names;
-};
-
-TEST_P(EveryMethod, IsRefusedBeforeItsWorkWhenThePlanPassesTheLimit) {
-  const size_t planned = reconstructed(cloud, params).report.planned_bytes;
-  params.memory_limit = planned;
-  EXPECT_NO_THROW(reconstructed(cloud, params));
-  params.memory_limit = planned - 1;
-  StageList stages;
-  EXPECT_THROW(reconstruct(cloud, params, Parallel(1), stages), MemoryError);
-  EXPECT_EQ(stages.names, (std::vector<std::string>{"orient", "place"}));
-}
-
-TEST_P(EveryMethod, CanBeCancelled) {
-  struct CancelsInStage : Progress {
-    explicit CancelsInStage(std::string_view name) : stage(name) {}
-    void begin_stage(std::string_view name) override {
-      if (name == stage) cancel();
-    }
-    std::string stage;
-  } progress(GetParam() == Method::vrip ? "fuse" : "solve");
-  EXPECT_THROW(reconstruct(cloud, params, Parallel(1), progress), Cancelled);
-}
-
-TEST_P(EveryMethod, TellsWhatItDid) {
-  Reconstruction result = reconstructed(cloud, params);
-  check_result(result, cloud, Parallel(1));
-  const json report = json::parse(to_json(result.report));
-  const std::string name = name_of(GetParam());
-  EXPECT_EQ(report["method"]["name"], name);
-  EXPECT_EQ(report["parameters"]["solve"]["method"], name);
-  EXPECT_EQ(report["mesh"]["triangles"], result.mesh.triangles.size());
-  EXPECT_EQ(report["mesh"]["closed"], true);
-  EXPECT_TRUE(report["select"].is_null());
-  EXPECT_GT(report["memory"]["planned_bytes"].get<size_t>(), 1u << 20);
-  const json& certificate = report["certificate"];
-  EXPECT_EQ(certificate.is_null(), GetParam() == Method::vrip);
-  if (GetParam() == Method::vrip) return;
-  EXPECT_GT(report["grid"]["inside"].get<size_t>(), 10000u);
-  EXPECT_LT(certificate["primal_binary"].get<double>(), 0);
-  EXPECT_GT(certificate["total_variation_binary"].get<double>(), 1000);
-  const bool bounded = GetParam() == Method::tv || GetParam() == Method::tv_sor;
-  for (const char* key : {"dual", "gap_binary", "relative_gap_binary"})
-    EXPECT_EQ(certificate[key].is_number(), bounded) << key << " is a number or null";
-}
-
-std::string method_name(const testing::TestParamInfo<Method>& info) { return identifier(name_of(info.param)); }
-
-INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
-                         testing::Values(Method::tv, Method::tv_sor, Method::poisson, Method::graph_cut_6,
-                                         Method::graph_cut_26, Method::vrip),
-                         method_name);
-
-json method_section(Method method) {
-  return json::parse(to_json(reconstructed(range_scans(), params_of(method)).report))["method"];
-}
-
-TEST(MethodReport, SorHasTheEnergyOfEveryIteration) {
-  const json levels = method_section(Method::tv_sor)["levels"];
-  ASSERT_EQ(levels.size(), 3u);
-  for (size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(levels[k]["level"], 2 - k);
-    const auto iterations = levels[k]["iterations"].get<size_t>();
-    EXPECT_GT(iterations, 1u);
-    EXPECT_EQ(levels[k]["energy"].size(), iterations + 1);
-    EXPECT_EQ(levels[k]["seconds"].size(), iterations + 1);
-    EXPECT_LT(levels[k]["energy"].back(), levels[k]["energy"].front());
-  }
-  EXPECT_GT(levels.back()["bytes"].get<size_t>(), 4u * 44 * 44 * 44);
-}
-
-TEST(MethodReport, PoissonHasItsResiduals) {
-  const json section = method_section(Method::poisson);
-  EXPECT_EQ(section["converged"], true);
-  EXPECT_LE(section["residual"].get<double>(), PoissonParams().tolerance);
-  EXPECT_EQ(section["residuals"].size(), section["iterations"].get<size_t>());
-  EXPECT_LT(section["energy"].get<double>(), 0);
-  EXPECT_GT(section["unknowns"].get<size_t>(), size_t{44} * 44 * 44);
-}
-
-TEST(MethodReport, GraphCutHasItsGraph) {
-  const json six = method_section(Method::graph_cut_6), all = method_section(Method::graph_cut_26);
-  EXPECT_EQ(six["globally_optimal"], true);
-  EXPECT_LT(six["energy"].get<double>(), 0);
-  EXPECT_GT(six["links"].get<size_t>(), 2 * six["vertices"].get<size_t>());
-  EXPECT_GT(all["links"].get<size_t>(), 3 * six["links"].get<size_t>());
-  EXPECT_GT(all["graph_bytes"].get<size_t>(), 2 * six["graph_bytes"].get<size_t>());
-}
-
-TEST(MethodReport, VripHasItsRangeSurfaces) {
-  const PointCloud cloud = range_scans();
-  const ReconstructReport report = reconstructed(cloud, params_of(Method::vrip)).report;
-  ASSERT_TRUE(report.vrip);
-  EXPECT_EQ(report.vrip->scans, cloud.scans.size());
-  EXPECT_GT(report.vrip->triangles, cloud.size());
-  EXPECT_GT(report.vrip->vertices_seen, 1000u);
-  EXPECT_FALSE(report.poisson || report.graph_cut || !report.sor.empty() || !report.levels.empty());
-}
 
 TEST(Vrip, IsOpenWhereNothingWasSeenAndClosedAllRound) {
   const Mesh half = reconstructed(range_scans({{5, 0, 0}}), params_of(Method::vrip)).mesh;
@@ -373,8 +222,10 @@ TEST(Sor, SaysWhenItLosesASurfaceThatPaysSlow) {
 }
 
 TEST(AutomaticLambda, WarnsWhenTheBestMayLieBeyondTheCandidates) {
-  PointCloud cloud = sampled("sphere", resolution, 1);
+  const PointCloud cloud = sampled("sphere", 32, 1);
   ReconstructParams params = params_of(Method::tv);
+  params.place.resolution = 32;
+  params.surface.refine = false;
   params.energy.cross_validate = true;
   params.select.folds = 2;
   params.select.max_resolution = 32;

@@ -24,6 +24,7 @@ struct RandomLevelParams {
   double support = 0.6;  ///< share of those that have data
   RimFlux rim = RimFlux::random;
   Norm norm = Norm::isotropic;
+  int more_layers = 170;  ///< along z, beside 36 to 51: enough bricks for several tiles of work
 };
 
 /// u is uniform in [0, 1] at free vertices, f normal on the support, p uniform in the ball of lambda. Outside the band
@@ -41,7 +42,7 @@ struct RandomLevel {
     const Parallel parallel(1);
     Lattice lattice;
     for (int axis = 0; axis < 3; ++axis) lattice.size[axis] = 36 + static_cast<int>(random.next() % 16);
-    lattice.size.z += 170;  // enough bricks for several tiles of work
+    lattice.size.z += params.more_layers;
     const LevelBox box = lattice.box(0);
 
     BrickMask band(box.bricks), with_data(box.bricks);

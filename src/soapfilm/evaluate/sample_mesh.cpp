@@ -10,7 +10,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr size_t points_per_task = 4096;
+constexpr size_t samples_per_task = 4096;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ std::vector<MeshPoint> sample_mesh(const Mesh& mesh, size_t count, uint64_t seed
 
   std::vector<MeshPoint> points(count);
   const uint64_t first_stream = Random(seed).next();
-  parallel.for_each(count, points_per_task, [&](size_t i) {
+  parallel.for_each(count, samples_per_task, [&](size_t i) {
     Random random(Random(first_stream + i).next());
     const double at = (static_cast<double>(i) + random.uniform()) / static_cast<double>(count) * area;
     const auto found = std::upper_bound(area_up_to.begin(), area_up_to.end(), at);

@@ -10,7 +10,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Lengths in input units; the tube's axis lies in the plane y = 0, the feet stand on z = -height / 2.
 struct ArchSize {

@@ -13,7 +13,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 // Lengths in the units of trefoil.h.
 constexpr double tube_radius = 0.42;  // the curve's radius of curvature is at least 1.34
 constexpr double post_radius = 0.40;

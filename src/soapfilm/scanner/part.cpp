@@ -11,7 +11,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 // Lengths in units of the longest side (x). The lower leg lies in the plane z = 0, the upper one stands at x = 0.
 constexpr double depth = 0.7;   // along y
 constexpr double height = 0.7;  // of the upper leg

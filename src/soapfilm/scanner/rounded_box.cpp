@@ -11,7 +11,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 struct RoundedBox {
   Vec3d centre;

@@ -15,7 +15,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr size_t samples_per_task = 256;
+constexpr size_t draws_per_task = 256;
 
 void check(const SamplingParams& params) {
   if (params.count < 1) throw ParameterError(fmt::format("samples = {}, must be >= 1", params.count));
@@ -93,7 +93,7 @@ PointCloud sample_surface(const Surface& surface, const SamplingParams& params, 
   const Box3d wide = outlier_box(surface.box());
   const double lift = 1e-6 * surface.box().longest();
   const uint64_t first_stream = Random(params.seed).next();
-  parallel.for_each(cloud.size(), samples_per_task, [&](size_t i) {
+  parallel.for_each(cloud.size(), draws_per_task, [&](size_t i) {
     // Numbers of its own for each sample, drawn whether they are used or not: switching an effect on leaves the rest.
     Random random(Random(first_stream + i).next());
     const double outlying = random.uniform();

@@ -9,7 +9,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Tube of radius `minor` around a circle of radius `major` in the plane z = 0.
 class Torus final : public Shape {

@@ -16,7 +16,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double radians = pi / 180.0;
 
 void check(const ScannerParams& params) {

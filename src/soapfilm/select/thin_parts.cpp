@@ -16,7 +16,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr float threshold = 0.5f;
+constexpr float inside_above = 0.5f;
 /// Fewer samples are too few to be asked in halves.
 constexpr size_t fewest_samples = 8 * fewest_held_out;
 /// What a sample gains through a flat film across its direction: the middle tap.
@@ -43,7 +43,7 @@ Sides sides_of(const Level& level) {
     const float* u = n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr;
     const uint8_t elsewhere = level.inside.test(brick) ? 1 : 0;
     for_each_run(sides, brick, [&](uint8_t* row, int x, int y, int z, int count) {
-      for (int i = 0; i < count; ++i) row[i] = u ? (u[brick_offset(x + i, y, z)] > threshold ? 1 : 0) : elsewhere;
+      for (int i = 0; i < count; ++i) row[i] = u ? (u[brick_offset(x + i, y, z)] > inside_above ? 1 : 0) : elsewhere;
     });
   });
   return sides;

@@ -1,0 +1,127 @@
+// What holds of every method: bytes, the plan of memory, cancelling, the report.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "property/each_method.h"
+#include "soapfilm/core/error.h"
+#include "soapfilm/reconstruct.h"
+#include "support/hash.h"
+
+namespace soapfilm {
+namespace {
+
+using namespace test;
+using nlohmann::json;
+
+class EveryMethod : public testing::TestWithParam<Method> {
+ protected:
+  const PointCloud cloud = range_scans();
+  ReconstructParams params = params_of(GetParam());
+};
+
+TEST_P(EveryMethod, GivesTheSameBytesForAnyNumberOfThreads) {
+  const Reconstruction one = reconstructed(cloud, params, 1), three = reconstructed(cloud, params, 3);
+  EXPECT_GT(one.mesh.triangles.size(), 1000u);
+  EXPECT_EQ(hash_mesh(one.mesh), hash_mesh(three.mesh));
+  EXPECT_EQ(one.report.certificate.binary.primal, three.report.certificate.binary.primal);
+}
+
+TEST_P(EveryMethod, IsRefusedBeforeItsWorkWhenThePlanPassesTheLimit) {
+  const size_t planned = reconstructed(cloud, params).report.planned_bytes;
+  params.memory_limit = planned;
+  EXPECT_NO_THROW(reconstructed(cloud, params));
+  params.memory_limit = planned - 1;
+  StageList stages;
+  EXPECT_THROW(reconstruct(cloud, params, Parallel(1), stages), MemoryError);
+  EXPECT_EQ(stages.names, (std::vector<std::string>{"orient", "place"}));
+}
+
+TEST_P(EveryMethod, CanBeCancelled) {
+  struct CancelsInStage : Progress {
+    explicit CancelsInStage(std::string_view name) : stage(name) {}
+    void begin_stage(std::string_view name) override {
+      if (name == stage) cancel();
+    }
+    std::string stage;
+  } progress(GetParam() == Method::vrip ? "fuse" : "solve");
+  EXPECT_THROW(reconstruct(cloud, params, Parallel(1), progress), Cancelled);
+}
+
+TEST_P(EveryMethod, TellsWhatItDid) {
+  Reconstruction result = reconstructed(cloud, params);
+  check_result(result, cloud, Parallel(1));
+  const json report = json::parse(to_json(result.report));
+  const std::string name = name_of(GetParam());
+  EXPECT_EQ(report["method"]["name"], name);
+  EXPECT_EQ(report["parameters"]["solve"]["method"], name);
+  EXPECT_EQ(report["mesh"]["triangles"], result.mesh.triangles.size());
+  EXPECT_EQ(report["mesh"]["closed"], true);
+  EXPECT_TRUE(report["select"].is_null());
+  EXPECT_GT(report["memory"]["planned_bytes"].get<size_t>(), 1u << 20);
+  const json& certificate = report["certificate"];
+  EXPECT_EQ(certificate.is_null(), GetParam() == Method::vrip);
+  if (GetParam() == Method::vrip) return;
+  EXPECT_GT(report["grid"]["inside"].get<size_t>(), 10000u);
+  EXPECT_LT(certificate["primal_binary"].get<double>(), 0);
+  EXPECT_GT(certificate["total_variation_binary"].get<double>(), 1000);
+  const bool bounded = GetParam() == Method::tv || GetParam() == Method::tv_sor;
+  for (const char* key : {"dual", "gap_binary", "relative_gap_binary"})
+    EXPECT_EQ(certificate[key].is_number(), bounded) << key << " is a number or null";
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
+                         testing::Values(Method::tv, Method::tv_sor, Method::poisson, Method::graph_cut_6,
+                                         Method::graph_cut_26, Method::vrip),
+                         method_name);
+
+json method_section(Method method) {
+  return json::parse(to_json(reconstructed(range_scans(), params_of(method)).report))["method"];
+}
+
+TEST(MethodReport, SorHasTheEnergyOfEveryIteration) {
+  const json levels = method_section(Method::tv_sor)["levels"];
+  ASSERT_EQ(levels.size(), 3u);
+  for (size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(levels[k]["level"], 2 - k);
+    const auto iterations = levels[k]["iterations"].get<size_t>();
+    EXPECT_GT(iterations, 1u);
+    EXPECT_EQ(levels[k]["energy"].size(), iterations + 1);
+    EXPECT_EQ(levels[k]["seconds"].size(), iterations + 1);
+    EXPECT_LT(levels[k]["energy"].back(), levels[k]["energy"].front());
+  }
+  EXPECT_GT(levels.back()["bytes"].get<size_t>(), 4u * 44 * 44 * 44);
+}
+
+TEST(MethodReport, PoissonHasItsResiduals) {
+  const json section = method_section(Method::poisson);
+  EXPECT_EQ(section["converged"], true);
+  EXPECT_LE(section["residual"].get<double>(), PoissonParams().tolerance);
+  EXPECT_EQ(section["residuals"].size(), section["iterations"].get<size_t>());
+  EXPECT_LT(section["energy"].get<double>(), 0);
+  EXPECT_GT(section["unknowns"].get<size_t>(), size_t{44} * 44 * 44);
+}
+
+TEST(MethodReport, GraphCutHasItsGraph) {
+  const json six = method_section(Method::graph_cut_6), all = method_section(Method::graph_cut_26);
+  EXPECT_EQ(six["globally_optimal"], true);
+  EXPECT_LT(six["energy"].get<double>(), 0);
+  EXPECT_GT(six["links"].get<size_t>(), 2 * six["vertices"].get<size_t>());
+  EXPECT_GT(all["links"].get<size_t>(), 3 * six["links"].get<size_t>());
+  EXPECT_GT(all["graph_bytes"].get<size_t>(), 2 * six["graph_bytes"].get<size_t>());
+}
+
+TEST(MethodReport, VripHasItsRangeSurfaces) {
+  const PointCloud cloud = range_scans();
+  const ReconstructReport report = reconstructed(cloud, params_of(Method::vrip)).report;
+  ASSERT_TRUE(report.vrip);
+  EXPECT_EQ(report.vrip->scans, cloud.scans.size());
+  EXPECT_GT(report.vrip->triangles, cloud.size());
+  EXPECT_GT(report.vrip->vertices_seen, 1000u);
+  EXPECT_FALSE(report.poisson || report.graph_cut || !report.sor.empty() || !report.levels.empty());
+}
+
+}  // namespace
+}  // namespace soapfilm

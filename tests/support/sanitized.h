@@ -1,0 +1,12 @@
+// Sanitized code runs some 20 times slower: there a law is tried on fewer or smaller instances.
+#pragma once
+
+namespace soapfilm::test {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool sanitized = true;
+#else
+constexpr bool sanitized = false;
+#endif
+
+}  // namespace soapfilm::test
