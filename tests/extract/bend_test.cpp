@@ -75,6 +75,14 @@ TEST(Bend, OutliersPullNothing) {
   expect_same_topology(mesh, flat.mesh);
 }
 
+TEST(Bend, NoiseIsNotFollowed) {  // it was: errors two to three times as large
+  for (const double noise : {0.03, 0.08}) {
+    const Solved solved("torus", 40, 2, {.noise_vox = noise});
+    const Refined flat = refined(solved);
+    EXPECT_LT(mean_error_vox(solved, bent(solved, flat)), mean_error_vox(solved, flat.mesh)) << noise;
+  }
+}
+
 // Without a search for them 27, 68 and 40 pairs meet.
 TEST(Bend, LeavesNoTrianglesThatMeetSlow) {
   const Disturbance normals{.viewing = false}, outliers{.viewing = false, .outliers = 0.1};

@@ -76,8 +76,9 @@ TEST(SmoothField, ProjectsOntoASphereNearerThanChordsDo) {
   EXPECT_FALSE(smooth.project(centre + Vec3d{radius - 1, 0, 0}, 0.5)) << "no surface within reach";
 }
 
-/// Samples on x = 12 + shift, seen along `direction`, evenly 4 per unit of area.
-GridSamples on_plane(double shift, Vec3f direction) {
+/// Samples on x = 12 + shift(y, z), seen along `direction`, evenly 4 per unit of area.
+template <class Shift>
+GridSamples near_plane(Vec3f direction, Shift&& shift) {
   GridSamples samples;
   BrickMask mask({3, 3, 3});
   mask.fill(true);
@@ -87,14 +88,19 @@ GridSamples on_plane(double shift, Vec3f direction) {
     if (samples.bricks.coord(b).x == 1)
       for (int y = 0; y < 16; ++y)
         for (int z = 0; z < 16; ++z) {
-          samples.local.push_back({static_cast<float>(4 + shift), 0.25f + 0.5f * static_cast<float>(y),
-                                   0.25f + 0.5f * static_cast<float>(z)});
+          const Vec3d local{4, 0.25 + 0.5 * y, 0.25 + 0.5 * z};
+          const Vec3d at = Vec3d(samples.bricks.first_vertex(b)) + local;
+          samples.local.push_back(Vec3f(local + Vec3d{shift(at.y, at.z), 0, 0}));
           samples.direction.push_back(direction);
           samples.lot.push_back(lot_of(samples.lot.size()));
         }
     samples.begin.push_back(static_cast<uint32_t>(samples.local.size()));
   }
   return samples;
+}
+
+GridSamples on_plane(double shift, Vec3f direction) {
+  return near_plane(direction, [&](double, double) { return shift; });
 }
 
 TEST(Leftover, TellsHowFarTheSamplesLieInwards) {
@@ -114,6 +120,31 @@ TEST(Leftover, TellsHowFarTheSamplesLieInwards) {
   const Leftover leftover(samples, smooth, 0.1, Parallel(1));
   EXPECT_EQ(leftover.mean_at(at, -inwards), 0) << "the other side of a sheet";
   EXPECT_EQ(leftover.mean_at(at + Vec3d{2, 0, 0}, inwards), 0) << "no sample within a voxel";
+}
+
+TEST(Leftover, IsWhatTheSurfaceMissesAndNotNoise) {
+  const Sampled field = sampled([](Vec3d p) { return p.x - 12; });
+  const SmoothField smooth(field.grid, field.value, Parallel(1));
+  const auto wave = [](double y, double z) { return 0.05 * std::sin(0.8 * y) * std::cos(0.7 * z); };
+  for (const double noise : {0.0, 0.005, 0.05}) {
+    for (const double height : {0.0, 1.0}) {
+      Random random(3);
+      const GridSamples samples =
+          near_plane({-1, 0, 0}, [&](double y, double z) { return height * wave(y, z) + noise * random.normal(); });
+      const Leftover leftover(samples, smooth, 1, Parallel(2));
+      double error = 0, still = 0;
+      int count = 0;
+      for (double y = 4; y < 20; y += 0.37)
+        for (double z = 4; z < 20; z += 0.37, ++count) {
+          error += std::abs(leftover.mean_at({12, y, z}, {1, 0, 0}) - height * wave(y, z));
+          still += std::abs(height * wave(y, z));
+        }
+      if (height == 0)
+        EXPECT_LE(error / count, 0.05 * noise) << noise;
+      else
+        EXPECT_LT(error, (noise < 0.05 ? 0.15 : 0.8) * still) << noise;
+    }
+  }
 }
 
 }  // namespace

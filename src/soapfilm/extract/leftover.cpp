@@ -1,8 +1,10 @@
 #include "soapfilm/extract/leftover.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "soapfilm/refine/robust.h"
 #include "soapfilm/refine/robust_fit.h"
@@ -14,26 +16,88 @@ namespace {
 constexpr double radius = 1;   // voxels; the search looks at the 27 cells around
 constexpr double prior = 0.1;  // samples of distance 0 in every mean
 constexpr int passes = 4;
-constexpr size_t most_per_cell = 16;  // samples that are listened to: more tell the same, at quadratic cost
+constexpr size_t few_per_cell = 4;  // samples; of more, neighbours are listened to together: the cost is quadratic
+constexpr float one_sheet = 0.5f;   // cosine between the normals of two samples that may be taken together
 
 int cell_of(Vec3f local) {
   const auto part = [](float q) { return std::min(static_cast<int>(q), brick_side - 1); };
   return brick_offset(part(local.x), part(local.y), part(local.z));
 }
 
-/// Moves `most_per_cell` of the entries of each cell, evenly chosen, to the front; returns how many these are.
+/// The eighth of its cell that a sample lies in.
+int octant_of(Vec3f local) {
+  const auto upper = [](float q) { return q - std::floor(q) >= 0.5f ? 1 : 0; };
+  return upper(local.x) | upper(local.y) << 1 | upper(local.z) << 2;
+}
+
+/// One entry in the place of two: their weighted mean.
+template <class Entry>
+void take_together(Entry& entry, const Entry& other) {
+  const float sum = entry.weight + other.weight, share = sum > 0 ? other.weight / sum : 0.5f;
+  entry.local = entry.local + (other.local - entry.local) * share;
+  entry.normal = normalized(entry.normal + (other.normal - entry.normal) * share);
+  entry.distance += (other.distance - entry.distance) * share;
+  entry.weight = sum;
+}
+
+/// Where a cell has more than a few entries, takes those together that share an eighth of it and a sheet of the
+/// surface; returns how many are left, at the front.
 template <class Entry>
 size_t thin(std::span<Entry> entries) {
   size_t kept = 0;
   for (size_t first = 0; first < entries.size();) {
-    size_t count = 1;
-    while (first + count < entries.size() && entries[first + count].cell == entries[first].cell) ++count;
-    const size_t few = std::min(count, most_per_cell);
-    for (size_t k = 0; k < few; ++k) entries[kept++] = entries[first + k * count / few];
-    first += count;
+    size_t end = first + 1;
+    while (end < entries.size() && entries[end].cell == entries[first].cell) ++end;
+    const bool crowded = end - first > few_per_cell;
+    for (size_t own = kept; first < end; ++first) {
+      const Entry entry = entries[first];
+      if (own < kept && entries[own].octant != entry.octant) own = kept;
+      const auto like = std::find_if(entries.begin() + own, entries.begin() + kept, [&](const Entry& e) {
+        return crowded && dot(e.normal, entry.normal) > one_sheet;
+      });
+      if (like == entries.begin() + kept)
+        entries[kept++] = entry;
+      else
+        take_together(*like, entry);
+    }
   }
   return kept;
 }
+
+/// Of distances from the surface: sums over samples and over pairs of neighbours.
+struct PairSums {
+  double pairs = 0, x = 0, y = 0, xx = 0, xy = 0;  // x = apart^2 along the surface, y = half the squared difference
+  double samples = 0, power = 0;                   // power = distance^2
+
+  void add_pair(double weight, double apart2, double half_square) {
+    pairs += weight;
+    x += weight * apart2;
+    y += weight * half_square;
+    xx += weight * apart2 * apart2;
+    xy += weight * apart2 * half_square;
+  }
+
+  void add_sample(double weight, double distance) {
+    samples += weight;
+    power += weight * distance * distance;
+  }
+
+  PairSums& operator+=(const PairSums& o) {
+    pairs += o.pairs, x += o.x, y += o.y, xx += o.xx, xy += o.xy;
+    samples += o.samples, power += o.power;
+    return *this;
+  }
+
+  /// What of the mean square is no noise. Noise is what samples at one place would differ by: half their squared
+  /// difference, a variogram, is noise + c apart^2 where a smooth surface is missed (its nugget; Matheron 1963).
+  double share_of_surface() const {
+    if (!(pairs > 0 && power > 0)) return 0;
+    const double spread = pairs * xx - x * x;
+    const double slope = spread > 1e-6 * pairs * xx ? std::max(0.0, (pairs * xy - x * y) / spread) : 0;
+    const double noise = std::max(0.0, (y - slope * x) / pairs);
+    return 1 - noise * samples / power;
+  }
+};
 
 }  // namespace
 
@@ -45,6 +109,7 @@ Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double 
       Entry& entry = entries_[s];
       entry.local = samples.local[s];
       entry.cell = static_cast<uint16_t>(cell_of(entry.local));
+      entry.octant = static_cast<uint8_t>(octant_of(entry.local));
       const auto jet = field.at(origin + Vec3d(entry.local));
       if (!jet) continue;
       const Vec3f gradient(jet->gradient);
@@ -54,9 +119,13 @@ Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double 
       entry.distance = static_cast<float>(jet->value / slope);
       entry.weight = robust_weight(Penalty::tukey, entry.distance, static_cast<float>(scale));
     }
-    const std::span<Entry> own(entries_.data() + samples.begin[b], samples.begin[b + 1] - samples.begin[b]);
-    std::stable_sort(own.begin(), own.end(), [](const Entry& a, const Entry& c) { return a.cell < c.cell; });
-    begin_[b + 1] = static_cast<uint32_t>(thin(own));
+    Entry* const begin = entries_.data() + samples.begin[b];
+    Entry* const end = std::remove_if(begin, entries_.data() + samples.begin[b + 1],
+                                      [](const Entry& entry) { return !(entry.weight > 0); });
+    std::stable_sort(begin, end, [](const Entry& a, const Entry& c) {
+      return std::pair(a.cell, a.octant) < std::pair(c.cell, c.octant);
+    });
+    begin_[b + 1] = static_cast<uint32_t>(thin(std::span<Entry>(begin, end)));
   });
   for (size_t b = 0; b < bricks_.size(); ++b) {
     const auto from = entries_.begin() + samples.begin[b];
@@ -64,34 +133,73 @@ Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double 
     begin_[b + 1] += begin_[b];
   }
   entries_.resize(begin_.back());
+  const auto share = static_cast<float>(share_of_surface(parallel));
+  if (share == 0) {
+    entries_.clear();
+    std::fill(begin_.begin(), begin_.end(), 0);
+    return;
+  }
+  for (Entry& entry : entries_) entry.distance *= share;
   // A mean also takes of what its own samples need: they ask for more until it gives them what they lie off.
   std::vector<float> target(entries_.size()), mean(entries_.size());
   for (size_t s = 0; s < target.size(); ++s) target[s] = entries_[s].distance;
   for (int pass = 1; pass < passes; ++pass) {
     parallel.for_each(bricks_.size(), 32, [&](size_t b) {
       const Vec3d origin(bricks_.first_vertex(b));
-      for (uint32_t s = begin_[b]; s < begin_[b + 1]; ++s)
-        if (const Entry& e = entries_[s]; e.weight > 0)
-          mean[s] = static_cast<float>(mean_at(origin + Vec3d(e.local), Vec3d(e.normal)));
+      for (uint32_t s = begin_[b]; s < begin_[b + 1]; ++s) {
+        const Entry& e = entries_[s];
+        mean[s] = static_cast<float>(mean_at(origin + Vec3d(e.local), Vec3d(e.normal)));
+      }
     });
-    for (size_t s = 0; s < target.size(); ++s) entries_[s].distance += target[s] - mean[s];
+    for (size_t s = 0; s < target.size(); ++s) entries_[s].distance += share * (target[s] - mean[s]);
   }
 }
 
+double Leftover::share_of_surface(const Parallel& parallel) const {
+  constexpr double nearby = 0.7;  // voxels between the samples of a pair
+  constexpr double enough = 0.4;  // share of the surface in the distances' square from which they are taken whole
+  std::vector<PairSums> parts(bricks_.size());
+  parallel.for_each(bricks_.size(), 32, [&](size_t b) {
+    const Vec3d origin(bricks_.first_vertex(b));
+    PairSums& sums = parts[b];
+    for (uint32_t s = begin_[b]; s < begin_[b + 1]; ++s) {
+      const Entry& own = entries_[s];
+      sums.add_sample(own.weight, own.distance);
+      for_each_near(origin + Vec3d(own.local), Vec3d(own.normal), [&](const Entry& other, double, double apart2) {
+        const double difference = double{own.distance} - other.distance;
+        if (&other != &own && apart2 < nearby * nearby)
+          sums.add_pair(own.weight * other.weight, apart2, 0.5 * difference * difference);
+      });
+    }
+  });
+  PairSums sums;
+  for (const PairSums& part : parts) sums += part;
+  return std::clamp(sums.share_of_surface() / enough, 0.0, 1.0);
+}
+
 double Leftover::mean_at(Vec3d point, Vec3d normal) const {
+  double sum = 0, weights = prior;
+  for_each_near(point, normal, [&](const Entry& entry, double weight, double) {
+    sum += weight * entry.distance;
+    weights += weight;
+  });
+  return sum / weights;
+}
+
+template <class Visit>
+void Leftover::for_each_near(Vec3d point, Vec3d normal, Visit&& visit) const {
   const Vec3i cell{static_cast<int>(std::floor(point.x)), static_cast<int>(std::floor(point.y)),
                    static_cast<int>(std::floor(point.z))};
   const Vec3i first = cell - Vec3i{1, 1, 1}, last = cell + Vec3i{1, 1, 1};
   const Vec3i lo = brick_of(first), hi = brick_of(last);
-  double sum = 0, weights = prior;
-  const auto add = [&](const Entry& entry, Vec3d at) {
+  const auto look_at = [&](const Entry& entry, Vec3d at) {
     const Vec3d apart = Vec3d(entry.local) - at;
-    const double near = 1 - dot(apart, apart) / (radius * radius);
+    const double apart2 = dot(apart, apart), near = 1 - apart2 / (radius * radius);
+    if (!(near > 0)) return;
     const double agreement = dot(normal, Vec3d(entry.normal));
-    if (!(near > 0 && agreement > 0)) return;
-    const double weight = near * near * agreement * entry.weight;
-    sum += weight * entry.distance;
-    weights += weight;
+    if (!(agreement > 0)) return;
+    const double along = dot(apart, normal);
+    visit(entry, near * near * agreement * entry.weight, apart2 - along * along);
   };
   for (int bz = lo.z; bz <= hi.z; ++bz)
     for (int by = lo.y; by <= hi.y; ++by)
@@ -109,10 +217,9 @@ double Leftover::mean_at(Vec3d point, Vec3d normal) const {
             const int until = brick_offset(high(0), y, z);
             const Entry* e = std::lower_bound(begin, end, brick_offset(low(0), y, z),
                                               [](const Entry& entry, int key) { return entry.cell < key; });
-            for (; e != end && e->cell <= until; ++e) add(*e, at);
+            for (; e != end && e->cell <= until; ++e) look_at(*e, at);
           }
       }
-  return sum / weights;
 }
 
 }  // namespace soapfilm

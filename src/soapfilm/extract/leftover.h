@@ -27,12 +27,21 @@ class Leftover {
     Vec3f normal;  ///< unit, inwards
     float distance = 0;
     float weight = 0;
-    uint16_t cell = 0;  ///< x + 8 y + 64 z
+    uint16_t cell = 0;   ///< x + 8 y + 64 z
+    uint8_t octant = 0;  ///< of the cell: x + 2 y + 4 z
   };
+
+  /// visit(entry, weight, squared distance along the surface) for the entries within a voxel: weighted as mean_at()
+  /// says.
+  template <class Visit>
+  void for_each_near(Vec3d point, Vec3d normal, Visit&& visit) const;
+  /// In [0, 1]: 0 where the samples' distances from the surface are noise, as pairs of near ones tell, 1 where they are
+  /// what it misses.
+  double share_of_surface(const Parallel& parallel) const;
 
   const BrickGrid& bricks_;      ///< that samples lie in
   std::vector<uint32_t> begin_;  ///< first entry of each brick; one more at the end
-  std::vector<Entry> entries_;   ///< in each brick by cell, some of each cell
+  std::vector<Entry> entries_;   ///< in each brick by cell and octant
 };
 
 }  // namespace soapfilm
