@@ -66,6 +66,7 @@ class Condition:
 CONDITIONS = (
     Condition("normals", "true normals", directions="normals"),
     Condition("views", "viewing directions only"),
+    Condition("noise-0.05", "noise of 1/20 voxel", noise=0.05, baselines=False),
     Condition("noise-0.25", "noise of 1/4 voxel", noise=0.25),
     Condition("noise-0.33", "noise of 1/3 voxel", noise=1 / 3, baselines=False),
     Condition("noise-0.5", "noise of 1/2 voxel", noise=0.5),
@@ -77,7 +78,7 @@ CONDITIONS = (
     Condition("scans", "range scans", scans=True),
     Condition("misaligned", "scans misaligned by 1/2 voxel", misalignment=0.5, scans=True),
 )
-NOISE = ("views", "noise-0.25", "noise-0.33", "noise-0.5", "noise-1")  # the axis of the plot
+NOISE = ("views", "noise-0.05", "noise-0.25", "noise-0.33", "noise-0.5", "noise-1")  # the axis of the plot
 
 
 @dataclass(frozen=True)
