@@ -55,13 +55,15 @@ inline double height_of(const DenseField& field, float isovalue, Vec3i v, const 
   return height > 0 ? std::max(height, 1e-3 * steepest) : std::min(height, -1e-3 * steepest);
 }
 
-/// Of the edge from a to b; vertices that are more than 0.15 of the edge from it keep their values.
+/// Of the edge from a to b; an edge cut 0.15 or more from both ends keeps its values.
 inline double cut_fraction(const DenseField& field, float isovalue, Vec3i a, Vec3i b, const IsKnown& known) {
   double low = double{field.at(a)} - isovalue, high = double{field.at(b)} - isovalue;
   const double cut = low / (low - high);
-  if (cut < 0.15) low = height_of(field, isovalue, a, known);
-  if (cut > 0.85) high = height_of(field, isovalue, b, known);
-  return low / (low - high);
+  if (cut < 0.15 || cut > 0.85) {
+    low = height_of(field, isovalue, a, known);
+    high = height_of(field, isovalue, b, known);
+  }
+  return std::clamp(low / (low - high), 1e-3, 1 - 1e-3);
 }
 
 /// Of the cells whose corners are all `known`.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "refine/band_support.h"
 #include "soapfilm/refine/multilevel.h"
@@ -31,6 +32,39 @@ RowArray members(const NarrowBand& band) {
   for (size_t i = 0; i < ones.size(); ++i)
     ones.data()[i] = static_cast<float>(band.mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1);
   return ones;
+}
+
+/// Runs stages that each add up what the one before wrote in a layer and those next to it, and checks the order.
+template <size_t... Stage>
+std::vector<std::vector<int>> pass_over(int layers, const Parallel& parallel, std::index_sequence<Stage...>) {
+  std::vector<std::vector<int>> value(sizeof...(Stage) + 1, std::vector<int>(static_cast<size_t>(layers), 0));
+  for (int i = 0; i < layers; ++i) value[0][static_cast<size_t>(i)] = i * i + 1;
+  const auto stage = [&](size_t number) {
+    return [&, number](int layer) {
+      int& to = value[number + 1][static_cast<size_t>(layer)];
+      for (int i = std::max(layer - 1, 0); i <= std::min(layer + 1, layers - 1); ++i)
+        to += value[number][static_cast<size_t>(i)];
+    };
+  };
+  layer_by_layer(layers, parallel, stage(Stage)...);
+  return value;
+}
+
+TEST(LayerByLayer, StagesFollowOneAnotherOnAnyNumberOfThreads) {
+  for (const int threads : {2, 3, 8}) {
+    const Parallel parallel(threads);
+    for (int layers = 0; layers <= 40; ++layers) {
+      const auto expect_same = [&](auto stages) {
+        EXPECT_EQ(pass_over(layers, parallel, stages), pass_over(layers, one_thread, stages)) << layers;
+      };
+      expect_same(std::make_index_sequence<1>());
+      expect_same(std::make_index_sequence<2>());
+      expect_same(std::make_index_sequence<3>());
+    }
+  }
+  const auto value = pass_over(3, one_thread, std::make_index_sequence<2>());
+  EXPECT_EQ(value[1], (std::vector<int>{3, 8, 7}));
+  EXPECT_EQ(value[2], (std::vector<int>{11, 18, 15}));
 }
 
 TEST(NarrowBand, LaplacianIsTheDenseGraphLaplacian) {

@@ -251,12 +251,11 @@ class Extraction {
     ++upper[axis];
     double low = double{window.value(v)} - isovalue_, high = double{window.value(upper)} - isovalue_;
     const double cut = low / (low - high);
-    if (cut < crowded) {
+    if (cut < crowded || cut > 1 - crowded) {
       low = pushed_away(block, window, v, low);
-    } else if (cut > 1 - crowded) {
       high = pushed_away(block, window, upper, high);
     }
-    return low / (low - high);
+    return std::clamp(low / (low - high), least_fraction, 1 - least_fraction);
   }
 
   /// The height of a vertex over the isovalue; where the surface all but meets the vertex, it is moved along its normal

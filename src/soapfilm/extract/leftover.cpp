@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "soapfilm/core/memory.h"
 #include "soapfilm/refine/robust.h"
 #include "soapfilm/refine/robust_fit.h"
 
@@ -133,9 +134,10 @@ Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double 
     begin_[b + 1] += begin_[b];
   }
   entries_.resize(begin_.back());
+  entries_.shrink_to_fit();
   const auto share = static_cast<float>(share_of_surface(parallel));
   if (share == 0) {
-    entries_.clear();
+    release(entries_);
     std::fill(begin_.begin(), begin_.end(), 0);
     return;
   }

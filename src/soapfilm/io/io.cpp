@@ -77,9 +77,10 @@ PointCloud read_points(const std::string& path, ReadReport* report, const Parall
 
 PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report, const Parallel& parallel) {
   if (paths.empty()) throw ParameterError("0 input files, must be > 0");
+  if (paths.size() == 1) return read_points(paths.front(), report, parallel);
   ReadReport unused;
   return io::read_each(paths.size(), report != nullptr ? *report : unused, parallel,
-                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, parallel); });
+                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to); });
 }
 
 Mesh read_mesh(const std::string& path) {

@@ -29,7 +29,7 @@ class PresentCells {
     const auto bits = static_cast<uint8_t>(present >> x);
     const hn::Rebind<uint8_t, D> bytes;
     const hn::Rebind<int32_t, D> integers;
-    there_ = hn::LoadMaskBits(D(), &bits);
+    there_ = lanes_of(present, x);
     // Beyond the last lane's there are bits of other lanes: they count for nobody here.
     rank_ = hn::IndicesFromVec(D(), hn::PromoteTo(integers, hn::LoadU(bytes, ranks.below[bits])));
     at_ = job.cells + DataJob::values * size_t{job.first[k]} +

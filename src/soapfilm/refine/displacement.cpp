@@ -85,7 +85,7 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
   const auto add_target = [bent = scratch_.data(), target = target_.data(), share = share_.data(),
                            gamma = smoothness.curvature](size_t i) { bent[i] += gamma * share[i] * target[i]; };
   layer_by_layer(
-      band_, parallel_,
+      layers_of(band_), parallel_,
       [&](int layer) {
         const RowRange rows = rows_of_layer(band_, layer);
         kernel.bend(band_.view(), job, rows.begin, rows.end);
@@ -117,11 +117,11 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
     const float ratio = iteration == 0 ? 0.0f : static_cast<float>(new_rz / rz);
     rz = new_rz;
     // direction = z + ratio direction, image = A direction
-    std::vector<double> curvatures(static_cast<size_t>(band_.grid().bricks().z));
+    std::vector<double> curvatures(static_cast<size_t>(layers_of(band_)));
     const LaplacianJob inner{direction, smoothness.slope, smoothness.curvature, scratch_.data(), share_.data()};
     const LaplacianJob outer{scratch_.data(), 0, 1, image_.data()};
     layer_by_layer(
-        band_, parallel_,
+        layers_of(band_), parallel_,
         [&](int layer) {
           for_values(rows_of_layer(band_, layer),
                      [&](size_t i) { direction[i] = preconditioned[i] + ratio * direction[i]; });

@@ -187,7 +187,7 @@ bool Multilevel::local_mean(const RowArray& values, const RowArray& weights, con
   job.inverse = where.data();
   job.x = c.b.data();
   job.out = mean.data();
-  layer_by_layer(fine_, parallel, [&](int layer) { c.coarse.prolong_onto(fine_, layer, job); });
+  layer_by_layer(layers_of(fine_), parallel, [&](int layer) { c.coarse.prolong_onto(fine_, layer, job); });
   return true;
 }
 
@@ -247,9 +247,9 @@ double Multilevel::cycle(size_t level, const RowArray& b, RowArray& work, RowArr
   prolong.x = c.x.data();
   prolong.out = work.data();
   const CycleJob smooth = smoothing(work, x);
-  std::vector<double> sums(static_cast<size_t>(band.grid().bricks().z));
+  std::vector<double> sums(static_cast<size_t>(layers_of(band)));
   layer_by_layer(
-      band, parallel, [&](int layer) { c.coarse.prolong_onto(band, layer, prolong); },
+      layers_of(band), parallel, [&](int layer) { c.coarse.prolong_onto(band, layer, prolong); },
       [&](int layer) {
         sums[static_cast<size_t>(layer)] = sum_over_rows(rows_of_layer(band, layer), [&](size_t begin, size_t end) {
           return kernel.smooth(rows, smooth, begin, end);

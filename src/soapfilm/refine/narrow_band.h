@@ -76,6 +76,8 @@ struct RowRange {
   size_t begin, end;
 };
 inline RowRange all_rows(const NarrowBand& band) { return {1, band.rows() + 1}; }
+/// Layers of bricks, along z.
+inline int layers_of(const NarrowBand& band) { return band.grid().bricks().z; }
 inline RowRange rows_of_layer(const NarrowBand& band, int z) {
   const auto [begin, end] = band.grid().layer(z);
   return {band.first_row(begin), band.first_row(end)};
@@ -110,15 +112,15 @@ double sum_over_rows(RowRange rows, Body&& body) {
   return total;
 }
 
-/// Calls each of the stages with every layer of bricks along z. What a stage writes in a layer and in those next to it
+/// Calls each of the stages with every layer. What a stage writes in a layer and in those next to it
 /// is complete when the next stage comes to that layer, and mostly still in the cache: stages follow one another a
 /// layer apart through slabs of layers, a slab on one thread. Where slabs meet, the later stages wait until both are
 /// done. A stage must not write what an earlier one reads in other layers.
 template <class... Stages>
-void layer_by_layer(const NarrowBand& band, const Parallel& parallel, Stages&&... stages) {
+void layer_by_layer(int layers, const Parallel& parallel, Stages&&... stages) {
   constexpr int depth = sizeof...(Stages) - 1, slabs_per_thread = 6;
-  const int layers = band.grid().bricks().z, threads = parallel.threads();
-  const int slabs = threads == 1 ? 1 : std::clamp(layers / std::max(2 * depth, 4), 1, slabs_per_thread * threads);
+  const int threads = parallel.threads();
+  const int slabs = threads == 1 ? 1 : std::clamp(layers / std::max(2 * depth, 1), 1, slabs_per_thread * threads);
   const auto first_layer = [&](size_t slab) { return layers * static_cast<int>(slab) / slabs; };
   parallel.for_each(static_cast<size_t>(slabs), 1, [&](size_t slab) {
     const int begin = first_layer(slab), end = first_layer(slab + 1);

@@ -31,12 +31,6 @@ double laplacian(const BandRows& band, const LaplacianJob& job, size_t begin, si
   return sum.total();
 }
 
-/// The lanes from x on, of a row's as bits.
-HWY_INLINE hn::Mask<D> lanes_of(unsigned row, int x) {
-  const uint8_t bits[8] = {static_cast<uint8_t>((row & 0xff) >> x)};
-  return hn::LoadMaskBits(D(), bits);
-}
-
 /// R v: differences to neighbours without an opposite one; outside the band v is 0.
 HWY_INLINE V one_sided(const BandRows& band, const float* v, size_t row, int x) {
   const D d;

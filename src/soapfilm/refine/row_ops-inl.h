@@ -22,6 +22,12 @@ using Neighbors = std::array<uint32_t, 6>;
 
 HWY_INLINE int lane_count() { return static_cast<int>(hn::Lanes(D())); }
 
+/// The lanes from x on, of a row's as bits.
+HWY_INLINE hn::Mask<D> lanes_of(unsigned row, int x) {
+  const uint8_t bits[8] = {static_cast<uint8_t>((row & 0xff) >> x)};
+  return hn::LoadMaskBits(D(), bits);
+}
+
 /// Values of an array at slots.
 struct Plain {
   const float* v;
