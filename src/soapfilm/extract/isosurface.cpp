@@ -22,9 +22,8 @@ namespace mc = marching_cubes;
 
 constexpr int side = brick_side + 1;  // vertices that the cells of one block touch, along an axis
 constexpr int words_per_block = static_cast<int>(BrickEdges{}.size());
-constexpr double least_fraction =
-    1e-3;                         // of an edge, between a surface point and a vertex, where the field is steepest
-constexpr double crowded = 0.15;  // of an edge: cut nearer to a vertex, one asks whether the surface all but meets it
+constexpr double least_fraction = 1e-3;  // of an edge, from a vertex to the nearest of its surface points
+constexpr double crowded = 0.15;         // of an edge: cut nearer to an end, its vertices may have to be pushed away
 constexpr size_t blocks_per_task = 64;
 
 /// A block owns the cells and the edges whose lower vertex lies in its brick. All bricks of the grid are blocks, and

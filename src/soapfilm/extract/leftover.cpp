@@ -1,7 +1,6 @@
 #include "soapfilm/extract/leftover.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -31,10 +30,10 @@ int octant_of(Vec3f local) {
   return upper(local.x) | upper(local.y) << 1 | upper(local.z) << 2;
 }
 
-/// One entry in the place of two: their weighted mean.
+/// One entry in the place of two, both of some weight: their weighted mean.
 template <class Entry>
 void take_together(Entry& entry, const Entry& other) {
-  const float sum = entry.weight + other.weight, share = sum > 0 ? other.weight / sum : 0.5f;
+  const float sum = entry.weight + other.weight, share = other.weight / sum;
   entry.local = entry.local + (other.local - entry.local) * share;
   entry.normal = normalized(entry.normal + (other.normal - entry.normal) * share);
   entry.distance += (other.distance - entry.distance) * share;

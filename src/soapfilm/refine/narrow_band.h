@@ -112,10 +112,10 @@ double sum_over_rows(RowRange rows, Body&& body) {
   return total;
 }
 
-/// Calls each of the stages with every layer. What a stage writes in a layer and in those next to it
-/// is complete when the next stage comes to that layer, and mostly still in the cache: stages follow one another a
-/// layer apart through slabs of layers, a slab on one thread. Where slabs meet, the later stages wait until both are
-/// done. A stage must not write what an earlier one reads in other layers.
+/// Calls each of the stages with every layer. What a stage writes in a layer and in those next to it is complete when
+/// the next stage comes to that layer, and mostly still in the cache: stages follow one another a layer apart through
+/// slabs of layers, a slab on one thread. Where slabs meet, the later stages wait until both are done. A stage must not
+/// write what an earlier one reads in other layers.
 template <class... Stages>
 void layer_by_layer(int layers, const Parallel& parallel, Stages&&... stages) {
   constexpr int depth = sizeof...(Stages) - 1, slabs_per_thread = 6;
