@@ -13,5 +13,5 @@ else
   scans=$out/scans/scans.conf
 fi
 "$programs/bench_tolerance" "$scans" 256 | tee "$out/tolerance.md"
-"$programs/bench_kernels" --benchmark_out="$out/kernels.csv" --benchmark_out_format=csv
-"$programs/bench_kernels_io" --benchmark_out="$out/kernels_io.csv" --benchmark_out_format=csv
+"$programs/bench_kernels" --benchmark_out="$out/kernels.json" --benchmark_out_format=json
+"$programs/bench_kernels_io" --benchmark_out="$out/kernels_io.json" --benchmark_out_format=json
