@@ -12,7 +12,7 @@
 #include "support/program.h"
 
 namespace soapfilm::test {
-namespace {
+namespace TEST_FILE {
 
 /// A sphere of diameter 2.2 in a folder of its own.
 class EvaluateCommand : public testing::Test {
@@ -111,5 +111,5 @@ TEST_F(EvaluateCommand, RefusesInOneLine) {
   expect_refused({"evaluate", "/nowhere/mesh.ply", "--truth", "sphere", "-q"}, "/nowhere/mesh.ply");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm::test

@@ -10,7 +10,7 @@
 #include "support/process.h"
 
 namespace soapfilm::test {
-namespace {
+namespace TEST_FILE {
 
 class Info : public testing::Test {
  protected:
@@ -66,5 +66,5 @@ TEST_F(Info, RefusesWhatItCannotRead) {
   EXPECT_NE(result.err.find("none.ply: cannot be opened: No such file"), std::string::npos) << result.err;
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm::test

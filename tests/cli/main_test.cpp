@@ -9,7 +9,7 @@
 #include "support/program.h"
 
 namespace soapfilm::test {
-namespace {
+namespace TEST_FILE {
 
 TEST(Program, PrintsItsVersion) {
   const ProcessResult result = run({"--version"});
@@ -70,5 +70,5 @@ TEST(Program, NoticesThatItsOutputWasLost) {
   EXPECT_EQ(result.err, "soapfilm: standard output: cannot write\n");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm::test

@@ -17,7 +17,7 @@
 #include "support/program.h"
 
 namespace soapfilm::test {
-namespace {
+namespace TEST_FILE {
 
 using nlohmann::json;
 
@@ -200,5 +200,5 @@ TEST_F(MethodCommand, WritesLevelsByTvAloneAndIntoAFolder) {
   refused({even, "--write-levels", even + "/levels"}, "cannot make the folder");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm::test

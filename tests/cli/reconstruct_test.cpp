@@ -17,7 +17,7 @@
 #include "support/program.h"
 
 namespace soapfilm::test {
-namespace {
+namespace TEST_FILE {
 
 using nlohmann::json;
 
@@ -283,5 +283,5 @@ TEST_F(Reconstruct, CtrlCLeavesNothingBehind) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(60)) << "it must not run to its end";
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm::test

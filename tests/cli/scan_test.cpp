@@ -13,7 +13,7 @@
 #include "support/process.h"
 
 namespace soapfilm::test {
-namespace {
+namespace TEST_FILE {
 
 ProcessResult scan(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {SOAPFILM_PROGRAM, "scan"});
@@ -160,5 +160,5 @@ TEST(Scan, AFolderThatCannotBeMadeIsRefused) {
   EXPECT_NE(result.err.find("in_the_way: cannot make the folder"), std::string::npos) << result.err;
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm::test

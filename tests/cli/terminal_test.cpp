@@ -15,7 +15,7 @@
 #include "cli/command.h"
 
 namespace soapfilm::cli {
-namespace {
+namespace TEST_FILE {
 
 /// What `report` wrote, to a pipe or to a pseudo-terminal of the given width (whose lines end in "\r\n").
 std::string captured(const GlobalOptions& options, const std::function<void(Progress&)>& report, int columns = 0) {
@@ -208,5 +208,5 @@ TEST(CancelOnSignalDeathTest, WithoutItASignalKills) {
   EXPECT_EXIT(raise(SIGINT), testing::KilledBySignal(SIGINT), "");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm::cli

@@ -9,7 +9,7 @@
 #include "soapfilm/core/error.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 /// A folder that stands for "/", with the few files that the functions read.
 class FakeSystem : public testing::Test {
@@ -155,5 +155,5 @@ TEST(Memory, FormattedSizesParseBack) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

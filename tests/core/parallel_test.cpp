@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 class ParallelLoop : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Threads, ParallelLoop, testing::Values(1, 2, 3, 8), testing::PrintToStringParamName());
@@ -161,5 +161,5 @@ TEST_P(ParallelLoop, AllThreadsTakePart) {
   EXPECT_EQ(threads.size(), all);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

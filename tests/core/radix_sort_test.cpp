@@ -7,7 +7,7 @@
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 TEST(RadixSort, OrdersAsAComparisonDoes) {
   for (const int bits : {1, 11, 12, 48, 63})
@@ -35,5 +35,5 @@ TEST(RadixSort, KeepsTheOrderOfKeysThatAgreeInTheirLowestBits) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -8,7 +8,7 @@
 #include <new>
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 TEST(ZeroedMemory, IsZeroAlignedAndWritable) {
   for (const size_t bytes : {size_t{1}, size_t{100}, size_t{1} << 20, (size_t{1} << 21) - 1, (size_t{1} << 22) + 5}) {
@@ -35,5 +35,5 @@ TEST(ZeroedMemory, WhatIsNotGivenBackStays) {
 
 TEST(ZeroedMemory, TooMuchIsRefused) { EXPECT_THROW(allocate_zeroed(SIZE_MAX / 2), std::bad_alloc); }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -11,7 +11,7 @@
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 /// An octahedron whose triangles are split `levels` times, its vertices on the sphere.
 Mesh sphere(double radius, int levels, Vec3d centre = {}) {
@@ -202,5 +202,5 @@ TEST(Distance, RefusesWhatHasNoDistance) {
   EXPECT_THROW(distances_to_mesh({{0, 0, std::nan("")}}, plane(1, {}, 1), Parallel(1)), ParameterError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -13,7 +13,7 @@
 #include "soapfilm/scanner/shape.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 Evaluation evaluated(const Mesh& mesh, const Surface& truth, EvaluationOptions options = {}) {
   options.points = std::min<size_t>(options.points, 20000);
@@ -204,5 +204,5 @@ TEST(SampleMesh, EachPartOfTheAreaGetsItsShare) {
   EXPECT_LE(norm(mean / 1000.0 - Vec3d{1.0 / 3, 1.0 / 3, 0}), 0.03);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

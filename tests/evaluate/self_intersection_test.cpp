@@ -10,7 +10,7 @@
 #include "soapfilm/scanner/shape.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 size_t count(const Mesh& mesh) { return count_self_intersections(mesh, Parallel(1)); }
 
@@ -156,5 +156,5 @@ TEST(SelfIntersection, RefusesWhatIsNoMesh) {
   EXPECT_THROW(count(mesh), ParameterError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

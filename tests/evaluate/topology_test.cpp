@@ -5,7 +5,7 @@
 #include "soapfilm/core/error.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 Mesh tetrahedron(Vec3d at = {}) {
   Mesh mesh;
@@ -170,5 +170,5 @@ TEST(Topology, AVertexThatDoesNotExistIsRefused) {
   EXPECT_THROW(check_topology(mesh), ParameterError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

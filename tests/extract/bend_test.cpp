@@ -10,7 +10,7 @@
 #include "support/hash.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -186,5 +186,5 @@ TEST(Flip, LeavesAloneWhatIsNotKnown) {
   EXPECT_EQ(flip_edges(edges, unknown, 1, 0, Parallel(1)), 0u);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

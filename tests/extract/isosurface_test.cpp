@@ -12,7 +12,7 @@
 #include "soapfilm/evaluate/topology.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 /// Reported vertex 0 is lattice vertex 1 with one level: world coordinates are lattice coordinates.
 Lattice unit_lattice() {
@@ -201,5 +201,5 @@ TEST(Isosurface, AFieldOfAnotherGridIsRefused) {
   EXPECT_THROW(extract(band, zero_everywhere), ParameterError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

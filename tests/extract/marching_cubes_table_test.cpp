@@ -11,7 +11,7 @@
 #include "support/sanitized.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace marching_cubes;
 using test::DenseField;
@@ -215,5 +215,5 @@ TEST(MarchingCubesTable, TrianglesOfACellDoNotCrossEachOther) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

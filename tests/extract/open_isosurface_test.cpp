@@ -12,7 +12,7 @@
 #include "soapfilm/extract/isosurface.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 /// Reported vertex 0 is lattice vertex 1 with one level: world coordinates are lattice coordinates.
 Lattice unit_lattice() {
@@ -180,5 +180,5 @@ TEST(OpenIsosurface, WeightsOfAnotherGridAreRefused) {
   EXPECT_THROW(extract(seen), ParameterError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -6,7 +6,7 @@
 #include "soapfilm/extract/leftover.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 struct Sampled {
   BrickGrid grid;
@@ -147,5 +147,5 @@ TEST(Leftover, IsWhatTheSurfaceMissesAndNotNoise) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

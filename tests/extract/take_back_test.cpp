@@ -12,7 +12,7 @@
 #include "support/hash.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -189,5 +189,5 @@ TEST(HalfEdges, StayTwinsWhenDiagonalsChange) {
   for (uint32_t h = 0; h < edges.size(); ++h) ASSERT_EQ(edges.twin(h), fresh.twin(h));
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -7,7 +7,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -172,5 +172,5 @@ TEST(Smoothing, TapsAreThreeBoxesAndSumToOne) {
   for (size_t i = 0; i < taps.size(); ++i) EXPECT_NEAR(taps[i], smoothing_taps[i], 1e-7);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

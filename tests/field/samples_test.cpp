@@ -9,7 +9,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -99,5 +99,5 @@ TEST(Samples, GeoreferencedCoordinatesLoseNothing) {
   EXPECT_EQ(a.samples.source, b.samples.source);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -6,7 +6,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -68,5 +68,5 @@ TEST(CriticalLambda, OfASphereIsAFixedShareOfTheDensitySlow) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -14,7 +14,7 @@
 #include "support/random_level.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -214,5 +214,5 @@ TEST(Islands, OfOutliersGoAndTheSphereStays) {
   EXPECT_LT(static_cast<double>(islands.samples), 0.05 * static_cast<double>(cloud.size()));
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

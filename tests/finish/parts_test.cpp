@@ -12,7 +12,7 @@
 #include "support/sanitized.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -126,5 +126,5 @@ TEST(Labelling, GoesThroughMissingBricks) {
   EXPECT_EQ(count_inside(dense_labels(level)), 0u);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

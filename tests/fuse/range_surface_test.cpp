@@ -11,7 +11,7 @@
 #include "soapfilm/core/error.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 /// A scan along -z of the heights z(x, y) on a raster of unit steps; not-a-number: nothing seen.
 PointCloud scan_of(int columns, int rows, const std::function<double(int x, int y)>& height) {
@@ -167,5 +167,5 @@ TEST(RangeSurface, RefusesWhatIsNoRangeScan) {
   EXPECT_EQ(refusal([](Scan&, auto& p) { p.taper = -1; }), "taper = -1, must be >= 0 samples");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

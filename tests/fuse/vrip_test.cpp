@@ -20,7 +20,7 @@
 #include "soapfilm/scanner/virtual_scan.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 constexpr double degree = std::numbers::pi / 180;
 
@@ -334,5 +334,5 @@ TEST(Vrip, BunnyIsTheZipperedOneSlow) {
   EXPECT_LT(distance.percentile95, 0.3 * lattice.voxel);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

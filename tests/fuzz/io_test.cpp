@@ -9,7 +9,7 @@
 #include "soapfilm/io/io.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 int rounds() {
   const char* text = std::getenv("SOAPFILM_FUZZ_ROUNDS");
@@ -181,5 +181,5 @@ TEST(Fuzz, EveryTruncation) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -10,7 +10,7 @@
 #include "soapfilm/grid/window.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 const Parallel one_thread(1);
 
@@ -121,5 +121,5 @@ TEST(Window, ShowsTheNeighboursAndNamesTheMissing) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

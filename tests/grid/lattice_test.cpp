@@ -5,7 +5,7 @@
 #include "soapfilm/core/error.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 Box3d box(Vec3d lo, Vec3d size) { return {lo, lo + size}; }
 
@@ -113,5 +113,5 @@ TEST(Lattice, RefusesWhatCannotBeAGrid) {
   EXPECT_NO_THROW(voxel_of_resolution(samples, 13, 6));
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

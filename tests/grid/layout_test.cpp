@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 TEST(Layout, BrickOfRoundsDown) {
   EXPECT_EQ(brick_of({0, 7, 8}), (Vec3i{0, 0, 1}));
@@ -22,5 +22,5 @@ TEST(Layout, SlotsNameThe27NeighboursOnce) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

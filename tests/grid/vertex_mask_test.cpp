@@ -7,7 +7,7 @@
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 VertexMask random_mask(Vec3i bricks, double share, uint64_t seed) {
   Random random(seed);
@@ -50,5 +50,5 @@ TEST(VertexMask, DilatesByACube) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

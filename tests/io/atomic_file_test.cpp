@@ -9,7 +9,7 @@
 #include "soapfilm/io/io.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 TEST(AtomicFile, AppearsOnlyWhenCommitted) {
   const TemporaryFolder folder;
@@ -103,5 +103,5 @@ TEST(AtomicFile, TemporaryFilesGoOnTheWayOutOfAProcess) {
   EXPECT_EQ(folder.file_count(), 1u);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -5,7 +5,7 @@
 #include "soapfilm/io/text.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 TEST(Numbers, AreReadAsProgramsWriteThem) {
   double value = 0;
@@ -247,5 +247,5 @@ TEST(Georeferenced, CloudLosesNothing) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

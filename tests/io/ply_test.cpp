@@ -11,7 +11,7 @@
 #include "soapfilm/io/io.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
@@ -375,5 +375,5 @@ TEST(Ply, KindFollowsFromTheFaces) {
   EXPECT_EQ(read_mesh(folder / "mesh.data").triangles.size(), 50u);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -4,7 +4,7 @@
 #include "soapfilm/io/io.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 const std::string vertex_head =
     "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
@@ -221,5 +221,5 @@ TEST(Refusals, MeshesAndCloudsThatDoNotFitTogether) {
   EXPECT_EQ(folder.file_count(), 0u);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -9,7 +9,7 @@
 #include "soapfilm/io/summary.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 const double half = std::sqrt(0.5);
 
@@ -172,5 +172,5 @@ TEST_F(Bunny, ViewingDirectionsPointOutOfTheSurface) {
   EXPECT_GT(share, 0.99);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

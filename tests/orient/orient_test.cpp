@@ -13,7 +13,7 @@
 #include "soapfilm/scanner/virtual_scan.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 struct Oriented {
   std::vector<Vec3f> directions;
@@ -307,5 +307,5 @@ TEST(Orient, CanBeCancelled) {
                Cancelled);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -9,7 +9,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -111,5 +111,5 @@ TEST(MethodParams, SurviveJson) {
   EXPECT_EQ(back.select.candidates, (std::vector<double>{0.5, 1}));
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

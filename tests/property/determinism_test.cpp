@@ -7,12 +7,12 @@
 #include "support/sanitized.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
 /// Enough bricks that several threads have tiles to sweep at once.
-constexpr int resolution = sanitized ? 44 : 96;
+constexpr int resolution = sanitized ? 36 : 80;
 
 const PointCloud& cloud() {
   static const PointCloud made = [] {
@@ -48,5 +48,5 @@ TEST_P(Determinism, SameMeshBytesOnEveryBackEnd) {
 
 INSTANTIATE_TEST_SUITE_P(AllBackEnds, Determinism, testing::ValuesIn(back_ends()), back_end_name);
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -32,10 +32,11 @@ inline Reconstruction reconstructed(const std::string& shape, Method method) {
   return reconstructed(sampled(shape, resolution, density), params_of(method));
 }
 
-/// A sphere of diameter 1 as range scans: one for each scanner position, all round without any.
-inline PointCloud range_scans(const std::vector<Vec3d>& positions = {}) {
+/// A sphere of diameter 1 as range scans, about a sample per voxel^2 of a grid with `vertices` along an axis: one scan
+/// for each scanner position, all round without any.
+inline PointCloud range_scans(const std::vector<Vec3d>& positions = {}, int vertices = resolution) {
   ScannerParams scanner;
-  scanner.step = 1.0 / (resolution - 12);
+  scanner.step = 1.0 / (vertices - 12);
   scanner.positions = positions;
   return virtual_scan(*make_sphere(), scanner, Parallel(1)).cloud;
 }

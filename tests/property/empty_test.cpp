@@ -5,7 +5,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -46,5 +46,5 @@ TEST(EmptyOptimum, IsAnnouncedByAWarningWhenNear) {
   EXPECT_TRUE(reconstructed(cloud, 0.004).report.warnings.empty());
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -9,17 +9,20 @@
 #include "soapfilm/core/error.h"
 #include "soapfilm/reconstruct.h"
 #include "support/hash.h"
+#include "support/sanitized.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 using nlohmann::json;
 
 class EveryMethod : public testing::TestWithParam<Method> {
  protected:
-  const PointCloud cloud = range_scans();
+  static constexpr int vertices = sanitized ? 40 : resolution;
+  const PointCloud cloud = range_scans({}, vertices);
   ReconstructParams params = params_of(GetParam());
+  void SetUp() override { params.place.resolution = vertices; }
 };
 
 TEST_P(EveryMethod, GivesTheSameBytesForAnyNumberOfThreads) {
@@ -123,5 +126,5 @@ TEST(MethodReport, VripHasItsRangeSurfaces) {
   EXPECT_FALSE(report.poisson || report.graph_cut || !report.sor.empty() || !report.levels.empty());
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

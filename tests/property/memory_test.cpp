@@ -8,7 +8,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -87,5 +87,5 @@ TEST(MemoryPlan, RefusesABoxThatOnlyItsTablesWouldFill) {
   EXPECT_THROW(reconstruct(cloud, params, Parallel(1), progress), MemoryError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

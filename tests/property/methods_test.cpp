@@ -14,7 +14,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -248,5 +248,5 @@ TEST(AutomaticLambda, WarnsWhenTheBestMayLieBeyondTheCandidates) {
   EXPECT_EQ(warnings_with({0.02}), "") << "nothing to choose";
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -8,7 +8,7 @@
 #include "soapfilm/reconstruct.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 /// Table 1: vertices inside for five thresholds.
 TEST(Paper, BunnyHasTheCountsOfTable1) {
@@ -29,5 +29,5 @@ TEST(Paper, BunnyHasTheCountsOfTable1) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

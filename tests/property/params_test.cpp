@@ -8,7 +8,7 @@
 #include "soapfilm/core/error.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -122,5 +122,5 @@ TEST(ParamsJson, WrongJsonIsRefusedByName) {
   EXPECT_EQ(message(R"({"solve": {"tolerance": -1}})"), "tolerance = -1, must be > 0");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -11,7 +11,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -187,5 +187,5 @@ TEST(Georeferenced, CoordinatesLoseNothing) {
     ASSERT_LT(norm(b.mesh.vertices[i] - offset - a.mesh.vertices[i]), 2e-9);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -6,7 +6,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -212,5 +212,5 @@ TEST(Units, MillimetresOrMetresGiveTheSameSurfaceButForTies) {
   }
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -12,7 +12,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -69,5 +69,5 @@ INSTANTIATE_TEST_SUITE_P(Problems, Thresholds,
                                          Case{"sphere", 1, 0.02, 0.33, 2e-2}, Case{"part", 1, 0.05, 0.33, 3e-2}),
                          [](const auto& c) { return c.param.shape + std::to_string(c.index); });
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -12,7 +12,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -58,5 +58,5 @@ std::string case_name(const testing::TestParamInfo<Case>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Sweep, BuiltInShape, testing::ValuesIn(cases()), case_name);
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

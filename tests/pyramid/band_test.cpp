@@ -7,7 +7,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -102,5 +102,5 @@ TEST(Band, GrowsWhereTheInterfaceReachesTheRim) {
   EXPECT_TRUE(grown.test({3, 3, 2}));
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -12,7 +12,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -203,5 +203,5 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Certificate,
                            return c.param.shape + (c.param.norm == Norm::isotropic ? "" : "_anisotropic");
                          });
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

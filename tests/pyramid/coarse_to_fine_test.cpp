@@ -11,7 +11,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -195,5 +195,5 @@ TEST(CoarseToFine, AGrownFinestBandHasTheFluxOfTheCoarseLevel) {
   EXPECT_GT(faces, 1000u);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -11,7 +11,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -186,5 +186,5 @@ TEST(Restrict, SumsTheEightChildren) {
   EXPECT_LT(worst, 1e-6 * largest);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

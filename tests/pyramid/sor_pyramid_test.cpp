@@ -10,7 +10,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -144,5 +144,5 @@ TEST(ProlongDense, IsTrilinear) {
   });
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

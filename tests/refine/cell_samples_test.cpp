@@ -7,7 +7,7 @@
 #include "support/back_ends.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -187,5 +187,5 @@ TEST(RobustWeight, FallsFromOneWithTheResidual) {
   EXPECT_EQ(robust_weight(Penalty::tukey, 1, 0.2f), 0) << "beyond 4.685 scales";
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -9,7 +9,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -78,5 +78,5 @@ TEST_F(DenseSurfaceTest, RefusesAnIsovalueThatTheOutsideOfTheBoxExceeds) {
     EXPECT_THROW(dense_surface(u, isovalue, box, one_thread), ParameterError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

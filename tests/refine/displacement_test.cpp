@@ -6,7 +6,7 @@
 #include "support/back_ends.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -123,5 +123,5 @@ TEST_P(BallDisplacementOn, GivesTheSameBits) {
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, BallDisplacementOn, testing::ValuesIn(back_ends()), back_end_name);
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

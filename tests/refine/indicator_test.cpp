@@ -8,7 +8,7 @@
 #include "support/random_level.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -96,5 +96,5 @@ TEST_P(Indicator, MeanAtTheSamplesIsTheMeanOfTheTrilinearInterpolation) {
 INSTANTIATE_TEST_SUITE_P(Shapes, Indicator, testing::Values("sphere", "part", "knot"),
                          [](const auto& s) { return s.param; });
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -10,7 +10,7 @@
 #include "support/back_ends.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -232,5 +232,5 @@ TEST_P(RowsOn, GiveTheSameBits) {
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, RowsOn, testing::ValuesIn(back_ends()), back_end_name);
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -9,7 +9,7 @@
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 constexpr int middle = 13;
 
@@ -99,5 +99,5 @@ TEST(SimplePoint, TurningOneKeepsComponentsAndEulerNumber) {
   EXPECT_GT(simple, 100);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -13,7 +13,7 @@
 #include "soapfilm/render/font.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 std::string written(const Image& image) {
   const std::string path = testing::TempDir() + "soapfilm_image_test.png";
@@ -70,5 +70,5 @@ TEST(Font, WidthGrowsWithTheTextAndItsHeight) {
   EXPECT_DOUBLE_EQ(text_width("\xC3\xA9", 10), text_width("?", 10));  // two bytes, one character
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -11,7 +11,7 @@
 #include "soapfilm/render/colormap.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 const Vec3d far_corner{5e6, -5e6, 5e6};
 
@@ -304,5 +304,5 @@ TEST(Render, Refusals) {
   EXPECT_THROW(render({{&empty, ""}}, quick(), Parallel(1)), ParameterError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -11,7 +11,7 @@
 #include "soapfilm/scanner/virtual_scan.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 TEST(MeshSurface, AgreesWithTheSphereThatItTessellates) {
   const auto sphere = make_sphere({.size = 2.0});
@@ -115,5 +115,5 @@ TEST(MeshSurface, RefusesWhatIsNoMesh) {
   EXPECT_EQ(message(mesh), "mesh: vertex 1 is not finite");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -13,7 +13,7 @@
 #include "soapfilm/scanner/surface_patch.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 class EveryShapeWithAHole : public testing::TestWithParam<std::string> {};
 
@@ -135,5 +135,5 @@ TEST(Missing, RefusalsNameTheValueAndItsConstraint) {
   EXPECT_THROW(kept_samples(*shape, {}, {.thin_half = 2}, Parallel(1)), ParameterError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

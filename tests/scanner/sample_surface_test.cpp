@@ -10,7 +10,7 @@
 #include "soapfilm/scanner/virtual_scan.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 TEST(SampleSurface, NoiseIsGaussianAlongTheNormal) {
   const auto shape = make_sphere();
@@ -112,5 +112,5 @@ TEST(SampleSurface, RefusalsNameTheValueAndItsConstraint) {
   EXPECT_EQ(message({.sensors = {{0, NAN, 0}}}), "position: its coordinates must be finite");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -8,7 +8,7 @@
 #include "support/process.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 class WrittenScans : public testing::TestWithParam<Rays> {};
 
@@ -64,5 +64,5 @@ TEST(WrittenScans, AFolderThatIsNotThereIsRefused) {
   EXPECT_THROW(write_scans("/no/such/folder", "scans.conf", set, progress), OutputError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -11,9 +11,10 @@
 #include "soapfilm/evaluate/topology.h"
 #include "soapfilm/scanner/mesh_surface.h"
 #include "soapfilm/scanner/sample_surface.h"
+#include "support/sanitized.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 Vec3d random_point(Random& random, const Box3d& box, double margin) {
   const Vec3d size = box.size();
@@ -182,7 +183,7 @@ TEST_P(EveryShape, ScalesWithItsSize) {
 }
 
 TEST_P(EveryShape, SurfaceSamplesAreUniformAndOnTheSurface) {
-  const size_t count = 20000;
+  const size_t count = sanitized ? 5000 : 20000;
   const PointCloud cloud = sample_surface(*shape, count, 11);
   ASSERT_EQ(cloud.size(), count);
   for (size_t i = 0; i < count; ++i) {
@@ -285,5 +286,5 @@ TEST(Shape, RefusalsNameTheValueAndItsConstraint) {
   EXPECT_THROW(make_sphere()->tessellate(0.0), ParameterError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -11,7 +11,7 @@
 #include "soapfilm/scanner/shape.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 ScannerParams small() {
   ScannerParams params;
@@ -319,5 +319,5 @@ TEST(VirtualScan, RefusalsNameTheValueAndItsConstraint) {
             "views: no ray of 1 range images met the surface; move the scanner or its target");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -12,7 +12,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -267,5 +267,5 @@ TEST(CrossValidation, RefusesParametersOutOfRange) {
   EXPECT_EQ(refusal({.folds = 2, .candidates = {1, 2}}), "candidates: 1 to 2, none keeps a surface in any of 2 folds");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

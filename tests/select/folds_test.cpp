@@ -12,7 +12,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -143,5 +143,5 @@ TEST(HoldOut, TheTwoSidesAddUpToTheWholeField) {
   EXPECT_THROW(hold_out(cloud, cloud.normals, folds, 4, whole.lattice, one_thread), ParameterError);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -13,7 +13,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -195,5 +195,5 @@ TEST(ThinParts, ParametersOutOfRangeAreNamed) {
   EXPECT_EQ(message({.most_weight = 0.5}), "most_weight = 0.5, must be >= 1");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

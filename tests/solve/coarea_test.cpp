@@ -9,7 +9,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -100,5 +100,5 @@ TEST(CoareaFormula, TheCutIsEmptyBeyondTheCriticalLambda) {
   EXPECT_EQ(inside(1.06 * critical), 0u);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

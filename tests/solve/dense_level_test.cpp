@@ -8,7 +8,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using test::make_problem;
 using test::sampled;
@@ -62,5 +62,5 @@ TEST(DenseLevel, HoldsTheDenseValuesInAndOutsideTheBand) {
   EXPECT_NEAR(energies.data, data, 1e-6 * variation);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -9,7 +9,7 @@
 #include "support/random_level.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -178,5 +178,5 @@ TEST(Energy, IsRelativeToTheDualOrToAThousandFaces) {
   EXPECT_DOUBLE_EQ(e.relative_gap(1.0), 0.002);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

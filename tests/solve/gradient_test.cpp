@@ -7,7 +7,7 @@
 #include "support/random_level.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -132,5 +132,5 @@ TEST_P(Gradient, OfAConstantIsZeroBetweenFreeVertices) {
 
 INSTANTIATE_TEST_SUITE_P(AllBackEnds, Gradient, testing::ValuesIn(back_ends()), back_end_name);
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

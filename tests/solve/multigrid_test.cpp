@@ -8,7 +8,7 @@
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 const Parallel one_thread(1);
 
@@ -136,5 +136,5 @@ INSTANTIATE_TEST_SUITE_P(Sizes, OnBoxes,
                                   std::to_string(box.param.z);
                          });
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -7,7 +7,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -79,5 +79,5 @@ TEST(PrimalDual, CancelsBeforeTheNextSweeps) {
                Cancelled);
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -11,7 +11,7 @@
 #include "support/problem.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -346,5 +346,5 @@ TEST(Sor, RefusesParametersOutOfRange) {
   EXPECT_EQ(message([](SorParams& p) { p.snap = 0.5; }), "snap = 0.5, must be >= 0 and < 0.5");
 }
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -10,7 +10,7 @@
 #include "support/random_level.h"
 
 namespace soapfilm {
-namespace {
+namespace TEST_FILE {
 
 using namespace test;
 
@@ -156,5 +156,5 @@ TEST_P(Sweep, KeepsTheConstraints) {
 
 INSTANTIATE_TEST_SUITE_P(AllBackEnds, Sweep, testing::ValuesIn(back_ends()), back_end_name);
 
-}  // namespace
+}  // namespace TEST_FILE
 }  // namespace soapfilm
