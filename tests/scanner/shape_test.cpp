@@ -183,7 +183,7 @@ TEST_P(EveryShape, ScalesWithItsSize) {
 }
 
 TEST_P(EveryShape, SurfaceSamplesAreUniformAndOnTheSurface) {
-  const size_t count = sanitized ? 5000 : 20000;
+  const size_t count = test::sanitized ? 5000 : 20000;
   const PointCloud cloud = sample_surface(*shape, count, 11);
   ASSERT_EQ(cloud.size(), count);
   for (size_t i = 0; i < count; ++i) {
@@ -210,7 +210,7 @@ TEST_P(EveryShape, SurfaceSamplesAreUniformAndOnTheSurface) {
   double counted[8] = {};
   for (const Vec3d& p : cloud.positions) counted[octant(p)] += 1.0;
   for (int k = 0; k < 8; ++k) {
-    const double expected = area[k] / mesh.area() * count;
+    const double expected = area[k] / mesh.area() * static_cast<double>(count);
     EXPECT_NEAR(counted[k], expected, 4.5 * std::sqrt(expected) + 5e-3 * expected);
   }
   EXPECT_EQ(sample_surface(*shape, 100, 11).positions, sample_surface(*shape, 100, 11).positions);

@@ -25,7 +25,7 @@ struct RandomLevelParams {
   double support = 0.6;  ///< share of those that have data
   RimFlux rim = RimFlux::random;
   Norm norm = Norm::isotropic;
-  int more_layers = sanitized ? 40 : 170;  ///< along z, beside 36 to 51: enough bricks for several tiles of work
+  int more_layers = sanitized ? 40 : 90;  ///< along z, beside 36 to 51: enough bricks for several tiles of work
 };
 
 /// u is uniform in [0, 1] at free vertices, f normal on the support, p uniform in the ball of lambda. Outside the band
