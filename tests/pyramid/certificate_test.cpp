@@ -19,8 +19,10 @@ using namespace test;
 const Parallel one_thread(1);
 
 constexpr double allowed_outside = 1;  // of the gap, for data that the finest band leaves out
+constexpr float flux_kept = 0.8f;      // of a level's, before a finer one but the finest starts from it
 
-/// solve_coarse_to_fine, with every level kept. data[l] and levels[l] belong to level l.
+/// solve_coarse_to_fine, with every level kept. data[l] and levels[l] belong to level l; the flux of levels 2 and up is
+/// scaled by then.
 struct KeptPyramid {
   std::vector<SupportField> data;
   std::vector<Level> levels;
@@ -50,7 +52,8 @@ KeptPyramid solve_and_keep(const Problem& problem, double lambda, Norm norm) {
       solve_primal_dual(level, params, one_thread, progress);
       continue;
     }
-    const Level& coarse = kept.levels[l + 1];
+    Level& coarse = kept.levels[l + 1];
+    if (l > 0) scale_flux(coarse, flux_kept, one_thread);
     BrickMask band = choose_band(coarse, box, kept.data[l], allowed_outside, one_thread);
     level = prolong_level(coarse, box, band, kept.data[l], one_thread);
     solve_primal_dual(level, params, one_thread, progress);
@@ -94,6 +97,8 @@ WholeDual whole_dual(const KeptPyramid& pyramid) {
     const Dense<double> zero(level.box.bricks * brick_side);
     dual = l + 1 == pyramid.levels.size() ? WholeDual{{zero, zero, zero}, Dense<uint8_t>(zero.size())}
                                           : prolonged(dual, zero.size());
+    if (l > 1)
+      for (Dense<double>& p : dual.p) p.for_each([&](Vec3i v) { p[v] *= flux_kept; });
     for (size_t b = 0; b < level.grid.size(); ++b)
       for (int axis = 0; axis < 3; ++axis)
         for_each_low_rim_face(level, b, axis, [&](Vec3i v, float flux) {

@@ -41,6 +41,19 @@ Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const
   return level;
 }
 
+void scale_flux(Level& level, float share, const Parallel& parallel) {
+  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
+    for (int axis = 0; axis < 3; ++axis) {
+      float* p = level.p.brick(b, axis);
+      for (int i = 0; i < brick_volume; ++i) p[i] *= share;
+    }
+  });
+  AlignedArray<float>& rim = level.rim.flux();
+  for (size_t i = 0; i < rim.size(); ++i) rim.data()[i] *= share;
+  Outside& outside = level.outside;
+  outside = {outside.data, outside.gain, outside.dual_of_scaled(share), outside.gap_of_scaled(share)};
+}
+
 LowFace low_face(const Level& level, size_t brick, int axis) {
   // Along x the two remaining axes are (y, z), along y (x, z), along z (x, y).
   const int32_t neighbor = level.grid.neighbors(brick)[slot_down[axis]];

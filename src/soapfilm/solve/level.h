@@ -30,6 +30,7 @@ class Rim {
     return k == no_plane ? nullptr : flux_.data() + static_cast<size_t>(k) * brick_area;
   }
   const float* plane(size_t brick, int axis) const { return const_cast<Rim*>(this)->plane(brick, axis); }
+  AlignedArray<float>& flux() { return flux_; }  ///< all planes
   size_t bytes() const { return plane_.size() * sizeof(plane_[0]) + flux_.bytes(); }
 
  private:
@@ -82,6 +83,9 @@ struct Level {
 /// A level whose u and p are zero and whose rim fluxes are zero.
 Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
                  const Field<float>& f, const Parallel& parallel, Norm norm = Norm::isotropic);
+
+/// p *= share on the band, its rim and outside, 0 <= share <= 1: it stays feasible, and the certificate one.
+void scale_flux(Level& level, float share, const Parallel& parallel);
 
 /// See solve/low_face.h.
 LowFace low_face(const Level& level, size_t brick, int axis);
