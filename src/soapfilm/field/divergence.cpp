@@ -142,22 +142,18 @@ constexpr unsigned spread(unsigned bits, int places) {
 }  // namespace
 
 BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Parallel& parallel) {
-  // Which of a brick's 27 neighbours its samples reach, as bits by neighbor_slot().
-  std::vector<uint32_t> reached(samples.bricks.size(), 0);
+  BrickMask mask(box.bricks);
   parallel.for_each(samples.bricks.size(), 64, [&](size_t b) {
+    uint32_t reached = 0;  // which of the brick's 27 neighbours, as bits by neighbor_slot()
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f q = samples.local[s];
       // No two terms of the product share a bit.
-      reached[b] |= reached_along_axis(q.x) * spread(reached_along_axis(q.y), 3) * spread(reached_along_axis(q.z), 9);
+      reached |= reached_along_axis(q.x) * spread(reached_along_axis(q.y), 3) * spread(reached_along_axis(q.z), 9);
     }
-  });
-  BrickMask mask(box.bricks);
-  for (size_t b = 0; b < reached.size(); ++b)
     for (int slot = 0; slot < 27; ++slot)
-      if (reached[b] >> slot & 1u) {
-        const Vec3i brick = samples.bricks.coord(b) + slot_offset(slot);
-        if (mask.contains(brick)) mask.set(brick);
-      }
+      if (const Vec3i brick = samples.bricks.coord(b) + slot_offset(slot); reached >> slot & 1u && mask.contains(brick))
+        mask.set_shared(brick);
+  });
   return mask;
 }
 
