@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <map>
+
 #include "soapfilm/pyramid/critical_lambda.h"
 #include "support/problem.h"
 
@@ -42,6 +45,36 @@ TEST(Sampling, HardlySeesOutliers) {
   for (size_t i = 0; i < cloud.size(); i += 10)
     for (int axis = 0; axis < 2; ++axis) cloud.positions[i][axis] = random.uniform(-0.5, 0.5);
   EXPECT_NEAR(measure_sampling(cloud, Parallel()).per_area, 0.9 * clean, 0.1 * clean);
+}
+
+/// The definition, cell by cell: the finest of 16 depths with four companions on average.
+double counted_per_area(const PointCloud& cloud) {
+  const Box3d box = cloud.box();
+  for (int depth = 16;; --depth) {
+    std::map<std::array<int, 3>, double> cells;
+    for (const Vec3d& p : cloud.positions) {
+      std::array<int, 3> cell{};
+      for (int axis = 0; axis < 3; ++axis)
+        cell[static_cast<size_t>(axis)] =
+            static_cast<int>(std::min((p[axis] - box.lo[axis]) / box.longest() * 65536, 65535.0)) >> (16 - depth);
+      ++cells[cell];
+    }
+    double pairs = 0;
+    for (const auto& [cell, n] : cells) pairs += n * (n - 1);
+    const double companions = pairs / static_cast<double>(cloud.size()), side = box.longest() / (1 << depth);
+    if (companions >= 4 || depth == 1) return companions / (0.9413 * side * side);
+  }
+}
+
+TEST(Sampling, CountsAsAMapDoesOnAnyNumberOfThreads) {
+  PointCloud even = sample_surface(*make_torus(), 30000, 1), clustered = even;
+  for (int i = 0; i < 70000; ++i)
+    clustered.positions.push_back(even.positions[5]);  // more than a thread counts at once
+  for (const PointCloud* cloud : {&even, &clustered}) {
+    const double counted = counted_per_area(*cloud);
+    for (const int threads : {1, 2, 3, 8})
+      EXPECT_EQ(measure_sampling(*cloud, Parallel(threads)).per_area, counted) << threads << " threads";
+  }
 }
 
 TEST(Sampling, ScalesWithTheUnits) {

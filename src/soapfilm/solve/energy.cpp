@@ -110,15 +110,16 @@ struct Evaluator {
 };
 
 /// Inactive bricks of the domain with an active upper neighbour, in order.
-std::vector<Vec3i> bricks_below_band(const Level& level) {
+std::vector<Vec3i> bricks_below_band(const Level& level, const Parallel& parallel) {
   BrickMask below(level.box.bricks);
-  for (size_t b = 0; b < level.grid.size(); ++b)
+  parallel.for_each(level.grid.size(), 1024, [&](size_t b) {
     for (int axis = 0; axis < 3; ++axis)
       if (level.grid.neighbors(b)[static_cast<size_t>(slot_down[axis])] == outside_band) {
         Vec3i coord = level.grid.coord(b);
         --coord[axis];
-        below.set(coord);
+        below.set_shared(coord);
       }
+  });
   std::vector<Vec3i> bricks;
   below.for_each([&](Vec3i b) { bricks.push_back(b); });
   return bricks;
@@ -167,7 +168,7 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
     local_gap->resize(terms.size());
     for (size_t b = 0; b < terms.size(); ++b) (*local_gap)[b] = terms[b].gap;
   }
-  const std::vector<Vec3i> below = bricks_below_band(level);
+  const std::vector<Vec3i> below = bricks_below_band(level, parallel);
   std::vector<EnergyTerms> rim(below.size());
   parallel.for_each(below.size(), 256, [&](size_t b) { rim[b] = evaluator.rim_terms(below[b]); });
   for (const EnergyTerms& t : rim) sum += t;
