@@ -13,6 +13,7 @@ namespace soapfilm {
 namespace {
 
 constexpr int reach = SplatWindow::reach;
+constexpr size_t bricks_per_task = 32;  // of a layer, which may hold few
 
 /// The vectors that a brick's own samples give to its vertices and to those one beyond. Samples lie on sheets: most
 /// rows stay zero, and are known to.
@@ -109,7 +110,7 @@ class SplatLayers {
 
   void splat(int layer) {
     const size_t first = begin_[static_cast<size_t>(layer)];
-    parallel_.for_each(begin_[static_cast<size_t>(layer) + 1] - first, 64,
+    parallel_.for_each(begin_[static_cast<size_t>(layer) + 1] - first, bricks_per_task,
                        [&](size_t i) { splat_brick(samples_, first + i, splats_[slot(layer) * widest_ + i]); });
   }
 
@@ -176,7 +177,7 @@ SupportField divergence_field(const GridSamples& samples, const LevelBox& box, c
   for (int layer = 0; layer < layers; ++layer) {
     if (layer + 1 < layers) splats.splat(layer + 1);
     const size_t first = begin[static_cast<size_t>(layer)];
-    parallel.for_chunks(begin[static_cast<size_t>(layer) + 1] - first, 64, [&](size_t from, size_t to) {
+    parallel.for_chunks(begin[static_cast<size_t>(layer) + 1] - first, bricks_per_task, [&](size_t from, size_t to) {
       SplatWindow window;
       for (size_t b = first + from; b < first + to; ++b) {
         const BrickGrid::Neighbors& neighbors = field.grid.neighbors(b);
