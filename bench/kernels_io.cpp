@@ -100,7 +100,7 @@ void read_binary_ply(benchmark::State& state) { read_file(state, shared().binary
 void read_ascii_ply(benchmark::State& state) { read_file(state, shared().ascii); }
 
 void measure_density(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(measure_sampling(shared().cloud));
+  for (auto _ : state) benchmark::DoNotOptimize(measure_sampling(shared().cloud, Parallel()));
   count_bytes(state, samples * sizeof(Vec3d));
 }
 

@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   constexpr int padding = 6;
   const double voxel = voxel_of_resolution(cloud.box(), resolution, padding);
   const Lattice lattice = place_lattice(cloud.box(), voxel, padding);
-  const double lambda = per_density * measure_sampling(cloud).density(voxel);
+  const double lambda = per_density * measure_sampling(cloud, Parallel()).density(voxel);
   const SupportField support =
       divergence_field(sort_samples(cloud, directions, lattice, one_thread), lattice.box(0), one_thread);
 

@@ -94,7 +94,7 @@ PointCloud read_input(const ReconstructOptions& options, const Parallel& paralle
     for (Scan& scan : cloud.scans)
       if (!scan.sensor) scan.sensor = options.params.orient.sensor;
   try {
-    check_samples(cloud);
+    check_samples(cloud, parallel);
   } catch (const ParameterError& error) {
     throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/field/sampling.h"
@@ -18,6 +19,7 @@ namespace {
 constexpr size_t fewest_samples = 4;
 /// Thickness of the samples along their thinnest direction, relative to the longest, below which they are coplanar.
 constexpr double coplanar = 1e-7;
+constexpr size_t samples_per_task = size_t{1} << 15;
 
 double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling& sampling) {
   if (params.voxel) return *params.voxel;
@@ -28,6 +30,21 @@ double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling&
   constexpr int fallback_resolution = 64;
   return voxel_of_resolution(box, fallback_resolution, params.padding);
 }
+
+/// Sums over positions.
+struct Moments {
+  Vec3d sum, squares, products;
+
+  void add(Vec3d q) {
+    sum += q;
+    squares += Vec3d{q.x * q.x, q.y * q.y, q.z * q.z};
+    products += Vec3d{q.x * q.y, q.y * q.z, q.z * q.x};
+  }
+  Moments& operator+=(const Moments& o) {
+    sum += o.sum, squares += o.squares, products += o.products;
+    return *this;
+  }
+};
 
 /// Whether weigh_area() looks for thinly sampled parts.
 bool probes(const ReconstructParams& params) {
@@ -55,25 +72,25 @@ void warn_at_end(const CrossValidationReport& select, std::vector<std::string>& 
 
 }  // namespace
 
-void check_samples(const PointCloud& cloud) {
-  const Box3d box = cloud.box();
+void check_samples(const PointCloud& cloud, const Parallel& parallel) {
+  const Box3d box = cloud.box(parallel);
   if (cloud.size() < fewest_samples)
     throw ParameterError(
         fmt::format("{} sample{}, must be at least {}", cloud.size(), cloud.size() == 1 ? "" : "s", fewest_samples));
-  for (size_t i = 0; i < cloud.size(); ++i)
+  parallel.for_each(cloud.size(), samples_per_task, [&](size_t i) {
     if (!is_finite(cloud.positions[i])) throw ParameterError(fmt::format("sample {}: position is not finite", i));
+  });
   if (!(box.longest() > 0))
     throw ParameterError(fmt::format("all {} samples are identical, must span a volume", cloud.size()));
 
-  Vec3d sum, squares, products;
   const Vec3d centre = box.centre();
   const double scale = 1 / box.longest();
-  for (const Vec3d& p : cloud.positions) {
-    const Vec3d q = (p - centre) * scale;
-    sum += q;
-    squares += Vec3d{q.x * q.x, q.y * q.y, q.z * q.z};
-    products += Vec3d{q.x * q.y, q.y * q.z, q.z * q.x};
-  }
+  const auto [sum, squares, products] =
+      sum_chunks<Moments>(cloud.size(), samples_per_task, parallel, [&](size_t begin, size_t end) {
+        Moments moments;
+        for (size_t i = begin; i < end; ++i) moments.add((cloud.positions[i] - centre) * scale);
+        return moments;
+      });
   Eigen::Vector3d mean(sum.x, sum.y, sum.z);
   Eigen::Matrix3d moments;
   moments << squares.x, products.x, products.z, products.x, squares.y, products.y, products.z, products.y, squares.z;
@@ -88,8 +105,8 @@ void check_samples(const PointCloud& cloud) {
 
 GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
                   AfterPlacing after, const Parallel& parallel, ReconstructReport& report) {
-  const Box3d box = cloud.box();
-  const Sampling sampling = measure_sampling(cloud);
+  const Box3d box = cloud.box(parallel);
+  const Sampling sampling = measure_sampling(cloud, parallel);
   const double voxel = choose_voxel(params.place, box, sampling);
   report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);
   report.input.samples = cloud.size();
@@ -129,7 +146,8 @@ void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, cons
       weigh_thin_parts(cloud, directions, report.lattice, sampling, per_density, params.thin, params.solve, parallel,
                        progress, report.thin.emplace());
   if (weights.empty()) return;
-  for (size_t k = 0; k < samples.size(); ++k) samples.direction[k] = samples.direction[k] * weights[samples.source[k]];
+  parallel.for_each(samples.size(), samples_per_task,
+                    [&](size_t k) { samples.direction[k] = samples.direction[k] * weights[samples.source[k]]; });
 }
 
 }  // namespace soapfilm

@@ -13,7 +13,7 @@
 namespace soapfilm {
 
 /// Throws ParameterError unless there are at least 4 samples, all finite, that span a volume.
-void check_samples(const PointCloud& cloud);
+void check_samples(const PointCloud& cloud, const Parallel& parallel);
 
 /// Places the grid, sorts the samples into it and fills the report's input, lattice and planned_bytes. The cloud must
 /// pass check_samples(). Throws MemoryError before anything large is allocated.

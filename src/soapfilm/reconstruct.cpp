@@ -93,7 +93,7 @@ Mesh fused_surface(const PointCloud& cloud, const Lattice& lattice, const Recons
 Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const ReconstructParams& params,
                            const Parallel& parallel, Progress& progress, const PyramidObserver& observe) {
   validate(params);
-  check_samples(cloud);
+  check_samples(cloud, parallel);
   if (params.method == Method::vrip)
     for (const Scan& scan : cloud.scans) require_range_scan(scan);
   Stages stages(progress);

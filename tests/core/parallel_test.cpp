@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "soapfilm/core/gather.h"
+
 namespace soapfilm {
 namespace TEST_FILE {
 
@@ -138,6 +140,26 @@ TEST(Parallel, ALowChunkThatFailsLaterStillWins) {
     FAIL() << "nothing thrown";
   } catch (const std::runtime_error& error) {
     EXPECT_STREQ(error.what(), "low");
+  }
+}
+
+TEST_P(ParallelLoop, ListsAndSumsAreInOrder) {
+  const Parallel parallel(GetParam());
+  for (const size_t count : {0, 1, 99, 1000}) {
+    const auto odd = gather<size_t>(count, 7, parallel, [](size_t i, std::vector<size_t>& found) {
+      if (i % 2 == 1) found.push_back(i);
+    });
+    std::vector<size_t> expected;
+    for (size_t i = 1; i < count; i += 2) expected.push_back(i);
+    EXPECT_EQ(odd, expected);
+    // Strings add up in one order alone.
+    const auto text = sum_chunks<std::string>(count, 7, parallel, [](size_t begin, size_t end) {
+      return std::to_string(begin) + "-" + std::to_string(end) + " ";
+    });
+    std::string expected_text;
+    for (size_t i = 0; i < count; i += 7)
+      expected_text += std::to_string(i) + "-" + std::to_string(std::min(i + 7, count)) + " ";
+    EXPECT_EQ(text, expected_text);
   }
 }
 

@@ -164,6 +164,23 @@ TEST(Isosurface, SmallTrianglesFaceWhereTheSurfaceDoes) {
   }
 }
 
+/// Where the field is steep somewhere, every crowded vertex asks its neighbours what moves it; else most need not. Far
+/// inside, a steep place draws nothing itself.
+TEST(Isosurface, WhatMovesCrowdedVerticesDoesNotDependOnOtherPlaces) {
+  BrickMask mask({6, 6, 6});
+  mask.fill(true);
+  for (const double radius : {15.0, 15.0002, 15.4, 16.0}) {
+    const Vec3d centre{24, 24, 24};
+    Band band = sample(mask, [&](Vec3i v) { return ball(v, centre, radius); });
+    const Mesh mesh = extract(band, zero_everywhere);
+    band.value.brick(static_cast<size_t>(band.grid.find({3, 3, 3})))[0] = 1e9f;
+    const Mesh beside_steep = extract(band, zero_everywhere);
+    ASSERT_GT(mesh.triangles.size(), 1000u);
+    EXPECT_TRUE(mesh.vertices == beside_steep.vertices) << radius;
+    EXPECT_TRUE(mesh.triangles == beside_steep.triangles) << radius;
+  }
+}
+
 TEST(Isosurface, VerticesAreInTheWorldFrameAtFullAccuracy) {
   BrickMask mask({4, 4, 4});
   mask.fill(true);

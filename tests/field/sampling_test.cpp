@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <map>
+
 #include "soapfilm/pyramid/critical_lambda.h"
 #include "support/problem.h"
 
@@ -16,7 +19,7 @@ TEST(Sampling, MeasuresTheDensityOfEvenSamples) {
     const double area = area_of(*shape);
     for (const size_t count : {4000, 40000}) {
       const double per_area = static_cast<double>(count) / area;
-      const Sampling sampling = measure_sampling(sample_surface(*shape, count, 1));
+      const Sampling sampling = measure_sampling(sample_surface(*shape, count, 1), Parallel());
       EXPECT_GT(sampling.per_area, 0.8 * per_area) << name << ", " << count;
       EXPECT_LT(sampling.per_area, 1.4 * per_area) << name << ", " << count;
     }
@@ -29,30 +32,60 @@ TEST(Sampling, FindsTheScaleOfASmallPatch) {
   Random random(3);
   const Vec3d a = normalized(Vec3d{1, 0.3, -0.2}), b = normalized(cross(a, Vec3d{0.1, 1, 0.4}));
   for (int i = 0; i < 4000; ++i) cloud.positions.push_back(random.uniform() * a + random.uniform() * b);
-  const double alone = measure_sampling(cloud).per_area;
+  const double alone = measure_sampling(cloud, Parallel()).per_area;
   EXPECT_NEAR(alone, 4000, 1000);
   cloud.positions.push_back({1000, 0, 0});
-  EXPECT_NEAR(measure_sampling(cloud).per_area, alone, 0.2 * alone);
+  EXPECT_NEAR(measure_sampling(cloud, Parallel()).per_area, alone, 0.2 * alone);
 }
 
 TEST(Sampling, HardlySeesOutliers) {
   PointCloud cloud = sample_surface(*make_torus(), 20000, 1);
-  const double clean = measure_sampling(cloud).per_area;
+  const double clean = measure_sampling(cloud, Parallel()).per_area;
   Random random(2);
   for (size_t i = 0; i < cloud.size(); i += 10)
     for (int axis = 0; axis < 2; ++axis) cloud.positions[i][axis] = random.uniform(-0.5, 0.5);
-  EXPECT_NEAR(measure_sampling(cloud).per_area, 0.9 * clean, 0.1 * clean);
+  EXPECT_NEAR(measure_sampling(cloud, Parallel()).per_area, 0.9 * clean, 0.1 * clean);
+}
+
+/// The definition, cell by cell: the finest of 16 depths with four companions on average.
+double counted_per_area(const PointCloud& cloud) {
+  const Box3d box = cloud.box();
+  for (int depth = 16;; --depth) {
+    std::map<std::array<int, 3>, double> cells;
+    for (const Vec3d& p : cloud.positions) {
+      std::array<int, 3> cell{};
+      for (int axis = 0; axis < 3; ++axis)
+        cell[static_cast<size_t>(axis)] =
+            static_cast<int>(std::min((p[axis] - box.lo[axis]) / box.longest() * 65536, 65535.0)) >> (16 - depth);
+      ++cells[cell];
+    }
+    double pairs = 0;
+    for (const auto& [cell, n] : cells) pairs += n * (n - 1);
+    const double companions = pairs / static_cast<double>(cloud.size()), side = box.longest() / (1 << depth);
+    if (companions >= 4 || depth == 1) return companions / (0.9413 * side * side);
+  }
+}
+
+TEST(Sampling, CountsAsAMapDoesOnAnyNumberOfThreads) {
+  PointCloud even = sample_surface(*make_torus(), 30000, 1), clustered = even;
+  for (int i = 0; i < 70000; ++i)
+    clustered.positions.push_back(even.positions[5]);  // more than a thread counts at once
+  for (const PointCloud* cloud : {&even, &clustered}) {
+    const double counted = counted_per_area(*cloud);
+    for (const int threads : {1, 2, 3, 8})
+      EXPECT_EQ(measure_sampling(*cloud, Parallel(threads)).per_area, counted) << threads << " threads";
+  }
 }
 
 TEST(Sampling, ScalesWithTheUnits) {
   PointCloud cloud = sample_surface(*make_sphere(), 5000, 1);
-  const double metres = measure_sampling(cloud).per_area;
+  const double metres = measure_sampling(cloud, Parallel()).per_area;
   for (Vec3d& p : cloud.positions) p = p * 1024.0;
-  EXPECT_DOUBLE_EQ(measure_sampling(cloud).per_area * 1024 * 1024, metres);
+  EXPECT_DOUBLE_EQ(measure_sampling(cloud, Parallel()).per_area * 1024 * 1024, metres);
 }
 
 TEST(Sampling, VoxelAndDensityAreInverse) {
-  const Sampling sampling = measure_sampling(sample_surface(*make_sphere(), 5000, 1));
+  const Sampling sampling = measure_sampling(sample_surface(*make_sphere(), 5000, 1), Parallel());
   for (const double density : {0.1, 1.0, 7.0}) EXPECT_NEAR(sampling.density(sampling.voxel(density)), density, 1e-12);
   EXPECT_EQ(Sampling{}.voxel(1), 0);
 }

@@ -22,6 +22,21 @@ BrickMask random_mask(Vec3i bricks, double share, uint64_t seed) {
   return mask;
 }
 
+TEST(BrickMask, IsSetByManyThreadsAtOnce) {
+  const Vec3i bricks{5, 7, 30};
+  const BrickMask expected = random_mask(bricks, 0.5, 4);
+  std::vector<Vec3i> wanted, set;
+  expected.for_each([&](Vec3i b) { wanted.push_back(b); });
+  for (const int threads : {1, 2, 3, 8}) {
+    BrickMask mask(bricks);
+    // Neighbouring bricks share a word, and each is set twice.
+    Parallel(threads).for_each(2 * wanted.size(), 1, [&](size_t i) { mask.set_shared(wanted[i / 2]); });
+    set.clear();
+    mask.for_each([&](Vec3i b) { set.push_back(b); });
+    EXPECT_EQ(set, wanted) << threads << " threads";
+  }
+}
+
 TEST(BrickMask, CountsAndVisitsWhatWasSet) {
   BrickMask mask({5, 7, 3});
   EXPECT_EQ(mask.count(), 0u);

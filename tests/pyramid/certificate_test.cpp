@@ -57,7 +57,8 @@ KeptPyramid solve_and_keep(const Problem& problem, double lambda, Norm norm) {
     BrickMask band = choose_band(coarse, box, kept.data[l], allowed_outside, one_thread);
     level = prolong_level(coarse, box, band, kept.data[l], one_thread);
     solve_primal_dual(level, params, one_thread, progress);
-    for (BrickMask grown = growth(level, coarse.grid); grown.count() > 0; grown = growth(level, coarse.grid)) {
+    for (BrickMask grown = growth(level, coarse.grid, Parallel(2)); grown.count() > 0;
+         grown = growth(level, coarse.grid, Parallel(2))) {
       band |= grown;
       level = prolong_level(coarse, box, band, kept.data[l], one_thread, std::move(level));
       solve_primal_dual(level, params, one_thread, progress);

@@ -1,4 +1,4 @@
-// Lists that are made by several threads and do not depend on how many.
+// Lists and sums that are made by several threads and do not depend on how many.
 #pragma once
 
 #include <cstddef>
@@ -22,6 +22,23 @@ std::vector<T> gather(size_t count, size_t grain, const Parallel& parallel, Body
   all.reserve(total);
   for (const std::vector<T>& part : found) all.insert(all.end(), part.begin(), part.end());
   return all;
+}
+
+/// What part(begin, end) returns for chunks of [0, count), `grain` of it each, joined in their order:
+/// join(whole, part) from T{} on.
+template <class T, class Part, class Join>
+T join_chunks(size_t count, size_t grain, const Parallel& parallel, Part&& part, Join&& join) {
+  std::vector<T> parts((count + grain - 1) / grain);
+  parallel.for_chunks(count, grain, [&](size_t begin, size_t end) { parts[begin / grain] = part(begin, end); });
+  T whole{};
+  for (const T& p : parts) join(whole, p);
+  return whole;
+}
+
+/// The same, joined by +=.
+template <class T, class Part>
+T sum_chunks(size_t count, size_t grain, const Parallel& parallel, Part&& part) {
+  return join_chunks<T>(count, grain, parallel, part, [](T& whole, const T& p) { whole += p; });
 }
 
 }  // namespace soapfilm

@@ -3,6 +3,8 @@
 #include <limits>
 #include <utility>
 
+#include "soapfilm/core/gather.h"
+
 namespace soapfilm {
 
 namespace {
@@ -31,6 +33,16 @@ Box3d PointCloud::box() const {
   Box3d box;
   for (const Vec3d& p : positions) box.extend(p);
   return box;
+}
+
+Box3d PointCloud::box(const Parallel& parallel) const {
+  constexpr size_t grain = size_t{1} << 15;
+  const auto part = [&](size_t begin, size_t end) {
+    Box3d box;
+    for (size_t i = begin; i < end; ++i) box.extend(positions[i]);
+    return box;
+  };
+  return join_chunks<Box3d>(size(), grain, parallel, part, [](Box3d& whole, const Box3d& p) { whole.extend(p); });
 }
 
 void PointCloud::append(PointCloud&& other) {

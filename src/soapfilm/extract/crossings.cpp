@@ -52,7 +52,7 @@ CrossingSearch::CrossingSearch(const MeshChange& change, double voxel, const Par
       });
     });
   }
-  radix_sort(entries_, bin_bits_);
+  radix_sort(entries_, bin_bits_, parallel);
   const uint64_t bin_mask = (uint64_t{1} << bin_bits_) - 1;
   for (size_t i = 0, begin = 0; i < entries_.size(); ++i)
     if (i + 1 == entries_.size() || ((entries_[i] ^ entries_[i + 1]) & bin_mask) != 0) {

@@ -10,6 +10,8 @@
 #include <optional>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/gather.h"
+#include "soapfilm/core/memory.h"
 #include "soapfilm/extract/drawn_cells.h"
 #include "soapfilm/extract/marching_cubes_table.h"
 #include "soapfilm/grid/brick_bits.h"
@@ -83,8 +85,17 @@ class Extraction {
         first_triangle_(blocks_.size() + 1, 0) {}
 
   Mesh run() {
-    parallel_.for_each(grid_.size(), blocks_per_task,
-                       [this](size_t b) { inside_[b] = BrickBits::above(value_.brick(b), isovalue_); });
+    highest_ = join_chunks<double>(
+        grid_.size(), blocks_per_task, parallel_,
+        [this](size_t begin, size_t end) {
+          double highest = 0;
+          for (size_t b = begin; b < end; ++b) {
+            inside_[b] = BrickBits::above(value_.brick(b), isovalue_);
+            highest = std::max(highest, highest_around(b));
+          }
+          return highest;
+        },
+        [](double& highest, double part) { highest = std::max(highest, part); });
     parallel_.for_each(blocks_.size(), blocks_per_task,
                        [this](size_t b) { brick_of_[b] = grid_.find(brick_coord(b)); });
     for_blocks([](size_t) { return true; }, [this](size_t block, const Window& window) { count(block, window); });
@@ -95,7 +106,9 @@ class Extraction {
     if (first_vertex_.back() > std::numeric_limits<uint32_t>::max()) {
       throw ParameterError(fmt::format("the surface has {} vertices, must be < 2^32", first_vertex_.back()));
     }
+    reserve_many(mesh_.vertices, first_vertex_.back());
     mesh_.vertices.resize(first_vertex_.back());
+    reserve_many(mesh_.triangles, first_triangle_.back());
     mesh_.triangles.resize(first_triangle_.back());
     for_blocks([this](size_t block) { return has_vertices(block) || has_triangles(block); },
                [this](size_t block, Window& window) {
@@ -123,6 +136,27 @@ class Extraction {
         work(b, window);
       }
     });
+  }
+
+  /// Largest height, up or down, in a brick of the grid and in missing ones next to it.
+  double highest_around(size_t brick) const {
+    const float* values = value_.brick(brick);
+    float least[brick_side], most[brick_side];
+    std::copy_n(values, brick_side, least);
+    std::copy_n(values, brick_side, most);
+    for (int row = 1; row < brick_area; ++row)
+      for (int x = 0; x < brick_side; ++x) {
+        least[x] = std::min(least[x], values[row * brick_side + x]);
+        most[x] = std::max(most[x], values[row * brick_side + x]);
+      }
+    double highest = 0;
+    const auto consider = [&](float value) { highest = std::max(highest, std::abs(double{value} - isovalue_)); };
+    std::for_each(std::begin(least), std::end(least), consider);
+    std::for_each(std::begin(most), std::end(most), consider);
+    for (int slot = 0; slot < 27; ++slot)
+      if (grid_.neighbors(brick)[static_cast<size_t>(slot)] < 0)
+        consider(missing_value_(grid_.coord(brick) + slot_offset(slot)));
+    return highest;
   }
 
   Vec3i brick_coord(size_t block) const { return blocks_.coord(block) - Vec3i{1, 1, 1}; }
@@ -261,6 +295,7 @@ class Extraction {
   /// by at most 1/1000 of an edge, together on all the vertex's edges: points moved one by one would turn the small
   /// triangles between them.
   double pushed_away(size_t block, const Window& window, Vec3i v, double height) const {
+    if (std::abs(height) >= least_fraction * (highest_ + std::abs(height))) return height;  // as mostly
     double steepest = 0;
     for (int axis = 0; axis < 3; ++axis)
       for (const int up : {-1, 1}) {
@@ -332,6 +367,7 @@ class Extraction {
   float isovalue_;
   const Lattice& lattice_;
   const Parallel& parallel_;
+  double highest_ = 0;             // no vertex of the surface's cells is higher over the isovalue, or deeper below it
   std::vector<BrickBits> inside_;  // by brick of the grid
   BrickGrid blocks_;
   std::vector<int32_t> brick_of_;  // by block: the grid's brick, < 0 where it has none

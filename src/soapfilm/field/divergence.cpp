@@ -13,6 +13,7 @@ namespace soapfilm {
 namespace {
 
 constexpr int reach = SplatWindow::reach;
+constexpr size_t bricks_per_task = 32;  // of a layer, which may hold few
 
 /// The vectors that a brick's own samples give to its vertices and to those one beyond. Samples lie on sheets: most
 /// rows stay zero, and are known to.
@@ -109,7 +110,7 @@ class SplatLayers {
 
   void splat(int layer) {
     const size_t first = begin_[static_cast<size_t>(layer)];
-    parallel_.for_each(begin_[static_cast<size_t>(layer) + 1] - first, 64,
+    parallel_.for_each(begin_[static_cast<size_t>(layer) + 1] - first, bricks_per_task,
                        [&](size_t i) { splat_brick(samples_, first + i, splats_[slot(layer) * widest_ + i]); });
   }
 
@@ -142,22 +143,18 @@ constexpr unsigned spread(unsigned bits, int places) {
 }  // namespace
 
 BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Parallel& parallel) {
-  // Which of a brick's 27 neighbours its samples reach, as bits by neighbor_slot().
-  std::vector<uint32_t> reached(samples.bricks.size(), 0);
+  BrickMask mask(box.bricks);
   parallel.for_each(samples.bricks.size(), 64, [&](size_t b) {
+    uint32_t reached = 0;  // which of the brick's 27 neighbours, as bits by neighbor_slot()
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f q = samples.local[s];
       // No two terms of the product share a bit.
-      reached[b] |= reached_along_axis(q.x) * spread(reached_along_axis(q.y), 3) * spread(reached_along_axis(q.z), 9);
+      reached |= reached_along_axis(q.x) * spread(reached_along_axis(q.y), 3) * spread(reached_along_axis(q.z), 9);
     }
-  });
-  BrickMask mask(box.bricks);
-  for (size_t b = 0; b < reached.size(); ++b)
     for (int slot = 0; slot < 27; ++slot)
-      if (reached[b] >> slot & 1u) {
-        const Vec3i brick = samples.bricks.coord(b) + slot_offset(slot);
-        if (mask.contains(brick)) mask.set(brick);
-      }
+      if (const Vec3i brick = samples.bricks.coord(b) + slot_offset(slot); reached >> slot & 1u && mask.contains(brick))
+        mask.set_shared(brick);
+  });
   return mask;
 }
 
@@ -180,7 +177,7 @@ SupportField divergence_field(const GridSamples& samples, const LevelBox& box, c
   for (int layer = 0; layer < layers; ++layer) {
     if (layer + 1 < layers) splats.splat(layer + 1);
     const size_t first = begin[static_cast<size_t>(layer)];
-    parallel.for_chunks(begin[static_cast<size_t>(layer) + 1] - first, 64, [&](size_t from, size_t to) {
+    parallel.for_chunks(begin[static_cast<size_t>(layer) + 1] - first, bricks_per_task, [&](size_t from, size_t to) {
       SplatWindow window;
       for (size_t b = first + from; b < first + to; ++b) {
         const BrickGrid::Neighbors& neighbors = field.grid.neighbors(b);

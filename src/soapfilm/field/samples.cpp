@@ -13,6 +13,7 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t most_chunks = 16;
+constexpr size_t samples_per_task = size_t{1} << 14;
 
 Vec3i brick_at(Vec3d lattice_position) {
   return brick_of({static_cast<int>(std::floor(lattice_position.x)), static_cast<int>(std::floor(lattice_position.y)),
@@ -42,8 +43,10 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
     }
   };
   BrickMask occupied(lattice.box(0).bricks);
-  for_each_sample(0, cloud.size(), [&](size_t, Vec3i brick, bool is_new, Vec3d) {
-    if (is_new) occupied.set(brick);
+  parallel.for_chunks(cloud.size(), samples_per_task, [&](size_t begin, size_t end) {
+    for_each_sample(begin, end, [&](size_t, Vec3i brick, bool is_new, Vec3d) {
+      if (is_new) occupied.set_shared(brick);
+    });
   });
   samples.bricks = BrickGrid(occupied, parallel);
 

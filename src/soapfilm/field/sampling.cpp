@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/radix_sort.h"
 
@@ -19,6 +20,7 @@ namespace {
 constexpr int deepest = 16;
 constexpr int coarsest = 1;
 constexpr double companions_wanted = 4;
+constexpr size_t samples_per_task = size_t{1} << 15;
 /// Mean area of a plane's section with a unit cube, over planes through uniform points in uniform directions.
 constexpr double mean_section = 0.9413;
 
@@ -32,68 +34,46 @@ uint64_t spread_bits(uint64_t v) {
   return v;
 }
 
-/// A cell that holds samples.
-struct Cell {
-  uint64_t key;
-  uint32_t samples;
-};
-
-std::vector<Cell> cells_of(const std::vector<uint64_t>& sorted_keys) {
-  size_t count = 0;
-  for (size_t i = 0; i < sorted_keys.size(); ++i) count += i == 0 || sorted_keys[i] != sorted_keys[i - 1];
-  std::vector<Cell> cells;
-  cells.reserve(count);
-  for (const uint64_t key : sorted_keys) {
-    if (!cells.empty() && cells.back().key == key)
-      ++cells.back().samples;
-    else
-      cells.push_back({key, 1});
-  }
-  return cells;
-}
-
-std::vector<Cell> occupied_cells(const PointCloud& cloud, const Box3d& box, int depth) {
+/// The keys of the cells that hold the samples, sorted.
+std::vector<uint64_t> cells_of(const PointCloud& cloud, const Box3d& box, int depth, const Parallel& parallel) {
   const double longest = box.longest(), cells = static_cast<double>(1 << deepest);
   std::vector<uint64_t> keys;
   reserve_many(keys, cloud.size());
-  for (const Vec3d& p : cloud.positions) {
-    uint64_t key = 0;
+  keys.resize(cloud.size());
+  parallel.for_each(cloud.size(), samples_per_task, [&](size_t i) {
     for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::min((p[axis] - box.lo[axis]) / longest * cells, cells - 1);
-      key |= spread_bits(static_cast<uint64_t>(cell) >> (deepest - depth)) << axis;
+      const double cell = std::min((cloud.positions[i][axis] - box.lo[axis]) / longest * cells, cells - 1);
+      keys[i] |= spread_bits(static_cast<uint64_t>(cell) >> (deepest - depth)) << axis;
     }
-    keys.push_back(key);
-  }
-  radix_sort(keys, 3 * depth);
-  return cells_of(keys);
+  });
+  radix_sort(keys, 3 * depth, parallel);
+  return keys;
 }
 
-/// The occupied cells one depth less deep.
-void coarsen(std::vector<Cell>& cells) {
-  size_t kept = 0;
-  for (size_t i = 0; i < cells.size(); ++i) {
-    const Cell cell{cells[i].key >> 3, cells[i].samples};
-    if (kept > 0 && cells[kept - 1].key == cell.key)
-      cells[kept - 1].samples += cell.samples;
-    else
-      cells[kept++] = cell;
-  }
-  cells.resize(kept);
-}
-
-/// Other samples in a sample's cell, averaged over the samples.
-double mean_companions(const std::vector<Cell>& cells, size_t samples) {
-  double pairs = 0;
-  for (const Cell& cell : cells) pairs += static_cast<double>(cell.samples) * (static_cast<double>(cell.samples) - 1);
-  return pairs / static_cast<double>(samples);
+/// Other samples in a sample's cell, averaged over the samples; cells are `up` depths less deep than the sorted keys
+/// say. A run of samples is counted by the chunk that it begins in.
+double mean_companions(const std::vector<uint64_t>& keys, int up, const Parallel& parallel) {
+  const auto cell = [&](size_t i) { return keys[i] >> (3 * up); };
+  const auto pairs = sum_chunks<uint64_t>(keys.size(), samples_per_task, parallel, [&](size_t begin, size_t end) {
+    uint64_t found = 0;
+    while (begin > 0 && begin < end && cell(begin) == cell(begin - 1)) ++begin;
+    while (begin < end) {
+      size_t next = begin + 1;
+      while (next < keys.size() && cell(next) == cell(begin)) ++next;
+      found += (next - begin) * (next - begin - 1);
+      begin = next;
+    }
+    return found;
+  });
+  return static_cast<double>(pairs) / static_cast<double>(keys.size());
 }
 
 }  // namespace
 
 double Sampling::voxel(double density) const { return per_area > 0 ? std::sqrt(density / per_area) : 0; }
 
-Sampling measure_sampling(const PointCloud& cloud) {
-  const Box3d box = cloud.box();
+Sampling measure_sampling(const PointCloud& cloud, const Parallel& parallel) {
+  const Box3d box = cloud.box(parallel);
   const double longest = box.longest();
   Sampling sampling;
   if (!(longest > 0)) return sampling;
@@ -101,13 +81,15 @@ Sampling measure_sampling(const PointCloud& cloud) {
   // A surface has about 4^depth cells: at this depth mostly less than one sample for each, so few companions.
   int depth = coarsest;
   while (depth < deepest && size_t{1} << (2 * depth) < cloud.size()) ++depth;
-  std::vector<Cell> occupied = occupied_cells(cloud, box, depth);
-  while (depth < deepest && mean_companions(occupied, cloud.size()) >= companions_wanted)
-    occupied = occupied_cells(cloud, box, depth = std::min(depth + 2, deepest));
-  for (;; --depth, coarsen(occupied)) {
-    const double companions = mean_companions(occupied, cloud.size());
-    if (companions < companions_wanted && depth > coarsest) continue;
-    const double cell = longest / static_cast<double>(1 << depth);
+  std::vector<uint64_t> keys = cells_of(cloud, box, depth, parallel);
+  while (depth < deepest && mean_companions(keys, 0, parallel) >= companions_wanted) {
+    release(keys);
+    keys = cells_of(cloud, box, depth = std::min(depth + 2, deepest), parallel);
+  }
+  for (int up = 0;; ++up) {
+    const double companions = mean_companions(keys, up, parallel);
+    if (companions < companions_wanted && depth - up > coarsest) continue;
+    const double cell = longest / static_cast<double>(1 << (depth - up));
     sampling.per_area = companions / (mean_section * cell * cell);
     return sampling;
   }

@@ -1,6 +1,7 @@
 // How densely the samples cover the surface: what the default voxel and the default lambda follow from.
 #pragma once
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/point_cloud.h"
 
 namespace soapfilm {
@@ -17,7 +18,7 @@ struct Sampling {
 /// From how many other samples share a sample's cell, at the finest scale where there are four on average: the cell
 /// then holds 0.94 of its face's area of surface, averaged over where and how a plane crosses it. Fine enough to keep
 /// the two sides of a thin plate apart; outliers, which share their cells with nobody, hardly count.
-Sampling measure_sampling(const PointCloud& cloud);
+Sampling measure_sampling(const PointCloud& cloud, const Parallel& parallel);
 
 /// A film over even samples of less than lambda / critical_density per voxel^2 costs more than it gains: the optimum
 /// is empty. Measured on spheres and tori (tests/field repeats it); flat parts and edges stand a little more.

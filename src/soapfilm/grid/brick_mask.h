@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <bit>
 #include <cstdint>
 #include <vector>
@@ -28,6 +29,13 @@ class BrickMask {
     const size_t i = index(b);
     const uint64_t bit = uint64_t{1} << (i & 63);
     words_[i >> 6] = value ? words_[i >> 6] | bit : words_[i >> 6] & ~bit;
+  }
+  /// set(b), which other threads may call at the same time.
+  void set_shared(Vec3i b) {
+    const size_t i = index(b);
+    const std::atomic_ref<uint64_t> word(words_[i >> 6]);
+    const uint64_t bit = uint64_t{1} << (i & 63);
+    if ((word.load(std::memory_order_relaxed) & bit) == 0) word.fetch_or(bit, std::memory_order_relaxed);
   }
   void fill(bool value) {
     for (uint64_t& w : words_) w = value ? ~uint64_t{0} : 0;

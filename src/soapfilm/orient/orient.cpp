@@ -145,11 +145,10 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
       if (!(directions[i] == Vec3f{})) used[i] = static_cast<uint8_t>(s + 1);
     }
   });
-  for (const uint8_t source : used) {
-    report.from_normals += source == 1;
-    report.from_sensor += source == 2;
-    report.from_scan += source == 3;
-  }
+  const auto count = [&](uint8_t source) { return static_cast<size_t>(std::count(used.begin(), used.end(), source)); };
+  report.from_normals = count(1);
+  report.from_sensor = count(2);
+  report.from_scan = count(3);
   refuse_absent_source(params.source, report);
   estimate(cloud, params, known, parallel, progress, directions, report);
   return directions;

@@ -47,23 +47,22 @@ unsigned interface_octants(const Level& level, size_t brick) {
 
 /// The children within two fine vertices of the interface: room to move for it.
 BrickMask beside_interface(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel) {
-  std::vector<uint64_t> near(coarse.grid.size());  // of 4 x 4 x 4 octants, one of them below the brick
-  parallel.for_each(near.size(), 64, [&](size_t b) {
+  BrickMask mask(fine_bricks);
+  parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
+    uint64_t near = 0;  // of 4 x 4 x 4 octants, one of them below the brick
     for_each_at_interface(coarse, b, [&](int x, int y, int z) {
       for (const int oz : {z - 1, z + 1})
         for (const int oy : {y - 1, y + 1})
           for (const int ox : {x - 1, x + 1})
-            near[b] |= uint64_t{1} << ((ox + half_brick) / half_brick + 4 * ((oy + half_brick) / half_brick) +
-                                       16 * ((oz + half_brick) / half_brick));
+            near |= uint64_t{1} << ((ox + half_brick) / half_brick + 4 * ((oy + half_brick) / half_brick) +
+                                    16 * ((oz + half_brick) / half_brick));
     });
-  });
-  BrickMask mask(fine_bricks);
-  for (size_t b = 0; b < near.size(); ++b)
-    for (uint64_t bits = near[b]; bits != 0; bits &= bits - 1) {
-      const int k = std::countr_zero(bits);
+    for (; near != 0; near &= near - 1) {
+      const int k = std::countr_zero(near);
       const Vec3i child = coarse.grid.coord(b) * 2 + Vec3i{(k & 3) - 1, (k >> 2 & 3) - 1, (k >> 4) - 1};
-      if (mask.contains(child)) mask.set(child);
+      if (mask.contains(child)) mask.set_shared(child);
     }
+  });
   return mask;
 }
 
@@ -111,15 +110,13 @@ BrickMask widened(const BrickMask& band, const Level& coarse) {
 }  // namespace
 
 BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel) {
-  std::vector<unsigned> octants(coarse.grid.size());
-  parallel.for_each(octants.size(), 64, [&](size_t b) {
-    octants[b] = interface_octants(coarse, b);
-    if (octants[b] != all_octants) octants[b] |= infeasible_octants(coarse, b);
-  });
   BrickMask mask(fine_bricks);
-  for (size_t b = 0; b < octants.size(); ++b)
+  parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
+    unsigned octants = interface_octants(coarse, b);
+    if (octants != all_octants) octants |= infeasible_octants(coarse, b);
     for (int k = 0; k < 8; ++k)
-      if (octants[b] >> k & 1u) mask.set(coarse.grid.coord(b) * 2 + octant_of(k));
+      if (octants >> k & 1u) mask.set_shared(coarse.grid.coord(b) * 2 + octant_of(k));
+  });
   return coarse.box.level > 1 ? widened(mask, coarse) : mask;
 }
 
@@ -153,9 +150,9 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
   return band;
 }
 
-BrickMask growth(const Level& level, const BrickGrid& coarse) {
+BrickMask growth(const Level& level, const BrickGrid& coarse, const Parallel& parallel) {
   BrickMask grown(level.box.bricks);
-  for (size_t b = 0; b < level.grid.size(); ++b) {
+  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
     const float* u = level.u.brick(b);
     for (int axis = 0; axis < 3; ++axis)
       for (int up = 0; up <= 1; ++up) {
@@ -169,9 +166,9 @@ BrickMask growth(const Level& level, const BrickGrid& coarse) {
         bool reached = false;
         for (int k = 0; k < brick_area && !reached; ++k)
           reached = (layer[k % brick_side * first + k / brick_side * second] > 0.5f) != outside_is_inside;
-        if (reached) grown.set(next);
+        if (reached) grown.set_shared(next);
       }
-  }
+  });
   return grown;
 }
 

@@ -26,6 +26,6 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
 
 /// The bricks just outside the band that its interface has reached (rounded u differs across the rim) and whose parent
 /// the coarse band holds: where the band must grow.
-BrickMask growth(const Level& level, const BrickGrid& coarse);
+BrickMask growth(const Level& level, const BrickGrid& coarse, const Parallel& parallel);
 
 }  // namespace soapfilm

@@ -116,7 +116,7 @@ class Descent {
     for (;;) {
       solve(level, report);
       if (report.band_growths == max_growths) return level;
-      const BrickMask grown = growth(level, held);
+      const BrickMask grown = growth(level, held, parallel_);
       if (grown.count() == 0) return level;
       band |= grown;
       if (coarse.grid.size() == 0)

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/gather.h"
 #include "soapfilm/core/median.h"
 
 namespace soapfilm {
@@ -56,9 +57,12 @@ void Displacement::yield_to_bends(double medians) {
     kernel.saddles(rows, {phi_.data(), weight.data(), product.data()}, begin, end);
   });
   if (!multilevel_.local_mean(product, weight, weight, 1, mean, parallel_)) return;
-  std::vector<float> squares;
-  for (size_t i = 0; i < mean.size(); i += stride)
-    if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach) squares.push_back(mean.data()[i]);
+  auto squares = gather<float>((mean.size() + stride - 1) / stride, rows_per_task, parallel_,
+                               [&](size_t k, std::vector<float>& found) {
+                                 const size_t i = stride * k;
+                                 if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach)
+                                   found.push_back(mean.data()[i]);
+                               });
   if (squares.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
   const float per_square = 1 / std::max(squared_medians * median(std::move(squares)), 1e-12f);

@@ -128,21 +128,19 @@ void smooth_brick(const std::array<const BrickBits*, 27>& around, float* out) {
 
 SurfaceField smoothed_indicator(const Level& level, float threshold, const Parallel& parallel) {
   const std::vector<BrickBits> bits = inside_bits(level, threshold, parallel);
-  std::vector<uint32_t> near(level.grid.size());
-  parallel.for_each(near.size(), 64, [&](size_t b) {
+  BrickMask mask(level.box.bricks);
+  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
     std::array<const BrickBits*, 27> around;
     for (int slot = 0; slot < 27; ++slot) {
       const auto k = static_cast<size_t>(slot);
       const int32_t n = slot == own_slot ? static_cast<int32_t>(b) : level.grid.neighbors(b)[k];
       around[k] = bits_of(level, bits, threshold, n, level.grid.coord(b) + slot_offset(slot));
     }
-    near[b] = bricks_near_interface(around);
-  });
-  BrickMask mask(level.box.bricks);
-  for (size_t b = 0; b < near.size(); ++b)
+    const uint32_t near = bricks_near_interface(around);
     for (int slot = 0; slot < 27; ++slot)
-      if (const Vec3i brick = level.grid.coord(b) + slot_offset(slot); near[b] >> slot & 1u && mask.contains(brick))
-        mask.set(brick);
+      if (const Vec3i brick = level.grid.coord(b) + slot_offset(slot); near >> slot & 1u && mask.contains(brick))
+        mask.set_shared(brick);
+  });
 
   SurfaceField field;
   field.inside = inside_bricks(level, threshold);

@@ -29,6 +29,19 @@ void for_each_parent(int fine, Visit&& visit) {
   if (fine & 1) visit((fine >> 1) + 1);
 }
 
+/// body(brick) for those that have rows: every second layer at the same time, since no two of these touch a common
+/// coarse row; in an order, for each row, that does not depend on threads.
+template <class Body>
+void for_bricks_apart(const NarrowBand& fine, const Parallel& parallel, Body&& body) {
+  const auto layers = static_cast<size_t>(layers_of(fine));
+  for (size_t parity = 0; parity < 2; ++parity)
+    parallel.for_each((layers + 1 - parity) / 2, 1, [&](size_t i) {
+      const auto [begin, end] = fine.grid().layer(static_cast<int>(2 * i + parity));
+      for (size_t b = begin; b < end; ++b)
+        if (fine.first_row(b) < fine.first_row(b + 1)) body(b);
+    });
+}
+
 void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Parallel& parallel) {
   parallel.for_chunks(a.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) out.data()[i] = a.data()[i] * b.data()[i];
@@ -42,14 +55,14 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
   const Vec3i box = grid.bricks();
   // A fine brick touches its parent and, where it is the upper half, the parent's upper neighbours.
   BrickMask mask({box.x / 2 + 2, box.y / 2 + 2, box.z / 2 + 2});
-  for (size_t b = 0; b < grid.size(); ++b) {
-    if (fine.first_row(b) == fine.first_row(b + 1)) continue;
+  parallel.for_each(grid.size(), 256, [&](size_t b) {
+    if (fine.first_row(b) == fine.first_row(b + 1)) return;
     const Vec3i c = grid.coord(b);
     for (int k = 0; k < 8; ++k) {
       const Vec3i up{k & 1 & c.x, k >> 1 & 1 & c.y, k >> 2 & c.z};
-      mask.set(Vec3i{c.x >> 1, c.y >> 1, c.z >> 1} + up);
+      mask.set_shared(Vec3i{c.x >> 1, c.y >> 1, c.z >> 1} + up);
     }
-  }
+  });
   BrickGrid coarse(mask, parallel);
   parent_.resize(grid.size());
   parallel.for_each(grid.size(), 256, [&](size_t b) {
@@ -57,7 +70,7 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
     parent_[b] = coarse.find({c.x >> 1, c.y >> 1, c.z >> 1});
   });
   std::vector<uint8_t> vertices(coarse.size() * brick_area);
-  for (size_t b = 0; b < grid.size(); ++b) {
+  for_bricks_apart(fine, parallel, [&](size_t b) {
     const Vec3i half{4 * (grid.coord(b).x & 1), 4 * (grid.coord(b).y & 1), 4 * (grid.coord(b).z & 1)};
     for (uint32_t r = fine.first_row(b); r < fine.first_row(b + 1); ++r) {
       const unsigned bits = coarse_bits(fine.mask(r)) << half.x;
@@ -75,7 +88,7 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
         });
       });
     }
-  }
+  });
   band_ = NarrowBand(std::move(coarse), vertices, parallel);
 }
 
@@ -107,13 +120,7 @@ template <class Add>
 void CoarseBand::gather(const NarrowBand& fine, RowArray& coarse, const Parallel& parallel, Add&& add) const {
   parallel.for_chunks(coarse.size(), rows_per_task * brick_side,
                       [&](size_t begin, size_t end) { std::fill(coarse.data() + begin, coarse.data() + end, 0.0f); });
-  const auto layers = static_cast<size_t>(fine.grid().bricks().z);
-  for (size_t parity = 0; parity < 2; ++parity)
-    parallel.for_each((layers + 1 - parity) / 2, 1, [&](size_t i) {
-      const auto [begin, end] = fine.grid().layer(static_cast<int>(2 * i + parity));
-      for (size_t b = begin; b < end; ++b)
-        if (fine.first_row(b) < fine.first_row(b + 1)) add(transfer(fine, b));
-    });
+  for_bricks_apart(fine, parallel, [&](size_t b) { add(transfer(fine, b)); });
 }
 
 void CoarseBand::restrict_to(const NarrowBand& fine, const RowArray& from, RowArray& coarse,
@@ -140,9 +147,11 @@ void CoarseBand::prolong_onto(const NarrowBand& fine, int layer, const CycleJob&
 Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel)
     : fine_(fine), inverse_(fine.make_array()), work_(fine.make_array()) {
   RowArray ones = fine.make_array();
-  for (uint32_t r = 1; r <= fine.rows(); ++r)
-    for (int x = 0; x < brick_side; ++x)
-      ones.data()[size_t{r} * brick_side + static_cast<size_t>(x)] = static_cast<float>(fine.mask(r) >> x & 1);
+  for_rows(all_rows(fine), parallel, [&](size_t begin, size_t end) {
+    for (size_t r = begin; r < end; ++r)
+      for (size_t x = 0; x < brick_side; ++x)
+        ones.data()[r * brick_side + x] = static_cast<float>(fine.mask(static_cast<uint32_t>(r)) >> x & 1);
+  });
   while (band(coarse_.size()).rows() > coarsest_rows && coarse_.size() < most_levels) {
     const NarrowBand& finer = band(coarse_.size());
     Coarse next;

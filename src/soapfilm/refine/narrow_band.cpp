@@ -24,20 +24,24 @@ constexpr auto bytes_of_bits = [] {
 }  // namespace
 
 NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Parallel& parallel)
-    : grid_(std::move(grid)), row_of_(vertices.size()), first_row_(grid_.size() + 1), mask_{0}, place_{0} {
-  for (size_t b = 0; b < grid_.size(); ++b) {
-    first_row_[b] = static_cast<uint32_t>(mask_.size());
-    for (size_t k = 0; k < brick_area; ++k) {
-      const uint8_t mask = vertices[b * brick_area + k];
-      if (mask == 0) continue;
-      row_of_[b * brick_area + k] = static_cast<uint32_t>(mask_.size());
-      mask_.push_back(mask);
-      place_.push_back(static_cast<uint8_t>(k));
-    }
-  }
-  first_row_.back() = static_cast<uint32_t>(mask_.size());
-  mask_.push_back(0);
-  place_.push_back(0);
+    : grid_(std::move(grid)), row_of_(vertices.size()), first_row_(grid_.size() + 1) {
+  parallel.for_each(grid_.size(), 256, [&](size_t b) {
+    const auto first = vertices.begin() + static_cast<std::ptrdiff_t>(b * brick_area);
+    first_row_[b + 1] = static_cast<uint32_t>(brick_area - std::count(first, first + brick_area, uint8_t{0}));
+  });
+  first_row_[0] = 1;
+  for (size_t b = 0; b < grid_.size(); ++b) first_row_[b + 1] += first_row_[b];
+  mask_.resize(size_t{first_row_.back()} + 1);
+  place_.resize(mask_.size());
+  parallel.for_each(grid_.size(), 256, [&](size_t b) {
+    uint32_t row = first_row_[b];
+    for (size_t k = b * brick_area; k < (b + 1) * brick_area; ++k)
+      if (vertices[k] != 0) {
+        row_of_[k] = row;
+        mask_[row] = vertices[k];
+        place_[row++] = static_cast<uint8_t>(k % brick_area);
+      }
+  });
   neighbors_.resize(mask_.size() + rows_ahead);
   degree_.resize(slots());
   count_neighbors(parallel);

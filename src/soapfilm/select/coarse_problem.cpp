@@ -12,8 +12,8 @@ constexpr int coarse_iterations = 400;
 
 }  // namespace
 
-Lattice coarse_lattice(const PointCloud& cloud, const Lattice& finest, int max_resolution) {
-  const Box3d box = cloud.box();
+Lattice coarse_lattice(const PointCloud& cloud, const Lattice& finest, int max_resolution, const Parallel& parallel) {
+  const Box3d box = cloud.box(parallel);
   const int padding = std::min(finest.padding, max_resolution / 4);
   const double voxel = std::max(finest.voxel, voxel_of_resolution(box, max_resolution, padding));
   return place_lattice(box, voxel, padding);

@@ -9,7 +9,7 @@
 namespace soapfilm {
 
 /// A lattice of at most `max_resolution` vertices along the cloud's longest axis, never finer than `finest`.
-Lattice coarse_lattice(const PointCloud& cloud, const Lattice& finest, int max_resolution);
+Lattice coarse_lattice(const PointCloud& cloud, const Lattice& finest, int max_resolution, const Parallel& parallel);
 
 /// solve_coarse_to_fine() to a relative gap of 1e-3, or `solver`'s where that is larger, in at most 400 iterations per
 /// level. Shows no progress.

@@ -109,8 +109,8 @@ CrossValidationReport choose_lambda(const PointCloud& cloud, std::span<const Vec
                                     const Parallel& parallel, Progress& progress) {
   validate(params);
   const Folds folds = make_folds(cloud, directions, params.folds, params.source, params.seed);
-  const Lattice lattice = coarse_lattice(cloud, finest, params.max_resolution);
-  const Sampling sampling = measure_sampling(cloud);
+  const Lattice lattice = coarse_lattice(cloud, finest, params.max_resolution, parallel);
+  const Sampling sampling = measure_sampling(cloud, parallel);
   const double density = sampling.density(lattice.voxel);
 
   const size_t count = params.candidates.size();

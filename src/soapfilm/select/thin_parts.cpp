@@ -218,7 +218,7 @@ std::vector<float> weigh_thin_parts(const PointCloud& cloud, std::span<const Vec
                                     const Sampling& sampling, double lambda_per_density, const ThinPartsParams& params,
                                     const PrimalDualParams& solver, const Parallel& parallel, Progress& progress,
                                     ThinPartsReport& report) {
-  const Lattice lattice = coarse_lattice(cloud, finest, params.max_resolution);
+  const Lattice lattice = coarse_lattice(cloud, finest, params.max_resolution, parallel);
   report.grid = lattice.size;
   report.voxel = lattice.voxel;
   size_t speaking = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/core/gather.h"
 #include "soapfilm/solve/energy_kernel.h"
 
 namespace soapfilm {
@@ -110,35 +111,45 @@ struct Evaluator {
 };
 
 /// Inactive bricks of the domain with an active upper neighbour, in order.
-std::vector<Vec3i> bricks_below_band(const Level& level) {
+std::vector<Vec3i> bricks_below_band(const Level& level, const Parallel& parallel) {
   BrickMask below(level.box.bricks);
-  for (size_t b = 0; b < level.grid.size(); ++b)
+  parallel.for_each(level.grid.size(), 1024, [&](size_t b) {
     for (int axis = 0; axis < 3; ++axis)
       if (level.grid.neighbors(b)[static_cast<size_t>(slot_down[axis])] == outside_band) {
         Vec3i coord = level.grid.coord(b);
         --coord[axis];
-        below.set(coord);
+        below.set_shared(coord);
       }
+  });
   std::vector<Vec3i> bricks;
   below.for_each([&](Vec3i b) { bricks.push_back(b); });
   return bricks;
 }
 
 /// A bound on the variation between inactive bricks of different constant u: none, unless a band is too thin.
-double outside_variation(const Level& level) {
-  BrickMask band(level.box.bricks);
-  for (size_t b = 0; b < level.grid.size(); ++b) band.set(level.grid.coord(b));
-  double faces = 0;
-  level.inside.for_each([&](Vec3i b) {
-    if (band.test(b)) return;
+double outside_variation(const Level& level, const Parallel& parallel) {
+  const Vec3i bricks = level.box.bricks;
+  BrickMask band(bricks);
+  parallel.for_each(level.grid.size(), 1024, [&](size_t b) { band.set_shared(level.grid.coord(b)); });
+  const auto faces_of = [&](Vec3i b) {
+    size_t faces = 0;
     for (int axis = 0; axis < 3; ++axis)
       for (int step = -1; step <= 1; step += 2) {
         Vec3i next = b;
         next[axis] += step;
-        if (!band.contains(next) || (!band.test(next) && !level.inside.test(next))) faces += brick_area;
+        faces += !band.contains(next) || (!band.test(next) && !level.inside.test(next));
       }
+    return faces;
+  };
+  const auto faces = sum_chunks<size_t>(static_cast<size_t>(bricks.z), 1, parallel, [&](size_t layer, size_t) {
+    size_t found = 0;
+    const int z = static_cast<int>(layer);
+    for (int y = 0; y < bricks.y; ++y)
+      for (int x = 0; x < bricks.x; ++x)
+        if (const Vec3i b{x, y, z}; level.inside.test(b) && !band.test(b)) found += faces_of(b);
+    return found;
   });
-  return faces;
+  return brick_area * static_cast<double>(faces);
 }
 
 }  // namespace
@@ -167,11 +178,11 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
     local_gap->resize(terms.size());
     for (size_t b = 0; b < terms.size(); ++b) (*local_gap)[b] = terms[b].gap;
   }
-  const std::vector<Vec3i> below = bricks_below_band(level);
+  const std::vector<Vec3i> below = bricks_below_band(level, parallel);
   std::vector<EnergyTerms> rim(below.size());
   parallel.for_each(below.size(), 256, [&](size_t b) { rim[b] = evaluator.rim_terms(below[b]); });
   for (const EnergyTerms& t : rim) sum += t;
-  const double outside = outside_variation(level);
+  const double outside = outside_variation(level, parallel);
 
   Energies e;
   e.total_variation = sum.variation + outside;
