@@ -43,6 +43,16 @@ void warn_near_empty(double lambda, double density, std::vector<std::string>& wa
                     lambda, lambda > edge ? "above" : "near", edge, density));
 }
 
+/// Many samples at one place are more often a camera's way to say "nothing" than a surface.
+void warn_of_repeats(const Sampling& sampling, size_t samples, std::vector<std::string>& warnings) {
+  if (sampling.repeats == 0) return;
+  const Vec3d& at = sampling.most_repeated;
+  warnings.push_back(
+      fmt::format("{} of {} samples are where another one is, most at ({:g}, {:g}, {:g}): pixels without "
+                  "depth? Their density counts each place once",
+                  sampling.repeats, samples, at.x, at.y, at.z));
+}
+
 /// Beyond the end of the curve something better may lie.
 void warn_at_end(const CrossValidationReport& select, std::vector<std::string>& warnings) {
   const double lowest = select.curve.front().lambda_per_density, highest = select.curve.back().lambda_per_density;
@@ -96,6 +106,7 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   report.input.scans = cloud.scans.size();
   report.input.box = box;
   report.input.density = sampling.density(voxel);
+  warn_of_repeats(sampling, cloud.size(), report.warnings);
 
   const size_t held = peak_memory_bytes();
   check_memory(plan_tables(params.method, report.lattice), params.memory_limit, held, report.lattice);

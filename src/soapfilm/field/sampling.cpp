@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
+#include <tuple>
 #include <vector>
 
 #include "soapfilm/core/memory.h"
@@ -52,11 +54,11 @@ std::vector<Cell> cells_of(const std::vector<uint64_t>& sorted_keys) {
   return cells;
 }
 
-std::vector<Cell> occupied_cells(const PointCloud& cloud, const Box3d& box, int depth) {
+std::vector<Cell> occupied_cells(std::span<const Vec3d> positions, const Box3d& box, int depth) {
   const double longest = box.longest(), cells = static_cast<double>(1 << deepest);
   std::vector<uint64_t> keys;
-  reserve_many(keys, cloud.size());
-  for (const Vec3d& p : cloud.positions) {
+  reserve_many(keys, positions.size());
+  for (const Vec3d& p : positions) {
     uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double cell = std::min((p[axis] - box.lo[axis]) / longest * cells, cells - 1);
@@ -81,11 +83,61 @@ void coarsen(std::vector<Cell>& cells) {
   cells.resize(kept);
 }
 
+double pairs_of(const Cell& cell) {
+  return static_cast<double>(cell.samples) * (static_cast<double>(cell.samples) - 1);
+}
+
 /// Other samples in a sample's cell, averaged over the samples.
 double mean_companions(const std::vector<Cell>& cells, size_t samples) {
   double pairs = 0;
-  for (const Cell& cell : cells) pairs += static_cast<double>(cell.samples) * (static_cast<double>(cell.samples) - 1);
+  for (const Cell& cell : cells) pairs += pairs_of(cell);
   return pairs / static_cast<double>(samples);
+}
+
+/// The cells at the scale where the density shows.
+struct Scale {
+  int depth = coarsest;
+  double companions = 0;
+  double crowded = 0;  ///< those in the fullest cell, as its share of `companions`
+};
+
+Scale find_scale(std::span<const Vec3d> positions, const Box3d& box) {
+  // A surface has about 4^depth cells: at this depth mostly less than one sample for each, so few companions.
+  int depth = coarsest;
+  while (depth < deepest && size_t{1} << (2 * depth) < positions.size()) ++depth;
+  std::vector<Cell> occupied = occupied_cells(positions, box, depth);
+  while (depth < deepest && mean_companions(occupied, positions.size()) >= companions_wanted)
+    occupied = occupied_cells(positions, box, depth = std::min(depth + 2, deepest));
+  for (;; --depth, coarsen(occupied)) {
+    const double companions = mean_companions(occupied, positions.size());
+    if (companions < companions_wanted && depth > coarsest) continue;
+    double most = 0;
+    for (const Cell& cell : occupied) most = std::max(most, pairs_of(cell));
+    return {depth, companions, companions > 0 ? most / (companions * static_cast<double>(positions.size())) : 0};
+  }
+}
+
+/// Whether samples at one place may be what was measured: then companions stay down to the finest cells, or one cell
+/// holds many of them.
+bool may_repeat(const Scale& scale) {
+  constexpr double many = 0.25;
+  return scale.depth == deepest || scale.crowded > many;
+}
+
+/// Each place once; tells how many samples that leaves out, and where most of them are.
+std::vector<Vec3d> places_of(std::vector<Vec3d> positions, Sampling& sampling) {
+  const auto before = [](const Vec3d& a, const Vec3d& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); };
+  std::sort(positions.begin(), positions.end(), before);
+  size_t kept = 0, most = 0;
+  for (size_t begin = 0, end = 0; begin < positions.size(); begin = end) {
+    while (end < positions.size() && positions[end] == positions[begin]) ++end;
+    if (end - begin > most) sampling.most_repeated = positions[begin];
+    most = std::max(most, end - begin);
+    positions[kept++] = positions[begin];
+  }
+  sampling.repeats = positions.size() - kept;
+  positions.resize(kept);
+  return positions;
 }
 
 }  // namespace
@@ -97,20 +149,14 @@ Sampling measure_sampling(const PointCloud& cloud) {
   const double longest = box.longest();
   Sampling sampling;
   if (!(longest > 0)) return sampling;
-
-  // A surface has about 4^depth cells: at this depth mostly less than one sample for each, so few companions.
-  int depth = coarsest;
-  while (depth < deepest && size_t{1} << (2 * depth) < cloud.size()) ++depth;
-  std::vector<Cell> occupied = occupied_cells(cloud, box, depth);
-  while (depth < deepest && mean_companions(occupied, cloud.size()) >= companions_wanted)
-    occupied = occupied_cells(cloud, box, depth = std::min(depth + 2, deepest));
-  for (;; --depth, coarsen(occupied)) {
-    const double companions = mean_companions(occupied, cloud.size());
-    if (companions < companions_wanted && depth > coarsest) continue;
-    const double cell = longest / static_cast<double>(1 << depth);
-    sampling.per_area = companions / (mean_section * cell * cell);
-    return sampling;
+  Scale scale = find_scale(cloud.positions, box);
+  if (may_repeat(scale)) {
+    const std::vector<Vec3d> places = places_of(cloud.positions, sampling);
+    if (sampling.repeats > 0) scale = find_scale(places, box);
   }
+  const double cell = longest / static_cast<double>(1 << scale.depth);
+  sampling.per_area = scale.companions / (mean_section * cell * cell);
+  return sampling;
 }
 
 }  // namespace soapfilm
