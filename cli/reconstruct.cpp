@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/overwrite.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
@@ -127,6 +128,7 @@ class LevelFiles {
       const Mesh mesh = extract_isosurface(
           surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice,
           parallel);
+      if (mesh.triangles.empty()) return;  // nothing paid for its area on this level
       const std::filesystem::path file = folder / fmt::format("level_{}.ply", level.box.level);
       write_mesh(file.string(), mesh);
       written_.push_back(file);
@@ -161,6 +163,9 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   Stages stages(progress);
   ReadReport read;
   PointCloud cloud = stages.run("read", [&] { return read_input(options, parallel, progress, read); });
+  std::vector<std::string> inputs = options.inputs;
+  for (const FileReport& file : read.files) inputs.push_back(file.path);  // the scans of a set
+  refuse_overwriting({options.output, options.report}, inputs);
   LevelFiles levels;
   const bool checks = options.check || !options.report.empty();
   const PyramidObserver observe = levels.writer(options.levels_folder, options.params.surface.threshold, parallel);

@@ -108,6 +108,7 @@ RenderParams params_of(const Request& request) {
   }
   if (!request.range.empty()) {
     const auto v = required_numbers("--range", request.range, ',', 2, "two numbers LOW,HIGH");
+    if (params.color_by.empty()) throw ParameterError("--range: only --color-by has it");
     params.range = {v[0], v[1]};
   }
   if (request.captions.size() > request.inputs.size()) {

@@ -14,13 +14,19 @@ namespace soapfilm {
 
 namespace {
 
+/// Sides of the samples' box, input units, whose squares and cubes double can hold.
+constexpr double shortest_box = 1e-100, longest_box = 1e100;
 /// Fewer samples cannot lie around a volume.
 constexpr size_t fewest_samples = 4;
 /// Thickness of the samples along their thinnest direction, relative to the longest, below which they are coplanar.
 constexpr double coplanar = 1e-7;
 
 double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling& sampling) {
-  if (params.voxel) return *params.voxel;
+  if (params.voxel) {
+    if (*params.voxel <= box.longest()) return *params.voxel;
+    throw ParameterError(fmt::format("voxel = {:g}, must be <= {:.6g}, the longest side of the samples' box",
+                                     *params.voxel, box.longest()));
+  }
   if (params.resolution) return voxel_of_resolution(box, *params.resolution, params.padding);
   const double voxel = sampling.voxel(params.samples_per_voxel2);
   if (voxel > 0) return voxel;
@@ -74,6 +80,9 @@ void check_samples(const PointCloud& cloud) {
     if (!is_finite(cloud.positions[i])) throw ParameterError(fmt::format("sample {}: position is not finite", i));
   if (!(box.longest() > 0))
     throw ParameterError(fmt::format("all {} samples are identical, must span a volume", cloud.size()));
+  if (box.longest() < shortest_box || box.longest() > longest_box)
+    throw ParameterError(fmt::format("the longest side of the samples' box = {:g}, must be in [{:g}, {:g}]",
+                                     box.longest(), shortest_box, longest_box));
 
   Vec3d sum, squares, products;
   const Vec3d centre = box.centre();
@@ -93,7 +102,9 @@ void check_samples(const PointCloud& cloud) {
   const Eigen::Vector3d variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
   // In units of the longest side; variances below double's rounding of 1 are no thickness.
   if (variance[0] <= std::max(coplanar * coplanar * variance[2], 1e-15))
-    throw ParameterError(fmt::format("all {} samples are coplanar, must span a volume", cloud.size()));
+    throw ParameterError(
+        fmt::format("all {} samples are coplanar (but for {:g} of their longest side, {:.6g}), must span a volume",
+                    cloud.size(), coplanar, box.longest()));
 }
 
 GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
