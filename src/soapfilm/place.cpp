@@ -112,7 +112,15 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   const Box3d box = cloud.box();
   const Sampling sampling = measure_sampling(cloud);
   const double voxel = choose_voxel(params.place, box, sampling);
-  report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);
+  try {
+    report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);
+  } catch (const ParameterError& error) {
+    if (params.place.voxel || params.place.resolution) throw;
+    throw ParameterError(
+        fmt::format("{} (it follows from the samples' density; their box is {:.4g} x {:.4g} x {:.4g}: "
+                    "is one of them far away?)",
+                    error.what(), box.size().x, box.size().y, box.size().z));
+  }
   report.input.samples = cloud.size();
   report.input.scans = cloud.scans.size();
   report.input.box = box;

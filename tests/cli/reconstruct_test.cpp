@@ -261,10 +261,24 @@ TEST_F(Reconstruct, OutputsTakeTheirOwnPlacesOnly) {
   refused({cloud, "-o", mesh, "--report", cloud}, "sphere.ply: is also an input");
   refused({cloud, "-o", mesh, "--report", mesh}, "mesh.ply: is named for two outputs");
   refused({text_file("set.conf", "bmesh sphere.ply 0 0 0 0 0 0 1\n"), "-o", cloud}, "is also an input");
+  refused({cloud, "-o", folder.file("level_3.ply"), "--write-levels", folder.path().string()}, "two outputs");
   const std::string link = folder.file("link.ply");
   std::filesystem::create_symlink(cloud, link);
   refused({cloud, "-o", link}, "link.ply: is also an input");
   EXPECT_EQ(read_file(cloud), before);
+}
+
+TEST_F(Reconstruct, AMeshWithoutItsReportIsToldOf) {
+  expect_refused({"reconstruct", "-q", cloud, "-o", mesh, "--resolution", "24", "--report", "/dev/full"},
+                 "mesh.ply is written all the same");
+  EXPECT_TRUE(std::filesystem::exists(mesh));
+}
+
+TEST_F(Reconstruct, ASampleFarAwayIsAskedFor) {
+  PointCloud far = sphere_cloud(6000);
+  far.positions[17] = {1e4, 0, 0};
+  write_points(folder.file("far.ply"), far);
+  refused({folder.file("far.ply"), "-o", mesh}, "their box is 1e+04 x 0.99");
 }
 
 /// Pixels without depth, all at the camera's origin, must not decide how fine the grid is.
