@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +12,7 @@
 #include "cli/command.h"
 #include "cli/evaluation_report.h"
 #include "cli/object.h"
+#include "cli/overwrite.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/stages.h"
@@ -41,6 +44,7 @@ void check(const EvaluateOptions& options) {
   };
   positive(options.voxel_option, "voxel", options.voxel);
   positive(options.error_range_option, "error_range", options.error_range);
+  refuse_overwriting({options.json, options.error_ply}, {options.mesh, options.truth.name, options.samples});
   if (!options.json.empty()) check_output(options.json);
   if (options.error_ply.empty()) {
     if (options.error_range_option->count() > 0) throw ParameterError("--error-range: only --error-ply has it");
@@ -70,7 +74,7 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
   Object truth;
   std::optional<PointCloud> samples;
   stages.run("read", [&] {
-    mesh = read_mesh(options.mesh);
+    mesh = read_surface(options.mesh);
     truth = make_object("truth", options.truth, parallel, progress);
     if (!options.samples.empty()) samples = read_points(options.samples);
   });
@@ -104,7 +108,7 @@ void add_options(CLI::App& app, EvaluateOptions& o) {
       ->check(CLI::Range(1, 100'000'000))
       ->option_text(fmt::format("N [{}]", e.points));
   app.add_option("--seed", e.seed, "Of where they lie")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(int64_t{0}, std::numeric_limits<int64_t>::max()))
       ->option_text(fmt::format("N [{}]", e.seed));
   add_shape_options(app, o.truth);
 

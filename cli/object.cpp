@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "cli/parse.h"
@@ -22,6 +23,11 @@ Object shape_object(const ObjectOptions& options) {
   if (!options.centre.empty()) params.centre = parse_point("centre", options.centre);
   const std::shared_ptr<const Shape> shape = make_shape(options.name, params);
   const ShapeFacts& facts = shape->facts();
+  for (const CLI::Option* option : options.of_some_shapes) {
+    const auto is_it = [&](const auto& parameter) { return "--" + std::string(parameter.first) == option->get_name(); };
+    if (option->count() > 0 && std::none_of(facts.parameters.begin(), facts.parameters.end(), is_it))
+      throw ParameterError(fmt::format("{}: shape {} has none", option->get_name(), facts.name));
+  }
   ordered_json json = {{"shape", facts.name}, {"parameters", ordered_json::object()}};
   for (const auto& [name, value] : facts.parameters) json["parameters"][name] = value;
   json["centre"] = json_of(params.centre);
@@ -38,7 +44,7 @@ Object mesh_object(const ObjectOptions& options, const Parallel& parallel, Progr
     if (option->count() > 0)
       throw ParameterError(
           fmt::format("{}: only built-in shapes have it, {} is a mesh", option->get_name(), options.name));
-  const auto mesh = std::make_shared<const MeshSurface>(read_mesh(options.name), parallel);
+  const auto mesh = std::make_shared<const MeshSurface>(read_surface(options.name), parallel);
   if (mesh->turned())
     progress.warn(fmt::format("{}: inside-out (negative volume), its faces are turned", options.name));
   return {mesh,
@@ -62,10 +68,22 @@ void add_shape_options(CLI::App& app, ObjectOptions& o) {
   shape(app.add_option("--size", o.shape.size, "Longest side of a built-in shape"))
       ->option_text(fmt::format("V [{:g}]", o.shape.size));
   shape(app.add_option("--centre", o.centre, "Centre of its box"))->option_text("X,Y,Z [0,0,0]");
-  shape(app.add_option("--thickness", o.shape.thickness, "Of the plate and the sheets, as a part of the size"))
+  const auto some = [&](auto* option) {
+    o.of_some_shapes.push_back(option);
+    return shape(option);
+  };
+  some(app.add_option("--thickness", o.shape.thickness, "Of the plate and the sheets, as a part of the size"))
       ->option_text(fmt::format("V [{:g}]", o.shape.thickness));
-  shape(app.add_option("--gap", o.shape.gap, "Between the sheets or the arch's feet, as a part of the size"))
+  some(app.add_option("--gap", o.shape.gap, "Between the sheets or the arch's feet, as a part of the size"))
       ->option_text(fmt::format("V [{:g}]", o.shape.gap));
+}
+
+Mesh read_surface(const std::string& path) {
+  Mesh mesh = read_mesh(path);
+  const double area = mesh.area();
+  if (!(area > 0) || !std::isfinite(area))
+    throw InputError(fmt::format("{}: a mesh of area {:g}, must be > 0 and finite", path, area));
+  return mesh;
 }
 
 Object make_object(const char* option, const ObjectOptions& options, const Parallel& parallel, Progress& progress) {

@@ -18,7 +18,8 @@ struct ObjectOptions {
   std::string name;  ///< shape or file
   std::string centre;
   ShapeParams shape;
-  std::vector<const CLI::Option*> shape_only;  ///< options that a mesh has no use for
+  std::vector<const CLI::Option*> shape_only;      ///< options that a mesh has no use for
+  std::vector<const CLI::Option*> of_some_shapes;  ///< those that are named as the parameter of a few shapes
 };
 
 /// "A built-in shape (sphere, ...) or a mesh (...)", for the option that names the object.
@@ -32,6 +33,9 @@ struct Object {
   std::shared_ptr<const Surface> surface;
   nlohmann::ordered_json facts;
 };
+
+/// A mesh that has an area to measure; throws InputError naming the file.
+Mesh read_surface(const std::string& path);
 
 /// `option` is how a refusal calls the object. Warns of a mesh that is inside-out; its faces are turned.
 Object make_object(const char* option, const ObjectOptions& options, const Parallel& parallel, Progress& progress);

@@ -37,7 +37,7 @@ constexpr const char* examples_and_codes =
 EXIT CODES
   0    success
   1    internal error
-  2    refused: input, parameter, output or memory; the message names it, nothing was written
+  2    refused: input, parameter, output or memory; the message names it, nothing is half-written
   3    the optimal surface is empty; the message names the largest lambda that keeps one
   130  cancelled (Ctrl-C); nothing was written
 )";

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/overwrite.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
@@ -127,18 +128,30 @@ class LevelFiles {
       const Mesh mesh = extract_isosurface(
           surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice,
           parallel);
-      const std::filesystem::path file = folder / fmt::format("level_{}.ply", level.box.level);
+      if (mesh.triangles.empty()) return;  // nothing paid for its area on this level
+      const std::filesystem::path file = folder / name(level.box.level);
       write_mesh(file.string(), mesh);
       written_.push_back(file);
     };
     return observer;
   }
+  static std::string name(int level) { return fmt::format("level_{}.ply", level); }
   /// The run ended well.
   void keep() { written_.clear(); }
 
  private:
   std::vector<std::filesystem::path> written_;
 };
+
+void check_names(const ReconstructOptions& options, const ReadReport& read) {
+  std::vector<std::string> inputs = options.inputs;
+  for (const FileReport& file : read.files) inputs.push_back(file.path);  // the scans of a set
+  std::vector<std::string> outputs{options.output, options.report};
+  constexpr int most_levels = 12;
+  for (int level = 0; level < most_levels && !options.levels_folder.empty(); ++level)
+    outputs.push_back((std::filesystem::path(options.levels_folder) / LevelFiles::name(level)).string());
+  refuse_overwriting(outputs, inputs);
+}
 
 void print_check(const ReconstructReport& report, Progress& progress) {
   progress.info(summary(*report.topology));
@@ -151,6 +164,15 @@ void print_check(const ReconstructReport& report, Progress& progress) {
                   d.maximum / voxel));
 }
 
+/// The mesh, which took the time, stays where its report cannot be written.
+void write_report(const ReconstructOptions& options, const ReconstructReport& report) {
+  try {
+    write_text_file(options.report, to_json(report));
+  } catch (const OutputError& error) {
+    throw OutputError(fmt::format("{}; {} is written all the same", error.what(), options.output));
+  }
+}
+
 int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
   const Parallel parallel(global.threads, &progress);
@@ -161,6 +183,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   Stages stages(progress);
   ReadReport read;
   PointCloud cloud = stages.run("read", [&] { return read_input(options, parallel, progress, read); });
+  check_names(options, read);
   LevelFiles levels;
   const bool checks = options.check || !options.report.empty();
   const PyramidObserver observe = levels.writer(options.levels_folder, options.params.surface.threshold, parallel);
@@ -188,7 +211,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   for (const StageTime& stage : stages.times())
     report.stages.insert(stage.name == "read" ? report.stages.begin() : report.stages.end(), stage);
   report.peak_bytes = peak_memory_bytes();
-  if (!options.report.empty()) write_text_file(options.report, to_json(report));
+  if (!options.report.empty()) write_report(options, report);
   levels.keep();
   progress.info(
       fmt::format("{}: {} vertices, {} triangles", options.output, report.mesh_vertices, report.mesh_triangles));

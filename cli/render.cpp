@@ -108,6 +108,7 @@ RenderParams params_of(const Request& request) {
   }
   if (!request.range.empty()) {
     const auto v = required_numbers("--range", request.range, ',', 2, "two numbers LOW,HIGH");
+    if (params.color_by.empty()) throw ParameterError("--range: only --color-by has it");
     params.range = {v[0], v[1]};
   }
   if (request.captions.size() > request.inputs.size()) {
@@ -149,42 +150,55 @@ int run(const Request& request, const GlobalOptions& options) {
 void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner) {
   auto request = std::make_shared<Request>();
   RenderParams& params = request->params;
-  CLI::App* command = app.add_subcommand("render", "draw meshes and point clouds into a PNG, side by side");
+  CLI::App* command = app.add_subcommand("render", "Draw meshes and point clouds into a PNG, side by side");
 
-  command->add_option("FILE", request->inputs, "meshes (PLY, OBJ, OFF, STL) and clouds (PLY, XYZ, conf), a panel each")
-      ->required();
-  command->add_option("-o,--output", request->output, "the picture, .png")->required();
-  command->add_option("--caption", request->captions, "text below a panel; once for each file, in their order")
-      ->allow_extra_args(false);
-
-  command->add_option("--view", request->view, "seen from front, back, left, right, top, bottom, iso or X,Y,Z")
-      ->capture_default_str();
-  command->add_option("--up", request->up, "upright axis: x, y, z, -x, -y, -z or X,Y,Z")->capture_default_str();
-  command->add_option("--zoom", request->zoom,
-                      "X0,Y0,X1,Y1: only this part, in fractions of the full panel from its upper left corner");
   command
-      ->add_option("--framing", request->framing,
-                   "shared: one window of space for all; centred: one scale, a centre each; fitted: a scale each")
-      ->check(CLI::IsMember({"shared", "centred", "fitted"}))
-      ->capture_default_str();
-  command->add_option("--size", request->size,
-                      fmt::format("WxH: pixels of a panel [{}x{}]", params.width, params.height));
-  command->add_option("--columns", params.columns, "panels in a row; 0: chosen from their number")
-      ->capture_default_str();
+      ->add_option("FILE", request->inputs,
+                   "Meshes (.ply, .obj, .off, .stl) and clouds (.ply, .xyz, .conf), a panel each")
+      ->required()
+      ->option_text("...");
+  command->add_option("-o,--output", request->output, "The picture, .png")->required()->option_text("FILE");
+  command->add_option("--caption", request->captions, "Text below a panel; given again for the next file")
+      ->allow_extra_args(false)
+      ->option_text("TEXT");
+  command->add_option("--columns", params.columns, "Panels in a row (default: chosen from their number)")
+      ->option_text("N");
+  command->add_option("--size", request->size, "Pixels of a panel")
+      ->option_text(fmt::format("WxH [{}x{}]", params.width, params.height));
 
-  command->add_option("--shading", request->shading, "flat: as the triangles are; smooth: interpolated normals")
+  const auto camera = [&](auto* option) { return option->group("Camera"); };
+  camera(command->add_option("--view", request->view,
+                             "Seen from front, back, left, right, top, bottom, iso or the direction X,Y,Z"))
+      ->option_text(fmt::format("VIEW [{}]", request->view));
+  camera(command->add_option("--up", request->up, "Upright axis: x, y, z, -x, -y, -z or X,Y,Z"))
+      ->option_text(fmt::format("AXIS [{}]", request->up));
+  camera(command->add_option("--framing", request->framing,
+                             "shared: one window of space for all; centred: one scale, a centre each; fitted: a scale "
+                             "each"))
+      ->check(CLI::IsMember({"shared", "centred", "fitted"}))
+      ->option_text(fmt::format("HOW [{}]", request->framing));
+  camera(command->add_option("--zoom", request->zoom,
+                             "Only this part, in fractions of the panel from its upper left corner"))
+      ->option_text("X0,Y0,X1,Y1");
+
+  const auto look = [&](auto* option) { return option->group("Look"); };
+  look(command->add_option("--shading", request->shading, "flat: as the triangles are; smooth: interpolated normals"))
       ->check(CLI::IsMember({"flat", "smooth"}))
-      ->capture_default_str();
-  command->add_option("--color-by", params.color_by, "colour by this vertex attribute, with a legend");
-  command->add_option("--range", request->range, "LOW,HIGH: attribute values at the ends of the colours");
-  command->add_flag("--points", request->as_points, "draw a mesh's vertices as points");
-  command->add_option("--point-radius", params.point_radius, "of points, input units; 0: from their spacing")
-      ->capture_default_str();
-  command->add_option("--background", request->background, "white, black, transparent or #RRGGBB")
-      ->capture_default_str();
-  command->add_option("--samples", params.samples, "rays along each side of a pixel")->capture_default_str();
-  command->add_option("--occlusion-rays", params.occlusion_rays, "for each sample; 0: no ambient occlusion")
-      ->capture_default_str();
+      ->option_text(fmt::format("HOW [{}]", request->shading));
+  look(command->add_option("--color-by", params.color_by, "Colour by this vertex attribute, with a legend"))
+      ->option_text("ATTRIBUTE");
+  look(command->add_option("--range", request->range,
+                           "Of --color-by: attribute values at the ends of the colours (default: their own)"))
+      ->option_text("LOW,HIGH");
+  look(command->add_flag("--points", request->as_points, "Draw a mesh's vertices as points"));
+  look(command->add_option("--point-radius", params.point_radius, "Of points, input units (default: their spacing's)"))
+      ->option_text("V");
+  look(command->add_option("--background", request->background, "white, black, transparent or #RRGGBB"))
+      ->option_text(fmt::format("COLOUR [{}]", request->background));
+  look(command->add_option("--samples", params.samples, "Rays along each side of a pixel"))
+      ->option_text(fmt::format("N [{}]", params.samples));
+  look(command->add_option("--occlusion-rays", params.occlusion_rays, "For each sample; 0: no ambient occlusion"))
+      ->option_text(fmt::format("N [{}]", params.occlusion_rays));
 
   command->callback([request, &options, &runner] { runner = [request, &options] { return run(*request, options); }; });
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cli/command.h"
+#include "cli/overwrite.h"
 #include "cli/scan_options.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/error.h"
@@ -106,12 +107,22 @@ Measured measure(const ScanOptions& options, const Surface& surface, const Paral
   return measured;
 }
 
+/// Refuses before the work what could not be written after it: a folder, or its nearest one that exists.
+void check_folder(const ScanOptions& options) {
+  const std::filesystem::path folder(options.folder);
+  refuse_overwriting({(folder / truth_mesh_file).string()}, {options.object.name});
+  std::error_code error;
+  std::filesystem::path there = std::filesystem::absolute(folder, error);
+  while (!std::filesystem::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  if (!std::filesystem::is_directory(there, error))
+    throw OutputError(fmt::format("{}: cannot make the folder: {} is not one", options.folder, there.string()));
+  check_output((there / truth_file).string());
+}
+
 void make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder))
-    throw OutputError(fmt::format("{}: cannot make the folder: {}", folder,
-                                  error ? error.message() : "a file of that name is in the way"));
+  if (error) throw OutputError(fmt::format("{}: cannot make the folder: {}", folder, error.message()));
 }
 
 void write(const ScanOptions& options, const Object& object, const Mesh& truth, const Measured& measured,
@@ -139,6 +150,7 @@ void write(const ScanOptions& options, const Object& object, const Mesh& truth, 
 
 int run(const ScanOptions& options, const GlobalOptions& global) {
   check_together(options);
+  check_folder(options);
   TerminalProgress progress(global);
   const Parallel parallel(global.threads);
   Stages stages(progress);

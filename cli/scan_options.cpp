@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "cli/parse.h"
@@ -24,16 +26,20 @@ void add_view_options(CLI::App& app, ScanOptions& o) {
     o.view_options.push_back(option);
     return option->group("Scanner positions");
   };
-  views(app.add_option("--views", p.views, "Positions on the orbit, on each circle of a ring"))
+  const auto orbit = [&](auto* option) {
+    o.orbit_options.push_back(option);
+    return views(option);
+  };
+  orbit(app.add_option("--views", p.views, "Positions on the orbit, on each circle of a ring"))
       ->option_text(fmt::format("N [{}]", p.views));
-  views(app.add_option("--orbit", p.orbit, "fibonacci: evenly over a sphere; ring: on circles"))
+  orbit(app.add_option("--orbit", p.orbit, "fibonacci: evenly over a sphere; ring: on circles"))
       ->transform(words<Orbit>({{"fibonacci", Orbit::fibonacci}, {"ring", Orbit::ring}}))
       ->option_text("ORBIT [fibonacci]");
   o.elevations =
-      views(app.add_option("--elevations", p.elevations_deg, "Degrees of the ring's circles above the object"))
+      orbit(app.add_option("--elevations", p.elevations_deg, "Degrees of the ring's circles above the object"))
           ->delimiter(',')
           ->option_text(fmt::format("A,B,... [{:g}]", fmt::join(p.elevations_deg, ",")));
-  views(app.add_option("--distance", p.distance, "From the target, in diagonals of the object's box"))
+  orbit(app.add_option("--distance", p.distance, "From the target, in diagonals of the object's box"))
       ->option_text(fmt::format("V [{:g}]", p.distance));
   views(app.add_option("--position", o.positions, "A scanner position instead of an orbit; may be repeated"))
       ->allow_extra_args(false)
@@ -100,7 +106,7 @@ void add_error_options(CLI::App& app, ScanOptions& o) {
   of_scans(app.add_option("--misalignment-angle", p.misalignment_deg, "The same of its rotation about its centre"))
       ->option_text(fmt::format("DEGREES [{:g}]", p.misalignment_deg));
   errors(app.add_option("--seed", p.seed, "Of all random numbers"))
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(int64_t{0}, std::numeric_limits<int64_t>::max()))
       ->option_text(fmt::format("N [{}]", p.seed));
 }
 
@@ -136,6 +142,7 @@ void check_together(const ScanOptions& o) {
     if (o.samples < 1 || o.samples > 1'000'000'000)
       throw ParameterError(fmt::format("samples = {}, must be in [1, 1e9]", o.samples));
   }
+  if (!o.positions.empty()) refuse(o.orbit_options, "only an orbit has it, not --position");
   if (o.elevations->count() > 0 && o.scanner.orbit != Orbit::ring)
     throw ParameterError("elevations: only --orbit ring has them");
 }
@@ -146,6 +153,8 @@ ScannerParams scanner_params(const ScanOptions& options, const Box3d& box) {
     if (!text.empty()) value = parse_length(option, text, box.longest());
   };
   length("step", options.step, params.step);
+  if (!options.step.empty() && !(params.step > 0))
+    throw ParameterError(fmt::format("step = {}, must be > 0", options.step));
   length("noise", options.noise, params.noise);
   length("misalignment", options.misalignment, params.misalignment);
   for (const std::string& text : options.positions) params.positions.push_back(parse_point("position", text));

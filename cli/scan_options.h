@@ -32,6 +32,7 @@ struct ScanOptions {
   const CLI::Option* samples_option = nullptr;
   const CLI::Option* directions_option = nullptr;
   const CLI::Option* elevations = nullptr;
+  std::vector<const CLI::Option*> orbit_options;  ///< no use for given positions
   std::vector<const CLI::Option*> view_options;   ///< where scanners stand: no use for samples with normals
   std::vector<const CLI::Option*> image_options;  ///< what only range images have: no use for samples at all
 

@@ -59,6 +59,10 @@ def main():
     conditions = chosen(CONDITIONS, options.condition)
     peers, absent = read_peers(HERE / "peers.toml")
     reference = peers[0].name if peers else None
+    known = [m.name for m in (*METHODS, *peers, *absent)]
+    for name in options.method or ():
+        if name not in known:
+            sys.exit(f"method = {name}, must be one of {', '.join(known)}")
     own = chosen(METHODS, options.method)
     cases = plan(shapes, conditions, own, chosen(peers, options.method), options.cells, options.full)
     lab.runs_nothing = options.kept

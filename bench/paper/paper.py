@@ -32,6 +32,9 @@ def machine():
 
 
 def main():
+    if "--help" in sys.argv or "-h" in sys.argv:
+        print(__doc__)
+        return
     if len(sys.argv) < 4:
         sys.exit(__doc__)
     lab = Lab(*sys.argv[1:4])

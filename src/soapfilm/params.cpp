@@ -229,10 +229,13 @@ void validate(const ReconstructParams& params) {
   // Negated comparisons refuse not-a-number too.
   if (place.voxel) require(*place.voxel > 0, "voxel", *place.voxel, "> 0");
   require(place.samples_per_voxel2 > 0, "samples_per_voxel2", place.samples_per_voxel2, "> 0");
-  require(place.padding >= 2, "padding", place.padding, ">= 2");
+  require(place.padding >= 2 && place.padding <= 4096, "padding", place.padding, ">= 2 and <= 4096");
   require(place.levels >= 0 && place.levels <= 12, "levels", place.levels, ">= 0 and <= 12");
-  if (params.energy.lambda) require(*params.energy.lambda > 0, "lambda", *params.energy.lambda, "> 0");
-  require(params.energy.lambda_per_density > 0, "lambda_per_density", params.energy.lambda_per_density, "> 0");
+  // Coarse levels multiply lambda by powers of four, in float.
+  const auto weight = [](double v) { return v > 0 && v <= 1e24; };
+  if (params.energy.lambda) require(weight(*params.energy.lambda), "lambda", *params.energy.lambda, "> 0 and <= 1e24");
+  require(weight(params.energy.lambda_per_density), "lambda_per_density", params.energy.lambda_per_density,
+          "> 0 and <= 1e24");
   require(params.solve.tolerance > 0, "tolerance", params.solve.tolerance, "> 0");
   require(params.solve.max_iterations >= 1, "max_iterations", params.solve.max_iterations, ">= 1");
   const bool checks = params.solve.check_every >= 1 && params.solve.check_every <= 1000;

@@ -15,6 +15,8 @@ namespace soapfilm {
 
 namespace {
 
+/// Sides of the samples' box, input units, whose squares and cubes double can hold.
+constexpr double shortest_box = 1e-100, longest_box = 1e100;
 /// Fewer samples cannot lie around a volume.
 constexpr size_t fewest_samples = 4;
 /// Thickness of the samples along their thinnest direction, relative to the longest, below which they are coplanar.
@@ -22,7 +24,11 @@ constexpr double coplanar = 1e-7;
 constexpr size_t samples_per_task = size_t{1} << 15;
 
 double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling& sampling) {
-  if (params.voxel) return *params.voxel;
+  if (params.voxel) {
+    if (*params.voxel <= box.longest()) return *params.voxel;
+    throw ParameterError(fmt::format("voxel = {:g}, must be <= {:.6g}, the longest side of the samples' box",
+                                     *params.voxel, box.longest()));
+  }
   if (params.resolution) return voxel_of_resolution(box, *params.resolution, params.padding);
   const double voxel = sampling.voxel(params.samples_per_voxel2);
   if (voxel > 0) return voxel;
@@ -60,6 +66,16 @@ void warn_near_empty(double lambda, double density, std::vector<std::string>& wa
                     lambda, lambda > edge ? "above" : "near", edge, density));
 }
 
+/// Many samples at one place are more often a camera's way to say "nothing" than a surface.
+void warn_of_repeats(const Sampling& sampling, size_t samples, std::vector<std::string>& warnings) {
+  if (sampling.repeats == 0) return;
+  const Vec3d& at = sampling.most_repeated;
+  warnings.push_back(
+      fmt::format("{} of {} samples are where another one is, most at ({:g}, {:g}, {:g}): pixels without "
+                  "depth? Their density counts each place once",
+                  sampling.repeats, samples, at.x, at.y, at.z));
+}
+
 /// Beyond the end of the curve something better may lie.
 void warn_at_end(const CrossValidationReport& select, std::vector<std::string>& warnings) {
   const double lowest = select.curve.front().lambda_per_density, highest = select.curve.back().lambda_per_density;
@@ -82,6 +98,9 @@ void check_samples(const PointCloud& cloud, const Parallel& parallel) {
   });
   if (!(box.longest() > 0))
     throw ParameterError(fmt::format("all {} samples are identical, must span a volume", cloud.size()));
+  if (box.longest() < shortest_box || box.longest() > longest_box)
+    throw ParameterError(fmt::format("the longest side of the samples' box = {:g}, must be in [{:g}, {:g}]",
+                                     box.longest(), shortest_box, longest_box));
 
   const Vec3d centre = box.centre();
   const double scale = 1 / box.longest();
@@ -100,7 +119,9 @@ void check_samples(const PointCloud& cloud, const Parallel& parallel) {
   const Eigen::Vector3d variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
   // In units of the longest side; variances below double's rounding of 1 are no thickness.
   if (variance[0] <= std::max(coplanar * coplanar * variance[2], 1e-15))
-    throw ParameterError(fmt::format("all {} samples are coplanar, must span a volume", cloud.size()));
+    throw ParameterError(
+        fmt::format("all {} samples are coplanar (but for {:g} of their longest side, {:.6g}), must span a volume",
+                    cloud.size(), coplanar, box.longest()));
 }
 
 GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
@@ -108,11 +129,20 @@ GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, co
   const Box3d box = cloud.box(parallel);
   const Sampling sampling = measure_sampling(cloud, parallel);
   const double voxel = choose_voxel(params.place, box, sampling);
-  report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);
+  try {
+    report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);
+  } catch (const ParameterError& error) {
+    if (params.place.voxel || params.place.resolution) throw;
+    throw ParameterError(
+        fmt::format("{} (it follows from the samples' density; their box is {:.4g} x {:.4g} x {:.4g}: "
+                    "is one of them far away?)",
+                    error.what(), box.size().x, box.size().y, box.size().z));
+  }
   report.input.samples = cloud.size();
   report.input.scans = cloud.scans.size();
   report.input.box = box;
   report.input.density = sampling.density(voxel);
+  warn_of_repeats(sampling, cloud.size(), report.warnings);
 
   const size_t held = peak_memory_bytes();
   check_memory(plan_tables(params.method, report.lattice), params.memory_limit, held, report.lattice);

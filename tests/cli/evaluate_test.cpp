@@ -108,6 +108,20 @@ TEST_F(EvaluateCommand, RefusesInOneLine) {
   expect({"--truth", "sphere", "--error-ply", "e.obj"}, "error_ply = e.obj, must end in .ply");
   expect({"--truth", "sphere", "--error-range", "1"}, "--error-range: only --error-ply has it");
   expect({"--truth", "sphere", "--json", "/nowhere/e.json"}, "/nowhere/e.json");
+  expect({"--truth", "sphere", "--gap", "0.2"}, "--gap: shape sphere has none");
+  expect({"--truth", "sphere", "--error-ply", mesh}, "is also an input");
+  expect({"--truth", "sphere", "--error-ply", folder.file("e.ply"), "--json", folder.file("e.ply")},
+         "e.ply: is named for two outputs");
+  for (const double size : {0.0, 1e200}) {  // no area; none that a double holds
+    Mesh odd;
+    odd.vertices = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}};
+    odd.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    MeshWriteOptions exact;
+    exact.coordinate_precision = 1e-9;
+    write_mesh(folder.file("odd.ply"), odd, exact);
+    expect_refused({"evaluate", folder.file("odd.ply"), "--truth", "sphere", "-q"}, "odd.ply: a mesh of area");
+    expect({"--truth", folder.file("odd.ply")}, "odd.ply: a mesh of area");
+  }
   expect_refused({"evaluate", "/nowhere/mesh.ply", "--truth", "sphere", "-q"}, "/nowhere/mesh.ply");
 }
 

@@ -62,6 +62,7 @@ TEST(Program, NamesAFileThatIsNotThere) {
   expect_refused({"info", "/nowhere/scan.ply"}, "/nowhere/scan.ply");
   expect_refused({"-q", "reconstruct", "/nowhere/scan.ply", "-o", "/tmp/never.ply"}, "/nowhere/scan.ply");
   expect_refused({"-q", "render", "/nowhere/mesh.ply", "-o", "/tmp/never.png"}, "/nowhere/mesh.ply");
+  expect_refused({"render", "a.ply", "-o", "/tmp/never.png", "--range", "0,1"}, "--range: only --color-by has it");
 }
 
 TEST(Program, NoticesThatItsOutputWasLost) {

@@ -164,6 +164,15 @@ TEST_F(MethodCommand, WritesTheSurfaceOfEveryLevel) {
   EXPECT_FALSE(std::filesystem::exists(levels + "/level_" + std::to_string(count) + ".ply"));
 }
 
+TEST_F(MethodCommand, LevelsWithoutASurfaceLeaveTheOutcomeAsItIs) {
+  const std::string levels = folder.file("levels");
+  const ProcessResult result = run(
+      {"reconstruct", even, "-o", mesh, "--write-levels", levels, "--resolution", "40", "--lambda", "9", "--quiet"});
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_TRUE(contains(result.err, "the largest lambda that keeps a surface")) << result.err;
+  EXPECT_TRUE(std::filesystem::is_empty(levels));
+}
+
 TEST_F(MethodCommand, NoLevelsStayOfARunThatFails) {
   const std::string levels = folder.file("levels");
   const ProcessResult result = run({"reconstruct", even, "-o", mesh, "--write-levels", levels, "--resolution", "17",

@@ -216,7 +216,11 @@ TEST_F(Reconstruct, RefusesBadParameters) {
   refused({cloud, "-o", mesh, "--tolerance", "nan"}, "tolerance = nan, must be > 0");
   refused({cloud, "-o", mesh, "--threshold", "1"}, "threshold = 1, must be > 0 and < 1");
   refused({cloud, "-o", mesh, "--isovalue", "middle"}, "isovalue = middle");
+  refused({cloud, "-o", mesh, "--voxel", "1e-300"}, "must be <= 16384");
+  refused({cloud, "-o", mesh, "--voxel", "3"}, "voxel = 3, must be <= 0.99");
+  refused({cloud, "-o", mesh, "--lambda", "inf"}, "lambda = inf, must be > 0 and <= 1e24");
   refused({cloud, "-o", mesh, "--padding", "1"}, "padding = 1, must be >= 2");
+  refused({cloud, "-o", mesh, "--padding", "2147483647", "--resolution", "40"}, "must be >= 2 and <= 4096");
   refused({cloud, "-o", mesh, "--max-iterations", "0"}, "max_iterations = 0, must be >= 1");
   refused({cloud, "-o", mesh, "--directions", "up"}, "up");
   refused({cloud, "-o", mesh, "--directions", "scan"}, "scan");
@@ -244,6 +248,50 @@ TEST_F(Reconstruct, RefusesBadInput) {
   for (int x = 0; x < 20; ++x)
     for (int y = 0; y < 20; ++y) plane += std::to_string(x) + " " + std::to_string(y) + " 5 0 0 1\n";
   refused({text_file("plane.xyz", plane), "-o", mesh}, "plane.xyz: all 400 samples are coplanar");
+  refused({text_file("huge.xyz", "0 0 0\n1e300 0 0\n0 1e300 0\n0 0 1e300\n"), "-o", mesh},
+          "huge.xyz: the longest side of the samples' box = 1e+300, must be in [1e-100, 1e+100]");
+  refused({text_file("set.conf", "bmesh absent.ply 0 0 0 0 0 0 1\n"), "-o", mesh}, "set.conf: ");
+}
+
+/// Raw scans cannot be measured again.
+TEST_F(Reconstruct, OutputsTakeTheirOwnPlacesOnly) {
+  const std::string before = read_file(cloud);
+  refused({cloud, "-o", cloud}, "is also an input");
+  refused({cloud, "-o", folder.file("../" + folder.path().filename().string() + "/sphere.ply")}, "is also an input");
+  refused({cloud, "-o", mesh, "--report", cloud}, "sphere.ply: is also an input");
+  refused({cloud, "-o", mesh, "--report", mesh}, "mesh.ply: is named for two outputs");
+  refused({text_file("set.conf", "bmesh sphere.ply 0 0 0 0 0 0 1\n"), "-o", cloud}, "is also an input");
+  refused({cloud, "-o", folder.file("level_3.ply"), "--write-levels", folder.path().string()}, "two outputs");
+  const std::string link = folder.file("link.ply");
+  std::filesystem::create_symlink(cloud, link);
+  refused({cloud, "-o", link}, "link.ply: is also an input");
+  EXPECT_EQ(read_file(cloud), before);
+}
+
+TEST_F(Reconstruct, AMeshWithoutItsReportIsToldOf) {
+  expect_refused({"reconstruct", "-q", cloud, "-o", mesh, "--resolution", "24", "--report", "/dev/full"},
+                 "mesh.ply is written all the same");
+  EXPECT_TRUE(std::filesystem::exists(mesh));
+}
+
+TEST_F(Reconstruct, ASampleFarAwayIsAskedFor) {
+  PointCloud far = sphere_cloud(6000);
+  far.positions[17] = {1e4, 0, 0};
+  write_points(folder.file("far.ply"), far);
+  refused({folder.file("far.ply"), "-o", mesh}, "their box is 1e+04 x 0.99");
+}
+
+/// Pixels without depth, all at the camera's origin, must not decide how fine the grid is.
+TEST_F(Reconstruct, SamplesAtOnePlaceDoNotRefineTheGrid) {
+  PointCloud pixels = sphere_cloud(6000);
+  pixels.positions.insert(pixels.positions.end(), 1500, Vec3d{});
+  pixels.normals.insert(pixels.normals.end(), 1500, Vec3f{});
+  pixels.scans[0].end += 1500;
+  write_points(folder.file("pixels.ply"), pixels);
+  const ProcessResult result = run({"reconstruct", folder.file("pixels.ply"), "-o", mesh, "--directions", "normals"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "warning: 1499 of 7500 samples are where another one is, most at (0, 0, 0)"))
+      << result.err;
 }
 
 TEST_F(Reconstruct, RefusesUnwritableOutputBeforeTheRun) {

@@ -94,7 +94,11 @@ TEST(Scan, RefusesInOneLineAndWritesNothing) {
   expect_refused({"part", "--position", "0,0,9", "--target", "0,9,9"}, "no ray of 1 range images met the surface");
   expect_refused({"plate", "--thickness", "0.9"}, "thickness = 0.9, must be in [0.0001, 0.5] times the size");
   expect_refused({"part", "--views", "0"}, "views = 0, must be in [1, 10000]");
-  expect_refused({"part", "--seed", "-1"}, "seed");
+  expect_refused({"part", "--seed", "-1"}, "--seed: Value -1 not in range 0 to 9223372036854775807");
+  expect_refused({"part", "--step", "0"}, "step = 0, must be > 0");
+  expect_refused({"sphere", "--gap", "0.2"}, "--gap: shape sphere has none");
+  expect_refused({"arch", "--thickness", "0.2"}, "--thickness: shape arch has none");
+  expect_refused({"part", "--position", "5,0,0", "--views", "3"}, "--views: only an orbit has it, not --position");
   expect_refused({"part", "--elevations", "0,30"}, "elevations: only --orbit ring has them");
   expect_refused({"part", "--hole", "0.95"}, "hole = 0.95, must be in [0, 0.9]");
   expect_refused({"part", "--thin-half", "0.2"}, "thin_half = 0.2, must be >= 1");
@@ -108,6 +112,15 @@ TEST(Scan, RefusesInOneLineAndWritesNothing) {
   expect_refused({"part", "--samples", "9", "--directions", "views", "--views", "0"}, "views = 0, must be in");
   expect_refused({"part", "--directions", "normals"}, "--directions: only --samples has it");
   expect_refused({"horse.ply", "--gap", "0.2"}, "--gap: only built-in shapes have it, horse.ply is a mesh");
+}
+
+TEST(Scan, RefusesAPlaceBeforeTheWork) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(scan({"sphere", "-o", folder.file("a/b"), "--samples", "9"}).exit_code, 0);
+  const std::string truth = folder.file("a/b/truth.ply"), before = read_file(truth);
+  test::expect_refused({"scan", truth, "-o", folder.file("a/b")}, "truth.ply: is also an input");
+  test::expect_refused({"scan", "sphere", "-o", truth + "/c"}, "cannot make the folder");
+  EXPECT_EQ(read_file(truth), before);
 }
 
 TEST(Scan, WritesEvenSamplesInsteadOfScans) {

@@ -193,6 +193,7 @@ TEST(Distance, SummaryOfKnownNumbers) {
 
 TEST(Distance, RefusesWhatHasNoDistance) {
   EXPECT_THROW(ClosestPointQuery(Mesh{}, Parallel(1)), ParameterError);
+  EXPECT_THROW(ClosestPointQuery(plane(1, {}, 1e200), Parallel(1)), ParameterError);
   Mesh bad = plane(1, {}, 1);
   bad.triangles[0][0] = 99;
   EXPECT_THROW(ClosestPointQuery(bad, Parallel(1)), ParameterError);

@@ -77,6 +77,26 @@ TEST(Sampling, CountsAsAMapDoesOnAnyNumberOfThreads) {
   }
 }
 
+/// A camera's pixels without depth all lie at its origin; a cloud is given twice over and more. Neither makes the
+/// surface denser, at any scale.
+TEST(Sampling, CountsEachPlaceOnceWhereSamplesRepeat) {
+  const PointCloud surface = sample_surface(*make_torus(), 20000, 1);
+  const Sampling clean = measure_sampling(surface, Parallel(1));
+  EXPECT_EQ(clean.repeats, 0u);
+  for (const size_t pixels : {1000, 20000, 60000}) {
+    PointCloud cloud = surface;
+    cloud.positions.insert(cloud.positions.begin() + 7, pixels, Vec3d{});
+    const Sampling sampling = measure_sampling(cloud, Parallel(1));
+    EXPECT_NEAR(sampling.per_area, clean.per_area, 0.01 * clean.per_area) << pixels;
+    EXPECT_EQ(sampling.repeats, pixels - 1);
+    EXPECT_EQ(sampling.most_repeated, Vec3d{});
+  }
+  PointCloud many = surface;
+  for (int copy = 1; copy < 6; ++copy)
+    many.positions.insert(many.positions.end(), surface.positions.begin(), surface.positions.end());
+  EXPECT_DOUBLE_EQ(measure_sampling(many, Parallel(1)).per_area, clean.per_area);
+}
+
 TEST(Sampling, ScalesWithTheUnits) {
   PointCloud cloud = sample_surface(*make_sphere(), 5000, 1);
   const double metres = measure_sampling(cloud, Parallel()).per_area;

@@ -163,6 +163,21 @@ TEST(Orient, NormalsComeFirstAndAreMadeUnit) {
   }
 }
 
+/// A file whose normals point inward is a mistake often made; its film wraps the outside of the shape.
+TEST(Orient, InwardNormalsAreWarnedOf) {
+  ShapeParams far;
+  far.centre = {1e6, -2e6, 3e6};
+  for (const std::string& name : shape_names()) {
+    PointCloud cloud = sample_surface(*make_shape(name, far), 4000, 1);
+    EXPECT_TRUE(run(cloud).report.warnings.empty()) << name;
+    for (Vec3f& n : cloud.normals) n = -n;
+    const Oriented found = run(cloud);
+    ASSERT_EQ(found.report.warnings.size(), 1u) << name;
+    EXPECT_NE(found.report.warnings[0].find("the normals point towards the samples' middle"), std::string::npos);
+    EXPECT_EQ(compare(found.directions, cloud.normals).right_side, 1.0) << "nothing is turned";
+  }
+}
+
 TEST(Orient, SensorIsTheSamplesOwnThenItsScansThenTheCallers) {
   PointCloud cloud = cloud_of({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}});
   const double nan = std::numeric_limits<double>::quiet_NaN();

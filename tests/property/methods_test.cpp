@@ -137,7 +137,7 @@ TEST(Vrip, RefusesWhatIsNoRangeScanBeforeTheWork) {
 TEST(Vrip, ThatSawNoWholeCellIsAnEmptyResult) {
   ReconstructParams params = params_of(Method::vrip);
   params.place.resolution.reset();
-  params.place.voxel = 50;
+  params.place.voxel = 0.9;
   EXPECT_THROW(reconstructed(range_scans({{5, 0, 0}}), params), EmptyResult);
 }
 

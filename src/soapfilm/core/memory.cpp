@@ -90,7 +90,7 @@ void prefer_large_pages(void* memory, size_t bytes) {
   constexpr size_t large_page = size_t{2} << 20;
   if (bytes < large_page) return;
   const auto page = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
-  const auto begin = reinterpret_cast<uintptr_t>(memory), first = (begin + page - 1) / page * page;
+  const auto begin = reinterpret_cast<uintptr_t>(memory), first = rounded_up(begin, page);
   static_cast<void>(madvise(reinterpret_cast<void*>(first), begin + bytes - first, MADV_HUGEPAGE));
 }
 

@@ -22,6 +22,9 @@ void release(std::vector<T>& values) {
   std::vector<T>().swap(values);
 }
 
+/// The first multiple of `unit` that is not below `bytes`.
+constexpr size_t rounded_up(size_t bytes, size_t unit) { return (bytes + unit - 1) / unit * unit; }
+
 /// Asks the system to back [memory, memory + bytes), not touched yet, with large pages: fewer faults, and fewer misses
 /// of the address cache. Advice: where the system does not take it, nothing changes.
 void prefer_large_pages(void* memory, size_t bytes);

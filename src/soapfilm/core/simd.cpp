@@ -33,13 +33,6 @@ std::vector<std::string> simd_targets() {
   return names;
 }
 
-std::string simd_target() {
-  if (only_scalar) return scalar_name;
-  const int64_t supported = hwy::SupportedTargets() & HWY_TARGETS;
-  // Better targets are lower bits.
-  return lower(hwy::TargetName(supported & -supported));
-}
-
 bool scalar_forced() { return only_scalar; }
 
 void force_simd_target(const std::string& name) {

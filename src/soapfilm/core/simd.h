@@ -9,11 +9,7 @@ namespace soapfilm {
 /// The targets that this processor can run, best first; the last is always "scalar".
 std::vector<std::string> simd_targets();
 
-/// The one in use.
-std::string simd_target();
-
-/// Whether that is "scalar" because force_simd_target() said so. simd_target() asks the processor each time, which
-/// takes microseconds in a virtual machine; this does not.
+/// Whether kernels are to be scalar because force_simd_target() said so.
 bool scalar_forced();
 
 /// Makes all kernels of this process use a target by name (as simd_targets() lists them; empty: the best). For tests

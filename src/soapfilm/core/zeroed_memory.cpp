@@ -18,8 +18,6 @@ constexpr size_t alignment = 64;
 /// Smaller arrays come and go within a stage: the allocator keeps theirs for the next one.
 constexpr size_t large_bytes = size_t{1} << 21;
 
-size_t rounded_up(size_t bytes, size_t unit) { return (bytes + unit - 1) / unit * unit; }
-
 }  // namespace
 
 ZeroedMemory allocate_zeroed(size_t bytes) {

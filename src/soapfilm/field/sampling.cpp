@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
+#include <tuple>
 #include <vector>
 
 #include "soapfilm/core/gather.h"
@@ -35,14 +37,15 @@ uint64_t spread_bits(uint64_t v) {
 }
 
 /// The keys of the cells that hold the samples, sorted.
-std::vector<uint64_t> cells_of(const PointCloud& cloud, const Box3d& box, int depth, const Parallel& parallel) {
+std::vector<uint64_t> cells_of(std::span<const Vec3d> positions, const Box3d& box, int depth,
+                               const Parallel& parallel) {
   const double longest = box.longest(), cells = static_cast<double>(1 << deepest);
   std::vector<uint64_t> keys;
-  reserve_many(keys, cloud.size());
-  keys.resize(cloud.size());
-  parallel.for_each(cloud.size(), samples_per_task, [&](size_t i) {
+  reserve_many(keys, positions.size());
+  keys.resize(positions.size());
+  parallel.for_each(positions.size(), samples_per_task, [&](size_t i) {
     for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::min((cloud.positions[i][axis] - box.lo[axis]) / longest * cells, cells - 1);
+      const double cell = std::min((positions[i][axis] - box.lo[axis]) / longest * cells, cells - 1);
       keys[i] |= spread_bits(static_cast<uint64_t>(cell) >> (deepest - depth)) << axis;
     }
   });
@@ -50,22 +53,83 @@ std::vector<uint64_t> cells_of(const PointCloud& cloud, const Box3d& box, int de
   return keys;
 }
 
-/// Other samples in a sample's cell, averaged over the samples; cells are `up` depths less deep than the sorted keys
-/// say. A run of samples is counted by the chunk that it begins in.
-double mean_companions(const std::vector<uint64_t>& keys, int up, const Parallel& parallel) {
+/// Ordered pairs of samples that share a cell.
+struct Pairs {
+  uint64_t all = 0;
+  uint64_t most = 0;  ///< in one cell
+
+  void operator+=(const Pairs& p) {
+    all += p.all;
+    most = std::max(most, p.most);
+  }
+  /// Other samples in a sample's cell, averaged over the samples.
+  double companions(size_t samples) const { return static_cast<double>(all) / static_cast<double>(samples); }
+};
+
+/// Cells are `up` depths less deep than the sorted keys say. A run of samples is counted by the chunk that it begins
+/// in.
+Pairs count_pairs(const std::vector<uint64_t>& keys, int up, const Parallel& parallel) {
   const auto cell = [&](size_t i) { return keys[i] >> (3 * up); };
-  const auto pairs = sum_chunks<uint64_t>(keys.size(), samples_per_task, parallel, [&](size_t begin, size_t end) {
-    uint64_t found = 0;
+  return sum_chunks<Pairs>(keys.size(), samples_per_task, parallel, [&](size_t begin, size_t end) {
+    Pairs found;
     while (begin > 0 && begin < end && cell(begin) == cell(begin - 1)) ++begin;
     while (begin < end) {
       size_t next = begin + 1;
       while (next < keys.size() && cell(next) == cell(begin)) ++next;
-      found += (next - begin) * (next - begin - 1);
+      const uint64_t pairs = (next - begin) * (next - begin - 1);
+      found += Pairs{pairs, pairs};
       begin = next;
     }
     return found;
   });
-  return static_cast<double>(pairs) / static_cast<double>(keys.size());
+}
+
+/// The cells at the scale where the density shows.
+struct Scale {
+  int depth = coarsest;
+  double companions = 0;
+  double crowded = 0;  ///< those in the fullest cell, as its share of `companions`
+};
+
+Scale find_scale(std::span<const Vec3d> positions, const Box3d& box, const Parallel& parallel) {
+  // A surface has about 4^depth cells: at this depth mostly less than one sample for each, so few companions.
+  int depth = coarsest;
+  while (depth < deepest && size_t{1} << (2 * depth) < positions.size()) ++depth;
+  std::vector<uint64_t> keys = cells_of(positions, box, depth, parallel);
+  while (depth < deepest && count_pairs(keys, 0, parallel).companions(positions.size()) >= companions_wanted) {
+    release(keys);
+    keys = cells_of(positions, box, depth = std::min(depth + 2, deepest), parallel);
+  }
+  for (int up = 0;; ++up) {
+    const Pairs pairs = count_pairs(keys, up, parallel);
+    const double companions = pairs.companions(positions.size());
+    if (companions < companions_wanted && depth - up > coarsest) continue;
+    return {depth - up, companions,
+            pairs.all > 0 ? static_cast<double>(pairs.most) / static_cast<double>(pairs.all) : 0};
+  }
+}
+
+/// Whether samples at one place may be what was measured: then companions stay down to the finest cells, or one cell
+/// holds many of them.
+bool may_repeat(const Scale& scale) {
+  constexpr double many = 0.25;
+  return scale.depth == deepest || scale.crowded > many;
+}
+
+/// Each place once; tells how many samples that leaves out, and where most of them are.
+std::vector<Vec3d> places_of(std::vector<Vec3d> positions, Sampling& sampling) {
+  const auto before = [](const Vec3d& a, const Vec3d& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); };
+  std::sort(positions.begin(), positions.end(), before);
+  size_t kept = 0, most = 0;
+  for (size_t begin = 0, end = 0; begin < positions.size(); begin = end) {
+    while (end < positions.size() && positions[end] == positions[begin]) ++end;
+    if (end - begin > most) sampling.most_repeated = positions[begin];
+    most = std::max(most, end - begin);
+    positions[kept++] = positions[begin];
+  }
+  sampling.repeats = positions.size() - kept;
+  positions.resize(kept);
+  return positions;
 }
 
 }  // namespace
@@ -77,22 +141,14 @@ Sampling measure_sampling(const PointCloud& cloud, const Parallel& parallel) {
   const double longest = box.longest();
   Sampling sampling;
   if (!(longest > 0)) return sampling;
-
-  // A surface has about 4^depth cells: at this depth mostly less than one sample for each, so few companions.
-  int depth = coarsest;
-  while (depth < deepest && size_t{1} << (2 * depth) < cloud.size()) ++depth;
-  std::vector<uint64_t> keys = cells_of(cloud, box, depth, parallel);
-  while (depth < deepest && mean_companions(keys, 0, parallel) >= companions_wanted) {
-    release(keys);
-    keys = cells_of(cloud, box, depth = std::min(depth + 2, deepest), parallel);
+  Scale scale = find_scale(cloud.positions, box, parallel);
+  if (may_repeat(scale)) {
+    const std::vector<Vec3d> places = places_of(cloud.positions, sampling);
+    if (sampling.repeats > 0) scale = find_scale(places, box, parallel);
   }
-  for (int up = 0;; ++up) {
-    const double companions = mean_companions(keys, up, parallel);
-    if (companions < companions_wanted && depth - up > coarsest) continue;
-    const double cell = longest / static_cast<double>(1 << (depth - up));
-    sampling.per_area = companions / (mean_section * cell * cell);
-    return sampling;
-  }
+  const double cell = longest / static_cast<double>(1 << scale.depth);
+  sampling.per_area = scale.companions / (mean_section * cell * cell);
+  return sampling;
 }
 
 }  // namespace soapfilm

@@ -3,11 +3,14 @@
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/point_cloud.h"
+#include "soapfilm/core/vec.h"
 
 namespace soapfilm {
 
 struct Sampling {
-  double per_area = 0;  ///< samples per area of surface, input units^-2, as the samples see it: the mean over them
+  double per_area = 0;    ///< samples per area of surface, input units^-2, as the samples see it: the mean over them
+  size_t repeats = 0;     ///< samples at another one's place, where they hid the density and were left out of it
+  Vec3d most_repeated{};  ///< the place that most of them share
 
   /// Samples per voxel^2 of surface.
   double density(double voxel) const { return per_area * voxel * voxel; }
@@ -17,7 +20,9 @@ struct Sampling {
 
 /// From how many other samples share a sample's cell, at the finest scale where there are four on average: the cell
 /// then holds 0.94 of its face's area of surface, averaged over where and how a plane crosses it. Fine enough to keep
-/// the two sides of a thin plate apart; outliers, which share their cells with nobody, hardly count.
+/// the two sides of a thin plate apart; outliers, which share their cells with nobody, hardly count. Samples at one and
+/// the same place, such as the (0, 0, 0) of a camera's pixels without depth, share cells at every scale: where they
+/// matter, each place counts once.
 Sampling measure_sampling(const PointCloud& cloud, const Parallel& parallel);
 
 /// A film over even samples of less than lambda / critical_density per voxel^2 costs more than it gains: the optimum

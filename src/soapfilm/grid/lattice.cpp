@@ -20,8 +20,9 @@ int vertices_along(double length, double voxel, int padding) {
   const double cells = std::max(1.0, std::ceil(length / voxel - 1e-6));
   const double vertices = cells + 2.0 * padding;
   if (vertices > max_vertices_per_axis)
-    throw ParameterError(fmt::format("voxel = {:.6g}: the grid would have {:.0f} vertices along an axis, must be <= {}",
-                                     voxel, vertices, max_vertices_per_axis));
+    throw ParameterError(
+        fmt::format("voxel = {:.6g}: the grid would have {:.10g} vertices along an axis, must be <= {}", voxel,
+                    vertices, max_vertices_per_axis));
   return static_cast<int>(vertices);
 }
 

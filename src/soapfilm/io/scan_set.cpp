@@ -103,7 +103,12 @@ PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, cons
     if (lower_case(std::filesystem::path(file).extension().string()) == ".conf")
       throw InputError(
           fmt::format("{}: bmesh names {}, must be a scan, not a scan set", source.path(), in_quotes(entry.file)));
-    PointCloud cloud = read_points(file, &to);
+    PointCloud cloud;
+    try {
+      cloud = read_points(file, &to);
+    } catch (const InputError& error) {  // the user named the set
+      throw InputError(source.path() + ": " + error.what());
+    }
     for (Scan& scan : cloud.scans)
       if (!scan.sensor && !scan.view_direction && cloud.sensors.empty()) scan.view_direction = Vec3d{0, 0, 1};
     apply_pose(entry.pose, cloud);

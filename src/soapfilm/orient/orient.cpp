@@ -91,6 +91,11 @@ void refuse_absent_source(DirectionSource source, const OrientReport& report) {
   require(DirectionSource::scan, report.from_scan, "scan: no scan has a viewing direction or a scanner position");
 }
 
+void warn(Progress& progress, OrientReport& report, std::string line) {
+  progress.warn(line);
+  report.warnings.push_back(std::move(line));
+}
+
 void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known,
               const Parallel& parallel, Progress& progress, std::vector<Vec3f>& directions, OrientReport& report) {
   std::vector<uint32_t> wanted;
@@ -108,21 +113,41 @@ void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDi
     directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);
     ++(estimated.normals[k] == Vec3d{} ? report.without_direction : report.estimated);
   }
-  const auto warn = [&](std::string line) {
-    progress.warn(line);
-    report.warnings.push_back(std::move(line));
-  };
   if (estimated.propagated > 0)
-    warn(fmt::format(
-        "{} of {} samples have no direction: normals were estimated from {} neighbours and turned outward by "
-        "propagation over {} connected part{}, which is a guess (give normals, or scanner positions with --sensor)",
-        estimated.propagated, cloud.size(), params.neighbours, estimated.components,
-        estimated.components == 1 ? "" : "s"));
-  if (report.without_direction > 0)
     warn(
-        fmt::format("{} of {} samples have no direction and no neighbours that span a plane: they "
-                    "are left out",
-                    report.without_direction, cloud.size()));
+        progress, report,
+        fmt::format(
+            "{} of {} samples have no direction: normals were estimated from {} neighbours and turned outward by "
+            "propagation over {} connected part{}, which is a guess (give normals, or scanner positions with --sensor)",
+            estimated.propagated, cloud.size(), params.neighbours, estimated.components,
+            estimated.components == 1 ? "" : "s"));
+  if (report.without_direction > 0)
+    warn(progress, report,
+         fmt::format("{} of {} samples have no direction and no neighbours that span a plane: they "
+                     "are left out",
+                     report.without_direction, cloud.size()));
+}
+
+/// The flux of x through a closed surface is three times its volume (divergence theorem): outward normals point away
+/// from the samples' middle on the whole, whatever the shape.
+void warn_of_inward_normals(const PointCloud& cloud, const std::vector<Vec3f>& directions, Progress& progress,
+                            OrientReport& report) {
+  if (2 * report.from_normals <= cloud.size()) return;  // a scanner's side is outside by definition
+  const Vec3d first = cloud.positions[0];
+  Vec3d sum;
+  for (const Vec3d& p : cloud.positions) sum += p - first;
+  const Vec3d middle = first + sum / static_cast<double>(cloud.size());
+  double flux = 0, most = 0;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const Vec3d from_middle = cloud.positions[i] - middle;
+    flux += dot(static_cast<Vec3d>(directions[i]), from_middle);
+    most += norm(from_middle);
+  }
+  constexpr double inward = -0.1;  // thin shapes reach 0.2 to 0.5, a sphere 1
+  if (flux < inward * most)
+    warn(progress, report,
+         "the normals point towards the samples' middle on the whole: right for a hollow seen from within, otherwise "
+         "they must be turned outward");
 }
 
 }  // namespace
@@ -150,6 +175,7 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
   report.from_sensor = count(2);
   report.from_scan = count(3);
   refuse_absent_source(params.source, report);
+  warn_of_inward_normals(cloud, directions, progress, report);
   estimate(cloud, params, known, parallel, progress, directions, report);
   return directions;
 }

@@ -77,11 +77,6 @@ size_t NarrowBand::count() const {
   return total;
 }
 
-size_t NarrowBand::bytes() const {
-  return grid_.bytes() + (row_of_.size() + first_row_.size()) * sizeof(uint32_t) +
-         mask_.size() * (2 + sizeof(neighbors_[0]) + brick_side);
-}
-
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
                        const Parallel& parallel, const RowArray* share) {
   const RowKernel kernel = row_kernel();

@@ -55,8 +55,6 @@ class NarrowBand {
   /// What kernels see of it.
   BandRows view() const { return {neighbors_.data(), degree_.data(), mask_.data()}; }
 
-  size_t bytes() const;
-
  private:
   void count_neighbors(const Parallel& parallel);
 

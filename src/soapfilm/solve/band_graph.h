@@ -47,8 +47,6 @@ class BandGraph {
     bool next(BandVertex& vertex);
 
    private:
-    bool next_row();
-
     const BandGraph& graph_;
     size_t row_ = 0;     ///< the next one
     unsigned bits_ = 0;  ///< of the row before it, still to come
