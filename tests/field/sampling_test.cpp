@@ -68,8 +68,8 @@ double counted_per_area(const PointCloud& cloud) {
 
 TEST(Sampling, CountsAsAMapDoesOnAnyNumberOfThreads) {
   PointCloud even = sample_surface(*make_torus(), 30000, 1), clustered = even;
-  for (int i = 0; i < 70000; ++i)
-    clustered.positions.push_back(even.positions[5]);  // more than a thread counts at once
+  // More in one cell than a thread counts at once, each at a place of its own.
+  for (int i = 1; i <= 70000; ++i) clustered.positions.push_back(even.positions[5] + Vec3d{1e-12 * i, 0, 0});
   for (const PointCloud* cloud : {&even, &clustered}) {
     const double counted = counted_per_area(*cloud);
     for (const int threads : {1, 2, 3, 8})
