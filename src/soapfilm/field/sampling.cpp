@@ -22,7 +22,7 @@ namespace {
 constexpr int deepest = 16;
 constexpr int coarsest = 1;
 constexpr double companions_wanted = 4;
-constexpr size_t samples_per_task = size_t{1} << 15;
+constexpr size_t keys_per_task = size_t{1} << 15;
 /// Mean area of a plane's section with a unit cube, over planes through uniform points in uniform directions.
 constexpr double mean_section = 0.9413;
 
@@ -43,7 +43,7 @@ std::vector<uint64_t> cells_of(std::span<const Vec3d> positions, const Box3d& bo
   std::vector<uint64_t> keys;
   reserve_many(keys, positions.size());
   keys.resize(positions.size());
-  parallel.for_each(positions.size(), samples_per_task, [&](size_t i) {
+  parallel.for_each(positions.size(), keys_per_task, [&](size_t i) {
     for (int axis = 0; axis < 3; ++axis) {
       const double cell = std::min((positions[i][axis] - box.lo[axis]) / longest * cells, cells - 1);
       keys[i] |= spread_bits(static_cast<uint64_t>(cell) >> (deepest - depth)) << axis;
@@ -70,7 +70,7 @@ struct Pairs {
 /// in.
 Pairs count_pairs(const std::vector<uint64_t>& keys, int up, const Parallel& parallel) {
   const auto cell = [&](size_t i) { return keys[i] >> (3 * up); };
-  return sum_chunks<Pairs>(keys.size(), samples_per_task, parallel, [&](size_t begin, size_t end) {
+  return sum_chunks<Pairs>(keys.size(), keys_per_task, parallel, [&](size_t begin, size_t end) {
     Pairs found;
     while (begin > 0 && begin < end && cell(begin) == cell(begin - 1)) ++begin;
     while (begin < end) {
