@@ -17,13 +17,13 @@ namespace {
 constexpr int max_growths = 8;
 constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that the finest band leaves out
 
-/// Of a level's flux that the next finer one starts from. A level that hardly sees the data sends flux through all of
-/// the interior to spread it, up to |p| = lambda; finer levels need nothing of it. At full size it would stay: no finer
-/// ball holds it, so those bricks would belong to every band, and u sink there while waves of p, a third of a vertex
-/// per iteration, cross from side to side. Each level that takes a tenth off leaves it well inside the ball, and what
-/// an interface needs comes back within a few iterations. Not below the last but one: the finest band's rim runs close
-/// to the interface, and p is fixed there.
-constexpr float flux_kept = 0.9f;
+/// How much of the coarser level's flux a level starts from. A level that hardly sees the data sends flux through all
+/// of the interior to spread it, up to |p| = lambda; finer levels need nothing of it. At full size it would stay: no
+/// finer ball holds it, so those bricks would belong to every band, and u sink there while waves of p, a third of a
+/// vertex per iteration, cross from side to side. Each level that takes some off leaves it well inside the ball, and
+/// what an interface needs comes back within a few iterations. Where the band's rim runs close to the interface p is
+/// fixed there, so less may go: at the finest level nothing.
+float flux_kept(int level) { return level == 0 ? 1.0f : level == 1 ? 0.9f : 0.8f; }
 
 /// The whole box, without a band: where the pyramid starts.
 Level whole_level(const LevelBox& box, const SupportField& support, double lambda, Norm norm,
@@ -104,7 +104,7 @@ class Descent {
   /// The level below `coarse`, on a band that grows until its interface stays within.
   Level solve_on_band(Level coarse, const SupportField& field, double allowed, LevelReport& report) {
     const LevelBox box = lattice_.box(report.level);
-    if (report.level > 0) scale_flux(coarse, flux_kept, parallel_);
+    if (report.level > 0) scale_flux(coarse, flux_kept(report.level), parallel_);
     BrickMask band = choose_band(coarse, box, field, allowed, parallel_);
     // A quarter of the finest level's memory would wait for the rare band that has to grow. It goes; should the band
     // grow after all, the way down to there is taken once more.
