@@ -76,7 +76,13 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
   stages.run("read", [&] {
     mesh = read_surface(options.mesh);
     truth = make_object("truth", options.truth, parallel, progress);
-    if (!options.samples.empty()) samples = read_points(options.samples);
+    if (!options.samples.empty()) {
+      ReadReport read;
+      samples = read_points(options.samples, &read);
+      std::vector<std::string> scans;  // of a set
+      for (const FileReport& file : read.files) scans.push_back(file.path);
+      refuse_overwriting({options.json, options.error_ply}, scans);
+    }
   });
   const Evaluation evaluation = stages.run("evaluate", [&] {
     return evaluate(mesh, *truth.surface, options.evaluation, parallel, progress,

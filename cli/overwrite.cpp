@@ -14,7 +14,8 @@ namespace {
 /// Where a file is or would be, links resolved.
 std::filesystem::path place_of(const std::string& path) {
   std::error_code error;
-  const std::filesystem::path place = std::filesystem::weakly_canonical(path, error);
+  // Absolute first: a relative path whose first folder does not exist would stay relative.
+  const std::filesystem::path place = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
   return error ? std::filesystem::path(path) : place;
 }
 

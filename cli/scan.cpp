@@ -110,13 +110,21 @@ Measured measure(const ScanOptions& options, const Surface& surface, const Paral
 /// Refuses before the work what could not be written after it: a folder, or its nearest one that exists.
 void check_folder(const ScanOptions& options) {
   const std::filesystem::path folder(options.folder);
-  refuse_overwriting({(folder / truth_mesh_file).string()}, {options.object.name});
   std::error_code error;
-  std::filesystem::path there = std::filesystem::absolute(folder, error);
-  while (!std::filesystem::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  std::vector<std::string> outputs{(folder / truth_mesh_file).string()};
+  if (options.even_samples())
+    outputs.push_back((folder / samples_file).string());
+  else if (std::filesystem::path(options.object.name).filename().string().starts_with("scan_"))
+    outputs.push_back((folder / std::filesystem::path(options.object.name).filename()).string());
+  refuse_overwriting(outputs, {options.object.name});
+  std::filesystem::path there = std::filesystem::absolute(folder, error), missing;
+  while (!std::filesystem::exists(there, error) && there.has_relative_path()) {
+    missing = there;
+    there = there.parent_path();
+  }
   if (!std::filesystem::is_directory(there, error))
     throw OutputError(fmt::format("{}: cannot make the folder: {} is not one", options.folder, there.string()));
-  check_output((there / truth_file).string());
+  check_output((missing.empty() ? there / truth_file : missing).string());
 }
 
 void make_folder(const std::string& folder) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -110,6 +111,10 @@ TEST_F(EvaluateCommand, RefusesInOneLine) {
   expect({"--truth", "sphere", "--json", "/nowhere/e.json"}, "/nowhere/e.json");
   expect({"--truth", "sphere", "--gap", "0.2"}, "--gap: shape sphere has none");
   expect({"--truth", "sphere", "--error-ply", mesh}, "is also an input");
+  const std::string scan = folder.file("scan.ply"), set = folder.file("set.conf");
+  std::filesystem::copy_file(mesh, scan);
+  std::ofstream(set) << "bmesh scan.ply 0 0 0 0 0 0 1\n";
+  expect({"--truth", "sphere", "--samples", set, "--error-ply", scan}, "scan.ply: is also an input");
   expect({"--truth", "sphere", "--error-ply", folder.file("e.ply"), "--json", folder.file("e.ply")},
          "e.ply: is named for two outputs");
   for (const double size : {0.0, 1e200}) {  // no area; none that a double holds

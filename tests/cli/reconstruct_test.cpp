@@ -260,6 +260,7 @@ TEST_F(Reconstruct, OutputsTakeTheirOwnPlacesOnly) {
   refused({cloud, "-o", folder.file("../" + folder.path().filename().string() + "/sphere.ply")}, "is also an input");
   refused({cloud, "-o", mesh, "--report", cloud}, "sphere.ply: is also an input");
   refused({cloud, "-o", mesh, "--report", mesh}, "mesh.ply: is named for two outputs");
+  refused({cloud, "-o", "absent.ply", "--report", "./absent.ply"}, "./absent.ply: is named for two outputs");
   refused({text_file("set.conf", "bmesh sphere.ply 0 0 0 0 0 0 1\n"), "-o", cloud}, "is also an input");
   refused({cloud, "-o", folder.file("level_3.ply"), "--write-levels", folder.path().string()}, "two outputs");
   const std::string link = folder.file("link.ply");

@@ -119,7 +119,15 @@ TEST(Scan, RefusesAPlaceBeforeTheWork) {
   ASSERT_EQ(scan({"sphere", "-o", folder.file("a/b"), "--samples", "9"}).exit_code, 0);
   const std::string truth = folder.file("a/b/truth.ply"), before = read_file(truth);
   test::expect_refused({"scan", truth, "-o", folder.file("a/b")}, "truth.ply: is also an input");
+  for (const char* name : {"samples.ply", "scan_000.ply"})
+    std::filesystem::copy_file(truth, folder.file(name), std::filesystem::copy_options::overwrite_existing);
+  test::expect_refused({"scan", folder.file("samples.ply"), "-o", folder.path().string(), "--samples", "9"},
+                       "samples.ply: is also an input");
+  test::expect_refused({"scan", folder.file("scan_000.ply"), "-o", folder.path().string()},
+                       "scan_000.ply: is also an input");
   test::expect_refused({"scan", "sphere", "-o", truth + "/c"}, "cannot make the folder");
+  std::filesystem::create_directory(folder.file("truth.json"));  // where nothing is written
+  EXPECT_EQ(scan({"sphere", "-o", folder.file("c"), "--samples", "9"}).exit_code, 0);
   EXPECT_EQ(read_file(truth), before);
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "soapfilm/core/gather.h"
 #include "soapfilm/solve/energy_kernel.h"
 
 namespace soapfilm {
@@ -131,25 +130,17 @@ double outside_variation(const Level& level, const Parallel& parallel) {
   const Vec3i bricks = level.box.bricks;
   BrickMask band(bricks);
   parallel.for_each(level.grid.size(), 1024, [&](size_t b) { band.set_shared(level.grid.coord(b)); });
-  const auto faces_of = [&](Vec3i b) {
-    size_t faces = 0;
+  double faces = 0;
+  level.inside.for_each([&](Vec3i b) {
+    if (band.test(b)) return;
     for (int axis = 0; axis < 3; ++axis)
       for (int step = -1; step <= 1; step += 2) {
         Vec3i next = b;
         next[axis] += step;
-        faces += !band.contains(next) || (!band.test(next) && !level.inside.test(next));
+        if (!band.contains(next) || (!band.test(next) && !level.inside.test(next))) ++faces;
       }
-    return faces;
-  };
-  const auto faces = sum_chunks<size_t>(static_cast<size_t>(bricks.z), 1, parallel, [&](size_t layer, size_t) {
-    size_t found = 0;
-    const int z = static_cast<int>(layer);
-    for (int y = 0; y < bricks.y; ++y)
-      for (int x = 0; x < bricks.x; ++x)
-        if (const Vec3i b{x, y, z}; level.inside.test(b) && !band.test(b)) found += faces_of(b);
-    return found;
   });
-  return brick_area * static_cast<double>(faces);
+  return brick_area * faces;
 }
 
 }  // namespace
