@@ -96,17 +96,17 @@ Scale find_scale(std::span<const Vec3d> positions, const Box3d& box, const Paral
   int depth = coarsest;
   while (depth < deepest && size_t{1} << (2 * depth) < positions.size()) ++depth;
   std::vector<uint64_t> keys = cells_of(positions, box, depth, parallel);
-  while (depth < deepest && count_pairs(keys, 0, parallel).companions(positions.size()) >= companions_wanted) {
+  Pairs pairs = count_pairs(keys, 0, parallel);
+  const auto enough = [&] { return pairs.companions(positions.size()) >= companions_wanted; };
+  while (depth < deepest && enough()) {
     release(keys);
     keys = cells_of(positions, box, depth = std::min(depth + 2, deepest), parallel);
+    pairs = count_pairs(keys, 0, parallel);
   }
-  for (int up = 0;; ++up) {
-    const Pairs pairs = count_pairs(keys, up, parallel);
-    const double companions = pairs.companions(positions.size());
-    if (companions < companions_wanted && depth - up > coarsest) continue;
-    return {depth - up, companions,
-            pairs.all > 0 ? static_cast<double>(pairs.most) / static_cast<double>(pairs.all) : 0};
-  }
+  int up = 0;
+  while (depth - up > coarsest && !enough()) pairs = count_pairs(keys, ++up, parallel);
+  return {depth - up, pairs.companions(positions.size()),
+          pairs.all > 0 ? static_cast<double>(pairs.most) / static_cast<double>(pairs.all) : 0};
 }
 
 /// Whether samples at one place may be what was measured: then companions stay down to the finest cells, or one cell

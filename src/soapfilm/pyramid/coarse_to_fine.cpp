@@ -22,8 +22,8 @@ constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that
 /// finer ball holds it, so those bricks would belong to every band, and u sink there while waves of p, a third of a
 /// vertex per iteration, cross from side to side. Each level that takes some off leaves it well inside the ball, and
 /// what an interface needs comes back within a few iterations. Where the band's rim runs close to the interface p is
-/// fixed there, so less may go: at the finest level nothing.
-float flux_kept(int level) { return level == 0 ? 1.0f : level == 1 ? 0.9f : 0.8f; }
+/// fixed there, so less may go: at level 1 half of that, at the finest, 0, nothing.
+float flux_kept(int level) { return level == 1 ? 0.9f : 0.8f; }
 
 /// The whole box, without a band: where the pyramid starts.
 Level whole_level(const LevelBox& box, const SupportField& support, double lambda, Norm norm,

@@ -226,11 +226,9 @@ double add_to_rows(const NarrowBand& band, const CellSamples& data, DataJob job,
   job.present = data.present_.data();
   job.row = data.row_.data();
   std::vector<double> sums(data.layer_.size() - 1);
-  for (size_t parity = 0; parity < 2; ++parity)
-    parallel.for_each((sums.size() + 1 - parity) / 2, 1, [&](size_t i) {
-      const size_t layer = 2 * i + parity;
-      sums[layer] = kernel.data_term(band.view(), job, data.layer_[layer], data.layer_[layer + 1]);
-    });
+  for_layers_apart(sums.size(), parallel, [&](size_t layer) {
+    sums[layer] = kernel.data_term(band.view(), job, data.layer_[layer], data.layer_[layer + 1]);
+  });
   double total = 0;
   for (const double sum : sums) total += sum;
   return total;

@@ -33,13 +33,11 @@ void for_each_parent(int fine, Visit&& visit) {
 /// coarse row; in an order, for each row, that does not depend on threads.
 template <class Body>
 void for_bricks_apart(const NarrowBand& fine, const Parallel& parallel, Body&& body) {
-  const auto layers = static_cast<size_t>(layers_of(fine));
-  for (size_t parity = 0; parity < 2; ++parity)
-    parallel.for_each((layers + 1 - parity) / 2, 1, [&](size_t i) {
-      const auto [begin, end] = fine.grid().layer(static_cast<int>(2 * i + parity));
-      for (size_t b = begin; b < end; ++b)
-        if (fine.first_row(b) < fine.first_row(b + 1)) body(b);
-    });
+  for_layers_apart(static_cast<size_t>(layers_of(fine)), parallel, [&](size_t layer) {
+    const auto [begin, end] = fine.grid().layer(static_cast<int>(layer));
+    for (size_t b = begin; b < end; ++b)
+      if (fine.first_row(b) < fine.first_row(b + 1)) body(b);
+  });
 }
 
 void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Parallel& parallel) {

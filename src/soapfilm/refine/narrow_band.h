@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
@@ -91,14 +92,8 @@ void for_rows(RowRange rows, const Parallel& parallel, Body&& body) {
 /// The sum of body(begin, end) over rows in chunks, in an order that does not depend on threads.
 template <class Body>
 double sum_over_rows(RowRange rows, const Parallel& parallel, Body&& body) {
-  const size_t count = rows.end - rows.begin;
-  std::vector<double> sums((count + rows_per_task - 1) / rows_per_task);
-  parallel.for_chunks(count, rows_per_task, [&](size_t begin, size_t end) {
-    sums[begin / rows_per_task] = body(rows.begin + begin, rows.begin + end);
-  });
-  double total = 0;
-  for (const double sum : sums) total += sum;
-  return total;
+  return sum_chunks<double>(rows.end - rows.begin, rows_per_task, parallel,
+                            [&](size_t begin, size_t end) { return body(rows.begin + begin, rows.begin + end); });
 }
 
 /// The same, bit for bit, on the calling thread alone.
@@ -108,6 +103,13 @@ double sum_over_rows(RowRange rows, Body&& body) {
   for (size_t begin = rows.begin; begin < rows.end; begin += rows_per_task)
     total += body(begin, std::min(begin + rows_per_task, rows.end));
   return total;
+}
+
+/// body(layer) for each: every second layer at the same time, where no two of these touch common data.
+template <class Body>
+void for_layers_apart(size_t layers, const Parallel& parallel, Body&& body) {
+  for (size_t parity = 0; parity < 2; ++parity)
+    parallel.for_each((layers + 1 - parity) / 2, 1, [&](size_t i) { body(2 * i + parity); });
 }
 
 /// Calls each of the stages with every layer. What a stage writes in a layer and in those next to it is complete when

@@ -127,8 +127,7 @@ std::vector<Vec3i> bricks_below_band(const Level& level, const Parallel& paralle
 
 /// A bound on the variation between inactive bricks of different constant u: none, unless a band is too thin.
 double outside_variation(const Level& level, const Parallel& parallel) {
-  const Vec3i bricks = level.box.bricks;
-  BrickMask band(bricks);
+  BrickMask band(level.box.bricks);
   parallel.for_each(level.grid.size(), 1024, [&](size_t b) { band.set_shared(level.grid.coord(b)); });
   double faces = 0;
   level.inside.for_each([&](Vec3i b) {
@@ -137,10 +136,10 @@ double outside_variation(const Level& level, const Parallel& parallel) {
       for (int step = -1; step <= 1; step += 2) {
         Vec3i next = b;
         next[axis] += step;
-        if (!band.contains(next) || (!band.test(next) && !level.inside.test(next))) ++faces;
+        if (!band.contains(next) || (!band.test(next) && !level.inside.test(next))) faces += brick_area;
       }
   });
-  return brick_area * faces;
+  return faces;
 }
 
 }  // namespace
