@@ -37,6 +37,16 @@ TEST(Xyz, SeparatorsCommentsAndLineEndsAreFree) {
   EXPECT_EQ(cloud.scans[0].end, 4u);
 }
 
+TEST(Text, ByteOrderMarkIsPassedOverAtTheStartAlone) {
+  const TemporaryFolder folder;
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(read_points(folder.write("p.txt", mark + "1 2 3\r\n4 5 6")).positions,
+            std::vector<Vec3d>({{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(read_mesh(folder.write("m.off", mark + "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).vertices.size(), 3u);
+  EXPECT_THROW(read_points(folder.write("q.txt", "1 2 3\n" + mark + "4 5 6")), InputError);
+  EXPECT_THROW(read_points(folder.write("r.txt", mark)), InputError);
+}
+
 TEST(Xyz, ColumnsAreKnownByTheirCount) {
   const TemporaryFolder folder;
   ReadReport report;

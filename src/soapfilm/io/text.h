@@ -35,14 +35,17 @@ inline bool next_field(std::string_view& line, std::string_view& field) {
   return !field.empty();
 }
 
-/// Reads text in order. Lines end with LF or CRLF and are counted from 1.
+/// Reads text in order. Lines end with LF or CRLF and are counted from 1. A UTF-8 byte order mark at the beginning of
+/// the file, as editors on Windows write it, is passed over.
 class TextCursor {
  public:
   explicit TextCursor(ByteSource& source, size_t offset = 0, size_t line = 1)
       : source_(source),
         at_(source.bytes().data() + offset),
         end_(source.bytes().data() + source.bytes().size()),
-        line_(line) {}
+        line_(line) {
+    if (offset == 0 && source.begins_with(byte_order_mark)) at_ += byte_order_mark.size();
+  }
 
   size_t offset() const { return static_cast<size_t>(at_ - source_.bytes().data()); }
   size_t remaining() const { return static_cast<size_t>(end_ - at_); }
@@ -68,6 +71,7 @@ class TextCursor {
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
+  static constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   void skip_blanks();
 
   ByteSource& source_;
