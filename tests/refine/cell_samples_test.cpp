@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "refine/band_support.h"
 #include "soapfilm/refine/robust.h"
 #include "support/back_ends.h"
@@ -16,18 +18,13 @@ const Parallel one_thread(1);
 class DataTerm : public testing::Test {
  protected:
   NarrowBand band = random_band(2, 0.97, 1);
-  GridSamples samples = random_samples(2, 400, 2);
+  GridSamples samples = random_samples(2, 3000, 2);
   RowArray zero = band.make_array();
   CellSamples data = merged({.normal = 0.3f, .slope = 0.8f}, one_thread);
 
   CellSamples merged(DataWeights weights, const Parallel& parallel) const {
     CellSamples cells(samples, band, parallel);
-    merge(
-        zero, samples, band,
-        [&](size_t s, const Jet&) {
-          return WeighedSample{0.75f, samples.direction[s]};
-        },
-        weights, parallel, cells);
+    merge(zero, samples, band, {}, weights, parallel, cells);
     return cells;
   }
 
@@ -46,6 +43,18 @@ class DataTerm : public testing::Test {
           if (!in_band(v)) found[s] = 0;
         }
     return found;
+  }
+
+  /// Value and gradient in the cell of a vertex, from the definition.
+  Jet jet_in(const RowArray& phi, Vec3i vertex, Vec3f fraction) const {
+    std::array<float, 8> v;
+    for (size_t corner = 0; corner < 8; ++corner) {
+      const auto c = static_cast<int>(corner);
+      const Vec3i at = vertex + Vec3i{c & 1, c >> 1 & 1, c >> 2};
+      const uint32_t row = band.row(band.grid().find(brick_of(at)), at.y & 7, at.z & 7);
+      v[corner] = phi.data()[size_t{row} * brick_side + static_cast<size_t>(at.x & 7)];
+    }
+    return trilinear(v, fraction);
   }
 
   template <class Visit>
@@ -69,14 +78,7 @@ class DataTerm : public testing::Test {
       // The row's brick is the last one that begins at it or before.
       size_t brick = 0;
       while (brick + 1 < band.grid().size() && band.first_row(brick + 1) <= data.band_row(k)) ++brick;
-      std::array<float, 8> v;
-      for (size_t corner = 0; corner < 8; ++corner) {
-        const auto c = static_cast<int>(corner);
-        const Vec3i at = band.grid().first_vertex(brick) + first + Vec3i{c & 1, c >> 1 & 1, c >> 2};
-        const uint32_t row = band.row(band.grid().find(brick_of(at)), at.y & 7, at.z & 7);
-        v[corner] = phi.data()[size_t{row} * brick_side + static_cast<size_t>(at.x & 7)];
-      }
-      const Jet jet = trilinear(v, cell.fraction);
+      const Jet jet = jet_in(phi, band.grid().first_vertex(brick) + first, cell.fraction);
       const Vec3d n(cell.normal), g = Vec3d(jet.gradient) + n;
       const double value = jet.value, slope = dot(n, g);
       sum += cell.weight *
@@ -90,7 +92,15 @@ TEST_F(DataTerm, SeesSamplesWhoseCellsAreWhole) {
   const std::vector<uint8_t> expected = seen();
   const RowArray phi = random_array(band, 8);
   const auto jets = jets_at_samples(phi, samples, data, band, one_thread);
-  for (size_t s = 0; s < samples.size(); ++s) ASSERT_EQ(jets[s].has_value(), expected[s] != 0) << s;
+  for (size_t b = 0; b < samples.bricks.size(); ++b)
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
+      ASSERT_EQ(jets[s].has_value(), expected[s] != 0) << s;
+      if (!jets[s]) continue;
+      const Vec3i in_brick(samples.local[s]);
+      const Jet jet = jet_in(phi, samples.bricks.first_vertex(b) + in_brick, samples.local[s] - Vec3f(in_brick));
+      ASSERT_EQ(jets[s]->value, jet.value);
+      ASSERT_EQ(jets[s]->gradient, jet.gradient);
+    }
   const auto count = std::count(expected.begin(), expected.end(), 1);
   EXPECT_GT(count, 100);
   EXPECT_LT(static_cast<size_t>(count), samples.size()) << "some cells have a corner outside of the band";
@@ -135,19 +145,20 @@ TEST_F(DataTerm, MergingKeepsWeightsAndMeans) {
   const std::vector<uint8_t> is_seen = seen();
   for (size_t s = 0; s < samples.size(); ++s)
     if (is_seen[s]) {
-      expected_weight += 0.75;
-      expected_normal += Vec3d(samples.direction[s] * 0.75f);
+      expected_weight += 1;
+      expected_normal += Vec3d(samples.direction[s]);
     }
-  EXPECT_NEAR(weight, expected_weight, 1e-4);
+  EXPECT_EQ(weight, expected_weight);
   EXPECT_LT(norm(normal - expected_normal), 1e-4);
 }
 
 /// Merged again with other weights the cells hold these alone; samples that weigh little are counted, unseen ones too.
 TEST_F(DataTerm, MergingForgetsWhatWasMerged) {
-  const auto few = [&](size_t s, const Jet&) { return WeighedSample{s % 3 == 0 ? 1.0f : 0.0f, samples.direction[s]}; };
+  std::vector<uint8_t> third(samples.size());
+  for (size_t s = 0; s < third.size(); s += 3) third[s] = 1;
   CellSamples fresh(samples, band, one_thread);
-  merge(zero, samples, band, few, {}, one_thread, fresh);
-  merge(zero, samples, band, few, {}, one_thread, data);
+  merge(zero, samples, band, {.active = third}, {}, one_thread, fresh);
+  merge(zero, samples, band, {.active = third}, {}, one_thread, data);
   const std::vector<uint8_t> is_seen = seen();
   size_t heard = 0;
   for (size_t s = 0; s < samples.size(); s += 3) heard += is_seen[s];
@@ -172,6 +183,57 @@ TEST_P(DataTermOn, GivesTheSameBits) {
   RowArray out = band.make_array();
   add_data_term(band, merged({0.3f, 0.8f}, parallel), phi, true, 1, out, parallel);
   for (size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out.data()[i], expected.data()[i]);
+}
+
+/// What the samples of each cell say together is what robust.h says of one after the other, to the last bit.
+TEST_P(DataTermOn, MergesWhatEachSampleSays) {
+  const RowArray phi = random_array(band, 9);
+  const auto jets = jets_at_samples(phi, samples, data, band, one_thread);
+  GridSamples weighted = samples;
+  std::vector<uint8_t> most(samples.size());
+  for (size_t s = 0; s < samples.size(); ++s) {
+    weighted.direction[s] = weighted.direction[s] * static_cast<float>(s % 5);  // some have none
+    most[s] = s % 7 != 0;
+  }
+  const ForcedTarget target(GetParam().target);
+  const Parallel parallel(GetParam().threads);
+  for (const Penalty penalty : {Penalty::least_squares, Penalty::huber, Penalty::geman_mcclure, Penalty::tukey})
+    for (const bool directions : {false, true}) {
+      constexpr float scale = 0.4f;
+      struct Sums {
+        Vec3f fraction, normal;
+        float weight = 0;
+      };
+      std::map<std::pair<uint32_t, int>, Sums> expected;  // by row of the band and x
+      size_t doubted = 0;
+      for (size_t b = 0; b < samples.bricks.size(); ++b)
+        for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
+          float weight = 0;
+          if (jets[s] && most[s] && seen_from_outside(weighted.direction[s], jets[s]->gradient)) {
+            const Vec3f g = jets[s]->gradient;
+            weight = robust_weight(penalty, jets[s]->value / std::max(norm(g), least_slope_of_distance), scale);
+            const Vec3i at(samples.local[s]);
+            const auto brick = static_cast<int32_t>(band.grid().find(samples.bricks.coord(b)));
+            Sums& sums = expected[{band.row(brick, at.y, at.z), at.x}];
+            sums.fraction += weight * (samples.local[s] - Vec3f(at));
+            sums.normal += weight * (directions ? normalized(weighted.direction[s])
+                                                : -(g / std::max(norm(g), least_slope_of_normal)));
+            sums.weight += weight;
+          }
+          doubted += weight < 0.25f;
+        }
+      merge(phi, weighted, band, {penalty, scale, directions, most}, {}, parallel, data);
+      EXPECT_EQ(data.doubted, doubted);
+      EXPECT_EQ(data.count,
+                std::count_if(expected.begin(), expected.end(), [](auto& e) { return e.second.weight > 0; }));
+      for_each_cell(data, [&](size_t k, int x, const MergedCell& cell) {
+        const Sums& sums = expected[{data.band_row(k), x}];
+        const float weight = sums.weight;
+        ASSERT_EQ(cell.weight, weight);
+        ASSERT_EQ(cell.fraction, weight > 0 ? sums.fraction / weight : Vec3f{});
+        ASSERT_EQ(cell.normal, weight > 0 ? sums.normal / weight : Vec3f{});
+      });
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, DataTermOn, testing::ValuesIn(back_ends()), back_end_name);

@@ -34,21 +34,15 @@ class BallDisplacement : public testing::Test {
   CellSamples data;
 
   CellSamples fitted(float gamma) {
-    std::vector<float> weight(samples.size());
-    std::vector<Vec3f> normal(samples.size());
+    std::vector<uint8_t> near(samples.size());
     for (size_t b = 0; b < samples.bricks.size(); ++b)
       for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
         const Vec3d q = Vec3d(samples.bricks.first_vertex(b)) + Vec3d(samples.local[s]);
-        weight[s] = std::abs(distance(q)) < 0.3 ? 1.0f : 0.0f;
-        normal[s] = Vec3f(normalized(q - Vec3d{15.3, 16.1, 15.8}));
+        near[s] = std::abs(distance(q)) < 0.3;
+        samples.direction[s] = Vec3f(normalized(q - Vec3d{15.3, 16.1, 15.8}));
       }
     CellSamples cells(samples, band, one_thread);
-    merge(
-        phi0, samples, band,
-        [&](size_t s, const Jet&) {
-          return WeighedSample{weight[s], normal[s]};
-        },
-        {0, 2 * gamma}, one_thread, cells);
+    merge(phi0, samples, band, {.active = near}, {0, 2 * gamma}, one_thread, cells);
     return cells;
   }
   void displace() {

@@ -7,7 +7,6 @@
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/refine/robust.h"
-#include "soapfilm/refine/robust_fit.h"
 
 namespace soapfilm {
 

@@ -50,75 +50,84 @@ Cell cell_of(Vec3f local) {
           {local.x - static_cast<float>(x), local.y - static_cast<float>(y), local.z - static_cast<float>(z)}};
 }
 
-/// A brick's rows of cells, found by place.
-class BrickCells {
+/// What samples in a brick see: its cells, and phi at their corners.
+class BrickWindow {
  public:
-  BrickCells(const NarrowBand& band, const CellSamples& cells, size_t brick) {
+  BrickWindow(const RowArray& phi, const NarrowBand& band, const CellSamples& cells, const GridSamples& samples,
+              size_t brick) {
     const auto [begin, end] = cells.brick(brick);
-    count_ = end - begin;
-    for (size_t k = 0; k < count_; ++k) {
-      const uint32_t row = cells.band_row(begin + k);
-      at_[static_cast<size_t>(band.place(row))] = static_cast<uint8_t>(k);
-      present_[k] = cells.present(begin + k);
-      corners_[k] = corners_of(band, row);
+    if (begin == end) return;
+    for (size_t k = begin; k < end; ++k) {
+      int32_t* row = cell_.data() + band.place(cells.band_row(k)) * brick_side;
+      for (unsigned bits = cells.present(k); bits != 0; bits &= bits - 1) row[std::countr_zero(bits)] = ++count_;
     }
+    copy_corners(phi, band, static_cast<size_t>(band.grid().find(samples.bricks.coord(brick))));
   }
 
-  size_t count() const { return count_; }
-  /// Which of the rows holds the cell.
-  size_t row_of(const Cell& cell) const { return at_[cell.place]; }
+  /// Cells, numbered from 1 in the order of the rows.
+  int32_t count() const { return count_; }
   /// Cells are there for every sample that the band sees, so the others' are not.
-  bool sees(const Cell& cell) const { return present_[row_of(cell)] >> cell.x & 1; }
-  Jet jet(const RowArray& phi, const Cell& cell) const {
-    const CornerRows& corners = corners_[row_of(cell)];
-    const auto x = static_cast<size_t>(cell.x);
-    std::array<float, 8> v;
-    for (size_t k = 0; k < 4; ++k) {
-      const float* own = phi.data() + size_t{corners.own[k]} * brick_side;
-      v[2 * k] = own[x];
-      v[2 * k + 1] = x + 1 < brick_side ? own[x + 1] : phi.data()[size_t{corners.right[k]} * brick_side];
-    }
-    return trilinear(v, cell.fraction);
+  bool sees(const Cell& cell) const { return cell_[cell.place * brick_side + static_cast<size_t>(cell.x)] != 0; }
+  Jet jet(const Cell& cell) const {
+    const size_t y = cell.place % brick_side, z = cell.place / brick_side;
+    const float* low = phi_.data() + static_cast<size_t>(cell.x) + side * y + area * z;
+    return trilinear(
+        {low[0], low[1], low[side], low[side + 1], low[area], low[area + 1], low[area + side], low[area + side + 1]},
+        cell.fraction);
+  }
+  /// The parts of a kernel's job that describe the cells.
+  SampleJob job() const {
+    SampleJob job{};
+    job.phi = phi_.data();
+    job.cell = cell_.data();
+    return job;
   }
 
  private:
-  static constexpr uint8_t none = brick_area;  // where no cell is present
-  size_t count_ = 0;
-  std::array<uint8_t, brick_area> at_ = filled();
-  std::array<uint8_t, brick_area + 1> present_{};
-  std::array<CornerRows, brick_area> corners_;
+  static constexpr int side = SampleJob::corners, area = side * side;
 
-  static constexpr std::array<uint8_t, brick_area> filled() {
-    std::array<uint8_t, brick_area> at{};
-    for (uint8_t& k : at) k = none;
-    return at;
+  void copy_corners(const RowArray& phi, const NarrowBand& band, size_t brick) {
+    for (int z = 0; z < side; ++z)
+      for (int y = 0; y < side; ++y) {
+        const auto row = [&](int dx) {
+          const int slot = neighbor_slot(dx, y / brick_side, z / brick_side);
+          const int32_t owner = band.grid().neighbors(brick)[static_cast<size_t>(slot)];
+          return phi.data() + size_t{band.row(owner, y % brick_side, z % brick_side)} * brick_side;
+        };
+        float* out = phi_.data() + side * y + area * z;
+        std::copy_n(row(0), brick_side, out);
+        out[brick_side] = *row(1);
+      }
   }
+
+  int32_t count_ = 0;
+  std::array<int32_t, brick_volume> cell_{};
+  std::array<float, area * side> phi_;
 };
 
-/// A row of cells while samples are added to them.
-struct CellRow {
-  float value[DataJob::values][brick_side];
-
-  void add(const Cell& cell, const WeighedSample& sample) {
-    for (int axis = 0; axis < 3; ++axis) {
-      value[axis][cell.x] += sample.weight * cell.fraction[axis];
-      value[3 + axis][cell.x] += sample.weight * sample.normal[axis];
-    }
-    value[6][cell.x] += sample.weight;
+/// The sums over the samples of each cell of a brick; the first one's are nobody's.
+class CellSums {
+ public:
+  explicit CellSums(int32_t cells) {
+    std::fill_n(sum_.begin(), SampleJob::sums * (static_cast<size_t>(cells) + 1), 0.0f);
   }
-  /// Those present, with means instead of sums; returns how many have any weight.
-  size_t write(uint8_t present, float* out) const {
-    const auto stride = static_cast<size_t>(std::popcount(present));
+
+  float* data() { return sum_.data(); }
+  /// As means, of `count` cells from `first` on; returns how many have any weight.
+  size_t write(size_t first, size_t count, float* out) const {
     size_t heavy = 0;
-    for (unsigned bits = present; bits != 0; bits &= bits - 1, ++out) {
-      const int x = std::countr_zero(bits);
-      const float weight = value[6][x];
-      for (size_t k = 0; k < 6; ++k) out[k * stride] = weight > 0 ? value[k][x] / weight : 0;
-      out[6 * stride] = weight;
+    for (size_t c = 0; c < count; ++c) {
+      const float* sum = sum_.data() + SampleJob::sums * (first + c);
+      const float weight = sum[6];
+      for (size_t k = 0; k < 6; ++k) out[k * count + c] = weight > 0 ? sum[k] / weight : 0;
+      out[6 * count + c] = weight;
       heavy += weight > 0;
     }
     return heavy;
   }
+
+ private:
+  alignas(64) std::array<float, SampleJob::sums*(brick_volume + 1)> sum_;
 };
 
 /// A row of cells that hold samples.
@@ -174,28 +183,36 @@ void CellSamples::set_weight(size_t row, int x, float weight) {
   values(row)[6 * stride + static_cast<size_t>(std::popcount(present_[row] & ((1u << x) - 1)))] = weight;
 }
 
-void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band,
-           const std::function<WeighedSample(size_t, const Jet&)>& weigh, DataWeights weights, const Parallel& parallel,
-           CellSamples& cells) {
+void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band, const Weighing& weighing,
+           DataWeights weights, const Parallel& parallel, CellSamples& cells) {
   constexpr float doubt = 0.25f;
   struct Counts {
     size_t cells = 0, doubted = 0;
   };
   std::vector<Counts> counts(samples.bricks.size());
+  const RowKernel kernel = row_kernel();
   parallel.for_each(counts.size(), bricks_per_task, [&](size_t b) {
-    const BrickCells brick(band, cells, b);
-    std::array<CellRow, brick_area> rows;
-    std::fill_n(rows.begin(), brick.count(), CellRow{});
-    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
-      const Cell cell = cell_of(samples.local[s]);
-      const bool seen = brick.sees(cell);
-      const WeighedSample sample = seen ? weigh(s, brick.jet(phi, cell)) : WeighedSample{};
-      if (sample.weight < doubt) ++counts[b].doubted;
-      if (sample.weight > 0) rows[brick.row_of(cell)].add(cell, sample);
+    const size_t begin = samples.begin[b];
+    const BrickWindow window(phi, band, cells, samples, b);
+    CellSums sums(window.count());
+    SampleJob job = window.job();
+    job.local = samples.local.data() + begin;
+    job.direction = samples.direction.data() + begin;
+    job.active = weighing.active.empty() ? nullptr : weighing.active.data() + begin;
+    job.count = samples.begin[b + 1] - begin;
+    job.penalty = weighing.penalty;
+    job.scale = weighing.scale;
+    job.directions = weighing.directions;
+    job.doubt = doubt;
+    job.cells = sums.data();
+    counts[b].doubted = window.count() > 0 ? kernel.add_samples(job) : job.count;
+    const auto [first, last] = cells.brick(b);
+    size_t written = 1;
+    for (size_t k = first; k < last; ++k) {
+      const auto count = static_cast<size_t>(std::popcount(cells.present(k)));
+      counts[b].cells += sums.write(written, count, cells.values(k));
+      written += count;
     }
-    const size_t first = cells.brick(b).first;
-    for (size_t k = 0; k < brick.count(); ++k)
-      counts[b].cells += rows[k].write(cells.present(first + k), cells.values(first + k));
   });
   cells.weights = weights;
   cells.count = cells.doubted = 0;
@@ -210,9 +227,9 @@ std::vector<std::optional<Jet>> jets_at_samples(const RowArray& phi, const GridS
                                                 const Parallel& parallel) {
   std::vector<std::optional<Jet>> jets(samples.size());
   parallel.for_each(samples.bricks.size(), bricks_per_task, [&](size_t b) {
-    const BrickCells brick(band, cells, b);
+    const BrickWindow window(phi, band, cells, samples, b);
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
-      if (const Cell cell = cell_of(samples.local[s]); brick.sees(cell)) jets[s] = brick.jet(phi, cell);
+      if (const Cell cell = cell_of(samples.local[s]); window.sees(cell)) jets[s] = window.jet(cell);
   });
   return jets;
 }

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/trilinear.h"
 #include "soapfilm/refine/narrow_band.h"
+#include "soapfilm/refine/robust.h"
 
 namespace soapfilm {
 
@@ -18,10 +19,13 @@ struct DataWeights {
   float slope = 0;
 };
 
-/// What a sample says: its weight, and its unit outward normal.
-struct WeighedSample {
-  float weight = 0;
-  Vec3f normal;
+/// How the samples themselves are weighed: robust_weight() of the distance from the level set 0 of phi, |value| over
+/// slope; 0 unless seen_from_outside().
+struct Weighing {
+  Penalty penalty = Penalty::least_squares;
+  float scale = 1;                  ///< of the penalty, voxels, > 0
+  bool directions = true;           ///< a sample's unit normal is along its direction; otherwise along -grad phi there
+  std::span<const uint8_t> active;  ///< 0 leaves a sample out; may be empty: none is
 };
 
 /// What samples in a cell say together: means weighted by the samples', and the sum of their weights.
@@ -55,9 +59,8 @@ class CellSamples {
   DataWeights weights;
 
  private:
-  friend void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band,
-                    const std::function<WeighedSample(size_t, const FieldJet<float>&)>& weigh, DataWeights weights,
-                    const Parallel& parallel, CellSamples& cells);
+  friend void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band, const Weighing& weighing,
+                    DataWeights weights, const Parallel& parallel, CellSamples& cells);
   friend double add_to_rows(const NarrowBand& band, const CellSamples& data, DataJob job, const Parallel& parallel);
 
   float* values(size_t row) { return values_.data() + DataJob::values * size_t{first_[row]}; }
@@ -74,11 +77,10 @@ class CellSamples {
 /// Value and gradient of phi at a sample.
 using Jet = FieldJet<float>;
 
-/// Merges samples into `cells`, in place of what these held: weigh(s, jet of phi).weight times 1 for the position and
-/// `weights` for the normal. weigh() is called once for each sample that the band sees, from any thread.
-void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band,
-           const std::function<WeighedSample(size_t, const Jet&)>& weigh, DataWeights weights, const Parallel& parallel,
-           CellSamples& cells);
+/// Merges samples into `cells`, in place of what these held: their weights times 1 for the position and `weights` for
+/// the normal.
+void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band, const Weighing& weighing,
+           DataWeights weights, const Parallel& parallel, CellSamples& cells);
 
 /// Of a field on the band, at every sample that it sees.
 std::vector<std::optional<Jet>> jets_at_samples(const RowArray& phi, const GridSamples& samples,

@@ -5,8 +5,6 @@ HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {
 namespace {
 
-HWY_INLINE V mix(V a, V b, V t) { return hn::Add(a, hn::Mul(t, hn::Sub(b, a))); }
-
 /// How many bits below each are set, for every byte.
 struct Ranks {
   uint8_t below[256][brick_side];
@@ -75,17 +73,11 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
         return x + lanes < brick_side ? above
                                       : hn::IfThenElse(all_but_last, above, hn::Set(d, job.v[right[c] * brick_side]));
       };
-      // Value and gradient, trilinear.
-      const V l0 = low(0), l1 = low(1), l2 = low(2), l3 = low(3);
-      const V d0 = hn::Sub(high(0), l0), d1 = hn::Sub(high(1), l1), d2 = hn::Sub(high(2), l2),
-              d3 = hn::Sub(high(3), l3);
-      const V m0 = hn::Add(l0, hn::Mul(fx, d0)), m1 = hn::Add(l1, hn::Mul(fx, d1)), m2 = hn::Add(l2, hn::Mul(fx, d2)),
-              m3 = hn::Add(l3, hn::Mul(fx, d3));
-      const V y0 = mix(m0, m1, fy), y1 = mix(m2, m3, fy);
-      value = mix(y0, y1, fz);
-      gx = mix(mix(d0, d1, fy), mix(d2, d3, fy), fz);
-      gy = mix(hn::Sub(m1, m0), hn::Sub(m3, m2), fz);
-      gz = hn::Sub(y1, y0);
+      const Jets jets = trilinear({low(0), low(1), low(2), low(3)}, {high(0), high(1), high(2), high(3)}, fx, fy, fz);
+      value = jets.value;
+      gx = jets.x;
+      gy = jets.y;
+      gz = jets.z;
     }
     if (job.affine) {
       gx = hn::Add(gx, nx);

@@ -23,14 +23,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
     const double first_scale = params.first_scale * std::pow(0.5, round);
     const auto scale = static_cast<float>(std::max(least_scale, first_scale));
     last = round + 1 >= rounds || (!strength.yield && round > 0 && first_scale <= least_scale);
-    const auto weigh = [&](size_t s, const Jet& jet) {
-      const bool speaks = (active.empty() || active[s] != 0) && seen_from_outside(samples.direction[s], jet.gradient);
-      const float slope = norm(jet.gradient);
-      return WeighedSample{
-          speaks ? robust_weight(params.penalty, jet.value / std::max(slope, 0.3f), scale) : 0.0f,
-          strength.normals > 0 ? normalized(samples.direction[s]) : -(jet.gradient / std::max(slope, 1e-3f))};
-    };
-    merge(displacement.phi(), samples, band, weigh,
+    merge(displacement.phi(), samples, band, {params.penalty, scale, strength.normals > 0, active},
           {static_cast<float>(strength.normals),
            static_cast<float>(std::max(slope_weight * strength.smoothing, strength.normals))},
           parallel, cells);

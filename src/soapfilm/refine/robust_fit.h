@@ -49,9 +49,4 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
                        CellSamples& cells, std::span<const uint8_t> active, const Strength& strength,
                        const RobustParams& params, const Parallel& parallel);
 
-/// Whether a sample was seen from the side on which the surface is: its direction looks out of it, or nearly so.
-inline bool seen_from_outside(Vec3f direction, Vec3f gradient) {
-  return dot(direction, gradient) <= 0.3f * norm(direction) * norm(gradient);
-}
-
 }  // namespace soapfilm

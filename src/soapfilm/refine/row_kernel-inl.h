@@ -5,6 +5,7 @@
 //
 #include "soapfilm/refine/cycle_kernel-inl.h"
 #include "soapfilm/refine/data_kernel-inl.h"
+#include "soapfilm/refine/sample_kernel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {
@@ -165,8 +166,8 @@ void share(const BandRows& band, const ShareJob& job, size_t begin, size_t end) 
 }  // namespace
 
 inline RowKernel rows() {
-  return {&laplacian,         &bend,   &curvature, &saddles,        &share,        &inverse,
-          &restrict_residual, &smooth, &data_term, &restrict_brick, &prolong_brick};
+  return {&laplacian,         &bend,   &curvature, &saddles,     &share,          &inverse,
+          &restrict_residual, &smooth, &data_term, &add_samples, &restrict_brick, &prolong_brick};
 }
 
 }  // namespace soapfilm::HWY_NAMESPACE

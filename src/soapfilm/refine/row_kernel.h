@@ -7,6 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "soapfilm/core/vec.h"
+#include "soapfilm/refine/robust.h"
+
 namespace soapfilm {
 
 /// How many rows ahead kernels fetch what they will read.
@@ -105,6 +108,23 @@ struct DataJob {
   float* out;
 };
 
+/// The samples of a brick, weighed and added to its cells: see CellSamples and Weighing.
+struct SampleJob {
+  static constexpr int corners = 9;  ///< of a brick's cells, along each axis
+  static constexpr size_t sums = 8;  ///< of a cell: weight times place in it, weight times normal, weight, 0
+
+  const Vec3f *local, *direction;
+  const uint8_t* active;  ///< may be null: all are
+  size_t count;
+  const float* phi;     ///< at the corners, x fastest
+  const int32_t* cell;  ///< number of each of the 8^3 cells, x fastest; 0 is for those that the band does not see
+  Penalty penalty;
+  float scale;
+  bool directions;
+  float doubt;
+  float* cells;  ///< the sums of each
+};
+
 /// A fine brick and what it interpolates from: the coarse rows y = 0..4, z = 0..4 above half of it, y fastest, and
 /// those right of them where that half is the upper one along x; 0: none.
 struct BrickTransfer {
@@ -132,6 +152,8 @@ struct RowKernel {
   double (*smooth)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
   /// Rows of cells one after the other: neighbours share corners. Returns <v, what is added> without `affine`.
   double (*data_term)(const BandRows& band, const DataJob& job, size_t begin, size_t end);
+  /// Adds in the order of the samples; returns how many weigh less than `doubt`.
+  size_t (*add_samples)(const SampleJob& job);
   /// coarse += P^T from of one brick.
   void (*restrict_brick)(const BrickTransfer& transfer, const float* from, float* coarse);
   /// out = inverse b + P x on one brick, 0 where inverse is; x is coarse.

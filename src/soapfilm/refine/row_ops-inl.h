@@ -4,6 +4,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "soapfilm/grid/layout.h"
@@ -100,6 +101,29 @@ HWY_INLINE V degree_of(const uint8_t* degree) {
   const hn::Rebind<uint8_t, D> bytes;
   const hn::Rebind<int32_t, D> integers;
   return hn::ConvertTo(D(), hn::PromoteTo(integers, hn::LoadU(bytes, degree)));
+}
+
+HWY_INLINE V mix(V a, V b, V t) { return hn::Add(a, hn::Mul(t, hn::Sub(b, a))); }
+
+/// Values and gradients in cells.
+struct Jets {
+  V value, x, y, z;
+};
+
+/// Values at four corners of cells, y fastest.
+struct FourCorners {
+  V y0z0, y1z0, y0z1, y1z1;
+};
+
+/// As trilinear() in grid/trilinear.h, bit for bit.
+HWY_INLINE Jets trilinear(const FourCorners& low, const FourCorners& high, V tx, V ty, V tz) {
+  const V d0 = hn::Sub(high.y0z0, low.y0z0), d1 = hn::Sub(high.y1z0, low.y1z0), d2 = hn::Sub(high.y0z1, low.y0z1),
+          d3 = hn::Sub(high.y1z1, low.y1z1);
+  const V m0 = hn::Add(low.y0z0, hn::Mul(tx, d0)), m1 = hn::Add(low.y1z0, hn::Mul(tx, d1)),
+          m2 = hn::Add(low.y0z1, hn::Mul(tx, d2)), m3 = hn::Add(low.y1z1, hn::Mul(tx, d3));
+  const V y0 = mix(m0, m1, ty), y1 = mix(m2, m3, ty);
+  return {mix(y0, y1, tz), mix(mix(d0, d1, ty), mix(d2, d3, ty), tz), mix(hn::Sub(m1, m0), hn::Sub(m3, m2), tz),
+          hn::Sub(y1, y0)};
 }
 
 /// Sums by lane: in float over a few rows, then in double.
