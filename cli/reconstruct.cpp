@@ -19,7 +19,6 @@
 #include "soapfilm/core/stages.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/io/io.h"
-#include "soapfilm/place.h"
 #include "soapfilm/refine/indicator.h"
 
 namespace soapfilm::cli {
@@ -94,11 +93,6 @@ PointCloud read_input(const ReconstructOptions& options, const Parallel& paralle
   if (options.params.orient.sensor)
     for (Scan& scan : cloud.scans)
       if (!scan.sensor) scan.sensor = options.params.orient.sensor;
-  try {
-    check_samples(cloud, parallel);
-  } catch (const ParameterError& error) {
-    throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
-  }
   progress.info(
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));
   return cloud;
@@ -187,8 +181,13 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   LevelFiles levels;
   const bool checks = options.check || !options.report.empty();
   const PyramidObserver observe = levels.writer(options.levels_folder, options.params.surface.threshold, parallel);
-  Reconstruction result = checks ? reconstruct(cloud, options.params, parallel, progress, observe)
-                                 : reconstruct(std::move(cloud), options.params, parallel, progress, observe);
+  Reconstruction result;
+  try {
+    result = checks ? reconstruct(cloud, options.params, parallel, progress, observe)
+                    : reconstruct(std::move(cloud), options.params, parallel, progress, observe);
+  } catch (const SamplesError& error) {
+    throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
+  }
   if (checks) stages.run("check", [&] { check_result(result, cloud, parallel); });
   ReconstructReport& report = result.report;
   if (report.topology) print_check(report, progress);

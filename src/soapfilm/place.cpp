@@ -88,19 +88,25 @@ void warn_at_end(const CrossValidationReport& select, std::vector<std::string>& 
 
 }  // namespace
 
-void check_samples(const PointCloud& cloud, const Parallel& parallel) {
-  const Box3d box = cloud.box(parallel);
+Box3d check_samples(const PointCloud& cloud, const Parallel& parallel) {
   if (cloud.size() < fewest_samples)
-    throw ParameterError(
+    throw SamplesError(
         fmt::format("{} sample{}, must be at least {}", cloud.size(), cloud.size() == 1 ? "" : "s", fewest_samples));
-  parallel.for_each(cloud.size(), samples_per_task, [&](size_t i) {
-    if (!is_finite(cloud.positions[i])) throw ParameterError(fmt::format("sample {}: position is not finite", i));
-  });
+  const auto box_of = [&](size_t begin, size_t end) {
+    Box3d box;
+    for (size_t i = begin; i < end; ++i) {
+      if (!is_finite(cloud.positions[i])) throw SamplesError(fmt::format("sample {}: position is not finite", i));
+      box.extend(cloud.positions[i]);
+    }
+    return box;
+  };
+  const auto box = join_chunks<Box3d>(cloud.size(), samples_per_task, parallel, box_of,
+                                      [](Box3d& whole, const Box3d& part) { whole.extend(part); });
   if (!(box.longest() > 0))
-    throw ParameterError(fmt::format("all {} samples are identical, must span a volume", cloud.size()));
+    throw SamplesError(fmt::format("all {} samples are identical, must span a volume", cloud.size()));
   if (box.longest() < shortest_box || box.longest() > longest_box)
-    throw ParameterError(fmt::format("the longest side of the samples' box = {:g}, must be in [{:g}, {:g}]",
-                                     box.longest(), shortest_box, longest_box));
+    throw SamplesError(fmt::format("the longest side of the samples' box = {:g}, must be in [{:g}, {:g}]",
+                                   box.longest(), shortest_box, longest_box));
 
   const Vec3d centre = box.centre();
   const double scale = 1 / box.longest();
@@ -119,15 +125,16 @@ void check_samples(const PointCloud& cloud, const Parallel& parallel) {
   const Eigen::Vector3d variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
   // In units of the longest side; variances below double's rounding of 1 are no thickness.
   if (variance[0] <= std::max(coplanar * coplanar * variance[2], 1e-15))
-    throw ParameterError(
+    throw SamplesError(
         fmt::format("all {} samples are coplanar (but for {:g} of their longest side, {:.6g}), must span a volume",
                     cloud.size(), coplanar, box.longest()));
+  return box;
 }
 
-GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
-                  AfterPlacing after, const Parallel& parallel, ReconstructReport& report) {
-  const Box3d box = cloud.box(parallel);
-  const Sampling sampling = measure_sampling(cloud, parallel);
+GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions,
+                  const ReconstructParams& params, AfterPlacing after, const Parallel& parallel,
+                  ReconstructReport& report) {
+  const Sampling sampling = measure_sampling(cloud, box, parallel);
   const double voxel = choose_voxel(params.place, box, sampling);
   try {
     report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);

@@ -12,12 +12,12 @@
 
 namespace soapfilm {
 
-/// Throws ParameterError unless there are at least 4 samples, all finite, that span a volume.
-void check_samples(const PointCloud& cloud, const Parallel& parallel);
+/// The samples' box. Throws SamplesError unless there are at least 4 samples, all finite, that span a volume.
+Box3d check_samples(const PointCloud& cloud, const Parallel& parallel);
 
-/// Places the grid, sorts the samples into it and fills the report's input, lattice and planned_bytes. The cloud must
-/// pass check_samples(). Throws MemoryError before anything large is allocated.
-GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
+/// Places the grid, sorts the samples into it and fills the report's input, lattice and planned_bytes. `box` is what
+/// check_samples() told. Throws MemoryError before anything large is allocated.
+GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions, const ReconstructParams& params,
                   AfterPlacing after, const Parallel& parallel, ReconstructReport& report);
 
 /// Fills certificate.lambda: as given, by the samples' density, or by cross-validation (the report's `select`); warns

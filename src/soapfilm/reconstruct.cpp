@@ -93,7 +93,7 @@ Mesh fused_surface(const PointCloud& cloud, const Lattice& lattice, const Recons
 Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const ReconstructParams& params,
                            const Parallel& parallel, Progress& progress, const PyramidObserver& observe) {
   validate(params);
-  check_samples(cloud, parallel);
+  const Box3d box = check_samples(cloud, parallel);
   if (params.method == Method::vrip)
     for (const Scan& scan : cloud.scans) require_range_scan(scan);
   Stages stages(progress);
@@ -116,7 +116,7 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
   // The grid: how fine, where, and what it will cost; and what area weighs on it.
   const auto after = owned ? AfterPlacing::freed : AfterPlacing::kept;
-  auto samples = stages.run("place", [&] { return place(cloud, directions, params, after, parallel, report); });
+  auto samples = stages.run("place", [&] { return place(cloud, box, directions, params, after, parallel, report); });
   const Lattice& lattice = report.lattice;
   stages.run("weigh", [&] { weigh_area(cloud, directions, params, parallel, progress, samples, report); });
   announce_grid(report, progress);

@@ -11,6 +11,11 @@ struct ParameterError : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
+/// The samples that the caller gave are refused: too few of them, not finite, or without a volume.
+struct SamplesError : ParameterError {
+  using ParameterError::ParameterError;
+};
+
 /// An input file or its contents are refused. The message is one line: file, place (line or byte), value, constraint.
 struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;

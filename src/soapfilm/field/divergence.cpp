@@ -129,16 +129,17 @@ class SplatLayers {
   std::unique_ptr<Splat[]> splats_;
 };
 
-/// Along an axis: bits 0, 1, 2 for the lower neighbour, the brick and the upper neighbour, by the sample's cell.
-unsigned reached_along_axis(float local) {
-  const int cell = static_cast<int>(local);
-  return (cell < reach ? 1u : 0u) | 2u | (cell + 1 + reach >= brick_side ? 4u : 0u);
-}
-
-/// Three bits to every third place, or to every ninth.
-constexpr unsigned spread(unsigned bits, int places) {
-  return (bits & 1u) | (bits & 2u) << (places - 1) | (bits & 4u) << (2 * places - 2);
-}
+/// Which of a brick's 27 neighbours a sample reaches, as bits by neighbor_slot(), is the product of three factors, one
+/// for each axis, by the sample's cell along it: no two terms of the product share a bit.
+constexpr auto reached_along = [] {
+  std::array<std::array<uint32_t, brick_side + 1>, 3> factors{};  // a position may round up to the brick's end
+  for (int cell = 0; cell <= brick_side; ++cell) {
+    const uint32_t below = cell < reach ? 1 : 0, above = cell + 1 + reach >= brick_side ? 1 : 0;
+    for (size_t axis = 0, step = 1; axis < 3; ++axis, step *= 3)
+      factors[axis][static_cast<size_t>(cell)] = below | 1u << step | above << 2 * step;
+  }
+  return factors;
+}();
 
 }  // namespace
 
@@ -148,8 +149,10 @@ BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Pa
     uint32_t reached = 0;  // which of the brick's 27 neighbours, as bits by neighbor_slot()
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f q = samples.local[s];
-      // No two terms of the product share a bit.
-      reached |= reached_along_axis(q.x) * spread(reached_along_axis(q.y), 3) * spread(reached_along_axis(q.z), 9);
+      const auto factor = [&](size_t axis, float along) {
+        return reached_along[axis][static_cast<size_t>(static_cast<int>(along))];
+      };
+      reached |= factor(0, q.x) * factor(1, q.y) * factor(2, q.z);
     }
     for (int slot = 0; slot < 27; ++slot)
       if (const Vec3i brick = samples.bricks.coord(b) + slot_offset(slot); reached >> slot & 1u && mask.contains(brick))

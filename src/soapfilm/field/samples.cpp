@@ -15,11 +15,6 @@ namespace {
 constexpr size_t most_chunks = 16;
 constexpr size_t samples_per_task = size_t{1} << 14;
 
-Vec3i brick_at(Vec3d lattice_position) {
-  return brick_of({static_cast<int>(std::floor(lattice_position.x)), static_cast<int>(std::floor(lattice_position.y)),
-                   static_cast<int>(std::floor(lattice_position.z))});
-}
-
 }  // namespace
 
 uint8_t lot_of(size_t source) {
@@ -37,7 +32,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
     for (size_t i = begin; i < end; ++i) {
       if (!speaks(cloud, directions, i) || (wanted && !wanted(i))) continue;
       const Vec3d position = lattice.to_lattice(cloud.positions[i]);
-      const Vec3i brick = brick_at(position);
+      const Vec3i brick = brick_of(Vec3i(position));  // in the box, where nothing is negative
       const bool is_new = !(brick == last);
       visit(i, last = brick, is_new, position);
     }

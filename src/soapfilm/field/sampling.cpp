@@ -69,17 +69,24 @@ struct Pairs {
 /// Cells are `up` depths less deep than the sorted keys say. A run of samples is counted by the chunk that it begins
 /// in.
 Pairs count_pairs(const std::vector<uint64_t>& keys, int up, const Parallel& parallel) {
-  const auto cell = [&](size_t i) { return keys[i] >> (3 * up); };
+  const auto shares_cell = [&](size_t i) { return keys[i] >> (3 * up) == keys[i - 1] >> (3 * up); };
   return sum_chunks<Pairs>(keys.size(), keys_per_task, parallel, [&](size_t begin, size_t end) {
+    while (begin > 0 && begin < end && shares_cell(begin)) ++begin;
     Pairs found;
-    while (begin > 0 && begin < end && cell(begin) == cell(begin - 1)) ++begin;
-    while (begin < end) {
-      size_t next = begin + 1;
-      while (next < keys.size() && cell(next) == cell(begin)) ++next;
-      const uint64_t pairs = (next - begin) * (next - begin - 1);
-      found += Pairs{pairs, pairs};
-      begin = next;
+    uint64_t before = 0;  // in the same cell
+    const auto count = [&] {
+      found.all += 2 * before;
+      found.most = std::max(found.most, before);
+    };
+    for (size_t i = begin + 1; i < end; ++i) {  // runs are short and their ends follow no rule: no branch on them
+      before = (before + 1) & -uint64_t{shares_cell(i)};
+      count();
     }
+    for (size_t i = end; begin < end && i < keys.size() && shares_cell(i); ++i) {
+      ++before;
+      count();
+    }
+    found.most *= found.most + 1;
     return found;
   });
 }
@@ -137,7 +144,10 @@ std::vector<Vec3d> places_of(std::vector<Vec3d> positions, Sampling& sampling) {
 double Sampling::voxel(double density) const { return per_area > 0 ? std::sqrt(density / per_area) : 0; }
 
 Sampling measure_sampling(const PointCloud& cloud, const Parallel& parallel) {
-  const Box3d box = cloud.box(parallel);
+  return measure_sampling(cloud, cloud.box(parallel), parallel);
+}
+
+Sampling measure_sampling(const PointCloud& cloud, const Box3d& box, const Parallel& parallel) {
   const double longest = box.longest();
   Sampling sampling;
   if (!(longest > 0)) return sampling;

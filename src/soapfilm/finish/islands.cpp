@@ -20,19 +20,20 @@ constexpr std::array<float, 2> reaches{1, 2};
 /// The parts whose surface a sample lies on, by each reach; 0 where there is none.
 using Supported = std::array<uint32_t, reaches.size()>;
 
-Vec3i nearest_vertex(Vec3f p) {
-  return {static_cast<int>(std::floor(p.x + 0.5f)), static_cast<int>(std::floor(p.y + 0.5f)),
-          static_cast<int>(std::floor(p.z + 0.5f))};
+/// std::floor without the call that it is where the processor's own rounding may be missing.
+int floor_of(float x) {
+  const int towards_zero = static_cast<int>(x);
+  return towards_zero - (static_cast<float>(towards_zero) > x);
 }
 
-/// `part_at` tells the part that holds a vertex of a brick, relative to its first one, as `local` is.
-template <class PartAt>
-Supported supported_parts(const Parts& parts, Vec3f local, Vec3f direction, PartAt&& part_at) {
-  const Vec3f outward = normalized(direction);
+Vec3i nearest_vertex(Vec3f p) { return {floor_of(p.x + 0.5f), floor_of(p.y + 0.5f), floor_of(p.z + 0.5f)}; }
+
+/// `local` is relative to the brick's first vertex.
+Supported supported_parts(const Parts& parts, const PartsAround& around, Vec3f local, Vec3f outward) {
   Supported supported{};
   for (size_t k = 0; k < reaches.size(); ++k) {
-    const uint32_t inner = part_at(nearest_vertex(local - outward * reaches[k]));
-    const uint32_t outer = part_at(nearest_vertex(local + outward * reaches[k]));
+    const uint32_t inner = around.at(nearest_vertex(local - outward * reaches[k]));
+    const uint32_t outer = around.at(nearest_vertex(local + outward * reaches[k]));
     if (!parts[inner].inside || parts[outer].inside) continue;
     if (parts[inner].around == outer)
       supported[k] = inner;
@@ -64,17 +65,14 @@ void add_evidence(uint32_t part, double weight, std::vector<PartEvidence>& evide
 
 /// A sample that two surfaces may claim counts for both, so that what happens to one of the parts takes nothing from
 /// the other.
-Evidence evidence_of(const Level& level, const Parts& parts, const GridSamples& samples, const Parallel& parallel) {
+Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Parallel& parallel) {
   std::vector<std::vector<PartEvidence>> in_brick(samples.bricks.size());
   parallel.for_each(samples.bricks.size(), 16, [&](size_t b) {
-    const Vec3i first_vertex = samples.bricks.first_vertex(b);
-    const int32_t brick = level.grid.find(samples.bricks.coord(b));
-    const auto part_at = [&](Vec3i v) {
-      return brick < 0 ? parts.at(first_vertex + v) : parts.at(static_cast<size_t>(brick), v);
-    };
+    const PartsAround around(parts, samples.bricks.coord(b));
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
-      const Supported by = supported_parts(parts, samples.local[s], samples.direction[s], part_at);
-      const double weight = std::max(1.0f, norm(samples.direction[s]));
+      const Vec3f direction = samples.direction[s];
+      const Supported by = supported_parts(parts, around, samples.local[s], normalized(direction));
+      const double weight = std::max(1.0f, norm(direction));
       for (size_t k = 0; k < by.size(); ++k)
         if (k == 0 || by[k] != by[0]) add_evidence(by[k], weight, in_brick[b]);
     }
@@ -136,7 +134,7 @@ void validate(const IslandParams& params) {
 void drop_islands(Level& level, float threshold, const GridSamples& samples, double density, const IslandParams& params,
                   const Parallel& parallel, IslandReport& report) {
   const Parts parts(level, threshold, parallel);
-  const auto [count, weight] = evidence_of(level, parts, samples, parallel);
+  const auto [count, weight] = evidence_of(parts, samples, parallel);
   std::vector<double> area(parts.size()), support(parts.size());
   for (uint32_t p = 1; p < parts.size(); ++p) {
     area[p] = area_per_face * static_cast<double>(parts[p].faces);

@@ -228,23 +228,34 @@ void Parts::find_surroundings(const std::vector<std::vector<Contact>>& contacts)
   }
 }
 
-/// `slot`: the brick as BrickGrid::find() has it; of the vertex the low three bits count.
-uint32_t Parts::part_in(int32_t slot, Vec3i brick, Vec3i vertex) const {
-  if (slot < 0) return part_[node_of_missing(slot, brick)];
-  uint32_t piece = first_piece_[static_cast<size_t>(slot)];
-  while (!pieces_[piece].vertices.test(vertex.x & 7, vertex.y & 7, vertex.z & 7)) ++piece;
-  return part_[node_of_piece(piece)];
-}
-
-uint32_t Parts::at(size_t brick, Vec3i vertex) const {
-  const Vec3i offset = brick_of(vertex);
-  const auto slot = static_cast<size_t>(neighbor_slot(offset.x, offset.y, offset.z));
-  return part_in(grid_.neighbors(brick)[slot], grid_.coord(brick) + offset, vertex);
-}
-
 uint32_t Parts::at(Vec3i vertex) const {
-  const Vec3i brick = brick_of(vertex);
-  return part_in(grid_.find(brick), brick, vertex);
+  return PartsAround(*this, brick_of(vertex)).at({vertex.x & 7, vertex.y & 7, vertex.z & 7});
+}
+
+PartsAround::PartsAround(const Parts& parts, Vec3i brick) : parts_(parts) {
+  const int32_t own = parts.grid_.find(brick);
+  for (int slot = 0; slot < 27; ++slot) {
+    const auto k = static_cast<size_t>(slot);
+    const Vec3i at = brick + slot_offset(slot);
+    const int32_t found = own < 0 ? parts.grid_.find(at) : parts.grid_.neighbors(static_cast<size_t>(own))[k];
+    Holder& holder = holders_[k];
+    if (found < 0) {
+      holder.part.fill(parts.part_[parts.node_of_missing(found, at)]);
+      continue;
+    }
+    const uint32_t first = parts.first_piece_[static_cast<size_t>(found)];
+    const uint32_t last = parts.first_piece_[static_cast<size_t>(found) + 1] - 1;
+    holder.first = parts.pieces_[first].vertices;
+    holder.part = {parts.part_[parts.node_of_piece(last)], parts.part_[parts.node_of_piece(first)]};
+    holder.further = last > first + 1 ? first + 1 : 0;
+  }
+}
+
+uint32_t PartsAround::further_part(const Holder& holder, int x, int y, int z) const {
+  if (holder.first.test(x, y, z)) return holder.part[1];
+  uint32_t piece = holder.further;
+  while (!parts_.pieces_[piece].vertices.test(x, y, z)) ++piece;
+  return parts_.part_[parts_.node_of_piece(piece)];
 }
 
 void Parts::write(const std::vector<uint8_t>& inside, Level& level, const Parallel& parallel) const {

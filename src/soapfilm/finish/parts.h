@@ -1,6 +1,7 @@
 // What hangs together: the connected parts of the thresholded solution and of what it leaves out.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -29,9 +30,6 @@ class Parts {
 
   size_t size() const { return parts_.size(); }
   const Part& operator[](uint32_t part) const { return parts_[part]; }
-  /// The part that holds a vertex, given relative to the first one of active brick `brick`, each coordinate in [-8,
-  /// 16).
-  uint32_t at(size_t brick, Vec3i vertex) const;
   /// The part that holds a lattice vertex.
   uint32_t at(Vec3i vertex) const;
 
@@ -39,6 +37,8 @@ class Parts {
   void write(const std::vector<uint8_t>& inside, Level& level, const Parallel& parallel) const;
 
  private:
+  friend class PartsAround;
+
   /// A connected part of one brick. Parts are made of pieces and of gaps: runs of missing bricks along x.
   struct Piece {
     BrickBits vertices;
@@ -60,7 +60,6 @@ class Parts {
     return 1 + static_cast<uint32_t>(pieces_.size()) + static_cast<uint32_t>(gap);
   }
   uint32_t node_of_missing(int32_t slot, Vec3i brick) const;
-  uint32_t part_in(int32_t slot, Vec3i brick, Vec3i vertex) const;
 
   void find_pieces(const Level& level, float threshold, const Parallel& parallel);
   void find_gaps(const Level& level);
@@ -75,6 +74,32 @@ class Parts {
   std::vector<Gap> gaps_;       ///< by BrickGrid::gap
   std::vector<uint32_t> part_;  ///< of each node
   std::vector<Part> parts_;
+};
+
+/// The parts in a brick of the box and in the 26 around it, looked up once for many vertices. Most bricks hold but one
+/// part or two: of these a bit tells which.
+class PartsAround {
+ public:
+  PartsAround(const Parts& parts, Vec3i brick);
+
+  /// The part that holds a vertex, given relative to the brick's first one, each coordinate in [-8, 16).
+  uint32_t at(Vec3i vertex) const {
+    const Vec3i offset = brick_of(vertex);
+    const Holder& holder = holders_[static_cast<size_t>(neighbor_slot(offset.x, offset.y, offset.z))];
+    const int x = vertex.x & 7, y = vertex.y & 7, z = vertex.z & 7;
+    return holder.further ? further_part(holder, x, y, z) : holder.part[holder.first.test(x, y, z)];
+  }
+
+ private:
+  struct Holder {
+    BrickBits first;                 ///< what the first piece holds; nothing where the brick is missing
+    std::array<uint32_t, 2> part{};  ///< beside the first piece, and its own
+    uint32_t further = 0;            ///< the second piece of three or more; 0: no more than two
+  };
+  uint32_t further_part(const Holder& holder, int x, int y, int z) const;
+
+  const Parts& parts_;
+  std::array<Holder, 27> holders_;
 };
 
 }  // namespace soapfilm

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "soapfilm/grid/brick_mask.h"
 #include "soapfilm/grid/layout.h"
 
 namespace soapfilm {
@@ -37,7 +38,7 @@ struct BrickBits {
   }
   size_t count() const {
     size_t n = 0;
-    for (const uint64_t word : layer) n += static_cast<size_t>(std::popcount(word));
+    for (const uint64_t word : layer) n += static_cast<size_t>(count_bits(word));
     return n;
   }
   /// The first set bit alone.

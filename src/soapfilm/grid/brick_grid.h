@@ -32,7 +32,12 @@ class BrickGrid {
   Vec3i first_vertex(size_t brick) const { return coords_[brick] * brick_side; }
 
   /// Index of the active brick at `b`; `outside_band` or `outside_box` where there is none.
-  int32_t find(Vec3i b) const;
+  int32_t find(Vec3i b) const {
+    if (!in_box(b)) return outside_box;
+    const size_t i = BrickMask::index(bricks_, b);
+    const Word& word = words_[i >> 6];
+    return word.bits >> (i & 63) & 1 ? word.rank(i) : outside_band;
+  }
   /// Indices [begin, end) of the active bricks (x, y, z) of a row along x; y and z in the box.
   std::pair<size_t, size_t> row(int y, int z) const {
     const size_t k = row_of({0, y, z});
@@ -46,21 +51,31 @@ class BrickGrid {
   /// Indices of the 27 bricks around a brick by neighbor_slot(), with the same two values for missing ones.
   const Neighbors& neighbors(size_t brick) const { return neighbors_[brick]; }
 
-  size_t bytes() const { return size() * (sizeof(Vec3i) + sizeof(Neighbors)) + row_begin_.size() * sizeof(int32_t); }
+  size_t bytes() const {
+    return size() * (sizeof(Vec3i) + sizeof(Neighbors)) + row_begin_.size() * sizeof(int32_t) +
+           words_.size() * sizeof(Word);
+  }
 
  private:
+  /// 64 bricks of the box, active or not: with how many come before them, any brick is found in constant time
+  /// (Jacobson 1989, "Space-efficient static trees and graphs": rank).
+  struct Word {
+    uint64_t bits;
+    int32_t before;
+
+    /// How many active bricks come before brick `i` of the box, which must be one of these.
+    int32_t rank(size_t i) const { return before + count_bits(bits & ((uint64_t{1} << (i & 63)) - 1)); }
+  };
+
   size_t row_of(Vec3i b) const { return static_cast<size_t>(b.z) * bricks_.y + static_cast<size_t>(b.y); }
-  bool in_box(int y, int z) const { return y >= 0 && z >= 0 && y < bricks_.y && z < bricks_.z; }
-  /// What find() says of a brick that is not active.
-  int32_t missing(Vec3i b) const {
-    return b.x >= 0 && b.x < bricks_.x && in_box(b.y, b.z) ? outside_band : outside_box;
+  bool in_box(Vec3i b) const {
+    return b.x >= 0 && b.y >= 0 && b.z >= 0 && b.x < bricks_.x && b.y < bricks_.y && b.z < bricks_.z;
   }
-  /// Index of the first active brick of b's row that does not come before b.
-  size_t first_from(Vec3i b) const;
 
   Vec3i bricks_;
   std::vector<Vec3i> coords_;
   std::vector<int32_t> row_begin_;  ///< first brick of row (y, z); one more at the end
+  std::vector<Word> words_;
   std::vector<Neighbors> neighbors_;
 };
 

@@ -9,6 +9,13 @@
 
 namespace soapfilm {
 
+/// std::popcount without the call that it is where the processor's own instruction may be missing.
+constexpr int count_bits(uint64_t bits) {
+  bits -= bits >> 1 & 0x5555555555555555;
+  bits = (bits & 0x3333333333333333) + (bits >> 2 & 0x3333333333333333);
+  return static_cast<int>(((bits + (bits >> 4)) & 0x0F0F0F0F0F0F0F0F) * 0x0101010101010101 >> 56);
+}
+
 /// One bit per brick of a box of bricks: which ones are active, supported by samples, or inside.
 class BrickMask {
  public:
@@ -43,7 +50,7 @@ class BrickMask {
   }
   size_t count() const {
     size_t n = 0;
-    for (uint64_t w : words_) n += static_cast<size_t>(std::popcount(w));
+    for (uint64_t w : words_) n += static_cast<size_t>(count_bits(w));
     return n;
   }
   void operator|=(const BrickMask& other) {
@@ -67,12 +74,16 @@ class BrickMask {
   BrickMask coarsened(Vec3i coarse_bricks) const;
 
   size_t bytes() const { return words_.size() * sizeof(uint64_t); }
+  /// Bit i & 63 of word i >> 6 is the brick with index i.
+  const std::vector<uint64_t>& words() const { return words_; }
+  size_t index(Vec3i b) const { return index(bricks_, b); }
+  /// Of a brick in a box of `bricks`: x fastest, then y, then z.
+  static size_t index(Vec3i bricks, Vec3i b) {
+    return (static_cast<size_t>(b.z) * bricks.y + static_cast<size_t>(b.y)) * bricks.x + static_cast<size_t>(b.x);
+  }
 
  private:
   size_t volume() const { return static_cast<size_t>(bricks_.x) * bricks_.y * bricks_.z; }
-  size_t index(Vec3i b) const {
-    return (static_cast<size_t>(b.z) * bricks_.y + static_cast<size_t>(b.y)) * bricks_.x + static_cast<size_t>(b.x);
-  }
 
   Vec3i bricks_;
   std::vector<uint64_t> words_;

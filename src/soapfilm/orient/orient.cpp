@@ -2,16 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/orient/estimate_normals.h"
 
 namespace soapfilm {
 
 namespace {
+
+constexpr size_t samples_at_once = size_t{1} << 14;
 
 void check(const OrientParams& params) {
   if (params.neighbours < 3 || params.neighbours > 1000)
@@ -38,33 +42,44 @@ struct ScanFacts {
 /// What the cloud itself says of its samples' directions, source by source.
 class KnownDirections {
  public:
-  KnownDirections(const PointCloud& cloud, const OrientParams& params) : cloud_(cloud), scan_of_(cloud.size(), 0) {
-    facts_.push_back({params.sensor, {}});  // of samples that belong to no scan
-    for (const Scan& scan : cloud.scans) {
-      ScanFacts facts{scan.sensor ? scan.sensor : params.sensor, {}};
-      if (scan.view_direction) {
+  KnownDirections(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel)
+      : cloud_(cloud), facts_(cloud.scans.size()), elsewhere_{params.sensor, {}} {
+    parallel.for_each(facts_.size(), 1, [&](size_t k) {
+      const Scan& scan = cloud.scans[k];
+      ScanFacts& facts = facts_[k];
+      facts.sensor = scan.sensor ? scan.sensor : params.sensor;
+      if (scan.view_direction)
         facts.view_direction = unit_or_zero(*scan.view_direction);
-      } else if (facts.sensor && scan.size() > 0) {
+      else if (facts.sensor && scan.size() > 0)
         facts.view_direction = unit_or_zero(*facts.sensor - mean_position(cloud, scan));
-      }
-      for (size_t i = scan.begin; i < scan.end; ++i) scan_of_[i] = static_cast<uint32_t>(facts_.size());
-      facts_.push_back(facts);
+    });
+  }
+
+  /// Calls visit(i, facts) for samples [begin, end) with what their scans say.
+  template <class Visit>
+  void for_each(size_t begin, size_t end, Visit&& visit) const {
+    const std::vector<Scan>& scans = cloud_.scans;
+    auto scan = std::upper_bound(scans.begin(), scans.end(), begin, [](size_t i, const Scan& s) { return i < s.end; });
+    for (size_t i = begin; i < end;) {
+      while (scan != scans.end() && scan->end <= i) ++scan;
+      const bool in_scan = scan != scans.end() && scan->begin <= i;
+      const ScanFacts& facts = in_scan ? facts_[static_cast<size_t>(scan - scans.begin())] : elsewhere_;
+      const size_t last = scan == scans.end() ? end : std::min(end, in_scan ? scan->end : scan->begin);
+      for (; i < last; ++i) visit(i, facts);
     }
   }
 
   /// Zero where the source has nothing; never of `automatic` or `estimate`.
-  Vec3f direction(DirectionSource source, size_t i) const {
+  Vec3f direction(DirectionSource source, size_t i, const ScanFacts& facts) const {
     switch (source) {
       case DirectionSource::normals:
         return cloud_.normals.empty() ? Vec3f{} : unit_or_zero(static_cast<Vec3d>(cloud_.normals[i]));
-      case DirectionSource::sensor: {
+      case DirectionSource::sensor:
         if (!cloud_.sensors.empty() && is_finite(cloud_.sensors[i]))
           return unit_or_zero(cloud_.sensors[i] - cloud_.positions[i]);
-        const ScanFacts& facts = facts_[scan_of_[i]];
         return facts.sensor ? unit_or_zero(*facts.sensor - cloud_.positions[i]) : Vec3f{};
-      }
       case DirectionSource::scan:
-        return facts_[scan_of_[i]].view_direction;
+        return facts.view_direction;
       case DirectionSource::automatic:
       case DirectionSource::estimate:
         break;
@@ -74,8 +89,8 @@ class KnownDirections {
 
  private:
   const PointCloud& cloud_;
-  std::vector<uint32_t> scan_of_;  ///< index into facts_
   std::vector<ScanFacts> facts_;
+  ScanFacts elsewhere_;  ///< of samples that belong to no scan
 };
 
 constexpr std::array<DirectionSource, 3> known_sources{DirectionSource::normals, DirectionSource::sensor,
@@ -103,10 +118,11 @@ void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDi
     if (directions[i] == Vec3f{}) wanted.push_back(static_cast<uint32_t>(i));
   if (wanted.empty()) return;
   std::vector<Vec3f> hints = directions;
-  for (const uint32_t i : wanted) {
-    hints[i] = known.direction(DirectionSource::sensor, i);
-    if (hints[i] == Vec3f{}) hints[i] = known.direction(DirectionSource::scan, i);
-  }
+  known.for_each(0, cloud.size(), [&](size_t i, const ScanFacts& facts) {
+    if (directions[i] != Vec3f{}) return;
+    hints[i] = known.direction(DirectionSource::sensor, i, facts);
+    if (hints[i] == Vec3f{}) hints[i] = known.direction(DirectionSource::scan, i, facts);
+  });
   const EstimatedNormals estimated =
       estimate_normals(cloud.positions, wanted, hints, params.neighbours, parallel, progress);
   for (size_t k = 0; k < wanted.size(); ++k) {
@@ -130,21 +146,30 @@ void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDi
 
 /// The flux of x through a closed surface is three times its volume (divergence theorem): outward normals point away
 /// from the samples' middle on the whole, whatever the shape.
-void warn_of_inward_normals(const PointCloud& cloud, const std::vector<Vec3f>& directions, Progress& progress,
-                            OrientReport& report) {
+void warn_of_inward_normals(const PointCloud& cloud, const std::vector<Vec3f>& directions, const Parallel& parallel,
+                            Progress& progress, OrientReport& report) {
   if (2 * report.from_normals <= cloud.size()) return;  // a scanner's side is outside by definition
   const Vec3d first = cloud.positions[0];
-  Vec3d sum;
-  for (const Vec3d& p : cloud.positions) sum += p - first;
+  const auto sum = sum_chunks<Vec3d>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
+    Vec3d part;
+    for (size_t i = begin; i < end; ++i) part += cloud.positions[i] - first;
+    return part;
+  });
   const Vec3d middle = first + sum / static_cast<double>(cloud.size());
-  double flux = 0, most = 0;
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    const Vec3d from_middle = cloud.positions[i] - middle;
-    flux += dot(static_cast<Vec3d>(directions[i]), from_middle);
-    most += norm(from_middle);
-  }
+  struct Flux {
+    double outward = 0, most = 0;
+    void operator+=(const Flux& other) { outward += other.outward, most += other.most; }
+  };
+  const auto flux = sum_chunks<Flux>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
+    Flux part;
+    for (size_t i = begin; i < end; ++i) {
+      const Vec3d from_middle = cloud.positions[i] - middle;
+      part += {dot(static_cast<Vec3d>(directions[i]), from_middle), norm(from_middle)};
+    }
+    return part;
+  });
   constexpr double inward = -0.1;  // thin shapes reach 0.2 to 0.5, a sphere 1
-  if (flux < inward * most)
+  if (flux.outward < inward * flux.most)
     warn(progress, report,
          "the normals point towards the samples' middle on the whole: right for a hollow seen from within, otherwise "
          "they must be turned outward");
@@ -159,23 +184,31 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
   std::vector<Vec3f> directions;
   reserve_many(directions, cloud.size());
   directions.resize(cloud.size());
-  std::vector<uint8_t> used(cloud.size(), 0);  // which of the known sources, counted from 1
-  const KnownDirections known(cloud, params);
+  const KnownDirections known(cloud, params, parallel);
   const size_t first = params.source == DirectionSource::automatic  ? 0
                        : params.source == DirectionSource::estimate ? known_sources.size()
                                                                     : static_cast<size_t>(params.source) - 1;
-  parallel.for_each(cloud.size(), 4096, [&](size_t i) {
-    for (size_t s = first; s < known_sources.size() && used[i] == 0; ++s) {
-      directions[i] = known.direction(known_sources[s], i);
-      if (!(directions[i] == Vec3f{})) used[i] = static_cast<uint8_t>(s + 1);
+  struct Found {
+    std::array<size_t, known_sources.size()> samples{};  ///< of each source
+    void operator+=(const Found& other) {
+      for (size_t s = 0; s < samples.size(); ++s) samples[s] += other.samples[s];
     }
+  };
+  const auto found = sum_chunks<Found>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
+    Found part;
+    known.for_each(begin, end, [&](size_t i, const ScanFacts& facts) {
+      for (size_t s = first; s < known_sources.size() && directions[i] == Vec3f{}; ++s) {
+        directions[i] = known.direction(known_sources[s], i, facts);
+        part.samples[s] += directions[i] != Vec3f{};
+      }
+    });
+    return part;
   });
-  const auto count = [&](uint8_t source) { return static_cast<size_t>(std::count(used.begin(), used.end(), source)); };
-  report.from_normals = count(1);
-  report.from_sensor = count(2);
-  report.from_scan = count(3);
+  report.from_normals = found.samples[0];
+  report.from_sensor = found.samples[1];
+  report.from_scan = found.samples[2];
   refuse_absent_source(params.source, report);
-  warn_of_inward_normals(cloud, directions, progress, report);
+  warn_of_inward_normals(cloud, directions, parallel, progress, report);
   estimate(cloud, params, known, parallel, progress, directions, report);
   return directions;
 }
