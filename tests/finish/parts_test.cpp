@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <queue>
 #include <set>
 
@@ -48,6 +49,11 @@ void make_noise(RandomLevel& random, double share, uint64_t seed) {
     });
 }
 
+uint32_t part_at(const Parts& parts, Vec3i vertex) {
+  const Vec3i brick = brick_of(vertex);
+  return PartsAround(parts, brick).at(vertex - brick * brick_side);
+}
+
 class Labelling : public testing::TestWithParam<double> {};
 
 /// Parts, their sizes and their surfaces are those of a plain flood, in noise that has thousands of them.
@@ -63,8 +69,11 @@ TEST_P(Labelling, IsThatOfAFlood) {
     std::map<int, uint32_t> part_of;
     std::set<uint32_t> met;
     std::vector<size_t> vertices(parts.size()), faces(parts.size());
+    std::optional<PartsAround> around;
     labels.for_each([&](Vec3i v) {
-      const uint32_t part = parts.at(v);
+      const Vec3i own{v.x & 7, v.y & 7, v.z & 7};
+      if (own.x == 0 || !around) around.emplace(parts, brick_of(v));
+      const uint32_t part = around->at(own);
       ASSERT_LT(part, parts.size());
       ASSERT_EQ(part_of.emplace(expected[v], part).first->second, part);
       ASSERT_EQ(parts[part].inside, labels[v] != 0);
@@ -73,16 +82,23 @@ TEST_P(Labelling, IsThatOfAFlood) {
       for (int axis = 0; axis < 3; ++axis)
         for (const int step : {-1, 1}) {
           const Vec3i next = v + along(axis) * step;
-          const uint32_t other = labels.contains(next) ? parts.at(next) : 0;
+          const uint32_t other = around->at(next - v + own);
           if (parts[other].inside == parts[part].inside) continue;
           // Of two parts that share a surface one lies in the other.
           ASSERT_TRUE(parts[part].around == other || parts[other].around == part);
           if (parts[part].around == other) ++faces[part];
         }
+      // A brick away, in any direction.
+      const Vec3i step = slot_offset((own.x + 3 * own.y + 9 * own.z) % 27) * brick_side;
+      const uint32_t far = around->at(own + step);
+      if (!labels.contains(v + step))
+        ASSERT_EQ(far, 0u);
+      else
+        ASSERT_EQ(part_of.emplace(expected[v + step], far).first->second, far);
     });
     EXPECT_EQ(part_of.size(), met.size()) << "parts that the flood keeps apart";
     EXPECT_EQ(met.size(), parts.size());
-    EXPECT_EQ(parts.at({0, 0, 0}), 0u);
+    EXPECT_EQ(part_at(parts, {0, 0, 0}), 0u);
     EXPECT_GT(parts.size(), 50u);
     for (uint32_t p = 0; p < parts.size(); ++p) {
       EXPECT_EQ(parts[p].vertices, vertices[p]);
@@ -108,8 +124,8 @@ TEST(Labelling, GoesThroughMissingBricks) {
 
   const Parts parts(level, 0.5f, Parallel(3));
   ASSERT_EQ(parts.size(), 4u);
-  const uint32_t shell = parts.at(centre + Vec3i{24, 0, 0}), hollow = parts.at(centre + Vec3i{0, 12, 0}),
-                 core = parts.at(centre);
+  const uint32_t shell = part_at(parts, centre + Vec3i{24, 0, 0}), hollow = part_at(parts, centre + Vec3i{0, 12, 0}),
+                 core = part_at(parts, centre);
   EXPECT_EQ(parts[core].around, hollow);
   EXPECT_EQ(parts[hollow].around, shell);
   EXPECT_EQ(parts[shell].around, 0u);

@@ -54,6 +54,16 @@ TEST(BrickMask, CountsAndVisitsWhatWasSet) {
   EXPECT_FALSE(mask.contains({0, -1, 0}));
 }
 
+TEST(BrickMask, CountsBitsAsTheProcessorDoes) {
+  Random random(5);
+  for (int i = 0; i < 1000; ++i) {
+    const uint64_t bits = i % 2 ? random.next() : random.next() & random.next() & random.next();
+    ASSERT_EQ(count_bits(bits), std::popcount(bits));
+  }
+  EXPECT_EQ(count_bits(0), 0);
+  EXPECT_EQ(count_bits(~uint64_t{0}), 64);
+}
+
 TEST(BrickMask, CoarsensToParents) {
   const BrickMask fine = random_mask({8, 6, 4}, 0.1, 1);
   const BrickMask coarse = fine.coarsened({4, 3, 2});

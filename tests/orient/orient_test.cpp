@@ -198,6 +198,29 @@ TEST(Orient, SensorIsTheSamplesOwnThenItsScansThenTheCallers) {
   EXPECT_EQ(found.directions[2], (Vec3f{0, 0, 1}));
 }
 
+/// Whatever run of samples a thread takes.
+TEST(Orient, EachSampleLooksToItsOwnScanner) {
+  std::vector<Vec3d> positions;
+  Random random(1);
+  for (int i = 0; i < 50000; ++i) positions.push_back({random.uniform(), random.uniform(), random.uniform()});
+  PointCloud cloud = cloud_of(positions);
+  cloud.scans.clear();
+  std::vector<Vec3f> expected(positions.size());
+  size_t begin = 0;
+  for (const size_t size : {size_t{1}, size_t{16383}, size_t{3}, size_t{30000}, size_t{3613}}) {
+    const Vec3d sensor{2, -3, 4 + static_cast<double>(cloud.scans.size())};
+    cloud.scans.push_back({"scan", begin, begin + size, sensor, {}, {}});
+    for (const size_t end = begin + size; begin < end; ++begin)
+      expected[begin] = static_cast<Vec3f>(normalized(sensor - positions[begin]));
+  }
+  ASSERT_EQ(begin, positions.size());
+  for (const int threads : {1, 2, 3, 8}) {
+    const Oriented found = run(cloud, {}, threads);
+    EXPECT_EQ(found.directions, expected) << threads << " threads";
+    EXPECT_EQ(found.report.from_sensor, positions.size());
+  }
+}
+
 TEST(Orient, ScanGivesOneDirectionForAll) {
   PointCloud cloud = cloud_of({{-1, 0, 0}, {1, 0, 0}});
   cloud.scans[0].sensor = Vec3d{0, 0, 4};

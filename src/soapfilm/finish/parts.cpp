@@ -228,10 +228,6 @@ void Parts::find_surroundings(const std::vector<std::vector<Contact>>& contacts)
   }
 }
 
-uint32_t Parts::at(Vec3i vertex) const {
-  return PartsAround(*this, brick_of(vertex)).at({vertex.x & 7, vertex.y & 7, vertex.z & 7});
-}
-
 PartsAround::PartsAround(const Parts& parts, Vec3i brick) : parts_(parts) {
   const int32_t own = parts.grid_.find(brick);
   for (int slot = 0; slot < 27; ++slot) {

@@ -30,8 +30,6 @@ class Parts {
 
   size_t size() const { return parts_.size(); }
   const Part& operator[](uint32_t part) const { return parts_[part]; }
-  /// The part that holds a lattice vertex.
-  uint32_t at(Vec3i vertex) const;
 
   /// Writes 1 or 0, as inside[part] says, where that is another side than the part's; other values of u stay.
   void write(const std::vector<uint8_t>& inside, Level& level, const Parallel& parallel) const;
@@ -76,8 +74,8 @@ class Parts {
   std::vector<Part> parts_;
 };
 
-/// The parts in a brick of the box and in the 26 around it, looked up once for many vertices. Most bricks hold but one
-/// part or two: of these a bit tells which.
+/// What holds the vertices of a brick and of the 26 around it, looked up once for many vertices. Most bricks hold but
+/// one part or two: of these a bit tells which.
 class PartsAround {
  public:
   PartsAround(const Parts& parts, Vec3i brick);
