@@ -124,7 +124,7 @@ class LevelFiles {
           parallel);
       if (mesh.triangles.empty()) return;  // nothing paid for its area on this level
       const std::filesystem::path file = folder / name(level.box.level);
-      write_mesh(file.string(), mesh);
+      write_mesh(file.string(), mesh, {}, parallel);
       written_.push_back(file);
     };
     return observer;
@@ -197,7 +197,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
     MeshWriteOptions write;
     write.ascii = options.ascii;
     write.coordinate_precision = 1e-3 * report.lattice.voxel;
-    const WriteReport written = write_mesh(options.output, result.mesh, write);
+    const WriteReport written = write_mesh(options.output, result.mesh, write, parallel);
     for (const std::string& warning : written.warnings) {
       progress.warn(warning);
       report.warnings.push_back(warning);

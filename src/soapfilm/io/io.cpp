@@ -65,7 +65,7 @@ PointCloud read_points(const std::string& path, ReadReport* report, const Parall
   io::ByteSource source(path);
   switch (format_of(source)) {
     case Format::ply:
-      return io::read_ply_points(source, to);
+      return io::read_ply_points(source, to, parallel);
     case Format::xyz:
       return io::read_xyz(source, to);
     case Format::scan_set:
@@ -80,7 +80,7 @@ PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report
   if (paths.size() == 1) return read_points(paths.front(), report, parallel);
   ReadReport unused;
   return io::read_each(paths.size(), report != nullptr ? *report : unused, parallel,
-                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to); });
+                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, parallel); });
 }
 
 Mesh read_mesh(const std::string& path) {
@@ -117,10 +117,11 @@ FileKind file_kind(const std::string& path) {
   refuse_extension<InputError>(path, ".ply, .xyz, .txt, .pts, .conf, .obj, .off or .stl");
 }
 
-WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options) {
+WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options,
+                       const Parallel& parallel) {
   switch (format_of(extension_of(path))) {
     case Format::ply:
-      return io::write_ply_mesh(path, mesh, options);
+      return io::write_ply_mesh(path, mesh, options, parallel);
     case Format::obj:
       return io::write_obj(path, mesh, options);
     case Format::stl:
@@ -130,9 +131,10 @@ WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWrit
   }
 }
 
-WriteReport write_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options) {
+WriteReport write_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options,
+                         const Parallel& parallel) {
   if (format_of(extension_of(path)) != Format::ply) refuse_extension<OutputError>(path, ".ply");
-  return io::write_ply_points(path, cloud, options);
+  return io::write_ply_points(path, cloud, options, parallel);
 }
 
 void check_mesh_output(const std::string& path) {

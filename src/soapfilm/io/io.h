@@ -75,8 +75,10 @@ struct WriteReport {
 
 /// Writes a mesh by extension (.ply, .obj, .stl): first under a temporary name in the same folder, then renamed, so
 /// the file is whole or absent. Coordinates are float where that keeps `coordinate_precision`, otherwise double.
+/// The rows of a PLY are made on all threads; the bytes are the same for any number of them.
 /// Throws ParameterError for an inconsistent mesh, OutputError for an unknown extension or an unwritable file.
-WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options = {});
+WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options = {},
+                       const Parallel& parallel = Parallel(1));
 
 struct PointWriteOptions {
   bool ascii = false;
@@ -86,7 +88,8 @@ struct PointWriteOptions {
 
 /// Writes a cloud (.ply) with all it has: normals, sensor positions, weights, colours, and each scan's name, sensor
 /// position, viewing direction and range grid. read_points() gives the same cloud back. Throws as write_mesh().
-WriteReport write_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options = {});
+WriteReport write_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options = {},
+                         const Parallel& parallel = Parallel(1));
 
 /// Writes text, whole or not at all. Throws OutputError.
 void write_text_file(const std::string& path, const std::string& text);

@@ -33,9 +33,40 @@ double load_as_double(const char* at, PlyType type, bool swap) {
   return 0;
 }
 
+/// The lines from an offset of a text to a later one, and the rows that they begin with.
+struct TextChunk {
+  size_t begin = 0;
+  size_t end = 0;
+  std::vector<double> values;
+  bool whole = false;  ///< every line is a row
+};
+
+/// A row is a line of `columns` numbers in their usual spelling, with blanks around them.
+void read_chunk(std::string_view text, size_t columns, TextChunk& chunk) {
+  const char* at = text.data() + chunk.begin;
+  const char* const end = text.data() + chunk.end;
+  const auto skip = [&] {
+    while (at != end && is_blank(*at) && *at != '\n') ++at;
+  };
+  while (at != end) {
+    const size_t row = chunk.values.size();
+    chunk.values.resize(row + columns);
+    for (size_t k = 0; k < columns; ++k) {
+      skip();
+      at = parse_usual_number(at, end, chunk.values[row + k]);
+      if (at == nullptr) return;
+    }
+    skip();
+    if (at == end || *at != '\n') return;
+    ++at;
+  }
+  chunk.whole = true;
+}
+
 }  // namespace
 
-PlyRows::PlyRows(ByteSource& source, const PlyHeader& header) : source_(source), header_(header) {
+PlyRows::PlyRows(ByteSource& source, const PlyHeader& header, const Parallel* parallel)
+    : source_(source), header_(header), parallel_(parallel) {
   if (header.format == PlyFormat::ascii)
     text_.emplace(source, header.body_offset, header.body_line);
   else
@@ -51,6 +82,8 @@ void PlyRows::begin(const PlyElement& element) {
   row_bytes_ = element.least_row_bytes(header_.format);
   has_lists_ = std::any_of(element.properties.begin(), element.properties.end(),
                            [](const PlyProperty& property) { return property.is_list(); });
+  reads_ahead_ = text_ && !has_lists_ && !element.properties.empty() && parallel_ && parallel_->threads() > 1;
+  ahead_ = {};
   plain_floats_ = binary_ && !binary_->swaps() &&
                   std::all_of(element.properties.begin(), element.properties.end(), [](const PlyProperty& property) {
                     return !property.is_list() && property.type == PlyType::float32;
@@ -71,6 +104,12 @@ void PlyRows::next() {
       values_[k] = load_as_double(at, properties[k].type, binary_->swaps());
     return binary_->release();
   }
+  if (reads_ahead_ && ahead_.taken == ahead_.rows) read_ahead();
+  if (ahead_.taken < ahead_.rows) {
+    std::copy_n(ahead_.values.data() + ahead_.taken++ * values_.size(), values_.size(), values_.data());
+    return;
+  }
+  ahead_.rows = ahead_.taken = 0;
   items_.clear();
   for (size_t k = 0; k < properties.size(); ++k) {
     if (properties[k].is_list())
@@ -82,6 +121,37 @@ void PlyRows::next() {
     text_->release();
   else
     binary_->release();
+}
+
+/// Where a chunk's lines are not all rows of this element, the rest of it is read value by value: that knows every
+/// spelling, and what is wrong with it.
+void PlyRows::read_ahead() {
+  constexpr size_t bytes_at_once = size_t{1} << 17;
+  text_->skip_blanks();
+  const std::string_view text = source_.bytes();
+  std::vector<TextChunk> chunks;
+  const auto most_chunks = static_cast<size_t>(2 * parallel_->threads());
+  for (size_t begin = text_->offset(); begin < text.size() && chunks.size() < most_chunks;) {
+    const size_t last = text.find('\n', std::min(begin + bytes_at_once, text.size()) - 1);
+    if (last == std::string_view::npos) break;
+    chunks.push_back({begin, last + 1, {}, false});
+    begin = last + 1;
+  }
+  parallel_->for_each(chunks.size(), 1, [&](size_t k) { read_chunk(text, values_.size(), chunks[k]); });
+
+  ahead_ = {{}, 0, 0, text_->line()};
+  reads_ahead_ = chunks.size() == most_chunks;
+  for (const TextChunk& chunk : chunks) {
+    const size_t rows = chunk.values.size() / values_.size();
+    if (!chunk.whole || rows > element_->count - row_ - ahead_.rows) {
+      reads_ahead_ = false;
+      break;
+    }
+    ahead_.values.insert(ahead_.values.end(), chunk.values.begin(), chunk.values.end());
+    ahead_.rows += rows;
+    text_->jump(chunk.end, ahead_.first_line + ahead_.rows);
+  }
+  text_->release();
 }
 
 const char* PlyRows::take_floats(size_t count) {
@@ -124,7 +194,8 @@ void PlyRows::finish() {
 }
 
 void PlyRows::fail(const std::string& message) const {
-  const std::string place = text_ ? fmt::format("{}:{}", source_.path(), text_->line())
+  const size_t line = ahead_.taken > 0 ? ahead_.first_line + ahead_.taken - 1 : text_ ? text_->line() : 0;
+  const std::string place = text_ ? fmt::format("{}:{}", source_.path(), line)
                                   : fmt::format("{}: byte {}", source_.path(), binary_->offset());
   throw InputError(fmt::format("{}: {} {}: {}", place, element_->name, row_, message));
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/io/byte_source.h"
 #include "soapfilm/io/ply_header.h"
 #include "soapfilm/io/text.h"
@@ -16,7 +17,8 @@ namespace soapfilm::io {
 /// double, which holds every PLY type exactly.
 class PlyRows {
  public:
-  PlyRows(ByteSource& source, const PlyHeader& header);
+  /// Text is read on all threads of `parallel`, where it is given, as far as each row is a line of numbers alone.
+  PlyRows(ByteSource& source, const PlyHeader& header, const Parallel* parallel = nullptr);
 
   /// Goes on to `element`, the next of the header. Throws InputError when the file is too short for its count, so
   /// that the caller may allocate for it.
@@ -50,17 +52,29 @@ class PlyRows {
     size_t size = 0;
   };
 
+  /// Rows of text that were read before next() asks for them.
+  struct RowsAhead {
+    std::vector<double> values;  ///< row after row
+    size_t rows = 0;
+    size_t taken = 0;
+    size_t first_line = 0;  ///< each has a line
+  };
+
+  void read_ahead();
   double read_value(const PlyProperty& property, PlyType type);
   void read_list(size_t index);
 
   ByteSource& source_;
   const PlyHeader& header_;
+  const Parallel* parallel_;
   std::optional<TextCursor> text_;
   std::optional<ByteCursor> binary_;
   const PlyElement* element_ = nullptr;
   size_t row_bytes_ = 0;  // least, and exact in a binary file without lists
   bool has_lists_ = false;
   bool plain_floats_ = false;  // nothing but float32 in this machine's order
+  bool reads_ahead_ = false;   // until a row is no line of numbers
+  RowsAhead ahead_;
   uint64_t rows_read_ = 0;
   uint64_t row_ = 0;            // index of the row that next() read or is reading
   std::vector<double> values_;  // one per property of the element

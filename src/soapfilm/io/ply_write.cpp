@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <memory>
 #include <unordered_set>
 
 #include "soapfilm/core/error.h"
@@ -13,18 +16,35 @@ namespace soapfilm::io {
 
 namespace {
 
-/// Values of a row, as text or little-endian; coordinates as float or double.
+/// How values are written: as text or little-endian; coordinates as float or double.
+struct PlyStyle {
+  bool ascii;
+  bool double_coordinates;
+};
+
+/// Some rows of an element, as the file has them.
 class PlyBody {
  public:
-  PlyBody(AtomicFile& file, bool ascii, bool double_coordinates)
-      : file_(file), ascii_(ascii), double_coordinates_(double_coordinates) {}
+  /// Has room for `rows` of at most `values` each.
+  PlyBody(PlyStyle style, size_t rows, size_t values)
+      : style_(style),
+        bytes_(std::make_unique_for_overwrite<char[]>(rows * (values * (style.ascii ? longest_text + 1 : 8) + 1))),
+        end_(bytes_.get()) {}
+
+  std::string_view bytes() const { return {bytes_.get(), static_cast<size_t>(end_ - bytes_.get())}; }
+  void clear() { end_ = bytes_.get(); }
 
   template <class T>
   void put(T value) {
-    if (!ascii_) return file_.append_binary(value);
-    if (row_begun_) file_.append(" ");
-    row_begun_ = true;
-    file_.append_text(value);
+    if (style_.ascii) {
+      if (row_begun_) *end_++ = ' ';
+      row_begun_ = true;
+      end_ = std::to_chars(end_, end_ + longest_text, value).ptr;
+      return;
+    }
+    if constexpr (std::endian::native != std::endian::little) value = swap_bytes(value);
+    std::memcpy(end_, &value, sizeof(T));
+    end_ += sizeof(T);
   }
   template <class T>
   void put(const Vec3<T>& v) {
@@ -33,7 +53,7 @@ class PlyBody {
     put(v.z);
   }
   void put_position(const Vec3d& p) {
-    if (double_coordinates_)
+    if (style_.double_coordinates)
       put(p);
     else
       put(static_cast<Vec3f>(p));
@@ -42,16 +62,40 @@ class PlyBody {
     for (const uint8_t c : rgb) put(c);
   }
   void end_row() {
-    if (ascii_) file_.append("\n");
+    if (style_.ascii) *end_++ = '\n';
     row_begun_ = false;
   }
 
  private:
-  AtomicFile& file_;
-  bool ascii_;
-  bool double_coordinates_;
+  static constexpr size_t longest_text = 32;  ///< of a number
+
+  PlyStyle style_;
+  std::unique_ptr<char[]> bytes_;
+  char* end_;
   bool row_begun_ = false;
 };
+
+/// The rows that put_row(i, body) makes of at most `values` each, in order: many at once on all threads, written by
+/// one.
+template <class PutRow>
+void write_rows(AtomicFile& file, PlyStyle style, size_t rows, size_t values, const Parallel& parallel,
+                PutRow&& put_row) {
+  constexpr size_t rows_at_once = size_t{1} << 13;
+  std::vector<PlyBody> bodies;
+  for (int k = 0; k < 2 * parallel.threads(); ++k) bodies.emplace_back(style, std::min(rows, rows_at_once), values);
+  for (size_t first = 0; first < rows; first += bodies.size() * rows_at_once) {
+    for (PlyBody& body : bodies) body.clear();
+    const size_t count = std::min(rows - first, bodies.size() * rows_at_once);
+    parallel.for_chunks(count, rows_at_once, [&](size_t begin, size_t end) {
+      PlyBody& body = bodies[begin / rows_at_once];
+      for (size_t i = first + begin; i < first + end; ++i) {
+        put_row(i, body);
+        body.end_row();
+      }
+    });
+    for (const PlyBody& body : bodies) file.append(body.bytes());
+  }
+}
 
 std::string header_begin(bool ascii, const std::vector<std::string>& comments) {
   std::string text = fmt::format("ply\nformat {} 1.0\n", ascii ? "ascii" : "binary_little_endian");
@@ -132,14 +176,14 @@ std::string points_header(const PointCloud& cloud, const PointWriteOptions& opti
   return header + "end_header\n";
 }
 
-void put_range_grids(PlyBody& body, const std::vector<Scan>& scans) {
+void put_range_grids(AtomicFile& file, PlyStyle style, const std::vector<Scan>& scans, const Parallel& parallel) {
   for (const Scan& scan : scans) {
     if (!scan.range_grid) continue;
-    for (const int32_t sample : scan.range_grid->sample) {
-      body.put(static_cast<uint8_t>(sample >= 0));
-      if (sample >= 0) body.put(static_cast<int32_t>(scan.begin) + sample);
-      body.end_row();
-    }
+    const std::vector<int32_t>& samples = scan.range_grid->sample;
+    write_rows(file, style, samples.size(), 2, parallel, [&](size_t i, PlyBody& body) {
+      body.put(static_cast<uint8_t>(samples[i] >= 0));
+      if (samples[i] >= 0) body.put(static_cast<int32_t>(scan.begin) + samples[i]);
+    });
   }
 }
 
@@ -159,7 +203,8 @@ const char* format_name(bool ascii) { return ascii ? "PLY, ASCII" : "PLY, binary
 
 }  // namespace
 
-WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options) {
+WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options,
+                           const Parallel& parallel) {
   check_mesh(mesh);
   WriteReport report;
   report.format = format_name(options.ascii);
@@ -168,24 +213,24 @@ WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const Mesh
 
   AtomicFile file(path);
   file.append(header);
-  PlyBody body(file, options.ascii, report.double_coordinates);
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+  const PlyStyle style{options.ascii, report.double_coordinates};
+  const size_t vertex_values = 9 + mesh.attributes.size();
+  write_rows(file, style, mesh.vertices.size(), vertex_values, parallel, [&](size_t i, PlyBody& body) {
     body.put_position(mesh.vertices[i]);
     if (!mesh.normals.empty()) body.put(mesh.normals[i]);
     if (!mesh.colors.empty()) body.put_color(mesh.colors[i]);
     for (const Mesh::Attribute& attribute : mesh.attributes) body.put(attribute.values[i]);
-    body.end_row();
-  }
-  for (const Triangle& triangle : mesh.triangles) {
+  });
+  write_rows(file, style, mesh.triangles.size(), 4, parallel, [&](size_t i, PlyBody& body) {
     body.put(uint8_t{3});
-    for (const uint32_t v : triangle) body.put(v);
-    body.end_row();
-  }
+    for (const uint32_t v : mesh.triangles[i]) body.put(v);
+  });
   file.commit();
   return report;
 }
 
-WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options) {
+WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options,
+                             const Parallel& parallel) {
   check_cloud(cloud);
   WriteReport report;
   report.format = format_name(options.ascii);
@@ -195,16 +240,16 @@ WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, c
 
   AtomicFile file(path);
   file.append(header);
-  PlyBody body(file, options.ascii, report.double_coordinates);
-  for (size_t i = 0; i < cloud.size(); ++i) {
+  const PlyStyle style{options.ascii, report.double_coordinates};
+  constexpr size_t sample_values = 13;
+  write_rows(file, style, cloud.size(), sample_values, parallel, [&](size_t i, PlyBody& body) {
     body.put_position(cloud.positions[i]);
     if (!cloud.normals.empty()) body.put(cloud.normals[i]);
     if (!cloud.sensors.empty()) body.put_position(cloud.sensors[i]);
     if (!cloud.weights.empty()) body.put(cloud.weights[i]);
     if (!cloud.colors.empty()) body.put_color(cloud.colors[i]);
-    body.end_row();
-  }
-  put_range_grids(body, cloud.scans);
+  });
+  put_range_grids(file, style, cloud.scans, parallel);
   file.commit();
   return report;
 }

@@ -105,7 +105,7 @@ PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, cons
           fmt::format("{}: bmesh names {}, must be a scan, not a scan set", source.path(), in_quotes(entry.file)));
     PointCloud cloud;
     try {
-      cloud = read_points(file, &to);
+      cloud = read_points(file, &to, parallel);
     } catch (const InputError& error) {  // the user named the set
       throw InputError(source.path() + ": " + error.what());
     }

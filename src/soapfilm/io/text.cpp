@@ -147,16 +147,17 @@ const char* parse_plain_number(const char* at, const char* end, double& value) {
 
 }  // namespace
 
+const char* parse_usual_number(const char* at, const char* end, double& value) {
+  if (const char* after = parse_plain_number(at, end, value); after && (after == end || is_blank(*after))) return after;
+  const std::from_chars_result parsed = std::from_chars(at, end, value);
+  return parsed.ec == std::errc{} && (parsed.ptr == end || is_blank(*parsed.ptr)) ? parsed.ptr : nullptr;
+}
+
 double TextCursor::number(std::string_view what) {
   skip_blanks();
   double value = 0;
-  if (const char* after = parse_plain_number(at_, end_, value); after && (after == end_ || is_blank(*after))) {
+  if (const char* after = parse_usual_number(at_, end_, value)) {
     at_ = after;
-    return value;
-  }
-  const std::from_chars_result parsed = std::from_chars(at_, end_, value);
-  if (parsed.ec == std::errc{} && (parsed.ptr == end_ || is_blank(*parsed.ptr))) {
-    at_ = parsed.ptr;
     return value;
   }
   const std::string_view text = token();

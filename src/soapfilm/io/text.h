@@ -19,6 +19,10 @@ std::string lower_case(std::string_view text);
 /// "1.#INF"; true when the whole token is one. Beyond the range of double: infinity or zero.
 bool parse_number(std::string_view token, double& value);
 
+/// The number at `at`, where it is followed by a blank or `end` and spelled as most are; returns where it ends. Null
+/// for any other, which parse_number() may know.
+const char* parse_usual_number(const char* at, const char* end, double& value);
+
 /// A decimal integer; true when the whole token is one that fits.
 bool parse_integer(std::string_view token, int64_t& value);
 
@@ -67,12 +71,20 @@ class TextCursor {
 
   void release() { source_.release_before(offset()); }
 
+  /// Passes over blanks and ends of lines.
+  void skip_blanks();
+  /// Goes on at `offset`, which is on the given line.
+  void jump(size_t offset, size_t line) {
+    at_ = source_.bytes().data() + offset;
+    line_ = line;
+    next_line_ = 0;
+  }
+
   /// Throws InputError "file:line: message".
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
   static constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-  void skip_blanks();
 
   ByteSource& source_;
   const char* at_;
