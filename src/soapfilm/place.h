@@ -17,8 +17,9 @@ Box3d check_samples(const PointCloud& cloud, const Parallel& parallel);
 
 /// Places the grid, sorts the samples into it and fills the report's input, lattice and planned_bytes. `box` is what
 /// check_samples() told. Throws MemoryError before anything large is allocated.
-GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions, const ReconstructParams& params,
-                  AfterPlacing after, const Parallel& parallel, ReconstructReport& report);
+GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions,
+                  const ReconstructParams& params, AfterPlacing after, const Parallel& parallel,
+                  ReconstructReport& report);
 
 /// Fills certificate.lambda: as given, by the samples' density, or by cross-validation (the report's `select`); warns
 /// when it is near the one where the film vanishes. Where lambda is not given, the samples of parts that it would lose

@@ -9,7 +9,6 @@
 #include "samples.h"
 #include "soapfilm/io/byte_source.h"
 #include "soapfilm/io/io.h"
-#include "support/sanitized.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -227,61 +226,6 @@ TEST(PlyPoints, NumbersInTextAreRoundedCorrectly) {
   }
 }
 
-/// Text is read by many threads as far as its lines are rows: what they make of any other, and what is wrong with it,
-/// is what one thread says.
-TEST(PlyPoints, TextIsReadTheSameOnAnyNumberOfThreads) {
-  const TemporaryFolder folder;
-  constexpr size_t count = test::sanitized ? 20000 : 70000;  // several rounds of all threads' chunks
-  std::vector<std::string> rows;
-  Random random(1);
-  for (size_t i = 0; i < count; ++i)
-    rows.push_back(fmt::format("{} {:.4f} {:e} {}", random.uniform(), random.normal(), random.normal(), i % 7));
-  const auto outcome = [&](const std::string& text, int threads) {
-    const std::string file = folder.write("rows.ply", text);
-    try {
-      const PointCloud cloud = read_points(file, nullptr, Parallel(threads));
-      return std::tuple(cloud.positions, cloud.weights, std::string());
-    } catch (const InputError& error) {
-      return std::tuple(std::vector<Vec3d>(), std::vector<float>(), std::string(error.what()));
-    }
-  };
-  const auto expect_same = [&](const std::vector<std::string>& lines, const std::string& line_end,
-                               const std::string& after, const std::string& complaint) {
-    std::string text = fmt::format(
-        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty double y\nproperty double z\n"
-        "property float weight\nelement other 3\nproperty int a\nproperty int b\nproperty int c\nproperty int d\n"
-        "end_header\n",
-        count);
-    for (const std::string& line : lines) text += line + line_end;
-    text += after;
-    const auto expected = outcome(text, 1);
-    const std::string& error = std::get<std::string>(expected);
-    EXPECT_EQ(error.empty(), complaint.empty()) << error;
-    EXPECT_NE(error.find(complaint), std::string::npos) << error;
-    for (const int threads : {2, 3, 8}) EXPECT_TRUE(outcome(text, threads) == expected) << threads << ": " << complaint;
-  };
-  const std::string others = "1 2 3 4\n5 6 7 8\n9 10 11 12\n";
-  expect_same(rows, "\n", others, "");
-  expect_same(rows, " \r\n", others, "");
-  expect_same(rows, "\n", "1 2 3 4\n5 6 7 8\n9 10 11", "truncated");
-  expect_same(rows, "\n", others + "13", "'13' after the last element");
-  expect_same({rows.begin(), rows.end() - 5}, "\n", others, "truncated");
-  const auto changed = [&](size_t row, const std::string& line) {
-    std::vector<std::string> lines = rows;
-    lines[row] = line;
-    return lines;
-  };
-  for (const char* line : {"+1 2 1.#IND 4", "nan 1 2 3", "1 2\n3 4", "\n\n1 2 3 4", "1 2 3 4 "})
-    expect_same(changed(11111, line), "\n", others, "");
-  constexpr size_t first_line = 14;
-  for (const size_t row : {size_t{0}, size_t{11111}, count - 1}) {
-    const std::string place = fmt::format("rows.ply:{}: ", first_line + row);
-    expect_same(changed(row, "1 2 x 4"), "\n", others, place + "z = 'x', must be a number");
-    expect_same(changed(row, "1 2 3 -4"), "\n", others, place + fmt::format("vertex {}: weight = -4", row));
-  }
-  expect_same(changed(500, "1 2 3 4 5"), "\n", others, "vertex 501: weight = -");
-}
-
 TEST(PlyPoints, WrittenCloudComesBackWithAllItHas) {
   const TemporaryFolder folder;
   for (const bool ascii : {false, true})
@@ -403,30 +347,6 @@ TEST(PlyMesh, WrittenMeshComesBackWithAllItHas) {
     EXPECT_EQ(read.attributes[0].name, "height");
     EXPECT_EQ(read.attributes[0].values, mesh.attributes[0].values);
     EXPECT_EQ(read.attributes[1].values, mesh.attributes[1].values);
-  }
-}
-
-/// Of more rows than all threads make at once.
-TEST(PlyMesh, ManyRowsAreTheSameBytesOnAnyNumberOfThreads) {
-  const TemporaryFolder folder;
-  const Mesh mesh = torus_mesh(150, 1.0);
-  const PointCloud cloud = rich_cloud(2, 200, 120, 3);
-  ASSERT_GT(mesh.triangles.size(), 40000u);
-  for (const bool ascii : {false, true}) {
-    MeshWriteOptions mesh_options;
-    mesh_options.ascii = ascii;
-    PointWriteOptions point_options;
-    point_options.ascii = ascii;
-    write_mesh(folder / "one.ply", mesh, mesh_options);
-    write_points(folder / "points.ply", cloud, point_options);
-    EXPECT_EQ(read_mesh(folder / "one.ply").triangles, mesh.triangles);
-    expect_same_cloud(read_points(folder / "points.ply"), cloud);
-    for (const int threads : {2, 3, 8}) {
-      write_mesh(folder / "many.ply", mesh, mesh_options, Parallel(threads));
-      EXPECT_TRUE(folder.read("many.ply") == folder.read("one.ply")) << threads << " threads";
-      write_points(folder / "many.ply", cloud, point_options, Parallel(threads));
-      EXPECT_TRUE(folder.read("many.ply") == folder.read("points.ply")) << threads << " threads";
-    }
   }
 }
 
