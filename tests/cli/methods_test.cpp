@@ -15,11 +15,14 @@
 #include "soapfilm/scanner/shape.h"
 #include "soapfilm/scanner/virtual_scan.h"
 #include "support/program.h"
+#include "support/sanitized.h"
 
 namespace soapfilm::test {
 namespace TEST_FILE {
 
 using nlohmann::json;
+
+const std::string resolution = sanitized ? "32" : "44";
 
 /// A folder with a sphere of diameter 1: as range scans, and as even samples.
 class MethodCommand : public testing::Test {
@@ -56,7 +59,7 @@ class MethodCommand : public testing::Test {
 
 TEST_F(MethodCommand, EveryNameRunsAndReports) {
   for (const std::string name : method_names) {
-    const json report = reported({scans, "--method", name, "--resolution", "44"});
+    const json report = reported({scans, "--method", name, "--resolution", resolution});
     ASSERT_FALSE(report.is_null()) << name;
     EXPECT_EQ(report["method"]["name"], name);
     EXPECT_EQ(report["parameters"]["solve"]["method"], name);
@@ -69,7 +72,7 @@ TEST_F(MethodCommand, EveryNameRunsAndReports) {
 
 TEST_F(MethodCommand, SaysWhatIsProvedAndWhatIsNot) {
   const auto lines = [&](const std::string& method) {
-    return run({"reconstruct", scans, "-o", mesh, "--resolution", "44", "--method", method}).err;
+    return run({"reconstruct", scans, "-o", mesh, "--resolution", resolution, "--method", method}).err;
   };
   EXPECT_TRUE(contains(lines("tv-sor"), "segmentation proved within")) << lines("tv-sor");
   EXPECT_TRUE(contains(lines("graph-cut-6"), "(method graph-cut-6 proves no bound of it)")) << lines("graph-cut-6");
@@ -103,7 +106,7 @@ TEST_F(MethodCommand, WhatAMethodDoesNotHaveIsRefused) {
 
 TEST_F(MethodCommand, LinkWeightsAndNormReachTheCut) {
   const auto flow = [&](std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {scans, "--method", "graph-cut-26", "--resolution", "40"});
+    arguments.insert(arguments.begin(), {scans, "--method", "graph-cut-26", "--resolution", resolution});
     return reported(arguments)["method"]["flow"].get<double>();
   };
   EXPECT_NE(flow({}), flow({"--link-weights", "cauchy-crofton"}));
@@ -111,7 +114,7 @@ TEST_F(MethodCommand, LinkWeightsAndNormReachTheCut) {
 }
 
 TEST_F(MethodCommand, AutomaticLambdaReportsItsCurve) {
-  const json report = reported({even, "--lambda", "auto", "--folds", "3", "--resolution", "40"});
+  const json report = reported({even, "--lambda", "auto", "--folds", "3", "--resolution", resolution});
   ASSERT_FALSE(report.is_null());
   const json& select = report["select"];
   EXPECT_EQ(select["folds"], 3);
@@ -166,8 +169,8 @@ TEST_F(MethodCommand, WritesTheSurfaceOfEveryLevel) {
 
 TEST_F(MethodCommand, LevelsWithoutASurfaceLeaveTheOutcomeAsItIs) {
   const std::string levels = folder.file("levels");
-  const ProcessResult result = run(
-      {"reconstruct", even, "-o", mesh, "--write-levels", levels, "--resolution", "40", "--lambda", "9", "--quiet"});
+  const ProcessResult result = run({"reconstruct", even, "-o", mesh, "--write-levels", levels, "--resolution",
+                                    resolution, "--lambda", "9", "--quiet"});
   EXPECT_EQ(result.exit_code, 3) << result.err;
   EXPECT_TRUE(contains(result.err, "the largest lambda that keeps a surface")) << result.err;
   EXPECT_TRUE(std::filesystem::is_empty(levels));
@@ -196,7 +199,7 @@ TEST_F(MethodCommand, VripTakesTheSensorOfScansThatNameNone) {
   write_points(blind, cloud);
   refused({blind, "--method", "vrip"}, "has no sensor position and no viewing direction");
   const Vec3d sensor = (3 / norm(centre)) * centre;
-  const json report = reported({blind, "--method", "vrip", "--resolution", "44", "--sensor",
+  const json report = reported({blind, "--method", "vrip", "--resolution", resolution, "--sensor",
                                 fmt::format("{},{},{}", sensor.x, sensor.y, sensor.z)});
   ASSERT_FALSE(report.is_null());
   EXPECT_GT(report["mesh"]["triangles"], 100);

@@ -15,6 +15,7 @@
 #include "soapfilm/scanner/sample_surface.h"
 #include "soapfilm/scanner/shape.h"
 #include "support/program.h"
+#include "support/sanitized.h"
 
 namespace soapfilm::test {
 namespace TEST_FILE {
@@ -57,12 +58,12 @@ class Reconstruct : public testing::Test {
 /// Lambda is so small that single outliers pay for a film.
 TEST_F(Reconstruct, TellsWhichIslandsItDropped) {
   SamplingParams scan;
-  scan.count = 11000;
+  scan.count = sanitized ? 5500 : 11000;
   scan.outliers = 0.03;
   write_points(cloud, sample_surface(*make_sphere(), scan, Parallel(1)));
   const std::string report_file = folder.file("report.json");
-  const std::vector<std::string> words{"reconstruct", cloud,      "-o",     mesh,       "--resolution",
-                                       "64",          "--lambda", "0.0013", "--report", report_file};
+  const std::vector<std::string> words{"reconstruct",           cloud,      "-o",     mesh,       "--resolution",
+                                       sanitized ? "48" : "64", "--lambda", "0.0013", "--report", report_file};
   const auto with = [&](const std::vector<std::string>& more) {
     std::vector<std::string> all = words;
     all.insert(all.end(), more.begin(), more.end());
@@ -151,7 +152,10 @@ TEST_F(Reconstruct, TheSameBytesForAnyNumberOfThreads) {
 
 TEST_F(Reconstruct, WritesEachFormat) {
   for (const char* name : {"mesh.obj", "mesh.stl", "mesh.ply"}) {
-    ASSERT_EQ(run({"reconstruct", cloud, "-o", folder.file(name), "--voxel", "0.03", "--ascii", "-q"}).exit_code, 0);
+    ASSERT_EQ(
+        run({"reconstruct", cloud, "-o", folder.file(name), "--voxel", sanitized ? "0.05" : "0.03", "--ascii", "-q"})
+            .exit_code,
+        0);
     EXPECT_TRUE(check_topology(read_mesh(folder.file(name))).watertight()) << name;
   }
   EXPECT_TRUE(contains(read_file(mesh).substr(0, 40), "format ascii"));
@@ -192,7 +196,7 @@ TEST_F(Reconstruct, GeoreferencedInputLosesNothing) {
   for (Vec3d& p : far.positions) p += offset;
   write_points(folder.file("near.ply"), near);
   write_points(folder.file("far.ply"), far);
-  const double voxel = 0.02;
+  const double voxel = sanitized ? 0.04 : 0.02;
   for (const char* name : {"near", "far"})
     ASSERT_EQ(run({"reconstruct", folder.file(std::string(name) + ".ply"), "-o",
                    folder.file(std::string(name) + "_mesh.ply"), "--voxel", std::to_string(voxel), "-q"})
@@ -302,7 +306,8 @@ TEST_F(Reconstruct, RefusesUnwritableOutputBeforeTheRun) {
 }
 
 TEST_F(Reconstruct, AnEmptyOptimumIsItsOwnOutcome) {
-  const ProcessResult result = run({"reconstruct", cloud, "-o", mesh, "--resolution", "64", "--lambda", "5"});
+  const ProcessResult result =
+      run({"reconstruct", cloud, "-o", mesh, "--resolution", sanitized ? "40" : "64", "--lambda", "5"});
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_TRUE(contains(result.err, "lambda = 5")) << result.err;
   EXPECT_TRUE(contains(result.err, "largest lambda that keeps a surface is about")) << result.err;

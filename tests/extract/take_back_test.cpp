@@ -10,13 +10,14 @@
 #include "soapfilm/extract/crossings.h"
 #include "soapfilm/extract/half_edges.h"
 #include "support/hash.h"
+#include "support/sanitized.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
 
 using namespace test;
 
-constexpr int resolution = 40;
+constexpr int resolution = sanitized ? 32 : 40;
 constexpr double swelling = 2;  // voxels
 
 struct Drawn {

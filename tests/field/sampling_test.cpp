@@ -7,6 +7,7 @@
 
 #include "soapfilm/pyramid/critical_lambda.h"
 #include "support/problem.h"
+#include "support/sanitized.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -17,7 +18,7 @@ TEST(Sampling, MeasuresTheDensityOfEvenSamples) {
   for (const std::string& name : shape_names()) {
     const auto shape = make_shape(name);
     const double area = area_of(*shape);
-    for (const size_t count : {4000, 40000}) {
+    for (const size_t count : {4000, sanitized ? 12000 : 40000}) {
       const double per_area = static_cast<double>(count) / area;
       const Sampling sampling = measure_sampling(sample_surface(*shape, count, 1), Parallel());
       EXPECT_GT(sampling.per_area, 0.8 * per_area) << name << ", " << count;
