@@ -17,8 +17,9 @@ namespace TEST_FILE {
 
 using namespace test;
 
-constexpr int resolution = sanitized ? 32 : 40;
-constexpr double swelling = 2;  // voxels
+constexpr int resolution = 40;
+constexpr int few = sanitized ? 32 : resolution;  // where the shape does not matter
+constexpr double swelling = 2;                    // voxels
 
 struct Drawn {
   Mesh mesh;
@@ -26,8 +27,8 @@ struct Drawn {
 };
 
 /// As marching cubes draws it.
-Drawn drawn(const std::string& shape) {
-  const Solved solved(shape, resolution, 2);
+Drawn drawn(const std::string& shape, int at = resolution) {
+  const Solved solved(shape, at, 2);
   return {refined(solved).mesh, solved.problem.lattice.voxel};
 }
 
@@ -49,7 +50,7 @@ std::vector<CrossingSearch::Pair> crossings(const Drawn& d, const std::vector<Ve
 }
 
 TEST(Crossings, AreThePairsThatTheJudgeCounts) {
-  const Drawn d = drawn("knot");
+  const Drawn d = drawn("knot", few);
   for (const int every : {1, 20, 200})
     for (const double deviation : {0.03, 0.2, 1.0}) {
       Mesh mesh = d.mesh;
@@ -64,7 +65,7 @@ TEST(Crossings, AreThePairsThatTheJudgeCounts) {
 
 /// Each vertex has come as far as it likes.
 TEST(Crossings, AreThosePairsOnTheWayToo) {
-  const Drawn d = drawn("knot");
+  const Drawn d = drawn("knot", few);
   const std::vector<uint8_t> all(d.mesh.triangles.size(), 1);
   const Parallel parallel(1);
   Random random(9);
