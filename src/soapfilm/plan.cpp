@@ -32,7 +32,7 @@ constexpr double coarser_share = 0.1;
 
 /// Refinement: the narrow band and the fit's arrays, bytes per support brick;
 /// and of each cell with samples, of which a brick has about as many as given here where samples are dense.
-constexpr size_t refined_brick_bytes = 10700;
+constexpr size_t refined_brick_bytes = 11200;
 constexpr size_t refined_cell_bytes = 33;
 constexpr size_t refined_cells_per_brick = 32;
 
@@ -43,12 +43,13 @@ double dense_bytes_per_vertex(Method method) {
   return 0;
 }
 
-/// What spans the whole box: a bit per brick in each mask, and the arrays of methods that know no band.
+/// What spans the whole box: bits per brick in masks and grids, and the arrays of methods that know no band.
 size_t box_bytes(Method method, const Lattice& lattice) {
   const Vec3i bricks = lattice.box(0).bricks;
-  const double bits = static_cast<double>(bricks.x) * bricks.y * bricks.z;
-  constexpr double masks = 6;  // support, band, inside; each beside its coarser or older one
-  return static_cast<size_t>(masks * bits / 8 + dense_bytes_per_vertex(method) * lattice.vertices());
+  const double count = static_cast<double>(bricks.x) * bricks.y * bricks.z;
+  constexpr double masks = 6;      // support, band, inside; each beside its coarser or older one
+  constexpr double ranks = 3 * 2;  // BrickGrid's two bits: samples, data, level
+  return static_cast<size_t>((masks + ranks) * count / 8 + dense_bytes_per_vertex(method) * lattice.vertices());
 }
 
 /// The peak beside the box's arrays and the data term, bytes per support brick.
