@@ -110,14 +110,14 @@ class LevelFiles {
     for (const std::filesystem::path& file : written_) std::filesystem::remove(file, ignored);
   }
 
-  /// Writes nothing without a folder.
+  /// Writes nothing without a folder, which is made when there is a first level.
   PyramidObserver writer(const std::filesystem::path& folder, double threshold, const Parallel& parallel) {
     if (folder.empty()) return {};
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) throw OutputError(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
     PyramidObserver observer;
     observer.solved = [this, folder, threshold, &parallel](const Level& level, const Lattice& lattice) {
+      std::error_code error;
+      std::filesystem::create_directories(folder, error);
+      if (error) throw OutputError(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
       const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), parallel);
       const Mesh mesh = extract_isosurface(
           surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice,

@@ -154,7 +154,7 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
   const size_t held = peak_memory_bytes();
   check_memory(plan_tables(params.method, report.lattice), params.memory_limit, held, report.lattice);
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
-  if (samples.size() == 0) throw ParameterError(fmt::format("none of the {} samples has a direction", cloud.size()));
+  if (samples.size() == 0) throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
   const MemoryPlan plan =
       plan_memory(params.method, probes(params), refines(params), cloud, after, report.lattice, support);
@@ -172,7 +172,7 @@ void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, cons
     warn_at_end(*report.select, report.warnings);
   }
   const double lambda = params.energy.lambda.value_or(per_density * report.input.density);
-  if (!(lambda > 0)) throw ParameterError("too few samples to measure their density by: lambda must be given");
+  if (!(lambda > 0)) throw SamplesError("too few samples to measure their density by: lambda must be given");
   report.certificate.lambda = lambda;
   if (!weighs_area(params.method)) return;
   warn_near_empty(lambda, report.input.density, report.warnings);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -165,6 +166,15 @@ TEST_F(MethodCommand, WritesTheSurfaceOfEveryLevel) {
     }
   }
   EXPECT_FALSE(std::filesystem::exists(levels + "/level_" + std::to_string(count) + ".ply"));
+}
+
+TEST_F(MethodCommand, SamplesThatAreRefusedLeaveNoFolderForLevels) {
+  const std::string levels = folder.file("levels"), flat = folder.file("flat.xyz");
+  std::ofstream(flat) << "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0.5 0.5 0\n";
+  const ProcessResult result = run({"reconstruct", flat, "-o", mesh, "--write-levels", levels});
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  EXPECT_TRUE(contains(result.err, "flat.xyz: all 5 samples are coplanar")) << result.err;
+  EXPECT_FALSE(std::filesystem::exists(levels));
 }
 
 TEST_F(MethodCommand, LevelsWithoutASurfaceLeaveTheOutcomeAsItIs) {

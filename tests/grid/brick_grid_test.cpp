@@ -91,8 +91,12 @@ TEST(BrickGrid, OrdersBricksLexicographicallyAndFindsThem) {
     else
       EXPECT_EQ(found, outside_band);
   });
-  EXPECT_EQ(grid.find({-1, 0, 0}), outside_box);
-  EXPECT_EQ(grid.find({0, 7, 0}), outside_box);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int beyond : {-1, mask.bricks()[axis]}) {
+      Vec3i b{1, 1, 1};
+      b[axis] = beyond;
+      EXPECT_EQ(grid.find(b), outside_box);
+    }
 }
 
 TEST(BrickGrid, KnowsAll27NeighboursForAnyNumberOfThreads) {
@@ -100,8 +104,16 @@ TEST(BrickGrid, KnowsAll27NeighboursForAnyNumberOfThreads) {
   for (const int threads : {1, 3, 8}) {
     const BrickGrid grid(mask, Parallel(threads));
     for (size_t b = 0; b < grid.size(); ++b)
-      for (int slot = 0; slot < 27; ++slot)
-        ASSERT_EQ(grid.neighbors(b)[static_cast<size_t>(slot)], grid.find(grid.coord(b) + slot_offset(slot)));
+      for (int slot = 0; slot < 27; ++slot) {
+        const Vec3i next = grid.coord(b) + slot_offset(slot);
+        const int32_t found = grid.neighbors(b)[static_cast<size_t>(slot)];
+        if (!mask.contains(next))
+          ASSERT_EQ(found, outside_box);
+        else if (!mask.test(next))
+          ASSERT_EQ(found, outside_band);
+        else
+          ASSERT_EQ(grid.coord(static_cast<size_t>(found)), next);
+      }
   }
 }
 

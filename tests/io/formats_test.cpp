@@ -43,6 +43,14 @@ TEST(Text, ByteOrderMarkIsPassedOverAtTheStartAlone) {
   EXPECT_EQ(read_points(folder.write("p.txt", mark + "1 2 3\r\n4 5 6")).positions,
             std::vector<Vec3d>({{1, 2, 3}, {4, 5, 6}}));
   EXPECT_EQ(read_mesh(folder.write("m.off", mark + "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).vertices.size(), 3u);
+  EXPECT_EQ(read_mesh(folder.write("m.stl", mark + "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+                                                   "vertex 0 1 0\nendloop\nendfacet\nendsolid\n"))
+                .vertices.size(),
+            3u);
+  EXPECT_EQ(read_points(folder.write("p.ply", mark + "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                                                     "property float y\nproperty float z\nend_header\n1 2 3\n"))
+                .positions,
+            std::vector<Vec3d>({{1, 2, 3}}));
   EXPECT_THROW(read_points(folder.write("q.txt", "1 2 3\n" + mark + "4 5 6")), InputError);
   EXPECT_THROW(read_points(folder.write("r.txt", mark)), InputError);
 }

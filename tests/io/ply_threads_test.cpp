@@ -66,15 +66,19 @@ TEST(PlyThreads, TextIsReadTheSameOnAnyNumberOfThreads) {
   expect_same(changed(500, "1 2 3 4 5"), "\n", others, "vertex 501: weight = -");
 }
 
-/// Of more rows than all threads make at once.
+/// The mesh has more rows than two and three threads make at once; numbers are as long as text of them gets.
 TEST(PlyThreads, ManyRowsAreTheSameBytesOnAnyNumberOfThreads) {
   const TemporaryFolder folder;
-  const Mesh mesh = torus_mesh(150, 1.0);
+  Mesh mesh = torus_mesh(190, 1.0);
+  constexpr double longest = -2.2250738585072014e-308;
+  mesh.vertices[100] = {longest, longest, longest};
+  mesh.attributes.push_back({"quality", std::vector<float>(mesh.vertices.size(), -1.17549435e-38f)});
   const PointCloud cloud = rich_cloud(2, 200, 120, 3);
-  ASSERT_GT(mesh.triangles.size(), 40000u);
+  ASSERT_GT(mesh.triangles.size(), 50000u);
   for (const bool ascii : {false, true}) {
     MeshWriteOptions mesh_options;
     mesh_options.ascii = ascii;
+    mesh_options.coordinate_precision = 1e-320;  // doubles
     PointWriteOptions point_options;
     point_options.ascii = ascii;
     write_mesh(folder / "one.ply", mesh, mesh_options);

@@ -282,6 +282,14 @@ TEST(Orient, EstimatesAreTurnedToAKnownScanner) {
   EXPECT_LT(estimated.mean_degrees, 0.25 * viewing.mean_degrees);
 }
 
+TEST(Orient, ScansOutOfOrderAreRefused) {
+  PointCloud cloud = sample_surface(*make_sphere(), 100, 1);
+  cloud.scans = {{"b", 50, 100, {}, {}, {}}, {"a", 0, 50, {}, {}, {}}};
+  EXPECT_EQ(refusal(cloud, {}), "scan 1: samples 0 to 50, must be in order from 100 to 100");
+  cloud.scans = {{"a", 0, 101, {}, {}, {}}};
+  EXPECT_EQ(refusal(cloud, {}), "scan 0: samples 0 to 101, must be in order from 0 to 100");
+}
+
 TEST(Orient, AnAbsentSourceIsRefusedByName) {
   const PointCloud bare = without_normals(sample_surface(*make_sphere(), 100, 1));
   EXPECT_EQ(refusal(bare, asking_for(DirectionSource::normals)), "directions = normals: no sample has a normal");

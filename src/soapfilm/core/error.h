@@ -11,7 +11,8 @@ struct ParameterError : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The samples that the caller gave are refused: too few of them, not finite, or without a volume.
+/// The samples that the caller gave are refused: too few of them, not finite, without a volume or a direction, too
+/// large or small for double.
 struct SamplesError : ParameterError {
   using ParameterError::ParameterError;
 };

@@ -24,7 +24,7 @@ struct Sampling {
 /// the same place, such as the (0, 0, 0) of a camera's pixels without depth, share cells at every scale: where they
 /// matter, each place counts once.
 Sampling measure_sampling(const PointCloud& cloud, const Parallel& parallel);
-/// The same of a cloud whose box is known.
+/// The same of a cloud whose box is known, all of it.
 Sampling measure_sampling(const PointCloud& cloud, const Box3d& box, const Parallel& parallel);
 
 /// A film over even samples of less than lambda / critical_density per voxel^2 costs more than it gains: the optimum

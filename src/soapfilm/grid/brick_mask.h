@@ -76,13 +76,13 @@ class BrickMask {
   size_t bytes() const { return words_.size() * sizeof(uint64_t); }
   /// Bit i & 63 of word i >> 6 is the brick with index i.
   const std::vector<uint64_t>& words() const { return words_; }
-  size_t index(Vec3i b) const { return index(bricks_, b); }
-  /// Of a brick in a box of `bricks`: x fastest, then y, then z.
+  /// Index of a brick in a box of `bricks`: x fastest, then y, then z.
   static size_t index(Vec3i bricks, Vec3i b) {
     return (static_cast<size_t>(b.z) * bricks.y + static_cast<size_t>(b.y)) * bricks.x + static_cast<size_t>(b.x);
   }
 
  private:
+  size_t index(Vec3i b) const { return index(bricks_, b); }
   size_t volume() const { return static_cast<size_t>(bricks_.x) * bricks_.y * bricks_.z; }
 
   Vec3i bricks_;

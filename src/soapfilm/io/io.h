@@ -42,8 +42,8 @@ struct ReadReport {
 };
 
 /// Reads a point cloud of one or several scans. Samples with a non-finite coordinate are dropped and counted.
-/// The scans of a set are read as many at once as there are threads. Throws InputError for a file that cannot be read
-/// to its end, holds no sample or no finite one.
+/// The scans of a set are read as many at once as there are threads, the text of a PLY by all of them. Throws
+/// InputError for a file that cannot be read to its end, holds no sample or no finite one.
 PointCloud read_points(const std::string& path, ReadReport* report = nullptr, const Parallel& parallel = Parallel(1));
 
 /// Reads several files, as many at once, and appends them in order as further scans.
@@ -76,7 +76,8 @@ struct WriteReport {
 /// Writes a mesh by extension (.ply, .obj, .stl): first under a temporary name in the same folder, then renamed, so
 /// the file is whole or absent. Coordinates are float where that keeps `coordinate_precision`, otherwise double.
 /// The rows of a PLY are made on all threads; the bytes are the same for any number of them.
-/// Throws ParameterError for an inconsistent mesh, OutputError for an unknown extension or an unwritable file.
+/// Throws ParameterError for an inconsistent mesh, OutputError for an unknown extension or an unwritable file,
+/// Cancelled where `parallel` has a progress that was.
 WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options = {},
                        const Parallel& parallel = Parallel(1));
 

@@ -169,7 +169,10 @@ const PlyElement* PlyHeader::find(std::string_view element) const {
   return found == elements.end() ? nullptr : &*found;
 }
 
-bool looks_like_ply(const ByteSource& source) { return source.begins_with("ply\n") || source.begins_with("ply\r\n"); }
+bool looks_like_ply(const ByteSource& source) {
+  const std::string_view text = after_byte_order_mark(source.bytes());
+  return text.substr(0, 4) == "ply\n" || text.substr(0, 5) == "ply\r\n";
+}
 
 PlyHeader read_ply_header(ByteSource& source) {
   if (!looks_like_ply(source))

@@ -33,6 +33,10 @@ double load_as_double(const char* at, PlyType type, bool swap) {
   return 0;
 }
 
+/// What is read at once of a text: as much as keeps some threads at work, and little beside the cloud, of which several
+/// files may be read at the same time.
+constexpr size_t bytes_at_once = size_t{1} << 17, chunks_at_once = 16;
+
 /// The lines from an offset of a text to a later one, and the rows that they begin with.
 struct TextChunk {
   size_t begin = 0;
@@ -82,7 +86,8 @@ void PlyRows::begin(const PlyElement& element) {
   row_bytes_ = element.least_row_bytes(header_.format);
   has_lists_ = std::any_of(element.properties.begin(), element.properties.end(),
                            [](const PlyProperty& property) { return property.is_list(); });
-  reads_ahead_ = text_ && !has_lists_ && !element.properties.empty() && parallel_ && parallel_->threads() > 1;
+  reads_ahead_ =
+      text_ && !has_lists_ && element.count * row_bytes_ > bytes_at_once && parallel_ && parallel_->threads() > 1;
   ahead_ = {};
   plain_floats_ = binary_ && !binary_->swaps() &&
                   std::all_of(element.properties.begin(), element.properties.end(), [](const PlyProperty& property) {
@@ -126,11 +131,10 @@ void PlyRows::next() {
 /// Where a chunk's lines are not all rows of this element, the rest of it is read value by value: that knows every
 /// spelling, and what is wrong with it.
 void PlyRows::read_ahead() {
-  constexpr size_t bytes_at_once = size_t{1} << 17;
   text_->skip_blanks();
   const std::string_view text = source_.bytes();
   std::vector<TextChunk> chunks;
-  const auto most_chunks = static_cast<size_t>(2 * parallel_->threads());
+  const size_t most_chunks = std::min(chunks_at_once, 2 * static_cast<size_t>(parallel_->threads()));
   for (size_t begin = text_->offset(); begin < text.size() && chunks.size() < most_chunks;) {
     const size_t last = text.find('\n', std::min(begin + bytes_at_once, text.size()) - 1);
     if (last == std::string_view::npos) break;

@@ -69,9 +69,9 @@ bool is_binary(ByteSource& source) {
   const size_t size = source.bytes().size();
   if (size < head_bytes + 4) return false;
   if (size == head_bytes + 4 + triangle_bytes * size_t{binary_count(source)}) return true;
-  size_t begin = 0;
-  while (begin < head_bytes && is_blank(source.bytes()[begin])) ++begin;
-  return lower_case(source.bytes().substr(begin, 5)) != "solid";
+  std::string_view text = after_byte_order_mark(source.bytes().substr(0, head_bytes)), word;
+  next_field(text, word);
+  return lower_case(word.substr(0, 5)) != "solid";
 }
 
 Mesh read_binary_stl(ByteSource& source) {

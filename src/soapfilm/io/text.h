@@ -39,8 +39,13 @@ inline bool next_field(std::string_view& line, std::string_view& field) {
   return !field.empty();
 }
 
-/// Reads text in order. Lines end with LF or CRLF and are counted from 1. A UTF-8 byte order mark at the beginning of
-/// the file, as editors on Windows write it, is passed over.
+/// What follows a UTF-8 byte order mark, as editors on Windows write it at the beginning of a text, or all of it.
+inline std::string_view after_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.substr(text.substr(0, mark.size()) == mark ? mark.size() : 0);
+}
+
+/// Reads text in order, from after a byte order mark. Lines end with LF or CRLF and are counted from 1.
 class TextCursor {
  public:
   explicit TextCursor(ByteSource& source, size_t offset = 0, size_t line = 1)
@@ -48,7 +53,7 @@ class TextCursor {
         at_(source.bytes().data() + offset),
         end_(source.bytes().data() + source.bytes().size()),
         line_(line) {
-    if (offset == 0 && source.begins_with(byte_order_mark)) at_ += byte_order_mark.size();
+    if (offset == 0) at_ = end_ - after_byte_order_mark(source.bytes()).size();
   }
 
   size_t offset() const { return static_cast<size_t>(at_ - source_.bytes().data()); }
@@ -84,8 +89,6 @@ class TextCursor {
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
-  static constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-
   ByteSource& source_;
   const char* at_;
   const char* end_;

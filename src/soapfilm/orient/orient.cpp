@@ -23,6 +23,18 @@ void check(const OrientParams& params) {
   if (params.sensor && !is_finite(*params.sensor)) throw ParameterError("sensor: its coordinates must be finite");
 }
 
+/// Scans are looked up by sample.
+void check(const PointCloud& cloud) {
+  size_t end = 0;
+  for (size_t k = 0; k < cloud.scans.size(); ++k) {
+    const Scan& scan = cloud.scans[k];
+    if (scan.begin < end || scan.end < scan.begin || scan.end > cloud.size())
+      throw SamplesError(fmt::format("scan {}: samples {} to {}, must be in order from {} to {}", k, scan.begin,
+                                     scan.end, end, cloud.size()));
+    end = scan.end;
+  }
+}
+
 /// Zero when `v` is zero or not finite.
 Vec3f unit_or_zero(Vec3d v) { return is_finite(v) ? static_cast<Vec3f>(normalized(v)) : Vec3f{}; }
 
@@ -180,6 +192,7 @@ void warn_of_inward_normals(const PointCloud& cloud, const std::vector<Vec3f>& d
 std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
                           Progress& progress, OrientReport& report) {
   check(params);
+  check(cloud);
   report = {};
   std::vector<Vec3f> directions;
   reserve_many(directions, cloud.size());

@@ -46,7 +46,7 @@ struct OrientReport {
 /// report warns. The result does not depend on the number of threads.
 ///
 /// Throws ParameterError when `neighbours` or `sensor` is out of range, or when a source that was asked for has nothing
-/// for any sample.
+/// for any sample; SamplesError when scans are not in order.
 std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
                           Progress& progress, OrientReport& report);
 
