@@ -40,7 +40,7 @@ std::string target_name(const testing::TestParamInfo<std::string>& info) {
 
 TEST_P(Determinism, SameMeshBytesOnAnyNumberOfThreads) {
   const Reconstruction oracle = [] {
-    const ForcedTarget scalar("scalar");
+    const ForcedTarget target(sanitized ? GetParam() : "scalar");
     return reconstructed(1);
   }();
   EXPECT_GT(oracle.mesh.triangles.size(), size_t{resolution * resolution / 3});
