@@ -1,14 +1,12 @@
 // The one way out: a file that is whole or absent.
 #pragma once
 
-#include <bit>
-#include <charconv>
 #include <cstring>
 #include <memory>
 #include <string>
 #include <string_view>
 
-#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/encode.h"
 #include "soapfilm/io/file_descriptor.h"
 
 namespace soapfilm::io {
@@ -36,18 +34,14 @@ class AtomicFile {
   template <class T>
   void append_binary(T value) {
     if (sizeof(T) > capacity - used_) flush();
-    if constexpr (std::endian::native != std::endian::little) value = swap_bytes(value);
-    std::memcpy(buffer_.get() + used_, &value, sizeof(T));
-    used_ += sizeof(T);
+    used_to(put_binary(buffer_.get() + used_, value));
   }
 
   /// One number as the shortest text that reads back as the same value.
   template <class T>
   void append_text(T value) {
-    constexpr size_t longest = 32;
-    if (longest > capacity - used_) flush();
-    used_ =
-        static_cast<size_t>(std::to_chars(buffer_.get() + used_, buffer_.get() + capacity, value).ptr - buffer_.get());
+    if (longest_number > capacity - used_) flush();
+    used_to(put_text(buffer_.get() + used_, value));
   }
 
   /// Writes what is left and puts the file in place. Throws OutputError.
@@ -55,6 +49,7 @@ class AtomicFile {
 
  private:
   static constexpr size_t capacity = size_t{1} << 18;
+  void used_to(const char* end) { used_ = static_cast<size_t>(end - buffer_.get()); }
   void flush();
   void write_out(std::string_view bytes);
   [[noreturn]] void fail(int error) const;

@@ -1,14 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <charconv>
-#include <cstring>
 #include <memory>
 #include <unordered_set>
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/io/atomic_file.h"
+#include "soapfilm/io/encode.h"
 #include "soapfilm/io/ply.h"
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/text.h"
@@ -29,7 +27,7 @@ class PlyBody {
   /// Has room for `rows` of at most `values` each.
   PlyBody(PlyStyle style, size_t rows, size_t values)
       : style_(style),
-        bytes_(std::make_unique_for_overwrite<char[]>(rows * (values * (style.ascii ? longest_text + 1 : 8) + 1))),
+        bytes_(std::make_unique_for_overwrite<char[]>(rows * (values * (style.ascii ? longest_number + 1 : 8) + 1))),
         end_(bytes_.get()) {}
 
   std::string_view bytes() const { return {bytes_.get(), static_cast<size_t>(end_ - bytes_.get())}; }
@@ -40,12 +38,10 @@ class PlyBody {
     if (style_.ascii) {
       if (row_begun_) *end_++ = ' ';
       row_begun_ = true;
-      end_ = std::to_chars(end_, end_ + longest_text, value).ptr;
-      return;
+      end_ = put_text(end_, value);
+    } else {
+      end_ = put_binary(end_, value);
     }
-    if constexpr (std::endian::native != std::endian::little) value = swap_bytes(value);
-    std::memcpy(end_, &value, sizeof(T));
-    end_ += sizeof(T);
   }
   template <class T>
   void put(const Vec3<T>& v) {
@@ -68,8 +64,6 @@ class PlyBody {
   }
 
  private:
-  static constexpr size_t longest_text = 32;  ///< of a number
-
   PlyStyle style_;
   std::unique_ptr<char[]> bytes_;
   char* end_;
