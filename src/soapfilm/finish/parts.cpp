@@ -229,12 +229,10 @@ void Parts::find_surroundings(const std::vector<std::vector<Contact>>& contacts)
 }
 
 PartsAround::PartsAround(const Parts& parts, Vec3i brick) : parts_(parts) {
-  const int32_t own = parts.grid_.find(brick);
   for (int slot = 0; slot < 27; ++slot) {
-    const auto k = static_cast<size_t>(slot);
     const Vec3i at = brick + slot_offset(slot);
-    const int32_t found = own < 0 ? parts.grid_.find(at) : parts.grid_.neighbors(static_cast<size_t>(own))[k];
-    Holder& holder = holders_[k];
+    const int32_t found = parts.grid_.find(at);
+    Holder& holder = holders_[static_cast<size_t>(slot)];
     if (found < 0) {
       holder.part.fill(parts.part_[parts.node_of_missing(found, at)]);
       continue;
