@@ -10,19 +10,15 @@ BrickMask BrickMask::coarsened(Vec3i coarse_bricks) const {
 
 BrickGrid::BrickGrid(const BrickMask& active, const Parallel& parallel) : bricks_(active.bricks()) {
   coords_.reserve(active.count());
-  row_begin_.assign(static_cast<size_t>(bricks_.y) * bricks_.z + 1, 0);
-  active.for_each([&](Vec3i b) {
-    coords_.push_back(b);
-    ++row_begin_[row_of(b) + 1];
-  });
-  for (size_t row = 1; row < row_begin_.size(); ++row) row_begin_[row] += row_begin_[row - 1];
+  active.for_each([&](Vec3i b) { coords_.push_back(b); });
 
-  words_.reserve(active.words().size());
+  words_.reserve(active.words().size() + 1);
   int32_t before = 0;
   for (const uint64_t bits : active.words()) {
     words_.push_back({bits, before});
     before += count_bits(bits);
   }
+  words_.push_back({0, before});
 
   neighbors_.resize(coords_.size());
   parallel.for_each(coords_.size(), 1024, [&](size_t i) {
@@ -31,9 +27,6 @@ BrickGrid::BrickGrid(const BrickMask& active, const Parallel& parallel) : bricks
   });
 }
 
-int32_t BrickGrid::gap(Vec3i b) const {
-  const size_t i = BrickMask::index(bricks_, b);
-  return words_[i >> 6].rank(i) + static_cast<int32_t>(row_of(b));
-}
+int32_t BrickGrid::gap(Vec3i b) const { return rank(BrickMask::index(bricks_, b)) + b.z * bricks_.y + b.y; }
 
 }  // namespace soapfilm

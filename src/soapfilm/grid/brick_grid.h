@@ -36,12 +36,12 @@ class BrickGrid {
     if (!in_box(b)) return outside_box;
     const size_t i = BrickMask::index(bricks_, b);
     const Word& word = words_[i >> 6];
-    return word.bits >> (i & 63) & 1 ? word.rank(i) : outside_band;
+    return word.bits >> (i & 63) & 1 ? rank(i) : outside_band;
   }
   /// Indices [begin, end) of the active bricks (x, y, z) of a row along x; y and z in the box.
   std::pair<size_t, size_t> row(int y, int z) const {
-    const size_t k = row_of({0, y, z});
-    return {static_cast<size_t>(row_begin_[k]), static_cast<size_t>(row_begin_[k + 1])};
+    const size_t first = BrickMask::index(bricks_, {0, y, z});
+    return {static_cast<size_t>(rank(first)), static_cast<size_t>(rank(first + static_cast<size_t>(bricks_.x)))};
   }
   /// Those of all rows with the same z.
   std::pair<size_t, size_t> layer(int z) const { return {row(0, z).first, row(bricks_.y - 1, z).second}; }
@@ -51,10 +51,7 @@ class BrickGrid {
   /// Indices of the 27 bricks around a brick by neighbor_slot(), with the same two values for missing ones.
   const Neighbors& neighbors(size_t brick) const { return neighbors_[brick]; }
 
-  size_t bytes() const {
-    return size() * (sizeof(Vec3i) + sizeof(Neighbors)) + row_begin_.size() * sizeof(int32_t) +
-           words_.size() * sizeof(Word);
-  }
+  size_t bytes() const { return size() * (sizeof(Vec3i) + sizeof(Neighbors)) + words_.size() * sizeof(Word); }
 
  private:
   /// 64 bricks of the box, active or not: with how many come before them, any brick is found in constant time
@@ -62,20 +59,20 @@ class BrickGrid {
   struct Word {
     uint64_t bits;
     int32_t before;
-
-    /// How many active bricks come before brick `i` of the box, which must be one of these.
-    int32_t rank(size_t i) const { return before + count_bits(bits & ((uint64_t{1} << (i & 63)) - 1)); }
   };
+  /// How many active bricks come before brick `i` of the box, or before its end.
+  int32_t rank(size_t i) const {
+    const Word& word = words_[i >> 6];
+    return word.before + count_bits(word.bits & ((uint64_t{1} << (i & 63)) - 1));
+  }
 
-  size_t row_of(Vec3i b) const { return static_cast<size_t>(b.z) * bricks_.y + static_cast<size_t>(b.y); }
   bool in_box(Vec3i b) const {
     return b.x >= 0 && b.y >= 0 && b.z >= 0 && b.x < bricks_.x && b.y < bricks_.y && b.z < bricks_.z;
   }
 
   Vec3i bricks_;
   std::vector<Vec3i> coords_;
-  std::vector<int32_t> row_begin_;  ///< first brick of row (y, z); one more at the end
-  std::vector<Word> words_;
+  std::vector<Word> words_;  ///< and one for the end
   std::vector<Neighbors> neighbors_;
 };
 
