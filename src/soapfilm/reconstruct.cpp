@@ -2,9 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <optional>
+
 #include "soapfilm/announce.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
+#include "soapfilm/core/zeroed_memory.h"
 #include "soapfilm/extract/bend.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/field/divergence.h"
@@ -129,6 +132,9 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   // The data term f = div v (section 4.1).
   auto field = stages.run("field", [&] { return divergence_field(samples, lattice.box(0), parallel); });
 
+  // The refinement's arrays take the place of the solve's.
+  std::optional<KeepFreedPages> keep(std::in_place);
+
   // Inside or outside: the convex problem (4), coarse to fine, on a thin band; or what it is compared with.
   auto segmentation = stages.run(
       "solve", [&] { return segment(lattice, field, samples, params, observe, parallel, progress, report); });
@@ -153,6 +159,7 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
   // The level set moves onto the samples; components and genus stay those of the segmentation.
   const auto surface = stages.run("refine", [&] { return level_set(segmentation, samples, params, parallel, report); });
+  keep.reset();
 
   // The level set as a closed, manifold mesh.
   Mesh mesh = stages.run("extract", [&] { return closed_mesh(surface, lattice, parallel, report); });

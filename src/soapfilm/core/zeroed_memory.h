@@ -8,6 +8,7 @@ namespace soapfilm {
 
 struct FreeZeroed {
   size_t bytes = 0;
+  bool has_holes = false;  ///< some pages went back early
   void operator()(std::byte* memory) const;
 };
 using ZeroedMemory = std::unique_ptr<std::byte, FreeZeroed>;
@@ -16,8 +17,19 @@ using ZeroedMemory = std::unique_ptr<std::byte, FreeZeroed>;
 /// the system when it is freed. Throws std::bad_alloc.
 ZeroedMemory allocate_zeroed(size_t bytes);
 
-/// Hands the pages that lie wholly in [begin, end) of an array back to the system before it is freed. What
+/// Hands the pages that lie wholly in bytes [begin, end) of an array back to the system before it is freed. What
 /// they held is lost: it may be written, not read.
-void give_back(std::byte* begin, std::byte* end);
+void give_back(ZeroedMemory& memory, size_t begin, size_t end);
+
+/// While one lives, anywhere in the process, pages of large arrays that are freed do not go back to the system but
+/// serve the next ones: a fresh page costs more than the work on it, most of all on virtual machines. The process never
+/// holds more of these pages than it did with all of them in use.
+class KeepFreedPages {
+ public:
+  KeepFreedPages();
+  ~KeepFreedPages();
+  KeepFreedPages(const KeepFreedPages&) = delete;
+  KeepFreedPages& operator=(const KeepFreedPages&) = delete;
+};
 
 }  // namespace soapfilm

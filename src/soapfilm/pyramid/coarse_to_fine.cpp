@@ -17,6 +17,14 @@ namespace {
 constexpr int max_growths = 8;
 constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that the finest band leaves out
 
+/// What a level is solved to. The two finest take almost all of the time, and thresholding costs them a gap ten times the
+/// default tolerance anyway. Coarser ones cost little, and where samples are missing they alone decide: a surface that
+/// they leave short of its place over a hole stays there.
+double tolerance_of(int level, double tolerance) {
+  constexpr double coarse_tolerance = 3e-4;
+  return level < 2 ? tolerance : std::min(tolerance, coarse_tolerance);
+}
+
 /// How much of the coarser level's flux a level starts from. A level that hardly sees the data sends flux through all
 /// of the interior to spread it, up to |p| = lambda; finer levels need nothing of it. At full size it would stay: no
 /// finer ball holds it, so those bricks would belong to every band, and u sink there while waves of p, a third of a
@@ -127,8 +135,10 @@ class Descent {
   }
 
   void solve(Level& level, LevelReport& report) const {
+    PrimalDualParams params = params_;
+    params.tolerance = tolerance_of(report.level, params_.tolerance);
     const PrimalDualReport solved =
-        solve_primal_dual(level, params_, parallel_, progress_, [&](int iterations, const Energies& e) {
+        solve_primal_dual(level, params, parallel_, progress_, [&](int iterations, const Energies& e) {
           progress_.advance(1.0 - static_cast<double>(report.level) / (start_ + 1),
                             fmt::format("level {}, {} iterations, gap {:.1e}", report.level,
                                         report.iterations + iterations, e.relative_gap(level.lambda)));

@@ -11,7 +11,7 @@
 namespace soapfilm {
 
 struct PrimalDualParams {
-  double tolerance = 3e-4;    ///< of the band's relative gap, > 0 (chosen by bench/results/tolerance.md)
+  double tolerance = 1e-3;    ///< of the band's relative gap, > 0 (chosen by bench/results/tolerance.md)
   int max_iterations = 2000;  ///< per level, >= 1
   int check_every = 32;  ///< most iterations between two evaluations of the gap, 1 to 1000; the first comes after half
   double step_balance = 1.4;  ///< sigma in units of lambda at first, half of it near the end; tau = 1.3 / (12 sigma)
