@@ -105,42 +105,47 @@ void Displacement::precondition(const CellSamples& data, Smoothness smoothness) 
   multilevel_.set_operator(scratch_, smoothness.slope, smoothness.curvature, parallel_);
 }
 
+double Displacement::turn(const CellSamples& data, Smoothness smoothness, float ratio, bool last) {
+  if (ratio == 0) std::swap(direction_, scratch_);
+  float* direction = direction_.data();
+  const float* preconditioned = scratch_.data();
+  std::vector<double> curvatures(static_cast<size_t>(layers_of(band_)));
+  const LaplacianJob inner{direction, smoothness.slope, smoothness.curvature, scratch_.data(), share_.data()};
+  const LaplacianJob outer{scratch_.data(), 0, 1, image_.data()};
+  layer_by_layer(
+      layers_of(band_), parallel_,
+      [&](int layer) {
+        if (ratio == 0) return;
+        for_values(rows_of_layer(band_, layer),
+                   [&](size_t i) { direction[i] = preconditioned[i] + ratio * direction[i]; });
+      },
+      [&](int layer) { curvatures[static_cast<size_t>(layer)] = laplacian(inner, layer); },
+      [&](int layer) {
+        if (!last) laplacian(outer, layer);
+      });
+  return std::accumulate(curvatures.begin(), curvatures.end(), 0.0) +
+         add_data_term(band_, data, direction_, false, 1, image_, parallel_);
+}
+
 int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits) {
   residual(data, smoothness);
 
-  RowArray& z = scratch_;
-  float *phi = phi_.data(), *residual = residual_.data(), *direction = direction_.data();
-  const float *image = image_.data(), *preconditioned = z.data();
   double first = 0, rz = 0;
   int iteration = 0;
   for (bool last = false; !last && iteration < limits.iterations; ++iteration) {
-    const double new_rz = multilevel_.apply(residual_, z, image_, parallel_);
+    const double new_rz = multilevel_.apply(residual_, scratch_, image_, parallel_);
     if (iteration == 0) first = new_rz;
     if (!(new_rz > 0)) break;
-    last = new_rz <= limits.tolerance * limits.tolerance * first;
-    const float ratio = iteration == 0 ? 0.0f : static_cast<float>(new_rz / rz);
+    last = new_rz <= limits.tolerance * limits.tolerance * first || iteration + 1 == limits.iterations;
+    const double curvature = turn(data, smoothness, iteration == 0 ? 0.0f : static_cast<float>(new_rz / rz), last);
     rz = new_rz;
-    // direction = z + ratio direction, image = A direction
-    std::vector<double> curvatures(static_cast<size_t>(layers_of(band_)));
-    const LaplacianJob inner{direction, smoothness.slope, smoothness.curvature, scratch_.data(), share_.data()};
-    const LaplacianJob outer{scratch_.data(), 0, 1, image_.data()};
-    layer_by_layer(
-        layers_of(band_), parallel_,
-        [&](int layer) {
-          for_values(rows_of_layer(band_, layer),
-                     [&](size_t i) { direction[i] = preconditioned[i] + ratio * direction[i]; });
-        },
-        [&](int layer) { curvatures[static_cast<size_t>(layer)] = laplacian(inner, layer); },
-        [&](int layer) { laplacian(outer, layer); });
-    double curvature = std::accumulate(curvatures.begin(), curvatures.end(), 0.0);
-    curvature += add_data_term(band_, data, direction_, false, 1, image_, parallel_);
     if (!(curvature > 0)) break;
     const auto step = static_cast<float>(rz / curvature);
+    float *phi = phi_.data(), *residual = residual_.data();
+    const float *direction = direction_.data(), *image = image_.data();
     for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
-      for_values({begin, end}, [&](size_t i) {
-        phi[i] += step * direction[i];
-        residual[i] -= step * image[i];
-      });
+      for_values({begin, end}, [&](size_t i) { phi[i] += step * direction[i]; });
+      if (!last) for_values({begin, end}, [&](size_t i) { residual[i] -= step * image[i]; });
     });
   }
   return iteration;
