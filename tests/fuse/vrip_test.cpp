@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <numbers>
@@ -18,6 +16,7 @@
 #include "soapfilm/io/io.h"
 #include "soapfilm/scanner/shape.h"
 #include "soapfilm/scanner/virtual_scan.h"
+#include "support/real_data.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -318,17 +317,15 @@ TEST(Vrip, RefusesWhatItCannotFuse) {
 }
 
 TEST(Vrip, BunnyIsTheZipperedOneSlow) {
-  const char* data = std::getenv("SOAPFILM_DATA");
-  if (data == nullptr) GTEST_SKIP() << "SOAPFILM_DATA is not set";
-  const auto folder = std::filesystem::path(data) / "bunny";
-  if (!std::filesystem::exists(folder / "bun.conf")) GTEST_SKIP() << "no bunny in SOAPFILM_DATA";
-  const PointCloud cloud = read_points((folder / "bun.conf").string());
+  const auto scans = real_data("bunny/bun.conf"), zipper = real_data("bunny/bun_zipper.ply");
+  if (!scans || !zipper) GTEST_SKIP() << "no bunny in SOAPFILM_DATA";
+  const PointCloud cloud = read_points(*scans);
   const Lattice lattice = place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), 128, 6), 6);
   const Fusion fusion = fuse(cloud, lattice);
   const TopologyReport report = check_topology(fusion.mesh);
   EXPECT_TRUE(report.manifold()) << summary(report);
   EXPECT_GT(report.boundary_edges, 0u);  // its base was hardly seen
-  const PointCloud zippered = read_points((folder / "bun_zipper.ply").string());
+  const PointCloud zippered = read_points(*zipper);
   const DistanceSummary distance = point_to_mesh_distance(zippered.positions, fusion.mesh, Parallel(2));
   EXPECT_LT(distance.mean, 0.1 * lattice.voxel);
   EXPECT_LT(distance.percentile95, 0.3 * lattice.voxel);

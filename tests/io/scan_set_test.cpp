@@ -1,5 +1,4 @@
 // Stanford scan sets: conventions on scans made here, and on the real bunny when SOAPFILM_DATA names the data.
-#include <cstdlib>
 #include <nanoflann.hpp>
 
 #include "files.h"
@@ -7,6 +6,7 @@
 #include "soapfilm/io/io.h"
 #include "soapfilm/io/scan_set.h"
 #include "soapfilm/io/summary.h"
+#include "support/real_data.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -120,15 +120,16 @@ std::pair<size_t, double> nearest(const Tree& tree, Vec3d p) {
 class Bunny : public testing::Test {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("SOAPFILM_DATA");
-    if (data == nullptr) GTEST_SKIP() << "SOAPFILM_DATA is not set";
-    folder_ = std::string(data) + "/bunny";
+    const auto scans = real_data("bunny/bun.conf"), zippered = real_data("bunny/bun_zipper.ply");
+    if (!scans || !zippered) GTEST_SKIP() << "no bunny in SOAPFILM_DATA";
+    scans_ = *scans;
+    zippered_ = *zippered;
   }
-  std::string folder_;
+  std::string scans_, zippered_;
 };
 
 TEST_F(Bunny, ScansCoincideOncePosed) {
-  const PointCloud cloud = read_points(folder_ + "/bun.conf");
+  const PointCloud cloud = read_points(scans_);
   EXPECT_EQ(cloud.size(), 362272u);
   ASSERT_EQ(cloud.scans.size(), 10u);
   for (const Scan& scan : cloud.scans) {
@@ -147,8 +148,8 @@ TEST_F(Bunny, ScansCoincideOncePosed) {
 }
 
 TEST_F(Bunny, ViewingDirectionsPointOutOfTheSurface) {
-  const PointCloud cloud = read_points(folder_ + "/bun.conf");
-  const Mesh mesh = read_mesh(folder_ + "/bun_zipper.ply");
+  const PointCloud cloud = read_points(scans_);
+  const Mesh mesh = read_mesh(zippered_);
   std::vector<Vec3d> normals(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
     const Vec3d a = mesh.vertices[t[0]];

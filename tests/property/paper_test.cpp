@@ -1,20 +1,20 @@
 // The paper's own figures on real data; the folder comes from the environment variable SOAPFILM_DATA.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <map>
 
 #include "soapfilm/io/io.h"
 #include "soapfilm/reconstruct.h"
+#include "support/real_data.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
 
 /// Table 1: vertices inside for five thresholds.
 TEST(Paper, BunnyHasTheCountsOfTable1) {
-  const char* data = std::getenv("SOAPFILM_DATA");
-  if (!data) GTEST_SKIP() << "SOAPFILM_DATA is not set";
-  const PointCloud cloud = read_points(std::string(data) + "/bunny/bun.conf");
+  const auto scans = real_data("bunny/bun.conf");
+  if (!scans) GTEST_SKIP() << "no bunny in SOAPFILM_DATA";
+  const PointCloud cloud = read_points(*scans);
   const std::map<double, double> table = {
       {0.1, 1126101}, {0.25, 1124452}, {0.5, 1121936}, {0.75, 1119334}, {0.9, 1117737}};
   for (const auto& [mu, inside] : table) {
