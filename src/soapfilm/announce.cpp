@@ -36,7 +36,7 @@ void warn_unconverged(ReconstructReport& report, Progress& progress) {
                     level, iterations, tolerance));
   };
   for (const LevelReport& level : report.levels)
-    if (!level.converged) warn_level(level.level, level.iterations, report.params.solve.tolerance);
+    if (!level.converged) warn_level(level.level, level.iterations, level.tolerance);
   for (const SorLevelReport& level : report.sor)
     if (!level.converged) warn_level(level.level, level.iterations, report.params.sor.tolerance);
   if (report.poisson && !report.poisson->converged)

@@ -36,6 +36,7 @@ ordered_json grid_json(const ReconstructReport& report) {
     levels.push_back({{"level", l.level},
                       {"active_vertices", l.active_vertices},
                       {"iterations", l.iterations},
+                      {"tolerance", l.tolerance},
                       {"converged", l.converged},
                       {"band_growths", l.band_growths},
                       {"relative_gap", l.energies.relative_gap(lambda)},

@@ -1,13 +1,15 @@
 #include "soapfilm/core/zeroed_memory.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <new>
+#include <string>
+#include <thread>
 #include <vector>
 
 namespace soapfilm {
@@ -26,56 +28,99 @@ TEST(ZeroedMemory, IsZeroAlignedAndWritable) {
 
 TEST(ZeroedMemory, WhatIsNotGivenBackStays) {
   constexpr size_t bytes = size_t{1} << 22, first = 100'000, last = 3'000'001;
-  ZeroedMemory memory = allocate_zeroed(bytes);
+  const ZeroedMemory memory = allocate_zeroed(bytes);
   std::memset(memory.get(), 0x5A, bytes);
-  give_back(memory, first, last);
-  give_back(memory, 5, 6);  // less than a page: nothing
+  give_back(memory.get() + first, memory.get() + last);
+  give_back(memory.get() + 5, memory.get() + 6);  // less than a page: nothing
   EXPECT_EQ(std::count(memory.get(), memory.get() + first, std::byte{0x5A}), static_cast<ptrdiff_t>(first));
   EXPECT_EQ(std::count(memory.get() + last, memory.get() + bytes, std::byte{0x5A}),
             static_cast<ptrdiff_t>(bytes - last));
   std::memset(memory.get(), 1, bytes);  // and it may be written again
 }
 
-size_t resident_bytes() {
-  std::ifstream statm("/proc/self/statm");
-  size_t size = 0, resident = 0;
-  statm >> size >> resident;
-  return resident * static_cast<size_t>(sysconf(_SC_PAGESIZE));
+double resident_bytes() {
+  std::ifstream rollup("/proc/self/smaps_rollup");
+  std::string word;
+  while (rollup >> word && word != "Rss:") {
+  }
+  double kilobytes = 0;
+  rollup >> kilobytes;
+  return 1024 * kilobytes;
 }
 
-TEST(ZeroedMemory, KeptPagesServeTheNextArraysAndThenGoBack) {
-  constexpr size_t bytes = (size_t{64} << 20) + 12345, rest = size_t{2} << 20;
-  constexpr size_t slack = size_t{6} << 20;
-  const size_t before = resident_bytes();
+bool is_zero(const ZeroedMemory& memory, size_t bytes) {
+  return std::all_of(memory.get(), memory.get() + bytes, [](std::byte b) { return b == std::byte{0}; });
+}
+
+constexpr size_t block = size_t{2} << 20;
+constexpr size_t large = 20 * block + 12345;
+constexpr double slack = 3 * block;
+
+TEST(KeepFreedPages, ServeTheNextArraysAndThenGoBack) {
+  const double before = resident_bytes();
   {
     const KeepFreedPages keep;
     {
       const KeepFreedPages also;
-      ZeroedMemory with_holes = allocate_zeroed(bytes);
-      std::memset(with_holes.get(), 1, bytes);
-      give_back(with_holes, 0, bytes / 2);
-      const ZeroedMemory first = allocate_zeroed(bytes);
-      std::memset(first.get(), 2, bytes);
+      const ZeroedMemory memory = allocate_zeroed(large);
+      std::memset(memory.get(), 2, large);
     }
-    EXPECT_NEAR(static_cast<double>(resident_bytes()), static_cast<double>(before + bytes), slack);
+    EXPECT_NEAR(resident_bytes(), before + large, slack);
     // In pieces, large and small, all of them zero.
     std::vector<ZeroedMemory> pieces;
-    for (const size_t size : {3 * rest + 1, size_t{1000}, 10 * rest, rest, bytes - 14 * rest}) {
+    for (const size_t size : {3 * block + 1, size_t{1000}, 6 * block, block, large - 10 * block}) {
       pieces.push_back(allocate_zeroed(size));
-      const std::byte* const piece = pieces.back().get();
-      EXPECT_EQ(reinterpret_cast<uintptr_t>(piece) % 64, 0u);
-      EXPECT_EQ(std::count(piece, piece + size, std::byte{0}), static_cast<ptrdiff_t>(size));
+      EXPECT_EQ(reinterpret_cast<uintptr_t>(pieces.back().get()) % 64, 0u);
+      EXPECT_TRUE(is_zero(pieces.back(), size)) << size;
       std::memset(pieces.back().get(), 3, size);
     }
-    EXPECT_NEAR(static_cast<double>(resident_bytes()), static_cast<double>(before + bytes), slack);
+    EXPECT_NEAR(resident_bytes(), before + large, slack);
     pieces.erase(pieces.begin() + 2);
-    const ZeroedMemory more = allocate_zeroed(2 * bytes);  // more than there is
-    EXPECT_EQ(std::count(more.get(), more.get() + 2 * bytes, std::byte{0}), static_cast<ptrdiff_t>(2 * bytes));
+    const ZeroedMemory more = allocate_zeroed(2 * large);  // more than there is
+    EXPECT_TRUE(is_zero(more, 2 * large));
   }
-  EXPECT_NEAR(static_cast<double>(resident_bytes()), static_cast<double>(before), slack);
+  EXPECT_NEAR(resident_bytes(), before, slack);
 }
 
-TEST(ZeroedMemory, TooMuchIsRefused) { EXPECT_THROW(allocate_zeroed(SIZE_MAX / 2), std::bad_alloc); }
+TEST(KeepFreedPages, AreNoneThatNobodyTouchedOrThatWentBack) {
+  const double before = resident_bytes();
+  const KeepFreedPages keep;
+  { const ZeroedMemory untouched = allocate_zeroed(large); }
+  EXPECT_NEAR(resident_bytes(), before, slack);
+  {
+    const ZeroedMemory memory = allocate_zeroed(large);
+    std::memset(memory.get(), 2, large);
+    give_back(memory.get() + 4 * block, memory.get() + 12 * block);
+  }
+  EXPECT_NEAR(resident_bytes(), before + large - 8 * block, slack);
+  const ZeroedMemory memory = allocate_zeroed(large);
+  EXPECT_TRUE(is_zero(memory, large));
+  std::memset(memory.get(), 3, large);
+  EXPECT_NEAR(resident_bytes(), before + large, slack);
+}
+
+TEST(KeepFreedPages, GoFromThreadToThread) {
+  const KeepFreedPages keep;
+  std::atomic<int> wrong = 0;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 3; ++t)
+    threads.emplace_back([&, t] {
+      const KeepFreedPages also;
+      for (const size_t blocks : {3, 17, 1, 20, 5}) {
+        const size_t bytes = blocks * block + 100;
+        const ZeroedMemory memory = allocate_zeroed(bytes);
+        wrong += !is_zero(memory, bytes);
+        std::memset(memory.get(), t + 1, bytes);
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(ZeroedMemory, TooMuchIsRefused) {
+  for (const size_t bytes : {SIZE_MAX / 4, SIZE_MAX / 2, SIZE_MAX - 10, SIZE_MAX})
+    EXPECT_THROW(allocate_zeroed(bytes), std::bad_alloc) << bytes;
+}
 
 }  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -8,22 +8,22 @@ namespace soapfilm {
 
 struct FreeZeroed {
   size_t bytes = 0;
-  bool has_holes = false;  ///< some pages went back early
   void operator()(std::byte* memory) const;
 };
 using ZeroedMemory = std::unique_ptr<std::byte, FreeZeroed>;
 
 /// `bytes` > 0 zero bytes, aligned to 64. What is large costs no memory until it is touched, and all of it goes back to
-/// the system when it is freed. Throws std::bad_alloc.
+/// the system when it is freed, unless a KeepFreedPages lives. Throws std::bad_alloc.
 ZeroedMemory allocate_zeroed(size_t bytes);
 
 /// Hands the pages that lie wholly in bytes [begin, end) of an array back to the system before it is freed. What
 /// they held is lost: it may be written, not read.
-void give_back(ZeroedMemory& memory, size_t begin, size_t end);
+void give_back(std::byte* begin, std::byte* end);
 
-/// While one lives, anywhere in the process, pages of large arrays that are freed do not go back to the system but
-/// serve the next ones: a fresh page costs more than the work on it, most of all on virtual machines. The process never
-/// holds more of these pages than it did with all of them in use.
+/// While one lives, anywhere in the process, pages of arrays of 32 MiB and more that are freed do not go back to the
+/// system but serve the next large arrays: a fresh page can cost more than the work on it, most of all on virtual
+/// machines. The process holds no more pages of arrays than it did when most of them were in use; what it takes
+/// otherwise meanwhile, as for vectors, comes on top.
 class KeepFreedPages {
  public:
   KeepFreedPages();

@@ -27,7 +27,7 @@ class AlignedArray {
   const T* data() const { return reinterpret_cast<const T*>(memory_.get() + lead_bytes); }
   /// Values [begin, end) are not read any more: their memory goes back early.
   void give_back(size_t begin, size_t end) {
-    soapfilm::give_back(memory_, lead_bytes + begin * sizeof(T), lead_bytes + end * sizeof(T));
+    soapfilm::give_back(reinterpret_cast<std::byte*>(data() + begin), reinterpret_cast<std::byte*>(data() + end));
   }
 
  private:

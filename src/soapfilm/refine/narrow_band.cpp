@@ -37,13 +37,13 @@ NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, con
     uint32_t row = first_row_[b];
     for (size_t k = b * brick_area; k < (b + 1) * brick_area; ++k)
       if (vertices[k] != 0) {
-        row_of_[k] = row;
+        row_of_.data()[k] = row;
         mask_[row] = vertices[k];
         place_[row++] = static_cast<uint8_t>(k % brick_area);
       }
   });
-  neighbors_.resize(mask_.size() + rows_ahead);
-  degree_.resize(slots());
+  neighbors_ = AlignedArray<std::array<uint32_t, 6>>(mask_.size() + rows_ahead);
+  degree_ = AlignedArray<uint8_t>(slots());
   count_neighbors(parallel);
 }
 
@@ -53,13 +53,13 @@ void NarrowBand::count_neighbors(const Parallel& parallel) {
     const auto own = static_cast<int32_t>(b);
     for (uint32_t r = first_row_[b]; r < first_row_[b + 1]; ++r) {
       const int y = place_[r] & 7, z = place_[r] >> 3;
-      neighbors_[r] = {row(around[slot_down[0]], y, z),
-                       row(around[slot_up[0]], y, z),
-                       y > 0 ? row(own, y - 1, z) : row(around[slot_down[1]], 7, z),
-                       y < 7 ? row(own, y + 1, z) : row(around[slot_up[1]], 0, z),
-                       z > 0 ? row(own, y, z - 1) : row(around[slot_down[2]], y, 7),
-                       z < 7 ? row(own, y, z + 1) : row(around[slot_up[2]], y, 0)};
-      const auto& n = neighbors_[r];
+      auto& n = neighbors_.data()[r];
+      n = {row(around[slot_down[0]], y, z),
+           row(around[slot_up[0]], y, z),
+           y > 0 ? row(own, y - 1, z) : row(around[slot_down[1]], 7, z),
+           y < 7 ? row(own, y + 1, z) : row(around[slot_up[1]], 0, z),
+           z > 0 ? row(own, y, z - 1) : row(around[slot_down[2]], y, 7),
+           z < 7 ? row(own, y, z + 1) : row(around[slot_up[2]], y, 0)};
       const int m = mask_[r];
       const int below = (m << 1 | mask_[n[0]] >> 7) & 0xff, above = m >> 1 | (mask_[n[1]] & 1) << 7;
       const auto bytes = [](int bits) { return bytes_of_bits[static_cast<size_t>(bits)]; };

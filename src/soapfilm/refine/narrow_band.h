@@ -37,7 +37,9 @@ class NarrowBand {
   uint32_t first_row(size_t brick) const { return first_row_[brick]; }
   /// Row (y, z) of a brick, given as an index or as BrickGrid::find gives it; 0 where there is none.
   uint32_t row(int32_t brick, int y, int z) const {
-    return brick < 0 ? 0 : row_of_[static_cast<size_t>(brick) * brick_area + static_cast<size_t>(y + brick_side * z)];
+    return brick < 0
+               ? 0
+               : row_of_.data()[static_cast<size_t>(brick) * brick_area + static_cast<size_t>(y + brick_side * z)];
   }
   /// The 64 rows of a brick at once, by y + 8 z.
   const uint32_t* rows_of(int32_t brick) const {
@@ -49,7 +51,7 @@ class NarrowBand {
   int place(uint32_t row) const { return place_[row]; }
   const uint8_t* places() const { return place_.data(); }  ///< of all rows, from row 0 on
   /// Rows next to a row along -x, +x, -y, +y, -z, +z.
-  const std::array<uint32_t, 6>& neighbors(uint32_t row) const { return neighbors_[row]; }
+  const std::array<uint32_t, 6>& neighbors(uint32_t row) const { return neighbors_.data()[row]; }
   /// How many of a vertex's six neighbours are in the band, eight per row; 0 outside the band.
   const uint8_t* degree(uint32_t row) const { return degree_.data() + static_cast<size_t>(row) * brick_side; }
 
@@ -60,12 +62,12 @@ class NarrowBand {
   void count_neighbors(const Parallel& parallel);
 
   BrickGrid grid_;
-  std::vector<uint32_t> row_of_;
+  AlignedArray<uint32_t> row_of_;
   std::vector<uint32_t> first_row_;
   std::vector<uint8_t> mask_ = {0, 0};
   std::vector<uint8_t> place_;
-  std::vector<std::array<uint32_t, 6>> neighbors_;
-  std::vector<uint8_t> degree_;
+  AlignedArray<std::array<uint32_t, 6>> neighbors_;
+  AlignedArray<uint8_t> degree_;
 };
 
 inline constexpr size_t rows_per_task = 1 << 10;

@@ -11,7 +11,7 @@ namespace soapfilm {
 /// A lattice of at most `max_resolution` vertices along the cloud's longest axis, never finer than `finest`.
 Lattice coarse_lattice(const PointCloud& cloud, const Lattice& finest, int max_resolution, const Parallel& parallel);
 
-/// solve_coarse_to_fine() to a relative gap of 1e-3, or `solver`'s where that is larger, in at most 400 iterations per
+/// solve_coarse_to_fine() to a tolerance of 1e-3, or `solver`'s where that is larger, in at most 400 iterations per
 /// level. Shows no progress.
 PyramidSolution solve_coarse(const Lattice& lattice, const SupportField& field, double lambda, PrimalDualParams solver,
                              const Parallel& parallel);
