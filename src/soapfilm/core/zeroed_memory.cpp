@@ -19,9 +19,8 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t alignment = 64;
-/// Smaller arrays come and go within a stage: the allocator keeps theirs for the next one.
-constexpr size_t large_bytes = size_t{1} << 21;
-/// What large arrays begin at a multiple of, so that pages move from one to the other in whole large pages.
+/// A large page. Arrays that fill one begin at a multiple of it, so that pages move from one to the other in whole
+/// large pages. Smaller ones come and go within a stage: the allocator keeps theirs for the next one.
 constexpr size_t block_bytes = size_t{1} << 21;
 /// Of smaller arrays the ends that fill no block would cost more memory than their blocks save time.
 constexpr size_t least_kept_bytes = 16 * block_bytes;
@@ -133,7 +132,7 @@ SpareBlocks& spare_blocks() {
 }  // namespace
 
 ZeroedMemory allocate_zeroed(size_t bytes) {
-  if (bytes >= large_bytes) {
+  if (bytes >= block_bytes) {
     std::byte* address = map_blocks(bytes);
     if (!address) {
       spare_blocks().clear();  // the address space may be what is short
@@ -151,7 +150,7 @@ ZeroedMemory allocate_zeroed(size_t bytes) {
 }
 
 void FreeZeroed::operator()(std::byte* memory) const {
-  if (bytes < large_bytes)
+  if (bytes < block_bytes)
     std::free(memory);
   else
     spare_blocks().take_over(memory, bytes);

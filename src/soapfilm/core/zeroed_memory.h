@@ -16,7 +16,7 @@ using ZeroedMemory = std::unique_ptr<std::byte, FreeZeroed>;
 /// the system when it is freed, unless a KeepFreedPages lives. Throws std::bad_alloc.
 ZeroedMemory allocate_zeroed(size_t bytes);
 
-/// Hands the pages that lie wholly in bytes [begin, end) of an array back to the system before it is freed. What
+/// Hands the pages that lie wholly in [begin, end) of an array back to the system before it is freed. What
 /// they held is lost: it may be written, not read.
 void give_back(std::byte* begin, std::byte* end);
 

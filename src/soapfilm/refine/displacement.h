@@ -54,8 +54,9 @@ class Displacement {
 
  private:
   void residual(const CellSamples& data, Smoothness smoothness);
-  /// The next conjugate direction z + ratio direction, z in scratch_; returns <direction, A direction>. A direction is
-  /// image_ afterwards, unless this is the last step, which has no use for it.
+  /// The next conjugate direction z + ratio direction, z in scratch_, whose array it takes over where ratio is 0;
+  /// returns <direction, A direction>. A direction is image_ afterwards, unless this is the last step, which has no use
+  /// for it.
   double turn(const CellSamples& data, Smoothness smoothness, float ratio, bool last);
   /// The kernel of that name on a layer of bricks.
   double laplacian(const LaplacianJob& job, int layer) const;

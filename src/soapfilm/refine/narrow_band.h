@@ -35,17 +35,13 @@ class NarrowBand {
 
   /// Rows of brick b: [first_row(b), first_row(b + 1)).
   uint32_t first_row(size_t brick) const { return first_row_[brick]; }
-  /// Row (y, z) of a brick, given as an index or as BrickGrid::find gives it; 0 where there is none.
-  uint32_t row(int32_t brick, int y, int z) const {
-    return brick < 0
-               ? 0
-               : row_of_.data()[static_cast<size_t>(brick) * brick_area + static_cast<size_t>(y + brick_side * z)];
-  }
   /// The 64 rows of a brick at once, by y + 8 z.
   const uint32_t* rows_of(int32_t brick) const {
     static constexpr uint32_t none[brick_area] = {};
     return brick < 0 ? none : row_of_.data() + static_cast<size_t>(brick) * brick_area;
   }
+  /// Row (y, z) of a brick, given as an index or as BrickGrid::find gives it; 0 where there is none.
+  uint32_t row(int32_t brick, int y, int z) const { return rows_of(brick)[y + brick_side * z]; }
   uint8_t mask(uint32_t row) const { return mask_[row]; }
   /// y + 8 z of a row.
   int place(uint32_t row) const { return place_[row]; }
