@@ -140,20 +140,20 @@ TEST(NarrowBand, MultilevelTransfersAreAdjointAndKeepConstants) {
   const CoarseBand coarse(band, one_thread);
   const RowArray fine = random_array(band, 7), up = random_array(coarse.band(), 8);
   RowArray down = coarse.band().make_array(), prolonged = band.make_array();
-  coarse.restrict_to(band, fine, down, one_thread);
+  coarse.restrict_to(fine, down, one_thread);
   const RowArray inverse = members(band), zero = band.make_array();
   CycleJob job{};
   job.inverse = inverse.data();
   job.b = zero.data();
   job.x = up.data();
   job.out = prolonged.data();
-  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(band, layer, job);
+  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(layer, job);
   EXPECT_NEAR(dot(down, up, one_thread), dot(fine, prolonged, one_thread), 1e-3);
 
   const RowArray constant = members(coarse.band());
   job.x = constant.data();
   job.b = fine.data();
-  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(band, layer, job);
+  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(layer, job);
   for (size_t i = 8; i < band.slots(); ++i) ASSERT_EQ(prolonged.data()[i], fine.data()[i] + inverse.data()[i]);
 }
 
@@ -173,7 +173,7 @@ TEST(NarrowBand, MultilevelRestrictsTheResidualOfAJacobiStep) {
     row_kernel().smooth(band.view(), job, 1, band.rows() + 1);
     for (size_t i = 0; i < x.size(); ++i)
       residual.data()[i] = inverse.data()[i] > 0 ? (out.data()[i] - x.data()[i]) / inverse.data()[i] : 0.0f;
-    coarse.restrict_to(band, residual, expected, one_thread);
+    coarse.restrict_to(residual, expected, one_thread);
     coarse.restrict_residual(band, job, restricted, one_thread);
     for (size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(restricted.data()[i], expected.data()[i], 2e-5);
   }

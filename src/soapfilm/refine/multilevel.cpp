@@ -29,26 +29,14 @@ void for_each_parent(int fine, Visit&& visit) {
   if (fine & 1) visit((fine >> 1) + 1);
 }
 
-/// body(brick) for those that have rows: every second layer at the same time, since no two of these touch a common
-/// coarse row; in an order, for each row, that does not depend on threads.
-template <class Body>
-void for_bricks_apart(const NarrowBand& fine, const Parallel& parallel, Body&& body) {
-  for_layers_apart(static_cast<size_t>(layers_of(fine)), parallel, [&](size_t layer) {
-    const auto [begin, end] = fine.grid().layer(static_cast<int>(layer));
-    for (size_t b = begin; b < end; ++b)
-      if (fine.first_row(b) < fine.first_row(b + 1)) body(b);
-  });
-}
-
 void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Parallel& parallel) {
   parallel.for_chunks(a.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) out.data()[i] = a.data()[i] * b.data()[i];
   });
 }
 
-}  // namespace
-
-CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
+/// The coarse bricks that the fine ones interpolate from.
+BrickGrid coarse_bricks(const NarrowBand& fine, const Parallel& parallel) {
   const BrickGrid& grid = fine.grid();
   const Vec3i box = grid.bricks();
   // A fine brick touches its parent and, where it is the upper half, the parent's upper neighbours.
@@ -61,42 +49,73 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
       mask.set_shared(Vec3i{c.x >> 1, c.y >> 1, c.z >> 1} + up);
     }
   });
-  BrickGrid coarse(mask, parallel);
-  parent_.resize(grid.size());
-  parallel.for_each(grid.size(), 256, [&](size_t b) {
-    const Vec3i c = grid.coord(b);
-    parent_[b] = coarse.find({c.x >> 1, c.y >> 1, c.z >> 1});
-  });
-  std::vector<uint8_t> vertices(coarse.size() * brick_area);
-  for_bricks_apart(fine, parallel, [&](size_t b) {
-    const Vec3i half{4 * (grid.coord(b).x & 1), 4 * (grid.coord(b).y & 1), 4 * (grid.coord(b).z & 1)};
-    for (uint32_t r = fine.first_row(b); r < fine.first_row(b + 1); ++r) {
-      const unsigned bits = coarse_bits(fine.mask(r)) << half.x;
-      const auto& around = coarse.neighbors(static_cast<size_t>(parent_[b]));
-      for_each_parent(fine.place(r) >> 3, [&](int cz) {
-        for_each_parent(fine.place(r) & 7, [&](int cy) {
-          const int y = half.y + cy, z = half.z + cz;
-          for (int up = 0; up < 2; ++up) {
-            const unsigned part = bits >> (8 * up) & 0xff;
-            const int32_t brick = around[static_cast<size_t>(neighbor_slot(up, y >> 3, z >> 3))];
-            if (part != 0)
-              vertices[static_cast<size_t>(brick) * brick_area + static_cast<size_t>((y & 7) + 8 * (z & 7))] |=
-                  static_cast<uint8_t>(part);
-          }
-        });
-      });
-    }
-  });
-  band_ = NarrowBand(std::move(coarse), vertices, parallel);
+  return BrickGrid(mask, parallel);
 }
 
-BrickTransfer CoarseBand::transfer(const NarrowBand& fine, size_t brick) const {
+/// Marks the coarse vertices that a fine brick's rows interpolate from: a byte per row of a coarse brick.
+void mark_coarse(const NarrowBand& fine, size_t brick, const BrickGrid& coarse, int32_t parent,
+                 std::vector<uint8_t>& vertices) {
+  const Vec3i c = fine.grid().coord(brick);
+  const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
+  const auto& around = coarse.neighbors(static_cast<size_t>(parent));
+  for (uint32_t r = fine.first_row(brick); r < fine.first_row(brick + 1); ++r) {
+    const unsigned bits = coarse_bits(fine.mask(r)) << half.x;
+    for_each_parent(fine.place(r) >> 3, [&](int cz) {
+      for_each_parent(fine.place(r) & 7, [&](int cy) {
+        const int y = half.y + cy, z = half.z + cz;
+        for (int up = 0; up < 2; ++up) {
+          const unsigned part = bits >> (8 * up) & 0xff;
+          const int32_t there = around[static_cast<size_t>(neighbor_slot(up, y >> 3, z >> 3))];
+          if (part != 0)
+            vertices[static_cast<size_t>(there) * brick_area + static_cast<size_t>((y & 7) + 8 * (z & 7))] |=
+                static_cast<uint8_t>(part);
+        }
+      });
+    });
+  }
+}
+
+}  // namespace
+
+CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
+  const BrickGrid& grid = fine.grid();
+  const auto layers = static_cast<size_t>(layers_of(fine));
+  const auto for_bricks = [&](size_t layer, auto&& body) {
+    const auto [begin, end] = grid.layer(static_cast<int>(layer));
+    for (size_t b = begin; b < end; ++b)
+      if (fine.first_row(b) < fine.first_row(b + 1)) body(b);
+  };
+  BrickGrid coarse = coarse_bricks(fine, parallel);
+  std::vector<int32_t> parent(grid.size());  // brick that holds a fine brick's first vertex
+  parallel.for_each(grid.size(), 256, [&](size_t b) {
+    const Vec3i c = grid.coord(b);
+    parent[b] = coarse.find({c.x >> 1, c.y >> 1, c.z >> 1});
+  });
+  std::vector<uint8_t> vertices(coarse.size() * brick_area);
+  for_layers_apart(layers, parallel, [&](size_t layer) {
+    for_bricks(layer, [&](size_t b) { mark_coarse(fine, b, coarse, parent[b], vertices); });
+  });
+  band_ = NarrowBand(std::move(coarse), vertices, parallel);
+
+  first_transfer_.resize(layers + 1);
+  for (size_t layer = 0; layer < layers; ++layer) {
+    first_transfer_[layer + 1] = first_transfer_[layer];
+    for_bricks(layer, [&](size_t) { ++first_transfer_[layer + 1]; });
+  }
+  transfers_.resize(first_transfer_.back());
+  parallel.for_each(layers, 1, [&](size_t layer) {
+    size_t next = first_transfer_[layer];
+    for_bricks(layer, [&](size_t b) { transfers_[next++] = make_transfer(fine, b, parent[b]); });
+  });
+}
+
+BrickTransfer CoarseBand::make_transfer(const NarrowBand& fine, size_t brick, int32_t parent) const {
   constexpr int side = BrickTransfer::side;
   const uint32_t first = fine.first_row(brick);
   const Vec3i c = fine.grid().coord(brick);
   const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
   BrickTransfer transfer{{}, {}, half.x, first, fine.first_row(brick + 1) - first, fine.places() + first};
-  const auto& around = band_.grid().neighbors(static_cast<size_t>(parent_[brick]));
+  const auto& around = band_.grid().neighbors(static_cast<size_t>(parent));
   // Four rows along y lie in one coarse brick, the fifth there too or in the next one.
   const auto gather_rows = [&](int x, auto& rows) {
     for (int z = 0; z < side; ++z) {
@@ -115,31 +134,30 @@ BrickTransfer CoarseBand::transfer(const NarrowBand& fine, size_t brick) const {
 }
 
 template <class Add>
-void CoarseBand::gather(const NarrowBand& fine, RowArray& coarse, const Parallel& parallel, Add&& add) const {
+void CoarseBand::gather(RowArray& coarse, const Parallel& parallel, Add&& add) const {
   parallel.for_chunks(coarse.size(), rows_per_task * brick_side,
                       [&](size_t begin, size_t end) { std::fill(coarse.data() + begin, coarse.data() + end, 0.0f); });
-  for_bricks_apart(fine, parallel, [&](size_t b) { add(transfer(fine, b)); });
+  for_layers_apart(first_transfer_.size() - 1, parallel, [&](size_t layer) {
+    for (const BrickTransfer& transfer : of_layer(layer)) add(transfer);
+  });
 }
 
-void CoarseBand::restrict_to(const NarrowBand& fine, const RowArray& from, RowArray& coarse,
-                             const Parallel& parallel) const {
+void CoarseBand::restrict_to(const RowArray& from, RowArray& coarse, const Parallel& parallel) const {
   const RowKernel kernel = row_kernel();
-  gather(fine, coarse, parallel,
+  gather(coarse, parallel,
          [&](const BrickTransfer& transfer) { kernel.restrict_brick(transfer, from.data(), coarse.data()); });
 }
 
 void CoarseBand::restrict_residual(const NarrowBand& fine, const CycleJob& job, RowArray& coarse,
                                    const Parallel& parallel) const {
   const RowKernel kernel = row_kernel();
-  gather(fine, coarse, parallel,
+  gather(coarse, parallel,
          [&](const BrickTransfer& transfer) { kernel.restrict_residual(fine.view(), job, transfer, coarse.data()); });
 }
 
-void CoarseBand::prolong_onto(const NarrowBand& fine, int layer, const CycleJob& job) const {
+void CoarseBand::prolong_onto(int layer, const CycleJob& job) const {
   const RowKernel kernel = row_kernel();
-  const auto [begin, end] = fine.grid().layer(layer);
-  for (size_t b = begin; b < end; ++b)
-    if (fine.first_row(b) < fine.first_row(b + 1)) kernel.prolong_brick(job, transfer(fine, b));
+  for (const BrickTransfer& transfer : of_layer(static_cast<size_t>(layer))) kernel.prolong_brick(job, transfer);
 }
 
 Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel)
@@ -156,7 +174,7 @@ Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel)
     next.coarse = CoarseBand(finer, parallel);
     const NarrowBand& coarse = next.coarse.band();
     for (RowArray* array : {&next.extent, &next.inverse, &next.b, &next.x, &next.work}) *array = coarse.make_array();
-    next.coarse.restrict_to(finer, coarse_.empty() ? ones : coarse_.back().extent, next.extent, parallel);
+    next.coarse.restrict_to(coarse_.empty() ? ones : coarse_.back().extent, next.extent, parallel);
     coarse_.push_back(std::move(next));
   }
 }
@@ -167,7 +185,7 @@ void Multilevel::set_operator(const RowArray& position_weights, float beta, floa
   set_inverse(0, position_weights, reaction, parallel);
   for (size_t l = 1; l <= coarse_.size(); ++l) {
     Coarse& c = coarse_[l - 1];
-    c.coarse.restrict_to(band(l - 1), l == 1 ? position_weights : coarse_[l - 2].b, c.b, parallel);
+    c.coarse.restrict_to(l == 1 ? position_weights : coarse_[l - 2].b, c.b, parallel);
     set_inverse(l, c.b, reaction, parallel);
   }
 }
@@ -179,7 +197,7 @@ bool Multilevel::local_mean(const RowArray& values, const RowArray& weights, con
   Coarse& c = coarse_.front();
   const NarrowBand& band = c.coarse.band();
   const auto sums = [&](const RowArray& from, RowArray& to) {
-    c.coarse.restrict_to(fine_, from, to, parallel);
+    c.coarse.restrict_to(from, to, parallel);
     // Two passes of diffusion, each one voxel^2; restricting and interpolating are the third.
     apply_laplacian(band, to, 1, -spread, c.work, parallel);
     apply_laplacian(band, c.work, 1, -spread, to, parallel);
@@ -194,7 +212,7 @@ bool Multilevel::local_mean(const RowArray& values, const RowArray& weights, con
   job.inverse = where.data();
   job.x = c.b.data();
   job.out = mean.data();
-  layer_by_layer(layers_of(fine_), parallel, [&](int layer) { c.coarse.prolong_onto(fine_, layer, job); });
+  layer_by_layer(layers_of(fine_), parallel, [&](int layer) { c.coarse.prolong_onto(layer, job); });
   return true;
 }
 
@@ -256,7 +274,7 @@ double Multilevel::cycle(size_t level, const RowArray& b, RowArray& work, RowArr
   const CycleJob smooth = smoothing(work, x);
   std::vector<double> sums(static_cast<size_t>(layers_of(band)));
   layer_by_layer(
-      layers_of(band), parallel, [&](int layer) { c.coarse.prolong_onto(band, layer, prolong); },
+      layers_of(band), parallel, [&](int layer) { c.coarse.prolong_onto(layer, prolong); },
       [&](int layer) {
         sums[static_cast<size_t>(layer)] = sum_over_rows(rows_of_layer(band, layer), [&](size_t begin, size_t end) {
           return kernel.smooth(rows, smooth, begin, end);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "soapfilm/refine/narrow_band.h"
@@ -18,21 +19,26 @@ class CoarseBand {
 
   const NarrowBand& band() const { return band_; }
   /// coarse = P^T from, which is 0 outside the fine band.
-  void restrict_to(const NarrowBand& fine, const RowArray& from, RowArray& coarse, const Parallel& parallel) const;
+  void restrict_to(const RowArray& from, RowArray& coarse, const Parallel& parallel) const;
   /// coarse = P^T of the residual that RowKernel::restrict_residual() has.
   void restrict_residual(const NarrowBand& fine, const CycleJob& job, RowArray& coarse, const Parallel& parallel) const;
   /// out = inverse b + P x where inverse > 0, elsewhere 0, on a layer of fine bricks along z; x is coarse.
-  void prolong_onto(const NarrowBand& fine, int layer, const CycleJob& job) const;
+  void prolong_onto(int layer, const CycleJob& job) const;
 
  private:
-  BrickTransfer transfer(const NarrowBand& fine, size_t brick) const;
+  /// `parent`: the coarse brick that holds the fine one's first vertex.
+  BrickTransfer make_transfer(const NarrowBand& fine, size_t brick, int32_t parent) const;
+  std::span<const BrickTransfer> of_layer(size_t z) const {
+    return std::span(transfers_).subspan(first_transfer_[z], first_transfer_[z + 1] - first_transfer_[z]);
+  }
   /// coarse = 0, then add(transfer) for all fine bricks. A layer of bricks along z is one task: its bricks add to
   /// common rows in order. So do neighbouring layers, which take turns.
   template <class Add>
-  void gather(const NarrowBand& fine, RowArray& coarse, const Parallel& parallel, Add&& add) const;
+  void gather(RowArray& coarse, const Parallel& parallel, Add&& add) const;
 
   NarrowBand band_;
-  std::vector<int32_t> parent_;  ///< brick that holds a fine brick's first vertex
+  std::vector<BrickTransfer> transfers_;  ///< of the fine bricks that have rows; they look at the fine band
+  std::vector<size_t> first_transfer_;    ///< of each layer of fine bricks along z
 };
 
 /// An approximate inverse, symmetric positive definite, of A = data + beta G + gamma G^2: two V-cycles, one after the

@@ -53,7 +53,7 @@ struct Weighted {
 
 /// Fetches what a row further on will read of an array beyond the rows that are next to it in memory.
 HWY_INLINE void fetch_neighbors(const float* v, const Neighbors& n) {
-  for (const size_t above : {3, 5}) hwy::Prefetch(v + size_t{n[above]} * brick_side);
+  for (const size_t above : {3, 4, 5}) hwy::Prefetch(v + size_t{n[above]} * brick_side);
 }
 
 /// The two neighbours along x.

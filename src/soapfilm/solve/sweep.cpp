@@ -15,9 +15,10 @@ constexpr RowMask first_y = 0x0101010101010101;  // rows with y = 0
 constexpr RowMask last_y = first_y << 7;
 constexpr RowMask first_z = 0xFF;  // rows with z = 0
 
-/// A tile's rows of bricks along y and z. A row of a scan's band holds some ten bricks of 11 kB at 512 vertices, so 8
-/// sweeps of 8 rows stay within a share of the last cache.
-constexpr int tile_y = 8;
+/// A tile's rows of bricks along y and z. Sweeps follow one another a row apart along y and z, so 8 of them work on 8 x
+/// 11 rows at a time. A row of a scan's band holds some ten bricks of 11 kB at 512 vertices, twenty at 1024: a share of
+/// the last cache.
+constexpr int tile_y = 4;
 constexpr int tile_z = 4;
 
 RowMask pairs_of(RowMask rows) { return (rows | rows >> 1) & even_rows; }
@@ -53,7 +54,6 @@ PrimalJob primal_job(Level& level, size_t brick, RowMask pairs, StepSizes steps,
           u_bar,
           faces,
           level.u.brick(next),
-          level.p.brick(next),
           level.data(next),
           low_face(level, next, 1),
           low_face(level, next, 2),
@@ -73,7 +73,8 @@ DualJob dual_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, con
               above(level.grid, brick, 2, faces),
               {},
               steps.sigma,
-              level.lambda * within_ball};
+              level.lambda * within_ball,
+              level.p.brick(brick > 0 ? brick - 1 : 0)};
   for (int axis = 0; axis < 3; ++axis)
     job.fixed_up[axis] = level.grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])] == outside_band;
   return job;

@@ -56,13 +56,38 @@ HWY_INLINE M lanes_of(unsigned pair, int x) {
   const uint8_t bits[8] = {static_cast<uint8_t>(pair >> x & 0xff), static_cast<uint8_t>(pair >> x >> 8)};
   return hn::LoadMaskBits(D(), bits);
 }
-HWY_INLINE unsigned bits_of(M lanes, int x) {
+/// The lanes from x on of the pair whose first row is y, as bits of the layer's 64 vertices.
+HWY_INLINE uint64_t bits_of(M lanes, int y, int x) {
   uint8_t bits[8] = {};
   hn::StoreMaskBits(D(), lanes, bits);
-  return static_cast<unsigned>(bits[0] | bits[1] << 8) << x;
+  return static_cast<uint64_t>(bits[0] | bits[1] << 8) << (brick_side * y + x);
 }
-/// A bit for each row of a pair.
-HWY_INLINE RowMask rows_with(unsigned pair) { return ((pair & 0xff) != 0 ? 1u : 0u) | (pair > 0xff ? 2u : 0u); }
+/// A bit for each of a layer's rows that have one of the 64 vertices.
+HWY_INLINE RowMask rows_with(uint64_t vertices) {
+  constexpr uint64_t low_bits = 0x7f7f7f7f7f7f7f7f;
+  const uint64_t high_bits = (((vertices & low_bits) + low_bits) | vertices) & ~low_bits;
+  return (high_bits >> 7) * 0x0102040810204080 >> 56;
+}
+
+/// Calls layer(z) for each layer of the brick that has marked pairs of rows, and its step(y) for each of these by the
+/// first row. A step returns which of the layer's vertices have moved; the rows that have are gathered. A step's y is
+/// a constant: so is the distance of all that it loads from the layer's first values.
+template <class Layer>
+HWY_INLINE RowMask step_pairs(RowMask pairs, Layer&& layer) {
+  RowMask moved = 0;
+  for (int z = 0; z < brick_side; ++z) {
+    const auto marked = static_cast<unsigned>(pairs >> (brick_side * z) & 0xff);
+    if (marked == 0) continue;
+    const auto at = layer(z);
+    uint64_t moves = 0;
+    if (marked & 0x01) moves |= at.step(0);
+    if (marked & 0x04) moves |= at.step(2);
+    if (marked & 0x10) moves |= at.step(4);
+    if (marked & 0x40) moves |= at.step(6);
+    moved |= rows_with(moves) << (brick_side * z);
+  }
+  return moved;
+}
 
 /// u - tau (grad^T p - f), clipped to [0, cap].
 HWY_INLINE V primal_step(V u, V grad_t_p, V f, V tau, V cap) {
@@ -70,78 +95,104 @@ HWY_INLINE V primal_step(V u, V grad_t_p, V f, V tau, V cap) {
   return hn::Min(hn::Max(moved, hn::Zero(D())), cap);
 }
 
-/// Which rows hold a free vertex.
-RowMask free_rows(Vec3i lo, Vec3i hi) {
-  const RowMask layer = (RowMask{1} << hi.y) - (RowMask{1} << lo.y);
-  RowMask rows = 0;
-  for (int z = lo.z; z < hi.z; ++z) rows |= layer << (brick_side * z);
-  return hi.y > lo.y ? rows : 0;
-}
+/// What u is clipped to on a layer: 1 at free vertices, elsewhere 0.
+class Caps {
+ public:
+  HWY_INLINE Caps(Vec3i lo, Vec3i hi) : lo_z_(lo.z), hi_z_(hi.z) {
+    if (lo.x == 0 && lo.y == 0 && hi.x == brick_side && hi.y == brick_side) {
+      for (int i = 0; i < brick_area; ++i) inside_[i] = 1;
+      return;
+    }
+    for (int i = 0; i < brick_area; ++i) {
+      const int x = i % brick_side, y = i / brick_side;
+      inside_[i] = x >= lo.x && x < hi.x && y >= lo.y && y < hi.y ? 1.0f : 0.0f;
+    }
+  }
+  HWY_INLINE const float* layer(int z) const { return z >= lo_z_ && z < hi_z_ ? inside_ : outside_; }
+
+ private:
+  HWY_ALIGN float inside_[brick_area];
+  HWY_ALIGN float outside_[brick_area] = {};
+  int lo_z_, hi_z_;
+};
+
+/// The primal step's layer z.
+class PrimalLayer {
+ public:
+  HWY_INLINE PrimalLayer(const PrimalJob& job, const float* cap, int z)
+      : u_(job.u + z * brick_area),
+        u_bar_(job.u_bar + z * brick_area),
+        face_x_(job.face_x + z * brick_side),
+        f_(job.f + z * brick_area),
+        p_(job.p + z * brick_area),
+        left_(job.low_x.base + z * brick_side * job.low_x.inner),
+        left_inner_(job.low_x.inner),
+        front_(job.low_y.row(z)),
+        below_(z == 0 ? job.low_z.base : p_ + 2 * brick_volume - brick_area),
+        cap_(cap),
+        tau_(job.tau),
+        next_u_(job.next_u + z * brick_area),
+        next_f_(job.next_f + z * brick_area),
+        after_next_p_(job.after_next_p + z * brick_area) {
+    hwy::Prefetch(job.next_low_y.row(z));
+    if (z == 0)
+      for (int y = 0; y < brick_side; y += 2) hwy::Prefetch(job.next_low_z.row(y));
+  }
+
+  HWY_INLINE uint64_t step(int y) const {
+    const D d;
+    const int row = y * brick_side;
+    hwy::Prefetch(next_u_ + row);
+    hwy::Prefetch(after_next_p_ + row);
+    hwy::Prefetch(next_f_ + row);
+    const float *px = p_ + row, *py = px + brick_volume, *pz = py + brick_volume;
+    uint64_t moves = 0;
+    for (int x = 0; x < pair_size; x += lane_count()) {
+      const V x_here = hn::Load(d, px + x), y_here = hn::Load(d, py + x), z_here = hn::Load(d, pz + x);
+      const V dx = hn::Sub(lower_along_x(y, x, x_here), x_here);
+      const V dy = hn::Sub(load_rows(y == 0 ? front_ : py - brick_side, py, x), y_here);
+      const V dz = hn::Sub(hn::LoadU(d, below_ + row + x), z_here);
+      const V old = hn::Load(d, u_ + row + x);
+      const V u_new = primal_step(old, hn::Add(hn::Add(dx, dy), dz), hn::Load(d, f_ + row + x), hn::Set(d, tau_),
+                                  hn::Load(d, cap_ + row + x));
+      moves |= bits_of(hn::Ne(u_new, old), y, x);
+      hn::Store(u_new, d, u_ + row + x);
+      hn::Store(hn::Sub(hn::Add(u_new, u_new), old), d, u_bar_ + row + x);
+    }
+    face_x_[y] = u_bar_[row];
+    face_x_[y + 1] = u_bar_[row + brick_side];
+    return moves;
+  }
+
+ private:
+  /// p_x before the vertices from x on of a pair. Nothing is loaded from before the brick: that belongs to another
+  /// brick, which another thread may be writing.
+  HWY_INLINE V lower_along_x(int y, int x, V here) const {
+    const D d;
+    const float* before = p_ + y * brick_side + x - 1;
+    if (x % brick_side != 0) return hn::LoadU(d, before);
+    HWY_ALIGN int32_t down[pair_size];
+    for (int i = 0; i < lane_count(); ++i) down[i] = (i + lane_count() - 1) % lane_count();
+    const V lower = y == 0 && x == 0 ? hn::TableLookupLanes(here, hn::SetTableIndices(d, down)) : hn::LoadU(d, before);
+    const float* left = left_ + y * left_inner_;
+    return with_ends(lanes_of(0x0101, 0), left, left + left_inner_, x, lower);
+  }
+
+  float* HWY_RESTRICT u_;
+  float* HWY_RESTRICT u_bar_;
+  float* HWY_RESTRICT face_x_;
+  const float *f_, *p_;
+  const float* left_;  ///< p_x before the rows
+  ptrdiff_t left_inner_;
+  const float *front_, *below_;  ///< p_y before the first row, p_z before the layer
+  const float* cap_;
+  float tau_;
+  const float *next_u_, *next_f_, *after_next_p_;
+};
 
 RowMask primal(const PrimalJob& job) {
-  const D d;
-  const V tau = hn::Set(d, job.tau);
-  const M first_lanes = lanes_of(0x0101, 0);
-  float* HWY_RESTRICT u = job.u;
-  float* HWY_RESTRICT u_bar = job.u_bar;
-  float* HWY_RESTRICT face_x = job.face_x;
-  const float* f = job.f;
-  const float* px = job.p;
-  const float* py = px + brick_volume;
-  const float* pz = py + brick_volume;
-  const LowFace low_x = job.low_x, low_y = job.low_y, low_z = job.low_z;
-  const LowFace next_low_y = job.next_low_y, next_low_z = job.next_low_z;
-  const float *next_u = job.next_u, *next_p = job.next_p, *next_f = job.next_f, *after_next_p = job.after_next_p;
-
-  HWY_ALIGN float cap_rows[4][pair_size] =
-      {};  // bit 0 of the index: the first row has free vertices, bit 1: the second
-  for (int k = 0; k < 4; ++k)
-    for (int x = job.free_lo.x; x < job.free_hi.x; ++x) {
-      cap_rows[k][x] = static_cast<float>(k & 1);
-      cap_rows[k][x + brick_side] = static_cast<float>(k >> 1);
-    }
-  const RowMask free = free_rows(job.free_lo, job.free_hi);
-  // Nothing is loaded from before the brick: that belongs to another brick, which another thread may be writing.
-  float rows_0[pair_size] = {};
-  for (int x = 1; x < pair_size; ++x) rows_0[x] = px[x - 1];
-
-  RowMask moved = 0;
-  for (RowMask left = job.pairs; left != 0; left &= left - 1) {
-    const int bit = std::countr_zero(left);
-    const int row = bit * brick_side;
-    const bool first_y = bit % brick_side == 0;
-    hwy::Prefetch(next_u + row);
-    hwy::Prefetch(after_next_p + row);
-    hwy::Prefetch(next_p + brick_volume + row);
-    hwy::Prefetch(next_p + 2 * brick_volume + row);
-    hwy::Prefetch(next_f + row);
-    if (first_y) hwy::Prefetch(next_low_y.row(bit / brick_side));
-    if (bit < brick_side) hwy::Prefetch(next_low_z.row(bit));
-
-    const float* left_x = low_x.base + bit * low_x.inner;
-    const float* below_x = bit == 0 ? rows_0 : px + row - 1;
-    const float* below_y = first_y ? low_y.row(bit / brick_side) : py + row - brick_side;
-    const float* below_z = bit < brick_side ? low_z.row(bit) : pz + row - brick_area;
-    const float* cap = cap_rows[free >> bit & 3];
-    unsigned moves = 0;
-    for (int x = 0; x < pair_size; x += lane_count()) {
-      V lower_x = hn::LoadU(d, below_x + x);
-      if (x % brick_side == 0) lower_x = with_ends(first_lanes, left_x, left_x + low_x.inner, x, lower_x);
-      const V old = hn::Load(d, u + row + x);
-      const V dx = hn::Sub(lower_x, hn::Load(d, px + row + x));
-      const V dy = hn::Sub(load_rows(below_y, py + row, x), hn::Load(d, py + row + x));
-      const V dz = hn::Sub(hn::LoadU(d, below_z + x), hn::Load(d, pz + row + x));
-      const V grad_t_p = hn::Add(hn::Add(dx, dy), dz);
-      const V u_new = primal_step(old, grad_t_p, hn::Load(d, f + row + x), tau, hn::Load(d, cap + x));
-      moves |= bits_of(hn::Ne(u_new, old), x);
-      hn::Store(u_new, d, u + row + x);
-      hn::Store(hn::Sub(hn::Add(u_new, u_new), old), d, u_bar + row + x);
-    }
-    face_x[bit] = u_bar[row];
-    face_x[bit + 1] = u_bar[row + brick_side];
-    moved |= rows_with(moves) << bit;
-  }
-  return moved;
+  const Caps caps(job.free_lo, job.free_hi);
+  return step_pairs(job.pairs, [&](int z) HWY_ATTR { return PrimalLayer(job, caps.layer(z), z); });
 }
 
 /// Forward differences of u_bar.
@@ -149,49 +200,32 @@ struct Gradient {
   V x, y, z;
 };
 
-/// The u_bar that a brick's dual step reads, pair of rows by pair.
-class UBarRows {
+/// The u_bar that the dual step of layer z reads.
+class UBarLayer {
  public:
-  explicit HWY_INLINE UBarRows(const DualJob& job)
-      : u_bar_(job.u_bar),
-        above_x_(job.above_x),
-        above_y_(job.above_y),
-        above_z_(job.above_z),
-        last_lanes_(lanes_of(0x8080, pair_size - lane_count())) {}
+  HWY_INLINE UBarLayer(const DualJob& job, int z)
+      : u_bar_(job.u_bar + z * brick_area),
+        right_(job.above_x + z * brick_side),
+        back_(job.above_y + z * brick_side),
+        above_(z == brick_side - 1 ? job.above_z : u_bar_ + brick_area) {}
 
-  /// Of the vertices from x on of the pair whose first row is `bit`.
-  HWY_INLINE Gradient forward_difference(int bit, int x) const {
+  /// Of the vertices from x on of the pair whose first row is y.
+  HWY_INLINE Gradient forward_difference(int y, int x) const {
     const D d;
-    const float* rows = u_bar_ + bit * brick_side;
-    const bool last_y = bit % brick_side == brick_side - 2, last_z = bit >= brick_area - brick_side;
-    const float* next_y = last_y ? above_y_ + bit - (brick_side - 2) : rows + pair_size;
-    const float* next_z = last_z ? above_z_ + (bit - (brick_area - brick_side)) * brick_side : rows + brick_area;
+    const int row = y * brick_side;
+    const float* rows = u_bar_ + row;
     const V here = hn::Load(d, rows + x);
     V next_x = hn::LoadU(d, rows + x + 1);
     if ((x + lane_count()) % brick_side == 0)
-      next_x = with_ends(last_lanes_, above_x_ + bit, above_x_ + bit + 1, x, next_x);
-    return {hn::Sub(next_x, here), hn::Sub(load_rows(rows + brick_side, next_y, x), here),
-            hn::Sub(hn::LoadU(d, next_z + x), here)};
+      next_x = with_ends(lanes_of(0x8080, pair_size - lane_count()), right_ + y, right_ + y + 1, x, next_x);
+    const V next_y = load_rows(rows + brick_side, y == brick_side - 2 ? back_ : rows + pair_size, x);
+    return {hn::Sub(next_x, here), hn::Sub(next_y, here), hn::Sub(hn::LoadU(d, above_ + row + x), here)};
   }
 
  private:
-  const float *u_bar_, *above_x_, *above_y_, *above_z_;
-  M last_lanes_;
+  const float* u_bar_;
+  const float *right_, *back_, *above_;  ///< beyond the rows, the last row and the layer
 };
-
-/// Calls step(bit, x) for the vertices from x on of each pair and gathers the rows in which a lane that it returns
-/// lies.
-template <class Step>
-HWY_INLINE RowMask step_pairs(RowMask pairs, Step&& step) {
-  RowMask moved = 0;
-  for (; pairs != 0; pairs &= pairs - 1) {
-    const int bit = std::countr_zero(pairs);
-    unsigned moves = 0;
-    for (int x = 0; x < pair_size; x += lane_count()) moves |= bits_of(step(bit, x), x);
-    moved |= rows_with(moves) << bit;
-  }
-  return moved;
-}
 
 /// p of some vertices of a pair.
 struct Flux {
@@ -231,8 +265,8 @@ struct Fixed {
   M x, y, z;
 };
 
-HWY_INLINE Fixed fixed_flux(const DualJob& job, int bit, int x) {
-  const bool last_y = bit % brick_side == brick_side - 2, last_z = bit >= brick_area - brick_side;
+HWY_INLINE Fixed fixed_flux(const DualJob& job, int y, int z, int x) {
+  const bool last_y = y == brick_side - 2, last_z = z == brick_side - 1;
   return {lanes_of(job.fixed_up[0] ? 0x8080 : 0, x), lanes_of(job.fixed_up[1] && last_y ? 0xff00 : 0, x),
           lanes_of(job.fixed_up[2] && last_z ? 0xffff : 0, x)};
 }
@@ -260,52 +294,78 @@ HWY_INLINE void project_free(const Flux& old, const Fixed& fixed, V lambda_squar
   q = with_fixed(fixed, old, q);
 }
 
+/// The dual step's layer z.
+template <class Projection>
+class DualLayer {
+ public:
+  HWY_INLINE DualLayer(const DualJob& job, const Projection& projection, int z)
+      : u_bar_(job, z), p_(job.p + z * brick_area), job_(job), projection_(projection), z_(z) {}
+
+  HWY_INLINE uint64_t step(int y) const {
+    const V sigma = hn::Set(D(), job_.sigma);
+    const float* next_p = job_.next_p + z_ * brick_area + y * brick_side;
+    hwy::Prefetch(next_p + brick_volume);
+    hwy::Prefetch(next_p + 2 * brick_volume);
+    uint64_t moves = 0;
+    for (int x = 0; x < pair_size; x += lane_count()) {
+      float* at = p_ + y * brick_side + x;
+      const Flux old = load(at);
+      const Gradient g = u_bar_.forward_difference(y, x);
+      Flux q{hn::Add(old.x, hn::Mul(sigma, g.x)), hn::Add(old.y, hn::Mul(sigma, g.y)),
+             hn::Add(old.z, hn::Mul(sigma, g.z))};
+      projection_.apply(
+          old, [&]() HWY_ATTR { return fixed_flux(job_, y, z_, x); }, q);
+      moves |= bits_of(store(q, old, at), y, x);
+    }
+    return moves;
+  }
+
+ private:
+  UBarLayer u_bar_;
+  float* p_;
+  const DualJob& job_;
+  const Projection& projection_;
+  int z_;
+};
+
+template <class Projection>
+HWY_INLINE RowMask step_dual(const DualJob& job, const Projection& projection) {
+  return step_pairs(job.pairs, [&](int z) HWY_ATTR { return DualLayer<Projection>(job, projection, z); });
+}
+
 /// The isotropic norm's.
 template <bool rim>
-RowMask dual_by_length(const DualJob& job) {
-  const D d;
-  const V sigma = hn::Set(d, job.sigma);
-  const V lambda = hn::Set(d, job.lambda);
-  const V lambda_squared = hn::Mul(lambda, lambda);
-  const UBarRows u_bar(job);
-  float* p = job.p;
-  return step_pairs(job.pairs, [&](int bit, int x) HWY_ATTR {
-    float* at = p + bit * brick_side + x;
-    const Flux old = load(at);
-    const Gradient g = u_bar.forward_difference(bit, x);
-    Flux q{hn::Add(old.x, hn::Mul(sigma, g.x)), hn::Add(old.y, hn::Mul(sigma, g.y)),
-           hn::Add(old.z, hn::Mul(sigma, g.z))};
+struct OntoBall {
+  float lambda;
+  template <class FixedFlux>
+  HWY_INLINE void apply(const Flux& old, FixedFlux&& fixed, Flux& q) const {
+    const V radius = hn::Set(D(), lambda), radius_squared = hn::Mul(radius, radius);
     if (rim) {
-      project_free(old, fixed_flux(job, bit, x), lambda_squared, q);
+      project_free(old, fixed(), radius_squared, q);
     } else {
-      project(lambda, lambda_squared, q);
+      project(radius, radius_squared, q);
     }
-    return store(q, old, at);
-  });
-}
+  }
+};
 
 RowMask dual(const DualJob& job) {
   const bool rim = job.fixed_up[0] || job.fixed_up[1] || job.fixed_up[2];
-  return rim ? dual_by_length<true>(job) : dual_by_length<false>(job);
+  return rim ? step_dual(job, OntoBall<true>{job.lambda}) : step_dual(job, OntoBall<false>{job.lambda});
 }
 
 /// The anisotropic norm's: the ball is a cube, so each component is clamped on its own and fixed ones stay.
-RowMask dual_by_component(const DualJob& job) {
-  const D d;
-  const V sigma = hn::Set(d, job.sigma);
-  const V lambda = hn::Set(d, job.lambda);
-  const UBarRows u_bar(job);
-  return step_pairs(job.pairs, [&](int bit, int x) HWY_ATTR {
-    const auto step = [&](V p, V g)
-                          HWY_ATTR { return hn::Min(hn::Max(hn::Add(p, hn::Mul(sigma, g)), hn::Neg(lambda)), lambda); };
-    float* at = job.p + bit * brick_side + x;
-    const Flux old = load(at);
-    const Gradient g = u_bar.forward_difference(bit, x);
-    const Flux q{step(old.x, g.x), step(old.y, g.y), step(old.z, g.z)};
-    const Flux kept = with_fixed(fixed_flux(job, bit, x), old, q);
-    return store(kept, old, at);
-  });
-}
+struct OntoCube {
+  float lambda;
+  template <class FixedFlux>
+  HWY_INLINE void apply(const Flux& old, FixedFlux&& fixed, Flux& q) const {
+    const V most = hn::Set(D(), lambda), least = hn::Neg(most);
+    const Flux clamped{hn::Min(hn::Max(q.x, least), most), hn::Min(hn::Max(q.y, least), most),
+                       hn::Min(hn::Max(q.z, least), most)};
+    q = with_fixed(fixed(), old, clamped);
+  }
+};
+
+RowMask dual_by_component(const DualJob& job) { return step_dual(job, OntoCube{job.lambda}); }
 
 }  // namespace
 
