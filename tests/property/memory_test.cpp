@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "soapfilm/core/error.h"
@@ -6,6 +7,7 @@
 #include "soapfilm/reconstruct.h"
 #include "support/hash.h"
 #include "support/problem.h"
+#include "support/sanitized.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -41,25 +43,26 @@ TEST(MemoryPlan, ACloudThatMayBeFreedGivesTheSameMeshForLess) {
 }
 
 TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
-  const PointCloud cloud = sampled("torus", 160, 1);
+  constexpr int resolution = sanitized ? 80 : 160;
+  const PointCloud cloud = sampled("torus", resolution, 1);
   ReconstructParams params;
-  params.place.resolution = 160;
+  params.place.resolution = resolution;
   Progress progress;
   const Parallel one_thread(1);
-  params.memory_limit = size_t{28} << 20;
+  params.memory_limit = size_t{sanitized ? 10 : 28} << 20;
   std::string message;
   try {
     reconstruct(cloud, params, one_thread, progress);
   } catch (const MemoryError& error) {
     message = error.what();
   }
-  EXPECT_EQ(message.find("memory: resolution 160 needs about"), 0u) << message;
+  EXPECT_EQ(message.find(fmt::format("memory: resolution {} needs about", resolution)), 0u) << message;
   const std::string before = "a resolution of about ";
   const size_t at = message.find(before);
   ASSERT_NE(at, std::string::npos) << message;
   const int fits = std::stoi(message.substr(at + before.size()));
   EXPECT_GT(fits, 20);
-  EXPECT_LT(fits, 160);
+  EXPECT_LT(fits, resolution);
   params.place.resolution = fits;
   EXPECT_NO_THROW(reconstruct(cloud, params, one_thread, progress));
 }
