@@ -118,7 +118,7 @@ void check_memory(const MemoryPlan& plan, std::optional<size_t> limit, size_t he
   const int around = 2 * lattice.padding;
   const bool places = free >= plan.placing_bytes;  // which no resolution changes
   const double left = places && free > plan.fixed_bytes ? static_cast<double>(free - plan.fixed_bytes) : 0;
-  const double shrink = std::sqrt(0.85 * left / static_cast<double>(plan.grid_bytes));
+  const double shrink = std::sqrt(0.8 * left / static_cast<double>(plan.grid_bytes));
   const int fits = around + static_cast<int>((longest - around) * shrink);
   throw MemoryError(
       fmt::format("memory: resolution {} needs about {}, {} is {}; {}", longest, format_bytes(needed),

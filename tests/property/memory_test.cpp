@@ -43,13 +43,13 @@ TEST(MemoryPlan, ACloudThatMayBeFreedGivesTheSameMeshForLess) {
 }
 
 TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
-  constexpr int resolution = sanitized ? 80 : 160;
+  constexpr int resolution = sanitized ? 112 : 160;
   const PointCloud cloud = sampled("torus", resolution, 1);
   ReconstructParams params;
   params.place.resolution = resolution;
   Progress progress;
   const Parallel one_thread(1);
-  params.memory_limit = size_t{sanitized ? 10 : 28} << 20;
+  params.memory_limit = size_t{sanitized ? 16 : 28} << 20;
   std::string message;
   try {
     reconstruct(cloud, params, one_thread, progress);
