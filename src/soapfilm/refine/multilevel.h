@@ -15,12 +15,13 @@ namespace soapfilm {
 class CoarseBand {
  public:
   CoarseBand() = default;
+  /// `fine` must outlive this; it may be moved.
   CoarseBand(const NarrowBand& fine, const Parallel& parallel);
 
   const NarrowBand& band() const { return band_; }
   /// coarse = P^T from, which is 0 outside the fine band.
   void restrict_to(const RowArray& from, RowArray& coarse, const Parallel& parallel) const;
-  /// coarse = P^T of the residual that RowKernel::restrict_residual() has.
+  /// coarse = P^T of the residual that RowKernel::restrict_residual() has, with the same `fine`.
   void restrict_residual(const NarrowBand& fine, const CycleJob& job, RowArray& coarse, const Parallel& parallel) const;
   /// out = inverse b + P x where inverse > 0, elsewhere 0, on a layer of fine bricks along z; x is coarse.
   void prolong_onto(int layer, const CycleJob& job) const;

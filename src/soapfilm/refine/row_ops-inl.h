@@ -51,9 +51,10 @@ struct Weighted {
   HWY_INLINE float one(size_t i) const { return product.one(i) * e[i]; }
 };
 
-/// Fetches what a row further on will read of an array beyond the rows that are next to it in memory.
+/// Fetches what a row further on will read of an array beyond the rows that are next to it in memory. (Those along -y
+/// have just been read.)
 HWY_INLINE void fetch_neighbors(const float* v, const Neighbors& n) {
-  for (const size_t above : {3, 4, 5}) hwy::Prefetch(v + size_t{n[above]} * brick_side);
+  for (const size_t k : {3, 4, 5}) hwy::Prefetch(v + size_t{n[k]} * brick_side);
 }
 
 /// The two neighbours along x.

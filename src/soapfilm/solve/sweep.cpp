@@ -15,9 +15,9 @@ constexpr RowMask first_y = 0x0101010101010101;  // rows with y = 0
 constexpr RowMask last_y = first_y << 7;
 constexpr RowMask first_z = 0xFF;  // rows with z = 0
 
-/// A tile's rows of bricks along y and z. Sweeps follow one another a row apart along y and z, so 8 of them work on 8 x
-/// 11 rows at a time. A row of a scan's band holds some ten bricks of 11 kB at 512 vertices, twenty at 1024: a share of
-/// the last cache.
+/// A tile's rows of bricks along y and z. Each of 8 sweeps works on 4 rows at a time, a row lower along y and z than
+/// the one before. A row of a scan's band holds some ten bricks of 11 kB at 512 vertices, twenty at 1024: all of them a
+/// share of the last cache.
 constexpr int tile_y = 4;
 constexpr int tile_z = 4;
 

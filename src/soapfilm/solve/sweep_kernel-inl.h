@@ -4,8 +4,6 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
-#include <bit>
-
 #include "soapfilm/solve/sweep_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -62,28 +60,28 @@ HWY_INLINE uint64_t bits_of(M lanes, int y, int x) {
   hn::StoreMaskBits(D(), lanes, bits);
   return static_cast<uint64_t>(bits[0] | bits[1] << 8) << (brick_side * y + x);
 }
-/// A bit for each of a layer's rows that have one of the 64 vertices.
+/// A bit for each of a layer's rows with a marked vertex.
 HWY_INLINE RowMask rows_with(uint64_t vertices) {
   constexpr uint64_t low_bits = 0x7f7f7f7f7f7f7f7f;
   const uint64_t high_bits = (((vertices & low_bits) + low_bits) | vertices) & ~low_bits;
   return (high_bits >> 7) * 0x0102040810204080 >> 56;
 }
 
-/// Calls layer(z) for each layer of the brick that has marked pairs of rows, and its step(y) for each of these by the
-/// first row. A step returns which of the layer's vertices have moved; the rows that have are gathered. A step's y is
-/// a constant: so is the distance of all that it loads from the layer's first values.
-template <class Layer>
-HWY_INLINE RowMask step_pairs(RowMask pairs, Layer&& layer) {
+/// Makes layer_at(z) for each layer of the brick that has marked pairs of rows, and calls its step(y) for each of these
+/// by the first row. A step returns which of the layer's vertices have moved; the rows that have are gathered. A step's
+/// y is a constant: so is the distance of all that it loads from the layer's first values.
+template <class LayerAt>
+HWY_INLINE RowMask step_pairs(RowMask pairs, LayerAt&& layer_at) {
   RowMask moved = 0;
   for (int z = 0; z < brick_side; ++z) {
     const auto marked = static_cast<unsigned>(pairs >> (brick_side * z) & 0xff);
     if (marked == 0) continue;
-    const auto at = layer(z);
+    const auto layer = layer_at(z);
     uint64_t moves = 0;
-    if (marked & 0x01) moves |= at.step(0);
-    if (marked & 0x04) moves |= at.step(2);
-    if (marked & 0x10) moves |= at.step(4);
-    if (marked & 0x40) moves |= at.step(6);
+    if (marked & 0x01) moves |= layer.step(0);
+    if (marked & 0x04) moves |= layer.step(2);
+    if (marked & 0x10) moves |= layer.step(4);
+    if (marked & 0x40) moves |= layer.step(6);
     moved |= rows_with(moves) << (brick_side * z);
   }
   return moved;
@@ -171,9 +169,10 @@ class PrimalLayer {
     const D d;
     const float* before = p_ + y * brick_side + x - 1;
     if (x % brick_side != 0) return hn::LoadU(d, before);
-    HWY_ALIGN int32_t down[pair_size];
-    for (int i = 0; i < lane_count(); ++i) down[i] = (i + lane_count() - 1) % lane_count();
-    const V lower = y == 0 && x == 0 ? hn::TableLookupLanes(here, hn::SetTableIndices(d, down)) : hn::LoadU(d, before);
+    // Lanes moved up by one, round the end.
+    HWY_ALIGN int32_t up[pair_size];
+    for (int i = 0; i < lane_count(); ++i) up[i] = (i + lane_count() - 1) % lane_count();
+    const V lower = y == 0 && x == 0 ? hn::TableLookupLanes(here, hn::SetTableIndices(d, up)) : hn::LoadU(d, before);
     const float* left = left_ + y * left_inner_;
     return with_ends(lanes_of(0x0101, 0), left, left + left_inner_, x, lower);
   }
@@ -340,7 +339,7 @@ struct OntoBall {
   template <class FixedFlux>
   HWY_INLINE void apply(const Flux& old, FixedFlux&& fixed, Flux& q) const {
     const V radius = hn::Set(D(), lambda), radius_squared = hn::Mul(radius, radius);
-    if (rim) {
+    if constexpr (rim) {
       project_free(old, fixed(), radius_squared, q);
     } else {
       project(radius, radius_squared, q);
