@@ -52,11 +52,16 @@ BrickGrid coarse_bricks(const NarrowBand& fine, const Parallel& parallel) {
   return BrickGrid(mask, parallel);
 }
 
+/// Where a fine brick's first vertex lies in its parent: 0 or 4 along each axis.
+Vec3i place_in_parent(const NarrowBand& fine, size_t brick) {
+  const Vec3i c = fine.grid().coord(brick);
+  return {4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
+}
+
 /// Marks the coarse vertices that a fine brick's rows interpolate from: a byte per row of a coarse brick.
 void mark_coarse(const NarrowBand& fine, size_t brick, const BrickGrid& coarse, int32_t parent,
                  std::vector<uint8_t>& vertices) {
-  const Vec3i c = fine.grid().coord(brick);
-  const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
+  const Vec3i half = place_in_parent(fine, brick);
   const auto& around = coarse.neighbors(static_cast<size_t>(parent));
   for (uint32_t r = fine.first_row(brick); r < fine.first_row(brick + 1); ++r) {
     const unsigned bits = coarse_bits(fine.mask(r)) << half.x;
@@ -112,8 +117,7 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
 BrickTransfer CoarseBand::make_transfer(const NarrowBand& fine, size_t brick, int32_t parent) const {
   constexpr int side = BrickTransfer::side;
   const uint32_t first = fine.first_row(brick);
-  const Vec3i c = fine.grid().coord(brick);
-  const Vec3i half{4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
+  const Vec3i half = place_in_parent(fine, brick);
   BrickTransfer transfer{{}, {}, half.x, first, fine.first_row(brick + 1) - first, fine.places() + first};
   const auto& around = band_.grid().neighbors(static_cast<size_t>(parent));
   // Four rows along y lie in one coarse brick, the fifth there too or in the next one.

@@ -38,8 +38,11 @@ const float* above(const BrickGrid& grid, size_t brick, int axis, const float* f
   return up < 0 ? zeros : faces + static_cast<size_t>(up) * faces_per_brick + axis * brick_area;
 }
 
+/// The brick that is visited after this one, in descending order; after the last one itself.
+size_t next_of(size_t brick) { return brick > 0 ? brick - 1 : 0; }
+
 PrimalJob primal_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, float* u_bar, float* faces) {
-  const size_t next = brick > 0 ? brick - 1 : 0, after_next = next > 0 ? next - 1 : 0;  // visited in descending order
+  const size_t next = next_of(brick), after_next = next_of(next);
   const FreeRange range = free_range(level.box, level.grid.coord(brick));
   return {pairs,
           level.u.brick(brick),
@@ -74,7 +77,7 @@ DualJob dual_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, con
               {},
               steps.sigma,
               level.lambda * within_ball,
-              level.p.brick(brick > 0 ? brick - 1 : 0)};
+              level.p.brick(next_of(brick))};
   for (int axis = 0; axis < 3; ++axis)
     job.fixed_up[axis] = level.grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])] == outside_band;
   return job;
