@@ -4,8 +4,6 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
-#include <algorithm>
-
 #include "soapfilm/solve/sweep_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -99,14 +97,15 @@ HWY_INLINE V primal_step(V u, V grad_t_p, V f, V tau, V cap) {
 class Caps {
  public:
   HWY_INLINE Caps(Vec3i lo, Vec3i hi) : lo_z_(lo.z), hi_z_(hi.z) {
-    float row[brick_side] = {};
-    for (int x = lo.x; x < hi.x; ++x) row[x] = 1;
-    for (int y = lo.y; y < hi.y; ++y) std::copy_n(row, brick_side, inside_ + y * brick_side);
+    for (int i = 0; i < brick_area; ++i) {
+      const int x = i % brick_side, y = i / brick_side;
+      inside_[i] = x >= lo.x && x < hi.x && y >= lo.y && y < hi.y ? 1.0f : 0.0f;
+    }
   }
   HWY_INLINE const float* layer(int z) const { return z >= lo_z_ && z < hi_z_ ? inside_ : outside_; }
 
  private:
-  HWY_ALIGN float inside_[brick_area] = {};
+  HWY_ALIGN float inside_[brick_area];
   HWY_ALIGN float outside_[brick_area] = {};
   int lo_z_, hi_z_;
 };
