@@ -46,6 +46,7 @@ class Condition:
     hole: float = 0              # share of the surface
     thin_half: float = 1         # one of so many samples stays on one half
     misalignment: float = 0      # standard deviation of each scan's shift along an axis, voxels
+    density: float = 1           # of even samples, per voxel^2
     scans: bool = False
     baselines: bool = True       # run the older methods too
 
@@ -60,7 +61,7 @@ class Condition:
     @property
     def samples_per_voxel(self):
         """Of surface, voxel^2. Uneven density: the geometric mean of both halves is one."""
-        return self.thin_half**0.5
+        return self.density * self.thin_half**0.5
 
 
 CONDITIONS = (
@@ -75,6 +76,7 @@ CONDITIONS = (
     Condition("outliers-10", "10 % outliers", outliers=0.1),
     Condition("hole", "a hole of a tenth", hole=0.1),
     Condition("density", "density 50 to 1", thin_half=50),
+    Condition("sparse", "noise of 1/2 voxel, 1/5 sample per voxel^2", noise=0.5, density=0.2, baselines=False),
     Condition("scans", "range scans", scans=True),
     Condition("misaligned", "scans misaligned by 1/2 voxel", misalignment=0.5, scans=True),
 )

@@ -18,7 +18,7 @@ same run.
 
 {machine}
 
-- **Samples**: even and independent, about one per voxel^2 of surface, {cells} voxels along the longest side. Density 50
+- **Samples**: even and independent, about one per voxel^2 of surface (but where the condition names another density), {cells} voxels along the longest side. Density 50
   to 1: the geometric mean of the two halves is one. *Range scans* are 18 views with one ray per voxel, some six samples
   per voxel^2; `vrip`, which needs range images, always gets these, with the condition's errors.
 - **Nothing is set by hand**: every run of ours gets the voxel and the method, no other option. (For the order of

@@ -59,7 +59,8 @@ SurfaceField level_set(Segmentation& found, const GridSamples& samples, const Re
     return std::move(*found.surface);
   }
   if (refines(params))
-    return refine(std::move(found.level), threshold, samples, params.refine, parallel, report.refine.emplace());
+    return refine(std::move(found.level), threshold, samples, report.input.density, params.refine, parallel,
+                  report.refine.emplace());
   SurfaceField surface = smoothed_indicator(found.level, threshold, parallel);
   report.isovalue = params.surface.isovalue ? *params.surface.isovalue : mean_at_samples(surface, samples, parallel);
   return surface;

@@ -131,6 +131,7 @@ ordered_json refine_json(const RefineReport& r) {
           {"held_out_error", r.search.held_out_error},
           {"held_out_samples", r.search.samples},
           {"candidates", r.search.candidates},
+          {"spacing", r.spacing},
           {"band_vertices", r.band_vertices},
           {"down_weighted", r.down_weighted},
           {"flips", r.flips},

@@ -93,11 +93,13 @@ inline PointCloud disturbed(const Surface& surface, int resolution, double densi
 /// A shape's samples, solved; ready to be refined.
 struct Solved {
   std::shared_ptr<const Surface> truth;
+  double density;  ///< samples per voxel^2
   Problem problem;
   PyramidSolution solution;
 
   Solved(std::shared_ptr<const Surface> surface, int resolution, double density, const Disturbance& d)
       : truth(std::move(surface)),
+        density(density),
         problem(make_problem(disturbed(*truth, resolution, density, d),
                              place_lattice(truth->box(), voxel_of_resolution(truth->box(), resolution, 6), 6))),
         solution(solve(problem, 0.02 * density, 1e-3)) {}
@@ -129,8 +131,8 @@ inline Level copy_of(const Level& level) {
 
 inline Refined refined(const Solved& solved, const RefineParams& params = {}, int threads = 1) {
   Refined result;
-  result.field =
-      refine(copy_of(solved.solution.finest), 0.5f, solved.problem.samples, params, Parallel(threads), result.report);
+  result.field = refine(copy_of(solved.solution.finest), 0.5f, solved.problem.samples, solved.density, params,
+                        Parallel(threads), result.report);
   result.mesh = mesh_of(result.field, 0, solved.problem.lattice);
   return result;
 }

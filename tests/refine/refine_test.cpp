@@ -171,6 +171,62 @@ TEST(Refine, GivesTheSameBytesForAnyNumberOfThreads) {
     EXPECT_EQ(hash_mesh(refined(solved, {}, threads).mesh), expected);
 }
 
+class SparseSamples : public testing::TestWithParam<std::string> {};
+
+TEST_P(SparseSamples, OfNoiseAreFittedOnCoarserVerticesSlow) {
+  // A grid 2.5 times as fine as the samples: on the grid itself the sphere is off by 1.4 times as much.
+  constexpr double finer = 2.5;
+  const Solved solved(GetParam(), 12 + static_cast<int>(76 * finer), 1 / (finer * finer), {.noise_vox = finer / 3});
+  const Refined coarse = refined(solved), fine = refined(solved, {.sparse = 0});
+  EXPECT_EQ(coarse.report.spacing, 2);
+  EXPECT_EQ(fine.report.spacing, 1);
+  EXPECT_LT(mean_error_vox(solved, coarse.mesh), 0.95 * mean_error_vox(solved, fine.mesh));
+  const TopologyReport of_coarse = check_topology(coarse.mesh), of_fine = check_topology(fine.mesh);
+  EXPECT_TRUE(of_coarse.watertight());
+  EXPECT_EQ(of_coarse.components.size(), of_fine.components.size());
+  EXPECT_EQ(of_coarse.genus(), of_fine.genus());
+  // Reported in the grid's voxels.
+  EXPECT_NEAR(coarse.report.strength.noise, fine.report.strength.noise, 0.1);
+  EXPECT_NEAR(coarse.report.search.held_out_error, fine.report.search.held_out_error, 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, SparseSamples, testing::Values("sphere", "torus", "knot"), name_of);
+
+TEST(Refine, SparseSamplesTakeTheStrengthThatIsAskedFor) {
+  const Solved solved("sphere", 72, 0.06, {.noise_vox = 0.9});
+  const Refined result = refined(solved, {.smoothing = 50.0, .normals = 0.25});
+  EXPECT_GT(result.report.spacing, 1);
+  EXPECT_EQ(result.report.strength.smoothing, 50);
+  EXPECT_EQ(result.report.strength.normals, 0.25);
+  EXPECT_EQ(check_topology(result.mesh).components.size(), 1u);
+}
+
+TEST(Refine, SparseSamplesGiveTheSameBytesForAnyNumberOfThreads) {
+  const Solved solved("sphere", 72, 0.06, {.noise_vox = 0.9});
+  const Refined expected = refined(solved);
+  EXPECT_GT(expected.report.spacing, 1);
+  for (const int threads : sanitized ? std::vector{3} : std::vector{2, 3, 8})
+    EXPECT_EQ(hash_mesh(refined(solved, {}, threads).mesh), hash_mesh(expected.mesh));
+}
+
+TEST(Refine, SparseSamplesWithoutNoiseAreFittedOnTheGridItself) {
+  const Solved solved("torus", 60, 0.2);
+  const Refined result = refined(solved);
+  EXPECT_EQ(result.report.spacing, 1);
+  EXPECT_EQ(hash_mesh(result.mesh), hash_mesh(refined(solved, {.sparse = 0}).mesh));
+}
+
+TEST(Refine, WhatIsThinnerThanCoarserCellsIsFittedOnTheGridItself) {
+  // A plate of three voxels: a cell and a half of every second vertex.
+  constexpr int resolution = 100;
+  const double voxel = 1.0 / (resolution - 12);
+  const Solved solved(make_shape("plate", {.thickness = 3 * voxel}), resolution, 0.2, {.noise_vox = 0.6});
+  const Refined result = refined(solved);
+  EXPECT_GT(result.report.strength.noise, 0.3) << "noise enough for coarser vertices";
+  EXPECT_EQ(result.report.spacing, 1);
+  EXPECT_EQ(hash_mesh(result.mesh), hash_mesh(refined(solved, {.sparse = 0}).mesh));
+}
+
 TEST(Refine, RefusesParametersOutOfRange) {
   const auto message = [](const RefineParams& params) -> std::string {
     try {
@@ -183,6 +239,7 @@ TEST(Refine, RefusesParametersOutOfRange) {
   EXPECT_EQ(message({}), "accepted");
   EXPECT_EQ(message({.smoothing = -1.0}), "smoothing = -1, must be in [1e-06, 1e+06]");
   EXPECT_NE(message({.reach = 9}).find("refine reach = 9"), std::string::npos);
+  EXPECT_NE(message({.sparse = -1}).find("refine sparse = -1"), std::string::npos);
 }
 
 }  // namespace TEST_FILE

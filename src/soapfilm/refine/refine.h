@@ -19,13 +19,16 @@ struct RefineParams {
   std::optional<double> normals{};    ///< weight of a unit normal against one voxel; [0, 1e6], 0: viewing directions
                                       ///< only. Without it: chosen by held-out samples
   RobustParams robust{};
-  double reach = 3;  ///< half width of the band, voxels; [1, 3]
+  double reach = 3;     ///< half width of the band, voxels; [1, 3]
+  double sparse = 0.5;  ///< samples per voxel^2, [0, 1e3]: where there are fewer, a fit on every second vertex, or
+                        ///< every fourth, ..., takes its place if that serves as well
 };
 
 struct RefineReport {
-  Strength strength;      ///< in use
-  StrengthReport search;  ///< how it was found
-  size_t band_vertices = 0;
+  Strength strength;         ///< in use
+  StrengthReport search;     ///< how it was found
+  double spacing = 1;        ///< of the vertices that the fit worked on, voxels: 1, 2, 4, ...
+  size_t band_vertices = 0;  ///< on either side of the surface
   size_t cells = 0;          ///< with a sample of weight > 0
   size_t down_weighted = 0;  ///< samples of weight < 1/4, those that the band does not see included
   size_t flips = 0;          ///< vertices that changed sides
@@ -36,12 +39,13 @@ struct RefineReport {
 /// Throws ParameterError naming the first value that is out of its range, and the range.
 void validate(const RefineParams& params);
 
-/// Moves the level set of the binary indicator u > threshold onto the samples: design note in displacement.h. The level
+/// Moves the level set of the binary indicator u > threshold onto the samples, of which there are `density` per voxel^2
+/// of surface: design note in displacement.h. The level
 /// set 0 of the result is the surface; it is positive inside and about the signed distance in voxels near it. Its
 /// components and genus are the indicator's (`level` is freed early when it is moved in): signs differ only where
 /// simple points were turned one after the other. The result does not depend on the number of threads. Throws
 /// ParameterError.
-SurfaceField refine(Level level, float threshold, const GridSamples& samples, const RefineParams& params,
-                    const Parallel& parallel, RefineReport& report);
+SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,
+                    const RefineParams& params, const Parallel& parallel, RefineReport& report);
 
 }  // namespace soapfilm

@@ -4,14 +4,13 @@
 #include <optional>
 
 #include "soapfilm/refine/robust_fit.h"
+#include "soapfilm/refine/start.h"
 
 namespace soapfilm {
 
 struct StrengthParams {
   std::optional<double> smoothing{};  ///< gamma; without it: chosen
   std::optional<double> normals{};    ///< weight of directions; without it: chosen
-  size_t samples = 20000;             ///< look at patches with about this many
-  uint64_t seed = 1;                  ///< of the choice of patches
 };
 
 struct StrengthReport {
@@ -33,8 +32,7 @@ struct StrengthReport {
 /// when that lowers the score or, where curvature yields, raises it by less than one standard error. The noise is 1.48
 /// times the median of the held-out distances, the standard error that of as many normal deviates. Cost: some ten fits
 /// of `samples` samples, whatever their number.
-Strength choose_strength(const NarrowBand& band, const RowArray& phi0, const GridSamples& samples,
-                         const RobustParams& robust, const StrengthParams& params, const Parallel& parallel,
-                         StrengthReport& report);
+Strength choose_strength(const Start& start, const GridSamples& samples, const RobustParams& robust,
+                         const StrengthParams& params, const Parallel& parallel, StrengthReport& report);
 
 }  // namespace soapfilm

@@ -1,0 +1,68 @@
+// How near samples that a fit did not see come to lie to its surface: what the strength and the grid are chosen by.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "soapfilm/refine/robust_fit.h"
+#include "soapfilm/refine/start.h"
+
+namespace soapfilm {
+
+struct HeldOutParams {
+  size_t samples = 20000;  ///< look at patches of the surface with about this many
+  int patch_bricks = 4;    ///< along each axis: twice as many on a grid twice as fine give the same patches
+  uint64_t seed = 1;       ///< of the choice of patches
+};
+
+/// Patches of the surface, fitted to three quarters of their samples.
+class HeldOut {
+ public:
+  HeldOut(const Start& start, const GridSamples& samples, const RobustParams& robust, const HeldOutParams& params,
+          const Parallel& parallel);
+
+  struct Outcome {
+    double score = 0;           ///< mean |phi| of the held-out samples
+    double noise = 0;           ///< standard deviation of the samples from the surface, voxels, by their median
+    double standard_error = 0;  ///< of the score, were the noise normal: outliers do not enter
+    double agreement_deg = 0;   ///< median angle between the directions and the surface's normals
+  };
+
+  /// Of a fit to the others. Remembered, so that searches may ask twice.
+  const Outcome& outcome(double smoothing, double normals);
+  double score(double smoothing, double normals) { return outcome(smoothing, normals).score; }
+  /// Curvature does not yield from now on.
+  void stiffen();
+
+  /// phi on band(), fitted to the others. Each fit starts with the bends that the last one yielded to: rounds saved.
+  const RowArray& fit(const Strength& strength);
+  /// Mean distance of the held-out samples from a surface on band(), voxels; nothing where none is seen.
+  std::optional<double> mean_distance(const RowArray& phi) const;
+
+  const NarrowBand& band() const { return part_.first; }  ///< that of the patches
+  const RowArray& phi0() const { return part_.second; }
+  size_t samples() const { return samples_.size(); }
+  int candidates() const { return static_cast<int>(outcomes_.size()); }
+
+ private:
+  Outcome judge(double smoothing, double normals);
+  std::vector<float> residuals(const RowArray& phi) const;
+  double agreement() const;
+
+  RobustParams robust_;
+  const Parallel& parallel_;
+  BrickMask patches_;
+  GridSamples samples_;
+  std::pair<NarrowBand, RowArray> part_;
+  CellSamples cells_;
+  Displacement displacement_;
+  std::vector<uint8_t> train_;
+  bool yield_ = true;
+  std::vector<std::optional<Jet>> first_;  // of phi0
+  std::map<std::pair<double, double>, Outcome> outcomes_;
+};
+
+}  // namespace soapfilm

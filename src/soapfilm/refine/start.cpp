@@ -1,0 +1,148 @@
+#include "soapfilm/refine/start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "soapfilm/grid/brick_bits.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr size_t bricks_of_a_task = 64;
+
+/// Quantile function of the standard normal distribution in [0.016, 0.984] (rational approximation of Acklam 2003).
+float normal_quantile(float p) {
+  const float q = p - 0.5f, r = q * q;
+  const float num =
+      ((((-39.6968303f * r + 220.946098f) * r - 275.928510f) * r + 138.357752f) * r - 30.6647981f) * r + 2.50662828f;
+  const float den =
+      ((((-54.4760988f * r + 161.585837f) * r - 155.698980f) * r + 66.8013119f) * r - 13.2806816f) * r + 1;
+  return q * num / den;
+}
+
+/// The filter of section 4.1 has variance 2 along every direction, so that a plane's smoothed indicator is nearly the
+/// normal distribution's.
+float distance_of(float smoothed) { return 1.41421356f * normal_quantile(smoothed); }
+
+NarrowBand make_band(const SurfaceField& field, const LevelBox& box, double reach, const Parallel& parallel) {
+  const auto limit = static_cast<float>(0.5 * std::erfc(reach / 2));
+  const float last = std::nextafter(1 - limit, 0.0f);  // below 1 - limit
+  std::vector<uint8_t> vertices(field.grid.size() * brick_area);
+  parallel.for_each(field.grid.size(), bricks_of_a_task, [&](size_t b) {
+    const float* v = field.value.brick(b);
+    const BrickBits near = BrickBits::above(v, limit) & ~BrickBits::above(v, last);
+    const FreeRange range = free_range(box, field.grid.coord(b));
+    const unsigned free_x = range.lo.x < range.hi.x ? (1u << range.hi.x) - (1u << range.lo.x) : 0;
+    for (int z = range.lo.z; z < range.hi.z; ++z)
+      for (int y = range.lo.y; y < range.hi.y; ++y)
+        vertices[b * brick_area + static_cast<size_t>(y + 8 * z)] = static_cast<uint8_t>(near.row(y, z) & free_x);
+  });
+  return NarrowBand(field.grid, vertices, parallel);
+}
+
+RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Parallel& parallel) {
+  RowArray distance = band.make_array();
+  parallel.for_each(band.grid().size(), bricks_of_a_task, [&](size_t b) {
+    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
+      const float* smoothed = field.value.brick(b) + band.place(r) * brick_side;
+      float* out = distance.data() + static_cast<size_t>(r) * brick_side;
+      for (int x = 0; x < brick_side; ++x)
+        if (band.mask(r) >> x & 1) out[x] = distance_of(smoothed[x]);
+    }
+  });
+  return distance;
+}
+
+Vec3i half_of(Vec3i v) { return {v.x >> 1, v.y >> 1, v.z >> 1}; }
+Vec3i half_up(Vec3i v) { return half_of(v + Vec3i{1, 1, 1}); }
+
+/// The bricks of every second vertex that hold vertices of `fine` ones.
+BrickGrid every_second_vertex(const BrickGrid& fine, const Parallel& parallel) {
+  BrickMask mask(half_up(fine.bricks()));
+  parallel.for_each(fine.size(), 4 * bricks_of_a_task, [&](size_t b) { mask.set_shared(half_of(fine.coord(b))); });
+  return BrickGrid(mask, parallel);
+}
+
+/// visit(fine brick, where its first vertex lies in the coarse one) for the eight that make up a coarse brick, x
+/// fastest.
+template <class Visit>
+void for_each_child(Vec3i coarse, Visit&& visit) {
+  for (int k = 0; k < 8; ++k) {
+    const Vec3i place{k & 1, k >> 1 & 1, k >> 2};
+    visit(coarse * 2 + place, place * (brick_side / 2));
+  }
+}
+
+}  // namespace
+
+Start start_from(const Level& level, float threshold, double reach, const Parallel& parallel) {
+  // The smoothed indicator tells roughly how far each vertex is from the surface.
+  SurfaceField field = smoothed_indicator(level, threshold, parallel);
+  NarrowBand band = make_band(field, level.box, reach, parallel);
+  RowArray phi0 = distance_on(band, field, parallel);
+  return {std::move(field.grid), std::move(field.inside), std::move(band), std::move(phi0)};
+}
+
+Level every_second_vertex(const Level& fine, float threshold, const Parallel& parallel) {
+  Level coarse;
+  coarse.box = {fine.box.level + 1, half_up(fine.box.free_lo), half_of(fine.box.free_hi), half_up(fine.box.bricks)};
+  coarse.grid = every_second_vertex(fine.grid, parallel);
+  coarse.inside = BrickMask(coarse.box.bricks);
+  fine.inside.for_each([&](Vec3i b) {
+    if (((b.x | b.y | b.z) & 1) == 0) coarse.inside.set(half_of(b));
+  });
+  coarse.u = Field<float>(coarse.grid);
+  parallel.for_each(coarse.grid.size(), bricks_of_a_task, [&](size_t b) {
+    float* out = coarse.u.brick(b);
+    for_each_child(coarse.grid.coord(b), [&](Vec3i child, Vec3i place) {
+      constexpr int half = brick_side / 2;
+      const int32_t n = fine.grid.find(child);
+      const float* u = n >= 0 ? fine.u.brick(static_cast<size_t>(n)) : nullptr;
+      const float constant = u ? 0.0f : fine.missing_u(n, child);
+      for (int z = 0; z < half; ++z)
+        for (int y = 0; y < half; ++y)
+          for (int x = 0; x < half; ++x) {
+            const float value = u ? u[brick_offset(2 * x, 2 * y, 2 * z)] : constant;
+            out[brick_offset(place.x + x, place.y + y, place.z + z)] = value > threshold ? 1.0f : 0.0f;
+          }
+    });
+  });
+  return coarse;
+}
+
+GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& parallel) {
+  GridSamples coarse;
+  coarse.bricks = every_second_vertex(samples.bricks, parallel);
+  const auto for_children = [&](size_t b, auto&& visit) {
+    for_each_child(coarse.bricks.coord(b), [&](Vec3i child, Vec3i place) {
+      if (const int32_t n = samples.bricks.find(child); n >= 0) visit(static_cast<size_t>(n), place);
+    });
+  };
+  coarse.begin.assign(coarse.bricks.size() + 1, 0);
+  for (size_t b = 0; b < coarse.bricks.size(); ++b) {
+    coarse.begin[b + 1] = coarse.begin[b];
+    for_children(b, [&](size_t n, Vec3i) { coarse.begin[b + 1] += samples.begin[n + 1] - samples.begin[n]; });
+  }
+  coarse.local.resize(samples.size());
+  coarse.direction.resize(samples.size());
+  coarse.lot.resize(samples.size());
+  // Rounding must not carry a sample into the next brick.
+  const float last = std::nextafter(static_cast<float>(brick_side), 0.0f);
+  parallel.for_each(coarse.bricks.size(), bricks_of_a_task, [&](size_t b) {
+    uint32_t next = coarse.begin[b];
+    for_children(b, [&](size_t n, Vec3i place) {
+      for (uint32_t s = samples.begin[n]; s < samples.begin[n + 1]; ++s, ++next) {
+        const Vec3f local = samples.local[s] * 0.5f + Vec3f(place);
+        coarse.local[next] = {std::min(local.x, last), std::min(local.y, last), std::min(local.z, last)};
+        coarse.direction[next] = samples.direction[s];
+        coarse.lot[next] = samples.lot[s];
+      }
+    });
+  });
+  return coarse;
+}
+
+}  // namespace soapfilm
