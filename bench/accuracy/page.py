@@ -18,9 +18,10 @@ same run.
 
 {machine}
 
-- **Samples**: even and independent, about one per voxel^2 of surface (but where the condition names another density), {cells} voxels along the longest side. Density 50
-  to 1: the geometric mean of the two halves is one. *Range scans* are 18 views with one ray per voxel, some six samples
-  per voxel^2; `vrip`, which needs range images, always gets these, with the condition's errors.
+- **Samples**: even and independent, {cells} voxels along the longest side, about one per voxel^2 of surface where the
+  condition does not say otherwise. Density 50 to 1: the geometric mean of the two halves is one. *Range scans* are 18
+  views with one ray per voxel, some six samples per voxel^2; `vrip`, which needs range images, always gets these, with
+  the condition's errors.
 - **Nothing is set by hand**: every run of ours gets the voxel and the method, no other option. (For the order of
   convergence `{FLAT}` draws triangles of one size at every voxel beside.)
 - **Peers** get exactly our voxel as the width of their finest cell, and true normals, or where there are viewing

@@ -100,6 +100,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("refine", "smoothing", p.refine.smoothing);
   visit("refine", "normals", p.refine.normals);
   visit("refine", "reach", p.refine.reach);
+  visit("refine", "sparse", p.refine.sparse);
   visit("memory", "limit", p.memory_limit);
 }
 

@@ -84,6 +84,7 @@ TEST(ParamsJson, JsonGivesThemBack) {
   params.surface.drop_islands = true;
   params.islands.few_samples = 9;
   params.islands.thin_support = 0.03;
+  params.refine.sparse = 0.25;
   params.memory_limit = size_t{3} << 30;
   const std::string json = to_json(params);
   const ReconstructParams back = params_from_json(json);
@@ -96,6 +97,7 @@ TEST(ParamsJson, JsonGivesThemBack) {
   EXPECT_EQ(back.surface.drop_islands, true);
   EXPECT_EQ(back.islands.few_samples, 9);
   EXPECT_EQ(back.islands.thin_support, 0.03);
+  EXPECT_EQ(back.refine.sparse, 0.25);
   EXPECT_EQ(back.memory_limit, size_t{3} << 30);
 }
 

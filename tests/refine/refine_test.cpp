@@ -209,20 +209,16 @@ TEST(Refine, SparseSamplesGiveTheSameBytesForAnyNumberOfThreads) {
     EXPECT_EQ(hash_mesh(refined(solved, {}, threads).mesh), hash_mesh(expected.mesh));
 }
 
+TEST(Refine, AnUnknownDensityIsNotASparseOne) {
+  Solved solved("sphere", 72, 0.06, {.noise_vox = 0.9});
+  EXPECT_GT(refined(solved).report.spacing, 1);
+  solved.density = 0;
+  EXPECT_EQ(refined(solved).report.spacing, 1);
+}
+
 TEST(Refine, SparseSamplesWithoutNoiseAreFittedOnTheGridItself) {
   const Solved solved("torus", 60, 0.2);
   const Refined result = refined(solved);
-  EXPECT_EQ(result.report.spacing, 1);
-  EXPECT_EQ(hash_mesh(result.mesh), hash_mesh(refined(solved, {.sparse = 0}).mesh));
-}
-
-TEST(Refine, WhatIsThinnerThanCoarserCellsIsFittedOnTheGridItself) {
-  // A plate of three voxels: a cell and a half of every second vertex.
-  constexpr int resolution = 100;
-  const double voxel = 1.0 / (resolution - 12);
-  const Solved solved(make_shape("plate", {.thickness = 3 * voxel}), resolution, 0.2, {.noise_vox = 0.6});
-  const Refined result = refined(solved);
-  EXPECT_GT(result.report.strength.noise, 0.3) << "noise enough for coarser vertices";
   EXPECT_EQ(result.report.spacing, 1);
   EXPECT_EQ(hash_mesh(result.mesh), hash_mesh(refined(solved, {.sparse = 0}).mesh));
 }

@@ -23,7 +23,6 @@ class EverySecondVertex : public testing::TestWithParam<int> {
 };
 
 TEST_P(EverySecondVertex, HasTheIndicatorOfTheFinerGrid) {
-  // 61 vertices: the box is odd along every axis.
   const Problem problem = make_problem(sampled("knot", 61, 1), 61);
   const Level fine = solve(problem, 0.02, 1e-3).finest;
   const Level coarse = every_second_vertex(fine, 0.5f, parallel);
@@ -41,7 +40,9 @@ TEST_P(EverySecondVertex, HasTheIndicatorOfTheFinerGrid) {
 TEST_P(EverySecondVertex, KeepsEverySampleInItsPlace) {
   const GridSamples fine = random_samples(3, 2700, 7);
   GridSamples edge = fine;
-  edge.local[0] = Vec3f{1, 1, 1} * std::nextafter(8.0f, 0.0f);
+  // The last float of a brick that is the upper half of a coarse one.
+  edge.local[edge.begin[static_cast<size_t>(edge.bricks.find({1, 1, 1}))]] =
+      Vec3f{1, 1, 1} * std::nextafter(8.0f, 0.0f);
   for (const GridSamples& samples : {fine, edge}) {
     const GridSamples coarse = on_every_second_vertex(samples, parallel);
     ASSERT_EQ(coarse.size(), samples.size());

@@ -1,8 +1,6 @@
 #include "soapfilm/refine/coarser.h"
 
 #include <cmath>
-#include <optional>
-#include <utility>
 
 #include "soapfilm/refine/held_out.h"
 #include "soapfilm/refine/prolong_distance.h"
@@ -18,30 +16,17 @@ constexpr double most_cost = 1.03;
 
 }  // namespace
 
-std::vector<Coarser> coarser_problems(const Level& level, float threshold, const GridSamples& samples, double density,
-                                      double sparse, double reach, const Parallel& parallel) {
-  std::vector<Coarser> found;
-  Level indicator;
-  for (; density < sparse; density *= 4) {
-    indicator = every_second_vertex(found.empty() ? level : indicator, threshold, parallel);
-    Start start = start_from(indicator, threshold, reach, parallel);
-    if (start.band.rows() == 0) break;
-    found.push_back(
-        {std::move(start), on_every_second_vertex(found.empty() ? samples : found.back().samples, parallel)});
-  }
-  return found;
-}
-
-bool serves(const Coarser& coarse, const Strength& strength, const Start& finer, const GridSamples& finer_samples,
-            const RobustParams& robust, const Parallel& parallel) {
+bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robust, const Parallel& parallel) {
   const HeldOutParams patches;
   HeldOutParams same = patches;
   same.patch_bricks *= 2;
-  HeldOut on_coarse(coarse.start, coarse.samples, robust, patches, parallel);
-  HeldOut on_fine(finer, finer_samples, robust, same, parallel);
-  const auto of_coarse = on_fine.mean_distance(
-      prolong_distance(on_coarse.band(), on_coarse.fit(strength), on_fine.band(), on_fine.phi0(), parallel));
-  const auto of_fine = on_fine.mean_distance(on_fine.fit(on_half_the_voxel(strength)));
+  HeldOut on_fine(finer.start, finer.samples, robust, same, parallel);
+  const auto of_coarse = [&] {
+    HeldOut on_coarse(coarse.start, coarse.samples, robust, patches, parallel);
+    return on_fine.mean_distance(
+        prolong_distance(on_coarse.band(), on_coarse.fit(coarse.strength), on_fine.band(), on_fine.phi0(), parallel));
+  }();
+  const auto of_fine = on_fine.mean_distance(on_fine.fit(finer.strength));
   return of_coarse && of_fine && *of_coarse <= most_cost * *of_fine;
 }
 
@@ -50,9 +35,11 @@ bool is_near(const Start& start, const RowArray& phi, double far, const Parallel
   constexpr double allowed = 0.002;
   const double excess = sum_over_rows(all_rows(start.band), parallel, [&](size_t begin, size_t end) {
     double sum = 0;
-    for (size_t i = begin * brick_side; i < end * brick_side; ++i)
-      if (const float before = start.phi0.data()[i]; before != 0 && std::abs(before) < at_surface)
-        sum += (std::abs(phi.data()[i] - before) > far ? 1 : 0) - allowed;
+    for (size_t i = begin * brick_side; i < end * brick_side; ++i) {
+      const float before = start.phi0.data()[i], now = phi.data()[i];
+      if (before == 0 || std::abs(before) >= at_surface) continue;  // 0: not in the band
+      sum += (now == before || std::abs(now - before) > far ? 1 : 0) - allowed;
+    }
     return sum;
   });
   return excess <= 0;

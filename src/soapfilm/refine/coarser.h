@@ -2,30 +2,34 @@
 // unknowns and no detail.
 #pragma once
 
-#include <vector>
-
 #include "soapfilm/refine/robust_fit.h"
 #include "soapfilm/refine/start.h"
+#include "soapfilm/refine/strength.h"
 
 namespace soapfilm {
 
-/// The problem on every second vertex of a finer one.
+/// The problem on every second vertex of a finer grid, in lattice units of its own.
 struct Coarser {
   Start start;
   GridSamples samples;
+  Strength strength;
+  StrengthReport search;
 };
 
-/// Every second vertex, every fourth, ..., until there are at least `sparse` samples per square of their own spacing.
-std::vector<Coarser> coarser_problems(const Level& level, float threshold, const GridSamples& samples, double density,
-                                      double sparse, double reach, const Parallel& parallel);
+/// What one grid is fitted with, against a coarser one.
+struct Finer {
+  const Start& start;
+  const GridSamples& samples;
+  Strength strength;
+};
 
-/// Whether a fit of this strength serves as well as one on the finer grid: samples that neither saw lie at most 3 %
-/// farther from it on the mean. Both are fitted to the same patches, as choose_strength() does.
-bool serves(const Coarser& coarse, const Strength& strength, const Start& finer, const GridSamples& finer_samples,
-            const RobustParams& robust, const Parallel& parallel);
+/// Whether a coarser fit serves as well: samples that neither saw lie at most 3 % farther from it on the mean. Both are
+/// fitted to the same patches, as choose_strength() does. False where no such sample is seen.
+bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robust, const Parallel& parallel);
 
-/// Whether phi, from a coarser fit, is still about this surface everywhere: where a part was too thin for the coarser
-/// cells it lies `far` voxels from where it was. One in 500 vertices at the surface may.
+/// Whether phi, from a coarser fit, is still about this surface: where a part was too thin for the coarser cells it
+/// lies more than `far` voxels from where it was, or the coarser band is not there and phi is what it was. One in 500
+/// of the vertices within a voxel of the surface may.
 bool is_near(const Start& start, const RowArray& phi, double far, const Parallel& parallel);
 
 }  // namespace soapfilm

@@ -23,6 +23,8 @@ class HeldOut {
  public:
   HeldOut(const Start& start, const GridSamples& samples, const RobustParams& robust, const HeldOutParams& params,
           const Parallel& parallel);
+  HeldOut(const HeldOut&) = delete;  // the displacement refers to the band
+  HeldOut& operator=(const HeldOut&) = delete;
 
   struct Outcome {
     double score = 0;           ///< mean |phi| of the held-out samples

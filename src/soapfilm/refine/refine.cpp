@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -37,57 +38,74 @@ SignBits make_signs(const Level& level, float threshold, const Start& start, con
 }
 
 /// How much the samples are worth is for the samples to say. `spacing`: of the fit's vertices, voxels.
-void choose(const Start& start, const GridSamples& samples, const RefineParams& params, double spacing,
-            const Parallel& parallel, RefineReport& report) {
+Strength choose(const Start& start, const GridSamples& samples, const RefineParams& params, double spacing,
+                const Parallel& parallel, StrengthReport& search) {
   StrengthParams given;
   if (params.smoothing) given.smoothing = *params.smoothing / (spacing * spacing);
   if (params.normals) given.normals = *params.normals / (spacing * spacing);
-  report.strength = choose_strength(start, samples, params.robust, given, parallel, report.search);
+  return choose_strength(start, samples, params.robust, given, parallel, search);
 }
 
-/// The level set 0 of phi0, moved by the strength that the report names.
-RowArray moved_onto(const GridSamples& samples, const Start& start, const RobustParams& params,
-                    const Parallel& parallel, RefineReport& report) {
+/// The level set 0 of phi0, moved.
+RowArray moved_onto(const GridSamples& samples, const Start& start, const Strength& strength,
+                    const RobustParams& params, const Parallel& parallel, RefineReport& report) {
   Displacement displacement(start.band, start.phi0, parallel);
   CellSamples cells(samples, start.band, parallel);
-  const RobustFit fit = fit_robustly(displacement, start.band, samples, cells, {}, report.strength, params, parallel);
+  const RobustFit fit = fit_robustly(displacement, start.band, samples, cells, {}, strength, params, parallel);
   report.iterations = fit.iterations;
   report.cells = fit.cells;
   report.down_weighted = fit.down_weighted;
   return std::move(displacement.phi());
 }
 
-/// phi by a fit on the coarsest grid that serves as well as the next finer one, where there is noise to average; empty
-/// where there is none.
-RowArray fit_coarser(const Start& start, const GridSamples& samples, std::vector<Coarser> coarser,
-                     const RefineParams& params, const Parallel& parallel, RefineReport& report) {
+/// Grids of every second vertex, of every fourth, ..., while samples are sparse and noisy there and each serves as well
+/// as the one before. `indicator`: that of the first one.
+std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float threshold, const GridSamples& samples,
+                                      double density, const RefineParams& params, const Parallel& parallel) {
+  std::vector<Coarser> found;
+  for (double spacing = 2; density < params.sparse; density *= 4, spacing *= 2) {
+    const Start& finer = found.empty() ? start : found.back().start;
+    const GridSamples& finer_samples = found.empty() ? samples : found.back().samples;
+    if (!found.empty()) indicator = every_second_vertex(indicator, threshold, parallel);
+    Coarser next{start_from(indicator, threshold, params.reach, parallel),
+                 on_every_second_vertex(finer_samples, parallel),
+                 {},
+                 {}};
+    if (next.start.band.rows() == 0) break;
+    next.strength = choose(next.start, next.samples, params, spacing, parallel, next.search);
+    // The grid itself has not chosen yet, and need not where the coarser one serves.
+    const Strength of_finer = found.empty() ? on_half_the_voxel(next.strength) : found.back().strength;
+    if (!next.strength.yield || !serves(next, {finer, finer_samples, of_finer}, params.robust, parallel)) break;
+    found.push_back(std::move(next));
+  }
+  return found;
+}
+
+/// phi by a fit on the coarsest of some grids that leaves it near the surface; nothing where none does.
+std::optional<RowArray> fit_coarser(const Start& start, std::vector<Coarser> grids, const RefineParams& params,
+                                    const Parallel& parallel, RefineReport& report) {
   constexpr double least_far = 1.5, far_of_noise = 2.5;  // coarse voxels
-  const auto finer_than = [&](size_t k) -> const Start& { return k > 0 ? coarser[k - 1].start : start; };
-  for (; !coarser.empty(); coarser.pop_back()) {
-    const size_t last = coarser.size() - 1;
-    const Coarser& problem = coarser[last];
-    const double spacing = std::ldexp(1.0, static_cast<int>(coarser.size()));
-    choose(problem.start, problem.samples, params, spacing, parallel, report);
-    Strength& strength = report.strength;
-    if (!strength.yield || !serves(problem, strength, finer_than(last), last > 0 ? coarser[last - 1].samples : samples,
-                                   params.robust, parallel))
-      continue;
-    RowArray phi = moved_onto(problem.samples, problem.start, params.robust, parallel, report);
-    const double far = std::max(least_far, far_of_noise * strength.noise) * spacing;
-    for (size_t k = coarser.size(); k-- > 0;) {
-      phi = prolong_distance(coarser[k].start.band, phi, finer_than(k).band, finer_than(k).phi0, parallel);
-      strength = on_half_the_voxel(strength);
+  for (; !grids.empty(); grids.pop_back()) {
+    const Coarser& grid = grids.back();
+    const double spacing = std::ldexp(1.0, static_cast<int>(grids.size()));
+    RowArray phi = moved_onto(grid.samples, grid.start, grid.strength, params.robust, parallel, report);
+    report.strength = grid.strength;
+    for (size_t k = grids.size(); k-- > 0;) {
+      const Start& finer = k > 0 ? grids[k - 1].start : start;
+      phi = prolong_distance(grids[k].start.band, phi, finer.band, finer.phi0, parallel);
+      report.strength = on_half_the_voxel(report.strength);
     }
-    if (!is_near(start, phi, far, parallel)) continue;
+    if (!is_near(start, phi, std::max(least_far, far_of_noise * grid.strength.noise) * spacing, parallel)) continue;
+    report.search = grid.search;
     report.search.held_out_error *= spacing;
     report.spacing = spacing;
     return phi;
   }
-  return {};
+  return std::nullopt;
 }
 
-/// The distance on the band, and its sign alone beyond it.
-SurfaceField distance_field(Start start, const RowArray& distance, const SignBits& signs, const Parallel& parallel) {
+/// The distance on the band, and its sign alone beyond it; takes the start's grid.
+SurfaceField distance_field(Start& start, const RowArray& distance, const SignBits& signs, const Parallel& parallel) {
   Field<float> value(start.grid);
   parallel.for_each(start.grid.size(), 64, [&](size_t b) {
     float* out = value.brick(b);
@@ -136,21 +154,27 @@ SurfaceField refine(Level level, float threshold, const GridSamples& samples, do
   Start start = start_from(level, threshold, params.reach, parallel);
   SignBits signs = make_signs(level, threshold, start, parallel);
   report.band_vertices = start.band.count();
-  auto coarser = coarser_problems(level, threshold, samples, density, params.sparse, params.reach, parallel);
+  report.spacing = 1;
+  const bool sparse = density > 0 && density < params.sparse;
+  Level indicator = sparse ? every_second_vertex(level, threshold, parallel) : Level{};
   level = {};  // memory for the fit
 
   // The surface moves onto the samples, on a grid as fine as these can tell.
-  RowArray phi = fit_coarser(start, samples, std::move(coarser), params, parallel, report);
-  if (phi.size() == 0) {
-    choose(start, samples, params, 1, parallel, report);
-    phi = moved_onto(samples, start, params.robust, parallel, report);
+  std::optional<RowArray> phi;
+  if (sparse)
+    phi =
+        fit_coarser(start, grids_that_serve(start, std::move(indicator), threshold, samples, density, params, parallel),
+                    params, parallel, report);
+  if (!phi) {
+    report.strength = choose(start, samples, params, 1, parallel, report.search);
+    phi = moved_onto(samples, start, report.strength, params.robust, parallel, report);
   }
 
   // Signs follow where the topology allows.
-  const FlipCount flips = follow(phi, start.band, signs, held_distance);
+  const FlipCount flips = follow(*phi, start.band, signs, held_distance);
   report.flips = flips.wanted - flips.refused;
   report.refused = flips.refused;
-  return distance_field(std::move(start), phi, signs, parallel);
+  return distance_field(start, *phi, signs, parallel);
 }
 
 }  // namespace soapfilm

@@ -29,7 +29,7 @@ struct RefineReport {
   StrengthReport search;     ///< how it was found
   double spacing = 1;        ///< of the vertices that the fit worked on, voxels: 1, 2, 4, ...
   size_t band_vertices = 0;  ///< on either side of the surface
-  size_t cells = 0;          ///< with a sample of weight > 0
+  size_t cells = 0;          ///< of the fit's grid, with a sample of weight > 0
   size_t down_weighted = 0;  ///< samples of weight < 1/4, those that the band does not see included
   size_t flips = 0;          ///< vertices that changed sides
   size_t refused = 0;        ///< vertices that would have changed the topology and were held
@@ -39,12 +39,11 @@ struct RefineReport {
 /// Throws ParameterError naming the first value that is out of its range, and the range.
 void validate(const RefineParams& params);
 
-/// Moves the level set of the binary indicator u > threshold onto the samples, of which there are `density` per voxel^2
-/// of surface: design note in displacement.h. The level
-/// set 0 of the result is the surface; it is positive inside and about the signed distance in voxels near it. Its
-/// components and genus are the indicator's (`level` is freed early when it is moved in): signs differ only where
-/// simple points were turned one after the other. The result does not depend on the number of threads. Throws
-/// ParameterError.
+/// Moves the level set of the binary indicator u > threshold onto the samples (design note in displacement.h): the
+/// level set 0 of the result is the surface; it is positive inside and about the signed distance in voxels near it. Its
+/// components and genus are the indicator's: signs differ only where simple points were turned one after the other.
+/// `density`: samples per voxel^2 of surface, 0 where it is not known. `level` is freed early when it is moved in. The
+/// result does not depend on the number of threads. Throws ParameterError.
 SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,
                     const RefineParams& params, const Parallel& parallel, RefineReport& report);
 

@@ -31,7 +31,7 @@ struct StrengthReport {
 /// the weight found in factors of 4 (where the angle is over 20 degrees half of it, or a tenth where curvature yields),
 /// when that lowers the score or, where curvature yields, raises it by less than one standard error. The noise is 1.48
 /// times the median of the held-out distances, the standard error that of as many normal deviates. Cost: some ten fits
-/// of `samples` samples, whatever their number.
+/// of some 20,000 samples, whatever their number.
 Strength choose_strength(const Start& start, const GridSamples& samples, const RobustParams& robust,
                          const StrengthParams& params, const Parallel& parallel, StrengthReport& report);
 
