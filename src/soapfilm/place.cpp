@@ -156,11 +156,8 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
-  // Sparse samples are mostly fitted on coarser vertices: then the solve's peak is the higher one. On the grid itself
-  // after all, it is passed by up to an eighth.
-  const bool much_refined = refines(params) && report.input.density >= params.refine.sparse;
   const MemoryPlan plan =
-      plan_memory(params.method, probes(params), much_refined, cloud, after, report.lattice, support);
+      plan_memory(params.method, probes(params), refines(params), cloud, after, report.lattice, support);
   report.planned_bytes = plan.total();
   check_memory(plan, params.memory_limit, held, report.lattice);
   return samples;

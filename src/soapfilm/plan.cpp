@@ -32,7 +32,8 @@ constexpr double finest_over_support = 0.8;
 constexpr double coarser_share = 0.1;
 
 /// Refinement: the narrow band and the fit's arrays, bytes per support brick;
-/// and of each cell with samples, of which a brick has about as many as given here where samples are dense.
+/// and of each cell with samples, of which a brick has about as many as given here where samples are dense. (What
+/// sparse samples spare by a fit on coarser vertices is known too late.)
 constexpr size_t refined_brick_bytes = 11400;
 constexpr size_t refined_cell_bytes = 33;
 constexpr size_t refined_cells_per_brick = 32;
