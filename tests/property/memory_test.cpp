@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <string>
-#include <tuple>
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/memory.h"
@@ -17,13 +17,20 @@ namespace TEST_FILE {
 
 using namespace test;
 
-/// Samples per voxel^2 and noise, voxels: even ones, sparse ones that are fitted on coarser vertices, and sparse ones
-/// that are fitted on the grid itself.
-class PlannedMemory : public testing::TestWithParam<std::tuple<std::string, double, double>> {};
+/// Samples of a shape, per voxel^2, and their noise, voxels: even ones, sparse ones that are fitted on coarser
+/// vertices, and sparse ones that are fitted on the grid itself.
+struct Planned {
+  std::string shape;
+  double density, noise;
+  double most_over = 1.25;  ///< peak over plan
+};
+void PrintTo(const Planned& p, std::ostream* out) { *out << p.shape << ' ' << p.density << ' ' << p.noise; }
+
+class PlannedMemory : public testing::TestWithParam<Planned> {};
 
 /// The process holds little before; what the peak shows is this run (or a sanitizer: hence Slow).
 TEST_P(PlannedMemory, IsAboutThePeakSlow) {
-  const auto [shape, density, noise] = GetParam();
+  const auto [shape, density, noise, most_over] = GetParam();
   PointCloud cloud = sampled(shape, 256, density);
   ReconstructParams params;
   params.place.resolution = 256;
@@ -37,13 +44,14 @@ TEST_P(PlannedMemory, IsAboutThePeakSlow) {
   const auto planned = static_cast<double>(result.report.planned_bytes);
   const auto peak = static_cast<double>(result.report.peak_bytes);
   EXPECT_GT(peak, 48.0 * (1 << 20)) << "too small to say anything";
-  EXPECT_LT(peak, 1.35 * planned);  // small clouds: the search for the strength looks at all of it
+  EXPECT_LT(peak, most_over * planned);
   EXPECT_GT(peak, 0.6 * planned);
 }
 
+// The second: of so few samples the comparison of two grids looks at all.
 INSTANTIATE_TEST_SUITE_P(Samples, PlannedMemory,
-                         testing::Values(std::tuple{"part", 1.0, 0.0}, std::tuple{"knot", 0.1, 1.0},
-                                         std::tuple{"knot", 0.2, 0.0}));
+                         testing::Values(Planned{"part", 1, 0}, Planned{"knot", 0.1, 1, 1.35},
+                                         Planned{"knot", 0.2, 0}));
 
 TEST(MemoryPlan, ACloudThatMayBeFreedGivesTheSameMeshForLess) {
   PointCloud cloud = sampled("torus", 48, 2);
