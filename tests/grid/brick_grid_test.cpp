@@ -64,13 +64,22 @@ TEST(BrickMask, CountsBitsAsTheProcessorDoes) {
   EXPECT_EQ(count_bits(~uint64_t{0}), 64);
 }
 
-TEST(BrickMask, CoarsensToParents) {
+TEST(BrickGrid, KnowsTheParentsOfItsBricks) {
   const BrickMask fine = random_mask({8, 6, 4}, 0.1, 1);
-  const BrickMask coarse = fine.coarsened({4, 3, 2});
+  const BrickMask coarse = parents_of(BrickGrid(fine, one_thread), {4, 3, 2}, one_thread);
   std::set<std::tuple<int, int, int>> parents;
   fine.for_each([&](Vec3i b) { parents.insert({b.x / 2, b.y / 2, b.z / 2}); });
   EXPECT_EQ(coarse.count(), parents.size());
   for (const auto& [x, y, z] : parents) EXPECT_TRUE(coarse.test({x, y, z}));
+  fine.for_each([](Vec3i b) {
+    int same = 0;
+    for (int k = 0; k < 8; ++k)
+      if (child_of(parent_of(b), k) == b) {
+        ++same;
+        EXPECT_EQ(octant_of(k), octant_of(b));
+      }
+    EXPECT_EQ(same, 1);
+  });
 }
 
 TEST(BrickGrid, OrdersBricksLexicographicallyAndFindsThem) {

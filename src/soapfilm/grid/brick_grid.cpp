@@ -2,12 +2,6 @@
 
 namespace soapfilm {
 
-BrickMask BrickMask::coarsened(Vec3i coarse_bricks) const {
-  BrickMask coarse(coarse_bricks);
-  for_each([&](Vec3i b) { coarse.set({b.x >> 1, b.y >> 1, b.z >> 1}); });
-  return coarse;
-}
-
 BrickGrid::BrickGrid(const BrickMask& active, const Parallel& parallel) : bricks_(active.bricks()) {
   coords_.reserve(active.count());
   active.for_each([&](Vec3i b) { coords_.push_back(b); });
@@ -25,6 +19,12 @@ BrickGrid::BrickGrid(const BrickMask& active, const Parallel& parallel) : bricks
     for (int slot = 0; slot < 27; ++slot)
       neighbors_[i][static_cast<size_t>(slot)] = find(coords_[i] + slot_offset(slot));
   });
+}
+
+BrickMask parents_of(const BrickGrid& children, Vec3i bricks, const Parallel& parallel) {
+  BrickMask parents(bricks);
+  parallel.for_each(children.size(), 256, [&](size_t b) { parents.set_shared(parent_of(children.coord(b))); });
+  return parents;
 }
 
 int32_t BrickGrid::gap(Vec3i b) const { return rank(BrickMask::index(bricks_, b)) + b.z * bricks_.y + b.y; }

@@ -76,4 +76,7 @@ class BrickGrid {
   std::vector<Neighbors> neighbors_;
 };
 
+/// The bricks of the next coarser level, in a box of `bricks`, that have any of their 8 children in a grid.
+BrickMask parents_of(const BrickGrid& children, Vec3i bricks, const Parallel& parallel);
+
 }  // namespace soapfilm

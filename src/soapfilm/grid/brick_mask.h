@@ -70,9 +70,6 @@ class BrickMask {
     }
   }
 
-  /// The bricks of the next coarser level: set where any of the 8 children is set.
-  BrickMask coarsened(Vec3i coarse_bricks) const;
-
   size_t bytes() const { return words_.size() * sizeof(uint64_t); }
   /// Bit i & 63 of word i >> 6 is the brick with index i.
   const std::vector<uint64_t>& words() const { return words_; }

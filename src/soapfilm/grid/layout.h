@@ -22,6 +22,17 @@ constexpr int brick_offset(int x, int y, int z) { return x + brick_side * y + br
 /// The brick that holds a lattice vertex; valid for negative coordinates too.
 constexpr Vec3i brick_of(Vec3i vertex) { return {vertex.x >> 3, vertex.y >> 3, vertex.z >> 3}; }
 
+/// A brick of the next coarser level, its parent, covers eight bricks, its children: one per octant, of twice its
+/// resolution. Octants are numbered x fastest.
+inline constexpr int half_brick = brick_side / 2;
+constexpr Vec3i octant_of(int k) { return {k & 1, k >> 1 & 1, k >> 2}; }
+constexpr Vec3i child_of(Vec3i parent, int k) { return parent * 2 + octant_of(k); }
+constexpr Vec3i parent_of(Vec3i child) { return {child.x >> 1, child.y >> 1, child.z >> 1}; }
+/// Which octant of its parent a brick covers.
+constexpr Vec3i octant_of(Vec3i child) { return {child.x & 1, child.y & 1, child.z & 1}; }
+/// Where an octant begins in its brick, coarse vertices.
+constexpr Vec3i octant_base(Vec3i octant) { return octant * half_brick; }
+
 /// Position among a brick's 27 neighbours (itself in the middle) of the one at (dx, dy, dz), each in -1..1.
 constexpr int neighbor_slot(int dx, int dy, int dz) { return (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1); }
 /// Its inverse.

@@ -101,7 +101,7 @@ BrickMask widened(const BrickMask& band, const Level& coarse) {
     for (int axis = 0; axis < 3; ++axis)
       for (const int slot : {slot_down[axis], slot_up[axis]}) {
         const Vec3i n = b + slot_offset(slot);
-        if (coarse.grid.find({n.x >> 1, n.y >> 1, n.z >> 1}) >= 0) wide.set(n);
+        if (coarse.grid.find(parent_of(n)) >= 0) wide.set(n);
       }
   });
   return wide;
@@ -115,7 +115,7 @@ BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Paral
     unsigned octants = interface_octants(coarse, b);
     if (octants != all_octants) octants |= infeasible_octants(coarse, b);
     for (int k = 0; k < 8; ++k)
-      if (octants >> k & 1u) mask.set_shared(coarse.grid.coord(b) * 2 + octant_of(k));
+      if (octants >> k & 1u) mask.set_shared(child_of(coarse.grid.coord(b), k));
   });
   return coarse.box.level > 1 ? widened(mask, coarse) : mask;
 }
@@ -131,8 +131,8 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
   parallel.for_each(gap.size(), 64, [&](size_t b) {
     const Vec3i c = support.grid.coord(b);
     if (band.test(c)) return;
-    const auto parent = static_cast<size_t>(coarse.grid.find({c.x >> 1, c.y >> 1, c.z >> 1}));
-    gap[b] = outside_child(coarse, parent, {c.x & 1, c.y & 1, c.z & 1}, support).gap;
+    const auto parent = static_cast<size_t>(coarse.grid.find(parent_of(c)));
+    gap[b] = outside_child(coarse, parent, octant_of(c), support).gap;
   });
   const BrickMask beside = beside_interface(coarse, box.bricks, parallel);
   std::vector<size_t> candidates;
@@ -159,7 +159,7 @@ BrickMask growth(const Level& level, const BrickGrid& coarse, const Parallel& pa
         const int slot = up ? slot_up[axis] : slot_down[axis];
         if (level.grid.neighbors(b)[static_cast<size_t>(slot)] != outside_band) continue;
         const Vec3i next = level.grid.coord(b) + slot_offset(slot);
-        if (coarse.find({next.x >> 1, next.y >> 1, next.z >> 1}) < 0) continue;
+        if (coarse.find(parent_of(next)) < 0) continue;
         const bool outside_is_inside = level.inside.test(next);
         const int first = brick_stride[axis == 0 ? 1 : 0], second = brick_stride[axis == 2 ? 1 : 2];
         const float* layer = u + (up ? (brick_side - 1) * brick_stride[axis] : 0);

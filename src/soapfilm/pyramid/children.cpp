@@ -6,7 +6,7 @@
 namespace soapfilm {
 
 bool inside_child(const Level& coarse, size_t brick, Vec3i octant) {
-  const Vec3i base = octant * half_brick;
+  const Vec3i base = octant_base(octant);
   return coarse.u.brick(brick)[brick_offset(base.x, base.y, base.z)] > 0.5f;
 }
 
@@ -18,7 +18,7 @@ std::array<double, 64> fluxes_in(const Level& coarse, size_t brick, Vec3i octant
   const CoarseFlux flux[3] = {{coarse, brick, 0}, {coarse, brick, 1}, {coarse, brick, 2}};
   std::array<double, 64> sums{};
   for (int i = 0; i < 64; ++i) {
-    const Vec3i at = octant * half_brick + Vec3i{i & 3, i >> 2 & 3, i >> 4};
+    const Vec3i at = octant_base(octant) + Vec3i{i & 3, i >> 2 & 3, i >> 4};
     if (!range.contains(at.x, at.y, at.z)) continue;
     const auto k = static_cast<size_t>(i);
     sums[k] += double{flux[0].at(at.x - 1, at.y, at.z)} - flux[0].at(at.x, at.y, at.z);

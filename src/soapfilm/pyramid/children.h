@@ -1,4 +1,4 @@
-// The eight children of a coarse brick: one per octant, of twice its resolution.
+// What a coarse brick hands to its eight children.
 #pragma once
 
 #include "soapfilm/field/divergence.h"
@@ -7,11 +7,8 @@
 
 namespace soapfilm {
 
-inline constexpr int half_brick = brick_side / 2;
 /// A fine face is a quarter of a coarse one.
 inline constexpr float face_share = 0.25f;
-
-inline Vec3i octant_of(int k) { return {k & 1, (k >> 1) & 1, k >> 2}; }
 
 /// P_axis of coarse vertex (X, Y, Z) of a brick, where the coordinate along `axis` may be -1: the face below the brick.
 struct CoarseFlux {

@@ -14,7 +14,7 @@ namespace {
 /// below for even, above for odd fine vertices.
 void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
   constexpr int around = half_brick + 2;  // coarse vertices that reach into an octant
-  const Vec3i first = octant * half_brick - Vec3i{1, 1, 1};
+  const Vec3i first = octant_base(octant) - Vec3i{1, 1, 1};
   const auto near = [](int x) { return 1 + x / 2; };
   const auto far = [](int x) { return x / 2 + 2 * (x & 1); };
   const auto blend = [](float n, float f) { return 0.75f * n + 0.25f * f; };
@@ -35,7 +35,7 @@ void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
 
 /// A coarse vertex's upper face is that of its upper children; within its cell lies the mean of its two faces.
 void prolong_p(const CoarseFlux& coarse, Vec3i octant, float* fine) {
-  const Vec3i base = octant * half_brick;
+  const Vec3i base = octant_base(octant);
   for (int z = 0; z < half_brick; ++z)
     for (int y = 0; y < half_brick; ++y)
       for (int x = 0; x < half_brick; ++x) {
@@ -54,7 +54,7 @@ void prolong_p(const CoarseFlux& coarse, Vec3i octant, float* fine) {
 
 /// The flux through the low faces of the fine brick in `octant`: a matching coarse face, so an exact quarter of it.
 void prolong_rim(const CoarseFlux& coarse, Vec3i octant, float* plane) {
-  const Vec3i base = octant * half_brick;
+  const Vec3i base = octant_base(octant);
   for (int b = 0; b < brick_side; ++b)
     for (int a = 0; a < brick_side; ++a) {
       Vec3i at = base;
@@ -136,12 +136,12 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
     used(z);
   }
   coarse.inside.for_each([&](Vec3i b) {
-    for (int k = 0; k < 8; ++k) fine.inside.set(b * 2 + octant_of(k));
+    for (int k = 0; k < 8; ++k) fine.inside.set(child_of(b, k));
   });
   fine.outside = coarse.outside;
   for (size_t b = 0; b < coarse.grid.size(); ++b)
     for (int k = 0; k < 8; ++k) {
-      fine.inside.set(coarse.grid.coord(b) * 2 + octant_of(k), left_out[b].inside >> k & 1);
+      fine.inside.set(child_of(coarse.grid.coord(b), k), left_out[b].inside >> k & 1);
       fine.outside += left_out[b].outside[static_cast<size_t>(k)];
     }
   return fine;

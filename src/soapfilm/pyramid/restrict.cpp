@@ -16,19 +16,13 @@ void add_child(const float* child, Vec3i octant, float* coarse) {
 }  // namespace
 
 SupportField restrict_field(const SupportField& fine, const LevelBox& coarse_box, const Parallel& parallel) {
-  BrickMask mask(coarse_box.bricks);
-  for (size_t b = 0; b < fine.grid.size(); ++b) {
-    const Vec3i c = fine.grid.coord(b);
-    mask.set({c.x >> 1, c.y >> 1, c.z >> 1});
-  }
   SupportField coarse;
-  coarse.grid = BrickGrid(mask, parallel);
+  coarse.grid = BrickGrid(parents_of(fine.grid, coarse_box.bricks, parallel), parallel);
   coarse.f = Field<float>(coarse.grid);
   parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
-    for (int octant = 0; octant < 8; ++octant) {
-      const Vec3i o{octant & 1, (octant >> 1) & 1, octant >> 2};
-      const int32_t child = fine.grid.find(coarse.grid.coord(b) * 2 + o);
-      if (child >= 0) add_child(fine.f.brick(static_cast<size_t>(child)), o, coarse.f.brick(b));
+    for (int k = 0; k < 8; ++k) {
+      const int32_t child = fine.grid.find(child_of(coarse.grid.coord(b), k));
+      if (child >= 0) add_child(fine.f.brick(static_cast<size_t>(child)), octant_of(k), coarse.f.brick(b));
     }
   });
   return coarse;

@@ -45,18 +45,15 @@ BrickGrid coarse_bricks(const NarrowBand& fine, const Parallel& parallel) {
     if (fine.first_row(b) == fine.first_row(b + 1)) return;
     const Vec3i c = grid.coord(b);
     for (int k = 0; k < 8; ++k) {
-      const Vec3i up{k & 1 & c.x, k >> 1 & 1 & c.y, k >> 2 & c.z};
-      mask.set_shared(Vec3i{c.x >> 1, c.y >> 1, c.z >> 1} + up);
+      const Vec3i up{octant_of(k).x & c.x, octant_of(k).y & c.y, octant_of(k).z & c.z};
+      mask.set_shared(parent_of(c) + up);
     }
   });
   return BrickGrid(mask, parallel);
 }
 
 /// Where a fine brick's first vertex lies in its parent: 0 or 4 along each axis.
-Vec3i place_in_parent(const NarrowBand& fine, size_t brick) {
-  const Vec3i c = fine.grid().coord(brick);
-  return {4 * (c.x & 1), 4 * (c.y & 1), 4 * (c.z & 1)};
-}
+Vec3i place_in_parent(const NarrowBand& fine, size_t brick) { return octant_base(octant_of(fine.grid().coord(brick))); }
 
 /// Marks the coarse vertices that a fine brick's rows interpolate from: a byte per row of a coarse brick.
 void mark_coarse(const NarrowBand& fine, size_t brick, const BrickGrid& coarse, int32_t parent,
@@ -92,10 +89,7 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
   };
   BrickGrid coarse = coarse_bricks(fine, parallel);
   std::vector<int32_t> parent(grid.size());  // brick that holds a fine brick's first vertex
-  parallel.for_each(grid.size(), 256, [&](size_t b) {
-    const Vec3i c = grid.coord(b);
-    parent[b] = coarse.find({c.x >> 1, c.y >> 1, c.z >> 1});
-  });
+  parallel.for_each(grid.size(), 256, [&](size_t b) { parent[b] = coarse.find(parent_of(grid.coord(b))); });
   std::vector<uint8_t> vertices(coarse.size() * brick_area);
   for_layers_apart(layers, parallel, [&](size_t layer) {
     for_bricks(layer, [&](size_t b) { mark_coarse(fine, b, coarse, parent[b], vertices); });

@@ -25,9 +25,8 @@ struct Window {
 
 Window window_of(const NarrowBand& band, const RowArray& distance, Vec3i fine_brick) {
   Window window;
-  const Vec3i parent{fine_brick.x >> 1, fine_brick.y >> 1, fine_brick.z >> 1};
-  const Vec3i first =
-      Vec3i{fine_brick.x & 1, fine_brick.y & 1, fine_brick.z & 1} * (brick_side / 2) - Vec3i{below, below, below};
+  const Vec3i parent = parent_of(fine_brick);
+  const Vec3i first = octant_base(octant_of(fine_brick)) - Vec3i{below, below, below};
   std::array<const uint32_t*, 27> rows;
   for (int slot = 0; slot < 27; ++slot)
     rows[static_cast<size_t>(slot)] = band.rows_of(band.grid().find(parent + slot_offset(slot)));

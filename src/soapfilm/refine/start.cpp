@@ -56,24 +56,13 @@ RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Pa
   return distance;
 }
 
+/// Vertices of every second one: the last at or before a fine vertex, and the first at or after it.
 Vec3i half_of(Vec3i v) { return {v.x >> 1, v.y >> 1, v.z >> 1}; }
 Vec3i half_up(Vec3i v) { return half_of(v + Vec3i{1, 1, 1}); }
 
 /// The bricks of every second vertex that hold vertices of `fine` ones.
 BrickGrid every_second_vertex(const BrickGrid& fine, const Parallel& parallel) {
-  BrickMask mask(half_up(fine.bricks()));
-  parallel.for_each(fine.size(), 4 * bricks_of_a_task, [&](size_t b) { mask.set_shared(half_of(fine.coord(b))); });
-  return BrickGrid(mask, parallel);
-}
-
-/// visit(fine brick, where its first vertex lies in the coarse one) for the eight that make up a coarse brick, x
-/// fastest.
-template <class Visit>
-void for_each_child(Vec3i coarse, Visit&& visit) {
-  for (int k = 0; k < 8; ++k) {
-    const Vec3i place{k & 1, k >> 1 & 1, k >> 2};
-    visit(coarse * 2 + place, place * (brick_side / 2));
-  }
+  return BrickGrid(parents_of(fine, half_up(fine.bricks()), parallel), parallel);
 }
 
 }  // namespace
@@ -92,23 +81,23 @@ Level every_second_vertex(const Level& fine, float threshold, const Parallel& pa
   coarse.grid = every_second_vertex(fine.grid, parallel);
   coarse.inside = BrickMask(coarse.box.bricks);
   fine.inside.for_each([&](Vec3i b) {
-    if (((b.x | b.y | b.z) & 1) == 0) coarse.inside.set(half_of(b));
+    if (octant_of(b) == Vec3i{}) coarse.inside.set(parent_of(b));
   });
   coarse.u = Field<float>(coarse.grid);
   parallel.for_each(coarse.grid.size(), bricks_of_a_task, [&](size_t b) {
     float* out = coarse.u.brick(b);
-    for_each_child(coarse.grid.coord(b), [&](Vec3i child, Vec3i place) {
-      constexpr int half = brick_side / 2;
+    for (int k = 0; k < 8; ++k) {
+      const Vec3i child = child_of(coarse.grid.coord(b), k), base = octant_base(octant_of(k));
       const int32_t n = fine.grid.find(child);
       const float* u = n >= 0 ? fine.u.brick(static_cast<size_t>(n)) : nullptr;
       const float constant = u ? 0.0f : fine.missing_u(n, child);
-      for (int z = 0; z < half; ++z)
-        for (int y = 0; y < half; ++y)
-          for (int x = 0; x < half; ++x) {
+      for (int z = 0; z < half_brick; ++z)
+        for (int y = 0; y < half_brick; ++y)
+          for (int x = 0; x < half_brick; ++x) {
             const float value = u ? u[brick_offset(2 * x, 2 * y, 2 * z)] : constant;
-            out[brick_offset(place.x + x, place.y + y, place.z + z)] = value > threshold ? 1.0f : 0.0f;
+            out[brick_offset(base.x + x, base.y + y, base.z + z)] = value > threshold ? 1.0f : 0.0f;
           }
-    });
+    }
   });
   return coarse;
 }
@@ -117,9 +106,9 @@ GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& p
   GridSamples coarse;
   coarse.bricks = every_second_vertex(samples.bricks, parallel);
   const auto for_children = [&](size_t b, auto&& visit) {
-    for_each_child(coarse.bricks.coord(b), [&](Vec3i child, Vec3i place) {
-      if (const int32_t n = samples.bricks.find(child); n >= 0) visit(static_cast<size_t>(n), place);
-    });
+    for (int k = 0; k < 8; ++k)
+      if (const int32_t n = samples.bricks.find(child_of(coarse.bricks.coord(b), k)); n >= 0)
+        visit(static_cast<size_t>(n), octant_base(octant_of(k)));
   };
   coarse.begin.assign(coarse.bricks.size() + 1, 0);
   for (size_t b = 0; b < coarse.bricks.size(); ++b) {
@@ -133,9 +122,9 @@ GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& p
   const float last = std::nextafter(static_cast<float>(brick_side), 0.0f);
   parallel.for_each(coarse.bricks.size(), bricks_of_a_task, [&](size_t b) {
     uint32_t next = coarse.begin[b];
-    for_children(b, [&](size_t n, Vec3i place) {
+    for_children(b, [&](size_t n, Vec3i base) {
       for (uint32_t s = samples.begin[n]; s < samples.begin[n + 1]; ++s, ++next) {
-        const Vec3f local = samples.local[s] * 0.5f + Vec3f(place);
+        const Vec3f local = samples.local[s] * 0.5f + Vec3f(base);
         coarse.local[next] = {std::min(local.x, last), std::min(local.y, last), std::min(local.z, last)};
         coarse.direction[next] = samples.direction[s];
         coarse.lot[next] = samples.lot[s];
