@@ -69,6 +69,24 @@ TEST(PrimalDual, SaysWhenTheIterationsRanOut) {
   EXPECT_EQ(report.iterations, 40);
 }
 
+TEST(PrimalDual, ForeseesWhenTheGapIsSmallEnough) {
+  const Problem problem = make_problem(sampled("sphere", 48, 2), 48);
+  for (const bool late : {false, true})
+    for (const double tolerance : {1e-3, 1e-4, 1e-5}) {
+      Level level = whole_box(problem, 0.02);
+      PrimalDualParams params;
+      params.tolerance = tolerance;
+      params.late = late;
+      Progress progress;
+      int evaluations = 0;
+      const PrimalDualReport report =
+          solve_primal_dual(level, params, one_thread, progress, [&](int, const Energies&) { ++evaluations; });
+      EXPECT_TRUE(report.converged);
+      // A few more than the longest wait between two asks for.
+      EXPECT_LE(evaluations, report.iterations / params.check_every + 5) << late << ' ' << tolerance;
+    }
+}
+
 TEST(PrimalDual, CancelsBeforeTheNextSweeps) {
   const Problem problem = make_problem(sampled("sphere", 24, 2), 24);
   Level level = whole_box(problem, 0.02);

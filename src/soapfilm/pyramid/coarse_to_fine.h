@@ -17,7 +17,7 @@ struct LevelReport {
   int level = 0;
   size_t active_vertices = 0;
   int iterations = 0;
-  double tolerance = 0;  ///< that it was solved to: at most 3e-4 but for the two finest levels
+  double tolerance = 0;  ///< that it was solved to: twice that of the finest at level 1, at most 3e-4 at coarser ones
   int band_growths = 0;
   bool converged = false;
   Energies energies;  ///< of the relaxed u, whole domain

@@ -16,16 +16,39 @@ namespace {
 constexpr double step_product = 1.3 / 12;
 
 /// Where the gap has come to this multiple of the tolerance, sigma is halved and tau doubled: what is left is mostly u
-/// on its way between 0 and 1 where data is scarce, and p has settled. The gap then falls as if this many of the
-/// iterations were left.
+/// on its way between 0 and 1 where data is scarce, and p has settled.
 constexpr double late_gap = 10;
 constexpr double late_balance = 0.5;
-constexpr double late_iterations = 0.7;
 
-/// Iterations that are left: the gap falls about as 1 / iterations^2.
-double iterations_left(int iterations, double gap, double tolerance) {
-  return iterations * (std::sqrt(gap / tolerance) - 1);
-}
+/// Tells how many iterations are left.
+class Forecast {
+ public:
+  explicit Forecast(double tolerance) : tolerance_(tolerance) {}
+
+  /// After each evaluation. The gap falls about as 1 / iterations^2, when it gets late somewhat faster; between two
+  /// late evaluations as they tell.
+  double left(int iterations, double gap, bool late) {
+    constexpr double late_share = 0.7;
+    double left = (late ? late_share : 1) * until(iterations, gap, 2);
+    if (late && iterations_ > 0 && gap < gap_)
+      left = until(iterations, gap, std::log(gap_ / gap) / std::log(static_cast<double>(iterations) / iterations_));
+    if (late) {
+      iterations_ = iterations;
+      gap_ = gap;
+    }
+    return left;
+  }
+
+ private:
+  /// Where the gap falls as 1 / iterations^power.
+  double until(int iterations, double gap, double power) const {
+    return iterations * (std::pow(gap / tolerance_, 1 / power) - 1);
+  }
+
+  double tolerance_;
+  int iterations_ = 0;  ///< at the last late evaluation, 0: there was none
+  double gap_ = 0;
+};
 
 StepSizes steps_of(double sigma) { return {static_cast<float>(sigma), static_cast<float>(step_product / sigma)}; }
 
@@ -37,7 +60,8 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
   const double sigma = params.step_balance * level.lambda;
   Sweeper sweeper(level, parallel);
   PrimalDualReport report;
-  bool late = false;
+  Forecast forecast(params.tolerance);
+  bool late = params.late;
   int check_after = (params.check_every + 1) / 2;
   while (report.iterations < params.max_iterations && !report.converged) {
     const int sweeps = std::min(check_after, params.max_iterations - report.iterations);
@@ -50,7 +74,7 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
     const double gap = report.energies.relative_gap_band(level.lambda);
     report.converged = gap <= params.tolerance;
     late = late || gap <= late_gap * params.tolerance;
-    const double left = (late ? late_iterations : 1) * iterations_left(report.iterations, gap, params.tolerance);
+    const double left = forecast.left(report.iterations, gap, late);
     check_after = left < params.check_every ? std::max(1, static_cast<int>(std::ceil(left))) : params.check_every;
     if (observe) observe(report.iterations, report.energies);
   }

@@ -15,6 +15,7 @@ struct PrimalDualParams {
   int max_iterations = 2000;  ///< per level, >= 1
   int check_every = 32;  ///< most iterations between two evaluations of the gap, 1 to 1000; the first comes after half
   double step_balance = 1.4;  ///< sigma in units of lambda at first, half of it near the end; tau = 1.3 / (12 sigma)
+  bool late = false;          ///< near the end from the start: u and p come from a level that has been solved
 };
 
 struct PrimalDualReport {
