@@ -115,9 +115,32 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
   energy.end_row();
 }
 
+/// Fetches what rows of cells further on will read: of those far ahead who their neighbours are, of nearer ones the
+/// values at corners that lie apart.
+HWY_INLINE void fetch_corners(const BandRows& band, const DataJob& job, size_t k, size_t end) {
+  constexpr size_t far = 16, near = 8;
+  if (k + far < end) {
+    const size_t row = job.row[k + far];
+    hwy::Prefetch(&band.neighbors[row]);
+    hwy::Prefetch(job.out + row * brick_side);
+    if (job.v) hwy::Prefetch(job.v + row * brick_side);
+  }
+  if (k + near < end) {
+    const Neighbors& n = band.neighbors[job.row[k + near]];
+    for (const size_t side : {1, 3, 5}) {
+      hwy::Prefetch(&band.neighbors[n[side]]);
+      hwy::Prefetch(job.out + size_t{n[side]} * brick_side);
+      if (job.v) hwy::Prefetch(job.v + size_t{n[side]} * brick_side);
+    }
+  }
+}
+
 double data_term(const BandRows& band, const DataJob& job, size_t begin, size_t end) {
   LaneSum energy;
-  for (size_t k = begin; k < end; ++k) add_cells(band, job, k, energy);
+  for (size_t k = begin; k < end; ++k) {
+    fetch_corners(band, job, k, end);
+    add_cells(band, job, k, energy);
+  }
   return energy.total();
 }
 
