@@ -53,6 +53,7 @@ int main(int argc, char** argv) {
   PrimalDualParams tight;
   tight.tolerance = 1e-5;
   tight.check_every = 4;
+  tight.estimate = false;
   tight.max_iterations = 400;
   fmt::print("method,level,iterations,seconds,relative_gap\n");
   {

@@ -87,6 +87,33 @@ TEST(PrimalDual, ForeseesWhenTheGapIsSmallEnough) {
     }
 }
 
+TEST(PrimalDual, EstimatesTellALargeLevelsGapOnAnyNumberOfThreads) {
+  const Problem problem = make_problem(sampled("knot", 128, 1), 128);
+  PrimalDualParams params;
+  params.tolerance = 0.02;
+  PrimalDualReport report[2];
+  for (const bool estimate : {false, true}) {
+    Level level = whole_box(problem, 0.05);
+    ASSERT_GE(level.grid.size(), 4096u);
+    params.estimate = estimate;
+    Progress progress;
+    int evaluations = 0;
+    report[estimate] =
+        solve_primal_dual(level, params, one_thread, progress, [&](int, const Energies&) { ++evaluations; });
+    EXPECT_TRUE(report[estimate].converged);
+    const double gap = report[estimate].energies.relative_gap_band(level.lambda);
+    EXPECT_EQ(gap, evaluate_energy(level, {}, one_thread).relative_gap_band(level.lambda)) << "no estimate is reported";
+    EXPECT_LE(gap, params.tolerance);
+    const double estimated = estimate_gap(level, one_thread);
+    EXPECT_NEAR(estimated, gap, 0.2 * gap);
+    for (const int threads : {2, 3, 8}) EXPECT_EQ(estimate_gap(level, Parallel(threads)), estimated);
+    if (estimate) {
+      EXPECT_LE(evaluations, 3);
+    }
+  }
+  EXPECT_NEAR(report[true].iterations, report[false].iterations, 0.2 * report[false].iterations);
+}
+
 TEST(PrimalDual, CancelsBeforeTheNextSweeps) {
   const Problem problem = make_problem(sampled("sphere", 24, 2), 24);
   Level level = whole_box(problem, 0.02);

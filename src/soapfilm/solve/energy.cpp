@@ -142,6 +142,20 @@ double outside_variation(const Level& level, const Parallel& parallel) {
   return faces;
 }
 
+/// term(i) for every `stride`-th i < count.
+template <class Term>
+std::vector<EnergyTerms> terms_of_every(size_t stride, size_t count, const Parallel& parallel, Term&& term) {
+  std::vector<EnergyTerms> terms((count + stride - 1) / stride);
+  parallel.for_each(terms.size(), 256, [&](size_t k) { terms[k] = term(k * stride); });
+  return terms;
+}
+
+EnergyTerms sum_of(const std::vector<EnergyTerms>& terms) {
+  EnergyTerms sum;
+  for (const EnergyTerms& t : terms) sum += t;
+  return sum;
+}
+
 }  // namespace
 
 double Energies::relative(double amount, double lambda) const {
@@ -151,12 +165,10 @@ double Energies::relative(double amount, double lambda) const {
 Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Parallel& parallel,
                          std::vector<double>* local_gap) {
   Evaluator evaluator{level, options.threshold, 1.0};
-  std::vector<EnergyTerms> terms(level.grid.size());
+  std::vector<EnergyTerms> terms;
   const auto evaluate_band = [&] {
-    parallel.for_each(terms.size(), 256, [&](size_t b) { terms[b] = evaluator.brick_terms(b); });
-    EnergyTerms sum;
-    for (const EnergyTerms& t : terms) sum += t;
-    return sum;
+    terms = terms_of_every(1, level.grid.size(), parallel, [&](size_t b) { return evaluator.brick_terms(b); });
+    return sum_of(terms);
   };
   EnergyTerms sum = evaluate_band();
   const double max_norm = std::sqrt(sum.max_norm_squared) / level.lambda;
@@ -169,9 +181,9 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
     for (size_t b = 0; b < terms.size(); ++b) (*local_gap)[b] = terms[b].gap;
   }
   const std::vector<Vec3i> below = bricks_below_band(level, parallel);
-  std::vector<EnergyTerms> rim(below.size());
-  parallel.for_each(below.size(), 256, [&](size_t b) { rim[b] = evaluator.rim_terms(below[b]); });
-  for (const EnergyTerms& t : rim) sum += t;
+  for (const EnergyTerms& t :
+       terms_of_every(1, below.size(), parallel, [&](size_t b) { return evaluator.rim_terms(below[b]); }))
+    sum += t;
   const double outside = outside_variation(level, parallel);
 
   Energies e;
@@ -184,6 +196,20 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
   e.max_dual_norm = max_norm;
   e.inside = sum.inside;
   return e;
+}
+
+double estimate_gap(const Level& level, const Parallel& parallel) {
+  constexpr size_t stride = 8;
+  const Evaluator evaluator{level, {}, 1.0};
+  const EnergyTerms band =
+      sum_of(terms_of_every(stride, level.grid.size(), parallel, [&](size_t b) { return evaluator.brick_terms(b); }));
+  const std::vector<Vec3i> below = bricks_below_band(level, parallel);
+  const EnergyTerms rim =
+      sum_of(terms_of_every(stride, below.size(), parallel, [&](size_t b) { return evaluator.rim_terms(below[b]); }));
+  Energies e;
+  e.dual = stride * band.dual + level.outside.dual_of_scaled(1);
+  e.gap_band = stride * (band.gap + rim.gap);
+  return e.relative_gap_band(level.lambda);
 }
 
 }  // namespace soapfilm

@@ -20,6 +20,9 @@ constexpr double step_product = 1.3 / 12;
 constexpr double late_gap = 10;
 constexpr double late_balance = 0.5;
 
+/// Of fewer bricks a few would not tell the gap, and all of them are looked at soon.
+constexpr size_t least_bricks_to_estimate = 4096;
+
 /// Tells how many iterations are left.
 class Forecast {
  public:
@@ -62,6 +65,7 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
   PrimalDualReport report;
   Forecast forecast(params.tolerance);
   bool late = params.late;
+  bool estimates = params.estimate && level.grid.size() >= least_bricks_to_estimate;
   int check_after = (params.check_every + 1) / 2;
   while (report.iterations < params.max_iterations && !report.converged) {
     const int sweeps = std::min(check_after, params.max_iterations - report.iterations);
@@ -70,13 +74,17 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
       sweeper.sweep(steps_of(late ? late_balance * sigma : sigma), std::min(Sweeper::tile_sweeps, sweeps - done));
     }
     report.iterations += sweeps;
-    report.energies = evaluate_energy(level, {}, parallel);
-    const double gap = report.energies.relative_gap_band(level.lambda);
-    report.converged = gap <= params.tolerance;
+    double gap = estimates ? estimate_gap(level, parallel) : 0;
+    if (gap <= params.tolerance || report.iterations == params.max_iterations) {
+      report.energies = evaluate_energy(level, {}, parallel);
+      gap = report.energies.relative_gap_band(level.lambda);
+      report.converged = gap <= params.tolerance;
+      estimates = false;
+      if (observe) observe(report.iterations, report.energies);
+    }
     late = late || gap <= late_gap * params.tolerance;
     const double left = forecast.left(report.iterations, gap, late);
     check_after = left < params.check_every ? std::max(1, static_cast<int>(std::ceil(left))) : params.check_every;
-    if (observe) observe(report.iterations, report.energies);
   }
   return report;
 }

@@ -15,6 +15,7 @@ struct PrimalDualParams {
   int max_iterations = 2000;  ///< per level, >= 1
   int check_every = 32;  ///< most iterations between two evaluations of the gap, 1 to 1000; the first comes after half
   double step_balance = 1.4;  ///< sigma in units of lambda at first, half of it near the end; tau = 1.3 / (12 sigma)
+  bool estimate = true;       ///< the gap of a large level from some of its bricks, until it is about the tolerance
   bool late = false;          ///< near the end from the start: u and p come from a level that has been solved
 };
 
@@ -24,7 +25,7 @@ struct PrimalDualReport {
   Energies energies;  ///< of the relaxed u
 };
 
-/// Moves level.u and level.p. `observe`, when given, is called after each evaluation.
+/// Moves level.u and level.p. `observe`, when given, is called after each evaluation of the whole level.
 PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params, const Parallel& parallel,
                                    Progress& progress,
                                    const std::function<void(int iterations, const Energies&)>& observe = {});
