@@ -14,17 +14,22 @@ namespace {
 
 /// Minus the divergence of the fluxes at the coarse vertices of an octant, x fastest; 0 at fixed ones.
 std::array<double, 64> fluxes_in(const Level& coarse, size_t brick, Vec3i octant) {
-  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));
-  const CoarseFlux flux[3] = {{coarse, brick, 0}, {coarse, brick, 1}, {coarse, brick, 2}};
+  const Vec3i base = octant_base(octant);
   std::array<double, 64> sums{};
-  for (int i = 0; i < 64; ++i) {
-    const Vec3i at = octant_base(octant) + Vec3i{i & 3, i >> 2 & 3, i >> 4};
-    if (!range.contains(at.x, at.y, at.z)) continue;
-    const auto k = static_cast<size_t>(i);
-    sums[k] += double{flux[0].at(at.x - 1, at.y, at.z)} - flux[0].at(at.x, at.y, at.z);
-    sums[k] += double{flux[1].at(at.x, at.y - 1, at.z)} - flux[1].at(at.x, at.y, at.z);
-    sums[k] += double{flux[2].at(at.x, at.y, at.z - 1)} - flux[2].at(at.x, at.y, at.z);
-  }
+  const auto for_vertices = [&](auto&& visit) {
+    double* sum = sums.data();
+    for (int z = base.z; z < base.z + half_brick; ++z)
+      for (int y = base.y; y < base.y + half_brick; ++y)
+        for (int x = 0; x < half_brick; ++x) visit(*sum++, base.x + x, y, z);
+  };
+  for_each_flux(coarse, brick, [&](const auto& flux) {
+    for_vertices([&](double& sum, int x, int y, int z) { sum += double{flux.below(x, y, z)} - flux.at(x, y, z); });
+  });
+  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));
+  if (!range.whole())
+    for_vertices([&](double& sum, int x, int y, int z) {
+      if (!range.contains(x, y, z)) sum = 0;
+    });
   return sums;
 }
 

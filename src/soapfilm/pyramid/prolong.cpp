@@ -34,34 +34,32 @@ void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
 }
 
 /// A coarse vertex's upper face is that of its upper children; within its cell lies the mean of its two faces.
-void prolong_p(const CoarseFlux& coarse, Vec3i octant, float* fine) {
+template <int axis>
+void prolong_p(const CoarseFlux<axis>& coarse, Vec3i octant, float* fine) {
   const Vec3i base = octant_base(octant);
   for (int z = 0; z < half_brick; ++z)
     for (int y = 0; y < half_brick; ++y)
       for (int x = 0; x < half_brick; ++x) {
-        const Vec3i at = base + Vec3i{x, y, z};
-        Vec3i below = at;
-        --below[coarse.axis];
-        const float upper = coarse.at(at.x, at.y, at.z);
-        const float within = 0.5f * (coarse.at(below.x, below.y, below.z) + upper);
+        const float upper = coarse.at(base.x + x, base.y + y, base.z + z);
+        const float within = 0.5f * (coarse.below(base.x + x, base.y + y, base.z + z) + upper);
         float* first = fine + brick_offset(2 * x, 2 * y, 2 * z);
         for (int k = 0; k < 8; ++k) {
           const Vec3i child = octant_of(k);
-          first[brick_offset(child.x, child.y, child.z)] = face_share * (child[coarse.axis] ? upper : within);
+          first[brick_offset(child.x, child.y, child.z)] = face_share * (child[axis] ? upper : within);
         }
       }
 }
 
 /// The flux through the low faces of the fine brick in `octant`: a matching coarse face, so an exact quarter of it.
-void prolong_rim(const CoarseFlux& coarse, Vec3i octant, float* plane) {
+template <int axis>
+void prolong_rim(const CoarseFlux<axis>& coarse, Vec3i octant, float* plane) {
   const Vec3i base = octant_base(octant);
   for (int b = 0; b < brick_side; ++b)
     for (int a = 0; a < brick_side; ++a) {
       Vec3i at = base;
-      at[coarse.axis == 0 ? 1 : 0] += a / 2;
-      at[coarse.axis == 2 ? 1 : 2] += b / 2;
-      --at[coarse.axis];
-      plane[a + brick_side * b] = face_share * coarse.at(at.x, at.y, at.z);
+      at[axis == 0 ? 1 : 0] += a / 2;
+      at[axis == 2 ? 1 : 2] += b / 2;
+      plane[a + brick_side * b] = face_share * coarse.below(at.x, at.y, at.z);
     }
 }
 
@@ -77,11 +75,10 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
     if (found < 0) continue;
     const auto b = static_cast<size_t>(found);
     const int32_t old = previous ? previous->grid.find(child) : outside_band;
-    for (int axis = 0; axis < 3; ++axis) {
-      const CoarseFlux flux(coarse, brick, axis);
+    for_each_flux(coarse, brick, [&]<int axis>(const CoarseFlux<axis>& flux) {
       if (float* plane = fine.rim.plane(b, axis)) prolong_rim(flux, octant, plane);
       if (old < 0) prolong_p(flux, octant, fine.p.brick(b, axis));
-    }
+    });
     if (old >= 0) {
       std::copy_n(previous->u.brick(static_cast<size_t>(old)), brick_volume, fine.u.brick(b));
       std::copy_n(previous->p.brick(static_cast<size_t>(old)), 3 * brick_volume, fine.p.brick(b));

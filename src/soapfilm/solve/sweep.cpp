@@ -83,6 +83,12 @@ DualJob dual_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, con
   return job;
 }
 
+/// Fetches who is next to a brick that comes soon: all other addresses follow from it.
+void fetch_neighbors(const BrickGrid& grid, size_t brick) {
+  const auto* bytes = reinterpret_cast<const char*>(&grid.neighbors(brick));
+  for (const size_t byte : {size_t{0}, size_t{64}, sizeof(BrickGrid::Neighbors) - 1}) __builtin_prefetch(bytes + byte);
+}
+
 }  // namespace
 
 Sweeper::Sweeper(Level& level, const Parallel& parallel)
@@ -157,6 +163,8 @@ RowMask Sweeper::dual_rows(size_t brick) const {
 }
 
 void Sweeper::sweep_brick(size_t brick, StepSizes steps) {
+  constexpr size_t ahead = 4;
+  fetch_neighbors(level_.grid, brick > ahead ? brick - ahead : 0);
   UBar bar;
   const float* u = level_.u.brick(brick);
   float* faces = faces_.data() + brick * faces_per_brick;
