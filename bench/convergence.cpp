@@ -53,7 +53,6 @@ int main(int argc, char** argv) {
   PrimalDualParams tight;
   tight.tolerance = 1e-5;
   tight.check_every = 4;
-  tight.estimate = false;
   tight.max_iterations = 400;
   fmt::print("method,level,iterations,seconds,relative_gap\n");
   {
@@ -69,9 +68,11 @@ int main(int argc, char** argv) {
     BrickMask everywhere(lattice.box(0).bricks);
     everywhere.fill(true);
     Level level = make_level(lattice.box(0), static_cast<float>(lambda), everywhere, field.grid, field.f, parallel);
-    solve_primal_dual(level, tight, parallel, progress, [&](int iterations, const Energies& e) {
+    PrimalDualRun run;
+    run.evaluated = [&](int iterations, const Energies& e) {
       print("tv from zero", 0, iterations, watch.seconds(), e.relative_gap(level.lambda));
-    });
+    };
+    solve_primal_dual(level, tight, parallel, progress, run);
   }
   {
     SorParams params;

@@ -65,8 +65,10 @@ TEST(BrickMask, CountsBitsAsTheProcessorDoes) {
 }
 
 TEST(BrickGrid, KnowsTheParentsOfItsBricks) {
-  const BrickMask fine = random_mask({8, 6, 4}, 0.1, 1);
-  const BrickMask coarse = parents_of(BrickGrid(fine, one_thread), {4, 3, 2}, one_thread);
+  const BrickMask fine = random_mask({32, 30, 28}, 0.1, 1);
+  const BrickMask coarse = parents_of(BrickGrid(fine, one_thread), {16, 15, 14}, one_thread);
+  for (const int threads : {2, 3, 8})
+    EXPECT_EQ(parents_of(BrickGrid(fine, one_thread), {16, 15, 14}, Parallel(threads)).words(), coarse.words());
   std::set<std::tuple<int, int, int>> parents;
   fine.for_each([&](Vec3i b) { parents.insert({b.x / 2, b.y / 2, b.z / 2}); });
   EXPECT_EQ(coarse.count(), parents.size());
@@ -76,7 +78,7 @@ TEST(BrickGrid, KnowsTheParentsOfItsBricks) {
     for (int k = 0; k < 8; ++k)
       if (child_of(parent_of(b), k) == b) {
         ++same;
-        EXPECT_EQ(octant_of(k), octant_of(b));
+        EXPECT_EQ(octant_of(k), octant_in_parent(b));
       }
     EXPECT_EQ(same, 1);
   });

@@ -26,10 +26,11 @@ constexpr Vec3i brick_of(Vec3i vertex) { return {vertex.x >> 3, vertex.y >> 3, v
 /// resolution. Octants are numbered x fastest.
 inline constexpr int half_brick = brick_side / 2;
 constexpr Vec3i octant_of(int k) { return {k & 1, k >> 1 & 1, k >> 2}; }
-constexpr Vec3i child_of(Vec3i parent, int k) { return parent * 2 + octant_of(k); }
+constexpr Vec3i child_of(Vec3i parent, Vec3i octant) { return parent * 2 + octant; }
+constexpr Vec3i child_of(Vec3i parent, int k) { return child_of(parent, octant_of(k)); }
 constexpr Vec3i parent_of(Vec3i child) { return {child.x >> 1, child.y >> 1, child.z >> 1}; }
 /// Which octant of its parent a brick covers.
-constexpr Vec3i octant_of(Vec3i child) { return {child.x & 1, child.y & 1, child.z & 1}; }
+constexpr Vec3i octant_in_parent(Vec3i child) { return {child.x & 1, child.y & 1, child.z & 1}; }
 /// Where an octant begins in its brick, coarse vertices.
 constexpr Vec3i octant_base(Vec3i octant) { return octant * half_brick; }
 

@@ -132,7 +132,7 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
     const Vec3i c = support.grid.coord(b);
     if (band.test(c)) return;
     const auto parent = static_cast<size_t>(coarse.grid.find(parent_of(c)));
-    gap[b] = outside_child(coarse, parent, octant_of(c), support).gap;
+    gap[b] = outside_child(coarse, parent, octant_in_parent(c), support).gap;
   });
   const BrickMask beside = beside_interface(coarse, box.bricks, parallel);
   std::vector<size_t> candidates;

@@ -45,7 +45,7 @@ Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const Sup
     sum.dual += std::min(0.0, r);
     sum.gap += r * u - std::min(0.0, r);
   };
-  const int32_t n = support.grid.find(coarse.grid.coord(brick) * 2 + octant);
+  const int32_t n = support.grid.find(child_of(coarse.grid.coord(brick), octant));
   if (n < 0) {
     for (const double r : in) add(r);
     return sum;

@@ -18,14 +18,14 @@ constexpr int max_growths = 8;
 constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that the finest band leaves out
 
 /// What a level is solved to. The two finest take almost all of the time. The finest has the tolerance itself:
-/// thresholding leaves a gap of its own, some 1 % on raw scans. It takes as many iterations, and ends as near, whether
-/// it starts from the next one at this gap or at twice as much, only what its band leaves out stays at the coarser
-/// one's. Coarser ones cost little, and where samples are missing they alone decide: a surface that they leave short of
-/// its place over a hole stays there.
-double tolerance_of(int level, double tolerance) {
+/// thresholding leaves a gap of its own, some 1 % on raw scans. From the next one it takes as many iterations, and ends
+/// as near, whether that has this gap or twice as much; what its band leaves out keeps the coarser one's gap. Coarser
+/// ones cost little, and where samples are missing they alone decide: a surface that they leave short of its place over
+/// a hole stays there.
+double tolerance_of(int level, int coarsest, double tolerance) {
   constexpr double next_to_finest = 2, coarse_tolerance = 3e-4;
   if (level == 0) return tolerance;
-  return level == 1 ? next_to_finest * tolerance : std::min(tolerance, coarse_tolerance);
+  return level == 1 && level < coarsest ? next_to_finest * tolerance : std::min(tolerance, coarse_tolerance);
 }
 
 /// How much of the coarser level's flux a level starts from. A level that hardly sees the data sends flux through all
@@ -139,15 +139,20 @@ class Descent {
 
   void solve(Level& level, LevelReport& report) const {
     PrimalDualParams params = params_;
-    report.tolerance = params.tolerance = tolerance_of(report.level, params_.tolerance);
-    params.late = report.level == 0 && start_ > 0;
-    const PrimalDualReport solved =
-        solve_primal_dual(level, params, parallel_, progress_, [&](int iterations, const Energies& e) {
-          progress_.advance(1.0 - static_cast<double>(report.level) / (start_ + 1),
-                            fmt::format("level {}, {} iterations, gap {:.1e}", report.level,
-                                        report.iterations + iterations, e.relative_gap(level.lambda)));
-          if (observe_.evaluated) observe_.evaluated(level, report.iterations + iterations, e);
-        });
+    report.tolerance = params.tolerance = tolerance_of(report.level, start_, params_.tolerance);
+    PrimalDualRun run;
+    // Flux that has faded (flux_kept()) has yet to settle: the finest level alone keeps it all.
+    run.late = report.level == 0 && start_ > 0;
+    run.checked = [&](int iterations, double gap) {
+      progress_.advance(
+          1.0 - static_cast<double>(report.level) / (start_ + 1),
+          fmt::format("level {}, {} iterations, gap {:.1e}", report.level, report.iterations + iterations, gap));
+    };
+    if (observe_.evaluated)
+      run.evaluated = [&](int iterations, const Energies& e) {
+        observe_.evaluated(level, report.iterations + iterations, e);
+      };
+    const PrimalDualReport solved = solve_primal_dual(level, params, parallel_, progress_, run);
     report.iterations += solved.iterations;
     report.converged = solved.converged;
     report.energies = solved.energies;

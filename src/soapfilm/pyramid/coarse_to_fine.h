@@ -32,7 +32,8 @@ struct PyramidSolution {
 struct PyramidObserver {
   /// Each level when it is solved, coarsest first, and where its vertices lie in the world.
   std::function<void(const Level&, const Lattice& of_level)> solved;
-  /// Each evaluation of the relaxed u; `iterations` on this level so far.
+  /// Each evaluation of the relaxed u, `iterations` on this level so far. Where it is set no gap is estimated: large
+  /// levels may stop an iteration or two from where they would.
   std::function<void(const Level&, int iterations, const Energies&)> evaluated;
 };
 

@@ -70,7 +70,7 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
   bool have_window = false;
   for (int k = 0; k < 8; ++k) {
     const Vec3i octant = octant_of(k);
-    const Vec3i child = parent * 2 + octant;
+    const Vec3i child = child_of(parent, octant);
     const int32_t found = fine.grid.find(child);
     if (found < 0) continue;
     const auto b = static_cast<size_t>(found);
@@ -111,7 +111,7 @@ LeftOut left_out_children(const Level& coarse, size_t brick, const Level& fine, 
   for (int k = 0; k < 8; ++k) {
     const Vec3i octant = octant_of(k);
     if (inside_child(coarse, brick, octant)) children.inside |= static_cast<uint8_t>(1 << k);
-    if (fine.grid.find(coarse.grid.coord(brick) * 2 + octant) < 0)
+    if (fine.grid.find(child_of(coarse.grid.coord(brick), octant)) < 0)
       children.outside[static_cast<size_t>(k)] = outside_child(coarse, brick, octant, support);
   }
   return children;

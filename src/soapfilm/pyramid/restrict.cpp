@@ -6,7 +6,7 @@ namespace {
 
 /// Adds a child brick to its octant of the coarse brick.
 void add_child(const float* child, Vec3i octant, float* coarse) {
-  const Vec3i base = octant * (brick_side / 2);
+  const Vec3i base = octant_base(octant);
   for (int z = 0; z < brick_side; ++z)
     for (int y = 0; y < brick_side; ++y)
       for (int x = 0; x < brick_side; ++x)

@@ -53,7 +53,9 @@ BrickGrid coarse_bricks(const NarrowBand& fine, const Parallel& parallel) {
 }
 
 /// Where a fine brick's first vertex lies in its parent: 0 or 4 along each axis.
-Vec3i place_in_parent(const NarrowBand& fine, size_t brick) { return octant_base(octant_of(fine.grid().coord(brick))); }
+Vec3i place_in_parent(const NarrowBand& fine, size_t brick) {
+  return octant_base(octant_in_parent(fine.grid().coord(brick)));
+}
 
 /// Marks the coarse vertices that a fine brick's rows interpolate from: a byte per row of a coarse brick.
 void mark_coarse(const NarrowBand& fine, size_t brick, const BrickGrid& coarse, int32_t parent,

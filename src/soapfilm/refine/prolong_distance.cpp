@@ -26,7 +26,7 @@ struct Window {
 Window window_of(const NarrowBand& band, const RowArray& distance, Vec3i fine_brick) {
   Window window;
   const Vec3i parent = parent_of(fine_brick);
-  const Vec3i first = octant_base(octant_of(fine_brick)) - Vec3i{below, below, below};
+  const Vec3i first = octant_base(octant_in_parent(fine_brick)) - Vec3i{below, below, below};
   std::array<const uint32_t*, 27> rows;
   for (int slot = 0; slot < 27; ++slot)
     rows[static_cast<size_t>(slot)] = band.rows_of(band.grid().find(parent + slot_offset(slot)));
@@ -74,7 +74,7 @@ Fine interpolated(const Window& window, const Taps& taps) {
   std::array<Bits, window_side * window_side> whole_x;
   for (size_t k = 0; k < along_x.size(); ++k) {
     const Row& in = window.row[k];
-    for (size_t c = 0; c < brick_side / 2; ++c) {
+    for (size_t c = 0; c < half_brick; ++c) {
       along_x[k][2 * c] = in[c + 1];
       along_x[k][2 * c + 1] = taps[0] * in[c] + taps[1] * in[c + 1] + taps[2] * in[c + 2] + taps[3] * in[c + 3];
     }
@@ -83,7 +83,7 @@ Fine interpolated(const Window& window, const Taps& taps) {
   std::array<Row, brick_side * window_side> along_y;
   std::array<Bits, brick_side * window_side> whole_y;
   for (size_t z = 0; z < window_side; ++z)
-    for (size_t c = 0; c < brick_side / 2; ++c) {
+    for (size_t c = 0; c < half_brick; ++c) {
       const Row* in = &along_x[window_side * z + c];
       const Bits* bits = &whole_x[window_side * z + c];
       const size_t k = brick_side * z + 2 * c;
@@ -93,7 +93,7 @@ Fine interpolated(const Window& window, const Taps& taps) {
       whole_y[k + 1] = common(bits[0], bits[1], bits[2], bits[3]);
     }
   Fine fine;
-  for (size_t c = 0; c < brick_side / 2; ++c)
+  for (size_t c = 0; c < half_brick; ++c)
     for (size_t y = 0; y < brick_side; ++y) {
       const auto in = [&](size_t tap) -> const Row& { return along_y[brick_side * (c + tap) + y]; };
       const auto bits = [&](size_t tap) { return whole_y[brick_side * (c + tap) + y]; };

@@ -81,7 +81,7 @@ Level every_second_vertex(const Level& fine, float threshold, const Parallel& pa
   coarse.grid = every_second_vertex(fine.grid, parallel);
   coarse.inside = BrickMask(coarse.box.bricks);
   fine.inside.for_each([&](Vec3i b) {
-    if (octant_of(b) == Vec3i{}) coarse.inside.set(parent_of(b));
+    if (octant_in_parent(b) == Vec3i{}) coarse.inside.set(parent_of(b));
   });
   coarse.u = Field<float>(coarse.grid);
   parallel.for_each(coarse.grid.size(), bricks_of_a_task, [&](size_t b) {

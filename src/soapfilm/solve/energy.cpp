@@ -156,6 +156,29 @@ EnergyTerms sum_of(const std::vector<EnergyTerms>& terms) {
   return sum;
 }
 
+/// The sum over `count` bricks from some of them.
+EnergyTerms sum_from(const std::vector<EnergyTerms>& some, size_t count) {
+  EnergyTerms sum = sum_of(some);
+  const double share = some.empty() ? 1 : static_cast<double>(count) / static_cast<double>(some.size());
+  for (double* term : {&sum.variation, &sum.data, &sum.dual, &sum.gap}) *term *= share;
+  return sum;
+}
+
+/// Of the sum over the band and the rim below it.
+Energies energies_of(const Level& level, const EnergyTerms& sum, double p_scale, const Parallel& parallel) {
+  const double outside = outside_variation(level, parallel);
+  Energies e;
+  e.total_variation = sum.variation + outside;
+  e.data = sum.data + level.outside.data;
+  e.primal = level.lambda * e.total_variation - e.data;
+  e.dual = sum.dual + level.outside.dual_of_scaled(p_scale);
+  e.gap_band = sum.gap + level.lambda * outside;
+  e.gap = e.gap_band + level.outside.gap_of_scaled(p_scale);
+  e.max_dual_norm = std::sqrt(sum.max_norm_squared) / level.lambda;
+  e.inside = sum.inside;
+  return e;
+}
+
 }  // namespace
 
 double Energies::relative(double amount, double lambda) const {
@@ -184,32 +207,22 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
   for (const EnergyTerms& t :
        terms_of_every(1, below.size(), parallel, [&](size_t b) { return evaluator.rim_terms(below[b]); }))
     sum += t;
-  const double outside = outside_variation(level, parallel);
-
-  Energies e;
-  e.total_variation = sum.variation + outside;
-  e.data = sum.data + level.outside.data;
-  e.primal = level.lambda * e.total_variation - e.data;
-  e.dual = sum.dual + level.outside.dual_of_scaled(evaluator.p_scale);
-  e.gap_band = sum.gap + level.lambda * outside;
-  e.gap = e.gap_band + level.outside.gap_of_scaled(evaluator.p_scale);
+  Energies e = energies_of(level, sum, evaluator.p_scale, parallel);
   e.max_dual_norm = max_norm;
-  e.inside = sum.inside;
   return e;
 }
 
 double estimate_gap(const Level& level, const Parallel& parallel) {
-  constexpr size_t stride = 8;
+  constexpr size_t stride = 7;  // rows of bricks are often multiples of 8
   const Evaluator evaluator{level, {}, 1.0};
-  const EnergyTerms band =
-      sum_of(terms_of_every(stride, level.grid.size(), parallel, [&](size_t b) { return evaluator.brick_terms(b); }));
+  const size_t bricks = level.grid.size();
+  EnergyTerms sum =
+      sum_from(terms_of_every(stride, bricks, parallel, [&](size_t b) { return evaluator.brick_terms(b); }), bricks);
   const std::vector<Vec3i> below = bricks_below_band(level, parallel);
-  const EnergyTerms rim =
-      sum_of(terms_of_every(stride, below.size(), parallel, [&](size_t b) { return evaluator.rim_terms(below[b]); }));
-  Energies e;
-  e.dual = stride * band.dual + level.outside.dual_of_scaled(1);
-  e.gap_band = stride * (band.gap + rim.gap);
-  return e.relative_gap_band(level.lambda);
+  sum +=
+      sum_from(terms_of_every(stride, below.size(), parallel, [&](size_t b) { return evaluator.rim_terms(below[b]); }),
+               below.size());
+  return energies_of(level, sum, evaluator.p_scale, parallel).relative_gap_band(level.lambda);
 }
 
 }  // namespace soapfilm

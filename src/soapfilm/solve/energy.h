@@ -45,7 +45,7 @@ struct EnergyOptions {
 Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Parallel& parallel,
                          std::vector<double>* local_gap = nullptr);
 
-/// About relative_gap_band(), from every eighth brick: tells a solver when to look at all of them.
+/// About relative_gap_band(), from every seventh brick: tells a solver when to look at all of them.
 double estimate_gap(const Level& level, const Parallel& parallel);
 
 }  // namespace soapfilm

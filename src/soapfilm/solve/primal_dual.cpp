@@ -22,35 +22,47 @@ constexpr double late_balance = 0.5;
 
 /// Of fewer bricks a few would not tell the gap, and all of them are looked at soon.
 constexpr size_t least_bricks_to_estimate = 4096;
+/// Whatever estimates say, at every so many checks all bricks are looked at.
+constexpr int most_estimates = 4;
 
 /// Tells how many iterations are left.
 class Forecast {
  public:
   explicit Forecast(double tolerance) : tolerance_(tolerance) {}
 
-  /// After each evaluation. The gap falls about as 1 / iterations^2, when it gets late somewhat faster; between two
-  /// late evaluations as they tell.
-  double left(int iterations, double gap, bool late) {
+  /// After each look at the gap, of all bricks or of some. It falls about as 1 / iterations^2, when it gets late
+  /// somewhat faster; between two late looks of one kind as they tell.
+  double left(int iterations, double gap, bool late, bool whole) {
     constexpr double late_share = 0.7;
-    double left = (late ? late_share : 1) * until(iterations, gap, 2);
-    if (late && iterations_ > 0 && gap < gap_)
-      left = until(iterations, gap, std::log(gap_ / gap) / std::log(static_cast<double>(iterations) / iterations_));
+    const double left = late && iterations_ > 0 && whole == whole_
+                            ? until(iterations, gap, power_since(iterations, gap))
+                            : (late ? late_share : 1) * until(iterations, gap, 2);
     if (late) {
       iterations_ = iterations;
       gap_ = gap;
+      whole_ = whole;
     }
     return left;
   }
 
  private:
+  /// 1, 2 or 4: the gap has fallen at least as 1 / iterations^power. (What only takes roots and products is the same on
+  /// every machine.)
+  int power_since(int iterations, double gap) const {
+    const double longer = static_cast<double>(iterations) / iterations_, squared = longer * longer;
+    return gap * squared * squared <= gap_ ? 4 : gap * squared <= gap_ ? 2 : 1;
+  }
   /// Where the gap falls as 1 / iterations^power.
-  double until(int iterations, double gap, double power) const {
-    return iterations * (std::pow(gap / tolerance_, 1 / power) - 1);
+  double until(int iterations, double gap, int power) const {
+    double longer = gap / tolerance_;
+    for (; power > 1; power /= 2) longer = std::sqrt(longer);
+    return iterations * (longer - 1);
   }
 
   double tolerance_;
-  int iterations_ = 0;  ///< at the last late evaluation, 0: there was none
+  int iterations_ = 0;  ///< at the last late look, 0: there was none
   double gap_ = 0;
+  bool whole_ = false;
 };
 
 StepSizes steps_of(double sigma) { return {static_cast<float>(sigma), static_cast<float>(step_product / sigma)}; }
@@ -58,32 +70,33 @@ StepSizes steps_of(double sigma) { return {static_cast<float>(sigma), static_cas
 }  // namespace
 
 PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params, const Parallel& parallel,
-                                   Progress& progress,
-                                   const std::function<void(int iterations, const Energies&)>& observe) {
+                                   Progress& progress, const PrimalDualRun& run) {
   const double sigma = params.step_balance * level.lambda;
+  const int estimates = run.evaluated || level.grid.size() < least_bricks_to_estimate ? 1 : most_estimates;
   Sweeper sweeper(level, parallel);
   PrimalDualReport report;
   Forecast forecast(params.tolerance);
-  bool late = params.late;
-  bool estimates = params.estimate && level.grid.size() >= least_bricks_to_estimate;
+  bool late = run.late;
   int check_after = (params.check_every + 1) / 2;
-  while (report.iterations < params.max_iterations && !report.converged) {
+  for (int check = 1; report.iterations < params.max_iterations && !report.converged; ++check) {
     const int sweeps = std::min(check_after, params.max_iterations - report.iterations);
     for (int done = 0; done < sweeps; done += Sweeper::tile_sweeps) {
       progress.check();
       sweeper.sweep(steps_of(late ? late_balance * sigma : sigma), std::min(Sweeper::tile_sweeps, sweeps - done));
     }
     report.iterations += sweeps;
-    double gap = estimates ? estimate_gap(level, parallel) : 0;
-    if (gap <= params.tolerance || report.iterations == params.max_iterations) {
+    double gap = 0;
+    bool whole = check % estimates == 0 || report.iterations == params.max_iterations;
+    if (!whole) whole = (gap = estimate_gap(level, parallel)) <= params.tolerance;
+    if (whole) {
       report.energies = evaluate_energy(level, {}, parallel);
       gap = report.energies.relative_gap_band(level.lambda);
       report.converged = gap <= params.tolerance;
-      estimates = false;
-      if (observe) observe(report.iterations, report.energies);
+      if (run.evaluated) run.evaluated(report.iterations, report.energies);
     }
+    if (run.checked) run.checked(report.iterations, gap);
     late = late || gap <= late_gap * params.tolerance;
-    const double left = forecast.left(report.iterations, gap, late);
+    const double left = forecast.left(report.iterations, gap, late, whole);
     check_after = left < params.check_every ? std::max(1, static_cast<int>(std::ceil(left))) : params.check_every;
   }
   return report;

@@ -15,8 +15,6 @@ struct PrimalDualParams {
   int max_iterations = 2000;  ///< per level, >= 1
   int check_every = 32;  ///< most iterations between two evaluations of the gap, 1 to 1000; the first comes after half
   double step_balance = 1.4;  ///< sigma in units of lambda at first, half of it near the end; tau = 1.3 / (12 sigma)
-  bool estimate = true;       ///< the gap of a large level from some of its bricks, until it is about the tolerance
-  bool late = false;          ///< near the end from the start: u and p come from a level that has been solved
 };
 
 struct PrimalDualReport {
@@ -25,9 +23,17 @@ struct PrimalDualReport {
   Energies energies;  ///< of the relaxed u
 };
 
-/// Moves level.u and level.p. `observe`, when given, is called after each evaluation of the whole level.
+/// How a level is solved, beside the parameters.
+struct PrimalDualRun {
+  bool late = false;  ///< steps as near the end from the start: p comes from a solved level and has settled
+  std::function<void(int iterations, double gap)> checked = {};  ///< after each look at the band's relative gap
+  /// After each evaluation of the whole level. Without it a large level's gap is estimated until it is about the
+  /// tolerance.
+  std::function<void(int iterations, const Energies&)> evaluated = {};
+};
+
+/// Moves level.u and level.p.
 PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params, const Parallel& parallel,
-                                   Progress& progress,
-                                   const std::function<void(int iterations, const Energies&)>& observe = {});
+                                   Progress& progress, const PrimalDualRun& run = {});
 
 }  // namespace soapfilm
