@@ -14,4 +14,5 @@ else
 fi
 "$programs/bench_tolerance" "$scans" 256 | tee "$out/tolerance.md"
 "$programs/bench_kernels" --benchmark_out="$out/kernels.json" --benchmark_out_format=json
+"$programs/bench_kernels_refine" --benchmark_out="$out/kernels_refine.json" --benchmark_out_format=json
 "$programs/bench_kernels_io" --benchmark_out="$out/kernels_io.json" --benchmark_out_format=json

@@ -136,7 +136,7 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   // The data term f = div v (section 4.1).
   auto field = stages.run("field", [&] { return divergence_field(samples, lattice.box(0), parallel); });
 
-  // The refinement's arrays take the place of the solve's.
+  // The refinement's arrays take the place of the solve's, and the mesh theirs.
   std::optional<KeepFreedPages> keep(std::in_place);
 
   // Inside or outside: the convex problem (4), coarse to fine, on a thin band; or what it is compared with.
@@ -163,10 +163,10 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
   // The level set moves onto the samples; components and genus stay those of the segmentation.
   const auto surface = stages.run("refine", [&] { return level_set(segmentation, samples, params, parallel, report); });
-  keep.reset();
 
   // The level set as a closed, manifold mesh.
   Mesh mesh = stages.run("extract", [&] { return closed_mesh(surface, lattice, parallel, report); });
+  keep.reset();
 
   // Where the surface bends, triangles of a voxel are too coarse for what the samples tell.
   if (report.refine && params.surface.bend.tolerance > 0 && !report.refine->strength.yield)

@@ -12,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "soapfilm/core/memory.h"
+
 namespace soapfilm {
 namespace TEST_FILE {
 
@@ -27,14 +29,18 @@ TEST(ZeroedMemory, IsZeroAlignedAndWritable) {
 }
 
 TEST(ZeroedMemory, WhatIsNotGivenBackStays) {
-  constexpr size_t bytes = size_t{1} << 22, first = 100'000, last = 3'000'001;
+  constexpr size_t bytes = size_t{5} << 20;
   const ZeroedMemory memory = allocate_zeroed(bytes);
   std::memset(memory.get(), 0x5A, bytes);
-  give_back(memory.get() + first, memory.get() + last);
-  give_back(memory.get() + 5, memory.get() + 6);  // less than a page: nothing
-  EXPECT_EQ(std::count(memory.get(), memory.get() + first, std::byte{0x5A}), static_cast<ptrdiff_t>(first));
-  EXPECT_EQ(std::count(memory.get() + last, memory.get() + bytes, std::byte{0x5A}),
-            static_cast<ptrdiff_t>(bytes - last));
+  size_t gone = 0;
+  for (const size_t end : {size_t{5}, size_t{1'000'000}, size_t{999'999}, size_t{3'000'001}}) {
+    const size_t before = gone;
+    gone = give_back(memory, before, end);
+    EXPECT_LE(gone, std::max(before, end));
+    EXPECT_EQ(std::count(memory.get() + gone, memory.get() + bytes, std::byte{0x5A}),
+              static_cast<ptrdiff_t>(bytes - gone));
+  }
+  EXPECT_EQ(std::count(memory.get(), memory.get() + gone, std::byte{0}), static_cast<ptrdiff_t>(gone));
   std::memset(memory.get(), 1, bytes);  // and it may be written again
 }
 
@@ -82,21 +88,64 @@ TEST(KeepFreedPages, ServeTheNextArraysAndThenGoBack) {
   EXPECT_NEAR(resident_bytes(), before, slack);
 }
 
-TEST(KeepFreedPages, AreNoneThatNobodyTouchedOrThatWentBack) {
+TEST(KeepFreedPages, AreNoneThatNobodyTouched) {
   const double before = resident_bytes();
   const KeepFreedPages keep;
   { const ZeroedMemory untouched = allocate_zeroed(large); }
   EXPECT_NEAR(resident_bytes(), before, slack);
   {
     const ZeroedMemory memory = allocate_zeroed(large);
-    std::memset(memory.get(), 2, large);
-    give_back(memory.get() + 4 * block, memory.get() + 12 * block);
+    std::memset(memory.get(), 2, large / 2);
   }
-  EXPECT_NEAR(resident_bytes(), before + large - 8 * block, slack);
+  EXPECT_NEAR(resident_bytes(), before + large / 2, slack);
   const ZeroedMemory memory = allocate_zeroed(large);
   EXPECT_TRUE(is_zero(memory, large));
   std::memset(memory.get(), 3, large);
   EXPECT_NEAR(resident_bytes(), before + large, slack);
+}
+
+TEST(KeepFreedPages, ServeOthersBeforeTheirArrayEnds) {
+  const double before = resident_bytes();
+  {
+    const KeepFreedPages keep;
+    const ZeroedMemory old = allocate_zeroed(large), next = allocate_zeroed(large);
+    std::memset(old.get(), 2, large);
+    std::memset(next.get() + 5 * block, 3, block);  // touched already: stays as it is
+    size_t gone = 0;
+    for (const size_t end : {block / 2, 3 * block + 7, 3 * block + 8, 12 * block}) {
+      gone = give_back(old, gone, end);
+      EXPECT_EQ(gone, end / block * block);
+    }
+    EXPECT_NEAR(resident_bytes(), before + large + block, slack);
+    std::byte* const from = next.get() + 100;
+    take_pages(from, large - 100);  // whole large pages after the first
+    EXPECT_NEAR(resident_bytes(), before + large + block, slack);
+    for (size_t i = 0; i < large; ++i) ASSERT_EQ(next.get()[i], i / block == 5 ? std::byte{3} : std::byte{0}) << i;
+    std::memset(next.get(), 4, 14 * block);  // one and twelve of these are there
+    EXPECT_NEAR(resident_bytes(), before + large + 2 * block, slack);
+    EXPECT_EQ(std::count(old.get() + gone, old.get() + large, std::byte{2}), static_cast<ptrdiff_t>(large - gone));
+    std::memset(old.get(), 5, large);  // what went may be written
+    EXPECT_EQ(std::count(old.get(), old.get() + large, std::byte{5}), static_cast<ptrdiff_t>(large));
+  }
+  EXPECT_NEAR(resident_bytes(), before, slack);
+}
+
+TEST(KeepFreedPages, ServeVectors) {
+  const double before = resident_bytes();
+  {
+    const KeepFreedPages keep;
+    {
+      const ZeroedMemory memory = allocate_zeroed(large);
+      std::memset(memory.get(), 2, large);
+    }
+    std::vector<int> values;
+    reserve_many(values, large / sizeof(int));
+    EXPECT_NEAR(resident_bytes(), before + large, slack);
+    values.resize(large / sizeof(int));
+    EXPECT_EQ(std::count(values.begin(), values.end(), 0), static_cast<ptrdiff_t>(values.size()));
+    EXPECT_NEAR(resident_bytes(), before + large, slack);
+  }
+  EXPECT_NEAR(resident_bytes(), before, slack);
 }
 
 TEST(KeepFreedPages, GoFromThreadToThread) {

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "soapfilm/core/zeroed_memory.h"
+
 namespace soapfilm {
 
 /// Most memory that this process has held at once so far (resident set), in bytes.
@@ -29,11 +31,14 @@ constexpr size_t rounded_up(size_t bytes, size_t unit) { return (bytes + unit - 
 /// of the address cache. Advice: where the system does not take it, nothing changes.
 void prefer_large_pages(void* memory, size_t bytes);
 
-/// Room for `count` values in an empty vector, on large pages where there are many.
+/// Room for `count` values in an empty vector, on large pages where there are many, and on such as a KeepFreedPages
+/// has.
 template <class T>
 void reserve_many(std::vector<T>& values, size_t count) {
   values.reserve(count);
   prefer_large_pages(values.data(), count * sizeof(T));
+  if (count * sizeof(T) >= least_kept_bytes)
+    take_pages(values.data(), count * sizeof(T));  // such it has from the system
 }
 
 /// Reads "600M", "2G", "1.5GiB", "800 MB" or plain bytes. K, M, G, T and KiB, MiB, GiB, TiB are powers of 1024; KB, MB,

@@ -22,8 +22,6 @@ constexpr size_t alignment = 64;
 /// A large page. Arrays that fill one begin at a multiple of it, so that pages move from one to the other in whole
 /// large pages. Smaller ones come and go within a stage: the allocator keeps theirs for the next one.
 constexpr size_t block_bytes = size_t{1} << 21;
-/// Of smaller arrays the ends that fill no block would cost more memory than their blocks save time.
-constexpr size_t least_kept_bytes = 16 * block_bytes;
 
 size_t page_bytes() { return static_cast<size_t>(sysconf(_SC_PAGESIZE)); }
 
@@ -49,13 +47,16 @@ std::byte* map_blocks(size_t bytes) {
   return memory;
 }
 
-/// Whether all pages of a block are there: not untouched, nor given back early.
-bool is_resident(std::byte* block) {
-  std::array<unsigned char, block_bytes / 4096> pages;
-  const size_t count = block_bytes / page_bytes();
-  return mincore(block, block_bytes, pages.data()) == 0 &&
-         std::all_of(pages.begin(), pages.begin() + static_cast<std::ptrdiff_t>(count),
-                     [](unsigned char page) { return (page & 1) != 0; });
+/// How many pages of a block are there: those that are not untouched, nor given back early.
+size_t resident_pages(std::byte* block) {
+  std::array<unsigned char, block_bytes / 4096> pages{};
+  if (mincore(block, block_bytes, pages.data()) != 0) return 0;
+  return static_cast<size_t>(std::count_if(pages.begin(), pages.end(), [](unsigned char page) { return page & 1; }));
+}
+bool is_resident(std::byte* block) { return resident_pages(block) == block_bytes / page_bytes(); }
+
+std::byte* next_block(void* memory) {
+  return reinterpret_cast<std::byte*>(rounded_up(reinterpret_cast<uintptr_t>(memory), block_bytes));
 }
 
 /// Blocks of freed arrays, a list that lies in the blocks themselves: freeing needs no memory.
@@ -91,15 +92,37 @@ class SpareBlocks {
     if (rest > 0) munmap(memory, rest);
   }
 
-  /// Blocks that there are move to the front of an untouched array, zero.
-  void fill(std::byte* memory, size_t bytes) {
-    size_t filled = 0;
-    {
-      const std::lock_guard lock(mutex_);
-      for (; first_ && bytes - filled >= block_bytes; filled += block_bytes)
-        if (!move(std::exchange(first_, first_->next), memory + filled)) break;
+  /// Some blocks of an array that lives on: untouched ones take their places. False where the system cannot do that, or
+  /// nobody wants them.
+  bool take_over_early(std::byte* begin, std::byte* end) {
+    const std::lock_guard lock(mutex_);
+    if (keepers_ == 0) return false;
+    for (; begin < end; begin += block_bytes) {
+      if (!is_resident(begin)) continue;
+      std::byte* const block = map_blocks(block_bytes);
+      if (!block) return false;
+      if (mremap(begin, block_bytes, block_bytes, MREMAP_MAYMOVE | MREMAP_FIXED | MREMAP_DONTUNMAP, block) ==
+          MAP_FAILED) {
+        munmap(block, block_bytes);
+        return false;
+      }
+      first_ = new (block) Block{first_};
     }
-    std::memset(memory, 0, filled);
+    return true;
+  }
+
+  /// Blocks that there are move into untouched memory, zero.
+  void fill(std::byte* begin, std::byte* end) {
+    for (std::byte* to = next_block(begin); to < end && static_cast<size_t>(end - to) >= block_bytes;
+         to += block_bytes) {
+      {
+        const std::lock_guard lock(mutex_);
+        if (!first_) return;
+        if (resident_pages(to) > 0) continue;
+        if (!move(std::exchange(first_, first_->next), to)) return;
+      }
+      std::memset(to, 0, block_bytes);
+    }
   }
 
  private:
@@ -140,7 +163,7 @@ ZeroedMemory allocate_zeroed(size_t bytes) {
       if (!address) throw std::bad_alloc();
     }
     ZeroedMemory memory(address, {bytes});
-    spare_blocks().fill(address, bytes);
+    spare_blocks().fill(address, address + bytes);
     return memory;
   }
   void* memory = std::aligned_alloc(alignment, rounded_up(bytes, alignment));
@@ -156,11 +179,21 @@ void FreeZeroed::operator()(std::byte* memory) const {
     spare_blocks().take_over(memory, bytes);
 }
 
-void give_back(std::byte* begin, std::byte* end) {
-  const uintptr_t first = rounded_up(reinterpret_cast<uintptr_t>(begin), page_bytes());
-  const uintptr_t last = reinterpret_cast<uintptr_t>(end) / page_bytes() * page_bytes();
+size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end) {
+  if (memory.get_deleter().bytes < block_bytes) return gone;  // the allocator's
+  // Arrays that fill a block begin at one.
+  const size_t blocks_end = end / block_bytes * block_bytes, pages_end = end / page_bytes() * page_bytes();
+  if (gone >= blocks_end) return gone;
+  if (spare_blocks().take_over_early(memory.get() + gone / block_bytes * block_bytes, memory.get() + blocks_end))
+    return blocks_end;
   // Advice: where the system does not take it, the pages stay.
-  if (first < last) static_cast<void>(madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED));
+  static_cast<void>(madvise(memory.get() + gone, pages_end - gone, MADV_DONTNEED));
+  return pages_end;
+}
+
+void take_pages(void* begin, size_t bytes) {
+  auto* const first = static_cast<std::byte*>(begin);
+  spare_blocks().fill(first, first + bytes);
 }
 
 KeepFreedPages::KeepFreedPages() { spare_blocks().keep(); }

@@ -16,14 +16,21 @@ using ZeroedMemory = std::unique_ptr<std::byte, FreeZeroed>;
 /// the system when it is freed, unless a KeepFreedPages lives. Throws std::bad_alloc.
 ZeroedMemory allocate_zeroed(size_t bytes);
 
-/// Hands the pages that lie wholly in [begin, end) of an array back to the system before it is freed. What
-/// they held is lost: it may be written, not read.
-void give_back(std::byte* begin, std::byte* end);
+/// Of an array that lives on, bytes before `end` are not read any more: their pages go back to the system, or those of
+/// whole large pages to a KeepFreedPages. What they held is lost: it may be written, not read. `gone`: bytes that went
+/// before. Returns how many have gone by now.
+size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end);
 
-/// While one lives, anywhere in the process, pages of arrays of 32 MiB and more that are freed do not go back to the
-/// system but serve the next large arrays: a fresh page can cost more than the work on it, most of all on virtual
-/// machines. The process holds no more pages of arrays than it did when most of them were in use; what it takes
-/// otherwise meanwhile, as for vectors, comes on top.
+/// Memory [begin, begin + bytes) that nobody has written yet is about to be: pages that a KeepFreedPages has serve it.
+void take_pages(void* begin, size_t bytes);
+
+/// Of smaller arrays the ends that fill no large page would cost more memory than keeping their pages saves time.
+inline constexpr size_t least_kept_bytes = size_t{32} << 20;
+
+/// While one lives, anywhere in the process, pages of arrays of `least_kept_bytes` and more that are freed, or given
+/// back early, do not go back to the system but serve the next large arrays, and whatever takes pages: a fresh page can
+/// cost more than the work on it, most of all on virtual machines. The process holds no more pages of arrays than it
+/// did when most of them were in use; what it takes otherwise meanwhile, as for vectors, comes on top.
 class KeepFreedPages {
  public:
   KeepFreedPages();

@@ -25,14 +25,15 @@ class AlignedArray {
   size_t bytes() const { return count_ * sizeof(T); }
   T* data() { return reinterpret_cast<T*>(memory_.get() + lead_bytes); }
   const T* data() const { return reinterpret_cast<const T*>(memory_.get() + lead_bytes); }
-  /// Values [begin, end) are not read any more: their memory goes back early.
-  void give_back(size_t begin, size_t end) {
-    soapfilm::give_back(reinterpret_cast<std::byte*>(data() + begin), reinterpret_cast<std::byte*>(data() + end));
-  }
+  /// Values before `end` are not read any more: their memory goes back early.
+  void give_back_before(size_t end) { given_back_ = give_back(memory_, given_back_, lead_bytes + end * sizeof(T)); }
+  /// Values [begin, end), still zero, will soon be written.
+  void take_pages(size_t begin, size_t end) { soapfilm::take_pages(data() + begin, (end - begin) * sizeof(T)); }
 
  private:
   static constexpr size_t lead_bytes = 64;
   size_t count_ = 0;
+  size_t given_back_ = 0;  // bytes, lead included
   ZeroedMemory memory_;
 };
 
@@ -53,8 +54,10 @@ class Field {
     return values_.data() + b * values_per_brick + component * brick_volume;
   }
   size_t bytes() const { return values_.bytes(); }
-  /// Bricks [begin, end) are not read any more: their memory goes back early.
-  void give_back(size_t begin, size_t end) { values_.give_back(begin * values_per_brick, end * values_per_brick); }
+  /// Bricks before `end` are not read any more: their memory goes back early.
+  void give_back_before(size_t end) { values_.give_back_before(end * values_per_brick); }
+  /// Bricks [begin, end), still zero, will soon be written.
+  void take_pages(size_t begin, size_t end) { values_.take_pages(begin * values_per_brick, end * values_per_brick); }
 
  private:
   AlignedArray<T> values_;

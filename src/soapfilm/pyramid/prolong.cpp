@@ -117,6 +117,22 @@ LeftOut left_out_children(const Level& coarse, size_t brick, const Level& fine, 
   return children;
 }
 
+/// What lies below a layer along z.
+void give_back_below(Level& level, int z) {
+  const size_t end = level.grid.layer(std::clamp(z, 0, level.grid.bricks().z - 1)).first;
+  level.u.give_back_before(end);
+  level.p.give_back_before(end);
+}
+
+/// For the children of a coarse layer, and of the next one: large pages lie across. They may be those of coarser ones.
+void take_pages(Level& fine, int coarse_z) {
+  const int lowest = 2 * coarse_z, top = fine.grid.bricks().z - 1;
+  if (lowest > top) return;
+  const size_t begin = fine.grid.layer(lowest).first, end = fine.grid.layer(std::min(lowest + 3, top)).second;
+  fine.u.take_pages(begin, end);
+  fine.p.take_pages(begin, end);
+}
+
 /// Layer by layer of coarse bricks along z; used(z) is called when of the coarse level nothing below layer z is read
 /// any more, and of the previous one no child of layer z.
 template <class Used>
@@ -125,6 +141,7 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
   Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, parallel, coarse.norm);
   std::vector<LeftOut> left_out(coarse.grid.size());
   for (int z = 0; z < coarse.grid.bricks().z; ++z) {
+    take_pages(fine, z);
     const auto [begin, end] = coarse.grid.layer(z);
     parallel.for_each(end - begin, 16, [&, first = begin](size_t i) {
       prolong_children(coarse, first + i, fine, previous);
@@ -144,13 +161,6 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
   return fine;
 }
 
-void give_back_layer(Level& level, int z) {
-  if (z < 0 || z >= level.grid.bricks().z) return;
-  const auto [begin, end] = level.grid.layer(z);
-  level.u.give_back(begin, end);
-  level.p.give_back(begin, end);
-}
-
 }  // namespace
 
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
@@ -160,16 +170,14 @@ Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& b
 
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Parallel& parallel, Level&& previous) {
-  return prolong_layers(coarse, box, band, support, parallel, &previous, [&](int z) {
-    give_back_layer(previous, 2 * z);
-    give_back_layer(previous, 2 * z + 1);
-  });
+  return prolong_layers(coarse, box, band, support, parallel, &previous,
+                        [&](int z) { give_back_below(previous, 2 * z + 2); });
 }
 
 Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Parallel& parallel) {
   // The next layer looks at this one through its low faces and windows.
-  return prolong_layers(coarse, box, band, support, parallel, nullptr, [&](int z) { give_back_layer(coarse, z - 1); });
+  return prolong_layers(coarse, box, band, support, parallel, nullptr, [&](int z) { give_back_below(coarse, z); });
 }
 
 }  // namespace soapfilm

@@ -16,6 +16,7 @@ double laplacian(const BandRows& band, const LaplacianJob& job, size_t begin, si
   const V weight_v = hn::Set(d, job.weight_v), weight_g = hn::Set(d, job.weight_g);
   LaneSum sum;
   for (size_t r = begin; r < end; ++r) {
+    fetch_neighbors(job.v, band.neighbors[r + rows_ahead]);
     for (int x = 0; x < brick_side; x += lane_count()) {
       const size_t i = r * brick_side + static_cast<size_t>(x);
       const V degree = degree_of(band.degree + i), here = hn::Load(d, job.v + i);
@@ -51,6 +52,8 @@ void bend(const BandRows& band, const BendJob& job, size_t begin, size_t end) {
   const D d;
   const V beta = hn::Set(d, job.beta), gamma = hn::Set(d, job.gamma);
   for (size_t r = begin; r < end; ++r) {
+    fetch_neighbors(job.v, band.neighbors[r + rows_ahead]);
+    fetch_neighbors(job.start, band.neighbors[r + rows_ahead]);
     for (int x = 0; x < brick_side; x += lane_count()) {
       const size_t i = r * brick_side + static_cast<size_t>(x);
       const V degree = degree_of(band.degree + i), here = hn::Load(d, job.v + i), start = hn::Load(d, job.start + i);
