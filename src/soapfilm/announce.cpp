@@ -67,4 +67,11 @@ void announce_islands(const ReconstructReport& report, Progress& progress) {
                             counted(islands.samples, "sample"), islands.area, report.params.islands.min_support));
 }
 
+void announce_vanished(const ReconstructReport& report, Progress& progress) {
+  if (!report.refine || report.refine->vanished == 0) return;
+  const size_t n = report.refine->vanished;
+  progress.info(fmt::format("{} island{} or bubble{} dropped: refining left nothing of {}", n, n == 1 ? "" : "s",
+                            n == 1 ? "" : "s", n == 1 ? "it" : "them"));
+}
+
 }  // namespace soapfilm

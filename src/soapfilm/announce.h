@@ -18,4 +18,7 @@ void announce_energy(const ReconstructReport& report, Progress& progress);
 /// What drop_islands() dropped, if anything.
 void announce_islands(const ReconstructReport& report, Progress& progress);
 
+/// Of how many parts refining left nothing, if any.
+void announce_vanished(const ReconstructReport& report, Progress& progress);
+
 }  // namespace soapfilm

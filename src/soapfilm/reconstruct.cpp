@@ -58,9 +58,12 @@ SurfaceField level_set(Segmentation& found, const GridSamples& samples, const Re
     report.isovalue = 0.5;
     return std::move(*found.surface);
   }
-  if (refines(params))
-    return refine(std::move(found.level), threshold, samples, report.input.density, params.refine, parallel,
+  if (refines(params)) {
+    RefineParams how = params.refine;
+    how.vanish = how.vanish && drops_islands(params);
+    return refine(std::move(found.level), threshold, samples, report.input.density, how, parallel,
                   report.refine.emplace());
+  }
   SurfaceField surface = smoothed_indicator(found.level, threshold, parallel);
   report.isovalue = params.surface.isovalue ? *params.surface.isovalue : mean_at_samples(surface, samples, parallel);
   return surface;
@@ -163,6 +166,7 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
   // The level set moves onto the samples; components and genus stay those of the segmentation.
   const auto surface = stages.run("refine", [&] { return level_set(segmentation, samples, params, parallel, report); });
+  announce_vanished(report, progress);
 
   // The level set as a closed, manifold mesh.
   Mesh mesh = stages.run("extract", [&] { return closed_mesh(surface, lattice, parallel, report); });

@@ -136,6 +136,7 @@ ordered_json refine_json(const RefineReport& r) {
           {"down_weighted", r.down_weighted},
           {"flips", r.flips},
           {"refused", r.refused},
+          {"vanished", r.vanished},
           {"iterations", r.iterations}};
 }
 

@@ -164,6 +164,58 @@ TEST(Topology, SurvivesAnyWish) {
   EXPECT_EQ(found.genus(), 0);
 }
 
+/// A ball with a void of one vertex, and beside it objects of two, of one and of one vertex.
+struct Specks {
+  static constexpr Vec3i ball_centre{8, 8, 8}, hollow{8, 8, 8}, pair{18, 18, 18}, kept{20, 4, 4}, lost{4, 20, 4};
+
+  explicit Specks(bool ball) {
+    for (size_t b = 0; b < band.grid().size(); ++b)
+      for_each_vertex(band.grid().coord(b), [&](Vec3i v, int i) {
+        const bool in_ball = ball && v != hollow && norm(Vec3d(v - ball_centre)) < 5;
+        const bool inside = in_ball || v == pair || v == pair + Vec3i{1, 0, 0} || v == kept || v == lost;
+        if (inside) signs.flip(b, i & 7, i >> 3 & 7, i >> 6);
+        at(v) = inside ? 1.0f : -1.0f;
+      });
+  }
+  float& at(Vec3i v) {
+    const int32_t brick = band.grid().find({v.x >> 3, v.y >> 3, v.z >> 3});
+    return phi.data()[band.row(brick, v.y & 7, v.z & 7) * brick_side + static_cast<size_t>(v.x & 7)];
+  }
+
+  NarrowBand band = random_band(3, 1, 1);
+  BrickMask none{band.grid().bricks()};
+  SignBits signs{band.grid(), none};
+  RowArray phi = band.make_array();
+};
+
+TEST(Topology, WhatTheFitShrinksToAVertexVanishes) {
+  constexpr float held = 0.05f;
+  Specks specks(true);
+  specks.at(Specks::hollow) = 0.2f;  // the fit wants these on the other side
+  specks.at(Specks::lost) = -0.3f;
+  for (const int x : {0, 1}) specks.at(Specks::pair + Vec3i{x, 0, 0}) = -0.1f;
+  EXPECT_EQ(follow(specks.phi, specks.band, specks.signs, held).refused, 3u);
+  EXPECT_EQ(drop_vanished(specks.phi, specks.band, specks.signs, held), 3u);
+  EXPECT_GT(specks.at(Specks::hollow), 0);
+  EXPECT_LT(specks.at(Specks::lost), 0);
+  for (const int x : {0, 1}) EXPECT_LT(specks.at(Specks::pair + Vec3i{x, 0, 0}), 0);
+  EXPECT_EQ(specks.at(Specks::kept), 1);
+  for (size_t b = 0; b < specks.band.grid().size(); ++b)
+    for_each_vertex(specks.band.grid().coord(b), [&](Vec3i v, int i) {
+      EXPECT_EQ(specks.signs.test(b, i & 7, i >> 3 & 7, i >> 6), specks.at(v) > 0);
+    });
+  EXPECT_EQ(drop_vanished(specks.phi, specks.band, specks.signs, held), 0u);
+}
+
+TEST(Topology, TheLastObjectsDoNotVanish) {
+  constexpr float held = 0.05f;
+  Specks specks(false);
+  for (const Vec3i v : {Specks::kept, Specks::lost, Specks::pair, Specks::pair + Vec3i{1, 0, 0}}) specks.at(v) = -0.3f;
+  EXPECT_EQ(follow(specks.phi, specks.band, specks.signs, held).refused, 3u);
+  EXPECT_EQ(drop_vanished(specks.phi, specks.band, specks.signs, held), 0u);
+  EXPECT_EQ(specks.at(Specks::kept), held);
+}
+
 TEST(Refine, GivesTheSameBytesForAnyNumberOfThreads) {
   const Solved solved("knot", sanitized ? 40 : 60, 1, {.noise_vox = 0.25, .outliers = 0.05});
   const uint64_t expected = hash_mesh(refined(solved).mesh);

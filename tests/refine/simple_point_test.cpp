@@ -56,6 +56,28 @@ int euler_of_outside(uint32_t inside) {
   return euler;
 }
 
+TEST(SimplePoint, AloneIsWhatIsAComponentByItself) {
+  Random random(3);
+  const auto random_bits = [&](double share) {
+    uint32_t bits = 0;
+    for (int k = 0; k < 27; ++k) bits |= static_cast<uint32_t>(random.uniform() < share) << k;
+    return bits;
+  };
+  constexpr uint32_t all = (1u << 27) - 1, own = 1u << middle;
+  int alone = 0;
+  for (int k = 0; k < 20000; ++k) {
+    const uint32_t others = random_bits(k % 2 ? 0.1 : 0.97) & ~own;
+    // It is one component more where nothing touches it.
+    const bool as_object = components(others | own, 1) == components(others, 1) + 1;
+    const uint32_t outside = ~others & all & ~own;
+    const bool as_void = components(outside | own, 3) == components(outside, 3) + 1;
+    EXPECT_EQ(is_alone(others | own), as_object);
+    EXPECT_EQ(is_alone(others), as_void);
+    alone += as_object + as_void;
+  }
+  EXPECT_GT(alone, 2000);
+}
+
 TEST(SimplePoint, KnowsTheTextbookCases) {
   const auto bit = [](int dx, int dy, int dz) { return 1u << (dx + 1 + 3 * (dy + 1) + 9 * (dz + 1)); };
   EXPECT_FALSE(is_simple(0)) << "an isolated vertex is a component";

@@ -174,6 +174,7 @@ SurfaceField refine(Level level, float threshold, const GridSamples& samples, do
   const FlipCount flips = follow(*phi, start.band, signs, held_distance);
   report.flips = flips.wanted - flips.refused;
   report.refused = flips.refused;
+  if (params.vanish) report.vanished = drop_vanished(*phi, start.band, signs, held_distance);
   return distance_field(start, *phi, signs, parallel);
 }
 

@@ -20,6 +20,7 @@ struct RefineParams {
                                       ///< only. Without it: chosen by held-out samples
   RobustParams robust{};
   double reach = 3;     ///< half width of the band, voxels; [1, 3]
+  bool vanish = true;   ///< objects and voids that the fit shrinks to their last vertex go: there is no surface of them
   double sparse = 0.5;  ///< samples per voxel^2, [0, 1e3]: where there are fewer, a fit on every second vertex, or
                         ///< every fourth, ..., takes its place if that serves as well
 };
@@ -33,6 +34,7 @@ struct RefineReport {
   size_t down_weighted = 0;  ///< samples of weight < 1/4, those that the band does not see included
   size_t flips = 0;          ///< vertices that changed sides
   size_t refused = 0;        ///< vertices that would have changed the topology and were held
+  size_t vanished = 0;       ///< of these, each an object or a void of its own: gone
   int iterations = 0;        ///< conjugate-gradient steps on the whole band
 };
 
@@ -41,7 +43,8 @@ void validate(const RefineParams& params);
 
 /// Moves the level set of the binary indicator u > threshold onto the samples (design note in displacement.h): the
 /// level set 0 of the result is the surface; it is positive inside and about the signed distance in voxels near it. Its
-/// components and genus are the indicator's: signs differ only where simple points were turned one after the other.
+/// components and genus are the indicator's: signs differ only where simple points were turned one after the other, but
+/// for what has vanished.
 /// `density`: samples per voxel^2 of surface, 0 where it is not known. `level` is freed early when it is moved in. The
 /// result does not depend on the number of threads. Throws ParameterError.
 SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,

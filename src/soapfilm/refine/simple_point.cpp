@@ -61,4 +61,8 @@ bool is_simple(Neighborhood inside) {
   return flood(background & (~background + 1), background, tables.all) == background;
 }
 
+bool is_alone(Neighborhood inside) {
+  return inside >> middle & 1 ? (inside & tables.faces[middle]) == 0 : (~inside & tables.all[middle]) == 0;
+}
+
 }  // namespace soapfilm

@@ -14,4 +14,8 @@ using Neighborhood = uint32_t;
 /// exactly one component there that touches the vertex (Bertrand and Malandain 1994). The middle bit does not matter.
 bool is_simple(Neighborhood inside);
 
+/// Whether the middle vertex is a component by itself: of the inside (6-connected), or of the outside (26-connected).
+/// Turned over, it is gone, and nothing else of the topology changes.
+bool is_alone(Neighborhood inside);
+
 }  // namespace soapfilm

@@ -1,5 +1,8 @@
 #include "soapfilm/refine/topology.h"
 
+#include <bit>
+#include <cmath>
+
 #include "soapfilm/refine/simple_point.h"
 
 namespace soapfilm {
@@ -27,6 +30,12 @@ uint32_t SignBits::neighborhood(size_t brick, int x, int y, int z) const {
       bits |= three << (3 * (dy + 1) + 9 * (dz + 1));
     }
   return bits;
+}
+
+bool SignBits::holds_more_than(size_t count) const {
+  size_t found = brick_volume * inside_->count();
+  for (size_t k = 0; k < rows_.size() && found <= count; ++k) found += static_cast<size_t>(std::popcount(rows_[k]));
+  return found > count;
 }
 
 namespace {
@@ -72,6 +81,27 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
     phi.data()[static_cast<size_t>(w.row) * brick_side + w.x] = inside ? held : -held;
   }
   return count;
+}
+
+size_t drop_vanished(RowArray& phi, const NarrowBand& band, SignBits& signs, float held) {
+  std::vector<Wish> alone;
+  size_t objects = 0;
+  for (size_t b = 0; b < band.grid().size(); ++b)
+    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r)
+      for (int x = 0; x < brick_side; ++x) {
+        if (std::abs(phi.data()[size_t{r} * brick_side + static_cast<size_t>(x)]) != held) continue;
+        const int y = band.place(r) & 7, z = band.place(r) >> 3;
+        if (!is_alone(signs.neighborhood(b, x, y, z))) continue;
+        alone.push_back({static_cast<uint32_t>(b), r, static_cast<uint8_t>(x)});
+        objects += signs.test(b, x, y, z);
+      }
+  if (objects > 0 && !signs.holds_more_than(objects)) return 0;
+  for (const Wish& w : alone) {
+    signs.flip(w.brick, w.x, band.place(w.row) & 7, band.place(w.row) >> 3);
+    float& value = phi.data()[size_t{w.row} * brick_side + w.x];
+    value = -value;
+  }
+  return alone.size();
 }
 
 }  // namespace soapfilm

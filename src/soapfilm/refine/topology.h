@@ -19,6 +19,8 @@ class SignBits {
   uint8_t row(size_t brick, int y, int z) const { return rows_[brick * 64 + static_cast<size_t>(y + 8 * z)]; }
   bool test(size_t brick, int x, int y, int z) const { return row(brick, y, z) >> x & 1; }
   void flip(size_t brick, int x, int y, int z) { row(brick, y, z) ^= static_cast<uint8_t>(1 << x); }
+  /// Are there more vertices inside than `count`?
+  bool holds_more_than(size_t count) const;
   /// Bits by (dx + 1) + 3 (dy + 1) + 9 (dz + 1).
   uint32_t neighborhood(size_t brick, int x, int y, int z) const;
 
@@ -37,5 +39,9 @@ struct FlipCount {
 /// it is simple; where phi must not have its way it is set to `held` voxels on the old side. Afterwards phi > 0 exactly
 /// where the bits are set.
 FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held);
+
+/// Objects and voids of a single vertex, held against phi by follow(), take the other side: the fit left nothing of
+/// them but what topology asks for. Where no object would stay all of them do. Returns how many are gone.
+size_t drop_vanished(RowArray& phi, const NarrowBand& band, SignBits& signs, float held);
 
 }  // namespace soapfilm
