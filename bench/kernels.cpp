@@ -5,11 +5,14 @@
 // A level of BRICKS bricks (environment SOAPFILM_BENCH_BRICKS, default 32768: 590 MB), every row of it at work.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/sweep.h"
@@ -80,6 +83,26 @@ void copy(benchmark::State& state) {
   count(state, static_cast<double>(noisy.level.grid.vertices()), 4 * 6);
 }
 
+/// One load after the other, each from where the last one said: nanoseconds per load of `lines` lines of a large array,
+/// side by side or a page of 4 kB apart. What the second takes longer is the address cache's.
+void chase(benchmark::State& state) {
+  constexpr size_t line = 64, page = 4096;
+  const auto lines = static_cast<size_t>(state.range(0));
+  const size_t stride = state.range(1) != 0 ? page + line : line;  // not all of them in one set of the cache
+  AlignedArray<char> memory(lines * stride);
+  std::vector<size_t> order(lines);
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::sort(order.begin(), order.end(), [](size_t a, size_t b) { return noise(a) < noise(b); });
+  const auto at = [&](size_t k) { return reinterpret_cast<char**>(memory.data() + order[k % lines] * stride); };
+  for (size_t k = 0; k < lines; ++k) *at(k) = reinterpret_cast<char*>(at(k + 1));
+  char* here = reinterpret_cast<char*>(at(0));
+  for (auto _ : state)
+    for (size_t k = 0; k < lines; ++k) here = *reinterpret_cast<char**>(here);
+  benchmark::DoNotOptimize(here);
+  state.counters["ns_per_load"] = benchmark::Counter(
+      static_cast<double>(lines) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
 /// The first sweeps of each sweeper, all of them of one pass over the tiles: hardly a row rests.
 void sweeps(benchmark::State& state, int times) {
   const Parallel parallel(static_cast<int>(state.range(0)));
@@ -108,6 +131,7 @@ void threads(benchmark::internal::Benchmark* b) {
 }
 
 BENCHMARK(copy)->Apply(threads);
+BENCHMARK(chase)->ArgNames({"lines", "apart"})->ArgsProduct({{2048, 4096, 8192, 32768}, {0, 1}});
 BENCHMARK_CAPTURE(sweeps, one, 1)->Apply(threads);
 BENCHMARK_CAPTURE(sweeps, eight, 8)->Apply(threads);
 BENCHMARK(energy)->Apply(threads);

@@ -124,7 +124,7 @@ class Lab:
         return measured
 
     def measure(self, words, scratch, environment=None):
-        """Runs a command: exit code, standard error, cpu and elapsed seconds, peak in megabytes."""
+        """Runs a command: exit code, standard error, cpu and elapsed seconds, peak in megabytes, system's part of cpu."""
         log, result = Path(f"{scratch}.log"), Path(f"{scratch}.usage")
         with open(log, "w") as errors:
             subprocess.run([sys.executable, "-I", "-S", USAGE, str(result), *map(str, words)], stderr=errors,
@@ -132,7 +132,7 @@ class Lab:
         text, (code, *used) = log.read_text(errors="replace"), result.read_text().split()
         log.unlink()
         result.unlink()
-        return {"code": int(code), "errors": text, **dict(zip(("cpu", "elapsed", "peak_mb"), map(float, used)))}
+        return {"code": int(code), "errors": text, **dict(zip(("cpu", "elapsed", "peak_mb", "system"), map(float, used)))}
 
     def output_of(self, words):
         return subprocess.run([str(w) for w in words], check=True, capture_output=True, text=True).stdout

@@ -12,4 +12,5 @@ child = os.spawnvp(os.P_NOWAIT, sys.argv[2], sys.argv[2:])
 _, status, usage = os.wait4(child, 0)
 code = os.waitstatus_to_exitcode(status)
 with open(sys.argv[1], "w") as result:
-    print(code, usage.ru_utime + usage.ru_stime, time.monotonic() - begin, usage.ru_maxrss * 1024 / 1e6, file=result)
+    print(code, usage.ru_utime + usage.ru_stime, time.monotonic() - begin, usage.ru_maxrss * 1024 / 1e6,
+          usage.ru_stime, file=result)

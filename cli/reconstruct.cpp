@@ -323,8 +323,8 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
       ->transform(named<bool>({{"on", true}, {"off", false}}))
       ->option_text("on|off");
   surface(app.add_option("--islands", p.surface.drop_islands,
-                         "Specks and bubbles that few samples support: drop or keep\n(default: drop where the surface "
-                         "is refined)"))
+                         "Specks and bubbles that few samples support, or that refining\nshrinks to nothing: drop or "
+                         "keep\n(default: drop where the surface is refined)"))
       ->transform(named<bool>({{"drop", true}, {"keep", false}}))
       ->option_text("drop|keep");
   surface(app.add_option("--min-support", p.islands.min_support,

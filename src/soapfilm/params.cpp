@@ -101,7 +101,6 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("refine", "normals", p.refine.normals);
   visit("refine", "reach", p.refine.reach);
   visit("refine", "sparse", p.refine.sparse);
-  visit("refine", "vanish", p.refine.vanish);
   visit("memory", "limit", p.memory_limit);
 }
 

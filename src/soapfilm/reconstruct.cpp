@@ -60,7 +60,7 @@ SurfaceField level_set(Segmentation& found, const GridSamples& samples, const Re
   }
   if (refines(params)) {
     RefineParams how = params.refine;
-    how.vanish = how.vanish && drops_islands(params);
+    how.vanish = drops_islands(params);
     return refine(std::move(found.level), threshold, samples, report.input.density, how, parallel,
                   report.refine.emplace());
   }
@@ -164,7 +164,8 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
     });
   announce_islands(report, progress);
 
-  // The level set moves onto the samples; components and genus stay those of the segmentation.
+  // The level set moves onto the samples; components and genus stay those of the segmentation, but for what it leaves
+  // nothing of.
   const auto surface = stages.run("refine", [&] { return level_set(segmentation, samples, params, parallel, report); });
   announce_vanished(report, progress);
 

@@ -79,6 +79,7 @@ TEST_F(Reconstruct, TellsWhichIslandsItDropped) {
   EXPECT_EQ(islands["objects"]["kept"], 1);
   EXPECT_EQ(islands["min_support"], 0.2);
   EXPECT_GT(islands["lowest_kept"].get<double>(), islands["highest_dropped"].get<double>());
+  EXPECT_EQ(report["surface"]["refine"]["vanished"], 0);
   EXPECT_EQ(report["mesh"]["components"], 1);
 
   const ProcessResult kept = with({"--islands", "keep"});

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -98,12 +99,16 @@ class SpareBlocks {
     const std::lock_guard lock(mutex_);
     if (keepers_ == 0) return false;
     for (; begin < end; begin += block_bytes) {
-      if (!is_resident(begin)) continue;
+      if (!is_resident(begin)) {
+        static_cast<void>(madvise(begin, block_bytes, MADV_DONTNEED));
+        continue;
+      }
       std::byte* const block = map_blocks(block_bytes);
       if (!block) return false;
       if (mremap(begin, block_bytes, block_bytes, MREMAP_MAYMOVE | MREMAP_FIXED | MREMAP_DONTUNMAP, block) ==
           MAP_FAILED) {
-        munmap(block, block_bytes);
+        // An old kernel refuses at once. After any other refusal `block` may be gone, and be somebody else's.
+        if (errno == EINVAL) munmap(block, block_bytes);
         return false;
       }
       first_ = new (block) Block{first_};
@@ -111,14 +116,15 @@ class SpareBlocks {
     return true;
   }
 
-  /// Blocks that there are move into untouched memory, zero.
-  void fill(std::byte* begin, std::byte* end) {
+  /// Blocks that there are move into memory, zero: in place of its blocks of which nothing is there. `fresh`: it is all
+  /// untouched.
+  void fill(std::byte* begin, std::byte* end, bool fresh) {
     for (std::byte* to = next_block(begin); to < end && static_cast<size_t>(end - to) >= block_bytes;
          to += block_bytes) {
       {
         const std::lock_guard lock(mutex_);
         if (!first_) return;
-        if (resident_pages(to) > 0) continue;
+        if (!fresh && resident_pages(to) > 0) continue;
         if (!move(std::exchange(first_, first_->next), to)) return;
       }
       std::memset(to, 0, block_bytes);
@@ -163,7 +169,7 @@ ZeroedMemory allocate_zeroed(size_t bytes) {
       if (!address) throw std::bad_alloc();
     }
     ZeroedMemory memory(address, {bytes});
-    spare_blocks().fill(address, address + bytes);
+    spare_blocks().fill(address, address + bytes, true);
     return memory;
   }
   void* memory = std::aligned_alloc(alignment, rounded_up(bytes, alignment));
@@ -193,7 +199,7 @@ size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end) {
 
 void take_pages(void* begin, size_t bytes) {
   auto* const first = static_cast<std::byte*>(begin);
-  spare_blocks().fill(first, first + bytes);
+  spare_blocks().fill(first, first + bytes, false);
 }
 
 KeepFreedPages::KeepFreedPages() { spare_blocks().keep(); }

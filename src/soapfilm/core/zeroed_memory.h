@@ -21,16 +21,18 @@ ZeroedMemory allocate_zeroed(size_t bytes);
 /// before. Returns how many have gone by now.
 size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end);
 
-/// Memory [begin, begin + bytes) that nobody has written yet is about to be: pages that a KeepFreedPages has serve it.
+/// Memory that is about to be written: pages that a KeepFreedPages has, zero, serve large pages of [begin, begin +
+/// bytes) of which nothing has been touched. Throws std::bad_alloc.
 void take_pages(void* begin, size_t bytes);
 
 /// Of smaller arrays the ends that fill no large page would cost more memory than keeping their pages saves time.
 inline constexpr size_t least_kept_bytes = size_t{32} << 20;
 
-/// While one lives, anywhere in the process, pages of arrays of `least_kept_bytes` and more that are freed, or given
-/// back early, do not go back to the system but serve the next large arrays, and whatever takes pages: a fresh page can
-/// cost more than the work on it, most of all on virtual machines. The process holds no more pages of arrays than it
-/// did when most of them were in use; what it takes otherwise meanwhile, as for vectors, comes on top.
+/// While one lives, anywhere in the process, pages of arrays of `least_kept_bytes` and more that are freed, and of any
+/// that are given back early, do not go back to the system but serve the next large arrays, and whatever takes pages: a
+/// fresh page can cost more than the work on it, most of all on virtual machines. The process holds no more pages of
+/// arrays than it did when most of them were in use; what it takes otherwise meanwhile, as for most vectors, comes on
+/// top.
 class KeepFreedPages {
  public:
   KeepFreedPages();

@@ -124,7 +124,8 @@ void give_back_below(Level& level, int z) {
   level.p.give_back_before(end);
 }
 
-/// For the children of a coarse layer, and of the next one: large pages lie across. They may be those of coarser ones.
+/// For the children of a coarse layer, and of the next one, for large pages lie across both: pages that the coarse
+/// level has given back.
 void take_pages(Level& fine, int coarse_z) {
   const int lowest = 2 * coarse_z, top = fine.grid.bricks().z - 1;
   if (lowest > top) return;

@@ -171,10 +171,10 @@ SurfaceField refine(Level level, float threshold, const GridSamples& samples, do
   }
 
   // Signs follow where the topology allows.
-  const FlipCount flips = follow(*phi, start.band, signs, held_distance);
+  const FlipCount flips = follow(*phi, start.band, signs, held_distance, params.vanish);
   report.flips = flips.wanted - flips.refused;
   report.refused = flips.refused;
-  if (params.vanish) report.vanished = drop_vanished(*phi, start.band, signs, held_distance);
+  report.vanished = flips.vanished;
   return distance_field(start, *phi, signs, parallel);
 }
 

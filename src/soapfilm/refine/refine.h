@@ -1,4 +1,4 @@
-// From the thresholded solve to a surface that lies on the samples: sub-voxel accuracy without a change of topology.
+// From the thresholded solve to a surface that lies on the samples: sub-voxel accuracy, the same topology.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,10 @@ struct RefineParams {
                                       ///< only. Without it: chosen by held-out samples
   RobustParams robust{};
   double reach = 3;     ///< half width of the band, voxels; [1, 3]
-  bool vanish = true;   ///< objects and voids that the fit shrinks to their last vertex go: there is no surface of them
   double sparse = 0.5;  ///< samples per voxel^2, [0, 1e3]: where there are fewer, a fit on every second vertex, or
                         ///< every fourth, ..., takes its place if that serves as well
+  bool vanish = true;   ///< objects and voids that the fit shrinks to their last vertex go: no surface fits their
+                        ///< samples. (reconstruct() sets it by drops_islands().)
 };
 
 struct RefineReport {
@@ -34,7 +35,7 @@ struct RefineReport {
   size_t down_weighted = 0;  ///< samples of weight < 1/4, those that the band does not see included
   size_t flips = 0;          ///< vertices that changed sides
   size_t refused = 0;        ///< vertices that would have changed the topology and were held
-  size_t vanished = 0;       ///< of these, each an object or a void of its own: gone
+  size_t vanished = 0;       ///< objects and voids that the fit shrank to their last vertex, which turned too
   int iterations = 0;        ///< conjugate-gradient steps on the whole band
 };
 

@@ -1,7 +1,6 @@
 #include "soapfilm/refine/topology.h"
 
 #include <bit>
-#include <cmath>
 
 #include "soapfilm/refine/simple_point.h"
 
@@ -32,10 +31,13 @@ uint32_t SignBits::neighborhood(size_t brick, int x, int y, int z) const {
   return bits;
 }
 
-bool SignBits::holds_more_than(size_t count) const {
-  size_t found = brick_volume * inside_->count();
-  for (size_t k = 0; k < rows_.size() && found <= count; ++k) found += static_cast<size_t>(std::popcount(rows_[k]));
-  return found > count;
+size_t SignBits::count() const {
+  size_t found = 0;
+  for (const uint8_t row : rows_) found += static_cast<size_t>(std::popcount(row));
+  inside_->for_each([&](Vec3i brick) {
+    if (grid_->find(brick) < 0) found += brick_volume;
+  });
+  return found;
 }
 
 namespace {
@@ -48,7 +50,7 @@ struct Wish {
 
 }  // namespace
 
-FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held) {
+FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held, bool vanish) {
   std::vector<Wish> wishes;
   for (size_t b = 0; b < band.grid().size(); ++b)
     for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
@@ -59,21 +61,35 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
       for (; wanted != 0; wanted &= wanted - 1)
         wishes.push_back({static_cast<uint32_t>(b), r, static_cast<uint8_t>(__builtin_ctz(wanted))});
     }
-  FlipCount count{wishes.size(), 0};
-  // A vertex may become simple once its neighbours have turned: go on until nothing moves.
-  for (bool moved = true; moved && !wishes.empty();) {
-    moved = false;
+  FlipCount count;
+  count.wanted = wishes.size();
+  // Turns what may be turned over; returns how many.
+  const auto turn = [&](auto&& may) {
+    const size_t before = wishes.size();
     size_t left = 0;
     for (const Wish& w : wishes) {
       const int y = band.place(w.row) & 7, z = band.place(w.row) >> 3;
-      if (is_simple(signs.neighborhood(w.brick, w.x, y, z))) {
+      if (may(w, signs.neighborhood(w.brick, w.x, y, z)))
         signs.flip(w.brick, w.x, y, z);
-        moved = true;
-      } else {
+      else
         wishes[left++] = w;
-      }
     }
     wishes.resize(left);
+    return before - left;
+  };
+  const auto turn_simple = [&] { return turn([](const Wish&, Neighborhood around) { return is_simple(around); }); };
+  const auto turn_alone = [&] {
+    size_t left = signs.count();
+    return turn([&](const Wish& w, Neighborhood around) {
+      const bool object = signs.test(w.brick, w.x, band.place(w.row) & 7, band.place(w.row) >> 3);
+      return is_alone(around) && !(object && --left == 0);
+    });
+  };
+  // A vertex may become simple once its neighbours have turned: go on until nothing moves. What is alone then has not
+  // moved elsewhere either, and what it kept apart may turn now.
+  for (size_t gone = 1; gone > 0; count.vanished += gone) {
+    while (turn_simple() > 0) continue;
+    gone = vanish ? turn_alone() : 0;
   }
   count.refused = wishes.size();
   for (const Wish& w : wishes) {
@@ -81,27 +97,6 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
     phi.data()[static_cast<size_t>(w.row) * brick_side + w.x] = inside ? held : -held;
   }
   return count;
-}
-
-size_t drop_vanished(RowArray& phi, const NarrowBand& band, SignBits& signs, float held) {
-  std::vector<Wish> alone;
-  size_t objects = 0;
-  for (size_t b = 0; b < band.grid().size(); ++b)
-    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r)
-      for (int x = 0; x < brick_side; ++x) {
-        if (std::abs(phi.data()[size_t{r} * brick_side + static_cast<size_t>(x)]) != held) continue;
-        const int y = band.place(r) & 7, z = band.place(r) >> 3;
-        if (!is_alone(signs.neighborhood(b, x, y, z))) continue;
-        alone.push_back({static_cast<uint32_t>(b), r, static_cast<uint8_t>(x)});
-        objects += signs.test(b, x, y, z);
-      }
-  if (objects > 0 && !signs.holds_more_than(objects)) return 0;
-  for (const Wish& w : alone) {
-    signs.flip(w.brick, w.x, band.place(w.row) & 7, band.place(w.row) >> 3);
-    float& value = phi.data()[size_t{w.row} * brick_side + w.x];
-    value = -value;
-  }
-  return alone.size();
 }
 
 }  // namespace soapfilm

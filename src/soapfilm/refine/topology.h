@@ -1,4 +1,4 @@
-// Keeps the topology that the solve decided while the surface moves.
+// Keeps the topology that the solve decided while the surface moves, but for what the fit leaves nothing of.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,7 @@ class SignBits {
   uint8_t row(size_t brick, int y, int z) const { return rows_[brick * 64 + static_cast<size_t>(y + 8 * z)]; }
   bool test(size_t brick, int x, int y, int z) const { return row(brick, y, z) >> x & 1; }
   void flip(size_t brick, int x, int y, int z) { row(brick, y, z) ^= static_cast<uint8_t>(1 << x); }
-  /// Are there more vertices inside than `count`?
-  bool holds_more_than(size_t count) const;
+  size_t count() const;  ///< vertices inside
   /// Bits by (dx + 1) + 3 (dy + 1) + 9 (dz + 1).
   uint32_t neighborhood(size_t brick, int x, int y, int z) const;
 
@@ -32,16 +31,14 @@ class SignBits {
 
 struct FlipCount {
   size_t wanted = 0;
-  size_t refused = 0;  ///< vertices that would have changed the topology
+  size_t refused = 0;   ///< vertices that would have changed the topology
+  size_t vanished = 0;  ///< vertices that were an object or a void of their own, and have turned
 };
 
 /// Turns over, one after the other in a fixed order, the band's vertices whose sign differs from phi's, each only while
 /// it is simple; where phi must not have its way it is set to `held` voxels on the old side. Afterwards phi > 0 exactly
-/// where the bits are set.
-FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held);
-
-/// Objects and voids of a single vertex, held against phi by follow(), take the other side: the fit left nothing of
-/// them but what topology asks for. Where no object would stay all of them do. Returns how many are gone.
-size_t drop_vanished(RowArray& phi, const NarrowBand& band, SignBits& signs, float held);
+/// where the bits are set. With `vanish` objects and voids whose last vertex phi wants on the other side go: but for
+/// topology the fit left nothing of them. The last object of all stays.
+FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held, bool vanish);
 
 }  // namespace soapfilm
