@@ -79,14 +79,16 @@ def measure_case(lab, name, runs, peers):
     for program, measured in results.items():
         median = medians(measured)
         ratio = median["cpu"] / rows[0][3] if rows else 1.0
-        rows.append([f"{cloud.name}, {resolution}", program, runs, *(round(median[k], 2) for k in ("cpu", "system", "elapsed")),
-                     round(median["peak_mb"]), round(planned_mb(measured[0]["errors"])) if program == mine else "",
+        seconds = (round(median[k], 2) for k in ("cpu", "system", "elapsed"))
+        rows.append([f"{cloud.name}, {resolution}", program, runs, *seconds, round(median["peak_mb"]),
+                     round(planned_mb(measured[0]["errors"])) if program == mine else "",
                      round(ratio, 2), {mine: target, on_two: target_of_two}.get(program, "")])
     return rows, stages(lab, commands[mine])["cpu_seconds"]
 
 
 def cases(lab, names, runs, peers):
-    header = ["case", "program", "runs", "CPU s", "of these system", "elapsed s", "peak MB", "planned MB", "CPU ratio", "target"]
+    header = ["case", "program", "runs", "CPU s", "of these system", "elapsed s", "peak MB", "planned MB", "CPU ratio",
+              "target"]
     rows, times = [], {}
     for name in names:
         found, times[name] = measure_case(lab, name, runs, peers)
@@ -113,7 +115,8 @@ def scaling(lab, sizes, runs):
         median = medians(measured[resolution])
         spent = [median["cpu"], median["system"], report["cpu_seconds"]["solve"]]
         rows.append([resolution, cloud.samples, vertices, round(median["cpu"], 2), round(median["peak_mb"]),
-                     round(planned_mb(measured[resolution][0]["errors"])), *(round(1e9 * s / vertices, 1) for s in spent)])
+                     round(planned_mb(measured[resolution][0]["errors"])),
+                     *(round(1e9 * s / vertices, 1) for s in spent)])
     plot(lab, rows)
     header = ["resolution", "samples", "active vertices", "CPU s", "peak MB", "planned MB", "ns per active vertex",
               "of these system", "of one run solve"]
@@ -166,8 +169,8 @@ def main():
     made = {"cases": lambda: cases(lab, names, options.runs, peers),
             "scaling": lambda: scaling(lab, [int(n) for n in options.sizes.split(",")], options.runs),
             "instructions": lambda: instructions(lab)}
-    page = ["# Speed of the whole program", "`make bench`; one thread unless it says two, medians, reading and writing files included. "
-            "What the targets mean: `docs/performance.md`."]
+    page = ["# Speed of the whole program", "`make bench`; one thread unless it says two, medians, reading and writing files "
+            "included. What the targets mean: `docs/performance.md`."]
     if missing:
         page.append(f"Not on this machine: {', '.join(p.name for p in missing)}.")
     titles = {"cases": "Cases", "scaling": "Scaling", "instructions": "Instructions"}
