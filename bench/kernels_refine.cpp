@@ -137,9 +137,9 @@ void v_cycles(benchmark::State& state) {
   Ball& b = ball(state);
   Multilevel multilevel(b.band, b.parallel);
   RowArray position_weights = b.band.make_array(), z = b.band.make_array(), work = b.band.make_array();
-  add_position_weights(b.band, b.cells, position_weights, b.parallel);
+  DataTerm::row_sums(b.band, b.cells, position_weights).add(b.parallel);
   multilevel.set_operator(position_weights, smoothness.slope, smoothness.curvature, b.parallel);
-  repeat(state, [&] { benchmark::DoNotOptimize(multilevel.apply(b.phi0, z, work, b.parallel)); });
+  repeat(state, [&] { benchmark::DoNotOptimize(multilevel.apply([](int) {}, b.phi0, z, work, b.parallel)); });
   count(state, b, 2 * (9 * row_bytes + 2 * neighbor_bytes));
 }
 
@@ -154,7 +154,8 @@ void laplacian(benchmark::State& state) {
 void data_term(benchmark::State& state) {
   Ball& b = ball(state);
   RowArray out = b.band.make_array();
-  repeat(state, [&] { benchmark::DoNotOptimize(add_data_term(b.band, b.cells, b.phi0, true, -1, out, b.parallel)); });
+  const DataTerm term = DataTerm::gradient(b.band, b.cells, b.phi0, -1, out);
+  repeat(state, [&] { benchmark::DoNotOptimize(term.add(b.parallel)); });
   const double cells = static_cast<double>(b.cells.count) / static_cast<double>(b.band.rows());
   count(state, b, cells * DataJob::values * sizeof(float) + 3 * row_bytes + neighbor_bytes);
 }

@@ -15,7 +15,7 @@ using namespace test;
 
 const Parallel one_thread(1);
 
-class DataTerm : public testing::Test {
+class Pulled : public testing::Test {
  protected:
   /// A place may round up to the brick's end: the last cell holds it.
   static GridSamples with_rounded_places(GridSamples samples) {
@@ -77,7 +77,8 @@ class DataTerm : public testing::Test {
   /// Half of the energy's gradient, or its linear part.
   RowArray gradient(const RowArray& v, bool affine) const {
     RowArray out = band.make_array();
-    add_data_term(band, data, v, affine, 1, out, one_thread);
+    const DataTerm term = affine ? DataTerm::gradient(band, data, v, 1, out) : DataTerm::hessian(band, data, v, &out);
+    term.add(one_thread);
     return out;
   }
   /// The energy from its definition, cell by cell.
@@ -98,7 +99,7 @@ class DataTerm : public testing::Test {
   }
 };
 
-TEST_F(DataTerm, SeesSamplesWhoseCellsAreWhole) {
+TEST_F(Pulled, SeesSamplesWhoseCellsAreWhole) {
   const std::vector<uint8_t> expected = seen();
   const RowArray phi = random_array(band, 8);
   const auto jets = jets_at_samples(phi, samples, data, band, one_thread);
@@ -116,7 +117,7 @@ TEST_F(DataTerm, SeesSamplesWhoseCellsAreWhole) {
   EXPECT_LT(static_cast<size_t>(count), samples.size()) << "some cells have a corner outside of the band";
 }
 
-TEST_F(DataTerm, GradientIsTheEnergysDerivative) {
+TEST_F(Pulled, GradientIsTheEnergysDerivative) {
   const RowArray phi = random_array(band, 3), step = random_array(band, 4);
   RowArray forth = band.make_array(), back = band.make_array();
   for (size_t i = 0; i < phi.size(); ++i) {
@@ -127,24 +128,26 @@ TEST_F(DataTerm, GradientIsTheEnergysDerivative) {
   EXPECT_NEAR(2 * dot(gradient(phi, true), step, one_thread), energy(forth) - energy(back), 1e-3 * energy(phi));
 }
 
-TEST_F(DataTerm, IsSymmetricAndTellsItsEnergy) {
+TEST_F(Pulled, IsSymmetricAndTellsItsEnergy) {
   const RowArray a = random_array(band, 5), b = random_array(band, 6);
   const double scale = dot(a, gradient(a, false), one_thread);
   EXPECT_NEAR(dot(gradient(a, false), b, one_thread), dot(a, gradient(b, false), one_thread), 1e-4 * scale);
   RowArray out = band.make_array();
-  EXPECT_NEAR(add_data_term(band, data, a, false, -2, out, one_thread), -2 * scale, 1e-5 * scale);
+  EXPECT_NEAR(DataTerm::hessian(band, data, a, &out).add(one_thread), scale, 1e-5 * scale);
+  EXPECT_EQ(DataTerm::hessian(band, data, a, nullptr).add(one_thread),
+            DataTerm::hessian(band, data, a, &out).add(one_thread));
 }
 
-TEST_F(DataTerm, PositionsWeighOnConstantsAsMuchAsTheirRowSums) {
+TEST_F(Pulled, PositionsWeighOnConstantsAsMuchAsTheirRowSums) {
   const CellSamples positions = merged({}, one_thread);
   RowArray ones = band.make_array(), expected = band.make_array(), sums = band.make_array();
   std::fill_n(ones.data(), ones.size(), 1.0f);
-  add_data_term(band, positions, ones, false, 1, expected, one_thread);
-  add_position_weights(band, data, sums, one_thread);
+  DataTerm::hessian(band, positions, ones, &expected).add(one_thread);
+  DataTerm::row_sums(band, data, sums).add(one_thread);
   for (size_t i = 0; i < sums.size(); ++i) ASSERT_NEAR(sums.data()[i], expected.data()[i], 1e-6);
 }
 
-TEST_F(DataTerm, MergingKeepsWeightsAndMeans) {
+TEST_F(Pulled, MergingKeepsWeightsAndMeans) {
   double weight = 0, expected_weight = 0;
   Vec3d normal, expected_normal;
   for_each_cell(data, [&](size_t, int, const MergedCell& cell) {
@@ -163,7 +166,7 @@ TEST_F(DataTerm, MergingKeepsWeightsAndMeans) {
 }
 
 /// Merged again with other weights the cells hold these alone; samples that weigh little are counted, unseen ones too.
-TEST_F(DataTerm, MergingForgetsWhatWasMerged) {
+TEST_F(Pulled, MergingForgetsWhatWasMerged) {
   std::vector<uint8_t> third(samples.size());
   for (size_t s = 0; s < third.size(); s += 3) third[s] = 1;
   CellSamples fresh(samples, band, one_thread);
@@ -183,20 +186,21 @@ TEST_F(DataTerm, MergingForgetsWhatWasMerged) {
   });
 }
 
-class DataTermOn : public DataTerm, public testing::WithParamInterface<BackEnd> {};
+class PulledOn : public Pulled, public testing::WithParamInterface<BackEnd> {};
 
-TEST_P(DataTermOn, GivesTheSameBits) {
+TEST_P(PulledOn, GivesTheSameBits) {
   const RowArray phi = random_array(band, 7);
   const RowArray expected = gradient(phi, true);
   const ForcedTarget target(GetParam().target);
   const Parallel parallel(GetParam().threads);
   RowArray out = band.make_array();
-  add_data_term(band, merged({0.3f, 0.8f}, parallel), phi, true, 1, out, parallel);
+  const CellSamples cells = merged({0.3f, 0.8f}, parallel);
+  DataTerm::gradient(band, cells, phi, 1, out).add(parallel);
   for (size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out.data()[i], expected.data()[i]);
 }
 
 /// What the samples of each cell say together is what robust.h says of one after the other, to the last bit.
-TEST_P(DataTermOn, MergesWhatEachSampleSays) {
+TEST_P(PulledOn, MergesWhatEachSampleSays) {
   const RowArray phi = random_array(band, 9);
   const auto jets = jets_at_samples(phi, samples, data, band, one_thread);
   GridSamples weighted = samples;
@@ -246,7 +250,7 @@ TEST_P(DataTermOn, MergesWhatEachSampleSays) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(BackEnds, DataTermOn, testing::ValuesIn(back_ends()), back_end_name);
+INSTANTIATE_TEST_SUITE_P(BackEnds, PulledOn, testing::ValuesIn(back_ends()), back_end_name);
 
 TEST(RobustWeight, FallsFromOneWithTheResidual) {
   for (const Penalty penalty : {Penalty::least_squares, Penalty::huber, Penalty::geman_mcclure, Penalty::tukey}) {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <utility>
+#include <tuple>
 
 #include "refine/band_support.h"
 #include "soapfilm/refine/multilevel.h"
@@ -15,6 +15,7 @@ namespace TEST_FILE {
 using namespace test;
 
 const Parallel one_thread(1);
+const auto nothing_to_complete = [](int) {};
 
 Dense<double> dense(const NarrowBand& band, const RowArray& array) {
   Dense<double> values(band.grid().bricks() * brick_side);
@@ -32,39 +33,6 @@ RowArray members(const NarrowBand& band) {
   for (size_t i = 0; i < ones.size(); ++i)
     ones.data()[i] = static_cast<float>(band.mask(static_cast<uint32_t>(i / 8)) >> (i % 8) & 1);
   return ones;
-}
-
-/// Runs stages that each add up what the one before wrote in a layer and those next to it, and checks the order.
-template <size_t... Stage>
-std::vector<std::vector<int>> pass_over(int layers, const Parallel& parallel, std::index_sequence<Stage...>) {
-  std::vector<std::vector<int>> value(sizeof...(Stage) + 1, std::vector<int>(static_cast<size_t>(layers), 0));
-  for (int i = 0; i < layers; ++i) value[0][static_cast<size_t>(i)] = i * i + 1;
-  const auto stage = [&](size_t number) {
-    return [&, number](int layer) {
-      int& to = value[number + 1][static_cast<size_t>(layer)];
-      for (int i = std::max(layer - 1, 0); i <= std::min(layer + 1, layers - 1); ++i)
-        to += value[number][static_cast<size_t>(i)];
-    };
-  };
-  layer_by_layer(layers, parallel, stage(Stage)...);
-  return value;
-}
-
-TEST(LayerByLayer, StagesFollowOneAnotherOnAnyNumberOfThreads) {
-  for (const int threads : {2, 3, 8}) {
-    const Parallel parallel(threads);
-    for (int layers = 0; layers <= 40; ++layers) {
-      const auto expect_same = [&](auto stages) {
-        EXPECT_EQ(pass_over(layers, parallel, stages), pass_over(layers, one_thread, stages)) << layers;
-      };
-      expect_same(std::make_index_sequence<1>());
-      expect_same(std::make_index_sequence<2>());
-      expect_same(std::make_index_sequence<3>());
-    }
-  }
-  const auto value = pass_over(3, one_thread, std::make_index_sequence<2>());
-  EXPECT_EQ(value[1], (std::vector<int>{3, 8, 7}));
-  EXPECT_EQ(value[2], (std::vector<int>{11, 18, 15}));
 }
 
 TEST(NarrowBand, LaplacianIsTheDenseGraphLaplacian) {
@@ -174,7 +142,8 @@ TEST(NarrowBand, MultilevelRestrictsTheResidualOfAJacobiStep) {
     for (size_t i = 0; i < x.size(); ++i)
       residual.data()[i] = inverse.data()[i] > 0 ? (out.data()[i] - x.data()[i]) / inverse.data()[i] : 0.0f;
     coarse.restrict_to(residual, expected, one_thread);
-    coarse.restrict_residual(band, job, restricted, one_thread);
+    std::fill_n(restricted.data(), restricted.size(), 0.0f);
+    for (int layer = 0; layer < 3; ++layer) coarse.restrict_residual(layer, band, job, restricted);
     for (size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(restricted.data()[i], expected.data()[i], 2e-5);
   }
 }
@@ -203,8 +172,8 @@ TEST(NarrowBand, MultilevelIsSymmetricPositiveDefinite) {
   RowArray weights = band.make_array(), ma = band.make_array(), mb = band.make_array(), work = band.make_array();
   for (size_t i = 0; i < weights.size(); i += 3) weights.data()[i] = 0.5f;
   multilevel.set_operator(weights, 0.01f, 0.1f, one_thread);
-  const double energy = multilevel.apply(a, ma, work, one_thread);
-  multilevel.apply(b, mb, work, one_thread);
+  const double energy = multilevel.apply(nothing_to_complete, a, ma, work, one_thread);
+  multilevel.apply(nothing_to_complete, b, mb, work, one_thread);
   EXPECT_GT(energy, 0);
   EXPECT_NEAR(dot(a, ma, one_thread), energy, 1e-5 * energy);
   EXPECT_NEAR(dot(ma, b, one_thread), dot(a, mb, one_thread), 1e-4 * energy);
@@ -221,7 +190,7 @@ TEST_P(RowsOn, GiveTheSameBits) {
     Multilevel multilevel(band, parallel);
     multilevel.set_operator(weights, 0.01f, 3, parallel);
     RowArray out = band.make_array(), work = band.make_array(), next = band.make_array();
-    const double first = multilevel.apply(a, out, work, parallel);
+    const double first = multilevel.apply(nothing_to_complete, a, out, work, parallel);
     const double second = apply_laplacian(band, out, 0.3f, 2, next, parallel);
     return std::tuple(std::vector<float>(next.data(), next.data() + next.size()), first, second);
   };

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <numeric>
 #include <utility>
 
 #include "soapfilm/core/gather.h"
+#include "soapfilm/refine/layers.h"
 
 namespace soapfilm {
 
@@ -234,40 +236,41 @@ std::vector<std::optional<Jet>> jets_at_samples(const RowArray& phi, const GridS
   return jets;
 }
 
-/// All rows of cells, layer of bricks by layer; those of a layer in order. Every second layer touches no common vertex:
-/// they may add to their corners at the same time, and the order of the sums is fixed.
-double add_to_rows(const NarrowBand& band, const CellSamples& data, DataJob job, const Parallel& parallel) {
-  const RowKernel kernel = row_kernel();
-  job.cells = data.values_.data();
-  job.first = data.first_.data();
-  job.present = data.present_.data();
-  job.row = data.row_.data();
-  std::vector<double> sums(data.layer_.size() - 1);
-  for_layers_apart(sums.size(), parallel, [&](size_t layer) {
-    sums[layer] = kernel.data_term(band.view(), job, data.layer_[layer], data.layer_[layer + 1]);
-  });
-  double total = 0;
-  for (const double sum : sums) total += sum;
-  return total;
+DataTerm::DataTerm(const NarrowBand& band, const CellSamples& data, const RowArray* v, bool affine, float scale,
+                   RowArray* out)
+    : band_(band), data_(data) {
+  job_.cells = data.values_.data();
+  job_.first = data.first_.data();
+  job_.present = data.present_.data();
+  job_.row = data.row_.data();
+  job_.normal = data.weights.normal;
+  job_.slope = data.weights.slope;
+  job_.affine = affine;
+  job_.scale = scale;
+  job_.v = v ? v->data() : nullptr;
+  job_.out = out ? out->data() : nullptr;
 }
 
-double add_data_term(const NarrowBand& band, const CellSamples& data, const RowArray& v, bool affine, float scale,
-                     RowArray& out, const Parallel& parallel) {
-  DataJob job{};
-  job.normal = data.weights.normal;
-  job.slope = data.weights.slope;
-  job.affine = affine;
-  job.scale = scale;
-  job.v = v.data();
-  job.out = out.data();
-  return add_to_rows(band, data, job, parallel);
+DataTerm DataTerm::gradient(const NarrowBand& band, const CellSamples& data, const RowArray& v, float scale,
+                            RowArray& out) {
+  return {band, data, &v, true, scale, &out};
+}
+DataTerm DataTerm::hessian(const NarrowBand& band, const CellSamples& data, const RowArray& v, RowArray* out) {
+  return {band, data, &v, false, 1, out};
+}
+DataTerm DataTerm::row_sums(const NarrowBand& band, const CellSamples& data, RowArray& out) {
+  return {band, data, nullptr, false, 1, &out};
 }
 
-void add_position_weights(const NarrowBand& band, const CellSamples& data, RowArray& out, const Parallel& parallel) {
-  DataJob job{};
-  job.scale = 1;
-  job.out = out.data();
-  add_to_rows(band, data, job, parallel);
+double DataTerm::add(int layer) const {
+  const auto first = data_.layer_.begin() + layer;
+  return row_kernel().data_term(band_.view(), job_, first[0], first[1]);
+}
+
+double DataTerm::add(const Parallel& parallel) const {
+  std::vector<double> energy(static_cast<size_t>(layers_of(band_)));
+  for_layers_apart(layers_of(band_), parallel, [&](int layer) { energy[static_cast<size_t>(layer)] = add(layer); });
+  return std::accumulate(energy.begin(), energy.end(), 0.0);
 }
 
 }  // namespace soapfilm

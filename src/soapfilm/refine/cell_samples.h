@@ -61,7 +61,7 @@ class CellSamples {
  private:
   friend void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band, const Weighing& weighing,
                     DataWeights weights, const Parallel& parallel, CellSamples& cells);
-  friend double add_to_rows(const NarrowBand& band, const CellSamples& data, DataJob job, const Parallel& parallel);
+  friend class DataTerm;
 
   float* values(size_t row) { return values_.data() + DataJob::values * size_t{first_[row]}; }
   const float* values(size_t row) const { return values_.data() + DataJob::values * size_t{first_[row]}; }
@@ -87,12 +87,29 @@ std::vector<std::optional<Jet>> jets_at_samples(const RowArray& phi, const GridS
                                                 const CellSamples& cells, const NarrowBand& band,
                                                 const Parallel& parallel);
 
-/// out += scale times the data term's Hessian (half of it) times v, or with `affine` its gradient (half of it) at v.
-/// Returns scale <v, H v> without `affine`.
-double add_data_term(const NarrowBand& band, const CellSamples& data, const RowArray& v, bool affine, float scale,
-                     RowArray& out, const Parallel& parallel);
+/// What the data term adds to a system of equations: layer of bricks by layer, or all at once. It keeps looking at what
+/// it is given.
+class DataTerm {
+ public:
+  /// out += scale times its gradient (half of it) at v.
+  static DataTerm gradient(const NarrowBand& band, const CellSamples& data, const RowArray& v, float scale,
+                           RowArray& out);
+  /// out += its Hessian (half of it) times v; null: nothing is added anywhere, only the energy worked out.
+  static DataTerm hessian(const NarrowBand& band, const CellSamples& data, const RowArray& v, RowArray* out);
+  /// out += the row sums of the positions' part of that: what it weighs on smooth functions.
+  static DataTerm row_sums(const NarrowBand& band, const CellSamples& data, RowArray& out);
 
-/// out += the row sums of the positions' part of the data term: what it weighs on smooth functions.
-void add_position_weights(const NarrowBand& band, const CellSamples& data, RowArray& out, const Parallel& parallel);
+  /// The cells of a layer, in order: they touch vertices of this layer and of the next. A Hessian's <v, H v>.
+  double add(int layer) const;
+  /// All of them, even layers before odd ones.
+  double add(const Parallel& parallel) const;
+
+ private:
+  DataTerm(const NarrowBand& band, const CellSamples& data, const RowArray* v, bool affine, float scale, RowArray* out);
+
+  const NarrowBand& band_;
+  const CellSamples& data_;
+  DataJob job_{};
+};
 
 }  // namespace soapfilm

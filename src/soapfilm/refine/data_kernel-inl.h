@@ -93,6 +93,7 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
     const V py = hn::Mul(weight, hn::Add(hn::Mul(across, gy), hn::Mul(along, ny)));
     const V pz = hn::Mul(weight, hn::Add(hn::Mul(across, gz), hn::Mul(along, nz)));
     energy.add(hn::Add(hn::Add(hn::Mul(pv, value), hn::Mul(px, gx)), hn::Add(hn::Mul(py, gy), hn::Mul(pz, gz))), x);
+    if (!job.out) continue;
     // And back to the corners, the same way in reverse.
     const V qy = hn::Sub(one, fy), qx = hn::Sub(one, fx);
     const V z1 = hn::Add(hn::Mul(fz, pv), pz), z0 = hn::Sub(pv, z1);
@@ -110,7 +111,8 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
       carry[c] = hn::GetLane(moved);
     }
   }
-  if (job.present[k] >> (brick_side - 1) != 0)  // else there may be no such row, and row 0 is nobody's to write
+  if (job.out &&
+      job.present[k] >> (brick_side - 1) != 0)  // else there may be no such row, and row 0 is nobody's to write
     for (size_t c = 0; c < 4; ++c) job.out[right[c] * brick_side] += carry[c];
   energy.end_row();
 }
@@ -122,14 +124,14 @@ HWY_INLINE void fetch_corners(const BandRows& band, const DataJob& job, size_t k
   if (k + far < end) {
     const size_t row = job.row[k + far];
     hwy::Prefetch(&band.neighbors[row]);
-    hwy::Prefetch(job.out + row * brick_side);
+    if (job.out) hwy::Prefetch(job.out + row * brick_side);
     if (job.v) hwy::Prefetch(job.v + row * brick_side);
   }
   if (k + near < end) {
     const Neighbors& n = band.neighbors[job.row[k + near]];
     for (const size_t side : {1, 3, 5}) {
       hwy::Prefetch(&band.neighbors[n[side]]);
-      hwy::Prefetch(job.out + size_t{n[side]} * brick_side);
+      if (job.out) hwy::Prefetch(job.out + size_t{n[side]} * brick_side);
       if (job.v) hwy::Prefetch(job.v + size_t{n[side]} * brick_side);
     }
   }

@@ -8,6 +8,7 @@
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/median.h"
+#include "soapfilm/refine/layers.h"
 
 namespace soapfilm {
 
@@ -88,6 +89,7 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
   // G is minus the Laplacian.
   const auto add_target = [bent = scratch_.data(), target = target_.data(), share = share_.data(),
                            gamma = smoothness.curvature](size_t i) { bent[i] += gamma * share[i] * target[i]; };
+  const DataTerm pull = DataTerm::gradient(band_, data, phi_, -1, residual_);
   layer_by_layer(
       layers_of(band_), parallel_,
       [&](int layer) {
@@ -95,13 +97,12 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
         kernel.bend(band_.view(), job, rows.begin, rows.end);
         for_values(rows, add_target);
       },
-      [&](int layer) { laplacian(outer, layer); });
-  add_data_term(band_, data, phi_, true, -1, residual_, parallel_);
+      [&](int layer) { laplacian(outer, layer); }, Apart{[&](int layer) { pull.add(layer); }});
 }
 
 void Displacement::precondition(const CellSamples& data, Smoothness smoothness) {
   std::fill_n(scratch_.data(), scratch_.size(), 0.0f);
-  add_position_weights(band_, data, scratch_, parallel_);
+  DataTerm::row_sums(band_, data, scratch_).add(parallel_);
   multilevel_.set_operator(scratch_, smoothness.slope, smoothness.curvature, parallel_);
 }
 
@@ -109,9 +110,11 @@ double Displacement::turn(const CellSamples& data, Smoothness smoothness, float 
   if (ratio == 0) std::swap(direction_, scratch_);
   float* direction = direction_.data();
   const float* preconditioned = scratch_.data();
-  std::vector<double> curvatures(static_cast<size_t>(layers_of(band_)));
+  const auto layers = static_cast<size_t>(layers_of(band_));
+  std::vector<double> smooth(layers), pulled(layers);  // shares of the energy
   const LaplacianJob inner{direction, smoothness.slope, smoothness.curvature, scratch_.data(), share_.data()};
   const LaplacianJob outer{scratch_.data(), 0, 1, image_.data()};
+  const DataTerm pull = DataTerm::hessian(band_, data, direction_, last ? nullptr : &image_);
   layer_by_layer(
       layers_of(band_), parallel_,
       [&](int layer) {
@@ -119,34 +122,39 @@ double Displacement::turn(const CellSamples& data, Smoothness smoothness, float 
         for_values(rows_of_layer(band_, layer),
                    [&](size_t i) { direction[i] = preconditioned[i] + ratio * direction[i]; });
       },
-      [&](int layer) { curvatures[static_cast<size_t>(layer)] = laplacian(inner, layer); },
+      [&](int layer) { smooth[static_cast<size_t>(layer)] = laplacian(inner, layer); },
       [&](int layer) {
         if (!last) laplacian(outer, layer);
-      });
-  return std::accumulate(curvatures.begin(), curvatures.end(), 0.0) +
-         add_data_term(band_, data, direction_, false, 1, image_, parallel_);
+      },
+      Apart{[&](int layer) { pulled[static_cast<size_t>(layer)] = pull.add(layer); }});
+  return std::accumulate(smooth.begin(), smooth.end(), 0.0) + std::accumulate(pulled.begin(), pulled.end(), 0.0);
 }
 
 int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits) {
   residual(data, smoothness);
 
   double first = 0, rz = 0;
+  float step = 0;
+  const auto move = [&step](RowRange rows, float sign, RowArray& to, const RowArray& by) {
+    for_values(rows, [&, onto = to.data(), along = by.data()](size_t i) { onto[i] += sign * step * along[i]; });
+  };
   int iteration = 0;
   for (bool last = false; !last && iteration < limits.iterations; ++iteration) {
-    const double new_rz = multilevel_.apply(residual_, scratch_, image_, parallel_);
+    const auto take_step = [&](int layer) {
+      if (iteration == 0) return;
+      move(rows_of_layer(band_, layer), 1, phi_, direction_);
+      move(rows_of_layer(band_, layer), -1, residual_, image_);
+    };
+    const double new_rz = multilevel_.apply(take_step, residual_, scratch_, image_, parallel_);
     if (iteration == 0) first = new_rz;
     if (!(new_rz > 0)) break;
     last = new_rz <= limits.tolerance * limits.tolerance * first || iteration + 1 == limits.iterations;
     const double curvature = turn(data, smoothness, iteration == 0 ? 0.0f : static_cast<float>(new_rz / rz), last);
     rz = new_rz;
     if (!(curvature > 0)) break;
-    const auto step = static_cast<float>(rz / curvature);
-    float *phi = phi_.data(), *residual = residual_.data();
-    const float *direction = direction_.data(), *image = image_.data();
-    for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
-      for_values({begin, end}, [&](size_t i) { phi[i] += step * direction[i]; });
-      if (!last) for_values({begin, end}, [&](size_t i) { residual[i] -= step * image[i]; });
-    });
+    step = static_cast<float>(rz / curvature);
+    if (last)
+      for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) { move({begin, end}, 1, phi_, direction_); });
   }
   return iteration;
 }

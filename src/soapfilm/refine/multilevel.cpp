@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "soapfilm/refine/layers.h"
+
 namespace soapfilm {
 
 namespace {
@@ -33,6 +35,11 @@ void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Paralle
   parallel.for_chunks(a.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) out.data()[i] = a.data()[i] * b.data()[i];
   });
+}
+
+void clear(RowArray& array, const Parallel& parallel) {
+  parallel.for_chunks(array.size(), rows_per_task * brick_side,
+                      [&](size_t begin, size_t end) { std::fill(array.data() + begin, array.data() + end, 0.0f); });
 }
 
 /// The coarse bricks that the fine ones interpolate from.
@@ -83,9 +90,9 @@ void mark_coarse(const NarrowBand& fine, size_t brick, const BrickGrid& coarse, 
 
 CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
   const BrickGrid& grid = fine.grid();
-  const auto layers = static_cast<size_t>(layers_of(fine));
-  const auto for_bricks = [&](size_t layer, auto&& body) {
-    const auto [begin, end] = grid.layer(static_cast<int>(layer));
+  const int layers = layers_of(fine);
+  const auto for_bricks = [&](int layer, auto&& body) {
+    const auto [begin, end] = grid.layer(layer);
     for (size_t b = begin; b < end; ++b)
       if (fine.first_row(b) < fine.first_row(b + 1)) body(b);
   };
@@ -93,20 +100,21 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
   std::vector<int32_t> parent(grid.size());  // brick that holds a fine brick's first vertex
   parallel.for_each(grid.size(), 256, [&](size_t b) { parent[b] = coarse.find(parent_of(grid.coord(b))); });
   std::vector<uint8_t> vertices(coarse.size() * brick_area);
-  for_layers_apart(layers, parallel, [&](size_t layer) {
+  for_layers_apart(layers, parallel, [&](int layer) {
     for_bricks(layer, [&](size_t b) { mark_coarse(fine, b, coarse, parent[b], vertices); });
   });
   band_ = NarrowBand(std::move(coarse), vertices, parallel);
 
-  first_transfer_.resize(layers + 1);
-  for (size_t layer = 0; layer < layers; ++layer) {
-    first_transfer_[layer + 1] = first_transfer_[layer];
-    for_bricks(layer, [&](size_t) { ++first_transfer_[layer + 1]; });
+  first_transfer_.assign(1, 0);
+  for (int layer = 0; layer < layers; ++layer) {
+    size_t count = 0;
+    for_bricks(layer, [&](size_t) { ++count; });
+    first_transfer_.push_back(first_transfer_.back() + count);
   }
   transfers_.resize(first_transfer_.back());
-  parallel.for_each(layers, 1, [&](size_t layer) {
+  parallel.for_each(static_cast<size_t>(layers), 1, [&](size_t layer) {
     size_t next = first_transfer_[layer];
-    for_bricks(layer, [&](size_t b) { transfers_[next++] = make_transfer(fine, b, parent[b]); });
+    for_bricks(static_cast<int>(layer), [&](size_t b) { transfers_[next++] = make_transfer(fine, b, parent[b]); });
   });
 }
 
@@ -133,31 +141,23 @@ BrickTransfer CoarseBand::make_transfer(const NarrowBand& fine, size_t brick, in
   return transfer;
 }
 
-template <class Add>
-void CoarseBand::gather(RowArray& coarse, const Parallel& parallel, Add&& add) const {
-  parallel.for_chunks(coarse.size(), rows_per_task * brick_side,
-                      [&](size_t begin, size_t end) { std::fill(coarse.data() + begin, coarse.data() + end, 0.0f); });
-  for_layers_apart(first_transfer_.size() - 1, parallel, [&](size_t layer) {
-    for (const BrickTransfer& transfer : of_layer(layer)) add(transfer);
+void CoarseBand::restrict_to(const RowArray& from, RowArray& coarse, const Parallel& parallel) const {
+  const RowKernel kernel = row_kernel();
+  clear(coarse, parallel);
+  for_layers_apart(static_cast<int>(first_transfer_.size()) - 1, parallel, [&](int layer) {
+    for (const BrickTransfer& transfer : of_layer(layer)) kernel.restrict_brick(transfer, from.data(), coarse.data());
   });
 }
 
-void CoarseBand::restrict_to(const RowArray& from, RowArray& coarse, const Parallel& parallel) const {
+void CoarseBand::restrict_residual(int layer, const NarrowBand& fine, const CycleJob& job, RowArray& coarse) const {
   const RowKernel kernel = row_kernel();
-  gather(coarse, parallel,
-         [&](const BrickTransfer& transfer) { kernel.restrict_brick(transfer, from.data(), coarse.data()); });
-}
-
-void CoarseBand::restrict_residual(const NarrowBand& fine, const CycleJob& job, RowArray& coarse,
-                                   const Parallel& parallel) const {
-  const RowKernel kernel = row_kernel();
-  gather(coarse, parallel,
-         [&](const BrickTransfer& transfer) { kernel.restrict_residual(fine.view(), job, transfer, coarse.data()); });
+  for (const BrickTransfer& transfer : of_layer(layer))
+    kernel.restrict_residual(fine.view(), job, transfer, coarse.data());
 }
 
 void CoarseBand::prolong_onto(int layer, const CycleJob& job) const {
   const RowKernel kernel = row_kernel();
-  for (const BrickTransfer& transfer : of_layer(static_cast<size_t>(layer))) kernel.prolong_brick(job, transfer);
+  for (const BrickTransfer& transfer : of_layer(layer)) kernel.prolong_brick(job, transfer);
 }
 
 Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel)
@@ -229,57 +229,91 @@ void Multilevel::set_inverse(size_t level, const RowArray& weights, float reacti
                       [&](size_t begin, size_t end) { kernel.inverse(band.view(), job, begin + 1, end + 1); });
 }
 
-double Multilevel::apply(const RowArray& r, RowArray& z, RowArray& work, const Parallel& parallel) {
-  cycle(0, r, work_, work, nullptr, parallel);
-  return cycle(0, work, work_, z, &r, parallel);
+double Multilevel::apply(const std::function<void(int)>& complete, const RowArray& r, RowArray& z, RowArray& work,
+                         const Parallel& parallel) {
+  const int layers = layers_of(fine_);
+  if (coarse_.empty()) {
+    layer_by_layer(layers, parallel, complete);
+    solve_coarsest(r, work_, work, nullptr, parallel);
+    return solve_coarsest(work, work_, z, &r, parallel);
+  }
+  const auto restricted = [this](const RowArray& b) {
+    return Apart{[this, &b](int layer) { restrict_layer(0, b, layer); }};
+  };
+  clear(coarse_.front().b, parallel);
+  layer_by_layer(layers, parallel, complete, restricted(r));
+  correct(0, r, work_, work, nullptr, parallel, restricted(work));
+  return correct(0, work, work_, z, &r, parallel);
 }
 
-double Multilevel::cycle(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
-                         const Parallel& parallel) {
-  const NarrowBand& band = this->band(level);
-  const BandRows rows = band.view();
-  const RowKernel kernel = row_kernel();
+CycleJob Multilevel::job(size_t level, const RowArray& b) const {
   CycleJob job{};
   job.inverse = (level == 0 ? inverse_ : coarse_[level - 1].inverse).data();
   job.extent = level == 0 ? nullptr : coarse_[level - 1].extent.data();
   job.b = b.data();
   job.diffusion = diffusion_ / static_cast<float>(1 << (2 * level));
   job.omega = damping;
-  job.weight = weight ? weight->data() : nullptr;
-  const auto smoothing = [&job](const RowArray& from, RowArray& to) {
-    CycleJob smooth = job;
-    smooth.x = from.data();
-    smooth.out = to.data();
-    return smooth;
-  };
-  if (level == coarse_.size()) {
-    multiply(level == 0 ? inverse_ : coarse_[level - 1].inverse, b, x, parallel);
-    double sum = 0;
-    const auto smooth = [&](const CycleJob& of) {
-      return sum_over_rows(all_rows(band),
-                           [&](size_t begin, size_t end) { return kernel.smooth(rows, of, begin, end); });
-    };
-    for (int step = 0; step < coarsest_steps; step += 2) {
-      smooth(smoothing(x, work));
-      sum = smooth(smoothing(work, x));
-    }
-    return sum;
-  }
+  return job;
+}
+
+void Multilevel::restrict_layer(size_t level, const RowArray& b, int layer) {
   Coarse& c = coarse_[level];
-  c.coarse.restrict_residual(band, job, c.b, parallel);
-  cycle(level + 1, c.b, c.work, c.x, nullptr, parallel);
-  CycleJob prolong = job;
+  c.coarse.restrict_residual(layer, band(level), job(level, b), c.b);
+}
+
+double Multilevel::solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
+                         const Parallel& parallel) {
+  if (level == coarse_.size()) return solve_coarsest(b, work, x, weight, parallel);
+  clear(coarse_[level].b, parallel);
+  for_layers_apart(layers_of(band(level)), parallel, [&](int layer) { restrict_layer(level, b, layer); });
+  return correct(level, b, work, x, weight, parallel);
+}
+
+double Multilevel::solve_coarsest(const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
+                                  const Parallel& parallel) {
+  const size_t level = coarse_.size();
+  const NarrowBand& band = this->band(level);
+  multiply(level == 0 ? inverse_ : coarse_.back().inverse, b, x, parallel);
+  double sum = 0;
+  const auto smooth = [&](const RowArray& from, RowArray& to) {
+    CycleJob job = this->job(level, b);
+    job.x = from.data();
+    job.out = to.data();
+    job.weight = weight ? weight->data() : nullptr;
+    const RowKernel kernel = row_kernel();
+    sum = sum_over_rows(all_rows(band),
+                        [&](size_t begin, size_t end) { return kernel.smooth(band.view(), job, begin, end); });
+  };
+  for (int step = 0; step < coarsest_steps; step += 2) {
+    smooth(x, work);
+    smooth(work, x);
+  }
+  return sum;
+}
+
+template <class... Stages>
+double Multilevel::correct(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
+                           const Parallel& parallel, Stages&&... after) {
+  Coarse& c = coarse_[level];
+  const NarrowBand& band = this->band(level);
+  solve(level + 1, c.b, c.work, c.x, nullptr, parallel);
+  clear(c.b, parallel);
+  CycleJob prolong = job(level, b), smooth = prolong;
   prolong.x = c.x.data();
   prolong.out = work.data();
-  const CycleJob smooth = smoothing(work, x);
+  smooth.x = work.data();
+  smooth.out = x.data();
+  smooth.weight = weight ? weight->data() : nullptr;
   std::vector<double> sums(static_cast<size_t>(layers_of(band)));
+  const RowKernel kernel = row_kernel();
   layer_by_layer(
       layers_of(band), parallel, [&](int layer) { c.coarse.prolong_onto(layer, prolong); },
       [&](int layer) {
         sums[static_cast<size_t>(layer)] = sum_over_rows(rows_of_layer(band, layer), [&](size_t begin, size_t end) {
-          return kernel.smooth(rows, smooth, begin, end);
+          return kernel.smooth(band.view(), smooth, begin, end);
         });
-      });
+      },
+      after...);
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -21,21 +22,19 @@ class CoarseBand {
   const NarrowBand& band() const { return band_; }
   /// coarse = P^T from, which is 0 outside the fine band.
   void restrict_to(const RowArray& from, RowArray& coarse, const Parallel& parallel) const;
-  /// coarse = P^T of the residual that RowKernel::restrict_residual() has, with the same `fine`.
-  void restrict_residual(const NarrowBand& fine, const CycleJob& job, RowArray& coarse, const Parallel& parallel) const;
+  /// coarse += P^T of the residual that RowKernel::restrict_residual() has, with the same `fine`, on a layer of fine
+  /// bricks along z. Neighbouring layers add to common rows: see Apart.
+  void restrict_residual(int layer, const NarrowBand& fine, const CycleJob& job, RowArray& coarse) const;
   /// out = inverse b + P x where inverse > 0, elsewhere 0, on a layer of fine bricks along z; x is coarse.
   void prolong_onto(int layer, const CycleJob& job) const;
 
  private:
   /// `parent`: the coarse brick that holds the fine one's first vertex.
   BrickTransfer make_transfer(const NarrowBand& fine, size_t brick, int32_t parent) const;
-  std::span<const BrickTransfer> of_layer(size_t z) const {
+  std::span<const BrickTransfer> of_layer(int layer) const {
+    const auto z = static_cast<size_t>(layer);
     return std::span(transfers_).subspan(first_transfer_[z], first_transfer_[z + 1] - first_transfer_[z]);
   }
-  /// coarse = 0, then add(transfer) for all fine bricks. A layer of bricks along z is one task: its bricks add to
-  /// common rows in order. So do neighbouring layers, which take turns.
-  template <class Add>
-  void gather(RowArray& coarse, const Parallel& parallel, Add&& add) const;
 
   NarrowBand band_;
   std::vector<BrickTransfer> transfers_;  ///< of the fine bricks that have rows; they look at the fine band
@@ -58,8 +57,10 @@ class Multilevel {
   /// nothing done, where the band is too small for a coarse one.
   bool local_mean(const RowArray& values, const RowArray& weights, const RowArray& where, float scale, RowArray& mean,
                   const Parallel& parallel);
-  /// Returns <r, z>; `work` is overwritten.
-  double apply(const RowArray& r, RowArray& z, RowArray& work, const Parallel& parallel);
+  /// Returns <r, z>; `work` is overwritten, which complete(layer), a stage of layer_by_layer() that completes r, may
+  /// read.
+  double apply(const std::function<void(int)>& complete, const RowArray& r, RowArray& z, RowArray& work,
+               const Parallel& parallel);
 
  private:
   struct Coarse {
@@ -70,8 +71,18 @@ class Multilevel {
   };
   const NarrowBand& band(size_t level) const { return level == 0 ? fine_ : coarse_[level - 1].coarse.band(); }
   void set_inverse(size_t level, const RowArray& weights, float reaction, const Parallel& parallel);
-  double cycle(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
+  CycleJob job(size_t level, const RowArray& b) const;
+  /// Adds to the next coarser level's right side what one Jacobi step from zero leaves of b in a layer of bricks.
+  void restrict_layer(size_t level, const RowArray& b, int layer);
+  /// A V-cycle: x is about K^-1 b; returns <weight, x>, 0 without one.
+  double solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
                const Parallel& parallel);
+  double solve_coarsest(const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
+                        const Parallel& parallel);
+  /// The rest of it once the coarser right side is complete, and leaves that one 0; `after`: stages that may read x.
+  template <class... Stages>
+  double correct(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
+                 const Parallel& parallel, Stages&&... after);
 
   const NarrowBand& fine_;
   RowArray inverse_, work_;

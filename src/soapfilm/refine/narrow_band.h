@@ -103,47 +103,6 @@ double sum_over_rows(RowRange rows, Body&& body) {
   return total;
 }
 
-/// body(layer) for each: every second layer at the same time, where no two of these touch common data.
-template <class Body>
-void for_layers_apart(size_t layers, const Parallel& parallel, Body&& body) {
-  for (size_t parity = 0; parity < 2; ++parity)
-    parallel.for_each((layers + 1 - parity) / 2, 1, [&](size_t i) { body(2 * i + parity); });
-}
-
-/// Calls each of the stages with every layer. What a stage writes in a layer and in those next to it is complete when
-/// the next stage comes to that layer, and mostly still in the cache: stages follow one another a layer apart through
-/// slabs of layers, a slab on one thread. Where slabs meet, the later stages wait until both are done. A stage must not
-/// write what an earlier one reads in other layers.
-template <class... Stages>
-void layer_by_layer(int layers, const Parallel& parallel, Stages&&... stages) {
-  constexpr int depth = sizeof...(Stages) - 1, slabs_per_thread = 6;
-  const int threads = parallel.threads();
-  const int slabs = threads == 1 ? 1 : std::clamp(layers / std::max(2 * depth, 1), 1, slabs_per_thread * threads);
-  const auto first_layer = [&](size_t slab) { return layers * static_cast<int>(slab) / slabs; };
-  parallel.for_each(static_cast<size_t>(slabs), 1, [&](size_t slab) {
-    const int begin = first_layer(slab), end = first_layer(slab + 1);
-    const int from_below = begin > 0, from_above = end < layers;  // layers that each stage stays behind the one before
-    for (int turn = begin; turn < end + depth; ++turn) {
-      int stage = 0;
-      const auto run = [&](auto& body) {
-        const int layer = turn - stage;
-        if (layer >= begin + from_below * stage && layer < end - from_above * stage) body(layer);
-        ++stage;
-      };
-      (run(stages), ...);
-    }
-  });
-  parallel.for_each(static_cast<size_t>(slabs - 1), 1, [&](size_t slab) {
-    const int border = first_layer(slab + 1);
-    int stage = 0;
-    const auto run = [&](auto& body) {
-      for (int layer = border - stage; layer < border + stage; ++layer) body(layer);
-      ++stage;
-    };
-    (run(stages), ...);
-  });
-}
-
 /// out = weight_v v + weight_g s G v, s the `share` where it is not null; G is the band's graph Laplacian, positive
 /// semi-definite: (G v)_i = sum over neighbours j in the band of v_i - v_j. Its null space are the constants on
 /// connected parts. Returns <G v, out>.

@@ -105,7 +105,7 @@ struct DataJob {
   bool affine;
   float scale;
   const float* v;  ///< null: 1 everywhere
-  float* out;
+  float* out;      ///< null: only the energy is worked out
 };
 
 /// The samples of a brick, weighed and added to its cells: see CellSamples and Weighing.

@@ -1,0 +1,111 @@
+// Passes over a band, layer of bricks by layer of bricks along z: loops in which neighbouring layers add to common
+// values, and several loops that follow one another through the cache. What they compute is the same for any number of
+// threads.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "soapfilm/core/parallel.h"
+
+namespace soapfilm {
+
+/// body(layer) for each: every second layer at the same time, where no two of these touch common data.
+template <class Body>
+void for_layers_apart(int layers, const Parallel& parallel, Body&& body) {
+  for (int parity = 0; parity < 2; ++parity)
+    parallel.for_each(static_cast<size_t>((layers + 1 - parity) / 2), 1,
+                      [&](size_t i) { body(2 * static_cast<int>(i) + parity); });
+}
+
+/// The last stage of layer_by_layer() where it adds to what it adds to in the next layer too: sums have one order, even
+/// layers before odd ones.
+template <class Body>
+struct Apart {
+  Body body;
+};
+template <class Body>
+Apart(Body) -> Apart<Body>;
+
+/// Consecutive layers that one thread takes through all stages. Each stage stays a layer behind the one before, at the
+/// slab's borders with others too.
+struct Slab {
+  int begin, end;
+  bool from_below, from_above;  ///< whether there are others
+
+  /// What a stage may do before the neighbouring slabs are done.
+  bool holds(int stage, int layer) const {
+    return layer >= begin + from_below * stage && layer < end - from_above * stage;
+  }
+  /// The same of a stage apart, whose odd layers wait for both even ones beside them.
+  int first_even(int stage) const { return from_below ? (begin + stage + 1) & ~1 : begin; }
+  int last_even(int stage) const { return (end - from_above * stage - 1) & ~1; }
+  int end_apart(int stage) const { return from_above ? last_even(stage) + 1 : end; }
+
+  template <class Body>
+  void run(int stage, int layer, Body& body) const {
+    if (holds(stage, layer)) body(layer);
+  }
+  template <class Body>
+  void run(int stage, int layer, Apart<Body>& apart) const {
+    if (layer < first_even(stage) || layer >= end_apart(stage)) return;
+    if (layer % 2 == 0 || layer + 1 == end) apart.body(layer);
+    if (layer % 2 == 0 && layer > first_even(stage)) apart.body(layer - 1);
+  }
+};
+
+/// The layers about the border of two slabs that both have left to the end.
+struct SlabBorder {
+  const Slab &below, &above;
+
+  template <class Body>
+  void run(int stage, Body& body) const {
+    for (int layer = below.end - stage; layer < above.begin + stage; ++layer) body(layer);
+  }
+  template <class Body>
+  void run(int stage, Apart<Body>& apart) const {
+    const int begin = below.end_apart(stage), end = above.first_even(stage);  // both odd
+    for (int layer = begin + 1; layer < end; layer += 2) apart.body(layer);
+    for (int layer = begin; layer < end; layer += 2) apart.body(layer);
+  }
+};
+
+/// All layers of one stage, on all threads.
+template <class Body>
+void run_stage(int layers, const Parallel& parallel, Body& body) {
+  parallel.for_each(static_cast<size_t>(layers), 1, [&](size_t layer) { body(static_cast<int>(layer)); });
+}
+template <class Body>
+void run_stage(int layers, const Parallel& parallel, Apart<Body>& apart) {
+  for_layers_apart(layers, parallel, apart.body);
+}
+
+/// Calls each of the stages with every layer; the last one may be Apart. What a stage writes in a layer and in those
+/// next to it is complete when the next stage comes to that layer, and mostly still in the cache: stages follow one
+/// another a layer apart through slabs of layers, a slab on one thread. Where slabs meet, the later stages wait until
+/// both are done. Where there are too few layers for all threads, stages run one after the other. A stage must not
+/// write what an earlier one reads in other layers.
+template <class... Stages>
+void layer_by_layer(int layers, const Parallel& parallel, Stages&&... stages) {
+  constexpr int depth = sizeof...(Stages) - 1, slabs_per_thread = 6;
+  constexpr int thinnest = 2 * depth + 2;  // with an even layer that waits for no border
+  const int threads = parallel.threads();
+  if (threads > 1 && layers < thinnest * threads) return (run_stage(layers, parallel, stages), ...);
+  const int slabs = threads == 1 ? 1 : std::min(layers / thinnest, slabs_per_thread * threads);
+  const auto slab_at = [&](int k) { return Slab{layers * k / slabs, layers * (k + 1) / slabs, k > 0, k + 1 < slabs}; };
+  parallel.for_each(static_cast<size_t>(slabs), 1, [&](size_t k) {
+    const Slab slab = slab_at(static_cast<int>(k));
+    for (int turn = slab.begin; turn < slab.end + depth; ++turn) {
+      int stage = 0;
+      ((slab.run(stage, turn - stage, stages), ++stage), ...);
+    }
+  });
+  parallel.for_each(static_cast<size_t>(slabs - 1), 1, [&](size_t k) {
+    const Slab below = slab_at(static_cast<int>(k)), above = slab_at(static_cast<int>(k) + 1);
+    int stage = 0;
+    ((SlabBorder{below, above}.run(stage, stages), ++stage), ...);
+  });
+}
+
+}  // namespace soapfilm
