@@ -155,9 +155,9 @@ TEST(NarrowBand, LocalMeansKeepConstantsAndLieWithinTheValues) {
   RowArray values = band.make_array(), where = members(band), mean = band.make_array();
   for (size_t i = 0; i < where.size(); i += 3) where.data()[i] = 0;
   for (size_t i = 0; i < values.size(); ++i) values.data()[i] = 3 * weights.data()[i];
-  ASSERT_TRUE(multilevel.local_mean(values, weights, where, 0.5f, mean, one_thread));
+  ASSERT_TRUE(multilevel.local_mean(nothing_to_complete, values, weights, where, 0.5f, mean, one_thread));
   for (size_t i = 8; i < band.slots(); ++i) ASSERT_NEAR(mean.data()[i], where.data()[i] > 0 ? 1.5f : 0.0f, 1e-5);
-  ASSERT_TRUE(multilevel.local_mean(noise, weights, weights, 1, mean, one_thread));
+  ASSERT_TRUE(multilevel.local_mean(nothing_to_complete, noise, weights, weights, 1, mean, one_thread));
   const auto [least, most] = std::minmax_element(noise.data(), noise.data() + noise.size());
   for (size_t i = 8; i < band.slots(); ++i) {
     ASSERT_GE(mean.data()[i], std::min(*least, 0.0f));

@@ -60,7 +60,7 @@ struct EdgePoints {
   std::array<uint16_t, words_per_block> before;  // points in the block's earlier words
 
   uint32_t rank(int word, uint64_t lower) const {
-    return before[word] + static_cast<uint32_t>(std::popcount(bits[word] & lower));
+    return before[word] + static_cast<uint32_t>(count_bits(bits[word] & lower));
   }
 };
 
@@ -247,10 +247,10 @@ class Extraction {
       }
       points.bits[word] = bits &= drawn.edges[word];
       points.before[word] = static_cast<uint16_t>(total);
-      total += static_cast<uint32_t>(std::popcount(bits));
+      total += static_cast<uint32_t>(count_bits(bits));
       if (!weight_) continue;
       split_[block][word] = bits & drawn.split[word];
-      total += static_cast<uint32_t>(std::popcount(split_[block][word]));
+      total += static_cast<uint32_t>(count_bits(split_[block][word]));
     }
     first_vertex_[block + 1] = total;
     uint64_t triangles = 0;
@@ -345,7 +345,7 @@ class Extraction {
     uint64_t index = first_vertex_[owner] + points_[owner].rank(word, lower);
     if (!split_.empty()) {
       const uint64_t split = split_[owner][word];
-      index += static_cast<uint64_t>(std::popcount(split & lower));
+      index += static_cast<uint64_t>(count_bits(split & lower));
       const bool above = (corner >> takes_second_axis(axis) & 1) == 0;
       if (above && (split >> bit & 1)) ++index;
     }

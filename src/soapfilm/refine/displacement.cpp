@@ -53,11 +53,12 @@ void Displacement::yield_to_bends(double medians) {
   const BandRows rows = band_.view();
   RowArray &curvature = image_, &weight = residual_, &product = direction_, &mean = scratch_;
   const CurvatureJob bends{phi_.data(), target_.data(), reach, faint, curvature.data(), weight.data(), product.data()};
-  for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
+  const auto find_bends = [&](int layer) {
+    const auto [begin, end] = rows_of_layer(band_, layer);
     kernel.curvature(rows, bends, begin, end);
     kernel.saddles(rows, {phi_.data(), weight.data(), product.data()}, begin, end);
-  });
-  if (!multilevel_.local_mean(product, weight, weight, 1, mean, parallel_)) return;
+  };
+  if (!multilevel_.local_mean(find_bends, product, weight, weight, 1, mean, parallel_)) return;
   auto squares = gather<float>((mean.size() + stride - 1) / stride, rows_per_task, parallel_,
                                [&](size_t k, std::vector<float>& found) {
                                  const size_t i = stride * k;
@@ -69,9 +70,12 @@ void Displacement::yield_to_bends(double medians) {
   const float per_square = 1 / std::max(squared_medians * median(std::move(squares)), 1e-12f);
   const ShareJob yield{mean.data(),   phi0_.data(),     per_square,    near,          reach,
                        share_.data(), curvature.data(), weight.data(), product.data()};
-  for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) { kernel.share(rows, yield, begin, end); });
-  const RowArray& inside = curvature;  // by now
-  multilevel_.local_mean(product, weight, inside, follow, target_, parallel_);
+  const auto find_shares = [&](int layer) {
+    const auto [begin, end] = rows_of_layer(band_, layer);
+    kernel.share(rows, yield, begin, end);
+  };
+  const RowArray& inside = curvature;  // by then
+  multilevel_.local_mean(find_shares, product, weight, inside, follow, target_, parallel_);
 }
 
 double Displacement::laplacian(const LaplacianJob& job, int layer) const {

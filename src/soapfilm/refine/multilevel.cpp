@@ -142,11 +142,14 @@ BrickTransfer CoarseBand::make_transfer(const NarrowBand& fine, size_t brick, in
 }
 
 void CoarseBand::restrict_to(const RowArray& from, RowArray& coarse, const Parallel& parallel) const {
-  const RowKernel kernel = row_kernel();
   clear(coarse, parallel);
-  for_layers_apart(static_cast<int>(first_transfer_.size()) - 1, parallel, [&](int layer) {
-    for (const BrickTransfer& transfer : of_layer(layer)) kernel.restrict_brick(transfer, from.data(), coarse.data());
-  });
+  for_layers_apart(static_cast<int>(first_transfer_.size()) - 1, parallel,
+                   [&](int layer) { restrict_layer(layer, from, coarse); });
+}
+
+void CoarseBand::restrict_layer(int layer, const RowArray& from, RowArray& coarse) const {
+  const RowKernel kernel = row_kernel();
+  for (const BrickTransfer& transfer : of_layer(layer)) kernel.restrict_brick(transfer, from.data(), coarse.data());
 }
 
 void CoarseBand::restrict_residual(int layer, const NarrowBand& fine, const CycleJob& job, RowArray& coarse) const {
@@ -190,20 +193,23 @@ void Multilevel::set_operator(const RowArray& position_weights, float beta, floa
   }
 }
 
-bool Multilevel::local_mean(const RowArray& values, const RowArray& weights, const RowArray& where, float scale,
-                            RowArray& mean, const Parallel& parallel) {
+bool Multilevel::local_mean(const std::function<void(int)>& complete, const RowArray& values, const RowArray& weights,
+                            const RowArray& where, float scale, RowArray& mean, const Parallel& parallel) {
   constexpr float spread = 0.125f;  // to each neighbour in a pass
   if (coarse_.empty()) return false;
   Coarse& c = coarse_.front();
   const NarrowBand& band = c.coarse.band();
-  const auto sums = [&](const RowArray& from, RowArray& to) {
-    c.coarse.restrict_to(from, to, parallel);
-    // Two passes of diffusion, each one voxel^2; restricting and interpolating are the third.
-    apply_laplacian(band, to, 1, -spread, c.work, parallel);
-    apply_laplacian(band, c.work, 1, -spread, to, parallel);
-  };
-  sums(values, c.b);
-  sums(weights, c.x);
+  clear(c.b, parallel);
+  clear(c.x, parallel);
+  layer_by_layer(layers_of(fine_), parallel, complete, Apart{[&](int layer) {
+                   c.coarse.restrict_layer(layer, values, c.b);
+                   c.coarse.restrict_layer(layer, weights, c.x);
+                 }});
+  // Two passes of diffusion, each one voxel^2; restricting and interpolating are the third.
+  for (RowArray* sums : {&c.b, &c.x}) {
+    apply_laplacian(band, *sums, 1, -spread, c.work, parallel);
+    apply_laplacian(band, c.work, 1, -spread, *sums, parallel);
+  }
   parallel.for_chunks(c.b.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       c.b.data()[i] = c.x.data()[i] > 0 ? scale * (c.b.data()[i] / c.x.data()[i]) : 0.0f;

@@ -22,8 +22,9 @@ class CoarseBand {
   const NarrowBand& band() const { return band_; }
   /// coarse = P^T from, which is 0 outside the fine band.
   void restrict_to(const RowArray& from, RowArray& coarse, const Parallel& parallel) const;
-  /// coarse += P^T of the residual that RowKernel::restrict_residual() has, with the same `fine`, on a layer of fine
-  /// bricks along z. Neighbouring layers add to common rows: see Apart.
+  /// coarse += P^T from of a layer of fine bricks along z. Neighbouring layers add to common rows: see Apart.
+  void restrict_layer(int layer, const RowArray& from, RowArray& coarse) const;
+  /// The same of the residual that RowKernel::restrict_residual() has, with the same `fine`.
   void restrict_residual(int layer, const NarrowBand& fine, const CycleJob& job, RowArray& coarse) const;
   /// out = inverse b + P x where inverse > 0, elsewhere 0, on a layer of fine bricks along z; x is coarse.
   void prolong_onto(int layer, const CycleJob& job) const;
@@ -53,10 +54,11 @@ class Multilevel {
   /// gamma > 0.
   void set_operator(const RowArray& position_weights, float beta, float gamma, const Parallel& parallel);
   /// mean = `scale` times the weighted mean of values / weights over the vertices around, three voxels^2 of variance
-  /// along each axis, where `where` is positive, elsewhere 0; of `values`, which hold weight times value. False, and
-  /// nothing done, where the band is too small for a coarse one.
-  bool local_mean(const RowArray& values, const RowArray& weights, const RowArray& where, float scale, RowArray& mean,
-                  const Parallel& parallel);
+  /// along each axis, where `where` is positive, elsewhere 0; of `values`, which hold weight times value: both once
+  /// complete(layer), a stage of layer_by_layer(), has been there. False, and nothing done, where the band is too small
+  /// for a coarse one.
+  bool local_mean(const std::function<void(int)>& complete, const RowArray& values, const RowArray& weights,
+                  const RowArray& where, float scale, RowArray& mean, const Parallel& parallel);
   /// Returns <r, z>; `work` is overwritten, which complete(layer), a stage of layer_by_layer() that completes r, may
   /// read.
   double apply(const std::function<void(int)>& complete, const RowArray& r, RowArray& z, RowArray& work,

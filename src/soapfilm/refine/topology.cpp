@@ -1,6 +1,5 @@
 #include "soapfilm/refine/topology.h"
 
-#include <bit>
 
 #include "soapfilm/refine/simple_point.h"
 
@@ -33,7 +32,7 @@ uint32_t SignBits::neighborhood(size_t brick, int x, int y, int z) const {
 
 size_t SignBits::count() const {
   size_t found = 0;
-  for (const uint8_t row : rows_) found += static_cast<size_t>(std::popcount(row));
+  for (const uint8_t row : rows_) found += static_cast<size_t>(count_bits(row));
   inside_->for_each([&](Vec3i brick) {
     if (grid_->find(brick) < 0) found += brick_volume;
   });
