@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 
 #include "soapfilm/grid/brick_mask.h"
 #include "soapfilm/grid/layout.h"
@@ -20,9 +21,10 @@ struct BrickBits {
     for (int i = 0; i < brick_volume; ++i) above[static_cast<size_t>(i)] = values[i] > threshold;
     BrickBits bits;
     for (size_t row = 0; row < brick_area; ++row) {
-      unsigned byte = 0;
-      for (size_t x = 0; x < brick_side; ++x) byte |= static_cast<unsigned>(above[brick_side * row + x]) << x;
-      bits.layer[row / brick_side] |= uint64_t{byte} << brick_side * (row % brick_side);
+      uint64_t bytes;  // the first vertex in the lowest one: little-endian
+      std::memcpy(&bytes, above.data() + brick_side * row, brick_side);
+      const uint64_t byte = bytes * 0x0102040810204080 >> 56;  // byte x moves to bit 56 + x
+      bits.layer[row / brick_side] |= byte << brick_side * (row % brick_side);
     }
     return bits;
   }

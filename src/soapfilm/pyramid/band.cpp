@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "soapfilm/grid/window.h"
 #include "soapfilm/pyramid/children.h"
+#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -18,39 +18,26 @@ unsigned octant_bit(int x, int y, int z) {
   return 1u << (x / half_brick + 2 * (y / half_brick) + 4 * (z / half_brick));
 }
 
-/// Calls visit(x, y, z) for the vertices of a brick whose rounded u differs from one of their 6 neighbours'.
-template <class Visit>
-void for_each_at_interface(const Level& level, size_t brick, Visit&& visit) {
-  Window<float, 1> u;
-  fill_window(
-      level.grid, brick, [&](int, int32_t n) { return n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr; },
-      [&](int slot, int32_t n) { return level.missing_u(n, level.grid.coord(brick) + slot_offset(slot)); }, u);
-  const auto inside = [](float value) { return value > 0.5f; };
-  const bool first = inside(u.values[0]);
-  if (std::all_of(u.values.begin(), u.values.end(), [&](float value) { return inside(value) == first; })) return;
-  for (int z = 0; z < brick_side; ++z)
-    for (int y = 0; y < brick_side; ++y)
-      for (int x = 0; x < brick_side; ++x) {
-        const bool here = inside(u.at(x, y, z));
-        if (inside(u.at(x - 1, y, z)) != here || inside(u.at(x + 1, y, z)) != here ||
-            inside(u.at(x, y - 1, z)) != here || inside(u.at(x, y + 1, z)) != here ||
-            inside(u.at(x, y, z - 1)) != here || inside(u.at(x, y, z + 1)) != here)
-          visit(x, y, z);
-      }
-}
-
-unsigned interface_octants(const Level& level, size_t brick) {
+unsigned octants_of(const BrickBits& bits) {
+  constexpr uint64_t corner = 0x0F0F0F0F;  // of a layer: its lowest 4 x 4 vertices
   unsigned octants = 0;
-  for_each_at_interface(level, brick, [&](int x, int y, int z) { octants |= octant_bit(x, y, z); });
+  for (int half = 0; half < 2; ++half) {
+    uint64_t layers = 0;
+    for (size_t z = 0; z < half_brick; ++z) layers |= bits.layer[static_cast<size_t>(half) * half_brick + z];
+    for (int k = 0; k < 4; ++k)
+      if ((layers >> (half_brick * (k & 1) + brick_side * half_brick * (k >> 1)) & corner) != 0)
+        octants |= 1u << (k + 4 * half);
+  }
   return octants;
 }
 
 /// The children within two fine vertices of the interface: room to move for it.
-BrickMask beside_interface(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel) {
+BrickMask beside_interface(const Level& coarse, const InsideBits& inside, Vec3i fine_bricks, const Parallel& parallel) {
   BrickMask mask(fine_bricks);
   parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
     uint64_t near = 0;  // of 4 x 4 x 4 octants, one of them below the brick
-    for_each_at_interface(coarse, b, [&](int x, int y, int z) {
+    inside.interface(b).for_each([&](int vertex) {
+      const int x = vertex % brick_side, y = vertex / brick_side % brick_side, z = vertex / brick_area;
       for (const int oz : {z - 1, z + 1})
         for (const int oy : {y - 1, y + 1})
           for (const int ox : {x - 1, x + 1})
@@ -107,12 +94,11 @@ BrickMask widened(const BrickMask& band, const Level& coarse) {
   return wide;
 }
 
-}  // namespace
-
-BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel) {
+BrickMask interface_children(const Level& coarse, const InsideBits& inside, Vec3i fine_bricks,
+                             const Parallel& parallel) {
   BrickMask mask(fine_bricks);
   parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
-    unsigned octants = interface_octants(coarse, b);
+    unsigned octants = octants_of(inside.interface(b));
     if (octants != all_octants) octants |= infeasible_octants(coarse, b);
     for (int k = 0; k < 8; ++k)
       if (octants >> k & 1u) mask.set_shared(child_of(coarse.grid.coord(b), k));
@@ -120,9 +106,16 @@ BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Paral
   return coarse.box.level > 1 ? widened(mask, coarse) : mask;
 }
 
+}  // namespace
+
+BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel) {
+  return interface_children(coarse, InsideBits(coarse, 0.5f, parallel), fine_bricks, parallel);
+}
+
 BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
                       const Parallel& parallel) {
-  BrickMask band = interface_children(coarse, box.bricks, parallel);
+  const InsideBits inside(coarse, 0.5f, parallel);
+  BrickMask band = interface_children(coarse, inside, box.bricks, parallel);
   if (box.level > 0) {
     for (size_t b = 0; b < support.grid.size(); ++b) band.set(support.grid.coord(b));
     return band;
@@ -134,7 +127,7 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
     const auto parent = static_cast<size_t>(coarse.grid.find(parent_of(c)));
     gap[b] = outside_child(coarse, parent, octant_in_parent(c), support).gap;
   });
-  const BrickMask beside = beside_interface(coarse, box.bricks, parallel);
+  const BrickMask beside = beside_interface(coarse, inside, box.bricks, parallel);
   std::vector<size_t> candidates;
   for (size_t b = 0; b < gap.size(); ++b) {
     const Vec3i c = support.grid.coord(b);

@@ -14,22 +14,23 @@ namespace {
 
 /// Minus the divergence of the fluxes at the coarse vertices of an octant, x fastest; 0 at fixed ones.
 std::array<double, 64> fluxes_in(const Level& coarse, size_t brick, Vec3i octant) {
-  const Vec3i base = octant_base(octant);
+  const Vec3i base = octant_base(octant), end = base + Vec3i{half_brick, half_brick, half_brick};
   std::array<double, 64> sums{};
-  const auto for_vertices = [&](auto&& visit) {
-    double* sum = sums.data();
-    for (int z = base.z; z < base.z + half_brick; ++z)
-      for (int y = base.y; y < base.y + half_brick; ++y)
-        for (int x = 0; x < half_brick; ++x) visit(*sum++, base.x + x, y, z);
-  };
   for_each_flux(coarse, brick, [&](const auto& flux) {
-    for_vertices([&](double& sum, int x, int y, int z) { sum += double{flux.below(x, y, z)} - flux.at(x, y, z); });
+    double* sum = sums.data();
+    for (int z = base.z; z < end.z; ++z)
+      for (int y = base.y; y < end.y; ++y) {
+        const auto here = flux.row(base.x, y, z), below = flux.row_below(base.x, y, z);
+        for (size_t x = 0; x < here.size(); ++x) *sum++ += double{below[x]} - here[x];
+      }
   });
   const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));
-  if (!range.whole())
-    for_vertices([&](double& sum, int x, int y, int z) {
-      if (!range.contains(x, y, z)) sum = 0;
-    });
+  if (range.whole()) return sums;
+  double* sum = sums.data();
+  for (int z = base.z; z < end.z; ++z)
+    for (int y = base.y; y < end.y; ++y)
+      for (int x = base.x; x < end.x; ++x, ++sum)
+        if (!range.contains(x, y, z)) *sum = 0;
   return sums;
 }
 

@@ -1,6 +1,8 @@
 // What a coarse brick hands to its eight children.
 #pragma once
 
+#include <array>
+
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/solve/level.h"
@@ -24,8 +26,22 @@ struct CoarseFlux {
   /// Of the vertex below that one along the axis.
   float below(int X, int Y, int Z) const { return at(X - (axis == 0), Y - (axis == 1), Z - (axis == 2)); }
 
+  /// An octant's row: of four vertices along x, from (X, Y, Z) on.
+  using Row = std::array<float, half_brick>;
+  Row row(int X, int Y, int Z) const { return row_from(own + brick_offset(X, Y, Z)); }
+  /// And below them.
+  Row row_below(int X, int Y, int Z) const {
+    const float* const here = own + brick_offset(X, Y, Z);
+    if constexpr (axis == 0) return {X > 0 ? here[-1] : low.at(Y, Z), here[0], here[1], here[2]};
+    if constexpr (axis == 1) return row_from(Y > 0 ? here - brick_stride[1] : low.row(Z) + X);
+    return row_from(Z > 0 ? here - brick_stride[2] : low.row(Y) + X);
+  }
+
   const float* own;
   LowFace low;
+
+ private:
+  static Row row_from(const float* values) { return {values[0], values[1], values[2], values[3]}; }
 };
 
 /// visit(CoarseFlux) along x, y and z.

@@ -38,16 +38,23 @@ template <int axis>
 void prolong_p(const CoarseFlux<axis>& coarse, Vec3i octant, float* fine) {
   const Vec3i base = octant_base(octant);
   for (int z = 0; z < half_brick; ++z)
-    for (int y = 0; y < half_brick; ++y)
-      for (int x = 0; x < half_brick; ++x) {
-        const float upper = coarse.at(base.x + x, base.y + y, base.z + z);
-        const float within = 0.5f * (coarse.below(base.x + x, base.y + y, base.z + z) + upper);
-        float* first = fine + brick_offset(2 * x, 2 * y, 2 * z);
-        for (int k = 0; k < 8; ++k) {
-          const Vec3i child = octant_of(k);
-          first[brick_offset(child.x, child.y, child.z)] = face_share * (child[axis] ? upper : within);
+    for (int y = 0; y < half_brick; ++y) {
+      const auto upper = coarse.row(base.x, base.y + y, base.z + z);
+      const auto below = coarse.row_below(base.x, base.y + y, base.z + z);
+      std::array<float, brick_side> rows[2];  // of lower and upper children; along x they take turns in one row
+      for (size_t x = 0; x < half_brick; ++x) {
+        const float within = face_share * (0.5f * (below[x] + upper[x])), top = face_share * upper[x];
+        for (size_t child = 0; child < 2; ++child) {
+          rows[0][2 * x + child] = axis == 0 && child == 1 ? top : within;
+          rows[1][2 * x + child] = axis == 0 && child == 0 ? within : top;
         }
       }
+      for (int k = 0; k < 4; ++k) {
+        const int upper_y = k & 1, upper_z = k >> 1;
+        const auto& row = rows[axis == 1 ? upper_y : upper_z];
+        std::copy_n(row.data(), brick_side, fine + brick_offset(0, 2 * y + upper_y, 2 * z + upper_z));
+      }
+    }
 }
 
 /// The flux through the low faces of the fine brick in `octant`: a matching coarse face, so an exact quarter of it.

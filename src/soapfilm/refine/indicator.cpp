@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/grid/smoothing.h"
+#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -23,35 +23,11 @@ BrickMask inside_bricks(const Level& level, float threshold) {
   return inside;
 }
 
-/// u > threshold in the level's bricks.
-std::vector<BrickBits> inside_bits(const Level& level, float threshold, const Parallel& parallel) {
-  std::vector<BrickBits> bits(level.grid.size());
-  parallel.for_each(bits.size(), 64, [&](size_t b) { bits[b] = BrickBits::above(level.u.brick(b), threshold); });
-  return bits;
-}
-
-/// Those of a brick of the domain, given as BrickGrid::find gives it.
-const BrickBits* bits_of(const Level& level, const std::vector<BrickBits>& bits, float threshold, int32_t n,
-                         Vec3i brick) {
-  static const BrickBits none, all = BrickBits::full();
-  if (n >= 0) return &bits[static_cast<size_t>(n)];
-  return level.missing_u(n, brick) > threshold ? &all : &none;
-}
-
 /// The first and the last set bit of a byte that is not 0.
 std::pair<int, int> ends_of(uint64_t byte) { return {std::countr_zero(byte), 63 - std::countl_zero(byte)}; }
 
-/// The 27 neighbours (as bits by neighbor_slot()) within the surface's margin of an interface in a brick; around[slot]
-/// are theirs.
-uint32_t bricks_near_interface(const std::array<const BrickBits*, 27>& around) {
-  const BrickBits& inside = *around[own_slot];
-  BrickBits interface;  // vertices with a neighbour on the other side
-  for (int axis = 0; axis < 3; ++axis)
-    for (const int step : {-1, 1}) {
-      const auto slot = static_cast<size_t>(step > 0 ? slot_down[axis] : slot_up[axis]);
-      const BrickBits next = moved(inside, axis, step) | carried(*around[slot], axis, step);
-      interface |= (inside & ~next) | (~inside & next);
-    }
+/// The 27 neighbours (as bits by neighbor_slot()) within the surface's margin of an interface in a brick.
+uint32_t bricks_near(const BrickBits& interface) {
   if (!interface.any()) return 0;
   uint64_t along_xy = 0, along_x = 0, along_y = 0, along_z = 0;
   for (size_t z = 0; z < brick_side; ++z) {
@@ -82,12 +58,12 @@ constexpr std::array<int, 7> whole_taps = {1, 3, 6, 7, 6, 3, 1};
 
 /// Filtered along x: four outputs from ten vertices, as bits from 3 below the first output on.
 constexpr auto filtered_x = [] {
-  std::array<std::array<uint8_t, 4>, 1 << 10> table{};
+  std::array<std::array<uint16_t, 4>, 1 << 10> table{};
   for (size_t bits = 0; bits < table.size(); ++bits)
     for (size_t x = 0; x < 4; ++x) {
       int sum = 0;
       for (size_t j = 0; j < 7; ++j) sum += (bits >> (x + j) & 1) ? whole_taps[j] : 0;
-      table[bits][x] = static_cast<uint8_t>(sum);
+      table[bits][x] = static_cast<uint16_t>(sum);
     }
   return table;
 }();
@@ -97,14 +73,16 @@ void smooth_brick(const std::array<const BrickBits*, 27>& around, float* out) {
   constexpr int reach = smoothing_reach, side = brick_side + 2 * reach;
   std::array<std::array<uint16_t, brick_side>, side * side> after_x;
   for (int z = -reach; z < brick_side + reach; ++z)
-    for (int y = -reach; y < brick_side + reach; ++y) {
-      const BrickBits* const* along = &around[static_cast<size_t>(neighbor_slot(-1, y >> 3, z >> 3))];
-      const auto row = [&](int k) { return unsigned{along[k]->row(y & 7, z & 7)}; };
-      const unsigned bits = row(0) >> (brick_side - reach) | row(1) << reach | row(2) << (8 + reach);
-      auto& to = after_x[static_cast<size_t>((z + reach) * side + y + reach)];
-      for (size_t x = 0; x < 4; ++x) {
-        to[x] = filtered_x[bits & 0x3ff][x];
-        to[x + 4] = filtered_x[bits >> 4 & 0x3ff][x];
+    for (int up = -1; up <= 1; ++up) {
+      const BrickBits* const* along = &around[static_cast<size_t>(neighbor_slot(-1, up, z >> 3))];
+      const auto layer = [&](int k) { return along[k]->layer[static_cast<size_t>(z & 7)]; };
+      const uint64_t below = layer(0), own = layer(1), above = layer(2);
+      for (int y = std::max(8 * up, -reach); y < std::min(8 * up + 8, brick_side + reach); ++y) {
+        const auto row = [&](uint64_t bits) { return static_cast<size_t>(bits >> 8 * (y & 7) & 0xff); };
+        const size_t bits = row(below) >> (brick_side - reach) | row(own) << reach | row(above) << (8 + reach);
+        uint16_t* to = after_x[static_cast<size_t>((z + reach) * side + y + reach)].data();
+        std::copy_n(filtered_x[bits & 0x3ff].data(), 4, to);
+        std::copy_n(filtered_x[bits >> 4 & 0x3ff].data(), 4, to + 4);
       }
     }
   const auto filter = [](const std::array<uint16_t, brick_side>* in, int stride, uint16_t* to) {
@@ -127,16 +105,10 @@ void smooth_brick(const std::array<const BrickBits*, 27>& around, float* out) {
 }  // namespace
 
 SurfaceField smoothed_indicator(const Level& level, float threshold, const Parallel& parallel) {
-  const std::vector<BrickBits> bits = inside_bits(level, threshold, parallel);
+  const InsideBits bits(level, threshold, parallel);
   BrickMask mask(level.box.bricks);
   parallel.for_each(level.grid.size(), 64, [&](size_t b) {
-    std::array<const BrickBits*, 27> around;
-    for (int slot = 0; slot < 27; ++slot) {
-      const auto k = static_cast<size_t>(slot);
-      const int32_t n = slot == own_slot ? static_cast<int32_t>(b) : level.grid.neighbors(b)[k];
-      around[k] = bits_of(level, bits, threshold, n, level.grid.coord(b) + slot_offset(slot));
-    }
-    const uint32_t near = bricks_near_interface(around);
+    const uint32_t near = bricks_near(bits.interface(b));
     for (int slot = 0; slot < 27; ++slot)
       if (const Vec3i brick = level.grid.coord(b) + slot_offset(slot); near >> slot & 1u && mask.contains(brick))
         mask.set_shared(brick);
@@ -156,7 +128,7 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Paral
       const int32_t n = slot == own_slot ? here
                         : here >= 0      ? level.grid.neighbors(static_cast<size_t>(here))[k]
                                          : level.grid.find(brick);
-      around[k] = bits_of(level, bits, threshold, n, brick);
+      around[k] = &bits.of(n, brick);
     }
     smooth_brick(around, field.value.brick(b));
   });

@@ -1,0 +1,27 @@
+// Where a level's u is above a threshold, a bit per vertex.
+#pragma once
+
+#include <vector>
+
+#include "soapfilm/grid/brick_bits.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+/// u > threshold in the level's bricks and in the constant ones of its domain. The level must outlive it.
+class InsideBits {
+ public:
+  InsideBits(const Level& level, float threshold, const Parallel& parallel);
+
+  /// Of a brick of the domain, given as BrickGrid::find gives it.
+  const BrickBits& of(int32_t n, Vec3i brick) const;
+  /// The vertices of brick b of the level with one of their six neighbours on the other side.
+  BrickBits interface(size_t b) const;
+
+ private:
+  const Level& level_;
+  float threshold_;
+  std::vector<BrickBits> bits_;
+};
+
+}  // namespace soapfilm
