@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "soapfilm/core/random.h"
 #include "soapfilm/pyramid/prolong.h"
 #include "support/dense.h"
 #include "support/problem.h"
@@ -51,6 +54,30 @@ TEST(Band, HoldsBothSidesOfTheInterface) {
     EXPECT_TRUE(band.test(brick_of(v * 2)));
   *blank.u({12, 12, 12}) = 0.4f;
   EXPECT_EQ(blank.children().count(), 0u) << "u rounds to outside";
+}
+
+TEST(Band, HoldsTheOctantsOfEveryInterface) {
+  Blank blank;
+  Random random(1);
+  std::vector<Vec3i> raised;
+  for (int k = 0; k < 12; ++k) {
+    const auto at = [&] { return static_cast<int>(random.next() % 24) + 3; };
+    raised.push_back({at(), at(), at()});
+    *blank.u(raised.back()) = 1;
+  }
+  BrickMask expected(blank.lattice.box(0).bricks);
+  for (const Vec3i v : raised)
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int step : {-1, 1}) {
+        Vec3i next = v;
+        next[axis] += step;
+        if (*blank.u(next) > 0.5f) continue;
+        expected.set(brick_of(v * 2));
+        expected.set(brick_of(next * 2));
+      }
+  const BrickMask band = blank.children();
+  EXPECT_EQ(band.count(), expected.count());
+  expected.for_each([&](Vec3i b) { EXPECT_TRUE(band.test(b)) << b.x << " " << b.y << " " << b.z; });
 }
 
 TEST(Band, HoldsWhatTheProlongedDualMightLeave) {

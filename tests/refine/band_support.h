@@ -13,10 +13,10 @@
 
 namespace soapfilm::test {
 
-/// A random set of vertices in a box of `bricks`^3 bricks.
-inline NarrowBand random_band(int bricks, double share, uint64_t seed) {
+/// A random set of vertices in a box of bricks.
+inline NarrowBand random_band(Vec3i bricks, double share, uint64_t seed) {
   const Parallel parallel(1);
-  BrickMask mask({bricks, bricks, bricks});
+  BrickMask mask(bricks);
   mask.fill(true);
   BrickGrid grid(mask, parallel);
   Random random(seed);
@@ -24,6 +24,10 @@ inline NarrowBand random_band(int bricks, double share, uint64_t seed) {
   for (uint8_t& row : vertices)
     for (int x = 0; x < brick_side; ++x) row |= static_cast<uint8_t>((random.uniform() < share) << x);
   return NarrowBand(std::move(grid), vertices, parallel);
+}
+
+inline NarrowBand random_band(int bricks, double share, uint64_t seed) {
+  return random_band(Vec3i{bricks, bricks, bricks}, share, seed);
 }
 
 /// Normal deviates on the band, zero elsewhere.
@@ -36,11 +40,11 @@ inline RowArray random_array(const NarrowBand& band, uint64_t seed) {
   return array;
 }
 
-/// Independent samples in a box of `bricks`^3 bricks, with random unit directions.
-inline GridSamples random_samples(int bricks, size_t count, uint64_t seed) {
+/// Independent samples in a box of bricks, with random unit directions.
+inline GridSamples random_samples(Vec3i bricks, size_t count, uint64_t seed) {
   Random random(seed);
   GridSamples samples;
-  BrickMask mask({bricks, bricks, bricks});
+  BrickMask mask(bricks);
   mask.fill(true);
   samples.bricks = BrickGrid(mask, Parallel(1));
   samples.begin.push_back(0);
@@ -55,6 +59,10 @@ inline GridSamples random_samples(int bricks, size_t count, uint64_t seed) {
     samples.begin.push_back(static_cast<uint32_t>(samples.local.size()));
   }
   return samples;
+}
+
+inline GridSamples random_samples(int bricks, size_t count, uint64_t seed) {
+  return random_samples(Vec3i{bricks, bricks, bricks}, count, seed);
 }
 
 /// What disturbs the samples of a shape.

@@ -115,6 +115,28 @@ TEST_P(BallDisplacementOn, GivesTheSameBits) {
   EXPECT_EQ(run(Parallel(GetParam().threads)), expected);
 }
 
+/// Of 26 layers of bricks two threads and three take several slabs through every pass.
+TEST(Displacement, GivesTheSameBitsInSlabsOfLayers) {
+  constexpr Vec3i bricks{2, 2, 26};
+  const NarrowBand band = random_band(bricks, 0.97, 1);
+  const RowArray phi0 = random_array(band, 2);
+  const GridSamples samples = random_samples(bricks, 20000, 3);
+  const auto run = [&](int threads) {
+    const Parallel parallel(threads);
+    CellSamples cells(samples, band, parallel);
+    merge(phi0, samples, band, {}, {0.3f, 1}, parallel, cells);
+    Displacement displacement(band, phi0, parallel);
+    displacement.precondition(cells, {0.02f, 0.5f});
+    displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
+    displacement.yield_to_bends(1);
+    displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
+    return std::vector<float>(displacement.phi().data(), displacement.phi().data() + displacement.phi().size());
+  };
+  const std::vector<float> expected = run(1);
+  EXPECT_NE(expected, std::vector<float>(phi0.data(), phi0.data() + phi0.size()));
+  for (const int threads : {2, 3}) EXPECT_EQ(run(threads), expected) << threads << " threads";
+}
+
 INSTANTIATE_TEST_SUITE_P(BackEnds, BallDisplacementOn, testing::ValuesIn(back_ends()), back_end_name);
 
 }  // namespace TEST_FILE

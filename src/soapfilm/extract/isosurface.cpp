@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "soapfilm/core/bits.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"

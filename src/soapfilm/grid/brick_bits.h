@@ -17,11 +17,12 @@ struct BrickBits {
   static BrickBits full() { return ~BrickBits{}; }
   /// Of the brick's 512 values, those above a threshold.
   static BrickBits above(const float* values, float threshold) {
+    static_assert(std::endian::native == std::endian::little);
     std::array<uint8_t, brick_volume> above;
     for (int i = 0; i < brick_volume; ++i) above[static_cast<size_t>(i)] = values[i] > threshold;
     BrickBits bits;
     for (size_t row = 0; row < brick_area; ++row) {
-      uint64_t bytes;  // the first vertex in the lowest one: little-endian
+      uint64_t bytes;  // the first vertex in the lowest one
       std::memcpy(&bytes, above.data() + brick_side * row, brick_side);
       const uint64_t byte = bytes * 0x0102040810204080 >> 56;  // byte x moves to bit 56 + x
       bits.layer[row / brick_side] |= byte << brick_side * (row % brick_side);
@@ -75,6 +76,11 @@ struct BrickBits {
     for (size_t z = 0; z < layer.size(); ++z) layer[z] &= other.layer[z];
     return *this;
   }
+  BrickBits& operator^=(const BrickBits& other) {
+    for (size_t z = 0; z < layer.size(); ++z) layer[z] ^= other.layer[z];
+    return *this;
+  }
+  friend BrickBits operator^(BrickBits a, const BrickBits& b) { return a ^= b; }
   friend BrickBits operator|(BrickBits a, const BrickBits& b) { return a |= b; }
   friend BrickBits operator&(BrickBits a, const BrickBits& b) { return a &= b; }
 };

@@ -41,17 +41,16 @@ void prolong_p(const CoarseFlux<axis>& coarse, Vec3i octant, float* fine) {
     for (int y = 0; y < half_brick; ++y) {
       const auto upper = coarse.row(base.x, base.y + y, base.z + z);
       const auto below = coarse.row_below(base.x, base.y + y, base.z + z);
-      std::array<float, brick_side> rows[2];  // of lower and upper children; along x they take turns in one row
+      std::array<float, brick_side> rows[2];  // of lower and upper children along y or z; along x the first holds both
       for (size_t x = 0; x < half_brick; ++x) {
         const float within = face_share * (0.5f * (below[x] + upper[x])), top = face_share * upper[x];
-        for (size_t child = 0; child < 2; ++child) {
-          rows[0][2 * x + child] = axis == 0 && child == 1 ? top : within;
-          rows[1][2 * x + child] = axis == 0 && child == 0 ? within : top;
-        }
+        rows[0][2 * x] = within;
+        rows[0][2 * x + 1] = axis == 0 ? top : within;
+        rows[1][2 * x] = rows[1][2 * x + 1] = top;
       }
       for (int k = 0; k < 4; ++k) {
         const int upper_y = k & 1, upper_z = k >> 1;
-        const auto& row = rows[axis == 1 ? upper_y : upper_z];
+        const auto& row = rows[axis == 0 ? 0 : axis == 1 ? upper_y : upper_z];
         std::copy_n(row.data(), brick_side, fine + brick_offset(0, 2 * y + upper_y, 2 * z + upper_z));
       }
     }

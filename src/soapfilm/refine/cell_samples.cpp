@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "soapfilm/core/bits.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/refine/layers.h"
 
@@ -165,7 +166,7 @@ CellSamples::CellSamples(const GridSamples& samples, const NarrowBand& band, con
   for (const FoundRow& r : found) {
     row_.push_back(r.row);
     present_.push_back(r.present);
-    first_.push_back(first_.back() + static_cast<uint32_t>(std::popcount(r.present)));
+    first_.push_back(first_.back() + static_cast<uint32_t>(count_bits(r.present)));
     brick_[r.brick + 1] = static_cast<uint32_t>(row_.size());
     layer_[static_cast<size_t>(samples.bricks.coord(r.brick).z) + 1] = row_.size();
   }
@@ -175,14 +176,14 @@ CellSamples::CellSamples(const GridSamples& samples, const NarrowBand& band, con
 }
 
 MergedCell CellSamples::cell(size_t row, int x) const {
-  const auto stride = static_cast<size_t>(std::popcount(present_[row]));
-  const float* v = values(row) + std::popcount(present_[row] & ((1u << x) - 1));
+  const auto stride = static_cast<size_t>(count_bits(present_[row]));
+  const float* v = values(row) + count_bits(present_[row] & ((1u << x) - 1));
   return {{v[0], v[stride], v[2 * stride]}, {v[3 * stride], v[4 * stride], v[5 * stride]}, v[6 * stride]};
 }
 
 void CellSamples::set_weight(size_t row, int x, float weight) {
-  const auto stride = static_cast<size_t>(std::popcount(present_[row]));
-  values(row)[6 * stride + static_cast<size_t>(std::popcount(present_[row] & ((1u << x) - 1)))] = weight;
+  const auto stride = static_cast<size_t>(count_bits(present_[row]));
+  values(row)[6 * stride + static_cast<size_t>(count_bits(present_[row] & ((1u << x) - 1)))] = weight;
 }
 
 void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band, const Weighing& weighing,
@@ -211,7 +212,7 @@ void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& ba
     const auto [first, last] = cells.brick(b);
     size_t written = 1;
     for (size_t k = first; k < last; ++k) {
-      const auto count = static_cast<size_t>(std::popcount(cells.present(k)));
+      const auto count = static_cast<size_t>(count_bits(cells.present(k)));
       counts[b].cells += sums.write(written, count, cells.values(k));
       written += count;
     }

@@ -88,7 +88,7 @@ std::vector<std::optional<Jet>> jets_at_samples(const RowArray& phi, const GridS
                                                 const Parallel& parallel);
 
 /// What the data term adds to a system of equations: layer of bricks by layer, or all at once. It keeps looking at what
-/// it is given.
+/// it is given, which merge() must not change meanwhile.
 class DataTerm {
  public:
   /// out += scale times its gradient (half of it) at v.

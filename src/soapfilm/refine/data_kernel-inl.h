@@ -111,10 +111,10 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
       carry[c] = hn::GetLane(moved);
     }
   }
-  if (job.out &&
-      job.present[k] >> (brick_side - 1) != 0)  // else there may be no such row, and row 0 is nobody's to write
-    for (size_t c = 0; c < 4; ++c) job.out[right[c] * brick_side] += carry[c];
   energy.end_row();
+  if (!job.out) return;
+  if (job.present[k] >> (brick_side - 1) != 0)  // else there may be no such row, and row 0 is nobody's to write
+    for (size_t c = 0; c < 4; ++c) job.out[right[c] * brick_side] += carry[c];
 }
 
 /// Fetches what rows of cells further on will read: of those far ahead who their neighbours are, of nearer ones the

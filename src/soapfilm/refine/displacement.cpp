@@ -139,15 +139,16 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
 
   double first = 0, rz = 0;
   float step = 0;
-  const auto move = [&step](RowRange rows, float sign, RowArray& to, const RowArray& by) {
-    for_values(rows, [&, onto = to.data(), along = by.data()](size_t i) { onto[i] += sign * step * along[i]; });
+  const auto add = [](RowRange rows, float factor, const RowArray& from, RowArray& to) {
+    for_values(rows, [&, onto = to.data(), values = from.data()](size_t i) { onto[i] += factor * values[i]; });
   };
   int iteration = 0;
   for (bool last = false; !last && iteration < limits.iterations; ++iteration) {
+    // A step is taken by the first pass of the next apply(), before that writes over image_.
     const auto take_step = [&](int layer) {
       if (iteration == 0) return;
-      move(rows_of_layer(band_, layer), 1, phi_, direction_);
-      move(rows_of_layer(band_, layer), -1, residual_, image_);
+      add(rows_of_layer(band_, layer), step, direction_, phi_);
+      add(rows_of_layer(band_, layer), -step, image_, residual_);
     };
     const double new_rz = multilevel_.apply(take_step, residual_, scratch_, image_, parallel_);
     if (iteration == 0) first = new_rz;
@@ -158,7 +159,9 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
     if (!(curvature > 0)) break;
     step = static_cast<float>(rz / curvature);
     if (last)
-      for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) { move({begin, end}, 1, phi_, direction_); });
+      for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
+        add({begin, end}, step, direction_, phi_);
+      });
   }
   return iteration;
 }

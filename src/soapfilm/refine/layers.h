@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
+#include <type_traits>
 
 #include "soapfilm/core/parallel.h"
 
@@ -27,6 +27,11 @@ struct Apart {
 };
 template <class Body>
 Apart(Body) -> Apart<Body>;
+
+template <class Stage>
+inline constexpr bool is_apart = false;
+template <class Body>
+inline constexpr bool is_apart<Apart<Body>> = true;
 
 /// Consecutive layers that one thread takes through all stages. Each stage stays a layer behind the one before, at the
 /// slab's borders with others too.
@@ -55,7 +60,8 @@ struct Slab {
   }
 };
 
-/// The layers about the border of two slabs that both have left to the end.
+/// The layers about the border of two slabs that both have left to the end. Between those of one border and the next a
+/// stage apart has an even layer that waited for neither: they touch nothing in common.
 struct SlabBorder {
   const Slab &below, &above;
 
@@ -65,7 +71,7 @@ struct SlabBorder {
   }
   template <class Body>
   void run(int stage, Apart<Body>& apart) const {
-    const int begin = below.end_apart(stage), end = above.first_even(stage);  // both odd
+    const int begin = below.end_apart(stage), end = above.first_even(stage);  // from an odd layer up to an odd one
     for (int layer = begin + 1; layer < end; layer += 2) apart.body(layer);
     for (int layer = begin; layer < end; layer += 2) apart.body(layer);
   }
@@ -88,18 +94,30 @@ void run_stage(int layers, const Parallel& parallel, Apart<Body>& apart) {
 /// write what an earlier one reads in other layers.
 template <class... Stages>
 void layer_by_layer(int layers, const Parallel& parallel, Stages&&... stages) {
-  constexpr int depth = sizeof...(Stages) - 1, slabs_per_thread = 6;
-  constexpr int thinnest = 2 * depth + 2;  // with an even layer that waits for no border
+  constexpr int depth = sizeof...(Stages) - 1;
+  constexpr bool apart[] = {is_apart<std::remove_cvref_t<Stages>>...};
+  static_assert(std::none_of(apart, apart + depth, [](bool is) { return is; }), "only the last stage may be apart");
+  const auto take_turn = [&](const Slab& slab, int turn) {
+    int stage = 0;
+    ((slab.run(stage, turn - stage, stages), ++stage), ...);
+  };
   const int threads = parallel.threads();
-  if (threads > 1 && layers < thinnest * threads) return (run_stage(layers, parallel, stages), ...);
-  const int slabs = threads == 1 ? 1 : std::min(layers / thinnest, slabs_per_thread * threads);
+  if (threads == 1) {
+    const Slab all{0, layers, false, false};
+    return parallel.for_each(static_cast<size_t>(layers + depth), 1,
+                             [&](size_t turn) { take_turn(all, static_cast<int>(turn)); });
+  }
+
+  constexpr int thinnest = 2 * depth + 2;  // with an even layer that waits for no border
+  constexpr int thick = 2 * thinnest;      // most of its layers wait for none
+  constexpr int slabs_per_thread = 6;
+  const int most = std::min(layers / thinnest, slabs_per_thread * threads);
+  if (most < threads) return (run_stage(layers, parallel, stages), ...);
+  const int slabs = std::clamp(layers / thick, threads, most);
   const auto slab_at = [&](int k) { return Slab{layers * k / slabs, layers * (k + 1) / slabs, k > 0, k + 1 < slabs}; };
   parallel.for_each(static_cast<size_t>(slabs), 1, [&](size_t k) {
     const Slab slab = slab_at(static_cast<int>(k));
-    for (int turn = slab.begin; turn < slab.end + depth; ++turn) {
-      int stage = 0;
-      ((slab.run(stage, turn - stage, stages), ++stage), ...);
-    }
+    for (int turn = slab.begin; turn < slab.end + depth; ++turn) take_turn(slab, turn);
   });
   parallel.for_each(static_cast<size_t>(slabs - 1), 1, [&](size_t k) {
     const Slab below = slab_at(static_cast<int>(k)), above = slab_at(static_cast<int>(k) + 1);

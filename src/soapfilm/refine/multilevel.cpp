@@ -303,7 +303,7 @@ double Multilevel::correct(size_t level, const RowArray& b, RowArray& work, RowA
   Coarse& c = coarse_[level];
   const NarrowBand& band = this->band(level);
   solve(level + 1, c.b, c.work, c.x, nullptr, parallel);
-  clear(c.b, parallel);
+  if constexpr (sizeof...(Stages) > 0) clear(c.b, parallel);
   CycleJob prolong = job(level, b), smooth = prolong;
   prolong.x = c.x.data();
   prolong.out = work.data();

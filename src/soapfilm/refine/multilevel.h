@@ -2,7 +2,6 @@
 // vertex I lies on fine vertex 2 I; transfers are trilinear.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -54,9 +53,9 @@ class Multilevel {
   /// gamma > 0.
   void set_operator(const RowArray& position_weights, float beta, float gamma, const Parallel& parallel);
   /// mean = `scale` times the weighted mean of values / weights over the vertices around, three voxels^2 of variance
-  /// along each axis, where `where` is positive, elsewhere 0; of `values`, which hold weight times value: both once
-  /// complete(layer), a stage of layer_by_layer(), has been there. False, and nothing done, where the band is too small
-  /// for a coarse one.
+  /// along each axis, where `where` is positive, elsewhere 0; of `values`, which hold weight times value. First calls
+  /// complete(layer), a stage of layer_by_layer(), which may still write values, weights and `where`. False, and
+  /// nothing done, where the band is too small for a coarse one.
   bool local_mean(const std::function<void(int)>& complete, const RowArray& values, const RowArray& weights,
                   const RowArray& where, float scale, RowArray& mean, const Parallel& parallel);
   /// Returns <r, z>; `work` is overwritten, which complete(layer), a stage of layer_by_layer() that completes r, may
@@ -81,7 +80,8 @@ class Multilevel {
                const Parallel& parallel);
   double solve_coarsest(const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
                         const Parallel& parallel);
-  /// The rest of it once the coarser right side is complete, and leaves that one 0; `after`: stages that may read x.
+  /// The rest of it once the coarser right side is complete. `after`: stages that may read x, and add to that right
+  /// side, which is 0 again by then.
   template <class... Stages>
   double correct(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
                  const Parallel& parallel, Stages&&... after);

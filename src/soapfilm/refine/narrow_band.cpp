@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "soapfilm/core/bits.h"
+
 namespace soapfilm {
 
 namespace {
@@ -73,7 +75,7 @@ void NarrowBand::count_neighbors(const Parallel& parallel) {
 
 size_t NarrowBand::count() const {
   size_t total = 0;
-  for (const uint8_t mask : mask_) total += static_cast<size_t>(std::popcount(mask));
+  for (const uint8_t mask : mask_) total += static_cast<size_t>(count_bits(mask));
   return total;
 }
 

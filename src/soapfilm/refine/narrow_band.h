@@ -5,6 +5,7 @@
 // array over a band has 8 floats per row, one more row that is empty too, and holds 0 at vertices outside the band.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>

@@ -1,6 +1,6 @@
 #include "soapfilm/refine/topology.h"
 
-
+#include "soapfilm/core/bits.h"
 #include "soapfilm/refine/simple_point.h"
 
 namespace soapfilm {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <limits>
 
+#include "soapfilm/core/bits.h"
 #include "soapfilm/core/error.h"
 
 namespace soapfilm {
@@ -39,7 +40,7 @@ BandGraph::BandGraph(const VertexMask& band, const LevelBox& box, const SupportF
       const uint8_t bits =
           band.row(brick.x, brick_side * brick.y + r % brick_side, brick_side * brick.z + r / brick_side);
       rows_[b * rows_per_brick + static_cast<size_t>(r)] = {static_cast<uint32_t>(count), bits};
-      count += static_cast<uint64_t>(std::popcount(bits));
+      count += static_cast<uint64_t>(count_bits(bits));
     }
   }
   // Edges are numbered in 32 bits: one each way per link, and two for the link to a terminal.
@@ -86,7 +87,7 @@ void BandGraph::look_around(BandVertex& vertex, size_t brick, Vec3i local) const
     const unsigned bit = 1u << (at.x & 7);
     if (!(row.bits & bit)) continue;
     vertex.links |= 1u << d;
-    vertex.neighbor[d] = row.before + static_cast<uint32_t>(std::popcount(row.bits & (bit - 1)));
+    vertex.neighbor[d] = row.before + static_cast<uint32_t>(count_bits(row.bits & (bit - 1)));
   }
 }
 

@@ -14,7 +14,7 @@ const BrickBits& InsideBits::of(int32_t n, Vec3i brick) const {
 }
 
 BrickBits InsideBits::interface(size_t b) const {
-  const BrickBits &own = bits_[b], outside = ~own;
+  const BrickBits& own = bits_[b];
   BrickBits found;
   for (int axis = 0; axis < 3; ++axis)
     for (const int step : {-1, 1}) {
@@ -22,7 +22,7 @@ BrickBits InsideBits::interface(size_t b) const {
       const BrickBits& beside =
           of(level_.grid.neighbors(b)[static_cast<size_t>(slot)], level_.grid.coord(b) + slot_offset(slot));
       const BrickBits next = moved(own, axis, step) | carried(beside, axis, step);
-      found |= (own & ~next) | (outside & next);
+      found |= own ^ next;
     }
   return found;
 }

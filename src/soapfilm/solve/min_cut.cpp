@@ -10,6 +10,7 @@
 #include <iterator>
 #include <utility>
 
+#include "soapfilm/core/bits.h"
 #include "soapfilm/core/memory.h"
 
 namespace soapfilm {
@@ -37,7 +38,7 @@ struct Nodes {
     for (BandVertex v; cursor.next(v);) {
       directions[v.id] = v.links | (v.unary < 0 ? to_source : v.unary > 0 ? to_sink : 0u);
       unary[v.id] = v.unary;
-      links += static_cast<size_t>(std::popcount(v.links));
+      links += static_cast<size_t>(count_bits(v.links));
       terminals += v.unary != 0;
     }
   }
@@ -115,13 +116,6 @@ Graph make_graph(const BandGraph& band, const Nodes& nodes) {
   const size_t edges = nodes.links + 2 * nodes.terminals;
   return Graph(boost::edges_are_sorted, EdgeIterator(stream, edges), EdgeIterator(stream, 0), band.vertices() + 2,
                static_cast<uint32_t>(edges));
-}
-
-int count_bits(uint32_t bits) {
-  // Without the popcnt instruction, which not every x86-64 has, std::popcount is a call.
-  bits -= bits >> 1 & 0x55555555u;
-  bits = (bits & 0x33333333u) + (bits >> 2 & 0x33333333u);
-  return static_cast<int>(((bits + (bits >> 4)) & 0x0F0F0F0Fu) * 0x01010101u >> 24);
 }
 
 /// The direction of a vertex's k-th edge.

@@ -1,0 +1,64 @@
+#include "soapfilm/solve/inside_bits.h"
+
+#include <gtest/gtest.h>
+
+#include "support/random_level.h"
+
+namespace soapfilm {
+namespace TEST_FILE {
+
+using namespace test;
+
+const Parallel one_thread(1);
+
+/// u at any vertex of the domain, 0 beyond it.
+float u_at(const Level& level, Vec3i v) {
+  const Vec3i brick = brick_of(v);
+  const int32_t n = level.grid.find(brick);
+  return n >= 0 ? level.u.brick(static_cast<size_t>(n))[brick_offset(v.x & 7, v.y & 7, v.z & 7)]
+                : level.missing_u(n, brick);
+}
+
+/// With bricks outside the band that are inside the surface, and others.
+struct Filled : RandomLevel {
+  explicit Filled(uint64_t seed) : RandomLevel(seed) {
+    Random random(seed);
+    BrickMask all(level.box.bricks);
+    all.fill(true);
+    all.for_each([&](Vec3i b) { level.inside.set(b, random.uniform() < 0.5); });
+  }
+};
+
+TEST(InsideBits, TellWhereUIsAboveTheThreshold) {
+  const Filled filled(3);
+  const Level& level = filled.level;
+  const InsideBits inside(level, 0.3f, one_thread);
+  BrickMask all(level.box.bricks);
+  all.fill(true);
+  all.for_each([&](Vec3i b) {
+    const BrickBits& bits = inside.of(level.grid.find(b), b);
+    for_each_vertex(b, [&](Vec3i v, int i) { ASSERT_EQ(bits.test(i & 7, i >> 3 & 7, i >> 6), u_at(level, v) > 0.3f); });
+  });
+}
+
+TEST(InsideBits, TheInterfaceHasANeighbourOnTheOtherSide) {
+  const Filled filled(4);
+  const Level& level = filled.level;
+  const InsideBits inside(level, 0.5f, one_thread);
+  for (size_t b = 0; b < level.grid.size(); ++b) {
+    const BrickBits interface = inside.interface(b);
+    for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
+      bool expected = false;
+      for (int axis = 0; axis < 3; ++axis)
+        for (const int step : {-1, 1}) {
+          Vec3i next = v;
+          next[axis] += step;
+          expected |= (u_at(level, next) > 0.5f) != (u_at(level, v) > 0.5f);
+        }
+      ASSERT_EQ(interface.test(i & 7, i >> 3 & 7, i >> 6), expected);
+    });
+  }
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm
