@@ -13,7 +13,7 @@
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
-#include "soapfilm/extract/drawn_cells.h"
+#include "soapfilm/extract/cell_window.h"
 #include "soapfilm/extract/marching_cubes_table.h"
 #include "soapfilm/grid/brick_bits.h"
 
@@ -23,7 +23,6 @@ namespace {
 
 namespace mc = marching_cubes;
 
-constexpr int side = brick_side + 1;  // vertices that the cells of one block touch, along an axis
 constexpr int words_per_block = static_cast<int>(BrickEdges{}.size());
 constexpr double least_fraction = 1e-3;  // of an edge, from a vertex to the nearest of its surface points
 constexpr double crowded = 0.15;         // of an edge: cut nearer to an end, its vertices may have to be pushed away
@@ -38,21 +37,6 @@ BrickMask mask_of_blocks(const BrickGrid& grid) {
   }
   return mask;
 }
-
-/// What a block's cells touch: an inside bit for each of the 9^3 vertices and, where there is a surface, the values.
-struct Window {
-  std::array<float, side * side * side> values;
-  std::array<std::array<uint16_t, side>, side> inside;  // [z][y], bit x
-
-  DrawnCells drawn;
-
-  static int offset(int x, int y, int z) { return x + side * (y + side * z); }
-  static bool holds(Vec3i v) {
-    const auto within = [](int i) { return i >= 0 && i < side; };
-    return within(v.x) && within(v.y) && within(v.z);
-  }
-  float value(Vec3i v) const { return values[static_cast<size_t>(offset(v.x, v.y, v.z))]; }
-};
 
 /// Which of a block's edges carry a surface point. Surface points are numbered in the order of the bits, so the index
 /// of one follows from a count of the bits before it.
@@ -99,7 +83,7 @@ class Extraction {
         [](double& highest, double part) { highest = std::max(highest, part); });
     parallel_.for_each(blocks_.size(), blocks_per_task,
                        [this](size_t b) { brick_of_[b] = grid_.find(brick_coord(b)); });
-    for_blocks([](size_t) { return true; }, [this](size_t block, const Window& window) { count(block, window); });
+    for_blocks([](size_t) { return true; }, [this](size_t block, const CellWindow& window) { count(block, window); });
     for (size_t b = 0; b < blocks_.size(); ++b) {
       first_vertex_[b + 1] += first_vertex_[b];
       first_triangle_[b + 1] += first_triangle_[b];
@@ -112,7 +96,7 @@ class Extraction {
     reserve_many(mesh_.triangles, first_triangle_.back());
     mesh_.triangles.resize(first_triangle_.back());
     for_blocks([this](size_t block) { return has_vertices(block) || has_triangles(block); },
-               [this](size_t block, Window& window) {
+               [this](size_t block, CellWindow& window) {
                  if (has_vertices(block)) {
                    fill_values(block, window);
                    place_vertices(block, window);
@@ -130,7 +114,7 @@ class Extraction {
   template <class Wanted, class Work>
   void for_blocks(Wanted&& wanted, Work&& work) const {
     parallel_.for_chunks(blocks_.size(), blocks_per_task, [&](size_t begin, size_t end) {
-      Window window;
+      CellWindow window;
       for (size_t b = begin; b < end; ++b) {
         if (!wanted(b) || !fill_inside(b, window)) continue;
         if (weight_) window.drawn = DrawnCells(grid_, *weight_, brick_coord(b));
@@ -169,8 +153,8 @@ class Extraction {
     return at < 0 ? outside_band : brick_of_[static_cast<size_t>(at)];
   }
 
-  /// False when all the window's vertices lie on one side.
-  bool fill_inside(size_t block, Window& window) const {
+  /// Whether the window's vertices lie on both sides.
+  bool fill_inside(size_t block, CellWindow& window) const {
     for (auto& layer : window.inside) layer.fill(0);
     for (int d = 0; d < 8; ++d) {
       const Vec3i step{d & 1, d >> 1 & 1, d >> 2};
@@ -183,17 +167,10 @@ class Extraction {
           bits = static_cast<uint16_t>(bits | (step.x ? (row & 1u) << brick_side : row));
         }
     }
-    uint16_t any = 0;
-    uint16_t all = (1 << side) - 1;
-    for (const auto& layer : window.inside)
-      for (const uint16_t bits : layer) {
-        any = static_cast<uint16_t>(any | bits);
-        all = static_cast<uint16_t>(all & bits);
-      }
-    return any != 0 && all != (1 << side) - 1;
+    return window.has_both_sides();
   }
 
-  void fill_values(size_t block, Window& window) const {
+  void fill_values(size_t block, CellWindow& window) const {
     for (int d = 0; d < 8; ++d) {
       const Vec3i step{d & 1, d >> 1 & 1, d >> 2};
       const int32_t brick = brick_at(block, step);
@@ -203,7 +180,7 @@ class Extraction {
       for (int z = 0; z < extent.z; ++z) {
         for (int y = 0; y < extent.y; ++y) {
           float* out =
-              &window.values[Window::offset(step.x * brick_side, step.y * brick_side + y, step.z * brick_side + z)];
+              &window.values[CellWindow::offset(step.x * brick_side, step.y * brick_side + y, step.z * brick_side + z)];
           if (in) {
             std::copy_n(in + brick_offset(0, y, z), extent.x, out);
           } else {
@@ -214,27 +191,7 @@ class Extraction {
     }
   }
 
-  static int case_of(const Window& window, int x, int y, int z) {
-    const auto pair = [&](int dy, int dz) { return window.inside[z + dz][y + dy] >> x & 3; };
-    return pair(0, 0) | pair(1, 0) << 2 | pair(0, 1) << 4 | pair(1, 1) << 6;
-  }
-
-  template <class Visit>
-  static void for_cut_cells(const Window& window, Visit&& visit) {
-    for (int z = 0; z < brick_side; ++z) {
-      for (int y = 0; y < brick_side; ++y) {
-        const uint16_t rows[] = {window.inside[z][y], window.inside[z][y + 1], window.inside[z + 1][y],
-                                 window.inside[z + 1][y + 1]};
-        const int any = rows[0] | rows[1] | rows[2] | rows[3];
-        const int all = rows[0] & rows[1] & rows[2] & rows[3];
-        // A cell is cut unless its eight corners agree.
-        unsigned cut = ((any | any >> 1) & ~(all & all >> 1)) & window.drawn.cells[z][y];
-        for (; cut != 0; cut &= cut - 1) visit(std::countr_zero(cut), y, z);
-      }
-    }
-  }
-
-  void count(size_t block, const Window& window) {
+  void count(size_t block, const CellWindow& window) {
     EdgePoints& points = points_[block];
     const DrawnCells& drawn = window.drawn;
     const auto& inside = window.inside;
@@ -256,11 +213,11 @@ class Extraction {
     first_vertex_[block + 1] = total;
     uint64_t triangles = 0;
     const auto& table = mc::cases();
-    for_cut_cells(window, [&](int x, int y, int z) { triangles += table[case_of(window, x, y, z)].triangle_count; });
+    window.for_each_cut_cell([&](int x, int y, int z) { triangles += table[window.case_of(x, y, z)].triangle_count; });
     first_triangle_[block + 1] = triangles;
   }
 
-  void place_vertices(size_t block, const Window& window) {
+  void place_vertices(size_t block, const CellWindow& window) {
     const Vec3i origin = brick_coord(block) * brick_side;
     Vec3d* out = &mesh_.vertices[first_vertex_[block]];
     for (int word = 0; word < words_per_block; ++word) {
@@ -280,7 +237,7 @@ class Extraction {
   }
 
   /// Where the surface cuts the edge from the block's vertex v upwards along an axis, by linear interpolation.
-  double fraction(size_t block, const Window& window, Vec3i v, int axis) const {
+  double fraction(size_t block, const CellWindow& window, Vec3i v, int axis) const {
     Vec3i upper = v;
     ++upper[axis];
     double low = double{window.value(v)} - isovalue_, high = double{window.value(upper)} - isovalue_;
@@ -295,7 +252,7 @@ class Extraction {
   /// The height of a vertex over the isovalue; where the surface all but meets the vertex, it is moved along its normal
   /// by at most 1/1000 of an edge, together on all the vertex's edges: points moved one by one would turn the small
   /// triangles between them.
-  double pushed_away(size_t block, const Window& window, Vec3i v, double height) const {
+  double pushed_away(size_t block, const CellWindow& window, Vec3i v, double height) const {
     if (std::abs(height) >= least_fraction * (highest_ + std::abs(height))) return height;  // as mostly
     double steepest = 0;
     for (int axis = 0; axis < 3; ++axis)
@@ -310,7 +267,7 @@ class Extraction {
   }
 
   /// Of a vertex at most one brick away from the block's; none where nothing was seen.
-  std::optional<double> known_value(size_t block, const Window& window, Vec3i v) const {
+  std::optional<double> known_value(size_t block, const CellWindow& window, Vec3i v) const {
     if (!weight_ && window.holds(v)) return window.value(v);
     const Vec3i step{v.x >> 3, v.y >> 3, v.z >> 3};
     const int32_t brick = brick_at(block, step);
@@ -320,12 +277,12 @@ class Extraction {
     return value_.brick(static_cast<size_t>(brick))[k];
   }
 
-  void draw_triangles(size_t block, const Window& window) {
+  void draw_triangles(size_t block, const CellWindow& window) {
     const auto& table = mc::cases();
     Triangle* out = &mesh_.triangles[first_triangle_[block]];
-    for_cut_cells(window, [&](int x, int y, int z) {
+    window.for_each_cut_cell([&](int x, int y, int z) {
       const auto vertex_on = [&](int edge) { return vertex_index(block, {x, y, z}, edge); };
-      const mc::Case& drawn = table[case_of(window, x, y, z)];
+      const mc::Case& drawn = table[window.case_of(x, y, z)];
       for (int i = 0; i < drawn.triangle_count; ++i) {
         const auto& t = drawn.triangles[i];
         *out++ = {vertex_on(t[0]), vertex_on(t[1]), vertex_on(t[2])};
