@@ -26,8 +26,7 @@ class Parallel {
   int threads() const { return threads_; }
 
   /// body(begin, end) for the chunks [k * grain, min((k + 1) * grain, count)), by one thread in order; returns when all
-  /// are done. An exception
-  /// from the body is rethrown here; with several, the one of the lowest chunk.
+  /// are done. An exception from the body is rethrown here; with several, the one of the lowest chunk.
   template <class Body>
   void for_chunks(size_t count, size_t grain, Body&& body) const {
     using Stored = std::remove_reference_t<Body>;

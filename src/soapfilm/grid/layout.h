@@ -25,6 +25,8 @@ constexpr Vec3i brick_of(Vec3i vertex) { return {vertex.x >> 3, vertex.y >> 3, v
 /// A brick of the next coarser level, its parent, covers eight bricks, its children: one per octant, of twice its
 /// resolution. Octants are numbered x fastest.
 inline constexpr int half_brick = brick_side / 2;
+inline constexpr int octant_volume = half_brick * half_brick * half_brick;
+constexpr int octant_offset(int x, int y, int z) { return x + half_brick * (y + half_brick * z); }
 constexpr Vec3i octant_of(int k) { return {k & 1, k >> 1 & 1, k >> 2}; }
 constexpr Vec3i child_of(Vec3i parent, Vec3i octant) { return parent * 2 + octant; }
 constexpr Vec3i child_of(Vec3i parent, int k) { return child_of(parent, octant_of(k)); }

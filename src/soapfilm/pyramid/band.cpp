@@ -1,6 +1,7 @@
 #include "soapfilm/pyramid/band.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <vector>
@@ -13,10 +14,6 @@ namespace soapfilm {
 namespace {
 
 constexpr unsigned all_octants = 0xFF;
-
-unsigned octant_bit(int x, int y, int z) {
-  return 1u << (x / half_brick + 2 * (y / half_brick) + 4 * (z / half_brick));
-}
 
 unsigned octants_of(const BrickBits& bits) {
   constexpr uint64_t corner = 0x0F0F0F0F;  // of a layer: its lowest 4 x 4 vertices
@@ -32,11 +29,12 @@ unsigned octants_of(const BrickBits& bits) {
 }
 
 /// The children within two fine vertices of the interface: room to move for it.
-BrickMask beside_interface(const Level& coarse, const InsideBits& inside, Vec3i fine_bricks, const Parallel& parallel) {
+BrickMask beside_interface(const Level& coarse, const std::vector<BrickBits>& interface, Vec3i fine_bricks,
+                           const Parallel& parallel) {
   BrickMask mask(fine_bricks);
   parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
     uint64_t near = 0;  // of 4 x 4 x 4 octants, one of them below the brick
-    inside.interface(b).for_each([&](int vertex) {
+    interface[b].for_each([&](int vertex) {
       const int x = vertex % brick_side, y = vertex / brick_side % brick_side, z = vertex / brick_area;
       for (const int oz : {z - 1, z + 1})
         for (const int oy : {y - 1, y + 1})
@@ -57,27 +55,22 @@ BrickMask beside_interface(const Level& coarse, const InsideBits& inside, Vec3i 
 /// its components are means of feasible ones.
 unsigned infeasible_octants(const Level& level, size_t brick) {
   if (level.norm == Norm::anisotropic) return 0;
-  const float* p[3];
-  LowFace low[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    p[axis] = level.p.brick(brick, axis);
-    low[axis] = low_face(level, brick, axis);
-  }
+  std::array<std::array<double, octant_volume>, 8> bound{};
+  for_each_flux(level, brick, [&](const auto& flux) {
+    for (int k = 0; k < 8; ++k)
+      flux.for_each_row(octant_of(k), [&](int y, int z, const auto& here, const auto& below) {
+        double* sum = bound[static_cast<size_t>(k)].data() + octant_offset(0, y, z);
+        for (size_t x = 0; x < here.size(); ++x) {
+          const double upper = here[x], lower = below[x];
+          sum[x] += std::max(lower * lower, upper * upper);
+        }
+      });
+  });
   const double lambda_squared = static_cast<double>(level.lambda) * level.lambda;
   unsigned octants = 0;
-  for (int z = 0; z < brick_side; ++z)
-    for (int y = 0; y < brick_side; ++y)
-      for (int x = 0; x < brick_side; ++x) {
-        const int i = brick_offset(x, y, z);
-        const double below[3] = {x > 0 ? p[0][i - 1] : low[0].at(y, z), y > 0 ? p[1][i - brick_side] : low[1].at(x, z),
-                                 z > 0 ? p[2][i - brick_area] : low[2].at(x, y)};
-        double bound = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-          const double here = p[axis][i];
-          bound += std::max(below[axis] * below[axis], here * here);
-        }
-        if (bound > lambda_squared) octants |= octant_bit(x, y, z);
-      }
+  for (size_t k = 0; k < bound.size(); ++k)
+    if (std::any_of(bound[k].begin(), bound[k].end(), [&](double sum) { return sum > lambda_squared; }))
+      octants |= 1u << k;
   return octants;
 }
 
@@ -94,11 +87,11 @@ BrickMask widened(const BrickMask& band, const Level& coarse) {
   return wide;
 }
 
-BrickMask interface_children(const Level& coarse, const InsideBits& inside, Vec3i fine_bricks,
+BrickMask interface_children(const Level& coarse, const std::vector<BrickBits>& interface, Vec3i fine_bricks,
                              const Parallel& parallel) {
   BrickMask mask(fine_bricks);
   parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
-    unsigned octants = octants_of(inside.interface(b));
+    unsigned octants = octants_of(interface[b]);
     if (octants != all_octants) octants |= infeasible_octants(coarse, b);
     for (int k = 0; k < 8; ++k)
       if (octants >> k & 1u) mask.set_shared(child_of(coarse.grid.coord(b), k));
@@ -106,16 +99,21 @@ BrickMask interface_children(const Level& coarse, const InsideBits& inside, Vec3
   return coarse.box.level > 1 ? widened(mask, coarse) : mask;
 }
 
+/// Of each brick.
+std::vector<BrickBits> interfaces(const Level& level, const Parallel& parallel) {
+  return InsideBits(level, 0.5f, parallel).interfaces(parallel);
+}
+
 }  // namespace
 
 BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel) {
-  return interface_children(coarse, InsideBits(coarse, 0.5f, parallel), fine_bricks, parallel);
+  return interface_children(coarse, interfaces(coarse, parallel), fine_bricks, parallel);
 }
 
 BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
                       const Parallel& parallel) {
-  const InsideBits inside(coarse, 0.5f, parallel);
-  BrickMask band = interface_children(coarse, inside, box.bricks, parallel);
+  const std::vector<BrickBits> interface = interfaces(coarse, parallel);
+  BrickMask band = interface_children(coarse, interface, box.bricks, parallel);
   if (box.level > 0) {
     for (size_t b = 0; b < support.grid.size(); ++b) band.set(support.grid.coord(b));
     return band;
@@ -127,7 +125,7 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
     const auto parent = static_cast<size_t>(coarse.grid.find(parent_of(c)));
     gap[b] = outside_child(coarse, parent, octant_in_parent(c), support).gap;
   });
-  const BrickMask beside = beside_interface(coarse, inside, box.bricks, parallel);
+  const BrickMask beside = beside_interface(coarse, interface, box.bricks, parallel);
   std::vector<size_t> candidates;
   for (size_t b = 0; b < gap.size(); ++b) {
     const Vec3i c = support.grid.coord(b);

@@ -13,24 +13,21 @@ bool inside_child(const Level& coarse, size_t brick, Vec3i octant) {
 namespace {
 
 /// Minus the divergence of the fluxes at the coarse vertices of an octant, x fastest; 0 at fixed ones.
-std::array<double, 64> fluxes_in(const Level& coarse, size_t brick, Vec3i octant) {
-  const Vec3i base = octant_base(octant), end = base + Vec3i{half_brick, half_brick, half_brick};
-  std::array<double, 64> sums{};
+std::array<double, octant_volume> fluxes_in(const Level& coarse, size_t brick, Vec3i octant) {
+  std::array<double, octant_volume> sums{};
   for_each_flux(coarse, brick, [&](const auto& flux) {
-    double* sum = sums.data();
-    for (int z = base.z; z < end.z; ++z)
-      for (int y = base.y; y < end.y; ++y) {
-        const auto here = flux.row(base.x, y, z), below = flux.row_below(base.x, y, z);
-        for (size_t x = 0; x < here.size(); ++x) *sum++ += double{below[x]} - here[x];
-      }
+    flux.for_each_row(octant, [&](int y, int z, const auto& here, const auto& below) {
+      double* sum = sums.data() + octant_offset(0, y, z);
+      for (size_t x = 0; x < here.size(); ++x) sum[x] += double{below[x]} - here[x];
+    });
   });
   const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));
   if (range.whole()) return sums;
-  double* sum = sums.data();
-  for (int z = base.z; z < end.z; ++z)
-    for (int y = base.y; y < end.y; ++y)
-      for (int x = base.x; x < end.x; ++x, ++sum)
-        if (!range.contains(x, y, z)) *sum = 0;
+  const Vec3i base = octant_base(octant);
+  for (int z = 0; z < half_brick; ++z)
+    for (int y = 0; y < half_brick; ++y)
+      for (int x = 0; x < half_brick; ++x)
+        if (!range.contains(base.x + x, base.y + y, base.z + z)) sums[static_cast<size_t>(octant_offset(x, y, z))] = 0;
   return sums;
 }
 
@@ -39,7 +36,7 @@ std::array<double, 64> fluxes_in(const Level& coarse, size_t brick, Vec3i octant
 /// Each fine vertex has an eighth of the coarse divergence. (Where a coarse vertex is free but some of its children are
 /// fixed, this counts terms <= 0 too many: the bound stays a bound.)
 Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const SupportField& support) {
-  const std::array<double, 64> in = fluxes_in(coarse, brick, octant);
+  const std::array<double, octant_volume> in = fluxes_in(coarse, brick, octant);
   const double u = inside_child(coarse, brick, octant) ? 1 : 0;
   Outside sum;
   const auto add = [&](double r) {
@@ -58,7 +55,7 @@ Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const Sup
         const double gain = f[brick_offset(x, y, z)];
         sum.data += gain * u;
         sum.gain += std::max(0.0, gain);
-        add(in[static_cast<size_t>(x / 2 + 4 * (y / 2) + 16 * (z / 2))] / 8 - gain);
+        add(in[static_cast<size_t>(octant_offset(x / 2, y / 2, z / 2))] / 8 - gain);
       }
   return sum;
 }

@@ -26,21 +26,29 @@ struct CoarseFlux {
   /// Of the vertex below that one along the axis.
   float below(int X, int Y, int Z) const { return at(X - (axis == 0), Y - (axis == 1), Z - (axis == 2)); }
 
-  /// An octant's row: of four vertices along x, from (X, Y, Z) on.
+  /// Of four vertices along x: an octant's row.
   using Row = std::array<float, half_brick>;
-  Row row(int X, int Y, int Z) const { return row_from(own + brick_offset(X, Y, Z)); }
-  /// And below them.
-  Row row_below(int X, int Y, int Z) const {
-    const float* const here = own + brick_offset(X, Y, Z);
-    if constexpr (axis == 0) return {X > 0 ? here[-1] : low.at(Y, Z), here[0], here[1], here[2]};
-    if constexpr (axis == 1) return row_from(Y > 0 ? here - brick_stride[1] : low.row(Z) + X);
-    return row_from(Z > 0 ? here - brick_stride[2] : low.row(Y) + X);
+  /// visit(y, z, row, the row below it along the axis) for an octant's rows; y and z from its first vertex on.
+  template <class Visit>
+  void for_each_row(Vec3i octant, Visit&& visit) const {
+    const Vec3i base = octant_base(octant);
+    for (int z = 0; z < half_brick; ++z)
+      for (int y = 0; y < half_brick; ++y) {
+        const Vec3i first = base + Vec3i{0, y, z};
+        visit(y, z, row_from(own + brick_offset(first.x, first.y, first.z)), row_below(first.x, first.y, first.z));
+      }
   }
 
   const float* own;
   LowFace low;
 
  private:
+  Row row_below(int X, int Y, int Z) const {
+    const float* const here = own + brick_offset(X, Y, Z);
+    if constexpr (axis == 0) return {X > 0 ? here[-1] : low.at(Y, Z), here[0], here[1], here[2]};
+    if constexpr (axis == 1) return row_from(Y > 0 ? here - brick_stride[1] : low.row(Z) + X);
+    return row_from(Z > 0 ? here - brick_stride[2] : low.row(Y) + X);
+  }
   static Row row_from(const float* values) { return {values[0], values[1], values[2], values[3]}; }
 };
 

@@ -36,24 +36,20 @@ void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
 /// A coarse vertex's upper face is that of its upper children; within its cell lies the mean of its two faces.
 template <int axis>
 void prolong_p(const CoarseFlux<axis>& coarse, Vec3i octant, float* fine) {
-  const Vec3i base = octant_base(octant);
-  for (int z = 0; z < half_brick; ++z)
-    for (int y = 0; y < half_brick; ++y) {
-      const auto upper = coarse.row(base.x, base.y + y, base.z + z);
-      const auto below = coarse.row_below(base.x, base.y + y, base.z + z);
-      std::array<float, brick_side> rows[2];  // of lower and upper children along y or z; along x the first holds both
-      for (size_t x = 0; x < half_brick; ++x) {
-        const float within = face_share * (0.5f * (below[x] + upper[x])), top = face_share * upper[x];
-        rows[0][2 * x] = within;
-        rows[0][2 * x + 1] = axis == 0 ? top : within;
-        rows[1][2 * x] = rows[1][2 * x + 1] = top;
-      }
-      for (int k = 0; k < 4; ++k) {
-        const int upper_y = k & 1, upper_z = k >> 1;
-        const auto& row = rows[axis == 0 ? 0 : axis == 1 ? upper_y : upper_z];
-        std::copy_n(row.data(), brick_side, fine + brick_offset(0, 2 * y + upper_y, 2 * z + upper_z));
-      }
+  coarse.for_each_row(octant, [&](int y, int z, const auto& upper, const auto& below) {
+    std::array<float, brick_side> rows[2];  // of lower and upper children along y or z; along x the first holds both
+    for (size_t x = 0; x < half_brick; ++x) {
+      const float within = face_share * (0.5f * (below[x] + upper[x])), top = face_share * upper[x];
+      rows[0][2 * x] = within;
+      rows[0][2 * x + 1] = axis == 0 ? top : within;
+      rows[1][2 * x] = rows[1][2 * x + 1] = top;
     }
+    for (int k = 0; k < 4; ++k) {
+      const int upper_y = k & 1, upper_z = k >> 1;
+      const auto& row = rows[axis == 0 ? 0 : axis == 1 ? upper_y : upper_z];
+      std::copy_n(row.data(), brick_side, fine + brick_offset(0, 2 * y + upper_y, 2 * z + upper_z));
+    }
+  });
 }
 
 /// The flux through the low faces of the fine brick in `octant`: a matching coarse face, so an exact quarter of it.

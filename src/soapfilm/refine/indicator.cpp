@@ -16,13 +16,6 @@ namespace {
 /// The smoothing's reach and one more for the cells that end in the next brick.
 constexpr int surface_margin = smoothing_reach + 1;
 
-/// Whether the first vertex of each brick of the domain is inside: all that matters where a brick is constant.
-BrickMask inside_bricks(const Level& level, float threshold) {
-  BrickMask inside = level.inside;
-  for (size_t b = 0; b < level.grid.size(); ++b) inside.set(level.grid.coord(b), level.u.brick(b)[0] > threshold);
-  return inside;
-}
-
 /// The first and the last set bit of a byte that is not 0.
 std::pair<int, int> ends_of(uint64_t byte) { return {std::countr_zero(byte), 63 - std::countl_zero(byte)}; }
 
@@ -115,7 +108,11 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Paral
   });
 
   SurfaceField field;
-  field.inside = inside_bricks(level, threshold);
+  field.inside = level.inside;
+  for (size_t b = 0; b < level.grid.size(); ++b) {  // a first vertex tells of a constant brick all that matters
+    const Vec3i brick = level.grid.coord(b);
+    field.inside.set(brick, bits.of(static_cast<int32_t>(b), brick).test(0, 0, 0));
+  }
   field.grid = BrickGrid(mask, parallel);
   field.value = Field<float>(field.grid);
   parallel.for_each(field.grid.size(), 64, [&](size_t b) {
@@ -138,13 +135,10 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Paral
 SurfaceField binary_indicator(const Level& level, float threshold, const Parallel& parallel) {
   SurfaceField field = smoothed_indicator(level, threshold, parallel);
   parallel.for_each(field.grid.size(), 64, [&](size_t b) {
-    const Vec3i coord = field.grid.coord(b);
-    const int32_t n = level.grid.find(coord);
+    const Vec3i brick = field.grid.coord(b);
     float* value = field.value.brick(b);
-    for (int i = 0; i < brick_volume; ++i) {
-      const float u = n >= 0 ? level.u.brick(static_cast<size_t>(n))[i] : level.missing_u(n, coord);
-      value[i] = u > threshold ? 1.0f : 0.0f;
-    }
+    std::fill_n(value, brick_volume, 0.0f);
+    inside_of(level, threshold, level.grid.find(brick), brick).for_each([&](int i) { value[i] = 1; });
   });
   return field;
 }
@@ -186,10 +180,8 @@ double mean_at_samples(const SurfaceField& field, const GridSamples& samples, co
 
 size_t count_inside(const Level& level, float threshold, const Parallel& parallel) {
   std::vector<size_t> counts(level.grid.size());
-  parallel.for_each(counts.size(), 256, [&](size_t b) {
-    const float* u = level.u.brick(b);
-    counts[b] = static_cast<size_t>(std::count_if(u, u + brick_volume, [&](float v) { return v > threshold; }));
-  });
+  parallel.for_each(counts.size(), 256,
+                    [&](size_t b) { counts[b] = BrickBits::above(level.u.brick(b), threshold).count(); });
   size_t total = 0;
   for (const size_t count : counts) total += count;
   level.inside.for_each([&](Vec3i b) {

@@ -244,7 +244,7 @@ double Multilevel::apply(const std::function<void(int)>& complete, const RowArra
     return solve_coarsest(work, work_, z, &r, parallel);
   }
   const auto restricted = [this](const RowArray& b) {
-    return Apart{[this, &b](int layer) { restrict_layer(0, b, layer); }};
+    return Apart{[this, &b](int layer) { restrict_residual(0, b, layer); }};
   };
   clear(coarse_.front().b, parallel);
   layer_by_layer(layers, parallel, complete, restricted(r));
@@ -262,7 +262,7 @@ CycleJob Multilevel::job(size_t level, const RowArray& b) const {
   return job;
 }
 
-void Multilevel::restrict_layer(size_t level, const RowArray& b, int layer) {
+void Multilevel::restrict_residual(size_t level, const RowArray& b, int layer) {
   Coarse& c = coarse_[level];
   c.coarse.restrict_residual(layer, band(level), job(level, b), c.b);
 }
@@ -271,7 +271,7 @@ double Multilevel::solve(size_t level, const RowArray& b, RowArray& work, RowArr
                          const Parallel& parallel) {
   if (level == coarse_.size()) return solve_coarsest(b, work, x, weight, parallel);
   clear(coarse_[level].b, parallel);
-  for_layers_apart(layers_of(band(level)), parallel, [&](int layer) { restrict_layer(level, b, layer); });
+  for_layers_apart(layers_of(band(level)), parallel, [&](int layer) { restrict_residual(level, b, layer); });
   return correct(level, b, work, x, weight, parallel);
 }
 

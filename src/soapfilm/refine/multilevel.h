@@ -74,7 +74,7 @@ class Multilevel {
   void set_inverse(size_t level, const RowArray& weights, float reaction, const Parallel& parallel);
   CycleJob job(size_t level, const RowArray& b) const;
   /// Adds to the next coarser level's right side what one Jacobi step from zero leaves of b in a layer of bricks.
-  void restrict_layer(size_t level, const RowArray& b, int layer);
+  void restrict_residual(size_t level, const RowArray& b, int layer);
   /// A V-cycle: x is about K^-1 b; returns <weight, x>, 0 without one.
   double solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
                const Parallel& parallel);

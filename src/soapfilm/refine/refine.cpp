@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "soapfilm/core/error.h"
-#include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/refine/coarser.h"
 #include "soapfilm/refine/prolong_distance.h"
 #include "soapfilm/refine/start.h"
 #include "soapfilm/refine/topology.h"
+#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -25,12 +25,8 @@ constexpr float held_distance = 0.05f;  // voxels, of vertices whose sign must n
 SignBits make_signs(const Level& level, float threshold, const Start& start, const Parallel& parallel) {
   SignBits signs(start.grid, start.inside);
   parallel.for_each(start.grid.size(), 64, [&](size_t b) {
-    const int32_t n = level.grid.find(start.grid.coord(b));
-    const float* u = n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr;
-    const float constant = u ? 0 : level.missing_u(n, start.grid.coord(b));
-    const BrickBits inside = u                      ? BrickBits::above(u, threshold)
-                             : constant > threshold ? BrickBits::full()
-                                                    : BrickBits();
+    const Vec3i brick = start.grid.coord(b);
+    const BrickBits inside = inside_of(level, threshold, level.grid.find(brick), brick);
     for (int z = 0; z < brick_side; ++z)
       for (int y = 0; y < brick_side; ++y) signs.row(b, y, z) = inside.row(y, z);
   });

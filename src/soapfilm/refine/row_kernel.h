@@ -150,8 +150,8 @@ struct RowKernel {
   void (*restrict_residual)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse);
   /// out = x + inverse (b - K x).
   double (*smooth)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
-  /// Rows of cells one after the other: neighbours share corners. Without `affine` returns <v, what is
-  /// added, or would be>.
+  /// Rows of cells one after the other: neighbours share corners. Without `affine` returns <v, what is added, or
+  /// would be>.
   double (*data_term)(const BandRows& band, const DataJob& job, size_t begin, size_t end);
   /// Adds in the order of the samples; returns how many weigh less than `doubt`.
   size_t (*add_samples)(const SampleJob& job);

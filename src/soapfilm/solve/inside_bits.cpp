@@ -2,15 +2,28 @@
 
 namespace soapfilm {
 
+namespace {
+
+/// Of a brick outside the band.
+const BrickBits& constant_bits(const Level& level, float threshold, int32_t n, Vec3i brick) {
+  static const BrickBits none, all = BrickBits::full();
+  return level.missing_u(n, brick) > threshold ? all : none;
+}
+
+}  // namespace
+
+BrickBits inside_of(const Level& level, float threshold, int32_t n, Vec3i brick) {
+  return n >= 0 ? BrickBits::above(level.u.brick(static_cast<size_t>(n)), threshold)
+                : constant_bits(level, threshold, n, brick);
+}
+
 InsideBits::InsideBits(const Level& level, float threshold, const Parallel& parallel)
     : level_(level), threshold_(threshold), bits_(level.grid.size()) {
   parallel.for_each(bits_.size(), 64, [&](size_t b) { bits_[b] = BrickBits::above(level.u.brick(b), threshold); });
 }
 
 const BrickBits& InsideBits::of(int32_t n, Vec3i brick) const {
-  static const BrickBits none, all = BrickBits::full();
-  if (n >= 0) return bits_[static_cast<size_t>(n)];
-  return level_.missing_u(n, brick) > threshold_ ? all : none;
+  return n >= 0 ? bits_[static_cast<size_t>(n)] : constant_bits(level_, threshold_, n, brick);
 }
 
 BrickBits InsideBits::interface(size_t b) const {
@@ -24,6 +37,12 @@ BrickBits InsideBits::interface(size_t b) const {
       const BrickBits next = moved(own, axis, step) | carried(beside, axis, step);
       found |= own ^ next;
     }
+  return found;
+}
+
+std::vector<BrickBits> InsideBits::interfaces(const Parallel& parallel) const {
+  std::vector<BrickBits> found(bits_.size());
+  parallel.for_each(found.size(), 64, [&](size_t b) { found[b] = interface(b); });
   return found;
 }
 

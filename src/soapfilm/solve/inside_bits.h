@@ -8,15 +8,19 @@
 
 namespace soapfilm {
 
+/// u > threshold in one brick of the domain, given as BrickGrid::find gives it.
+BrickBits inside_of(const Level& level, float threshold, int32_t n, Vec3i brick);
+
 /// u > threshold in the level's bricks and in the constant ones of its domain. The level must outlive it.
 class InsideBits {
  public:
   InsideBits(const Level& level, float threshold, const Parallel& parallel);
 
-  /// Of a brick of the domain, given as BrickGrid::find gives it.
+  /// As inside_of().
   const BrickBits& of(int32_t n, Vec3i brick) const;
   /// The vertices of brick b of the level with one of their six neighbours on the other side.
   BrickBits interface(size_t b) const;
+  std::vector<BrickBits> interfaces(const Parallel& parallel) const;  ///< of all bricks
 
  private:
   const Level& level_;
