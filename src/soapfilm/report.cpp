@@ -32,8 +32,9 @@ ordered_json grid_json(const ReconstructReport& report) {
   const Lattice& lattice = report.lattice;
   ordered_json levels = ordered_json::array();
   for (const LevelReport& l : report.levels) {
-    const double lambda = report.certificate.lambda * static_cast<double>(size_t{1} << (2 * l.level));
+    const double lambda = l.lambda_share * report.certificate.lambda * static_cast<double>(size_t{1} << (2 * l.level));
     levels.push_back({{"level", l.level},
+                      {"lambda_share", l.lambda_share},
                       {"active_vertices", l.active_vertices},
                       {"iterations", l.iterations},
                       {"tolerance", l.tolerance},

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "soapfilm/pyramid/prolong.h"
@@ -102,6 +104,38 @@ TEST(CoarseToFine, ReportsEveryLevelCoarsestFirst) {
     EXPECT_LE(report.energies.relative_gap_band(lambda), report.tolerance);
   }
   EXPECT_EQ(solution.reports.back().active_vertices, solution.finest.grid.vertices());
+}
+
+/// Levels whose data does not pay for the surface take less of lambda: they tell the first one that does where to
+/// start, and change nothing else.
+TEST(CoarseToFine, LevelsThatDoNotPayTellWhereToStart) {
+  constexpr double lambda = 0.02, tolerance = 1e-4;
+  const PointCloud cloud = sampled("knot", 128, 1);
+  const auto solved = [&](int levels) {
+    return solve(make_problem(cloud, place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), 128, 6), 6, levels)),
+                 lambda, tolerance);
+  };
+  const PyramidSolution guided = solved(6);
+  const auto takes_all = [](const LevelReport& report) { return report.lambda_share == 1; };
+  const auto start = std::find_if(guided.reports.begin(), guided.reports.end(), takes_all);
+  ASSERT_NE(start, guided.reports.begin());
+  ASSERT_NE(start, guided.reports.end());
+  EXPECT_TRUE(std::all_of(start, guided.reports.end(), takes_all));
+  for (auto report = guided.reports.begin(); report != start; ++report) {
+    EXPECT_GT(report->lambda_share, 0);
+    EXPECT_LT(report->lambda_share, (report + 1)->lambda_share) << "the coarser, the less";
+    EXPECT_LE(report->energies.relative_gap_band(lambda * report->lambda_share * std::pow(4, report->level)),
+              report->tolerance);
+  }
+
+  const PyramidSolution alone = solved(start->level + 1);
+  ASSERT_EQ(alone.reports.front().level, start->level);
+  EXPECT_LT(start->iterations, 0.9 * alone.reports.front().iterations);
+  for (const LevelReport* report : {&*start, &guided.reports.back()}) {
+    const LevelReport& same = alone.reports[alone.reports.size() - 1 - static_cast<size_t>(report->level)];
+    EXPECT_NEAR(report->energies.primal, same.energies.primal, 2 * report->tolerance * std::abs(same.energies.dual))
+        << "level " << report->level;
+  }
 }
 
 TEST(CoarseToFine, ShowsItsObserverEveryLevelAndEveryEvaluation) {

@@ -36,13 +36,10 @@ double tolerance_of(int level, int coarsest, double tolerance) {
 /// fixed there, so less may go: at level 1 half of that, at the finest, 0, nothing.
 float flux_kept(int level) { return level == 1 ? 0.9f : 0.8f; }
 
-/// The whole box, without a band: where the pyramid starts.
-Level whole_level(const LevelBox& box, const SupportField& support, double lambda, Norm norm,
-                  const Parallel& parallel) {
+BrickMask whole_box(const LevelBox& box) {
   BrickMask everywhere(box.bricks);
   everywhere.fill(true);
-  const auto scale = static_cast<double>(size_t{1} << (2 * box.level));
-  return make_level(box, static_cast<float>(lambda * scale), everywhere, support.grid, support.f, parallel, norm);
+  return everywhere;
 }
 
 /// An upper bound of what any surface can gain from a level's data: the sum of its positive part.
@@ -53,17 +50,26 @@ double largest_gain(const SupportField& support) {
   return sum;
 }
 
-/// The coarsest level whose data still pays for the surface's area. f is a dipole some six fine voxels wide; in cells
-/// wider than that its two sides cancel, and a level that sees no surface would leave the finer ones a band without an
-/// inside. The area follows from the bricks that the samples reach: a surface reaches one per 20 voxel^2.
-int start_level(const Lattice& lattice, const std::vector<const SupportField*>& data, double lambda, Norm norm) {
+/// How much of lambda each level takes, the finest first, as far as the pyramid goes up. A level takes all of it whose
+/// data pays for the surface's area: f is a dipole some six fine voxels wide; in cells wider than that its two sides
+/// cancel, and a level that sees no surface would leave the finer ones a band without an inside. The area follows from
+/// the bricks that the samples reach: a surface reaches one per 20 voxel^2. Coarser levels take what their data pays
+/// for, while that is something: they tell roughly where the inside is, which from zero takes an iteration for every
+/// third of a vertex.
+std::vector<double> lambda_shares(const std::vector<const SupportField*>& data, double lambda, Norm norm) {
   constexpr double area_per_brick = 20;
   constexpr double gain_per_cost = 1.5;
-  constexpr int paper_start = 2;  // section 4.3: a three-level pyramid
+  constexpr double least_share = 0.25;
+  constexpr size_t paper_levels = 3;  // section 4.3
   const double cost = lambda * mean_area(norm) * area_per_brick * static_cast<double>(data[0]->grid.size());
-  int level = lattice.levels - 1;
-  while (level > paper_start && largest_gain(*data[static_cast<size_t>(level)]) < gain_per_cost * cost) --level;
-  return level;
+  std::vector<double> shares(data.size(), 1.0);
+  for (size_t l = data.size(); l-- > paper_levels;) {
+    shares[l] = std::min(1.0, largest_gain(*data[l]) / (gain_per_cost * cost));
+    if (shares[l] == 1) break;
+  }
+  const auto end = std::find_if(shares.begin(), shares.end(), [](double share) { return share < least_share; });
+  shares.erase(end, shares.end());
+  return shares;
 }
 
 /// The way down from the coarsest level.
@@ -88,16 +94,19 @@ class Descent {
       coarser.push_back(restrict_field(l == 1 ? support_ : coarser.back(), lattice_.box(l), parallel_));
     std::vector<const SupportField*> data = {&support_};
     for (const SupportField& field : coarser) data.push_back(&field);
-    start_ = start_level(lattice_, data, lambda_, norm_);
+    const std::vector<double> shares = lambda_shares(data, lambda_, norm_);
+    coarsest_ = static_cast<int>(shares.size()) - 1;
+    start_ = static_cast<int>(std::count(shares.begin(), shares.end(), 1.0)) - 1;
 
     PyramidSolution solution;
     Level& level = solution.finest;
-    for (int l = start_; l >= last; --l) {
+    for (int l = coarsest_; l >= last; --l) {
       const SupportField& field = *data[static_cast<size_t>(l)];
       LevelReport report;
       report.level = l;
-      if (l == start_) {
-        level = whole_level(lattice_.box(l), field, lambda_, norm_, parallel_);
+      report.lambda_share = shares[static_cast<size_t>(l)];
+      if (l >= start_) {
+        level = on_whole_box(std::move(level), field, report);
         solve(level, report);
       } else {
         coarser.erase(coarser.begin() + l, coarser.end());  // its work is done: nobody reads coarse.data() from here
@@ -112,6 +121,18 @@ class Descent {
   }
 
  private:
+  /// A level without a band, from what the coarser one found with less of lambda, where there is one.
+  Level on_whole_box(Level coarse, const SupportField& field, const LevelReport& report) const {
+    const LevelBox box = lattice_.box(report.level);
+    const auto scale = static_cast<double>(size_t{1} << (2 * box.level));
+    const auto lambda = static_cast<float>(lambda_ * report.lambda_share * scale);
+    if (report.level == coarsest_)
+      return make_level(box, lambda, whole_box(box), field.grid, field.f, parallel_, norm_);
+    Level level = prolong_level(coarse, box, whole_box(box), field, parallel_);
+    level.lambda = lambda;
+    return level;
+  }
+
   /// The level below `coarse`, on a band that grows until its interface stays within.
   Level solve_on_band(Level coarse, const SupportField& field, double allowed, LevelReport& report) {
     const LevelBox box = lattice_.box(report.level);
@@ -139,13 +160,15 @@ class Descent {
 
   void solve(Level& level, LevelReport& report) const {
     PrimalDualParams params = params_;
-    report.tolerance = params.tolerance = tolerance_of(report.level, start_, params_.tolerance);
+    constexpr double rough = 1e-3;  // where a start is all that is wanted
+    report.tolerance = params.tolerance =
+        report.level > start_ ? rough : tolerance_of(report.level, start_, params_.tolerance);
     PrimalDualRun run;
     // Flux that has faded (flux_kept()) has yet to settle: the finest level alone keeps it all.
     run.late = report.level == 0 && start_ > 0;
     run.checked = [&](int iterations, double gap) {
       progress_.advance(
-          1.0 - static_cast<double>(report.level) / (start_ + 1),
+          1.0 - static_cast<double>(report.level) / (coarsest_ + 1),
           fmt::format("level {}, {} iterations, gap {:.1e}", report.level, report.iterations + iterations, gap));
     };
     if (observe_.evaluated)
@@ -166,7 +189,8 @@ class Descent {
   Progress& progress_;
   Norm norm_;
   PyramidObserver observe_;
-  int start_ = 0;
+  int coarsest_ = 0;
+  int start_ = 0;  ///< the coarsest level that takes all of lambda: the last one without a band
 };
 
 }  // namespace

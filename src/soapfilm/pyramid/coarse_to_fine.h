@@ -1,5 +1,6 @@
 // Section 4.3: the problem solved from the coarsest level to the finest, each on a thin band around what the coarser
-// one found, with a certificate for the whole domain.
+// one found, with a certificate for the whole domain. Above them, on levels too coarse to pay for the surface's area,
+// an easier problem tells the first one where to start.
 #pragma once
 
 #include <functional>
@@ -15,9 +16,11 @@ namespace soapfilm {
 
 struct LevelReport {
   int level = 0;
+  double lambda_share = 1;  ///< of lambda that it took; below 1 it only told the next finer level where to start
   size_t active_vertices = 0;
   int iterations = 0;
-  double tolerance = 0;  ///< that it was solved to: twice that of the finest at level 1, at most 3e-4 at coarser ones
+  double tolerance = 0;  ///< that it was solved to: twice that of the finest at level 1, at most 3e-4 at coarser ones,
+                         ///< 1e-3 where it took less than lambda
   int band_growths = 0;
   bool converged = false;
   Energies energies;  ///< of the relaxed u, whole domain
