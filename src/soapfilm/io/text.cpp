@@ -86,14 +86,6 @@ bool TextCursor::next_content_line(std::string_view& line) {
   return false;
 }
 
-void TextCursor::skip_blanks() {
-  if (next_line_ != 0) {  // next_line() has passed a line's end that it counts only when the next line begins
-    line_ = next_line_;
-    next_line_ = 0;
-  }
-  for (; at_ != end_ && is_blank(*at_); ++at_) line_ += *at_ == '\n';
-}
-
 std::string_view TextCursor::token() {
   skip_blanks();
   const char* begin = at_;

@@ -44,7 +44,7 @@ void Displacement::stiffen() {
 }
 
 void Displacement::yield_to_bends(double medians) {
-  constexpr size_t stride = 7;  // a seventh of the vertices tells the median, at every x
+  constexpr size_t stride = 7;  // a seventh of the rows tells the median
   constexpr float near = 0.5f,
                   reach = 1;      // voxels from the surface: up to where phi counts in full; a half so far beyond
   constexpr float follow = 0.6f;  // of the mean around that the target takes
@@ -59,11 +59,12 @@ void Displacement::yield_to_bends(double medians) {
     kernel.saddles(rows, {phi_.data(), weight.data(), product.data()}, begin, end);
   };
   if (!multilevel_.local_mean(find_bends, product, weight, weight, 1, mean, parallel_)) return;
-  auto squares = gather<float>((mean.size() + stride - 1) / stride, rows_per_task, parallel_,
+  auto squares = gather<float>((band_.rows() + stride - 1) / stride, rows_per_task, parallel_,
                                [&](size_t k, std::vector<float>& found) {
-                                 const size_t i = stride * k;
-                                 if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach)
-                                   found.push_back(mean.data()[i]);
+                                 const size_t first = (1 + stride * k) * brick_side;
+                                 for (size_t i = first; i < first + brick_side; ++i)
+                                   if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach)
+                                     found.push_back(mean.data()[i]);
                                });
   if (squares.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
