@@ -95,8 +95,7 @@ HeldOut::HeldOut(const Start& start, const GridSamples& samples, const RobustPar
       first_(jets_at_samples(part_.second, samples_, cells_, part_.first, parallel)) {
   for (size_t s = 0; s < samples_.size(); ++s) train_[s] = (samples_.lot[s] & 3) != 0;  // three quarters
   robust_.rounds = 2;
-  robust_.yielding_rounds = 1;
-  robust_.yielding_haste = 1;
+  robust_.yielding_steps = {3, 3, 8};
   robust_.slope_along_directions = robust_.slope;  // a steeper phi looks farther from the samples than it is
   robust_.solve.tolerance *= 0.5;                  // scores that are compared differ by little
 }

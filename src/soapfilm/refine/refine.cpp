@@ -139,8 +139,8 @@ void validate(const RefineParams& params) {
   require("refine slope", params.robust.slope, 0, 1e3);
   require("refine slope_along_directions", params.robust.slope_along_directions, 0, 1e3);
   require("refine slope_of_curvature", params.robust.slope_of_curvature, 1e-6, 1e3);
-  require("refine yielding_rounds", params.robust.yielding_rounds, 0, 20);
-  require("refine yielding_haste", params.robust.yielding_haste, 1, 10000);
+  require("refine yielding_steps: rounds", static_cast<double>(params.robust.yielding_steps.size()), 1, 20);
+  for (const int steps : params.robust.yielding_steps) require("refine yielding_steps", steps, 1, 10000);
   require("refine yielding_bend", params.robust.yielding_bend, 1e-3, 1e3);
 }
 

@@ -15,7 +15,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
   // Once the scale rests, the samples have been weighed as they will be; bends go on being found.
   const double least_scale = std::max(params.least_scale, params.scale_of_noise * strength.noise);
   const double slope_weight = strength.yield && strength.normals > 0 ? params.slope_along_directions : params.slope;
-  const int rounds = params.rounds + (strength.yield ? params.yielding_rounds : 0);
+  const int rounds = strength.yield ? static_cast<int>(params.yielding_steps.size()) : params.rounds;
   displacement.drop_target();
   bool last = false;
   for (int round = 0; !last; ++round) {
@@ -31,14 +31,11 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
     fit.down_weighted = cells.doubted;
     // Weights change little from here on.
     if (round == 0 || !strength.yield) displacement.precondition(cells, smoothness);
-    // Weights need no more than a rough surface.
     SolveLimits limits = params.solve;
-    if (strength.yield) {
-      limits.iterations = std::max(1, limits.iterations / params.yielding_haste);
-      if (!last) limits.iterations = std::max(2, limits.iterations / 4);
-    } else if (!last) {
+    if (strength.yield)
+      limits.iterations = params.yielding_steps[static_cast<size_t>(round)];
+    else if (!last)  // weights need no more than a rough surface
       limits.iterations = std::max(1, limits.iterations / (round == 0 ? 4 : 6));
-    }
     fit.iterations += displacement.minimize(cells, smoothness, limits);
   }
   return fit;

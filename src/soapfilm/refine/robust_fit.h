@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "soapfilm/refine/displacement.h"
 #include "soapfilm/refine/robust.h"
@@ -31,13 +32,15 @@ struct RobustParams {
   double slope_along_directions = 8;  ///< instead of `slope` where directions are used and curvature yields, >= 0: what
                                       ///< neighbours that were seen from different sides say of the normal between
   double slope_of_curvature = 0.02;   ///< beta / sqrt(gamma), > 0: gamma scales as length^4, beta as length^2
-  int rounds = 3;  ///< of weighing and solving, at most, [1, 20]; the second or a later one is the last where the scale
-                   ///< has come down to the noise and curvature does not yield
-  int yielding_rounds = 2;     ///< so many more where curvature yields, >= 0
-  int yielding_haste = 3;      ///< and each takes the iterations over this: they go on from one another, > 0
-  double yielding_bend = 1.2;  ///< what it yields to, in medians of the surface's bends, > 0
-  SolveLimits solve;           ///< of the last round; the first takes a quarter of the iterations, others a sixth, or a
-                               ///< quarter where curvature yields
+  int rounds = 3;  ///< of weighing and solving where curvature does not yield, at most, [1, 20]; the second or a later
+                   ///< one is the last where the scale has come down to the noise
+  std::vector<int> yielding_steps = {2, 3, 2, 4};  ///< where curvature yields: at most so many iterations in each round
+                                                   ///< of weighing, yielding and solving, >= 1; they go on from one
+                                                   ///< another. Fewer in the first leave smooth faces rough, in the
+                                                   ///< last ones thin parts
+  double yielding_bend = 1.2;                      ///< what it yields to, in medians of the surface's bends, > 0
+  SolveLimits solve;  ///< of the last round; the first takes a quarter of the iterations, others a sixth; where
+                      ///< curvature yields its tolerance alone counts
 };
 
 struct RobustFit {
