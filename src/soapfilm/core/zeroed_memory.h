@@ -26,7 +26,7 @@ size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end);
 void take_pages(void* begin, size_t bytes);
 
 /// Of smaller arrays the ends that fill no large page would cost more memory than keeping their pages saves time.
-inline constexpr size_t least_kept_bytes = size_t{32} << 20;
+inline constexpr size_t least_kept_bytes = size_t{12} << 20;
 
 /// While one lives, anywhere in the process, pages of arrays of `least_kept_bytes` and more that are freed, and of any
 /// that are given back early, do not go back to the system but serve the next large arrays, and whatever takes pages: a
