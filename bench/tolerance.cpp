@@ -3,7 +3,8 @@
 //   tolerance FILE [RESOLUTION [LAMBDA_PER_DENSITY]]
 //
 // Solves once to 1e-6 (at most 600 iterations a level), then to each tolerance, and counts the vertices of the band
-// whose side differs; the next level is solved to twice the tolerance, coarser ones to 3e-4 or better all the same.
+// whose side differs; the next level is solved to twice the tolerance, coarser ones to 3e-4 or better all the
+// same, 1e-3 where they only tell where to start.
 // Prints a Markdown table.
 #include <fmt/core.h>
 

@@ -143,6 +143,8 @@ TEST(Refusals, RangeGridsAndScans) {
                         {"range_grid", "4 cells", "= 6"});
   expect_points_refused("g.ply", file(grid, "0\n1 0\n1 2\n0\n"), {"g.ply:16:", "range_grid 2", "index = 2", "0 to 1"});
   expect_points_refused("g.ply", file(grid, "0\n2 0 1\n0\n0\n"), {"g.ply:15:", "2 samples in a cell"});
+  expect_points_refused("g.ply", file(grid, "0\r\n0 \r\n1 2\r\n0\r\n"), {"g.ply:16:", "range_grid 2", "index = 2"});
+  expect_points_refused("g.ply", file(grid, "0\n0\n0x1\n0\n"), {"g.ply:16:", "'0x1'"});
   expect_points_refused("g.ply", file("obj_info scan_samples 3\n", "0\n0\n0\n0\n"), {"g.ply:3:", "= 3", "at most 2"});
   expect_points_refused("g.ply", file("obj_info scan_samples 1\n", "0\n0\n0\n0\n"), {"add up to 1", "2 samples"});
   expect_points_refused("g.ply", file("obj_info scan_samples x\n", "0\n0\n0\n0\n"), {"g.ply:3:", "'x'", "> 0"});

@@ -309,6 +309,11 @@ TEST(Refine, RefusesParametersOutOfRange) {
   EXPECT_EQ(message({.smoothing = -1.0}), "smoothing = -1, must be in [1e-06, 1e+06]");
   EXPECT_NE(message({.reach = 9}).find("refine reach = 9"), std::string::npos);
   EXPECT_NE(message({.sparse = -1}).find("refine sparse = -1"), std::string::npos);
+  RefineParams hasty;
+  hasty.robust.yielding_steps = {2, 0};
+  EXPECT_EQ(message(hasty), "refine yielding_steps = 0, must be in [1, 10000]");
+  hasty.robust.yielding_steps = {};
+  EXPECT_EQ(message(hasty), "rounds of refine yielding_steps = 0, must be in [1, 20]");
 }
 
 }  // namespace TEST_FILE

@@ -84,7 +84,8 @@ class TextCursor {
     }
     for (; at_ != end_ && is_blank(*at_); ++at_) line_ += *at_ == '\n';
   }
-  /// Passes over the next token where it is "0"; false where it is another.
+  /// Passes over blanks and ends of lines, and over the next token where that is "0" with a blank behind it: false
+  /// where it is anything else, as a last one that ends the file.
   bool take_zero() {
     skip_blanks();
     if (remaining() < 2 || at_[0] != '0' || !is_blank(at_[1])) return false;

@@ -22,18 +22,20 @@ constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that
 /// as near, whether that has this gap or twice as much; what its band leaves out keeps the coarser one's gap. Coarser
 /// ones cost little, and where samples are missing they alone decide: a surface that they leave short of its place over
 /// a hole stays there.
-double tolerance_of(int level, int coarsest, double tolerance) {
+double tolerance_of(int level, int start, double tolerance) {
   constexpr double next_to_finest = 2, coarse_tolerance = 3e-4;
+  constexpr double rough = 1e-3;  // of levels that only tell where to start
+  if (level > start) return rough;
   if (level == 0) return tolerance;
-  return level == 1 && level < coarsest ? next_to_finest * tolerance : std::min(tolerance, coarse_tolerance);
+  return level == 1 && level < start ? next_to_finest * tolerance : std::min(tolerance, coarse_tolerance);
 }
 
-/// How much of the coarser level's flux a level starts from. A level that hardly sees the data sends flux through all
-/// of the interior to spread it, up to |p| = lambda; finer levels need nothing of it. At full size it would stay: no
-/// finer ball holds it, so those bricks would belong to every band, and u sink there while waves of p, a third of a
-/// vertex per iteration, cross from side to side. Each level that takes some off leaves it well inside the ball, and
-/// what an interface needs comes back within a few iterations. Where the band's rim runs close to the interface p is
-/// fixed there, so less may go: at level 1 half of that, at the finest, 0, nothing.
+/// How much of the coarser level's flux a level on a band starts from. A level that hardly sees the data sends flux
+/// through all of the interior to spread it, up to |p| = lambda; finer levels need nothing of it. At full size it would
+/// stay: no finer ball holds it, so those bricks would belong to every band, and u sink there while waves of p, a third
+/// of a vertex per iteration, cross from side to side. Each level that takes some off leaves it well inside the ball,
+/// and what an interface needs comes back within a few iterations. Where the band's rim runs close to the interface p
+/// is fixed there, so less may go: at level 1 half of that, at the finest, 0, nothing.
 float flux_kept(int level) { return level == 1 ? 0.9f : 0.8f; }
 
 BrickMask whole_box(const LevelBox& box) {
@@ -114,7 +116,7 @@ class Descent {
         level = solve_on_band(std::move(level), field, share_left_out * params_.tolerance * scale, report);
       }
       report.active_vertices = level.grid.vertices();
-      if (observe_.solved) observe_.solved(level, lattice_.of_level(l));
+      if (observe_.solved && l <= start_) observe_.solved(level, lattice_.of_level(l));
       solution.reports.push_back(report);
     }
     return solution;
@@ -160,18 +162,16 @@ class Descent {
 
   void solve(Level& level, LevelReport& report) const {
     PrimalDualParams params = params_;
-    constexpr double rough = 1e-3;  // where a start is all that is wanted
-    report.tolerance = params.tolerance =
-        report.level > start_ ? rough : tolerance_of(report.level, start_, params_.tolerance);
+    report.tolerance = params.tolerance = tolerance_of(report.level, start_, params_.tolerance);
     PrimalDualRun run;
-    // Flux that has faded (flux_kept()) has yet to settle: the finest level alone keeps it all.
+    // Flux that has faded (flux_kept()) has yet to settle: of the levels on a band the finest alone keeps it all.
     run.late = report.level == 0 && start_ > 0;
     run.checked = [&](int iterations, double gap) {
       progress_.advance(
           1.0 - static_cast<double>(report.level) / (coarsest_ + 1),
           fmt::format("level {}, {} iterations, gap {:.1e}", report.level, report.iterations + iterations, gap));
     };
-    if (observe_.evaluated)
+    if (observe_.evaluated && report.level <= start_)
       run.evaluated = [&](int iterations, const Energies& e) {
         observe_.evaluated(level, report.iterations + iterations, e);
       };

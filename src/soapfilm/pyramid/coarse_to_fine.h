@@ -31,7 +31,7 @@ struct PyramidSolution {
   std::vector<LevelReport> reports;  ///< coarsest first
 };
 
-/// Called while it works, from the calling thread; either may be empty.
+/// Called while it works, from the calling thread, of levels that take all of lambda; either may be empty.
 struct PyramidObserver {
   /// Each level when it is solved, coarsest first, and where its vertices lie in the world.
   std::function<void(const Level&, const Lattice& of_level)> solved;

@@ -139,7 +139,7 @@ void validate(const RefineParams& params) {
   require("refine slope", params.robust.slope, 0, 1e3);
   require("refine slope_along_directions", params.robust.slope_along_directions, 0, 1e3);
   require("refine slope_of_curvature", params.robust.slope_of_curvature, 1e-6, 1e3);
-  require("refine yielding_steps: rounds", static_cast<double>(params.robust.yielding_steps.size()), 1, 20);
+  require("rounds of refine yielding_steps", static_cast<double>(params.robust.yielding_steps.size()), 1, 20);
   for (const int steps : params.robust.yielding_steps) require("refine yielding_steps", steps, 1, 10000);
   require("refine yielding_bend", params.robust.yielding_bend, 1e-3, 1e3);
 }

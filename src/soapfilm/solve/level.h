@@ -62,7 +62,7 @@ struct Outside {
 /// the band's rim that p is the boundary flux. Lattice units: h = 1 on every level.
 struct Level {
   LevelBox box;
-  float lambda = 0;  ///< 4^level times the finest level's: the area of a face, in fine faces
+  float lambda = 0;  ///< 4^level times the finest level's, the area of a face in fine faces, or a share of that
   Norm norm = Norm::isotropic;
   BrickGrid grid;    ///< the band
   BrickMask inside;  ///< for bricks outside the band: is u = 1 there
