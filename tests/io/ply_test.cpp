@@ -324,8 +324,7 @@ TEST(PlyPoints, StanfordRangeGridIsKept) {
   EXPECT_EQ(cloud.scans[0].range_grid->sample, std::vector<int32_t>({0, 1, -1, -1, 2, 3}));
 
   // However a count of zero is spelled, and whatever follows it.
-  for (const char* cells :
-       {"1 0 0 0 0 1 1 0", "1 0\r\n0\r\n0\r\n0\r\n1 1\r\n0\r\n", "1 0\n-0\n00 +0\n1 1\n0e0\n\n"}) {
+  for (const char* cells : {"1 0 0 0 0 1 1 0", "1 0\r\n0\r\n0\r\n0\r\n1 1\r\n0\r\n", "1 0\n-0\n00 +0\n1 1\n0e0\n\n"}) {
     const PointCloud sparse = read_points(folder.write("sparse.ply", text.substr(0, text.find("1 0 \n")) + cells));
     EXPECT_EQ(sparse.scans.at(0).range_grid->sample, std::vector<int32_t>({0, -1, -1, -1, 1, -1})) << cells;
   }
