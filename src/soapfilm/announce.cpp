@@ -38,8 +38,7 @@ void warn_unconverged(ReconstructReport& report, Progress& progress) {
   for (const LevelReport& level : report.levels)
     if (!level.converged && level.lambda_share == 1) warn_level(level.level, level.iterations, level.tolerance);
   for (const SorLevelReport& level : report.sor)
-    if (!level.converged)
-      warn_level(level.level, level.iterations, report.params.sor.tolerance);
+    if (!level.converged) warn_level(level.level, level.iterations, report.params.sor.tolerance);
   if (report.poisson && !report.poisson->converged)
     warn(fmt::format("poisson: not converged after {} iterations, relative residual {:.2g}", report.poisson->iterations,
                      report.poisson->residual));
