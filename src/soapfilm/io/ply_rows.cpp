@@ -172,10 +172,6 @@ double PlyRows::read_value(const PlyProperty& property, PlyType type) {
 
 void PlyRows::read_list(size_t index) {
   const PlyProperty& property = element_->properties[index];
-  if (text_ && text_->take_zero()) {  // most cells of a range grid
-    lists_[index] = {items_.size(), 0};
-    return;
-  }
   const double count = read_value(property, *property.count_type);
   const double most = text_ ? static_cast<double>(text_->remaining())
                             : static_cast<double>(binary_->remaining() / size_of(property.type));

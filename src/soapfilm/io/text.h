@@ -77,21 +77,7 @@ class TextCursor {
   void release() { source_.release_before(offset()); }
 
   /// Passes over blanks and ends of lines.
-  void skip_blanks() {
-    if (next_line_ != 0) {  // next_line() has passed a line's end that it counts only when the next line begins
-      line_ = next_line_;
-      next_line_ = 0;
-    }
-    for (; at_ != end_ && is_blank(*at_); ++at_) line_ += *at_ == '\n';
-  }
-  /// Passes over blanks and ends of lines, and over the next token where that is "0" with a blank behind it: false
-  /// where it is anything else, as a last one that ends the file.
-  bool take_zero() {
-    skip_blanks();
-    if (remaining() < 2 || at_[0] != '0' || !is_blank(at_[1])) return false;
-    ++at_;
-    return true;
-  }
+  void skip_blanks();
   /// Goes on at `offset`, which is on the given line.
   void jump(size_t offset, size_t line) {
     at_ = source_.bytes().data() + offset;
