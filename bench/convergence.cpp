@@ -65,9 +65,8 @@ int main(int argc, char** argv) {
   }
   {
     Stopwatch watch;
-    BrickMask everywhere(lattice.box(0).bricks);
-    everywhere.fill(true);
-    Level level = make_level(lattice.box(0), static_cast<float>(lambda), everywhere, field.grid, field.f, parallel);
+    Level level = make_level(lattice.box(0), static_cast<float>(lambda), BrickMask::whole(lattice.box(0).bricks),
+                             field.grid, field.f, parallel);
     PrimalDualRun run;
     run.evaluated = [&](int iterations, const Energies& e) {
       print("tv from zero", 0, iterations, watch.seconds(), e.relative_gap(level.lambda));

@@ -38,8 +38,7 @@ struct NoisyLevel {
     const char* wanted = std::getenv("SOAPFILM_BENCH_BRICKS");
     const int side = static_cast<int>(std::cbrt(wanted ? std::stod(wanted) : 32768.0));
     const Vec3i bricks{side, side, side};
-    BrickMask everywhere(bricks);
-    everywhere.fill(true);
+    const BrickMask everywhere = BrickMask::whole(bricks);
     const LevelBox box{0, {1, 1, 1}, bricks * brick_side - Vec3i{2, 2, 2}, bricks};
     support = BrickGrid(everywhere, parallel);
     f = Field<float>(support);

@@ -13,6 +13,8 @@ else
   scans=$out/scans/scans.conf
 fi
 "$programs/bench_tolerance" "$scans" 256 | tee "$out/tolerance.md"
-"$programs/bench_kernels" --benchmark_out="$out/kernels.json" --benchmark_out_format=json
-"$programs/bench_kernels_refine" --benchmark_out="$out/kernels_refine.json" --benchmark_out_format=json
-"$programs/bench_kernels_io" --benchmark_out="$out/kernels_io.json" --benchmark_out_format=json
+# Kernels and the copy beside them take turns; medians, for one run of one of them tells little.
+for kernels in kernels kernels_refine kernels_io; do
+  "$programs/bench_$kernels" --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true \
+    --benchmark_report_aggregates_only=true --benchmark_out="$out/$kernels.json" --benchmark_out_format=json
+done

@@ -108,9 +108,7 @@ TEST(Isosurface, MissingBricksMayBeInside) {
 }
 
 TEST(Isosurface, OneInsideBrickWithoutNeighboursIsClosed) {
-  BrickMask mask({1, 1, 1});
-  mask.fill(true);
-  const Mesh mesh = extract(sample(mask, [](Vec3i) { return 1.f; }), zero_everywhere);
+  const Mesh mesh = extract(sample(BrickMask::whole({1, 1, 1}), [](Vec3i) { return 1.f; }), zero_everywhere);
   const TopologyReport report = check_topology(mesh);
   EXPECT_TRUE(report.watertight()) << summary(report);
   EXPECT_EQ(report.genus(), 0);
@@ -120,8 +118,7 @@ TEST(Isosurface, OneInsideBrickWithoutNeighboursIsClosed) {
 }
 
 TEST(Isosurface, TheSameBytesForAnyNumberOfThreads) {
-  BrickMask mask({8, 8, 8});
-  mask.fill(true);
+  const BrickMask mask = BrickMask::whole({8, 8, 8});
   Random random(3);
   std::vector<float> noise(1 << 18);
   for (float& n : noise) n = static_cast<float>(random.uniform(-0.3, 0.3));
@@ -139,8 +136,7 @@ TEST(Isosurface, TheSameBytesForAnyNumberOfThreads) {
 
 TEST(Isosurface, SmallTrianglesFaceWhereTheSurfaceDoes) {
   // Planes that all but meet a vertex, whose points must keep away from it together.
-  BrickMask mask({2, 2, 2});
-  mask.fill(true);
+  const BrickMask mask = BrickMask::whole({2, 2, 2});
   Random random(5);
   for (int trial = 0; trial < 200; ++trial) {
     Vec3d normal = normalized(Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
@@ -168,8 +164,7 @@ TEST(Isosurface, SmallTrianglesFaceWhereTheSurfaceDoes) {
 /// Where the field is steep somewhere, every crowded vertex asks its neighbours what moves it; else most need not. Far
 /// inside, a steep place draws nothing itself.
 TEST(Isosurface, WhatMovesCrowdedVerticesDoesNotDependOnOtherPlaces) {
-  BrickMask mask({6, 6, 6});
-  mask.fill(true);
+  const BrickMask mask = BrickMask::whole({6, 6, 6});
   for (const double radius : {15.0, 15.0002, 15.4, 16.0}) {
     const Vec3d centre{24, 24, 24};
     Band band = sample(mask, [&](Vec3i v) { return ball(v, centre, radius); });
@@ -183,10 +178,8 @@ TEST(Isosurface, WhatMovesCrowdedVerticesDoesNotDependOnOtherPlaces) {
 }
 
 TEST(Isosurface, VerticesAreInTheWorldFrameAtFullAccuracy) {
-  BrickMask mask({4, 4, 4});
-  mask.fill(true);
   const Vec3d centre{15.2, 16.1, 15.7};
-  const Band band = sample(mask, [&](Vec3i v) { return ball(v, centre, 10); });
+  const Band band = sample(BrickMask::whole({4, 4, 4}), [&](Vec3i v) { return ball(v, centre, 10); });
   Lattice lattice;
   lattice.voxel = 1e-3;
   lattice.first_vertex = {5e6, -5e6, 5e6};
@@ -197,9 +190,7 @@ TEST(Isosurface, VerticesAreInTheWorldFrameAtFullAccuracy) {
 }
 
 TEST(Isosurface, NothingInsideGivesAnEmptyMesh) {
-  BrickMask mask({2, 2, 2});
-  mask.fill(true);
-  const Mesh mesh = extract(sample(mask, [](Vec3i) { return 0.5f; }), zero_everywhere);
+  const Mesh mesh = extract(sample(BrickMask::whole({2, 2, 2}), [](Vec3i) { return 0.5f; }), zero_everywhere);
   EXPECT_TRUE(mesh.vertices.empty());
   EXPECT_TRUE(mesh.triangles.empty());
 }

@@ -99,8 +99,7 @@ INSTANTIATE_TEST_SUITE_P(Known, NoiseOnRandomBricks, testing::Values(0.7, 0.9, 0
                          [](const auto& known) { return "Percent" + std::to_string(std::lround(100 * known.param)); });
 
 TEST(OpenIsosurface, WithEverythingKnownItIsTheClosedOne) {
-  BrickMask mask({4, 4, 4});
-  mask.fill(true);
+  const BrickMask mask = BrickMask::whole({4, 4, 4});
   const auto ball = [](Vec3i v) { return static_cast<float>(10.5 - norm(Vec3d(v) - Vec3d{15.2, 16.1, 15.7})); };
   const Seen seen = sample(mask, ball, [](Vec3i) { return 1.f; });
   const Mesh open = extract(seen);
@@ -112,10 +111,8 @@ TEST(OpenIsosurface, WithEverythingKnownItIsTheClosedOne) {
 }
 
 TEST(OpenIsosurface, EndsWhereNothingIsKnown) {
-  BrickMask mask({3, 3, 1});
-  mask.fill(true);
   const Seen seen = sample(
-      mask, [](Vec3i v) { return static_cast<float>(4 - v.z); },
+      BrickMask::whole({3, 3, 1}), [](Vec3i v) { return static_cast<float>(4 - v.z); },
       [](Vec3i v) { return v.x >= 3 && v.y < 20 ? 1.f : 0.f; });
   const Mesh mesh = extract(seen);
   const Box3d box = mesh.box();
@@ -134,11 +131,9 @@ TEST(OpenIsosurface, CellsThatMeetInAnEdgeOnlyHaveTheirOwnVertices) {
   // Around each edge along one axis, two drawn cells that share no face, both cut at this edge.
   for (int axis = 0; axis < 3; ++axis) {
     for (const int turned : {1, -1}) {
-      BrickMask mask({2, 2, 2});
-      mask.fill(true);
       const Vec3i middle{8, 8, 8};  // on the border of bricks: four of them own what is drawn
       const Seen seen = sample(
-          mask, [&](Vec3i v) { return v[axis] <= middle[axis] ? 1.f : 0.f; },
+          BrickMask::whole({2, 2, 2}), [&](Vec3i v) { return v[axis] <= middle[axis] ? 1.f : 0.f; },
           [&](Vec3i v) {
             const Vec3i d = v - middle;
             const int b = d[(axis + 1) % 3], c = d[(axis + 2) % 3] * turned;
@@ -156,8 +151,7 @@ TEST(OpenIsosurface, CellsThatMeetInAnEdgeOnlyHaveTheirOwnVertices) {
 }
 
 TEST(OpenIsosurface, TheSameBytesForAnyNumberOfThreads) {
-  BrickMask mask({6, 6, 6});
-  mask.fill(true);
+  const BrickMask mask = BrickMask::whole({6, 6, 6});
   Random random(5);
   std::vector<float> noise(48 * 48 * 48);
   for (float& n : noise) n = static_cast<float>(random.uniform());

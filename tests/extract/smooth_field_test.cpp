@@ -16,9 +16,7 @@ struct Sampled {
 /// A function at the vertices of 3^3 bricks.
 template <class Function>
 Sampled sampled(Function&& function) {
-  BrickMask mask({3, 3, 3});
-  mask.fill(true);
-  Sampled result{BrickGrid(mask, Parallel(1)), {}};
+  Sampled result{BrickGrid(BrickMask::whole({3, 3, 3}), Parallel(1)), {}};
   result.value = Field<float>(result.grid);
   for (size_t b = 0; b < result.grid.size(); ++b)
     for (int i = 0; i < brick_volume; ++i)
@@ -80,9 +78,7 @@ TEST(SmoothField, ProjectsOntoASphereNearerThanChordsDo) {
 template <class Shift>
 GridSamples near_plane(Vec3f direction, Shift&& shift) {
   GridSamples samples;
-  BrickMask mask({3, 3, 3});
-  mask.fill(true);
-  samples.bricks = BrickGrid(mask, Parallel(1));
+  samples.bricks = BrickGrid(BrickMask::whole({3, 3, 3}), Parallel(1));
   samples.begin.push_back(0);
   for (size_t b = 0; b < samples.bricks.size(); ++b) {
     if (samples.bricks.coord(b).x == 1)

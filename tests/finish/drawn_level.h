@@ -11,9 +11,8 @@ namespace soapfilm::test {
 template <class Inside>
 Level drawn_level(const LevelBox& box, bool sparse, Inside&& inside) {
   static const Field<float> nothing;
-  BrickMask band(box.bricks), all(box.bricks), full(box.bricks);
-  all.fill(true);
-  all.for_each([&](Vec3i b) {
+  BrickMask band(box.bricks), full(box.bricks);
+  BrickMask::whole(box.bricks).for_each([&](Vec3i b) {
     int count = 0;
     for_each_vertex(b, [&](Vec3i v, int) { count += inside(v); });
     if (!sparse || (count > 0 && count < brick_volume))

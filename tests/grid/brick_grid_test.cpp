@@ -16,9 +16,8 @@ const Parallel one_thread(1);
 
 BrickMask random_mask(Vec3i bricks, double share, uint64_t seed) {
   Random random(seed);
-  BrickMask mask(bricks), all(bricks);
-  all.fill(true);
-  all.for_each([&](Vec3i b) { mask.set(b, random.uniform() < share); });
+  BrickMask mask(bricks);
+  BrickMask::whole(bricks).for_each([&](Vec3i b) { mask.set(b, random.uniform() < share); });
   return mask;
 }
 
@@ -48,8 +47,7 @@ TEST(BrickMask, CountsAndVisitsWhatWasSet) {
   std::vector<Vec3i> seen;
   mask.for_each([&](Vec3i b) { seen.push_back(b); });
   EXPECT_EQ(seen, (std::vector<Vec3i>{{0, 0, 0}, {4, 6, 2}}));
-  mask.fill(true);
-  EXPECT_EQ(mask.count(), 5u * 7 * 3) << "no bits beyond the box";
+  EXPECT_EQ(BrickMask::whole(mask.bricks()).count(), 5u * 7 * 3) << "no bits beyond the box";
   EXPECT_FALSE(mask.contains({5, 0, 0}));
   EXPECT_FALSE(mask.contains({0, -1, 0}));
 }
@@ -93,9 +91,7 @@ TEST(BrickGrid, OrdersBricksLexicographicallyAndFindsThem) {
     const Vec3i last = grid.coord(b - 1), next = grid.coord(b);
     EXPECT_LT(std::make_tuple(last.z, last.y, last.x), std::make_tuple(next.z, next.y, next.x));
   }
-  BrickMask all(mask.bricks());
-  all.fill(true);
-  all.for_each([&](Vec3i b) {
+  BrickMask::whole(mask.bricks()).for_each([&](Vec3i b) {
     const int32_t found = grid.find(b);
     if (mask.test(b))
       EXPECT_EQ(grid.coord(static_cast<size_t>(found)), b);

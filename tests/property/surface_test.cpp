@@ -105,10 +105,9 @@ size_t inside_on_coarsest_level(const ReconstructReport& report, const PointClou
   SupportField data = restrict_field(problem.support, report.lattice.box(1), one_thread);
   for (int l = 2; l < report.lattice.levels; ++l) data = restrict_field(data, report.lattice.box(l), one_thread);
   const LevelBox box = report.lattice.box(report.lattice.levels - 1);
-  BrickMask everywhere(box.bricks);
-  everywhere.fill(true);
   const double lambda = report.certificate.lambda * std::pow(4, box.level);
-  Level level = make_level(box, static_cast<float>(lambda), everywhere, data.grid, data.f, one_thread);
+  Level level =
+      make_level(box, static_cast<float>(lambda), BrickMask::whole(box.bricks), data.grid, data.f, one_thread);
   Progress progress;
   return solve_primal_dual(level, {}, one_thread, progress).energies.inside;
 }

@@ -26,10 +26,9 @@ struct Blank {
     lattice.size = {60, 60, 60};
     lattice.levels = 2;
     const LevelBox box = lattice.box(1);
-    BrickMask everywhere(box.bricks);
-    everywhere.fill(true);
     no_data.grid = BrickGrid(BrickMask(lattice.box(0).bricks), one_thread);
-    coarse = make_level(box, 0.4f, everywhere, BrickGrid(BrickMask(box.bricks), one_thread), no_data.f, one_thread);
+    coarse = make_level(box, 0.4f, BrickMask::whole(box.bricks), BrickGrid(BrickMask(box.bricks), one_thread),
+                        no_data.f, one_thread);
   }
   float* u(Vec3i v) {
     const auto b = static_cast<size_t>(coarse.grid.find(brick_of(v)));
@@ -103,8 +102,7 @@ TEST(Band, LeavesOutOnlyFeasibleBricks) {
         blank.coarse.p.brick(b, axis)[i] = static_cast<float>(radius * random.uniform(-0.7, 0.7));
   }
   const BrickMask band = blank.children();
-  BrickMask everywhere(band.bricks());
-  everywhere.fill(true);
+  const BrickMask everywhere = BrickMask::whole(band.bricks());
   ASSERT_GT(band.count(), 0u);
   ASSERT_LT(band.count(), everywhere.count());
   const Level fine = prolong_level(blank.coarse, blank.lattice.box(0), everywhere, blank.no_data, one_thread);

@@ -44,11 +44,9 @@ KeptPyramid solve_and_keep(const Problem& problem, double lambda, Norm norm) {
     const LevelBox box = lattice.box(static_cast<int>(l));
     Level& level = kept.levels[l];
     if (l + 1 == count) {
-      BrickMask everywhere(box.bricks);
-      everywhere.fill(true);
       const double scale = std::pow(4.0, static_cast<double>(l));
-      level = make_level(box, static_cast<float>(lambda * scale), everywhere, kept.data[l].grid, kept.data[l].f,
-                         one_thread, norm);
+      level = make_level(box, static_cast<float>(lambda * scale), BrickMask::whole(box.bricks), kept.data[l].grid,
+                         kept.data[l].f, one_thread, norm);
       solve_primal_dual(level, params, one_thread, progress);
       continue;
     }

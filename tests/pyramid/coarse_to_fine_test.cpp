@@ -23,10 +23,8 @@ constexpr double tolerance = 2e-6;
 /// One level without a pyramid: every brick of the finest box is active.
 Level dense_solution(const Problem& problem, double lambda, Norm norm) {
   const LevelBox box = problem.lattice.box(0);
-  BrickMask everywhere(box.bricks);
-  everywhere.fill(true);
-  Level level = make_level(box, static_cast<float>(lambda), everywhere, problem.support.grid, problem.support.f,
-                           one_thread, norm);
+  Level level = make_level(box, static_cast<float>(lambda), BrickMask::whole(box.bricks), problem.support.grid,
+                           problem.support.f, one_thread, norm);
   PrimalDualParams params;
   params.tolerance = tolerance;
   params.max_iterations = 20000;

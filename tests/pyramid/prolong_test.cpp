@@ -31,19 +31,13 @@ struct TwoLevels {
   }
 
   explicit TwoLevels(const Lattice& on = small()) : lattice(on) {
-    BrickMask everywhere(lattice.box(1).bricks);
-    everywhere.fill(true);
     no_data.grid = BrickGrid(BrickMask(lattice.box(0).bricks), one_thread);
-    coarse = make_level(lattice.box(1), 0.4f, everywhere, BrickGrid(BrickMask(lattice.box(1).bricks), one_thread),
-                        no_data.f, one_thread);
+    coarse = make_level(lattice.box(1), 0.4f, BrickMask::whole(lattice.box(1).bricks),
+                        BrickGrid(BrickMask(lattice.box(1).bricks), one_thread), no_data.f, one_thread);
   }
 
   Level fine(const BrickMask& band) const { return prolong_level(coarse, lattice.box(0), band, no_data, one_thread); }
-  Level fine() const {
-    BrickMask everywhere(lattice.box(0).bricks);
-    everywhere.fill(true);
-    return fine(everywhere);
-  }
+  Level fine() const { return fine(BrickMask::whole(lattice.box(0).bricks)); }
 
   void fill_coarse(const auto& u, uint64_t seed) {
     Random random(seed);
@@ -105,8 +99,8 @@ TEST(Prolong, RimCarriesTheFluxOfTheWholeProlongation) {
   levels.fill_coarse([](Vec3d v) { return v.x < 12 ? 1.0 : 0.0; }, 4);
   const DenseVectors whole = dense_p(levels.fine());
   Random random(5);
-  BrickMask band(levels.lattice.box(0).bricks), all(band.bricks());
-  all.fill(true);
+  BrickMask band(levels.lattice.box(0).bricks);
+  const BrickMask all = BrickMask::whole(band.bricks());
   all.for_each([&](Vec3i b) { band.set(b, random.uniform() < 0.5); });
   const Level fine = levels.fine(band);
   size_t faces = 0;
@@ -154,8 +148,8 @@ TEST(Prolong, OfALevelThatIsGivenUpIsTheSame) {
   TwoLevels large(lattice);
   large.fill_coarse(wave, 7);
   Random random(8);
-  BrickMask band(lattice.box(0).bricks), all(band.bricks());
-  all.fill(true);
+  BrickMask band(lattice.box(0).bricks);
+  const BrickMask all = BrickMask::whole(band.bricks());
   all.for_each([&](Vec3i b) { band.set(b, random.uniform() < 0.7); });
   const Level kept = large.fine(band);
   for (const int threads : {1, 3}) {

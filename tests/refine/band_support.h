@@ -16,9 +16,7 @@ namespace soapfilm::test {
 /// A random set of vertices in a box of bricks.
 inline NarrowBand random_band(Vec3i bricks, double share, uint64_t seed) {
   const Parallel parallel(1);
-  BrickMask mask(bricks);
-  mask.fill(true);
-  BrickGrid grid(mask, parallel);
+  BrickGrid grid(BrickMask::whole(bricks), parallel);
   Random random(seed);
   std::vector<uint8_t> vertices(grid.size() * brick_area);
   for (uint8_t& row : vertices)
@@ -44,9 +42,7 @@ inline RowArray random_array(const NarrowBand& band, uint64_t seed) {
 inline GridSamples random_samples(Vec3i bricks, size_t count, uint64_t seed) {
   Random random(seed);
   GridSamples samples;
-  BrickMask mask(bricks);
-  mask.fill(true);
-  samples.bricks = BrickGrid(mask, Parallel(1));
+  samples.bricks = BrickGrid(BrickMask::whole(bricks), Parallel(1));
   samples.begin.push_back(0);
   for (size_t b = 0; b < samples.bricks.size(); ++b) {
     for (size_t s = 0; s < count / samples.bricks.size(); ++s) {

@@ -18,9 +18,7 @@ class BallDisplacement : public testing::Test {
   static double distance(Vec3d q) { return 9 - norm(q - Vec3d{15.3, 16.1, 15.8}); }
 
   NarrowBand band = [] {
-    BrickMask mask({4, 4, 4});
-    mask.fill(true);
-    BrickGrid grid(mask, one_thread);
+    BrickGrid grid(BrickMask::whole({4, 4, 4}), one_thread);
     std::vector<uint8_t> vertices(grid.size() * brick_area);
     for (size_t b = 0; b < grid.size(); ++b)
       for_each_vertex(grid.coord(b), [&](Vec3i v, int i) {

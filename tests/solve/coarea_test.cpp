@@ -42,10 +42,9 @@ TEST_P(CoareaFormula, TvAndGraphCutReachTheSameEnergySlow) {
   EXPECT_NEAR(evaluate_energy(tv.finest, {.threshold = 0.5f}, one_thread).primal, best.report.energy, 1e-5 * scale);
 
   // Without a band there is no outside whose dual stays the coarser level's: the gap itself goes to 0.
-  BrickMask everywhere(problem.lattice.box(0).bricks);
-  everywhere.fill(true);
-  Level whole = make_level(problem.lattice.box(0), static_cast<float>(lambda), everywhere, problem.support.grid,
-                           problem.support.f, one_thread, Norm::anisotropic);
+  Level whole =
+      make_level(problem.lattice.box(0), static_cast<float>(lambda), BrickMask::whole(problem.lattice.box(0).bricks),
+                 problem.support.grid, problem.support.f, one_thread, Norm::anisotropic);
   Progress progress;
   double last = 1;
   for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
@@ -72,10 +71,9 @@ TEST(CoareaFormula, HoldsForRandomDataSlow) {
     Problem problem = tiny_problem({30, 30, 30}, seed);
     const double lambda = 0.4;
     const Cut best = cut(problem, lambda, {.neighbors = 6, .norm = Norm::anisotropic});
-    BrickMask everywhere(problem.lattice.box(0).bricks);
-    everywhere.fill(true);
-    Level whole = make_level(problem.lattice.box(0), static_cast<float>(lambda), everywhere, problem.support.grid,
-                             problem.support.f, one_thread, Norm::anisotropic);
+    Level whole =
+        make_level(problem.lattice.box(0), static_cast<float>(lambda), BrickMask::whole(problem.lattice.box(0).bricks),
+                   problem.support.grid, problem.support.f, one_thread, Norm::anisotropic);
     PrimalDualParams params;
     params.tolerance = 1e-6;
     params.max_iterations = 20000;

@@ -27,9 +27,7 @@ inline Problem tiny_problem(Vec3i free, uint64_t seed) {
   Problem problem;
   problem.lattice.size = free + Vec3i{2, 2, 2};
   const LevelBox box = problem.lattice.box(0);
-  BrickMask everywhere(box.bricks);
-  everywhere.fill(true);
-  problem.support.grid = BrickGrid(everywhere, Parallel(1));
+  problem.support.grid = BrickGrid(BrickMask::whole(box.bricks), Parallel(1));
   problem.support.f = Field<float>(problem.support.grid);
   Random random(seed);
   for (size_t b = 0; b < problem.support.grid.size(); ++b)

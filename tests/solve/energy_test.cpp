@@ -18,9 +18,7 @@ const Parallel one_thread(1);
 /// Sets u = 1 in some of the inactive bricks.
 void fill_some_inactive_bricks(RandomLevel& random, uint64_t seed) {
   Random choice(seed);
-  BrickMask all(random.level.box.bricks);
-  all.fill(true);
-  all.for_each([&](Vec3i b) {
+  BrickMask::whole(random.level.box.bricks).for_each([&](Vec3i b) {
     if (random.level.grid.find(b) < 0) random.level.inside.set(b, choice.uniform() < 0.5);
   });
 }
@@ -145,8 +143,8 @@ TEST(Energy, ConstantHasVariationAtItsBorderOnly) {
   const LevelBox box = lattice.box(0);
   const Vec3i n = box.bricks;
   const auto depth = [&](Vec3i b) { return std::min({b.x, b.y, b.z, n.x - 1 - b.x, n.y - 1 - b.y, n.z - 1 - b.z}); };
-  BrickMask all(n), shell(n);
-  all.fill(true);
+  const BrickMask all = BrickMask::whole(n);
+  BrickMask shell(n);
   all.for_each([&](Vec3i b) { shell.set(b, depth(b) <= 1); });
   for (const BrickMask& band : {all, shell}) {
     const BrickGrid no_support(BrickMask(n), one_thread);

@@ -23,9 +23,7 @@ float u_at(const Level& level, Vec3i v) {
 struct Filled : RandomLevel {
   explicit Filled(uint64_t seed) : RandomLevel(seed) {
     Random random(seed);
-    BrickMask all(level.box.bricks);
-    all.fill(true);
-    all.for_each([&](Vec3i b) { level.inside.set(b, random.uniform() < 0.5); });
+    BrickMask::whole(level.box.bricks).for_each([&](Vec3i b) { level.inside.set(b, random.uniform() < 0.5); });
   }
 };
 
@@ -33,9 +31,7 @@ TEST(InsideBits, TellWhereUIsAboveTheThreshold) {
   const Filled filled(3);
   const Level& level = filled.level;
   const InsideBits inside(level, 0.3f, one_thread);
-  BrickMask all(level.box.bricks);
-  all.fill(true);
-  all.for_each([&](Vec3i b) {
+  BrickMask::whole(level.box.bricks).for_each([&](Vec3i b) {
     const BrickBits& bits = inside.of(level.grid.find(b), b);
     for_each_vertex(b, [&](Vec3i v, int i) { ASSERT_EQ(bits.test(i & 7, i >> 3 & 7, i >> 6), u_at(level, v) > 0.3f); });
   });

@@ -42,9 +42,7 @@ std::pair<Lattice, SupportField> data_everywhere(Vec3i size, Value&& value) {
   Lattice lattice;
   lattice.size = size;
   const LevelBox box = lattice.box(0);
-  BrickMask all(box.bricks);
-  all.fill(true);
-  SupportField support{BrickGrid(all, one_thread), {}};
+  SupportField support{BrickGrid(BrickMask::whole(box.bricks), one_thread), {}};
   support.f = Field<float>(support.grid);
   for (size_t b = 0; b < support.grid.size(); ++b)
     for_each_vertex(support.grid.coord(b), [&](Vec3i v, int i) {

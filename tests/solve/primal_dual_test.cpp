@@ -16,9 +16,8 @@ const Parallel one_thread(1);
 /// The whole box as one level. `problem` must outlive it.
 Level whole_box(const Problem& problem, double lambda) {
   const LevelBox box = problem.lattice.box(0);
-  BrickMask everywhere(box.bricks);
-  everywhere.fill(true);
-  return make_level(box, static_cast<float>(lambda), everywhere, problem.support.grid, problem.support.f, one_thread);
+  return make_level(box, static_cast<float>(lambda), BrickMask::whole(box.bricks), problem.support.grid,
+                    problem.support.f, one_thread);
 }
 
 class SmallSphere : public testing::TestWithParam<int> {};

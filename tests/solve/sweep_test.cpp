@@ -120,8 +120,7 @@ TEST_P(Sweep, RowsThatRestLoseNothing) {
   constexpr int sweeps = 60;
   const Problem problem = make_problem(sampled("sphere", 40, 2), 40);
   const LevelBox box = problem.lattice.box(0);
-  BrickMask band(box.bricks);
-  band.fill(true);
+  BrickMask band = BrickMask::whole(box.bricks);
   band.set({0, 0, 0}, false);
   band.set(box.bricks - Vec3i{1, 1, 1}, false);
   for (const Norm norm : both_norms) {

@@ -47,9 +47,7 @@ struct RandomLevel {
     const LevelBox box = lattice.box(0);
 
     BrickMask band(box.bricks), with_data(box.bricks);
-    BrickMask all(box.bricks);
-    all.fill(true);
-    all.for_each([&](Vec3i b) {
+    BrickMask::whole(box.bricks).for_each([&](Vec3i b) {
       if (random.uniform() >= params.band) return;
       band.set(b);
       if (random.uniform() < params.support) with_data.set(b);

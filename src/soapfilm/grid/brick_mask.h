@@ -17,6 +17,14 @@ class BrickMask {
   explicit BrickMask(Vec3i bricks)
       : bricks_(bricks), words_((static_cast<size_t>(bricks.x) * bricks.y * bricks.z + 63) / 64, 0) {}
 
+  /// With every brick of the box set.
+  static BrickMask whole(Vec3i bricks) {
+    BrickMask mask(bricks);
+    for (uint64_t& w : mask.words_) w = ~uint64_t{0};
+    if (const size_t rest = mask.volume() & 63; rest != 0) mask.words_.back() &= (uint64_t{1} << rest) - 1;
+    return mask;
+  }
+
   Vec3i bricks() const { return bricks_; }
   bool contains(Vec3i b) const {
     return b.x >= 0 && b.y >= 0 && b.z >= 0 && b.x < bricks_.x && b.y < bricks_.y && b.z < bricks_.z;
@@ -37,10 +45,6 @@ class BrickMask {
     const std::atomic_ref<uint64_t> word(words_[i >> 6]);
     const uint64_t bit = uint64_t{1} << (i & 63);
     if ((word.load(std::memory_order_relaxed) & bit) == 0) word.fetch_or(bit, std::memory_order_relaxed);
-  }
-  void fill(bool value) {
-    for (uint64_t& w : words_) w = value ? ~uint64_t{0} : 0;
-    if (const size_t rest = volume() & 63; value && rest != 0) words_.back() &= (uint64_t{1} << rest) - 1;
   }
   size_t count() const {
     size_t n = 0;

@@ -38,12 +38,6 @@ double tolerance_of(int level, int start, double tolerance) {
 /// is fixed there, so less may go: at level 1 half of that, at the finest, 0, nothing.
 float flux_kept(int level) { return level == 1 ? 0.9f : 0.8f; }
 
-BrickMask whole_box(const LevelBox& box) {
-  BrickMask everywhere(box.bricks);
-  everywhere.fill(true);
-  return everywhere;
-}
-
 /// An upper bound of what any surface can gain from a level's data: the sum of its positive part.
 double largest_gain(const SupportField& support) {
   double sum = 0;
@@ -129,8 +123,8 @@ class Descent {
     const auto scale = static_cast<double>(size_t{1} << (2 * box.level));
     const auto lambda = static_cast<float>(lambda_ * report.lambda_share * scale);
     if (report.level == coarsest_)
-      return make_level(box, lambda, whole_box(box), field.grid, field.f, parallel_, norm_);
-    Level level = prolong_level(coarse, box, whole_box(box), field, parallel_);
+      return make_level(box, lambda, BrickMask::whole(box.bricks), field.grid, field.f, parallel_, norm_);
+    Level level = prolong_level(coarse, box, BrickMask::whole(box.bricks), field, parallel_);
     level.lambda = lambda;
     return level;
   }

@@ -36,9 +36,7 @@ void for_each_vertex(const DenseField<T>& field, Visit&& visit) {
 
 Sides sides_of(const Level& level) {
   Sides sides(level.box);
-  BrickMask all(level.box.bricks);
-  all.fill(true);
-  all.for_each([&](Vec3i brick) {
+  BrickMask::whole(level.box.bricks).for_each([&](Vec3i brick) {
     const int32_t n = level.grid.find(brick);
     const float* u = n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr;
     const uint8_t elsewhere = level.inside.test(brick) ? 1 : 0;
