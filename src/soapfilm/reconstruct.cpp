@@ -31,8 +31,9 @@ void require_surface(const ReconstructReport& report, const Lattice& lattice, co
   if (largest > lambda)
     throw EmptyResult(
         fmt::format("empty result: method {} found no surface with lambda = {:.4g}, although one pays for "
-                    "its area up to about {:.3g}: a smaller lambda may help, or method tv",
-                    name_of(report.params.method), lambda, largest),
+                    "its area up to about {:.3g}: a smaller lambda may help, or {}",
+                    name_of(report.params.method), lambda, largest,
+                    report.params.method == Method::tv ? "more iterations" : "method tv"),
         largest);
   throw EmptyResult(fmt::format("empty result: with lambda = {:.4g} no surface pays for its area at {:.2g} samples per "
                                 "voxel^2; the largest lambda that keeps a surface is about {:.3g}",

@@ -1,4 +1,5 @@
 // What holds of every method: bytes, the plan of memory, cancelling, the report.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -82,6 +83,28 @@ INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
 
 json method_section(Method method) {
   return json::parse(to_json(reconstructed(range_scans(), params_of(method)).report))["method"];
+}
+
+/// Levels that only tell the next one where to start need not converge, and are not warned of.
+TEST(MethodReport, WarnsOfTheLevelsThatStoppedTooEarly) {
+  ReconstructParams params = params_of(Method::tv);
+  params.place.resolution = 64;
+  params.place.levels = 6;
+  params.energy.lambda = 0.05;
+  params.solve.max_iterations = 2;
+  params.surface.refine = false;
+  const ReconstructReport report = reconstructed(sampled("sphere", 64, 1), params).report;
+  std::vector<std::string> expected;
+  for (const LevelReport& level : report.levels) {
+    EXPECT_FALSE(level.converged) << level.level;
+    if (level.lambda_share == 1)
+      expected.push_back(fmt::format("level {}: not converged after 2 iterations", level.level));
+  }
+  ASSERT_GE(expected.size(), 2u);
+  ASSERT_LT(expected.size(), report.levels.size());
+  ASSERT_EQ(report.warnings.size(), expected.size());
+  for (size_t k = 0; k < expected.size(); ++k)
+    EXPECT_TRUE(report.warnings[k].starts_with(expected[k])) << report.warnings[k];
 }
 
 TEST(MethodReport, SorHasTheEnergyOfEveryIteration) {

@@ -221,6 +221,24 @@ TEST(Sor, SaysWhenItLosesASurfaceThatPaysSlow) {
   EXPECT_GT(reconstructed(cloud, params).mesh.triangles.size(), 100u);
 }
 
+TEST(Tv, ThatStopsBeforeItsSurfaceIsThereAsksForMoreIterations) {
+  ReconstructParams params = params_of(Method::tv);
+  params.place.levels = 5;
+  params.energy.lambda = 0.1;
+  params.solve.max_iterations = 2;
+  const PointCloud cloud = sampled("sphere", resolution, 1);
+  try {
+    reconstructed(cloud, params);
+    FAIL() << "two iterations left a surface";
+  } catch (const EmptyResult& empty) {
+    EXPECT_NE(std::string(empty.what()).find("method tv found no surface with lambda = 0.1, although one pays"),
+              std::string::npos)
+        << empty.what();
+    EXPECT_TRUE(std::string(empty.what()).ends_with("a smaller lambda may help, or more iterations")) << empty.what();
+    EXPECT_GT(empty.largest_lambda, 0.1);
+  }
+}
+
 TEST(AutomaticLambda, WarnsWhenTheBestMayLieBeyondTheCandidates) {
   const PointCloud cloud = sampled("sphere", 32, 1);
   ReconstructParams params = params_of(Method::tv);
