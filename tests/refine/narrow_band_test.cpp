@@ -115,13 +115,13 @@ TEST(NarrowBand, MultilevelTransfersAreAdjointAndKeepConstants) {
   job.b = zero.data();
   job.x = up.data();
   job.out = prolonged.data();
-  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(layer, job);
+  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(layer, band, job);
   EXPECT_NEAR(dot(down, up, one_thread), dot(fine, prolonged, one_thread), 1e-3);
 
   const RowArray constant = members(coarse.band());
   job.x = constant.data();
   job.b = fine.data();
-  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(layer, job);
+  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(layer, band, job);
   for (size_t i = 8; i < band.slots(); ++i) ASSERT_EQ(prolonged.data()[i], fine.data()[i] + inverse.data()[i]);
 }
 
@@ -148,6 +148,52 @@ TEST(NarrowBand, MultilevelRestrictsTheResidualOfAJacobiStep) {
   }
 }
 
+/// Steps of one length, of K x = reaction x + diffusion G x, for the vertices that have neighbours.
+TEST(NarrowBand, MultilevelTakesEvenSteps) {
+  constexpr float step = 0.2f, reaction = 0.3f, diffusion = 0.7f;
+  const NarrowBand band = random_band(3, 0.4, 17);
+  const CoarseBand coarse(band, one_thread);
+  const RowArray b = random_array(band, 18), up = random_array(coarse.band(), 19), ones = members(band);
+  RowArray x = band.make_array(), product = band.make_array(), residual = band.make_array(), out = band.make_array();
+  RowArray inverse = band.make_array(), expected = coarse.band().make_array(), restricted = coarse.band().make_array();
+  size_t alone = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    const bool tied = band.degree(0)[i] > 0;
+    alone += !tied && ones.data()[i] > 0;
+    inverse.data()[i] = tied ? step : 0.0f;
+    x.data()[i] = inverse.data()[i] * b.data()[i];
+  }
+  ASSERT_GT(alone, 0u);
+  apply_laplacian(band, x, reaction, diffusion, product, one_thread);
+  for (size_t i = 0; i < x.size(); ++i)
+    residual.data()[i] = inverse.data()[i] > 0 ? b.data()[i] - product.data()[i] : 0.0f;
+  CycleJob job{};
+  job.b = b.data();
+  job.diffusion = diffusion;
+  job.x = x.data();
+  job.out = out.data();
+  job.weight = b.data();
+  job.step = step;
+  job.reaction = reaction;
+
+  const double sum = row_kernel().smooth(band.view(), job, 1, band.rows() + 1);
+  for (size_t i = 0; i < x.size(); ++i)
+    ASSERT_NEAR(out.data()[i], x.data()[i] + step * residual.data()[i], 1e-6) << "vertex " << i;
+  EXPECT_NEAR(sum, dot(out, b, one_thread), 1e-5 * std::abs(sum));
+
+  coarse.restrict_to(residual, expected, one_thread);
+  for (int layer = 0; layer < 3; ++layer) coarse.restrict_residual(layer, band, job, restricted);
+  for (size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(restricted.data()[i], expected.data()[i], 5e-6);
+
+  RowArray by_inverse = band.make_array();
+  job.x = up.data();
+  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(layer, band, job);
+  job.inverse = inverse.data();
+  job.out = by_inverse.data();
+  for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(layer, band, job);
+  for (size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out.data()[i], by_inverse.data()[i]);
+}
+
 TEST(NarrowBand, LocalMeansKeepConstantsAndLieWithinTheValues) {
   const NarrowBand band = random_band(3, 0.5, 21);
   Multilevel multilevel(band, one_thread);
@@ -171,12 +217,14 @@ TEST(NarrowBand, MultilevelIsSymmetricPositiveDefinite) {
   const RowArray a = random_array(band, 10), b = random_array(band, 11);
   RowArray weights = band.make_array(), ma = band.make_array(), mb = band.make_array(), work = band.make_array();
   for (size_t i = 0; i < weights.size(); i += 3) weights.data()[i] = 0.5f;
-  multilevel.set_operator(weights, 0.01f, 0.1f, one_thread);
-  const double energy = multilevel.apply(nothing_to_complete, a, ma, work, one_thread);
-  multilevel.apply(nothing_to_complete, b, mb, work, one_thread);
-  EXPECT_GT(energy, 0);
-  EXPECT_NEAR(dot(a, ma, one_thread), energy, 1e-5 * energy);
-  EXPECT_NEAR(dot(ma, b, one_thread), dot(a, mb, one_thread), 1e-4 * energy);
+  for (const float gamma : {0.1f, 3.0f}) {  // with the positions on the finest level, and without
+    multilevel.set_operator(weights, 0.01f, gamma, one_thread);
+    const double energy = multilevel.apply(nothing_to_complete, a, ma, work, one_thread);
+    multilevel.apply(nothing_to_complete, b, mb, work, one_thread);
+    EXPECT_GT(energy, 0);
+    EXPECT_NEAR(dot(a, ma, one_thread), energy, 1e-5 * energy) << "gamma " << gamma;
+    EXPECT_NEAR(dot(ma, b, one_thread), dot(a, mb, one_thread), 1e-4 * energy) << "gamma " << gamma;
+  }
 }
 
 class RowsOn : public testing::TestWithParam<BackEnd> {};
@@ -186,17 +234,19 @@ TEST_P(RowsOn, GiveTheSameBits) {
   const RowArray a = random_array(band, 13);
   RowArray weights = band.make_array();
   for (size_t i = 0; i < weights.size(); i += 3) weights.data()[i] = 0.5f;
-  const auto run = [&](const Parallel& parallel) {
+  const auto run = [&](const Parallel& parallel, float gamma) {
     Multilevel multilevel(band, parallel);
-    multilevel.set_operator(weights, 0.01f, 3, parallel);
+    multilevel.set_operator(weights, 0.01f, gamma, parallel);
     RowArray out = band.make_array(), work = band.make_array(), next = band.make_array();
     const double first = multilevel.apply(nothing_to_complete, a, out, work, parallel);
     const double second = apply_laplacian(band, out, 0.3f, 2, next, parallel);
     return std::tuple(std::vector<float>(next.data(), next.data() + next.size()), first, second);
   };
-  const auto expected = run(one_thread);
-  const ForcedTarget target(GetParam().target);
-  EXPECT_EQ(run(Parallel(GetParam().threads)), expected);
+  for (const float gamma : {0.03f, 3.0f}) {  // with the positions on the finest level, and without
+    const auto expected = run(one_thread, gamma);
+    const ForcedTarget target(GetParam().target);
+    EXPECT_EQ(run(Parallel(GetParam().threads), gamma), expected) << "gamma " << gamma;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, RowsOn, testing::ValuesIn(back_ends()), back_end_name);

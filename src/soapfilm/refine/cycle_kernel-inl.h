@@ -110,11 +110,17 @@ void restrict_brick(const BrickTransfer& transfer, const float* from, float* coa
   add_restricted(fine, transfer, coarse);
 }
 
-void restrict_residual(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse) {
+/// What a step of one length for all leaves of a value that it starts from, at vertices with so many neighbours.
+HWY_INLINE V kept_by_even_step(const CycleJob& job, V degree) {
+  const D d;
+  return hn::Sub(hn::Set(d, 1 - job.step * job.reaction), hn::Mul(hn::Set(d, job.step * job.diffusion), degree));
+}
+
+/// The residual after one Jacobi step from zero, in one brick.
+void residual_of_step(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, PlacedRows& residual) {
   const D d;
   const Product x{job.inverse, job.b};
   const V rest = hn::Set(d, 1 - job.omega);
-  PlacedRows residual;
   for (size_t k = 0; k < transfer.count; ++k) {
     const size_t r = transfer.first + k;
     fetch_neighbors(job.b, band.neighbors[r + rows_ahead]);
@@ -128,10 +134,53 @@ void restrict_residual(const BandRows& band, const CycleJob& job, const BrickTra
                 residual.row[transfer.place[k]] + lane);
     }
   }
+}
+
+void residual_of_even_step(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer,
+                           PlacedRows& residual) {
+  const D d;
+  const V around = hn::Set(d, job.step * job.diffusion);
+  for (size_t k = 0; k < transfer.count; ++k) {
+    const size_t r = transfer.first + k;
+    fetch_neighbors(job.b, band.neighbors[r + rows_ahead]);
+    for (int lane = 0; lane < brick_side; lane += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(lane);
+      const V degree = degree_of(band.degree + i);
+      const V left = hn::Add(hn::Mul(kept_by_even_step(job, degree), hn::Load(d, job.b + i)),
+                             hn::Mul(around, neighbor_sum(Plain{job.b}, band.neighbors[r], r, lane)));
+      hn::Store(hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), left), d, residual.row[transfer.place[k]] + lane);
+    }
+  }
+}
+
+void restrict_residual(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse) {
+  PlacedRows residual;
+  (job.inverse ? residual_of_step : residual_of_even_step)(band, job, transfer, residual);
   add_restricted(residual, transfer, coarse);
 }
 
+double smooth_evenly(const BandRows& band, const CycleJob& job, size_t begin, size_t end) {
+  const D d;
+  const V step = hn::Set(d, job.step), diffusion = hn::Set(d, job.diffusion);
+  LaneSum sum;
+  for (size_t r = begin; r < end; ++r) {
+    for (int lane = 0; lane < brick_side; lane += lane_count()) {
+      const size_t i = r * brick_side + static_cast<size_t>(lane);
+      const V degree = degree_of(band.degree + i);
+      const V around = hn::Mul(diffusion, neighbor_sum(Plain{job.x}, band.neighbors[r], r, lane));
+      const V push = hn::Mul(step, hn::Add(hn::Load(d, job.b + i), around));
+      const V moved = hn::Add(hn::Mul(kept_by_even_step(job, degree), hn::Load(d, job.x + i)), push);
+      const V out = hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), moved);
+      hn::Store(out, d, job.out + i);
+      if (job.weight) sum.add(hn::Mul(out, hn::Load(d, job.weight + i)), lane);
+    }
+    sum.end_row();
+  }
+  return sum.total();
+}
+
 double smooth(const BandRows& band, const CycleJob& job, size_t begin, size_t end) {
+  if (!job.inverse) return smooth_evenly(band, job, begin, end);
   const D d;
   const V rest = hn::Set(d, 1 - job.omega);
   LaneSum sum;
@@ -160,7 +209,7 @@ constexpr auto coarse_rows = [] {
   return table;
 }();
 
-void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
+void prolong_brick(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer) {
   constexpr int side = BrickTransfer::side;
   const D d;
   HWY_ALIGN float coarse[side * side][brick_side];  // five values in each row
@@ -170,7 +219,8 @@ void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
     if (transfer.half != 0) coarse[k][4] = job.x[size_t{transfer.right[k]} * brick_side];
   }
   const size_t first = transfer.first * size_t{brick_side};
-  const float *inverses = job.inverse + first, *b = job.b ? job.b + first : nullptr;
+  const float *inverses = job.inverse ? job.inverse + first : nullptr, *b = job.b ? job.b + first : nullptr;
+  const uint8_t* degrees = band.degree + first;
   float* out = job.out + first;
   const uint8_t* place = transfer.place;
   const size_t count = transfer.count;
@@ -195,7 +245,9 @@ void prolong_brick(const CycleJob& job, const BrickTransfer& transfer) {
 #endif
     for (int x = 0; x < brick_side; x += lane_count()) {
       const size_t i = k * brick_side + static_cast<size_t>(x);
-      const V inverse = hn::Load(d, inverses + i);
+      const V inverse = inverses
+                            ? hn::Load(d, inverses + i)
+                            : hn::IfThenElseZero(hn::Gt(degree_of(degrees + i), hn::Zero(d)), hn::Set(d, job.step));
       const V value = hn::Load(d, values + x);
       const V onto = b ? hn::Add(hn::Mul(inverse, hn::Load(d, b + i)), value) : value;
       hn::Store(hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), onto), d, out + i);

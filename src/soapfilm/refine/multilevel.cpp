@@ -158,9 +158,9 @@ void CoarseBand::restrict_residual(int layer, const NarrowBand& fine, const Cycl
     kernel.restrict_residual(fine.view(), job, transfer, coarse.data());
 }
 
-void CoarseBand::prolong_onto(int layer, const CycleJob& job) const {
+void CoarseBand::prolong_onto(int layer, const NarrowBand& fine, const CycleJob& job) const {
   const RowKernel kernel = row_kernel();
-  for (const BrickTransfer& transfer : of_layer(layer)) kernel.prolong_brick(job, transfer);
+  for (const BrickTransfer& transfer : of_layer(layer)) kernel.prolong_brick(fine.view(), job, transfer);
 }
 
 Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel)
@@ -184,13 +184,30 @@ Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel)
 
 void Multilevel::set_operator(const RowArray& position_weights, float beta, float gamma, const Parallel& parallel) {
   diffusion_ = std::sqrt(gamma);
-  const float reaction = 0.5f * beta / diffusion_;
-  set_inverse(0, position_weights, reaction, parallel);
+  reaction_ = 0.5f * beta / diffusion_;
+  even_ = !coarse_.empty() && weigh_little(position_weights);
+  if (!even_) set_inverse(0, position_weights, parallel);
   for (size_t l = 1; l <= coarse_.size(); ++l) {
     Coarse& c = coarse_[l - 1];
     c.coarse.restrict_to(l == 1 ? position_weights : coarse_[l - 2].b, c.b, parallel);
-    set_inverse(l, c.b, reaction, parallel);
+    set_inverse(l, c.b, parallel);
   }
+}
+
+/// Whether the finest level's diagonal hardly feels them, in the mean over the vertices that they pull at.
+bool Multilevel::weigh_little(const RowArray& position_weights) const {
+  constexpr double most_share = 0.25;
+  constexpr size_t enough_rows = 1 << 13;  // or some more of them tell the mean
+  const size_t stride = (fine_.rows() / enough_rows) | 1;
+  double sum = 0;
+  size_t count = 0;
+  for (size_t row = 1; row <= fine_.rows(); row += stride)
+    for (size_t i = row * brick_side; i < (row + 1) * brick_side; ++i) {
+      sum += static_cast<double>(position_weights.data()[i]);
+      count += position_weights.data()[i] > 0;
+    }
+  const double most = most_share * 6 * static_cast<double>(diffusion_);
+  return sum <= most * most * static_cast<double>(count);
 }
 
 bool Multilevel::local_mean(const std::function<void(int)>& complete, const RowArray& values, const RowArray& weights,
@@ -218,16 +235,16 @@ bool Multilevel::local_mean(const std::function<void(int)>& complete, const RowA
   job.inverse = where.data();
   job.x = c.b.data();
   job.out = mean.data();
-  layer_by_layer(layers_of(fine_), parallel, [&](int layer) { c.coarse.prolong_onto(layer, job); });
+  layer_by_layer(layers_of(fine_), parallel, [&](int layer) { c.coarse.prolong_onto(layer, fine_, job); });
   return true;
 }
 
-void Multilevel::set_inverse(size_t level, const RowArray& weights, float reaction, const Parallel& parallel) {
+void Multilevel::set_inverse(size_t level, const RowArray& weights, const Parallel& parallel) {
   const NarrowBand& band = this->band(level);
   const InverseJob job{level == 0 ? nullptr : coarse_[level - 1].extent.data(),
                        weights.data(),
                        diffusion_ / static_cast<float>(1 << (2 * level)),
-                       reaction,
+                       reaction_,
                        damping,
                        (level == 0 ? inverse_ : coarse_[level - 1].inverse).data()};
   const RowKernel kernel = row_kernel();
@@ -254,7 +271,12 @@ double Multilevel::apply(const std::function<void(int)>& complete, const RowArra
 
 CycleJob Multilevel::job(size_t level, const RowArray& b) const {
   CycleJob job{};
-  job.inverse = (level == 0 ? inverse_ : coarse_[level - 1].inverse).data();
+  if (level == 0 && even_) {
+    job.step = damping / (6 * diffusion_ + reaction_);
+    job.reaction = reaction_;
+  } else {
+    job.inverse = (level == 0 ? inverse_ : coarse_[level - 1].inverse).data();
+  }
   job.extent = level == 0 ? nullptr : coarse_[level - 1].extent.data();
   job.b = b.data();
   job.diffusion = diffusion_ / static_cast<float>(1 << (2 * level));
@@ -313,7 +335,7 @@ double Multilevel::correct(size_t level, const RowArray& b, RowArray& work, RowA
   std::vector<double> sums(static_cast<size_t>(layers_of(band)));
   const RowKernel kernel = row_kernel();
   layer_by_layer(
-      layers_of(band), parallel, [&](int layer) { c.coarse.prolong_onto(layer, prolong); },
+      layers_of(band), parallel, [&](int layer) { c.coarse.prolong_onto(layer, band, prolong); },
       [&](int layer) {
         sums[static_cast<size_t>(layer)] = sum_over_rows(rows_of_layer(band, layer), [&](size_t begin, size_t end) {
           return kernel.smooth(band.view(), smooth, begin, end);

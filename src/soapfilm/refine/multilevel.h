@@ -25,8 +25,9 @@ class CoarseBand {
   void restrict_layer(int layer, const RowArray& from, RowArray& coarse) const;
   /// The same of the residual that RowKernel::restrict_residual() has, with the same `fine`.
   void restrict_residual(int layer, const NarrowBand& fine, const CycleJob& job, RowArray& coarse) const;
-  /// out = inverse b + P x where inverse > 0, elsewhere 0, on a layer of fine bricks along z; x is coarse.
-  void prolong_onto(int layer, const CycleJob& job) const;
+  /// out = inverse b + P x where inverse > 0, elsewhere 0, on a layer of fine bricks along z, with the same `fine`; x
+  /// is coarse.
+  void prolong_onto(int layer, const NarrowBand& fine, const CycleJob& job) const;
 
  private:
   /// `parent`: the coarse brick that holds the fine one's first vertex.
@@ -45,7 +46,9 @@ class CoarseBand {
 /// other, of K = sqrt(gamma) G + sqrt(d) + beta / (2 sqrt(gamma)), so that K^2 is about A; d are the row sums of the
 /// positions' part of the data term. (For G^2 itself trilinear functions are too rough. The slopes' part matters across
 /// the band alone, where it is of the size of gamma G^2.) A coarse level's K has the weight of the fine vertices that
-/// it speaks for, its extent P^T 1. One damped Jacobi step before and one after each coarse correction.
+/// it speaks for, its extent P^T 1. One damped Jacobi step before and one after each coarse correction. Where sqrt(d)
+/// is small beside 6 sqrt(gamma), as under noise, the finest level goes without it, and its steps have one length: half
+/// as much to read, and what positions pull is felt by coarser levels.
 class Multilevel {
  public:
   Multilevel(const NarrowBand& fine, const Parallel& parallel);
@@ -71,7 +74,8 @@ class Multilevel {
     RowArray b, x, work;  ///< right side, solution
   };
   const NarrowBand& band(size_t level) const { return level == 0 ? fine_ : coarse_[level - 1].coarse.band(); }
-  void set_inverse(size_t level, const RowArray& weights, float reaction, const Parallel& parallel);
+  bool weigh_little(const RowArray& position_weights) const;
+  void set_inverse(size_t level, const RowArray& weights, const Parallel& parallel);
   CycleJob job(size_t level, const RowArray& b) const;
   /// Adds to the next coarser level's right side what one Jacobi step from zero leaves of b in a layer of bricks.
   void restrict_residual(size_t level, const RowArray& b, int layer);
@@ -90,6 +94,8 @@ class Multilevel {
   RowArray inverse_, work_;
   std::vector<Coarse> coarse_;  ///< levels 1, 2, ...
   float diffusion_ = 0;         ///< sqrt(gamma)
+  float reaction_ = 0;          ///< beta / (2 sqrt(gamma))
+  bool even_ = false;           ///< whether Jacobi steps of the finest level have one length for all
 };
 
 }  // namespace soapfilm

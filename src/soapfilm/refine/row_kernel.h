@@ -72,9 +72,10 @@ struct ShareJob {
 };
 
 /// One level's system K x = b of the multigrid cycle, K x = diagonal x - sum_j w_ij x_j over the neighbours j, with
-/// w_ij = diffusion (e_i + e_j) / 2; `extent` e may be null: 1.
+/// w_ij = diffusion (e_i + e_j) / 2; `extent` e may be null: 1. Jacobi steps divide by the diagonal, or where `inverse`
+/// is null take one length for all: of K x = reaction x + diffusion G x.
 struct CycleJob {
-  const float* inverse;  ///< omega / diagonal, 0 outside the band and without neighbours
+  const float* inverse;  ///< omega / diagonal, 0 outside the band and without neighbours; null: see `step`
   const float* extent;
   const float* b;  ///< prolong_brick() takes null for 0
   float diffusion;
@@ -82,6 +83,8 @@ struct CycleJob {
   const float* x;  ///< smooth() starts from it
   float* out;
   const float* weight;  ///< smooth() returns <weight, out>; null: 0
+  float step = 0;       ///< without `inverse`: omega / (6 diffusion + reaction)
+  float reaction = 0;   ///< without `inverse`
 };
 
 /// What CycleJob calls inverse, from the diagonal of K: the neighbours' w_ij, sqrt(weight e) and reaction e.
@@ -146,7 +149,7 @@ struct RowKernel {
   void (*share)(const BandRows& band, const ShareJob& job, size_t begin, size_t end);
   void (*inverse)(const BandRows& band, const InverseJob& job, size_t begin, size_t end);
   /// coarse += P^T (b - K (inverse b)) of one brick: the residual after one Jacobi step from zero. CycleJob's x and out
-  /// are not used.
+  /// are not used. Here and below `inverse` is CycleJob's step where it has none.
   void (*restrict_residual)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse);
   /// out = x + inverse (b - K x).
   double (*smooth)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
@@ -158,7 +161,7 @@ struct RowKernel {
   /// coarse += P^T from of one brick.
   void (*restrict_brick)(const BrickTransfer& transfer, const float* from, float* coarse);
   /// out = inverse b + P x on one brick, 0 where inverse is; x is coarse.
-  void (*prolong_brick)(const CycleJob& job, const BrickTransfer& transfer);
+  void (*prolong_brick)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer);
 };
 
 /// The kernel of the best target of this processor, or of the one that force_simd_target() named.
