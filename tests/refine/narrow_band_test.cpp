@@ -128,16 +128,20 @@ TEST(NarrowBand, MultilevelTransfersAreAdjointAndKeepConstants) {
 TEST(NarrowBand, MultilevelRestrictsTheResidualOfAJacobiStep) {
   const NarrowBand band = random_band(3, 0.4, 14);
   const CoarseBand coarse(band, one_thread);
-  const RowArray b = random_array(band, 15), extent = members(band);
+  const RowArray b = random_array(band, 15);
   RowArray inverse = members(band), x = band.make_array(), out = band.make_array(), residual = band.make_array();
+  RowArray extent = members(band), extended = band.make_array();
   RowArray expected = coarse.band().make_array(), restricted = coarse.band().make_array();
   // A vertex without neighbours is tied to nothing.
   for (size_t i = 0; i < x.size(); ++i) {
     inverse.data()[i] *= band.degree(0)[i] > 0 ? 0.1f : 0.0f;
     x.data()[i] = inverse.data()[i] * b.data()[i];
+    extent.data()[i] *= static_cast<float>(1 + i % 3);
+    extended.data()[i] = extent.data()[i] * x.data()[i];
   }
-  for (const float* e : {static_cast<const float*>(nullptr), extent.data()}) {
+  for (const float* e : {static_cast<const float*>(nullptr), static_cast<const float*>(extent.data())}) {
     CycleJob job{inverse.data(), e, b.data(), 0.7f, 0.8f, x.data(), out.data(), nullptr};
+    job.extended = extended.data();
     row_kernel().smooth(band.view(), job, 1, band.rows() + 1);
     for (size_t i = 0; i < x.size(); ++i)
       residual.data()[i] = inverse.data()[i] > 0 ? (out.data()[i] - x.data()[i]) / inverse.data()[i] : 0.0f;

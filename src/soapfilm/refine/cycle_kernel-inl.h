@@ -116,20 +116,20 @@ HWY_INLINE V kept_by_even_step(const CycleJob& job, V degree) {
   return hn::Sub(hn::Set(d, 1 - job.step * job.reaction), hn::Mul(hn::Set(d, job.step * job.diffusion), degree));
 }
 
-/// The residual after one Jacobi step from zero, in one brick.
-void residual_of_step(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, PlacedRows& residual) {
+/// The residual after one Jacobi step from zero, to x, in one brick.
+template <class Values>
+void residual_of_step(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, const Values& x,
+                      PlacedRows& residual) {
   const D d;
-  const Product x{job.inverse, job.b};
   const V rest = hn::Set(d, 1 - job.omega);
   for (size_t k = 0; k < transfer.count; ++k) {
     const size_t r = transfer.first + k;
-    fetch_neighbors(job.b, band.neighbors[r + rows_ahead]);
-    fetch_neighbors(job.inverse, band.neighbors[r + rows_ahead]);
+    x.fetch(band.neighbors[r + rows_ahead]);
     for (int lane = 0; lane < brick_side; lane += lane_count()) {
       const size_t i = r * brick_side + static_cast<size_t>(lane);
       // The diagonal's share of K x is omega b.
       const V left = hn::Add(hn::Mul(rest, hn::Load(d, job.b + i)),
-                             coupling(job, x, Weighted{x, job.extent}, band.neighbors[r], r, lane));
+                             coupling(job, x, Plain{job.extended}, band.neighbors[r], r, lane));
       hn::Store(hn::IfThenElseZero(hn::Gt(hn::Load(d, job.inverse + i), hn::Zero(d)), left), d,
                 residual.row[transfer.place[k]] + lane);
     }
@@ -155,7 +155,12 @@ void residual_of_even_step(const BandRows& band, const CycleJob& job, const Bric
 
 void restrict_residual(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse) {
   PlacedRows residual;
-  (job.inverse ? residual_of_step : residual_of_even_step)(band, job, transfer, residual);
+  if (!job.inverse)
+    residual_of_even_step(band, job, transfer, residual);
+  else if (job.extent)
+    residual_of_step(band, job, transfer, Plain{job.x}, residual);
+  else
+    residual_of_step(band, job, transfer, Product{job.inverse, job.b}, residual);
   add_restricted(residual, transfer, coarse);
 }
 

@@ -260,10 +260,11 @@ double Multilevel::apply(const std::function<void(int)>& complete, const RowArra
     solve_coarsest(r, work_, work, nullptr, parallel);
     return solve_coarsest(work, work_, z, &r, parallel);
   }
-  const auto restricted = [this](const RowArray& b) {
-    return Apart{[this, &b](int layer) { restrict_residual(0, b, layer); }};
+  Coarse& next = coarse_.front();
+  const auto restricted = [&](const RowArray& b) {
+    return Apart{[&](int layer) { next.coarse.restrict_residual(layer, fine_, job(0, b), next.b); }};
   };
-  clear(coarse_.front().b, parallel);
+  clear(next.b, parallel);
   layer_by_layer(layers, parallel, complete, restricted(r));
   correct(0, r, work_, work, nullptr, parallel, restricted(work));
   return correct(0, work, work_, z, &r, parallel);
@@ -284,17 +285,29 @@ CycleJob Multilevel::job(size_t level, const RowArray& b) const {
   return job;
 }
 
-void Multilevel::restrict_residual(size_t level, const RowArray& b, int layer) {
+void Multilevel::solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const Parallel& parallel) {
+  if (level == coarse_.size()) {
+    solve_coarsest(b, work, x, nullptr, parallel);
+    return;
+  }
   Coarse& c = coarse_[level];
-  c.coarse.restrict_residual(layer, band(level), job(level, b), c.b);
-}
-
-double Multilevel::solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
-                         const Parallel& parallel) {
-  if (level == coarse_.size()) return solve_coarsest(b, work, x, weight, parallel);
-  clear(coarse_[level].b, parallel);
-  for_layers_apart(layers_of(band(level)), parallel, [&](int layer) { restrict_residual(level, b, layer); });
-  return correct(level, b, work, x, weight, parallel);
+  clear(c.b, parallel);
+  // The step from zero is written down, for each of its values is read seven times.
+  const Coarse& own = coarse_[level - 1];
+  CycleJob job = this->job(level, b);
+  job.x = x.data();
+  job.extended = work.data();
+  layer_by_layer(
+      layers_of(band(level)), parallel,
+      [&](int layer) {
+        const auto [begin, end] = rows_of_layer(band(level), layer);
+        for (size_t i = begin * brick_side; i < end * brick_side; ++i) {
+          x.data()[i] = own.inverse.data()[i] * b.data()[i];
+          work.data()[i] = x.data()[i] * own.extent.data()[i];
+        }
+      },
+      Apart{[&](int layer) { c.coarse.restrict_residual(layer, band(level), job, c.b); }});
+  correct(level, b, work, x, nullptr, parallel);
 }
 
 double Multilevel::solve_coarsest(const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
@@ -324,7 +337,7 @@ double Multilevel::correct(size_t level, const RowArray& b, RowArray& work, RowA
                            const Parallel& parallel, Stages&&... after) {
   Coarse& c = coarse_[level];
   const NarrowBand& band = this->band(level);
-  solve(level + 1, c.b, c.work, c.x, nullptr, parallel);
+  solve(level + 1, c.b, c.work, c.x, parallel);
   if constexpr (sizeof...(Stages) > 0) clear(c.b, parallel);
   CycleJob prolong = job(level, b), smooth = prolong;
   prolong.x = c.x.data();

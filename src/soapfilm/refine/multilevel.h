@@ -77,11 +77,8 @@ class Multilevel {
   bool weigh_little(const RowArray& position_weights) const;
   void set_inverse(size_t level, const RowArray& weights, const Parallel& parallel);
   CycleJob job(size_t level, const RowArray& b) const;
-  /// Adds to the next coarser level's right side what one Jacobi step from zero leaves of b in a layer of bricks.
-  void restrict_residual(size_t level, const RowArray& b, int layer);
-  /// A V-cycle: x is about K^-1 b; returns <weight, x>, 0 without one.
-  double solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
-               const Parallel& parallel);
+  /// A V-cycle from level 1 on: x is about K^-1 b.
+  void solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const Parallel& parallel);
   double solve_coarsest(const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
                         const Parallel& parallel);
   /// The rest of it once the coarser right side is complete. `after`: stages that may read x, and add to that right

@@ -82,9 +82,10 @@ struct CycleJob {
   float omega;     ///< damping of the Jacobi steps, in (0, 1)
   const float* x;  ///< smooth() starts from it
   float* out;
-  const float* weight;  ///< smooth() returns <weight, out>; null: 0
-  float step = 0;       ///< without `inverse`: omega / (6 diffusion + reaction)
-  float reaction = 0;   ///< without `inverse`
+  const float* weight;              ///< smooth() returns <weight, out>; null: 0
+  float step = 0;                   ///< without `inverse`: omega / (6 diffusion + reaction)
+  float reaction = 0;               ///< without `inverse`
+  const float* extended = nullptr;  ///< extent x, for restrict_residual() with an extent
 };
 
 /// What CycleJob calls inverse, from the diagonal of K: the neighbours' w_ij, sqrt(weight e) and reaction e.
@@ -148,8 +149,8 @@ struct RowKernel {
   void (*saddles)(const BandRows& band, const SaddleJob& job, size_t begin, size_t end);
   void (*share)(const BandRows& band, const ShareJob& job, size_t begin, size_t end);
   void (*inverse)(const BandRows& band, const InverseJob& job, size_t begin, size_t end);
-  /// coarse += P^T (b - K (inverse b)) of one brick: the residual after one Jacobi step from zero. CycleJob's x and out
-  /// are not used. Here and below `inverse` is CycleJob's step where it has none.
+  /// coarse += P^T (b - K (inverse b)) of one brick: the residual after one Jacobi step from zero, which with an extent
+  /// is CycleJob's x already, elsewhere x is not used. Here and below `inverse` is CycleJob's step where it has none.
   void (*restrict_residual)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse);
   /// out = x + inverse (b - K x).
   double (*smooth)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);

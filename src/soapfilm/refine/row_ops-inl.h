@@ -29,11 +29,18 @@ HWY_INLINE hn::Mask<D> lanes_of(unsigned row, int x) {
   return hn::LoadMaskBits(D(), bits);
 }
 
+/// Fetches what a row further on will read of an array beyond the rows that are next to it in memory. (Those along -y
+/// have just been read.)
+HWY_INLINE void fetch_neighbors(const float* v, const Neighbors& n) {
+  for (const size_t k : {3, 4, 5}) hwy::Prefetch(v + size_t{n[k]} * brick_side);
+}
+
 /// Values of an array at slots.
 struct Plain {
   const float* v;
   HWY_INLINE V load(size_t i) const { return hn::LoadU(D(), v + i); }
   HWY_INLINE float one(size_t i) const { return v[i]; }
+  HWY_INLINE void fetch(const Neighbors& n) const { fetch_neighbors(v, n); }
 };
 
 /// Products of two arrays.
@@ -41,21 +48,11 @@ struct Product {
   const float *a, *b;
   HWY_INLINE V load(size_t i) const { return hn::Mul(hn::LoadU(D(), a + i), hn::LoadU(D(), b + i)); }
   HWY_INLINE float one(size_t i) const { return a[i] * b[i]; }
+  HWY_INLINE void fetch(const Neighbors& n) const {
+    fetch_neighbors(a, n);
+    fetch_neighbors(b, n);
+  }
 };
-
-/// Products with a third array.
-struct Weighted {
-  Product product;
-  const float* e;
-  HWY_INLINE V load(size_t i) const { return hn::Mul(product.load(i), hn::LoadU(D(), e + i)); }
-  HWY_INLINE float one(size_t i) const { return product.one(i) * e[i]; }
-};
-
-/// Fetches what a row further on will read of an array beyond the rows that are next to it in memory. (Those along -y
-/// have just been read.)
-HWY_INLINE void fetch_neighbors(const float* v, const Neighbors& n) {
-  for (const size_t k : {3, 4, 5}) hwy::Prefetch(v + size_t{n[k]} * brick_side);
-}
 
 /// The two neighbours along x.
 struct Sides {
