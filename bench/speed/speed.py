@@ -42,8 +42,13 @@ UNITS = {"KiB": 1024, "MiB": 1024**2, "GiB": 1024**3}
 def warm_memory(megabytes):
     """In huge pages where there are any, lest it leaves none to the program that follows."""
     pages = megabytes * 1_000_000 // mmap.PAGESIZE
-    use = (f"import mmap; m = mmap.mmap(-1, {pages * mmap.PAGESIZE}); m.madvise(mmap.MADV_HUGEPAGE); "
-           f"m[::{mmap.PAGESIZE}] = bytes({pages})")
+    use = f"""
+import contextlib, mmap
+memory = mmap.mmap(-1, {pages * mmap.PAGESIZE})
+with contextlib.suppress(OSError):  # of a kernel without
+    memory.madvise(mmap.MADV_HUGEPAGE)
+memory[::{mmap.PAGESIZE}] = bytes({pages})
+"""
     subprocess.run([sys.executable, "-I", "-S", "-c", use], check=True)
 
 
@@ -72,10 +77,10 @@ def planned_mb(errors):
     return float(found[1]) * UNITS[found[2]] / 1e6 if found else 0.0
 
 
-def stages(lab, words):
+def stages(lab, words, warm_mb=WARM_MB):
     """CPU seconds of each stage, from a run with --report, without the check that a report brings."""
     report = lab.work / "ours.json"
-    run(lab, [*words, "--report", report], "ours")
+    run(lab, [*words, "--report", report], "ours", warm_mb=warm_mb)
     found = json.loads(report.read_text())
     found["cpu_seconds"]["total"] -= found["cpu_seconds"].pop("check", 0)
     return found
@@ -124,14 +129,14 @@ def scaling(lab, sizes, runs):
     """Virtual scans with the same samples per voxel^2 at each size."""
     inputs = {n: Input(lab, clouds.samples_for(n, SCALING_SAMPLES_PER_VOXEL2), n) for n in sizes}
     measured = {n: [] for n in sizes}
+    warm_mb = {n: WARM_MB if n < 2048 else WARM_MB_AT_2048 for n in sizes}
     for k in range(runs):
         for resolution, cloud in inputs.items():
             lab.say(f"scaling: {cloud.name} at {resolution}, run {k + 1} of {runs}")
-            measured[resolution].append(run(lab, ours(lab, cloud, resolution), "speed",
-                                            warm_mb=WARM_MB if resolution < 2048 else WARM_MB_AT_2048))
+            measured[resolution].append(run(lab, ours(lab, cloud, resolution), "speed", warm_mb=warm_mb[resolution]))
     rows = []
     for resolution, cloud in inputs.items():
-        report = stages(lab, ours(lab, cloud, resolution))
+        report = stages(lab, ours(lab, cloud, resolution), warm_mb[resolution])
         vertices = report["grid"]["levels"][-1]["active_vertices"]
         median = medians(measured[resolution])
         spent = [median["cpu"], median["system"], report["cpu_seconds"]["solve"]]

@@ -44,7 +44,6 @@ void Displacement::stiffen() {
 }
 
 void Displacement::yield_to_bends(double medians) {
-  constexpr size_t enough_rows = 1 << 13;  // or some more of them tell the median
   constexpr float near = 0.5f,
                   reach = 1;      // voxels from the surface: up to where phi counts in full; a half so far beyond
   constexpr float follow = 0.6f;  // of the mean around that the target takes
@@ -59,7 +58,7 @@ void Displacement::yield_to_bends(double medians) {
     kernel.saddles(rows, {phi_.data(), weight.data(), product.data()}, begin, end);
   };
   if (!multilevel_.local_mean(find_bends, product, weight, weight, 1, mean, parallel_)) return;
-  const size_t stride = (band_.rows() / enough_rows) | 1;  // odd: at all places of a brick
+  const size_t stride = telling_stride(band_);
   auto squares = gather<float>((band_.rows() + stride - 1) / stride, rows_per_task, parallel_,
                                [&](size_t k, std::vector<float>& found) {
                                  const size_t first = (1 + stride * k) * brick_side;

@@ -197,8 +197,7 @@ void Multilevel::set_operator(const RowArray& position_weights, float beta, floa
 /// Whether the finest level's diagonal hardly feels them, in the mean over the vertices that they pull at.
 bool Multilevel::weigh_little(const RowArray& position_weights) const {
   constexpr double most_share = 0.25;
-  constexpr size_t enough_rows = 1 << 13;  // or some more of them tell the mean
-  const size_t stride = (fine_.rows() / enough_rows) | 1;
+  const size_t stride = telling_stride(fine_);
   double sum = 0;
   size_t count = 0;
   for (size_t row = 1; row <= fine_.rows(); row += stride)

@@ -81,6 +81,13 @@ inline RowRange rows_of_layer(const NarrowBand& band, int z) {
   return {band.first_row(begin), band.first_row(end)};
 }
 
+/// Rows so far apart tell what all of them are like: eight to sixteen thousand, where there are as many. Odd, so that
+/// they lie at all places of a brick.
+inline size_t telling_stride(const NarrowBand& band) {
+  constexpr size_t enough_rows = 1 << 13;
+  return (band.rows() / enough_rows) | 1;
+}
+
 /// body(begin, end) over rows in chunks.
 template <class Body>
 void for_rows(RowRange rows, const Parallel& parallel, Body&& body) {
