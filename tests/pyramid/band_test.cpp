@@ -127,5 +127,19 @@ TEST(Band, GrowsWhereTheInterfaceReachesTheRim) {
   EXPECT_TRUE(grown.test({3, 3, 2}));
 }
 
+TEST(Band, WidensAcrossItsFacesWithinTheCoarseBand) {
+  Blank blank;
+  BrickMask parents(blank.coarse.box.bricks);
+  parents.set({1, 1, 1});
+  parents.set({2, 1, 1});
+  const BrickGrid coarse(parents, one_thread);
+  BrickMask band(blank.lattice.box(0).bricks);
+  band.set({3, 3, 3});
+  const BrickMask wide = widened(band, coarse);
+  // Up y and up z lies the next parent, which the coarse band does not hold.
+  EXPECT_EQ(wide.count(), 5u);
+  for (const Vec3i brick : {Vec3i{3, 3, 3}, {2, 3, 3}, {4, 3, 3}, {3, 2, 3}, {3, 3, 2}}) EXPECT_TRUE(wide.test(brick));
+}
+
 }  // namespace TEST_FILE
 }  // namespace soapfilm

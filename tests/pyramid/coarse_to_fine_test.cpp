@@ -122,7 +122,7 @@ TEST(CoarseToFine, LevelsThatDoNotPayTellWhereToStart) {
   for (auto report = guided.reports.begin(); report != start; ++report) {
     EXPECT_GE(report->lambda_share, 0.25);
     EXPECT_LT(report->lambda_share, (report + 1)->lambda_share) << "the coarser, the less";
-    EXPECT_EQ(report->tolerance, 1e-3);
+    EXPECT_EQ(report->tolerance, 1e-2);
     EXPECT_LE(report->energies.relative_gap_band(lambda * report->lambda_share * std::pow(4, report->level)),
               report->tolerance);
   }
@@ -181,7 +181,7 @@ TEST(CoarseToFine, ShowsItsObserverEveryLevelAndEveryEvaluation) {
 }
 
 /// A rim must not fix a flux that the finer ball cannot carry on. Here, in the part's inner corner, one did: the band
-/// answered with a void along its rim and never converged.
+/// answered with a void along its rim and never converged, until it is widened.
 TEST(CoarseToFine, ConvergesWhereTheFluxMustTurnSlow) {
   const Problem problem = make_problem(sampled("part", 256, 2), 256);
   PrimalDualParams params;
@@ -192,6 +192,9 @@ TEST(CoarseToFine, ConvergesWhereTheFluxMustTurnSlow) {
   const PyramidSolution solution =
       solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, one_thread, progress);
   for (const LevelReport& report : solution.reports) EXPECT_TRUE(report.converged) << "level " << report.level;
+  EXPECT_TRUE(std::any_of(solution.reports.begin(), solution.reports.end(), [](const LevelReport& report) {
+    return report.band_growths > 0;
+  })) << "the case tells nothing: no band was too tight";
   EXPECT_LT(solution.reports.back().energies.relative_gap(lambda), 5e-4);
 }
 

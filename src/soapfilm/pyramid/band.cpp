@@ -74,19 +74,6 @@ unsigned infeasible_octants(const Level& level, size_t brick) {
   return octants;
 }
 
-/// `band` and the bricks beside it whose parents the coarse band holds.
-BrickMask widened(const BrickMask& band, const Level& coarse) {
-  BrickMask wide = band;
-  band.for_each([&](Vec3i b) {
-    for (int axis = 0; axis < 3; ++axis)
-      for (const int slot : {slot_down[axis], slot_up[axis]}) {
-        const Vec3i n = b + slot_offset(slot);
-        if (coarse.grid.find(parent_of(n)) >= 0) wide.set(n);
-      }
-  });
-  return wide;
-}
-
 BrickMask interface_children(const Level& coarse, const std::vector<BrickBits>& interface, Vec3i fine_bricks,
                              const Parallel& parallel) {
   BrickMask mask(fine_bricks);
@@ -96,7 +83,7 @@ BrickMask interface_children(const Level& coarse, const std::vector<BrickBits>& 
     for (int k = 0; k < 8; ++k)
       if (octants >> k & 1u) mask.set_shared(child_of(coarse.grid.coord(b), k));
   });
-  return coarse.box.level > 1 ? widened(mask, coarse) : mask;
+  return mask;
 }
 
 /// Of each brick.
@@ -161,6 +148,18 @@ BrickMask growth(const Level& level, const BrickGrid& coarse, const Parallel& pa
       }
   });
   return grown;
+}
+
+BrickMask widened(const BrickMask& band, const BrickGrid& coarse) {
+  BrickMask wide = band;
+  band.for_each([&](Vec3i b) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int slot : {slot_down[axis], slot_up[axis]}) {
+        const Vec3i next = b + slot_offset(slot);
+        if (coarse.find(parent_of(next)) >= 0) wide.set(next);
+      }
+  });
+  return wide;
 }
 
 }  // namespace soapfilm

@@ -12,10 +12,7 @@ namespace soapfilm {
 ///   every pair of neighbours whose rounded u differ (the interface), and
 ///   every vertex I where sqrt(sum_k max(|P_k[I - e_k]|, |P_k[I]|)^2) > lambda: elsewhere the prolonged dual is
 ///   feasible on all finer levels (with the anisotropic norm it is everywhere: prolongation takes means), so leaving
-///   the brick out costs the certificate nothing but this level's own gap, and below the finest level the bricks beside
-///   these: a rim close to where the flux must turn fixes a flux that the finer ball cannot carry on, and the band
-///   would answer with a void along its rim. So the finest level's rim has the flux of the next coarser level, and room
-///   to grow.
+///   the brick out costs the certificate nothing but this level's own gap.
 BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel);
 
 /// The band of the level below `coarse`: interface_children() and the bricks of its data, `support`. The finest level
@@ -27,5 +24,9 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
 /// The bricks just outside the band that its interface has reached (rounded u differs across the rim) and whose parent
 /// the coarse band holds: where the band must grow.
 BrickMask growth(const Level& level, const BrickGrid& coarse, const Parallel& parallel);
+
+/// `band` and the bricks beside it whose parents the coarse band holds: for a band that does not converge. A rim close
+/// to where the flux must turn may fix a flux that the finer ball cannot carry on.
+BrickMask widened(const BrickMask& band, const BrickGrid& coarse);
 
 }  // namespace soapfilm

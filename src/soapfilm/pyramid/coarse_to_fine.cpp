@@ -15,6 +15,7 @@ namespace soapfilm {
 namespace {
 
 constexpr int max_growths = 8;
+constexpr int patience = 128;           // iterations; bands with room enough take 16 to 112
 constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that the finest band leaves out
 
 /// What a level is solved to. The two finest take almost all of the time. The finest has the tolerance itself:
@@ -24,11 +25,15 @@ constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that
 /// a hole stays there.
 double tolerance_of(int level, int start, double tolerance) {
   constexpr double next_to_finest = 2, coarse_tolerance = 3e-4;
-  constexpr double rough = 1e-3;  // of levels that only tell where to start
+  constexpr double rough = 1e-2;  // of levels that only tell where to start
   if (level > start) return rough;
   if (level == 0) return tolerance;
   return level == 1 && level < start ? next_to_finest * tolerance : std::min(tolerance, coarse_tolerance);
 }
+
+/// sigma in units of the one that the parameters ask for. Where faded flux (flux_kept()) has to come back, and the band
+/// leaves it room to, more of it per iteration saves some; elsewhere it costs some.
+double balance_of(int level, int start) { return level > 1 && level < start ? 1.4 : 1.0; }
 
 /// How much of the coarser level's flux a level on a band starts from. A level that hardly sees the data sends flux
 /// through all of the interior to spread it, up to |p| = lambda; finer levels need nothing of it. At full size it would
@@ -103,7 +108,7 @@ class Descent {
       report.lambda_share = shares[static_cast<size_t>(l)];
       if (l >= start_) {
         level = on_whole_box(std::move(level), field, report);
-        solve(level, report);
+        solve(level, report, params_.max_iterations);
       } else {
         coarser.erase(coarser.begin() + l, coarser.end());  // its work is done: nobody reads coarse.data() from here
         const double scale = std::max(std::abs(solution.reports.back().energies.dual), 1000 * lambda_);
@@ -141,12 +146,15 @@ class Descent {
                          : prolong_level(coarse, box, band, field, parallel_);
     const BrickGrid held = finest ? std::move(coarse.grid) : coarse.grid;
     if (finest) coarse = {};
-    for (;;) {
-      solve(level, report);
+    for (bool tight = !finest && params_.max_iterations > patience;;) {
+      solve(level, report, tight ? patience : params_.max_iterations);
       if (report.band_growths == max_growths) return level;
       const BrickMask grown = growth(level, held, parallel_);
-      if (grown.count() == 0) return level;
+      const bool widen = tight && !report.converged;
+      if (grown.count() == 0 && !widen) return level;
       band |= grown;
+      if (widen) band = widened(band, held);
+      tight = tight && !widen;
       if (coarse.grid.size() == 0)
         coarse = Descent(lattice_, support_, lambda_, params_, parallel_, progress_, norm_, {}).to(1).finest;
       level = prolong_level(coarse, box, band, field, parallel_, std::move(level));
@@ -154,9 +162,11 @@ class Descent {
     }
   }
 
-  void solve(Level& level, LevelReport& report) const {
+  void solve(Level& level, LevelReport& report, int most_iterations) const {
     PrimalDualParams params = params_;
+    params.max_iterations = std::min(params.max_iterations, most_iterations);
     report.tolerance = params.tolerance = tolerance_of(report.level, start_, params_.tolerance);
+    params.step_balance *= balance_of(report.level, start_);
     PrimalDualRun run;
     // Flux that has faded (flux_kept()) has yet to settle: of the levels on a band the finest alone keeps it all.
     run.late = report.level == 0 && start_ > 0;
