@@ -132,8 +132,9 @@ def scaling(lab, sizes, runs):
     warm_mb = {n: WARM_MB if n < 2048 else WARM_MB_AT_2048 for n in sizes}
     for k in range(runs):
         for resolution, cloud in inputs.items():
-            lab.say(f"scaling: {cloud.name} at {resolution}, run {k + 1} of {runs}")
-            measured[resolution].append(run(lab, ours(lab, cloud, resolution), "speed", warm_mb=warm_mb[resolution]))
+            for _ in range(max(1, 1024 // resolution)):  # less than a second tells little
+                lab.say(f"scaling: {cloud.name} at {resolution}, run {k + 1} of {runs}")
+                measured[resolution].append(run(lab, ours(lab, cloud, resolution), "speed", warm_mb=warm_mb[resolution]))
     rows = []
     for resolution, cloud in inputs.items():
         report = stages(lab, ours(lab, cloud, resolution), warm_mb[resolution])
