@@ -98,7 +98,7 @@ TEST(MethodReport, WarnsOfTheLevelsThatStoppedTooEarly) {
   for (const LevelReport& level : report.levels) {
     EXPECT_FALSE(level.converged) << level.level;
     if (level.lambda_share == 1)
-      expected.push_back(fmt::format("level {}: not converged after 1 iteration", level.level));
+      expected.push_back(fmt::format("level {}: not converged after 1 iterations", level.level));
   }
   ASSERT_GE(expected.size(), 2u);
   ASSERT_LT(expected.size(), report.levels.size());

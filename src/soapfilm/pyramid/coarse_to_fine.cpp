@@ -134,7 +134,8 @@ class Descent {
     return level;
   }
 
-  /// The level below `coarse`, on a band that grows until its interface stays within.
+  /// The level below `coarse`, on a band that grows until its interface stays within; above the finest level it is
+  /// widened once if it does not converge.
   Level solve_on_band(Level coarse, const SupportField& field, double allowed, LevelReport& report) {
     const LevelBox box = lattice_.box(report.level);
     if (report.level > 0) scale_flux(coarse, flux_kept(report.level), parallel_);
@@ -146,15 +147,18 @@ class Descent {
                          : prolong_level(coarse, box, band, field, parallel_);
     const BrickGrid held = finest ? std::move(coarse.grid) : coarse.grid;
     if (finest) coarse = {};
-    for (bool tight = !finest && params_.max_iterations > patience;;) {
+    bool tight = !finest && params_.max_iterations > patience;
+    for (;;) {
       solve(level, report, tight ? patience : params_.max_iterations);
       if (report.band_growths == max_growths) return level;
       const BrickMask grown = growth(level, held, parallel_);
       const bool widen = tight && !report.converged;
       if (grown.count() == 0 && !widen) return level;
       band |= grown;
-      if (widen) band = widened(band, held);
-      tight = tight && !widen;
+      if (widen) {
+        band = widened(band, held);
+        tight = false;
+      }
       if (coarse.grid.size() == 0)
         coarse = Descent(lattice_, support_, lambda_, params_, parallel_, progress_, norm_, {}).to(1).finest;
       level = prolong_level(coarse, box, band, field, parallel_, std::move(level));
@@ -164,7 +168,7 @@ class Descent {
 
   void solve(Level& level, LevelReport& report, int most_iterations) const {
     PrimalDualParams params = params_;
-    params.max_iterations = std::min(params.max_iterations, most_iterations);
+    params.max_iterations = most_iterations;
     report.tolerance = params.tolerance = tolerance_of(report.level, start_, params_.tolerance);
     params.step_balance *= balance_of(report.level, start_);
     PrimalDualRun run;
