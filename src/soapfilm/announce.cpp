@@ -10,7 +10,7 @@
 namespace soapfilm {
 
 void announce_grid(const ReconstructReport& report, Progress& progress) {
-  const Vec3i n = report.lattice.size;
+  const Vec3i n = report.lattice.to_world_axes(report.lattice.size);
   const std::string weight =
       weighs_area(report.params.method) ? fmt::format("lambda {:.3g}, ", report.certificate.lambda) : "";
   progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, {}memory {}", n.x, n.y, n.z,

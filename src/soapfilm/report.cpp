@@ -43,7 +43,7 @@ ordered_json grid_json(const ReconstructReport& report) {
                       {"relative_gap", l.energies.relative_gap(lambda)},
                       {"relative_gap_band", l.energies.relative_gap_band(lambda)}});
   }
-  return {{"size", vector_json(lattice.size)},
+  return {{"size", vector_json(lattice.to_world_axes(lattice.size))},
           {"voxel", lattice.voxel},
           {"first_vertex", vector_json(lattice.first_vertex)},
           {"padding", lattice.padding},

@@ -267,6 +267,32 @@ TEST(Vrip, GeoreferencedScansLoseNothing) {
   for (size_t i = 0; i < mesh.vertices.size(); ++i) ASSERT_LT(norm(mesh.vertices[i] - far - near.vertices[i]), 1e-6);
 }
 
+/// Scans along other axes of the world on a lattice that takes them back: the same, turned.
+TEST(Vrip, TurnedAxesTurnTheMeshExactly) {
+  for (const Rays rays : {Rays::parallel, Rays::central}) {
+    ScannerParams scanner = scanner_of(16);
+    scanner.rays = rays;
+    scanner.noise = 0.01;
+    const PointCloud cloud = scans_of_sphere(scanner);
+    const Mesh mesh = fuse(cloud, lattice_of(16)).mesh;
+    for (const int turn : {1, 2}) {
+      Lattice lattice = lattice_of(16);
+      lattice.turn = turn;
+      lattice.first_vertex = lattice.to_world_axes(lattice.first_vertex);
+      PointCloud other = cloud;
+      for (Vec3d& p : other.positions) p = lattice.to_world_axes(p);
+      for (Scan& scan : other.scans) {
+        if (scan.sensor) scan.sensor = lattice.to_world_axes(*scan.sensor);
+        if (scan.view_direction) scan.view_direction = lattice.to_world_axes(*scan.view_direction);
+      }
+      const Mesh turned = fuse(other, lattice).mesh;
+      ASSERT_EQ(turned.triangles, mesh.triangles);
+      for (size_t i = 0; i < mesh.vertices.size(); ++i)
+        ASSERT_LT(norm(lattice.from_world_axes(turned.vertices[i]) - mesh.vertices[i]), 1e-9);
+    }
+  }
+}
+
 TEST(Vrip, DroppedSamplesAreHolesInTheRangeGrid) {
   PointCloud cloud = scans_of_sphere(scanner_of(16));
   Random random(7);

@@ -13,14 +13,34 @@ Box3d box(Vec3d lo, Vec3d size) { return {lo, lo + size}; }
 TEST(Lattice, CountsVerticesAsThePaperDoes) {
   const Box3d samples = box({0, 0, 0}, {500, 469.2, 365.5});
   const Lattice lattice = place_lattice(samples, voxel_of_resolution(samples, 512, 6), 6);
-  EXPECT_EQ(lattice.size, (Vec3i{512, 482, 378}));
+  EXPECT_EQ(lattice.to_world_axes(lattice.size), (Vec3i{512, 482, 378}));
   EXPECT_DOUBLE_EQ(lattice.voxel, 1.0);
 }
 
 TEST(Lattice, FirstVertexIsHalfAVoxelShortOfThePaddingBelowTheSamples) {
   const Lattice lattice = place_lattice(box({10, 20, 30}, {5, 4, 3}), 0.5, 6);
   EXPECT_EQ(lattice.first_vertex, (Vec3d{10 - 2.75, 20 - 2.75, 30 - 2.75}));
-  EXPECT_EQ(lattice.size, (Vec3i{10 + 12, 8 + 12, 6 + 12}));
+  EXPECT_EQ(lattice.to_world_axes(lattice.size), (Vec3i{10 + 12, 8 + 12, 6 + 12}));
+}
+
+TEST(Lattice, TurnsItsAxesUntilLayersAlongZAreSmall) {
+  const auto turn = [](Vec3d length) { return place_lattice(box({1, 2, 3}, length), 0.5, 6).turn; };
+  EXPECT_EQ(turn({50, 50, 50}), 0);
+  EXPECT_EQ(turn({5, 6, 90}), 0);
+  EXPECT_EQ(turn({90, 5, 6}), 1);
+  EXPECT_EQ(turn({6, 90, 5}), 2);
+  // Layers hardly differ: long rows.
+  EXPECT_EQ(turn({90, 90, 5}), 1);
+  EXPECT_EQ(turn({5, 90, 90}), 2);
+  EXPECT_EQ(turn({90, 5, 90}), 0);
+  for (const Vec3d length : {Vec3d{50, 40, 30}, {30, 50, 40}, {40, 30, 50}, {90, 5, 6}, {6, 90, 5}}) {
+    const Lattice lattice = place_lattice(box({1, 2, 3}, length), 0.5, 6);
+    const Vec3d p{4, 4.5, 4.75};
+    const Vec3d q = lattice.to_lattice(p) - lattice.to_lattice({1, 2, 3});
+    EXPECT_EQ(lattice.to_world_axes(q), (Vec3d{6, 5, 3.5}));
+    EXPECT_EQ(lattice.to_world(lattice.to_lattice(p)), p);
+    for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(lattice.size[axis], 2 * length[(axis + lattice.turn) % 3] + 12);
+  }
 }
 
 TEST(Lattice, AWholeNumberOfVoxelsGainsNoCellByRounding) {
@@ -89,7 +109,7 @@ TEST(Lattice, ALevelOfItsOwnLiesWhereItsChildrenAre) {
       for (int k = 0; k < cell * cell * cell; ++k)
         children += lattice.to_world(Vec3d(v * cell + Vec3i{k % cell, k / cell % cell, k / (cell * cell)}));
       const Vec3d middle = children / static_cast<double>(cell * cell * cell);
-      for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(level.to_world(Vec3d(v))[axis], middle[axis], 2e-8);
+      for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(level.to_world(Vec3d(v))[axis], middle[axis], 1e-7);
     }
     // Together they cover the grid, and hardly more.
     for (int axis = 0; axis < 3; ++axis) {

@@ -28,10 +28,6 @@ Solved solved(const PointCloud& cloud, const Lattice& lattice) {
           evaluate_energy(solution.finest, {}, one_thread)};
 }
 
-Lattice lattice_of(const PointCloud& cloud, int resolution) {
-  return place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), resolution, 6), 6);
-}
-
 PointCloud noisy(const std::string& shape, double noise_vox) {
   constexpr int resolution = 56;
   PointCloud cloud = sampled(shape, resolution, 1);
@@ -49,7 +45,7 @@ const Case cases[] = {{"sphere", 0}, {"part", 0}, {"knot", 0}, {"torus", 0.33}, 
 class Symmetry : public testing::TestWithParam<Case> {
  protected:
   PointCloud cloud = noisy(GetParam().shape, GetParam().noise_vox);
-  Lattice lattice = lattice_of(cloud, 56);
+  Lattice lattice = unturned(lattice_of(cloud, 56));
   Solved original = solved(cloud, lattice);
 };
 
@@ -63,7 +59,7 @@ TEST_P(Symmetry, AxisPermutationsPermuteTheLabels) {
   for (const std::array<int, 3> from : {std::array{1, 2, 0}, std::array{1, 0, 2}, std::array{2, 1, 0}}) {
     const PointCloud turned = transformed(
         cloud, [&](Vec3d p) { return permuted(p, from); }, [&](Vec3f n) { return permuted(n, from); });
-    const Solved other = solved(turned, lattice_of(turned, 56));
+    const Solved other = solved(turned, unturned(lattice_of(turned, 56)));
     EXPECT_EQ(other.lattice.size, permuted(lattice.size, from));
     size_t different = 0;
     original.labels.for_each([&](Vec3i v) { different += original.labels[v] != other.labels.get(permuted(v, from)); });
@@ -197,6 +193,24 @@ TEST(Units, PowersOfTwoScaleTheMeshExactly) {
     EXPECT_EQ(other.mesh.triangles, original.mesh.triangles);
     for (size_t i = 0; i < original.mesh.vertices.size(); ++i)
       ASSERT_EQ(other.mesh.vertices[i], original.mesh.vertices[i] * factor);
+  }
+}
+
+/// Where the lattice turns along, x, y and z in turn change nothing.
+TEST(Axes, TurningThemTurnsTheMeshExactly) {
+  for (const double noise : {0.0, 0.3}) {
+    const PointCloud cloud = noisy("part", noise);
+    const Reconstruction original = reconstructed(cloud);
+    for (const int turn : {1, 2}) {
+      const Reconstruction other = reconstructed(transformed(
+          cloud, [&](Vec3d p) { return turned(p, turn); }, [&](Vec3f n) { return turned(n, turn); }));
+      EXPECT_NE(other.report.lattice.turn, original.report.lattice.turn);
+      EXPECT_EQ(other.report.certificate.binary.primal, original.report.certificate.binary.primal);
+      EXPECT_EQ(other.mesh.triangles, original.mesh.triangles);
+      ASSERT_EQ(other.mesh.vertices.size(), original.mesh.vertices.size());
+      for (size_t i = 0; i < original.mesh.vertices.size(); ++i)
+        ASSERT_EQ(other.mesh.vertices[i], turned(original.mesh.vertices[i], turn));
+    }
   }
 }
 

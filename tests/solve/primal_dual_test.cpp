@@ -105,7 +105,7 @@ TEST(PrimalDual, EstimatesTellALargeLevelsGap) {
   for (const Level& level : levels) {
     const double gap = evaluate_energy(level, {}, one_thread).relative_gap_band(level.lambda);
     const double estimated = estimate_gap(level, one_thread);
-    EXPECT_NEAR(estimated, gap, 0.2 * gap);
+    EXPECT_NEAR(estimated, gap, 0.25 * gap);  // by 150 and 440 bricks
     for (const int threads : {2, 3, 8}) EXPECT_EQ(estimate_gap(level, Parallel(threads)), estimated);
   }
 }

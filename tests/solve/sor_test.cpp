@@ -262,7 +262,8 @@ TEST(Sor, KeepsTheAxesEqual) {
       [](Vec3f n) {
         return Vec3f{n.z, n.x, n.y};
       });
-  const Problem problem = make_problem(cloud, 40), turned_problem = make_problem(turned, 40);
+  const Problem problem = make_problem(cloud, unturned(lattice_of(cloud, 40))),
+                turned_problem = make_problem(turned, unturned(lattice_of(turned, 40)));
   SorParams params;
   params.order = SorOrder::red_black;
   params.max_iterations = 40;

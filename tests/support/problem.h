@@ -19,6 +19,19 @@ struct Problem {
   SupportField support;
 };
 
+/// `resolution` vertices along the longest axis, padding 6.
+inline Lattice lattice_of(const PointCloud& cloud, int resolution) {
+  constexpr int padding = 6;
+  return place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), resolution, padding), padding);
+}
+
+/// Along the world's axes, whichever is the longest.
+inline Lattice unturned(Lattice lattice) {
+  lattice.size = lattice.to_world_axes(lattice.size);
+  lattice.turn = 0;
+  return lattice;
+}
+
 inline Problem make_problem(const PointCloud& cloud, const Lattice& lattice, int threads = 1) {
   const Parallel parallel(threads);
   Problem problem{lattice, sort_samples(cloud, cloud.normals, lattice, parallel), {}};
@@ -26,11 +39,8 @@ inline Problem make_problem(const PointCloud& cloud, const Lattice& lattice, int
   return problem;
 }
 
-/// `resolution` vertices along the longest axis, padding 6.
 inline Problem make_problem(const PointCloud& cloud, int resolution) {
-  constexpr int padding = 6;
-  return make_problem(cloud,
-                      place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), resolution, padding), padding));
+  return make_problem(cloud, lattice_of(cloud, resolution));
 }
 
 inline double area_of(const Surface& surface) { return surface.tessellate(1e-3 * surface.box().longest()).area(); }

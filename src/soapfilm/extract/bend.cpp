@@ -33,11 +33,13 @@ Vec3d normal_at(const SmoothField& field, Vec3d point) {
   return jet ? normalized(jet->gradient) : Vec3d{};
 }
 
+/// Along the world's axes.
 std::vector<Vec3f> vertex_normals(const Mesh& mesh, const SmoothField& field, const Lattice& lattice,
                                   const Parallel& parallel) {
   std::vector<Vec3f> normals(mesh.vertices.size());
-  parallel.for_each(normals.size(), points_per_task,
-                    [&](size_t v) { normals[v] = Vec3f(normal_at(field, lattice.to_lattice(mesh.vertices[v]))); });
+  parallel.for_each(normals.size(), points_per_task, [&](size_t v) {
+    normals[v] = lattice.to_world_axes(Vec3f(normal_at(field, lattice.to_lattice(mesh.vertices[v]))));
+  });
   return normals;
 }
 
@@ -69,7 +71,7 @@ class Bending {
     parallel_.for_each(start.size(), points_per_task, [&](size_t v) {
       const bool stays = v < old_ && !is_end_[v];
       const Vec3d p = v >= old_ ? middles_[v - old_] : stays ? lattice_.to_lattice(start[v]) : ends_[v];
-      const Vec3d normal = stays ? Vec3d(normals[v]) : normal_at(field_, p);
+      const Vec3d normal = stays ? Vec3d(lattice_.from_world_axes(normals[v])) : normal_at(field_, p);
       mesh_.vertices[v] = lattice_.to_world(p + normal * leftover.mean_at(p, normal));
     });
     release(ends_);

@@ -78,7 +78,8 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   make_room(samples.lot);
   for_each_place([&](size_t i, size_t k, Vec3f local) {
     samples.local[k] = local;
-    samples.direction[k] = cloud.weights.empty() ? directions[i] : directions[i] * cloud.weights[i];
+    const Vec3f direction = lattice.from_world_axes(directions[i]);
+    samples.direction[k] = cloud.weights.empty() ? direction : direction * cloud.weights[i];
     samples.source[k] = static_cast<uint32_t>(i);
     samples.lot[k] = lot_of(i);
   });

@@ -19,7 +19,7 @@ struct GridSamples {
   BrickGrid bricks;              ///< the bricks that hold at least one sample
   std::vector<uint32_t> begin;   ///< brick b holds samples [begin[b], begin[b + 1])
   std::vector<Vec3f> local;      ///< position relative to the brick's first vertex, voxels, each in [0, 8)
-  std::vector<Vec3f> direction;  ///< weak outward direction times the sample's weight
+  std::vector<Vec3f> direction;  ///< weak outward direction along the lattice's axes, times the sample's weight
   std::vector<uint32_t> source;  ///< index of the sample in the cloud; dropped once nobody asks the cloud any more
   std::vector<uint8_t> lot;      ///< random bits for each, the same wherever the grid lies: lot_of(source)
 

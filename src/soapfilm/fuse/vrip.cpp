@@ -143,7 +143,8 @@ struct PlacedScan {
       : view(scan), surface(range) {
     positions.reserve(scan.size());
     for (size_t i = scan.begin; i < scan.end; ++i) positions.push_back(lattice.to_lattice(cloud.positions[i]));
-    if (view.is_central()) view = Viewpoint::central(lattice.to_lattice(view.vector()));
+    view = view.is_central() ? Viewpoint::central(lattice.to_lattice(view.vector()))
+                             : Viewpoint::parallel(lattice.from_world_axes(view.vector()));
   }
 
   SightPrism prism(size_t triangle, Vec3d origin, Ramp ramp) const {

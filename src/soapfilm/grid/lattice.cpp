@@ -26,6 +26,21 @@ int vertices_along(double length, double voxel, int padding) {
   return static_cast<int>(vertices);
 }
 
+/// Rows are what memory is fetched ahead along: short ones cost more than layers somewhat larger.
+int turn_of(Vec3i along_world) {
+  constexpr double much_larger = 1.25;
+  const auto layer = [&](int turn) {
+    const Vec3i size = turned(along_world, turn);
+    return static_cast<double>(size.x) * size.y;
+  };
+  const double least = std::min({layer(0), layer(1), layer(2)});
+  int best = -1;
+  for (int turn = 0; turn < 3; ++turn)
+    if (layer(turn) <= much_larger * least && (best < 0 || turned(along_world, turn).x > turned(along_world, best).x))
+      best = turn;
+  return best;
+}
+
 }  // namespace
 
 LevelBox Lattice::box(int level) const {
@@ -64,7 +79,10 @@ Lattice place_lattice(const Box3d& samples, double voxel, int padding, int level
   lattice.voxel = voxel;
   lattice.padding = padding;
   const Vec3d length = samples.size();
-  for (int axis = 0; axis < 3; ++axis) lattice.size[axis] = vertices_along(length[axis], voxel, padding);
+  Vec3i along_world;
+  for (int axis = 0; axis < 3; ++axis) along_world[axis] = vertices_along(length[axis], voxel, padding);
+  lattice.turn = turn_of(along_world);
+  lattice.size = lattice.from_world_axes(along_world);
   const double below = (padding - 0.5) * voxel;
   lattice.first_vertex = samples.lo - Vec3d{below, below, below};
 

@@ -8,6 +8,9 @@
 //
 // so on every level vertex 0 is fixed and the faces of the fixed layer exist. Beyond the free vertices u = 0
 // everywhere.
+//
+// The axes are the world's, turned among themselves so that layers along z are small: passes go through the lattice
+// layer by layer, and the smaller these are, the more of what one pass leaves is still in the cache for the next.
 #pragma once
 
 #include "soapfilm/core/box.h"
@@ -33,11 +36,22 @@ struct LevelBox {
 };
 
 struct Lattice {
-  Vec3i size;          ///< reported vertices along each axis, padding included
+  Vec3i size;          ///< reported vertices along each of its axes, padding included
+  int turn = 0;        ///< its axis k is the world's axis (k + turn) % 3
   int levels = 1;      ///< of the pyramid; level 0 is the finest
   int padding = 6;     ///< cells between the samples' box and the border
   double voxel = 1;    ///< edge of a cell, input units
   Vec3d first_vertex;  ///< world position of reported vertex (0, 0, 0)
+
+  /// A vector along the world's axes, along the lattice's; and back.
+  template <class T>
+  Vec3<T> from_world_axes(Vec3<T> v) const {
+    return turned(v, turn);
+  }
+  template <class T>
+  Vec3<T> to_world_axes(Vec3<T> v) const {
+    return turned(v, 3 - turn);
+  }
 
   int margin() const { return 1 << (levels - 1); }
   double vertices() const { return static_cast<double>(size.x) * size.y * size.z; }
@@ -45,11 +59,11 @@ struct Lattice {
   /// Lattice coordinates of a world position, in voxels. Computed in double: georeferenced input loses nothing.
   Vec3d to_lattice(Vec3d world) const {
     const double m = margin();
-    return (world - first_vertex) / voxel + Vec3d{m, m, m};
+    return from_world_axes(world - first_vertex) / voxel + Vec3d{m, m, m};
   }
   Vec3d to_world(Vec3d lattice) const {
     const double m = margin();
-    return first_vertex + (lattice - Vec3d{m, m, m}) * voxel;
+    return first_vertex + to_world_axes(lattice - Vec3d{m, m, m}) * voxel;
   }
 
   LevelBox box(int level) const;
@@ -59,9 +73,10 @@ struct Lattice {
 };
 
 /// Places a grid of the given voxel around the samples' box: N_k = ceil(L_k / voxel) + 2 padding, the first vertex
-/// (padding - 1/2) voxels below the box. `levels` 0 chooses: at least the paper's three, more until the coarsest level
-/// has at most 24 vertices along its longest axis.
-/// Throws ParameterError when voxel <= 0, padding < 2, or an axis would pass 16384 vertices.
+/// (padding - 1/2) voxels below the box. The axes are turned so that layers along z are at most a quarter larger than
+/// the smallest, and of such turns the one with the longest rows along x is taken. `levels` 0 chooses: at least the
+/// paper's three, more until the coarsest level has at most 24 vertices along its longest axis. Throws ParameterError
+/// when voxel <= 0, padding < 2, or an axis would pass 16384 vertices.
 Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels = 0);
 
 /// The voxel that gives `resolution` vertices along the longest axis: h = L_max / (resolution - 2 padding).

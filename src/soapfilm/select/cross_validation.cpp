@@ -136,7 +136,7 @@ CrossValidationReport choose_lambda(const PointCloud& cloud, std::span<const Vec
   CrossValidationReport report;
   report.folds = folds.count;
   report.whole_scans = folds.whole_scans;
-  report.grid = lattice.size;
+  report.grid = lattice.to_world_axes(lattice.size);
   report.voxel = lattice.voxel;
   report.indifference = params.indifference;
   report.curve = error_curve(params.candidates, flux);

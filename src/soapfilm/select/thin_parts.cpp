@@ -184,11 +184,12 @@ std::vector<ThinPart> confirmed(const Sides& low, const SupportField& trained, c
 std::vector<float> weights_on(const Probe& probe, const Lost& lost, const Sides& low, double most_weight) {
   constexpr int radius = 4;  // voxels around a sample
   const auto lattice_position = [&](size_t i) { return probe.lattice.to_lattice(probe.cloud.positions[i]); };
+  const auto direction = [&](size_t i) { return probe.lattice.from_world_axes(probe.directions[i]); };
   const auto nearest = [&](size_t i) { return Vec3i(lattice_position(i) + Vec3d{0.5, 0.5, 0.5}); };
   std::vector<uint8_t> on_part(probe.cloud.size());
   probe.parallel.for_each(on_part.size(), 4096, [&](size_t i) {
     on_part[i] =
-        speaks(probe.cloud, probe.directions, i) && lies_on(lattice_position(i), probe.directions[i], low, lost.label);
+        speaks(probe.cloud, probe.directions, i) && lies_on(lattice_position(i), direction(i), low, lost.label);
   });
 
   DenseField<float> count(probe.lattice.box(0)), area(probe.lattice.box(0));
@@ -217,7 +218,7 @@ std::vector<float> weigh_thin_parts(const PointCloud& cloud, std::span<const Vec
                                     const PrimalDualParams& solver, const Parallel& parallel, Progress& progress,
                                     ThinPartsReport& report) {
   const Lattice lattice = coarse_lattice(cloud, finest, params.max_resolution, parallel);
-  report.grid = lattice.size;
+  report.grid = lattice.to_world_axes(lattice.size);
   report.voxel = lattice.voxel;
   size_t speaking = 0;
   for (size_t i = 0; i < cloud.size(); ++i) speaking += speaks(cloud, directions, i);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/core/random.h"
 #include "soapfilm/solve/energy_kernel.h"
 
 namespace soapfilm {
@@ -142,11 +143,14 @@ double outside_variation(const Level& level, const Parallel& parallel) {
   return faces;
 }
 
-/// term(i) for every `stride`-th i < count.
+/// term(i) for one of every `stride` i < count, drawn by lot: bricks at equal distances may all lie in one wall.
 template <class Term>
 std::vector<EnergyTerms> terms_of_every(size_t stride, size_t count, const Parallel& parallel, Term&& term) {
   std::vector<EnergyTerms> terms((count + stride - 1) / stride);
-  parallel.for_each(terms.size(), 256, [&](size_t k) { terms[k] = term(k * stride); });
+  parallel.for_each(terms.size(), 256, [&](size_t k) {
+    const size_t begin = k * stride, size = std::min(stride, count - begin);
+    terms[k] = term(begin + Random(k).next() % size);
+  });
   return terms;
 }
 
@@ -213,7 +217,7 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
 }
 
 double estimate_gap(const Level& level, const Parallel& parallel) {
-  constexpr size_t stride = 7;  // rows of bricks are often multiples of 8
+  constexpr size_t stride = 7;
   const Evaluator evaluator{level, {}, 1.0};
   const size_t bricks = level.grid.size();
   EnergyTerms sum =
