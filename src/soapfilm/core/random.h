@@ -1,6 +1,7 @@
 // Random numbers with explicit seeds, the same on every platform: the standard library's distributions are not.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -30,5 +31,12 @@ class Random {
  private:
   uint64_t state_;
 };
+
+/// One index of the k-th stretch of `length` in [0, count), by lot: such at equal distances may all lie alike, as in
+/// one layer of every brick.
+inline size_t one_of_stretch(size_t k, size_t length, size_t count) {
+  const size_t begin = k * length;
+  return begin + Random(k).next() % std::min(length, count - begin);
+}
 
 }  // namespace soapfilm

@@ -25,6 +25,7 @@ uint8_t lot_of(size_t source) {
 GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
                          const Parallel& parallel, const std::function<bool(size_t)>& wanted) {
   GridSamples samples;
+  samples.turn = lattice.turn;
   // visit(i, brick, is_new, position) for samples [begin, end) that take part. Neighbours in a scan mostly share a
   // brick: it is looked up where it changes.
   const auto for_each_sample = [&](size_t begin, size_t end, auto&& visit) {

@@ -17,6 +17,7 @@ namespace soapfilm {
 /// never depend on threads. Positions are relative to the brick: float keeps 2^-21 voxel wherever the brick is.
 struct GridSamples {
   BrickGrid bricks;              ///< the bricks that hold at least one sample
+  int turn = 0;                  ///< of the lattice's axes
   std::vector<uint32_t> begin;   ///< brick b holds samples [begin[b], begin[b + 1])
   std::vector<Vec3f> local;      ///< position relative to the brick's first vertex, voxels, each in [0, 8)
   std::vector<Vec3f> direction;  ///< weak outward direction along the lattice's axes, times the sample's weight

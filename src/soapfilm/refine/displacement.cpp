@@ -58,14 +58,11 @@ void Displacement::yield_to_bends(double medians) {
     kernel.saddles(rows, {phi_.data(), weight.data(), product.data()}, begin, end);
   };
   if (!multilevel_.local_mean(find_bends, product, weight, weight, 1, mean, parallel_)) return;
-  const size_t stride = telling_stride(band_);
-  auto squares = gather<float>((band_.rows() + stride - 1) / stride, rows_per_task, parallel_,
-                               [&](size_t k, std::vector<float>& found) {
-                                 const size_t first = (1 + stride * k) * brick_side;
-                                 for (size_t i = first; i < first + brick_side; ++i)
-                                   if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach)
-                                     found.push_back(mean.data()[i]);
-                               });
+  auto squares = gather<float>(telling_rows(band_), rows_per_task, parallel_, [&](size_t k, std::vector<float>& found) {
+    const size_t first = telling_row(band_, k) * brick_side;
+    for (size_t i = first; i < first + brick_side; ++i)
+      if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach) found.push_back(mean.data()[i]);
+  });
   if (squares.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
   const float per_square = 1 / std::max(squared_medians * median(std::move(squares)), 1e-12f);

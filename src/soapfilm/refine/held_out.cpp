@@ -14,12 +14,14 @@ namespace {
 constexpr double assumed_noise = 0.3;             // voxels, of the robust penalty while it is unknown
 constexpr double deviation_of_absolute = 0.6028;  // of |x|, x normal with deviation 1: sqrt(1 - 2 / pi)
 
-/// The bricks that samples lie in, whole patches in a random order, until there are enough samples.
+/// The bricks that samples lie in, whole patches in a random order, until there are enough samples. The same patches
+/// however the lattice's axes are turned: strengths near the best are hard to tell apart, and other patches choose
+/// another.
 BrickMask choose_patches(const GridSamples& samples, const HeldOutParams& params) {
   const BrickGrid& bricks = samples.bricks;
   std::map<std::pair<uint64_t, uint64_t>, std::vector<size_t>> patches;  // by random key, then by place
   for (size_t b = 0; b < bricks.size(); ++b) {
-    const Vec3i c = bricks.coord(b);
+    const Vec3i c = turned(bricks.coord(b), 3 - samples.turn);  // along the world's axes
     const uint64_t place = (static_cast<uint64_t>(c.z / params.patch_bricks) << 42) +
                            (static_cast<uint64_t>(c.y / params.patch_bricks) << 21) +
                            static_cast<uint64_t>(c.x / params.patch_bricks);
@@ -39,6 +41,7 @@ BrickMask choose_patches(const GridSamples& samples, const HeldOutParams& params
 
 GridSamples part_of(const GridSamples& samples, const BrickMask& bricks, const Parallel& parallel) {
   GridSamples part;
+  part.turn = samples.turn;
   part.bricks = BrickGrid(bricks, parallel);
   part.begin.push_back(0);
   for (size_t b = 0; b < part.bricks.size(); ++b) {

@@ -197,14 +197,15 @@ void Multilevel::set_operator(const RowArray& position_weights, float beta, floa
 /// Whether the finest level's diagonal hardly feels them, in the mean over the vertices that they pull at.
 bool Multilevel::weigh_little(const RowArray& position_weights) const {
   constexpr double most_share = 0.25;
-  const size_t stride = telling_stride(fine_);
   double sum = 0;
   size_t count = 0;
-  for (size_t row = 1; row <= fine_.rows(); row += stride)
-    for (size_t i = row * brick_side; i < (row + 1) * brick_side; ++i) {
+  for (size_t k = 0; k < telling_rows(fine_); ++k) {
+    const size_t first = telling_row(fine_, k) * brick_side;
+    for (size_t i = first; i < first + brick_side; ++i) {
       sum += static_cast<double>(position_weights.data()[i]);
       count += position_weights.data()[i] > 0;
     }
+  }
   const double most = most_share * 6 * static_cast<double>(diffusion_);
   return sum <= most * most * static_cast<double>(count);
 }

@@ -12,6 +12,7 @@
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/random.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/refine/row_kernel.h"
@@ -81,11 +82,17 @@ inline RowRange rows_of_layer(const NarrowBand& band, int z) {
   return {band.first_row(begin), band.first_row(end)};
 }
 
-/// Rows so far apart tell what all of them are like: eight to sixteen thousand, where there are as many. Odd, so that
-/// they lie at all places of a brick.
-inline size_t telling_stride(const NarrowBand& band) {
+/// Rows that tell what all of them are like: how many there are, eight to sixteen thousand of larger bands, and the
+/// k-th of them.
+inline size_t telling_stretch(const NarrowBand& band) {
   constexpr size_t enough_rows = 1 << 13;
-  return (band.rows() / enough_rows) | 1;
+  return std::max<size_t>(band.rows() / enough_rows, 1);
+}
+inline size_t telling_rows(const NarrowBand& band) {
+  return (band.rows() + telling_stretch(band) - 1) / telling_stretch(band);
+}
+inline size_t telling_row(const NarrowBand& band, size_t k) {
+  return 1 + one_of_stretch(k, telling_stretch(band), band.rows());
 }
 
 /// body(begin, end) over rows in chunks.

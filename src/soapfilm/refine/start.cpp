@@ -104,6 +104,7 @@ Level every_second_vertex(const Level& fine, float threshold, const Parallel& pa
 
 GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& parallel) {
   GridSamples coarse;
+  coarse.turn = samples.turn;
   coarse.bricks = every_second_vertex(samples.bricks, parallel);
   const auto for_children = [&](size_t b, auto&& visit) {
     for (int k = 0; k < 8; ++k)

@@ -143,14 +143,11 @@ double outside_variation(const Level& level, const Parallel& parallel) {
   return faces;
 }
 
-/// term(i) for one of every `stride` i < count, drawn by lot: bricks at equal distances may all lie in one wall.
+/// term(i) for one of every `stride` i < count.
 template <class Term>
 std::vector<EnergyTerms> terms_of_every(size_t stride, size_t count, const Parallel& parallel, Term&& term) {
   std::vector<EnergyTerms> terms((count + stride - 1) / stride);
-  parallel.for_each(terms.size(), 256, [&](size_t k) {
-    const size_t begin = k * stride, size = std::min(stride, count - begin);
-    terms[k] = term(begin + Random(k).next() % size);
-  });
+  parallel.for_each(terms.size(), 256, [&](size_t k) { terms[k] = term(one_of_stretch(k, stride, count)); });
   return terms;
 }
 
