@@ -54,6 +54,23 @@ TEST(Refine, StrongNoiseIsNotFollowedSlow) {
   EXPECT_GT(bend, 1.5 * result.report.strength.noise);
 }
 
+/// Patches that choose the strength, and rows that tell the median of the bends, are the same or as good.
+TEST(Refine, HardlyKnowsHowTheAxesAreTurnedSlow) {
+  constexpr int resolution = 140;  // more samples than are looked at
+  const Disturbance noise{.noise_vox = 0.5};
+  const Solved turned("plate", resolution, 1, noise);
+  Solved along_world("plate", resolution, 1, noise);
+  along_world.problem = make_problem(disturbed(*turned.truth, resolution, 1, noise), unturned(turned.problem.lattice));
+  along_world.solution = solve(along_world.problem, 0.02, 1e-3);
+  ASSERT_NE(turned.problem.lattice.turn, 0);
+  const Refined a = refined(turned), b = refined(along_world);
+  EXPECT_NEAR(a.report.strength.smoothing, b.report.strength.smoothing, 0.01 * b.report.strength.smoothing);
+  const auto flips = static_cast<double>(b.report.flips);
+  EXPECT_NEAR(static_cast<double>(a.report.flips), flips, 0.02 * flips);
+  const double error = mean_error_vox(along_world, b.mesh);
+  EXPECT_NEAR(mean_error_vox(turned, a.mesh), error, 0.02 * error);
+}
+
 TEST(Refine, StaysModestWhereNoSampleTellsTheStrength) {
   Solved solved("sphere", 40, 1, {.viewing = false});
   for (Vec3f& direction : solved.problem.samples.direction) direction = -direction;  // all seen from inside
