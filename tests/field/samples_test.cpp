@@ -51,7 +51,7 @@ TEST(Samples, WithoutADirectionOrWeightSayNothing) {
 /// Counted in several chunks, the order is the same; a part of the samples is what is left of it.
 TEST(Samples, AreSortedAlikeByAnyNumberOfThreads) {
   const PointCloud cloud = sampled("knot", 40, 20);
-  const Lattice lattice = place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), 40, 6), 6);
+  const Lattice lattice = lattice_of(cloud, 40);
   const GridSamples one = sort_samples(cloud, cloud.normals, lattice, Parallel(1));
   for (size_t s = 0; s < one.size(); ++s) ASSERT_EQ(one.lot[s], lot_of(one.source[s]));
   const auto third = [](size_t i) { return i % 3 == 0; };

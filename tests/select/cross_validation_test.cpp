@@ -41,14 +41,10 @@ PointCloud dirty(const std::string& shape, double density, const Dirt& dirt, uin
   return cloud;
 }
 
-Lattice finest_of(const PointCloud& cloud, int vertices = resolution) {
-  return place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), vertices, 6), 6);
-}
-
 CrossValidationReport chosen_for(const PointCloud& cloud, const CrossValidationParams& params = {}, int threads = 1,
                                  int vertices = resolution) {
   Progress progress;
-  return choose_lambda(cloud, cloud.normals, finest_of(cloud, vertices), params, {}, Parallel(threads), progress);
+  return choose_lambda(cloud, cloud.normals, lattice_of(cloud, vertices), params, {}, Parallel(threads), progress);
 }
 
 /// Position among the candidates.
@@ -247,7 +243,8 @@ TEST(CrossValidation, StopsWhenCancelled) {
   const PointCloud cloud = dirty("torus", 0.5, {});
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(choose_lambda(cloud, cloud.normals, finest_of(cloud), {}, {}, Parallel(1), progress), Cancelled);
+  EXPECT_THROW(choose_lambda(cloud, cloud.normals, lattice_of(cloud, resolution), {}, {}, Parallel(1), progress),
+               Cancelled);
 }
 
 std::string refusal(const CrossValidationParams& params) {

@@ -39,10 +39,6 @@ Folds folds_of(const PointCloud& cloud, int count, FoldSource source, uint64_t s
   return make_folds(cloud, cloud.normals, count, source, seed);
 }
 
-Lattice lattice_of(const PointCloud& cloud) {
-  return place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), 48, 6), 6);
-}
-
 std::string refusal(const std::function<void()>& call) {
   try {
     call();
@@ -112,7 +108,7 @@ TEST(Folds, RefuseWhatCannotBeCut) {
 
 TEST(HoldOut, MovingHeldOutSamplesLeavesTheTrainingFieldAsItWas) {
   PointCloud cloud = sampled("torus", 48, 1);
-  const Lattice lattice = lattice_of(cloud);
+  const Lattice lattice = lattice_of(cloud, 48);
   const Folds folds = folds_of(cloud, 5, FoldSource::samples);
   const FoldFields before = hold_out(cloud, cloud.normals, folds, 2, lattice, one_thread);
   const Vec3d centre = cloud.box().centre();
@@ -127,7 +123,7 @@ TEST(HoldOut, MovingHeldOutSamplesLeavesTheTrainingFieldAsItWas) {
 
 TEST(HoldOut, TheTwoSidesAddUpToTheWholeField) {
   const PointCloud cloud = in_scans(9);
-  const Problem whole = make_problem(cloud, lattice_of(cloud));
+  const Problem whole = make_problem(cloud, lattice_of(cloud, 48));
   const Folds folds = folds_of(cloud, 4, FoldSource::scans);
   const LevelBox box = whole.lattice.box(0);
   const Dense<double> f = dense_field(whole.support, box);

@@ -43,7 +43,7 @@ void add_outliers(PointCloud& cloud, double share) {
 }
 
 std::vector<float> weights_of(const PointCloud& cloud, ThinPartsReport& report, int threads = 1) {
-  const Lattice finest = place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), resolution, 6), 6);
+  const Lattice finest = lattice_of(cloud, resolution);
   Progress progress;
   return weigh_thin_parts(cloud, cloud.normals, finest, measure_sampling(cloud, Parallel()),
                           EnergyParams{}.lambda_per_density, {}, {}, Parallel(threads), progress, report);
