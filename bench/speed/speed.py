@@ -11,6 +11,10 @@ an earlier benchmark.
 A virtual machine gives memory that was free for some seconds back to its host, and pays for each page of it again. So
 another process uses memory, as much as any program will, right before each run, as its input was read before. What a
 run takes with memory as it comes, after the peer's, is a row of its own.
+
+Memory that is warm before a run stays so for some two seconds of it: a run at 256 gets all of its pages warm, one at 2048
+hardly any. So that sizes compare like with like, nothing is warmed for the scaling series: before each of its runs the
+machine rests until what is free has gone back, and every size pays for every page.
 """
 import argparse
 import json
@@ -19,6 +23,7 @@ import re
 import statistics
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -35,7 +40,8 @@ CASES = {"512": (None, 512, "2.5 CPU s, 350 MB", "2 s elapsed", True), "1024": (
          "20M": (20_000_000, 1024, "25 CPU s, 1740 MB", "", False)}
 SCALING = (256, 512, 1024, 2048)
 SCALING_SAMPLES_PER_VOXEL2 = 1.0
-WARM_MB, WARM_MB_AT_2048 = 2000, 5500  # more than any program has at its peak
+WARM_MB = 2000  # more than any program has at its peak
+REST = 10  # seconds, after which free memory has gone back: the kernel reports it every two
 UNITS = {"KiB": 1024, "MiB": 1024**2, "GiB": 1024**3}
 
 
@@ -129,15 +135,16 @@ def scaling(lab, sizes, runs):
     """Virtual scans with the same samples per voxel^2 at each size."""
     inputs = {n: Input(lab, clouds.samples_for(n, SCALING_SAMPLES_PER_VOXEL2), n) for n in sizes}
     measured = {n: [] for n in sizes}
-    warm_mb = {n: WARM_MB if n < 2048 else WARM_MB_AT_2048 for n in sizes}
     for k in range(runs):
         for resolution, cloud in inputs.items():
             for _ in range(max(1, 1024 // resolution)):  # less than a second tells little
                 lab.say(f"scaling: {cloud.name} at {resolution}, run {k + 1} of {runs}")
-                measured[resolution].append(run(lab, ours(lab, cloud, resolution), "speed", warm_mb=warm_mb[resolution]))
+                time.sleep(REST)
+                measured[resolution].append(run(lab, ours(lab, cloud, resolution), "speed", warm_mb=0))
     rows = []
     for resolution, cloud in inputs.items():
-        report = stages(lab, ours(lab, cloud, resolution), warm_mb[resolution])
+        time.sleep(REST)
+        report = stages(lab, ours(lab, cloud, resolution), warm_mb=0)
         vertices = report["grid"]["levels"][-1]["active_vertices"]
         median = medians(measured[resolution])
         spent = [median["cpu"], median["system"], report["cpu_seconds"]["solve"]]
