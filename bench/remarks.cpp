@@ -284,10 +284,11 @@ int main(int argc, char** argv) {
       times[i].push_back(m.nanoseconds);
       sums[i] = m.share;
     }
+  const Vec3i size = lattice.to_world_axes(lattice.size);
   fmt::print(
       "| equation (8), {} x {} x {}, one thread | CPU ns per vertex and iteration | of the first | sum of u |\n"
       "|---|---|---|---|\n",
-      lattice.size.x, lattice.size.y, lattice.size.z);
+      size.x, size.y, size.z);
   for (size_t i = 0; i < rows.size(); ++i) {
     std::sort(times[i].begin(), times[i].end());
     std::sort(times[0].begin(), times[0].end());
