@@ -7,12 +7,15 @@ out=$2
 mkdir -p "$out"
 if [ -n "${SOAPFILM_DATA:-}" ]; then
   scans=$SOAPFILM_DATA/bunny/bun.conf
+  set -- "$SOAPFILM_DATA/meshes/horse.ply" "$SOAPFILM_DATA/meshes/bunny_hr.obj" "$SOAPFILM_DATA/meshes/anchor.off"
 else
   echo "SOAPFILM_DATA is not set: virtual scans instead of real ones"
   "$programs/soapfilm" scan knot -o "$out/scans" --noise 0.1% --quiet
   scans=$out/scans/scans.conf
+  set --
 fi
 "$programs/bench_tolerance" "$scans" 256 | tee "$out/tolerance.md"
+"$programs/bench_penalties" "$@" | tee "$out/penalties.md"
 # Kernels and the copy beside them take turns; medians, for one run of one of them tells little.
 for kernels in kernels kernels_refine kernels_io; do
   "$programs/bench_$kernels" --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true \
