@@ -11,10 +11,12 @@ namespace soapfilm {
 
 void announce_grid(const ReconstructReport& report, Progress& progress) {
   const Vec3i n = report.lattice.to_world_axes(report.lattice.size);
-  const std::string weight =
-      weighs_area(report.params.method) ? fmt::format("lambda {:.3g}, ", report.certificate.lambda) : "";
-  progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, {}memory {}", n.x, n.y, n.z,
-                            report.lattice.voxel, report.input.density, weight, format_bytes(report.planned_bytes)));
+  progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, memory {}", n.x, n.y, n.z,
+                            report.lattice.voxel, report.input.density, format_bytes(report.planned_bytes)));
+}
+
+void announce_weight(const ReconstructReport& report, Progress& progress) {
+  if (weighs_area(report.params.method)) progress.info(fmt::format("lambda {:.3g}", report.certificate.lambda));
   if (report.thin && report.thin->samples > 0)
     progress.info(fmt::format("{} thinly sampled part{}: {} samples weigh {:.2g} times as much (--thin-parts)",
                               report.thin->parts.size(), report.thin->parts.size() == 1 ? "" : "s",
@@ -67,11 +69,19 @@ void announce_islands(const ReconstructReport& report, Progress& progress) {
                             counted(islands.samples, "sample"), islands.area, report.params.islands.min_support));
 }
 
-void announce_vanished(const ReconstructReport& report, Progress& progress) {
-  if (!report.refine || report.refine->vanished == 0) return;
-  const size_t n = report.refine->vanished;
-  progress.info(fmt::format("{} island{} or bubble{} dropped: refining left nothing of {}", n, n == 1 ? "" : "s",
-                            n == 1 ? "" : "s", n == 1 ? "it" : "them"));
+void announce_refinement(const ReconstructReport& report, Progress& progress) {
+  if (!report.refine) return;
+  const RefineReport& refine = *report.refine;
+  const Strength& strength = refine.strength;
+  progress.info(fmt::format(
+      "refined: noise {:.2g} voxel, smoothing {:.2g}{}, directions {}{}", strength.noise, strength.smoothing,
+      report.params.refine.smoothing ? " (--smoothing)" : "",
+      strength.normals > 0 ? "count as normals" : "tell sides only",
+      refine.spacing > 1 ? fmt::format(", on every {:g}{} vertex", refine.spacing, refine.spacing == 2 ? "nd" : "th")
+                         : ""));
+  if (const size_t n = refine.vanished; n > 0)
+    progress.info(fmt::format("{} island{} or bubble{} dropped: refining left nothing of {}", n, n == 1 ? "" : "s",
+                              n == 1 ? "" : "s", n == 1 ? "it" : "them"));
 }
 
 }  // namespace soapfilm

@@ -6,8 +6,11 @@
 
 namespace soapfilm {
 
-/// Whatever is true of the input and the grid before the solve, warnings included (orient() has shown its own).
+/// The grid and the memory that the run will take, before anything takes long.
 void announce_grid(const ReconstructReport& report, Progress& progress);
+
+/// What area weighs, and whatever there is to be warned of before the solve (orient() has shown its own).
+void announce_weight(const ReconstructReport& report, Progress& progress);
 
 /// Warns, here and in the report, of what ran into its limit of iterations or could not be proved.
 void warn_unconverged(ReconstructReport& report, Progress& progress);
@@ -18,7 +21,7 @@ void announce_energy(const ReconstructReport& report, Progress& progress);
 /// What drop_islands() dropped, if anything.
 void announce_islands(const ReconstructReport& report, Progress& progress);
 
-/// Of how many parts refining left nothing, if any.
-void announce_vanished(const ReconstructReport& report, Progress& progress);
+/// How much the samples are trusted, by the data or as asked for; of how many parts refining left nothing, if any.
+void announce_refinement(const ReconstructReport& report, Progress& progress);
 
 }  // namespace soapfilm

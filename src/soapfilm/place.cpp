@@ -131,8 +131,14 @@ Box3d check_samples(const PointCloud& cloud, const Parallel& parallel) {
   return box;
 }
 
+Room check_room(const PointCloud& cloud, const ReconstructParams& params) {
+  const Room room(params.memory_limit, held_memory_bytes());
+  check_placing(plan_placing(probes(params), cloud), room, cloud.size());
+  return room;
+}
+
 GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions,
-                  const ReconstructParams& params, AfterPlacing after, const Parallel& parallel,
+                  const ReconstructParams& params, const Room& room, AfterPlacing after, const Parallel& parallel,
                   ReconstructReport& report) {
   const Sampling sampling = measure_sampling(cloud, box, parallel);
   const double voxel = choose_voxel(params.place, box, sampling);
@@ -151,15 +157,14 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
   report.input.density = sampling.density(voxel);
   warn_of_repeats(sampling, cloud.size(), report.warnings);
 
-  const size_t held = peak_memory_bytes();
-  check_memory(plan_tables(params.method, report.lattice), params.memory_limit, held, report.lattice);
+  check_memory(plan_tables(params.method, report.lattice), room, report.lattice);
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
   const MemoryPlan plan =
       plan_memory(params.method, probes(params), refines(params), cloud, after, report.lattice, support);
   report.planned_bytes = plan.total();
-  check_memory(plan, params.memory_limit, held, report.lattice);
+  check_memory(plan, room, report.lattice);
   return samples;
 }
 

@@ -76,29 +76,37 @@ double band_bytes_per_brick(Method method) {
   return level;
 }
 
+size_t cloud_bytes(const PointCloud& cloud) {
+  size_t each = sizeof(Vec3d);
+  if (!cloud.normals.empty()) each += sizeof(Vec3f);
+  if (!cloud.sensors.empty()) each += sizeof(Vec3d);
+  if (!cloud.weights.empty()) each += sizeof(float);
+  if (!cloud.colors.empty()) each += sizeof(Rgb8);
+  size_t bytes = each * cloud.size();
+  for (const Scan& scan : cloud.scans)
+    if (scan.range_grid) bytes += scan.range_grid->sample.size() * sizeof(int32_t);
+  return bytes;
+}
+
+/// Sorted: position, direction and lot.
+size_t kept_bytes(const PointCloud& cloud) { return (2 * sizeof(Vec3f) + sizeof(uint8_t)) * cloud.size(); }
+
 }  // namespace
+
+size_t plan_placing(bool probes, const PointCloud& cloud) {
+  // While the cloud is there also the direction as found and where sorted samples came from.
+  const size_t sorted_bytes = kept_bytes(cloud) + sizeof(uint32_t) * cloud.size();
+  // The probe holds the folds, and one of two sorted.
+  const size_t probing_bytes = sizeof(uint8_t) * cloud.size() + sorted_bytes / 2;
+  return base_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + sorted_bytes + (probes ? probing_bytes : 0);
+}
 
 MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, size_t support_bricks) {
-  size_t cloud_bytes = sizeof(Vec3d);
-  if (!cloud.normals.empty()) cloud_bytes += sizeof(Vec3f);
-  if (!cloud.sensors.empty()) cloud_bytes += sizeof(Vec3d);
-  if (!cloud.weights.empty()) cloud_bytes += sizeof(float);
-  if (!cloud.colors.empty()) cloud_bytes += sizeof(Rgb8);
-  cloud_bytes *= cloud.size();
-  for (const Scan& scan : cloud.scans)
-    if (scan.range_grid) cloud_bytes += scan.range_grid->sample.size() * sizeof(int32_t);
-  // Sorted position, direction and lot; while the cloud is there also where they came from and the direction as found.
-  const size_t kept_bytes = (2 * sizeof(Vec3f) + sizeof(uint8_t)) * cloud.size();
-  const size_t sorted_bytes = kept_bytes + sizeof(uint32_t) * cloud.size();
-  // The probe holds the folds, and one of two sorted.
-  const size_t probing_bytes = sizeof(uint8_t) * cloud.size() + sorted_bytes / 2;
-
   MemoryPlan plan;
-  plan.placing_bytes =
-      base_bytes + cloud_bytes + sizeof(Vec3f) * cloud.size() + sorted_bytes + (probes ? probing_bytes : 0);
+  plan.placing_bytes = plan_placing(probes, cloud);
   const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
-  plan.fixed_bytes = base_bytes + kept_bytes + (keeps ? cloud_bytes : 0);
+  plan.fixed_bytes = base_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
   const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
   plan.grid_bytes = box_bytes(method, lattice) + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick);
   if (!is_refined) return plan;
@@ -111,21 +119,29 @@ MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointC
 
 MemoryPlan plan_tables(Method method, const Lattice& lattice) { return {base_bytes, box_bytes(method, lattice), 0}; }
 
-void check_memory(const MemoryPlan& plan, std::optional<size_t> limit, size_t held, const Lattice& lattice) {
+Room::Room(std::optional<size_t> limit, size_t held) : what(limit ? "--memory" : "free memory") {
   const size_t available = available_memory_bytes();
-  const size_t free = limit ? *limit : available > SIZE_MAX - held ? SIZE_MAX : available + held;
+  bytes = limit ? *limit : available > SIZE_MAX - held ? SIZE_MAX : available + held;
+}
+
+void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice) {
   const size_t needed = plan.total();
-  if (needed <= free) return;
+  if (needed <= room.bytes) return;
   const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z});
   const int around = 2 * lattice.padding;
-  const bool places = free >= plan.placing_bytes;  // which no resolution changes
-  const double left = places && free > plan.fixed_bytes ? static_cast<double>(free - plan.fixed_bytes) : 0;
+  const double left = room.bytes > plan.fixed_bytes ? static_cast<double>(room.bytes - plan.fixed_bytes) : 0;
   const double shrink = std::sqrt(0.8 * left / static_cast<double>(plan.grid_bytes));
   const int fits = around + static_cast<int>((longest - around) * shrink);
   throw MemoryError(
-      fmt::format("memory: resolution {} needs about {}, {} is {}; {}", longest, format_bytes(needed),
-                  limit ? "--memory" : "free memory", format_bytes(free),
+      fmt::format("memory: resolution {} needs about {}, {} is {}; {}", longest, format_bytes(needed), room.what,
+                  format_bytes(room.bytes),
                   fits > around ? fmt::format("a resolution of about {} would fit", fits) : "no resolution would fit"));
+}
+
+void check_placing(size_t placing_bytes, const Room& room, size_t samples) {
+  if (placing_bytes > room.bytes)
+    throw MemoryError(fmt::format("memory: {} samples need about {}, {} is {}; no resolution would fit", samples,
+                                  format_bytes(placing_bytes), room.what, format_bytes(room.bytes)));
 }
 
 }  // namespace soapfilm

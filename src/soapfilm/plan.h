@@ -33,8 +33,22 @@ MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointC
 /// The same before anything is built: what spans the whole box, whatever the samples.
 MemoryPlan plan_tables(Method method, const Lattice& lattice);
 
-/// Throws MemoryError when the plan passes `limit` or, without a limit, what the machine has free beside the `held`
-/// bytes that this process has already; the message says which resolution would fit, by the square law of a surface.
-void check_memory(const MemoryPlan& plan, std::optional<size_t> limit, size_t held, const Lattice& lattice);
+/// What it takes to place the samples, whatever the grid: MemoryPlan::placing_bytes.
+size_t plan_placing(bool probes, const PointCloud& cloud);
+
+/// What a run may take: `limit` or, without one, what the machine has free and what this process `held` when the run
+/// began, which the plans count too. `what` names it in messages.
+struct Room {
+  Room(std::optional<size_t> limit, size_t held);
+  size_t bytes;
+  const char* what;
+};
+
+/// Throws MemoryError when the plan passes the room; the message says which resolution would fit, by the square law of
+/// a surface.
+void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice);
+
+/// The same of plan_placing().
+void check_placing(size_t placing_bytes, const Room& room, size_t samples);
 
 }  // namespace soapfilm

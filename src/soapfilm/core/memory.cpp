@@ -100,6 +100,13 @@ size_t peak_memory_bytes() {
   return static_cast<size_t>(usage.ru_maxrss) * 1024;
 }
 
+size_t held_memory_bytes() {
+  std::ifstream in("/proc/self/statm");
+  size_t size = 0, resident = 0, shared = 0;  // pages
+  if (!(in >> size >> resident >> shared)) return 0;
+  return (resident - std::min(resident, shared)) * static_cast<size_t>(sysconf(_SC_PAGESIZE));
+}
+
 size_t available_memory_bytes(const std::string& root) {
   const auto kilobytes = read_entry(root + "/proc/meminfo", "MemAvailable:");
   return std::min(kilobytes ? *kilobytes * 1024 : UINT64_MAX, room_in_groups(root));

@@ -13,6 +13,10 @@ namespace soapfilm {
 /// Most memory that this process has held at once so far (resident set), in bytes.
 size_t peak_memory_bytes();
 
+/// Memory that this process holds now, beside files that are mapped or shared, in bytes; 0 where the system does not
+/// say.
+size_t held_memory_bytes();
+
 /// Memory that this process can still take without swapping or being killed, in bytes: what the system has available,
 /// or less where a control group (v1 or v2, such as a container's) limits it. SIZE_MAX where the system does not say.
 /// `root` is where proc/ and sys/ lie: a test may bring its own.

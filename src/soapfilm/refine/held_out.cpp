@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "soapfilm/core/median.h"
@@ -156,7 +157,7 @@ double HeldOut::agreement() const {
     if (jets[s])
       angles.push_back(
           std::acos(std::clamp(-dot(normalized(samples_.direction[s]), normalized(jets[s]->gradient)), -1.0f, 1.0f)));
-  return 57.29578 * static_cast<double>(median(std::move(angles)));
+  return 180 / std::numbers::pi * static_cast<double>(median(std::move(angles)));
 }
 
 }  // namespace soapfilm

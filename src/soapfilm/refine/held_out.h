@@ -27,7 +27,7 @@ class HeldOut {
   HeldOut& operator=(const HeldOut&) = delete;
 
   struct Outcome {
-    double score = 0;           ///< mean |phi| of the held-out samples
+    double score = 0;           ///< mean distance of the held-out samples, voxels, each at most 3 (residuals())
     double noise = 0;           ///< standard deviation of the samples from the surface, voxels, by their median
     double standard_error = 0;  ///< of the score, were the noise normal: outliers do not enter
     double agreement_deg = 0;   ///< median angle between the directions and the surface's normals

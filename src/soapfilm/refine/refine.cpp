@@ -21,6 +21,7 @@ namespace {
 
 constexpr float far_distance = 3;       // voxels, of vertices beyond the band
 constexpr float held_distance = 0.05f;  // voxels, of vertices whose sign must not follow
+constexpr size_t speck = 64;            // vertices: a ball of radius 2.5, what outliers that support each other make
 
 SignBits make_signs(const Level& level, float threshold, const Start& start, const Parallel& parallel) {
   SignBits signs(start.grid, start.inside);
@@ -49,7 +50,6 @@ RowArray moved_onto(const GridSamples& samples, const Start& start, const Streng
   CellSamples cells(samples, start.band, parallel);
   const RobustFit fit = fit_robustly(displacement, start.band, samples, cells, {}, strength, params, parallel);
   report.iterations = fit.iterations;
-  report.cells = fit.cells;
   report.down_weighted = fit.down_weighted;
   return std::move(displacement.phi());
 }
@@ -167,7 +167,7 @@ SurfaceField refine(Level level, float threshold, const GridSamples& samples, do
   }
 
   // Signs follow where the topology allows.
-  const FlipCount flips = follow(*phi, start.band, signs, held_distance, params.vanish);
+  const FlipCount flips = follow(*phi, start.band, signs, held_distance, params.vanish ? speck : 0);
   report.flips = flips.wanted - flips.refused;
   report.refused = flips.refused;
   report.vanished = flips.vanished;

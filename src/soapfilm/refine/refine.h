@@ -22,8 +22,8 @@ struct RefineParams {
   double reach = 3;     ///< half width of the band, voxels; [1, 3]
   double sparse = 0.5;  ///< samples per voxel^2, [0, 1e3]: where there are fewer, a fit on every second vertex, or
                         ///< every fourth, ..., takes its place if that serves as well
-  bool vanish = true;   ///< objects and voids that the fit shrinks to their last vertex go: no surface fits their
-                        ///< samples. (reconstruct() sets it by drops_islands().)
+  bool vanish = true;  ///< specks, objects and voids of at most 64 vertices, that the fit shrinks to their last one go:
+                       ///< no surface fits their samples. (reconstruct() sets it by drops_islands().)
 };
 
 struct RefineReport {
@@ -31,7 +31,6 @@ struct RefineReport {
   StrengthReport search;     ///< how it was found
   double spacing = 1;        ///< of the vertices that the fit worked on, voxels: 1, 2, 4, ...
   size_t band_vertices = 0;  ///< on either side of the surface
-  size_t cells = 0;          ///< of the fit's grid, with a sample of weight > 0
   size_t down_weighted = 0;  ///< samples of weight < 1/4, those that the band does not see included
   size_t flips = 0;          ///< vertices that changed sides
   size_t refused = 0;        ///< vertices that would have changed the topology and were held

@@ -13,7 +13,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
   const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(strength.smoothing)),
                               static_cast<float>(strength.smoothing)};
   // Once the scale rests, the samples have been weighed as they will be; bends go on being found.
-  const double least_scale = std::max(params.least_scale, params.scale_of_noise * strength.noise);
+  const double least_scale = params.scale(strength.noise);
   const double slope_weight = strength.yield && strength.normals > 0 ? params.slope_along_directions : params.slope;
   const int rounds = strength.yield ? static_cast<int>(params.yielding_steps.size()) : params.rounds;
   displacement.drop_target();
@@ -27,7 +27,6 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
           {static_cast<float>(strength.normals),
            static_cast<float>(std::max(slope_weight * strength.smoothing, strength.normals))},
           parallel, cells);
-    fit.cells = cells.count;
     fit.down_weighted = cells.doubted;
     // Weights change little from here on.
     if (round == 0 || !strength.yield) displacement.precondition(cells, smoothness);

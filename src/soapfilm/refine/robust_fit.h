@@ -1,6 +1,7 @@
 // The displacement under a robust penalty: weigh the samples, solve, and again.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -41,10 +42,12 @@ struct RobustParams {
   double yielding_bend = 1.2;                      ///< what it yields to, in medians of the surface's bends, > 0
   SolveLimits solve;  ///< of the last round; the first takes a quarter of the iterations, others a sixth; where
                       ///< curvature yields its tolerance alone counts
+
+  /// Of the penalty, voxels, once the first rounds are over.
+  double scale(double noise) const { return std::max(least_scale, scale_of_noise * noise); }
 };
 
 struct RobustFit {
-  size_t cells = 0;          ///< with a sample of weight > 0
   size_t down_weighted = 0;  ///< samples of weight < 1/4, those that the band does not see included
   int iterations = 0;
 };

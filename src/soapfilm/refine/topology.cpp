@@ -1,5 +1,9 @@
 #include "soapfilm/refine/topology.h"
 
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+
 #include "soapfilm/core/bits.h"
 #include "soapfilm/refine/simple_point.h"
 
@@ -30,6 +34,12 @@ uint32_t SignBits::neighborhood(size_t brick, int x, int y, int z) const {
   return bits;
 }
 
+bool SignBits::test(Vec3i vertex) const {
+  const Vec3i coord{vertex.x >> 3, vertex.y >> 3, vertex.z >> 3};
+  const int32_t brick = grid_->find(coord);
+  return brick < 0 ? inside_->test(coord) : test(static_cast<size_t>(brick), vertex.x & 7, vertex.y & 7, vertex.z & 7);
+}
+
 size_t SignBits::count() const {
   size_t found = 0;
   for (const uint8_t row : rows_) found += static_cast<size_t>(count_bits(row));
@@ -47,9 +57,26 @@ struct Wish {
   uint8_t x;
 };
 
+/// Whether the object (6-connected) or void (26-connected) of a vertex has at most so many.
+bool is_speck(const SignBits& signs, Vec3i vertex, size_t most) {
+  const bool object = signs.test(vertex);
+  std::vector<Vec3i> part{vertex};
+  for (size_t k = 0; k < part.size() && part.size() <= most; ++k)
+    for (int dz = -1; dz <= 1; ++dz)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          if (object && std::abs(dx) + std::abs(dy) + std::abs(dz) != 1) continue;
+          const Vec3i next = part[k] + Vec3i{dx, dy, dz};
+          if (signs.test(next) == object && std::find(part.begin(), part.end(), next) == part.end())
+            part.push_back(next);
+        }
+  return part.size() <= most;
+}
+
 }  // namespace
 
-FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held, bool vanish) {
+FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held, size_t speck) {
+  const SignBits before = signs;
   std::vector<Wish> wishes;
   for (size_t b = 0; b < band.grid().size(); ++b)
     for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
@@ -58,13 +85,13 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
       for (unsigned x = 0; x < brick_side; ++x) positive |= static_cast<unsigned>(values[x] > 0) << x;
       unsigned wanted = (positive ^ signs.row(b, band.place(r) & 7, band.place(r) >> 3)) & band.mask(r);
       for (; wanted != 0; wanted &= wanted - 1)
-        wishes.push_back({static_cast<uint32_t>(b), r, static_cast<uint8_t>(__builtin_ctz(wanted))});
+        wishes.push_back({static_cast<uint32_t>(b), r, static_cast<uint8_t>(std::countr_zero(wanted))});
     }
   FlipCount count;
   count.wanted = wishes.size();
   // Turns what may be turned over; returns how many.
   const auto turn = [&](auto&& may) {
-    const size_t before = wishes.size();
+    const size_t all = wishes.size();
     size_t left = 0;
     for (const Wish& w : wishes) {
       const int y = band.place(w.row) & 7, z = band.place(w.row) >> 3;
@@ -74,21 +101,24 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
         wishes[left++] = w;
     }
     wishes.resize(left);
-    return before - left;
+    return all - left;
   };
   const auto turn_simple = [&] { return turn([](const Wish&, Neighborhood around) { return is_simple(around); }); };
   const auto turn_alone = [&] {
     size_t left = signs.count();
     return turn([&](const Wish& w, Neighborhood around) {
-      const bool object = signs.test(w.brick, w.x, band.place(w.row) & 7, band.place(w.row) >> 3);
-      return is_alone(around) && !(object && --left == 0);
+      if (!is_alone(around)) return false;
+      const Vec3i vertex =
+          brick_side * band.grid().coord(w.brick) + Vec3i{w.x, band.place(w.row) & 7, band.place(w.row) >> 3};
+      if (!is_speck(before, vertex, speck)) return false;
+      return !(signs.test(vertex) && --left == 0);
     });
   };
   // A vertex may become simple once its neighbours have turned: go on until nothing moves. What is alone then has not
   // moved elsewhere either, and what it kept apart may turn now.
   for (size_t gone = 1; gone > 0; count.vanished += gone) {
     while (turn_simple() > 0) continue;
-    gone = vanish ? turn_alone() : 0;
+    gone = speck > 0 ? turn_alone() : 0;
   }
   count.refused = wishes.size();
   for (const Wish& w : wishes) {

@@ -18,6 +18,7 @@ class SignBits {
   uint8_t& row(size_t brick, int y, int z) { return rows_[brick * 64 + static_cast<size_t>(y + 8 * z)]; }
   uint8_t row(size_t brick, int y, int z) const { return rows_[brick * 64 + static_cast<size_t>(y + 8 * z)]; }
   bool test(size_t brick, int x, int y, int z) const { return row(brick, y, z) >> x & 1; }
+  bool test(Vec3i vertex) const;
   void flip(size_t brick, int x, int y, int z) { row(brick, y, z) ^= static_cast<uint8_t>(1 << x); }
   size_t count() const;  ///< vertices inside
   /// Bits by (dx + 1) + 3 (dy + 1) + 9 (dz + 1).
@@ -37,8 +38,9 @@ struct FlipCount {
 
 /// Turns over, one after the other in a fixed order, the band's vertices whose sign differs from phi's, each only while
 /// it is simple; where phi must not have its way it is set to `held` voxels on the old side. Afterwards phi > 0 exactly
-/// where the bits are set. With `vanish` objects and voids whose last vertex phi wants on the other side go: but for
-/// topology the fit left nothing of them. The last object of all stays.
-FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held, bool vanish);
+/// where the bits are set. Objects and voids of at most `speck` vertices, as they were handed in, whose last vertex phi
+/// wants on the other side go: but for topology the fit left nothing of them. The last object of all stays, and
+/// whatever is larger.
+FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held, size_t speck);
 
 }  // namespace soapfilm

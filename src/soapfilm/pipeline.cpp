@@ -1,0 +1,189 @@
+#include "soapfilm/pipeline.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "soapfilm/announce.h"
+#include "soapfilm/core/memory.h"
+#include "soapfilm/extract/bend.h"
+#include "soapfilm/extract/isosurface.h"
+#include "soapfilm/finish/islands.h"
+#include "soapfilm/fuse/vrip.h"
+#include "soapfilm/pyramid/critical_lambda.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// E(0) = 0 competes: a surface must have a lower energy, or the optimum is empty. (A cut has done so in its own
+/// energy, poisson's surface owes nothing to lambda: theirs only has to be there.)
+void require_surface(const ReconstructReport& report, const SupportField& field, const Parallel& parallel,
+                     Progress& progress) {
+  const double lambda = report.certificate.lambda;
+  const bool kept = is_certified(report.params.method) ? report.certificate.binary.primal < 0 : report.inside > 0;
+  if (kept) return;
+  const double largest = critical_lambda(report.lattice, field, lambda, parallel, progress, report.params.energy.norm);
+  if (largest > lambda)
+    throw EmptyResult(
+        fmt::format("empty result: method {} found no surface with lambda = {:.4g}, although one pays for "
+                    "its area up to about {:.3g}: a smaller lambda may help, or {}",
+                    name_of(report.params.method), lambda, largest,
+                    report.params.method == Method::tv ? "more iterations" : "method tv"),
+        largest);
+  throw EmptyResult(fmt::format("empty result: with lambda = {:.4g} no surface pays for its area at {:.2g} samples per "
+                                "voxel^2; the largest lambda that keeps a surface is about {:.3g}",
+                                lambda, report.input.density, largest),
+                    largest);
+}
+
+void judge(const Level& level, double threshold, const Parallel& parallel, ReconstructReport& report) {
+  const auto mu = static_cast<float>(threshold);
+  // What tv's solver saw last is this state, and a proof where no rounding left p outside of its ball.
+  const bool proved = !report.levels.empty() && report.levels.back().energies.max_dual_norm <= 1;
+  report.certificate.relaxed =
+      proved ? report.levels.back().energies : evaluate_energy(level, {.threshold = {}, .certify = true}, parallel);
+  report.certificate.binary = evaluate_energy(level, {.threshold = mu, .certify = true}, parallel);
+  report.inside = count_inside(level, mu, parallel);
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const ReconstructParams& params, const Parallel& parallel, Progress& progress,
+                   const PyramidObserver& observe)
+    : params_(params), parallel_(parallel), progress_(progress), observe_(observe), stages_(progress) {
+  validate(params);
+  report_.params = params;
+}
+
+void Pipeline::check(const PointCloud& cloud) {
+  box_ = check_samples(cloud, parallel_);
+  if (params_.method == Method::vrip)
+    for (const Scan& scan : cloud.scans) require_range_scan(scan);
+  room_ = check_room(cloud, params_);
+}
+
+std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
+  auto directions = stages_.run("orient", [&] {
+    return soapfilm::orient(cloud, params_.orient, parallel_, progress_, report_.input.directions);
+  });
+  report_.warnings = report_.input.directions.warnings;  // which it has shown
+  return directions;
+}
+
+GridSamples Pipeline::place(const PointCloud& cloud, std::span<const Vec3f> directions, AfterPlacing after) {
+  auto samples = stages_.run(
+      "place", [&] { return soapfilm::place(cloud, box_, directions, params_, *room_, after, parallel_, report_); });
+  announce_grid(report_, progress_);
+  return samples;
+}
+
+void Pipeline::weigh(const PointCloud& cloud, std::span<const Vec3f> directions, GridSamples& samples) {
+  stages_.run("weigh", [&] { weigh_area(cloud, directions, params_, parallel_, progress_, samples, report_); });
+  announce_weight(report_, progress_);
+}
+
+Mesh Pipeline::fuse(const PointCloud& cloud) {
+  const FusedField fused = stages_.run("fuse", [&] {
+    return fuse_scans(cloud, report_.lattice, params_.vrip, parallel_, progress_, report_.vrip.emplace());
+  });
+  Mesh mesh = stages_.run("extract", [&] {
+    return extract_open_isosurface(fused.grid, fused.distance, fused.weight, 0, report_.lattice, parallel_);
+  });
+  if (mesh.triangles.empty())
+    throw EmptyResult(fmt::format("empty result: the scans saw both sides of their surfaces in no whole cell; a grid "
+                                  "nearer to their own spacing than voxel {:.4g} may",
+                                  report_.lattice.voxel),
+                      0);
+  return mesh;
+}
+
+SupportField Pipeline::field(const GridSamples& samples) {
+  return stages_.run("field", [&] { return divergence_field(samples, report_.lattice.box(0), parallel_); });
+}
+
+Segmentation Pipeline::solve(const SupportField& field, const GridSamples& samples) {
+  keep_.emplace();
+  auto found = stages_.run("solve", [&] {
+    return segment(report_.lattice, field, samples, params_, observe_, parallel_, progress_, report_);
+  });
+  warn_unconverged(report_, progress_);
+  return found;
+}
+
+void Pipeline::certify(Level& level, SupportField& field) {
+  stages_.run("certify", [&] { judge(level, params_.surface.threshold, parallel_, report_); });
+  require_surface(report_, field, parallel_, progress_);
+  announce_energy(report_, progress_);
+  level.p = {};
+  field.f = {};
+}
+
+void Pipeline::drop_islands(Level& level, const GridSamples& samples) {
+  if (!drops_islands(params_)) return;
+  stages_.run("finish", [&] {
+    soapfilm::drop_islands(level, static_cast<float>(params_.surface.threshold), samples, report_.input.density,
+                           params_.islands, parallel_, report_.islands.emplace());
+  });
+  announce_islands(report_, progress_);
+}
+
+/// The field whose level set at report.isovalue is the surface: sub-voxel accurate, or the paper's (section 4.4).
+SurfaceField Pipeline::level_set(Segmentation& found, const GridSamples& samples) {
+  const auto threshold = static_cast<float>(params_.surface.threshold);
+  if (found.surface) {
+    report_.isovalue = 0.5;
+    return std::move(*found.surface);
+  }
+  if (refines(params_)) {
+    RefineParams how = params_.refine;
+    how.vanish = drops_islands(params_);
+    return soapfilm::refine(std::move(found.level), threshold, samples, report_.input.density, how, parallel_,
+                            report_.refine.emplace());
+  }
+  SurfaceField surface = smoothed_indicator(found.level, threshold, parallel_);
+  report_.isovalue =
+      params_.surface.isovalue ? *params_.surface.isovalue : mean_at_samples(surface, samples, parallel_);
+  return surface;
+}
+
+SurfaceField Pipeline::refine(Segmentation& found, const GridSamples& samples) {
+  SurfaceField surface = stages_.run("refine", [&] { return level_set(found, samples); });
+  announce_refinement(report_, progress_);
+  return surface;
+}
+
+Mesh Pipeline::extract(const SurfaceField& surface) {
+  Mesh mesh = stages_.run("extract", [&] {
+    return extract_isosurface(
+        surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); },
+        static_cast<float>(report_.isovalue), report_.lattice, parallel_);
+  });
+  keep_.reset();
+  if (mesh.triangles.empty())
+    throw EmptyResult(
+        fmt::format("empty result: the smoothed indicator stays on one side of the isovalue {:.3g}; parts "
+                    "thinner than two voxels need a smaller voxel than {:.4g}",
+                    report_.isovalue, report_.lattice.voxel),
+        report_.certificate.lambda);
+  return mesh;
+}
+
+void Pipeline::bend(Mesh& mesh, const SurfaceField& surface, const GridSamples& samples) {
+  if (!report_.refine || report_.refine->strength.yield || !(params_.surface.bend.tolerance > 0)) return;
+  stages_.run("bend", [&] {
+    bend_edges(mesh, SmoothField(surface.grid, surface.value, parallel_), samples,
+               params_.refine.robust.scale(report_.refine->strength.noise), report_.lattice, params_.surface.bend,
+               parallel_, report_.bend.emplace());
+  });
+}
+
+Reconstruction Pipeline::finish(Mesh mesh) {
+  report_.mesh_vertices = mesh.vertices.size();
+  report_.mesh_triangles = mesh.triangles.size();
+  report_.stages = stages_.times();
+  report_.peak_bytes = peak_memory_bytes();
+  return {std::move(mesh), std::move(report_)};
+}
+
+}  // namespace soapfilm

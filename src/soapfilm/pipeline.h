@@ -1,0 +1,60 @@
+// The stages of a reconstruction, each with what belongs to it: its time, its lines, its part of the report.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "soapfilm/core/stages.h"
+#include "soapfilm/core/zeroed_memory.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/place.h"
+#include "soapfilm/reconstruct.h"
+#include "soapfilm/segment.h"
+
+namespace soapfilm {
+
+/// Runs the stages in the order of its functions; reconstruct.cpp says what each is for. Between any two of them, and
+/// within each, the progress object may cancel. What a stage does is in the folder of its name (docs/architecture.md).
+class Pipeline {
+ public:
+  /// Keeps references to all of them. Throws ParameterError.
+  Pipeline(const ReconstructParams& params, const Parallel& parallel, Progress& progress,
+           const PyramidObserver& observe);
+
+  /// Throws SamplesError or MemoryError.
+  void check(const PointCloud& cloud);
+  std::vector<Vec3f> orient(const PointCloud& cloud);
+  GridSamples place(const PointCloud& cloud, std::span<const Vec3f> directions, AfterPlacing after);
+  void weigh(const PointCloud& cloud, std::span<const Vec3f> directions, GridSamples& samples);
+
+  /// Method::vrip: instead of all that follows.
+  Mesh fuse(const PointCloud& cloud);
+
+  SupportField field(const GridSamples& samples);
+  Segmentation solve(const SupportField& field, const GridSamples& samples);
+  /// Throws EmptyResult. Frees the dual and the data term, which nobody reads afterwards.
+  void certify(Level& level, SupportField& field);
+  void drop_islands(Level& level, const GridSamples& samples);
+  SurfaceField refine(Segmentation& found, const GridSamples& samples);
+  Mesh extract(const SurfaceField& surface);
+  void bend(Mesh& mesh, const SurfaceField& surface, const GridSamples& samples);
+
+  /// Hands the mesh and the report out.
+  Reconstruction finish(Mesh mesh);
+
+ private:
+  SurfaceField level_set(Segmentation& found, const GridSamples& samples);
+
+  const ReconstructParams& params_;
+  const Parallel& parallel_;
+  Progress& progress_;
+  const PyramidObserver& observe_;
+  Stages stages_;
+  ReconstructReport report_;
+  Box3d box_;
+  std::optional<Room> room_;
+  std::optional<KeepFreedPages> keep_;  ///< from the solve to the mesh: each stage's arrays take the last one's place
+};
+
+}  // namespace soapfilm
