@@ -14,8 +14,8 @@ from lab import commit, machine, markdown
 TITLES = {"kernels": "The solver's", "kernels_refine": "The refinement's passes", "kernels_io": "Everything else"}
 NOTES = {
     "kernels": """A sweep reads u, p and f and writes u and p, 36 bytes per vertex. Each of eight sweeps per tile
-counts as many, though most of them then come from the cache: these are bytes moved, not bytes of memory. The last columns are the
-shares of the rows whose u and whose p the sweeps moved; at least as many were at work.""",
+counts as many, though most of them then come from the cache: these are bytes moved, not bytes of memory. The last
+columns are the shares of the rows whose u and whose p the sweeps moved; at least as many were at work.""",
     "kernels_refine": """One thread. The band of a sphere with a radius of 50 voxels lies in the last cache, that of 250
 beyond it. A row is one of eight vertices.""",
     "kernels_io": "One thread, 2 million samples, grid of 512. Files lie in the page cache."}
@@ -36,8 +36,9 @@ def medians(report):
             found.setdefault(key, {}).update(entry)
         elif kind == "cv" and "bytes_per_second" in entry:
             found.setdefault(key, {})["spread"] = 100 * entry["bytes_per_second"]
-    numbers = lambda text: [(not w.isdigit(), int(w) if w.isdigit() else 0, w) for w in text.split()]
-    return dict(sorted(found.items(), key=lambda item: (item[0][0], numbers(item[0][1]))))
+    def order(key):
+        return key[0], [int(w) for w in key[1].split() if w.isdigit()]
+    return {key: found[key] for key in sorted(found, key=order)}
 
 
 def share(found, key):
