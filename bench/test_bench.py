@@ -17,7 +17,7 @@ import kernels
 import lab
 import speed
 import verdicts
-from conditions import RESTED, WARMED
+from conditions import RESTED, WARMED, Memory
 from verdicts import ON_TWO, OURS, Case
 
 
@@ -102,6 +102,19 @@ class Speed(unittest.TestCase):
         self.assertEqual(speed.counted("==1== Events    : Ir\n==1== Collected : 1234\n"), 1234)
         with self.assertRaisesRegex(speed.Failed, "Collected"):
             speed.counted("==1== it died")
+
+    def test_a_peer_that_fails_ends_nothing_and_ours_does(self):
+        with tempfile.TemporaryDirectory() as folder:
+            place = lab.Lab(folder, folder, folder)
+            place.say = lambda text: None
+            measure = speed.Speed(place, Memory(warm_mb=1, rest=0), 2, []).measure_programs
+            fails, works = ["sh", "-c", "echo no >&2; exit 1"], ["sh", "-c", "echo 'memory 1 MiB' >&2"]
+            figures, failures = measure("case", {OURS: works, ON_TWO: works, "good": works, "bad": fails})
+            self.assertEqual({p for p, _ in figures}, {OURS, ON_TWO, "good"})
+            self.assertEqual({f["runs"] for f in figures.values()}, {2})
+            self.assertRegex(failures["bad"], "exit code 1: no$")
+            with self.assertRaises(speed.Failed):
+                measure("case", {OURS: fails, ON_TWO: works})
 
     def test_a_failed_run_says_which_and_why(self):
         with tempfile.TemporaryDirectory() as folder:
