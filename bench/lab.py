@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 import time
@@ -191,6 +192,8 @@ def markdown(header, rows):
 def commit():
     """Of the working tree that holds the benchmarks; what differs from it is told, results and documents left out."""
     here = Path(USAGE).parent.parent
+    if not shutil.which("git"):
+        return "unknown"
     def git(*words):
         return subprocess.run(["git", "-C", here, *words], capture_output=True, text=True).stdout.strip()
     changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs", ":!bench/results", ":!*.md")
