@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 import time
@@ -60,7 +61,8 @@ class Run:
     def topology(self):
         mesh = self.report["mesh"]
         genus = f", genus {mesh['genus']}" if mesh["genus"] is not None else ""
-        return f"{'closed' if mesh['closed'] else 'open'}, {mesh['components']} part{'s' * (mesh['components'] != 1)}{genus}"
+        parts = f"{mesh['components']} part{'s' * (mesh['components'] != 1)}"
+        return f"{'closed' if mesh['closed'] else 'open'}, {parts}{genus}"
 
 
 class Lab:
@@ -124,7 +126,8 @@ class Lab:
         return measured
 
     def measure(self, words, scratch, environment=None):
-        """Runs a command: exit code, standard error, cpu and elapsed seconds, peak in megabytes, system's part of cpu."""
+        """Runs a command: exit code, standard error, cpu and elapsed seconds, peak in megabytes, system's part of cpu,
+        pages that were touched for the first time (minor faults; a huge page is one)."""
         log, result = Path(f"{scratch}.log"), Path(f"{scratch}.usage")
         with open(log, "w") as errors:
             subprocess.run([sys.executable, "-I", "-S", USAGE, str(result), *map(str, words)], stderr=errors,
@@ -132,7 +135,8 @@ class Lab:
         text, (code, *used) = log.read_text(errors="replace"), result.read_text().split()
         log.unlink()
         result.unlink()
-        return {"code": int(code), "errors": text, **dict(zip(("cpu", "elapsed", "peak_mb", "system"), map(float, used)))}
+        names = ("cpu", "elapsed", "peak_mb", "system", "faults")
+        return {"code": int(code), "errors": text, **dict(zip(names, map(float, used)))}
 
     def output_of(self, words):
         return subprocess.run([str(w) for w in words], check=True, capture_output=True, text=True).stdout
@@ -178,5 +182,30 @@ class Lab:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(header)
             writer.writerows(rows)
-        lines = ["| " + " | ".join(map(str, row)) + " |" for row in [header, ["---"] * len(header), *rows]]
-        return "\n".join(lines)
+        return markdown(header, rows)
+
+
+def markdown(header, rows):
+    return "\n".join("| " + " | ".join(map(str, row)) + " |" for row in [header, ["---"] * len(header), *rows])
+
+
+def commit():
+    """Of the working tree that holds the benchmarks; what differs from it is told, results and documents left out."""
+    here = Path(USAGE).parent.parent
+    if not shutil.which("git"):
+        return "unknown"
+    def git(*words):
+        return subprocess.run(["git", "-C", here, *words], capture_output=True, text=True).stdout.strip()
+    changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs", ":!bench/results", ":!*.md")
+    return (git("describe", "--always") or "unknown") + (" with changes" if changed else "")
+
+
+def machine():
+    """The processor's name, how many of it and of which vectors, memory."""
+    info = Path("/proc/cpuinfo").read_text()
+    def first(name):
+        return next((line.split(":", 1)[1].strip() for line in info.splitlines() if line.startswith(name)), "unknown")
+    flags = first("flags").split()
+    vectors = next((shown for flag, shown in (("avx512f", "AVX-512"), ("avx2", "AVX2")) if flag in flags), "no AVX2")
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
+    return f"{first('model name')}, {os.cpu_count()} cores, {vectors}, {memory:.0f} GB"

@@ -1,7 +1,9 @@
 #!/bin/sh
-# run.sh PROGRAMS FOLDER: runs the measuring programs; results worth keeping go to bench/results/ with this command.
+# run.sh PROGRAMS FOLDER: runs the measuring programs. The kernels' page goes to bench/results/kernels.md; the other
+# results are in FOLDER, and what of them is worth keeping goes to bench/results/ with this command.
 # The whole program beside its peers is measured by bench/speed/speed.py.
 set -eu
+here=$(dirname "$0")
 programs=$1
 out=$2
 mkdir -p "$out"
@@ -18,6 +20,8 @@ fi
 "$programs/bench_penalties" "$@" | tee "$out/penalties.md"
 # Kernels and the copy beside them take turns; medians, for one run of one of them tells little.
 for kernels in kernels kernels_refine kernels_io; do
+  rm -f "$out/$kernels.json"
   "$programs/bench_$kernels" --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true \
     --benchmark_report_aggregates_only=true --benchmark_out="$out/$kernels.json" --benchmark_out_format=json
 done
+/usr/bin/python3 -B "$here/kernels.py" "$out" "$here/results/kernels.md"

@@ -13,4 +13,4 @@ _, status, usage = os.wait4(child, 0)
 code = os.waitstatus_to_exitcode(status)
 with open(sys.argv[1], "w") as result:
     print(code, usage.ru_utime + usage.ru_stime, time.monotonic() - begin, usage.ru_maxrss * 1024 / 1e6,
-          usage.ru_stime, file=result)
+          usage.ru_stime, usage.ru_minflt, file=result)

@@ -45,24 +45,43 @@ def oriented_virtual(path, samples):
     return positions, towards(sensors, positions)
 
 
-def virtual(lab, samples, resolution):
-    path = lab.work / f"virtual-{samples}-{resolution}.ply"
+def made(path, make):
+    """`path`, which `make` writes unless it is there. It gets its name when it is whole."""
     if not path.exists():
-        lab.say(f"{samples} virtual samples")
-        clouds.write(path, samples, resolution)
+        partial = path.with_name(f"partial-{path.name}")
+        make(partial)
+        partial.replace(path)
     return path
 
 
 class Input:
-    """A cloud: its file, the file for peers (made when first asked for) and the voxel of a resolution."""
+    """A cloud: its file, the file for peers (made when first asked for) and the voxel of a resolution.
+
+    Files that are made are kept between runs. Their names say what they hold: samples, resolution (which sets the
+    noise) and a digest of the code that makes them."""
 
     def __init__(self, lab, samples=None, resolution=None):
         self.lab = lab
         bunny = lab.real("bunny/bun.conf") if samples is None else None
         self.samples = samples or BUNNY_SAMPLES
-        self.file = bunny or virtual(lab, self.samples, resolution or 512)
         self.is_bunny = bunny is not None
         self.name = "bunny, raw scans" if self.is_bunny else f"{self.samples} virtual samples"
+        self.file = bunny or self.virtual(resolution or 512)
+        self.oriented = lab.work / f"oriented-{self.file.stem}-{lab.digest(__file__)[:8]}.ply"
+
+    def virtual(self, resolution):
+        path = self.lab.work / f"virtual-{self.samples}-{resolution}-{self.lab.digest(clouds.__file__)[:8]}.ply"
+        if not path.exists():
+            self.lab.say(self.name)
+        return made(path, lambda partial: clouds.write(partial, self.samples, resolution))
+
+    @property
+    def files(self):
+        return [path for path, _, _ in posed_scans(self.file)] if self.is_bunny else [self.file]
+
+    @property
+    def megabytes(self):
+        return sum(path.stat().st_size for path in self.files) / 1e6
 
     def voxel(self, resolution):
         if not self.is_bunny:
@@ -70,8 +89,13 @@ class Input:
         return BUNNY_EXTENT / (resolution - 2 * clouds.PADDING)
 
     def for_peers(self):
-        path = self.lab.work / f"oriented-{self.samples}-{'bunny' if self.is_bunny else 'virtual'}.ply"
-        if not path.exists():
-            write_oriented(path, *(oriented_scans(self.file) if self.is_bunny
-                                   else oriented_virtual(self.file, self.samples)))
-        return path
+        def oriented():
+            return oriented_scans(self.file) if self.is_bunny else oriented_virtual(self.file, self.samples)
+        return made(self.oriented, lambda partial: write_oriented(partial, *oriented()))
+
+    def read_once(self):
+        """So that every run finds its files in the page cache."""
+        for path in [*self.files, *([self.oriented] if self.oriented.exists() else [])]:
+            with open(path, "rb") as file:
+                while file.read(1 << 24):
+                    pass

@@ -1,27 +1,24 @@
-"""How fast the whole program is, beside its peers: speed.py PROGRAMS WORK [--cases A,B] [--runs N] [--part PART]...
+"""How fast the whole program is, beside its peers:
 
-PROGRAMS holds the built programs, WORK the clouds and meshes (large). Results go to bench/results/: speed.md, speed.csv,
-scaling.csv, scaling.png. PARTs are cases, scaling, instructions; all by default. Cases are 512, 1024 (the bunny's raw
-scans with SOAPFILM_DATA, else as many virtual samples) and 20M.
+    speed.py PROGRAMS WORK [--cases A,B] [--sizes A,B] [--runs N] [--part PART]... [--smoke]
 
-Every program runs on one thread; runs of a case alternate between the programs and the medians are compared, in CPU
-seconds: work, whatever else the machine does. For the elapsed time ours runs on two as well. Nothing is read back from
-an earlier benchmark.
+PROGRAMS holds the built programs, WORK the clouds and meshes (large). A whole run writes bench/results/: speed.md,
+speed.csv, stages.csv, scaling.csv, scaling.png; chosen PARTs (cases, scaling, instructions), cases or sizes and --smoke
+(small ones, quick, to see that all works) write WORK/results/. Cases are 512, 1024 (the bunny's raw scans with
+SOAPFILM_DATA, else as many virtual samples) and 20M.
 
-A virtual machine gives memory that was free for some seconds back to its host, and pays for each page of it again. So
-another process uses memory, as much as any program will, right before each run, as its input was read before. What a
-run takes with memory as it comes, after the peer's, is a row of its own.
-
-Memory that is warm before a run stays so for some two seconds of it: a run at 256 gets all of its pages warm, one at 2048
-hardly any. So that sizes compare like with like, nothing is warmed for the scaling series: before each of its runs the
-machine rests until what is free has gone back, and every size pays for every page.
+Every program runs on one thread, ours on two as well, for the elapsed time; each with warmed and with rested memory
+(conditions.py). Each round begins with another program, and the medians are compared, in CPU seconds: work, whatever
+else the machine does. The scaling series is run with rested memory alone: warmth lasts for all of a run at 256 and for
+little of one at 2048. Nothing is read back from an earlier benchmark.
 """
 import argparse
 import json
-import mmap
+import os
 import re
+import shlex
+import shutil
 import statistics
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -30,41 +27,33 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parent / "accuracy")]
 
 import clouds
+import verdicts
+from conditions import CONDITIONS, RESTED, WARMED, Memory
 from inputs import Input
-from lab import Lab
+from lab import Lab, commit, machine, markdown
 from peers import ENVIRONMENT, read_peers
+from verdicts import CASES, ON_TWO, OURS, SMOKE_CASES, over_least, plan_error
 
-# name: samples (None: the bunny's), resolution, what we aim at on one thread and on two; peers run where they can end
-# within minutes
-CASES = {"512": (None, 512, "2.5 CPU s, 350 MB", "2 s elapsed", True), "1024": (None, 1024, "9 CPU s, 1200 MB", "", True),
-         "20M": (20_000_000, 1024, "25 CPU s, 1740 MB", "", False)}
 SCALING = (256, 512, 1024, 2048)
 SCALING_SAMPLES_PER_VOXEL2 = 1.0
-WARM_MB = 2000  # more than any program has at its peak
-REST = 10  # seconds, after which free memory has gone back: the kernel reports it every two
+SCALING_NOTE = f"""{SCALING_SAMPLES_PER_VOXEL2:g} sample per voxel^2, one thread, medians. Small sizes have more runs,
+for less than a second tells little. Memory is rested before each run. What a run frees and asks for again within two
+seconds comes warm all the same, and of a short run that is a larger part: system time is not strictly comparable
+between sizes, user time is. A page fault is the first touch of a page, of 4 kB or of 2 MB."""
+MEMORY_HEADER = ["page faults, 1000", "peak MB", "planned MB", "plan over peak, %"]
 UNITS = {"KiB": 1024, "MiB": 1024**2, "GiB": 1024**3}
+PARTS = ("cases", "scaling", "instructions")
 
 
-def warm_memory(megabytes):
-    """In huge pages where there are any, lest it leaves none to the program that follows."""
-    pages = megabytes * 1_000_000 // mmap.PAGESIZE
-    use = f"""
-import contextlib, mmap
-memory = mmap.mmap(-1, {pages * mmap.PAGESIZE})
-with contextlib.suppress(OSError):  # of a kernel without
-    memory.madvise(mmap.MADV_HUGEPAGE)
-memory[::{mmap.PAGESIZE}] = bytes({pages})
-"""
-    subprocess.run([sys.executable, "-I", "-S", "-c", use], check=True)
+class Failed(Exception):
+    """A program's run; says which and why."""
 
 
-def run(lab, words, name, environment=None, warm_mb=WARM_MB):
-    """`warm_mb`: of memory that another process uses just before; 0 for none."""
-    if warm_mb:
-        warm_memory(warm_mb)
+def run(lab, words, name, environment=None):
     measured = lab.measure(words, lab.work / name, environment)
     if measured["code"]:
-        sys.exit(f"{lab.shown(words)}\nexit code {measured['code']}: {measured['errors']}")
+        said = measured["errors"].strip().splitlines() or ["(it said nothing)"]
+        raise Failed(f"{lab.shown(words)}: exit code {measured['code']}: {said[-1]}")
     return measured
 
 
@@ -73,100 +62,196 @@ def ours(lab, cloud, resolution, threads=1):
             "--threads", threads]
 
 
-def medians(measured):
-    return {k: statistics.median(m[k] for m in measured) for k in ("cpu", "system", "elapsed", "peak_mb")}
+def turns(things, rounds):
+    """The same in each round, begun with another one."""
+    for k in range(rounds):
+        first = k * len(things) // rounds
+        yield things[first:] + things[:first]
 
 
 def planned_mb(errors):
-    """From the line that a run prints before it begins."""
+    """From the line that a run prints before it begins; None without one."""
     found = re.search(r"memory ([\d.]+) ([KMG]iB)", errors)
-    return float(found[1]) * UNITS[found[2]] / 1e6 if found else 0.0
+    return float(found[1]) * UNITS[found[2]] / 1e6 if found else None
 
 
-def stages(lab, words, warm_mb=WARM_MB):
-    """CPU seconds of each stage, from a run with --report, without the check that a report brings."""
+def figure_of(measured):
+    """Medians of some runs, and the plan of the first."""
+    for m in measured:
+        m["user"] = m["cpu"] - m["system"]
+    keys = ("cpu", "user", "system", "elapsed", "peak_mb", "faults")
+    return {**{k: statistics.median(m[k] for m in measured) for k in keys},
+            "planned_mb": planned_mb(measured[0]["errors"]), "runs": len(measured)}
+
+
+def memory_cells(figure):
+    error = plan_error(figure)
+    plan = ["", ""] if error is None else [f"{figure['planned_mb']:.0f}", f"{100 * error:+.1f}"]
+    return [f"{figure['faults'] / 1000:.0f}", f"{figure['peak_mb']:.0f}", *plan]
+
+
+def stages(lab, words):
+    """The report of a run, its CPU seconds without the check that a report brings."""
     report = lab.work / "ours.json"
-    run(lab, [*words, "--report", report], "ours", warm_mb=warm_mb)
+    run(lab, [*words, "--report", report], "ours")
     found = json.loads(report.read_text())
     found["cpu_seconds"]["total"] -= found["cpu_seconds"].pop("check", 0)
     return found
 
 
-def measure_case(lab, name, runs, peers):
-    samples, resolution, target, target_of_two, with_peers = CASES[name]
-    cloud = Input(lab, samples, resolution)
-    mine, on_two, as_it_comes = "soapfilm", "soapfilm, two threads", "soapfilm, memory as it comes"
-    commands = {mine: ours(lab, cloud, resolution), on_two: ours(lab, cloud, resolution, threads=2)}
-    for peer in peers if with_peers else []:
-        commands[peer.name] = peer.words(cloud.for_peers(), lab.work / "peer.ply", cloud.voxel(resolution), resolution)
-    commands[as_it_comes] = commands[mine]
-    results = {program: [] for program in commands}
-    for k in range(runs):
-        for program, words in commands.items():
-            lab.say(f"{cloud.name} at {resolution}, run {k + 1} of {runs}: {program}")
-            results[program].append(run(lab, words, "speed", None if program.startswith(mine) else ENVIRONMENT,
-                                        0 if program == as_it_comes else WARM_MB))
-    rows = []
-    for program, measured in results.items():
-        median = medians(measured)
-        ratio = median["cpu"] / rows[0][3] if rows else 1.0
-        seconds = (round(median[k], 2) for k in ("cpu", "system", "elapsed"))
-        rows.append([f"{cloud.name}, {resolution}", program, runs, *seconds, round(median["peak_mb"]),
-                     round(planned_mb(measured[0]["errors"])) if program == mine else "",
-                     round(ratio, 2), {mine: target, on_two: target_of_two}.get(program, "")])
-    return rows, stages(lab, commands[mine])["cpu_seconds"]
+def import_of(lab, peer, runs):
+    """What a peer's interpreter and its imports take alone, where the peer's check is to load them; else None."""
+    if not peer.check:
+        return None
+    words = [w.format(here=HERE.parent / "accuracy", python=sys.executable) for w in shlex.split(peer.check)]
+    try:
+        return figure_of([run(lab, words, "import", ENVIRONMENT) for _ in range(runs)])
+    except Failed as failure:
+        lab.say(str(failure))
+        return None
 
 
-def cases(lab, names, runs, peers):
-    header = ["case", "program", "runs", "CPU s", "of these system", "elapsed s", "peak MB", "planned MB", "CPU ratio",
-              "target"]
-    rows, times = [], {}
-    for name in names:
-        found, times[name] = measure_case(lab, name, runs, peers)
-        rows += found
-    text = lab.table("speed", header, rows)
-    keys = list(dict.fromkeys(stage for t in times.values() for stage in t))
-    text += "\n\nCPU seconds by stage, one run each:\n\n"
-    return text + lab.table("stages", ["case", *keys],
-                            [[name, *(f"{t.get(k, 0):.2f}" for k in keys)] for name, t in times.items()])
+class Speed:
+    """The parts of the page; each returns its text, and adds its verdicts."""
 
+    def __init__(self, lab, memory, runs, peers):
+        self.lab, self.memory, self.runs, self.peers = lab, memory, runs, peers
+        self.verdicts = []
+        self.imports = {}
 
-def scaling(lab, sizes, runs):
-    """Virtual scans with the same samples per voxel^2 at each size."""
-    inputs = {n: Input(lab, clouds.samples_for(n, SCALING_SAMPLES_PER_VOXEL2), n) for n in sizes}
-    measured = {n: [] for n in sizes}
-    for k in range(runs):
+    def measure_programs(self, title, commands):
+        """Figures by (program, condition), and why programs failed. One of ours that fails ends all; a peer that does
+        is not run again."""
+        measured, failures = {}, {}
+        for k, turn in enumerate(turns([(p, c) for c in CONDITIONS for p in commands], self.runs)):
+            for program, condition in turn:
+                if program in failures:
+                    continue
+                self.lab.say(f"{title}, run {k + 1} of {self.runs}: {program}, {condition}")
+                self.memory.prepare(condition)
+                is_ours = program in (OURS, ON_TWO)
+                try:
+                    found = run(self.lab, commands[program], "speed", None if is_ours else ENVIRONMENT)
+                except Failed as failure:
+                    if is_ours:
+                        raise
+                    self.lab.say(str(failure))
+                    failures[program] = str(failure)
+                else:
+                    measured.setdefault((program, condition), []).append(found)
+        return {key: figure_of(m) for key, m in measured.items() if key[0] not in failures}, failures
+
+    def case(self, name, case):
+        lab = self.lab
+        cloud = Input(lab, case.samples, case.resolution)
+        commands = {OURS: ours(lab, cloud, case.resolution), ON_TWO: ours(lab, cloud, case.resolution, threads=2)}
+        for peer in self.peers if case.with_peers else []:
+            commands[peer.name] = peer.words(cloud.for_peers(), lab.work / "peer.ply", cloud.voxel(case.resolution),
+                                             case.resolution)
+        cloud.read_once()
+        title = f"{cloud.name}, {case.resolution}"
+        figures, failures = self.measure_programs(title, commands)
+        self.verdicts += verdicts.of_case(title, case, figures, cloud.megabytes, self.imports)
+        rows = []
+        for condition in CONDITIONS:
+            for program in commands:
+                if program in failures:
+                    rows.append([title, program, condition, 0, "failed", *[""] * 7])
+                    continue
+                f, mine = figures[program, condition], figures[OURS, condition]
+                seconds = (f"{f[k]:.2f}" for k in ("cpu", "system", "elapsed"))
+                rows.append([title, program, condition, f["runs"], *seconds, *memory_cells(f),
+                             f"{f['cpu'] / mine['cpu']:.2f}"])
+        self.memory.prepare(WARMED)
+        return rows, stages(lab, commands[OURS])["cpu_seconds"], failures
+
+    def cases(self, chosen):
+        header = ["case", "program", "memory", "runs", "CPU s", "of these system", "elapsed s", *MEMORY_HEADER,
+                  "CPU over ours"]
+        rows, times, failures = [], {}, {}
+        for peer in self.peers:
+            self.lab.say(f"{peer.name}: its import alone")
+            self.imports[peer.name] = import_of(self.lab, peer, self.runs)
+        for name, case in chosen.items():
+            found, times[name], failed = self.case(name, case)
+            rows += found
+            failures.update(failed)
+        text = [self.lab.table("speed", header, rows)]
+        text += [f"{peer}: Python and its import alone take {f['cpu']:.2f} CPU s and {f['peak_mb']:.0f} MB of these."
+                 for peer, f in self.imports.items() if f]
+        text += [f"{peer} failed: {why}" for peer, why in failures.items()]
+        keys = list(dict.fromkeys(stage for t in times.values() for stage in t))
+        text += ["CPU seconds by stage, one run each, memory warmed:",
+                 self.lab.table("stages", ["case", *keys],
+                                [[name, *(f"{t.get(k, 0):.2f}" for k in keys)] for name, t in times.items()])]
+        return "\n\n".join(text)
+
+    def scaling(self, sizes, plotted=True):
+        """Virtual scans with the same samples per voxel^2 at each size."""
+        lab = self.lab
+        inputs = {n: Input(lab, clouds.samples_for(n, SCALING_SAMPLES_PER_VOXEL2), n) for n in sizes}
+        measured = {n: [] for n in sizes}
+        for cloud in inputs.values():
+            cloud.read_once()
+        for k, turn in enumerate(turns(list(inputs.items()), self.runs)):
+            for resolution, cloud in turn:
+                for _ in range(min(4, max(1, 1024 // resolution))):  # less than a second tells little
+                    lab.say(f"scaling: {cloud.name} at {resolution}, round {k + 1} of {self.runs}")
+                    self.memory.prepare(RESTED)
+                    measured[resolution].append(run(lab, ours(lab, cloud, resolution), "speed"))
+        figures = {n: figure_of(m) for n, m in measured.items()}
+        vertices, solve = {}, {}
         for resolution, cloud in inputs.items():
-            for _ in range(max(1, 1024 // resolution)):  # less than a second tells little
-                lab.say(f"scaling: {cloud.name} at {resolution}, run {k + 1} of {runs}")
-                time.sleep(REST)
-                measured[resolution].append(run(lab, ours(lab, cloud, resolution), "speed", warm_mb=0))
-    rows = []
-    for resolution, cloud in inputs.items():
-        time.sleep(REST)
-        report = stages(lab, ours(lab, cloud, resolution), warm_mb=0)
-        vertices = report["grid"]["levels"][-1]["active_vertices"]
-        median = medians(measured[resolution])
-        spent = [median["cpu"], median["system"], report["cpu_seconds"]["solve"]]
-        rows.append([resolution, cloud.samples, vertices, round(median["cpu"], 2), round(median["peak_mb"]),
-                     round(planned_mb(measured[resolution][0]["errors"])),
-                     *(round(1e9 * s / vertices, 1) for s in spent)])
-    plot(lab, rows)
-    header = ["resolution", "samples", "active vertices", "CPU s", "peak MB", "planned MB", "ns per active vertex",
-              "of these system", "of one run solve"]
-    return lab.table("scaling", header, rows) + "\n\n![CPU seconds against active vertices](scaling.png)"
+            self.memory.prepare(RESTED)
+            report = stages(lab, ours(lab, cloud, resolution))
+            vertices[resolution] = report["grid"]["levels"][-1]["active_vertices"]
+            solve[resolution] = report["cpu_seconds"]["solve"]
+        cpu, user = ([1e9 * figures[n][k] / vertices[n] for n in sizes] for k in ("cpu", "user"))
+        self.verdicts += verdicts.of_scaling(sizes, cpu, user, list(figures.values()))
+        rows = []
+        for n, c, u, over, user_over in zip(sizes, cpu, user, over_least(cpu), over_least(user)):
+            f = figures[n]
+            rows.append([n, inputs[n].samples, vertices[n], f["runs"], f"{f['cpu']:.2f}",
+                         f"{c:.0f}", f"{100 * over:.0f}", f"{u:.0f}", f"{100 * user_over:.0f}",
+                         f"{1e9 * solve[n] / vertices[n]:.0f}", *memory_cells(f)])
+        header = ["resolution", "samples", "active vertices", "runs", "CPU s", "ns per active vertex",
+                  "over the least, %", "user ns per active vertex", "over the least, %",
+                  "solve ns per active vertex (one run)", *MEMORY_HEADER]
+        text = SCALING_NOTE + "\n\n" + lab.table("scaling", header, rows)
+        if plotted:
+            plot(lab, [vertices[n] for n in sizes], [figures[n]["cpu"] for n in sizes], sizes)
+            text += "\n\n![CPU seconds against active vertices](scaling.png)"
+        return text
+
+    def instructions(self):
+        """A figure that does not depend on the machine's mood."""
+        lab = self.lab
+        cloud = Input(lab, clouds.samples_for(96, 2.0), 96)
+        if not shutil.which("valgrind"):
+            raise Failed("callgrind counts the instructions: valgrind is not installed")
+        lab.say(f"callgrind: {cloud.name} at 96")
+        count = counted(run(lab, ["valgrind", "--tool=callgrind", f"--callgrind-out-file={lab.work / 'callgrind.out'}",
+                                  *ours(lab, cloud, 96)], "speed")["errors"])
+        return f"{count / 1e6:.0f} million instructions: {cloud.samples} virtual samples at 96, one thread (callgrind)."
 
 
-def plot(lab, rows):
+def counted(errors):
+    """Instructions, from what callgrind says."""
+    found = re.search(r"Collected\s*:\s*(\d+)", errors)
+    if not found:
+        raise Failed(f"callgrind did not say 'Collected : N' but: {errors.strip()[-300:]}")
+    return int(found[1])
+
+
+def plot(lab, vertices, cpu, sizes):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     figure, axis = plt.subplots(figsize=(4.8, 3.4))
-    vertices, cpu = [row[2] for row in rows], [row[3] for row in rows]
     axis.loglog(vertices, cpu, "o-", label="whole run")
     axis.loglog(vertices, [cpu[0] * v / vertices[0] for v in vertices], ":", color="gray", label="constant per vertex")
-    for row in rows:
-        axis.annotate(str(row[0]), (row[2], row[3]), textcoords="offset points", xytext=(4, -10), fontsize=8)
+    for size, v, seconds in zip(sizes, vertices, cpu):
+        axis.annotate(str(size), (v, seconds), textcoords="offset points", xytext=(4, -10), fontsize=8)
     axis.set_xlabel("active vertices of the finest level")
     axis.set_ylabel("CPU seconds, one thread")
     axis.grid(True, alpha=0.3)
@@ -175,46 +260,66 @@ def plot(lab, rows):
     figure.savefig(lab.page / "scaling.png", dpi=110)
 
 
-def instructions(lab):
-    """A figure that does not depend on the machine's mood."""
-    cloud = Input(lab, clouds.samples_for(96, 2.0), 96)
-    words = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={lab.work / 'callgrind.out'}", *ours(lab, cloud, 96)]
-    lab.say(f"callgrind: {cloud.name} at 96")
-    found = re.search(r"Collected : (\d+)", run(lab, words, "speed")["errors"])
-    return f"{int(found[1]) / 1e6:.0f} million instructions: {cloud.samples} virtual samples at 96, one thread (callgrind)."
+def head(missing, runs, memory, load, begin):
+    minutes = (time.monotonic() - begin) / 60
+    text = ["# Speed of the whole program",
+            f"""`make bench`: reading and writing files included, one thread unless it says two, medians of {runs}
+rounds, each of which begins with another program. MB are 10^6 bytes of resident memory. "Warmed": another process used
+{memory.warm_mb} MB right before. "Rested": the machine idled for {memory.rest} s before (`speed/conditions.py`).""",
+            f"{machine()}; commit {commit()}; {time.strftime('%Y-%m-%d')}; {minutes:.0f} minutes; load when it began "
+            f"{load:.1f}."]
+    if missing:
+        text.append(f"Not on this machine: {', '.join(p.name for p in missing)}.")
+    return text
 
 
-def main():
+def parsed():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("programs")
     parser.add_argument("work")
     parser.add_argument("--cases", default=",".join(CASES), help="of 512, 1024, 20M")
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--sizes", default=",".join(map(str, SCALING)), help="of the scaling series")
-    parser.add_argument("--part", action="append", choices=["cases", "scaling", "instructions"])
+    parser.add_argument("--part", action="append", choices=PARTS)
+    parser.add_argument("--smoke", action="store_true", help="small cases, once, without callgrind and plot")
     options = parser.parse_args()
     names = options.cases.split(",")
     if unknown := [n for n in names if n not in CASES]:
         parser.error(f"case = {unknown[0]}, must be one of {', '.join(CASES)}")
-    lab = Lab(options.programs, options.work, HERE.parent / "results")
+    if options.runs < 1:
+        parser.error(f"runs = {options.runs}, must be at least 1")
+    options.chosen = {n: CASES[n] for n in names}
+    options.sizes = [int(n) for n in options.sizes.split(",")]
+    options.whole = not options.part and options.sizes == list(SCALING) and list(options.chosen) == list(CASES)
+    if options.smoke:
+        options.chosen, options.sizes, options.runs, options.whole = SMOKE_CASES, [32, 64], 1, False
+        options.part = options.part or ["cases", "scaling"]
+    return options
+
+
+def main():
+    options = parsed()
+    begin, load = time.monotonic(), os.getloadavg()[0]
+    lab = Lab(options.programs, options.work,
+              HERE.parent / "results" if options.whole else Path(options.work) / "results")
     able, missing = read_peers(HERE.parent / "accuracy" / "peers.toml")
-    peers = [p for p in able if not p.conditions]
-    parts = options.part or ["cases", "scaling", "instructions"]
-    made = {"cases": lambda: cases(lab, names, options.runs, peers),
-            "scaling": lambda: scaling(lab, [int(n) for n in options.sizes.split(",")], options.runs),
-            "instructions": lambda: instructions(lab)}
-    page = ["# Speed of the whole program", "`make bench`; one thread unless it says two, medians, reading and writing files "
-            "included. What the targets mean: `docs/performance.md`."]
-    if missing:
-        page.append(f"Not on this machine: {', '.join(p.name for p in missing)}.")
-    titles = {"cases": "Cases", "scaling": "Scaling", "instructions": "Instructions"}
-    for part in parts:
-        page.append(f"## {titles[part]}\n{made[part]()}")
-    text = "\n\n".join(page) + "\n"
-    if options.part:
-        print(text)
-    else:
-        (lab.page / "speed.md").write_text(text)
+    memory = Memory(warm_mb=50, rest=0) if options.smoke else Memory()
+    speed = Speed(lab, memory, options.runs, [p for p in able if not p.conditions])
+    made = {"cases": lambda: speed.cases(options.chosen),
+            "scaling": lambda: speed.scaling(options.sizes, plotted=not options.smoke),
+            "instructions": speed.instructions}
+    sections = []
+    try:
+        for part in options.part or PARTS:
+            sections.append(f"## {part.capitalize()}\n{made[part]()}")
+            print(sections[-1], flush=True)
+    except Failed as failure:
+        sys.exit(str(failure))
+    judged = "## Against the targets\n" + markdown(verdicts.HEADER, speed.verdicts)
+    page = head(missing, options.runs, memory, load, begin) + [judged] * bool(speed.verdicts) + sections
+    (lab.page / "speed.md").write_text("\n\n".join(page) + "\n")
+    print(judged)
+    lab.say(f"{lab.page / 'speed.md'} in {(time.monotonic() - begin) / 60:.0f} minutes")
 
 
 if __name__ == "__main__":
