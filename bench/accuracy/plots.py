@@ -5,7 +5,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 from cases import FLAT, NOISE, SERIES, SERIES_CONDITIONS
-from targets import order_of
+from results import order_of
 
 COLORS = {"tv": "tab:blue", FLAT: "tab:gray", "tv unrefined": "tab:cyan", "poisson": "tab:green", "vrip": "tab:brown",
           "graph-cut-26": "tab:orange", "screened Poisson": "tab:red", "PoissonRecon": "tab:purple"}
@@ -72,7 +72,7 @@ def error_over_noise(lab, results, shapes, conditions, cells):
 
 def worst_cases(lab, trial, results, cases, cells):
     """One panel for each method: its largest mean error, coloured by distance. Returns the Markdown."""
-    case_of = {(c.shape.name, c.condition.name, c.method.name, c.cells, c.coarser): c for c in cases}
+    case_of = {(c.shape.name, c.condition.name, c.method.name, c.cells, c.peer_voxel): c for c in cases}
     files, captions = [], []
     for method in results.methods(cells):
         best = [results.get(*key) for key in results.rows if key[2:] == (method, cells)]
@@ -80,7 +80,7 @@ def worst_cases(lab, trial, results, cases, cells):
         if not best:
             continue
         row = max(best, key=lambda r: r.mean_voxels)
-        case = case_of[row.shape, row.condition, row.method, row.cells, row.coarser]
+        case = case_of[row.shape, row.condition, row.method, row.cells, row.peer_voxel]
         colored = lab.work / f"worst-{case.name}.ply"
         lab.output_of([lab.program, "evaluate", lab.work / f"{case.name}.ply", "--truth", trial.truth_of(case.shape),
                        "--points", 1000, "--error-ply", colored, "--error-range", f"{2 * row.voxel:.9g}",
