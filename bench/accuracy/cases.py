@@ -24,8 +24,8 @@ class Shape:
 SHAPES = (
     Shape("sphere", "smooth", series=True),
     Shape("torus", "smooth", series=True),
-    Shape("plate", "smooth"),
-    Shape("sheets", "smooth"),
+    Shape("plate", "smooth", series=True),
+    Shape("sheets", "smooth", series=True),
     Shape("knot", "detailed", hole_decides=False, series=True),
     Shape("part", "sharp", hole_decides=False),
     Shape("horse", "detailed", "meshes/horse.ply", hole_decides=False, thin_decides=False),
