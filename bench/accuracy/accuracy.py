@@ -14,9 +14,12 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))  # of lab.py, which all benchmarks share
 
 import page
-from cases import BASE, CONDITIONS, METHODS, SHAPES, plan
+import plots
+from cases import BASE, CONDITIONS, METHODS, SHAPES, plan, sizes_of
 from lab import Lab
 from peers import HERE, read_peers
+from results import Results
+from scans import bunny
 from trial import Trial
 
 
@@ -50,6 +53,27 @@ def measure(lab, trial, cases, jobs):
         return [row for row in pool.map(lambda case: trial.run(case, clouds[case.cloud]), cases) if row]
 
 
+def chosen_methods(names):
+    """Ours, the peers that are there, and the names of those that are not."""
+    peers, absent = read_peers(HERE / "peers.toml")
+    known = [m.name for m in (*METHODS, *peers, *absent)]
+    for name in names or ():
+        if name not in known:
+            sys.exit(f"method = {name}, must be one of {', '.join(known)}")
+    return chosen(METHODS, names), peers, [p.name for p in absent]
+
+
+def write_page(lab, trial, rows, cases, contents, whole):
+    results, cells = Results(rows, contents.reference), contents.sizes[0]
+    plots.error_over_voxel(lab, results, contents.shapes)
+    plots.error_over_noise(lab, results, contents.shapes, contents.conditions, cells)
+    contents.worst = plots.worst_cases(lab, trial, results, cases, cells)
+    if whole:
+        contents.scans, contents.share = bunny(lab)
+    contents.commit = subprocess.run(["git", "describe", "--always"], capture_output=True, text=True).stdout.strip()
+    return page.write(lab, contents, results)
+
+
 def main():
     options = arguments()
     selection = options.shape or options.condition or options.method or options.cells != BASE or options.kept
@@ -57,20 +81,13 @@ def main():
     begin = time.monotonic()
     shapes = [s for s in chosen(SHAPES, options.shape) if not s.file or lab.real(s.file)]
     conditions = chosen(CONDITIONS, options.condition)
-    peers, absent = read_peers(HERE / "peers.toml")
-    reference = peers[0].name if peers else None
-    known = [m.name for m in (*METHODS, *peers, *absent)]
-    for name in options.method or ():
-        if name not in known:
-            sys.exit(f"method = {name}, must be one of {', '.join(known)}")
-    own = chosen(METHODS, options.method)
+    own, peers, absent = chosen_methods(options.method)
     cases = plan(shapes, conditions, own, chosen(peers, options.method), options.cells, options.full)
     lab.runs_nothing = options.kept
     trial = Trial(lab)
     rows = measure(lab, trial, cases, options.jobs)
-    commit = subprocess.run(["git", "describe", "--always"], capture_output=True, text=True).stdout.strip()
-    text = page.write(lab, trial, page.Contents(rows, cases, shapes, conditions, options.cells, reference,
-                                                [p.name for p in absent], commit, whole=not selection))
+    contents = page.Contents(rows, shapes, conditions, sizes_of(options.cells, options.full), peers, absent)
+    text = write_page(lab, trial, rows, cases, contents, whole=not selection)
     if selection:
         print(text)
     lab.say(f"{lab.page / 'README.md'} in {(time.monotonic() - begin) / 60:.0f} minutes")

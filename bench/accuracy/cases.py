@@ -24,8 +24,8 @@ class Shape:
 SHAPES = (
     Shape("sphere", "smooth", series=True),
     Shape("torus", "smooth", series=True),
-    Shape("plate", "smooth"),
-    Shape("sheets", "smooth"),
+    Shape("plate", "smooth", series=True),
+    Shape("sheets", "smooth", series=True),
     Shape("knot", "detailed", hole_decides=False, series=True),
     Shape("part", "sharp", hole_decides=False),
     Shape("horse", "detailed", "meshes/horse.ply", hole_decides=False, thin_decides=False),
@@ -110,7 +110,7 @@ class Case:
     condition: Condition
     method: object               # Method or Peer
     cells: int
-    coarser: float = 1           # a peer's voxel over ours
+    peer_voxel: float = 1        # a peer's voxel over ours
 
     @property
     def scans(self):
@@ -123,7 +123,7 @@ class Case:
     @property
     def name(self):
         method = self.method.name.replace(" ", "-").replace(",", "")
-        return f"{self.cloud}.{method}" + (f"-{self.coarser:g}x" if self.coarser != 1 else "")
+        return f"{self.cloud}.{method}" + (f"-{self.peer_voxel:g}x" if self.peer_voxel != 1 else "")
 
 
 def runs_here(method, shape, condition, full):
@@ -135,19 +135,24 @@ def runs_here(method, shape, condition, full):
     return getattr(method, "ours", True) or condition.baselines
 
 
+def sizes_of(cells, full):
+    """Voxel sizes of all conditions, the one that the targets are judged at first."""
+    return (cells, *(n for n in FULL if n != cells)) if full else (cells,)
+
+
 def plan(shapes, conditions, own, peers, cells, full):
-    """All cases, in the order in which they run: ours, peers, baselines. `cells`: the size of all conditions; the
-    series has its own."""
+    """All cases, in the order in which they run: ours, peers, baselines. `cells`: the size that all conditions have;
+    the series has its own."""
     cases, order = [], [m.name for m in own if m.ours] + [p.name for p in peers] + [m.name for m in own if not m.ours]
     for shape in shapes:
         for condition in conditions:
-            sizes = FULL if full else (cells,)
+            sizes = sizes_of(cells, full)
             for method in own:
                 if not method.series_only and runs_here(method, shape, condition, full):
                     cases += [Case(shape, condition, method, n) for n in sizes]
             for peer in peers:
                 if not peer.conditions or condition.name in peer.conditions:
-                    factors = (1, *peer.coarser) if condition.noise else (1,)
+                    factors = (1, *peer.voxels) if condition.noise else (1,)
                     cases += [Case(shape, condition, peer, n, f) for n in sizes for f in factors]
             if shape.series and condition.name in SERIES_CONDITIONS and cells == BASE:
                 chosen = [m for m in own if m.ours] + [p for p in peers if not p.conditions]

@@ -19,7 +19,7 @@ class Peer:
     name: str
     command: str
     check: str = ""
-    coarser: tuple = ()
+    voxels: tuple = ()           # over ours, tried beside 1 where the samples are noisy
     conditions: tuple = ()
 
     def words(self, cloud, mesh, voxel, cells):
@@ -42,7 +42,7 @@ def read_peers(path):
     """All peers of the file: those that can run here, those that cannot."""
     with open(path, "rb") as file:
         entries = tomllib.load(file)["peer"]
-    peers = [Peer(e["name"], e["command"], e.get("check", ""), tuple(e.get("coarser", ())),
+    peers = [Peer(e["name"], e["command"], e.get("check", ""), tuple(e.get("voxels", ())),
                   tuple(e.get("conditions", ()))) for e in entries]
     able = [p for p in peers if p.available()]
     return able, [p for p in peers if p not in able]

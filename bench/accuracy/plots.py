@@ -5,7 +5,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 from cases import FLAT, NOISE, SERIES, SERIES_CONDITIONS
-from targets import order_of
+from finer import write_finer
+from results import order_of
 
 COLORS = {"tv": "tab:blue", FLAT: "tab:gray", "tv unrefined": "tab:cyan", "poisson": "tab:green", "vrip": "tab:brown",
           "graph-cut-26": "tab:orange", "screened Poisson": "tab:red", "PoissonRecon": "tab:purple"}
@@ -70,23 +71,37 @@ def error_over_noise(lab, results, shapes, conditions, cells):
     save(figure, lab, "error-over-noise")
 
 
+def worst_case(results, method, cells):
+    """The row of the method's largest mean error; None when it has no mesh."""
+    rows = [results.get(*key) for key in results.rows if key[2:] == (method, cells)]
+    return max((row for row in rows if row.mean is not None), key=lambda r: r.mean_voxels, default=None)
+
+
 def worst_cases(lab, trial, results, cases, cells):
-    """One panel for each method: its largest mean error, coloured by distance. Returns the Markdown."""
-    case_of = {(c.shape.name, c.condition.name, c.method.name, c.cells, c.coarser): c for c in cases}
-    files, captions = [], []
-    for method in results.methods(cells):
-        best = [results.get(*key) for key in results.rows if key[2:] == (method, cells)]
-        best = [row for row in best if row.mean is not None]
-        if not best:
-            continue
-        row = max(best, key=lambda r: r.mean_voxels)
-        case = case_of[row.shape, row.condition, row.method, row.cells, row.coarser]
-        colored = lab.work / f"worst-{case.name}.ply"
-        lab.output_of([lab.program, "evaluate", lab.work / f"{case.name}.ply", "--truth", trial.truth_of(case.shape),
-                       "--points", 1000, "--error-ply", colored, "--error-range", f"{2 * row.voxel:.9g}",
-                       "--threads", 1])
-        files.append(colored)
-        captions.append(f"{method}: {row.shape}, {row.condition}, {row.mean_voxels:.2f} voxels")
-    if not files:
+    """Two panels for each method's worst case: the truth, coloured by its distance to the mesh, which is what the error
+    measures, above the mesh, coloured by its distance to the truth. Returns the Markdown."""
+    case_of = {(c.shape.name, c.condition.name, c.method.name, c.cells, c.peer_voxel): c for c in cases}
+    found = [row for row in (worst_case(results, method, cells) for method in results.methods(cells)) if row]
+    for row in {row.shape: row for row in found}.values():
+        write_finer(lab.work / f"{row.shape}-truth" / "truth.ply", lab.work / f"{row.shape}-truth-fine.ply",
+                    2 * row.voxel)
+    truths, meshes, captions = [], [], []
+    for row in found:
+        case = case_of[row.shape, row.condition, row.method, row.cells, row.peer_voxel]
+        mesh, name = lab.work / f"{case.name}.ply", f"worst-{case.name}"
+        truth = lab.work / f"{row.shape}-truth-fine.ply"
+        truths.append(color_by_distance(lab, truth, mesh, f"{name}-truth", row.voxel))
+        meshes.append(color_by_distance(lab, mesh, trial.truth_of(case.shape), f"{name}-mesh", row.voxel))
+        captions.append(f"{row.method}: {row.shape}, {row.condition}, {row.mean_voxels:.2f} voxels")
+    if not found:
         return ""
-    return lab.render("worst", files, captions, "--framing", "fitted", "--view", "iso", "--size", "520x520")
+    return lab.render("worst", truths + meshes, captions + ["its mesh"] * len(found), "--framing", "fitted",
+                      "--view", "iso", "--size", "420x420", "--columns", len(found))
+
+
+def color_by_distance(lab, mesh, other, name, voxel):
+    """The mesh coloured by its distance to the other surface, bright from two voxels on."""
+    colored = lab.work / f"{name}.ply"
+    lab.output_of([lab.program, "evaluate", mesh, "--truth", other, "--points", 1000, "--error-ply", colored,
+                   "--error-range", f"{2 * voxel:.9g}", "--threads", 1])
+    return colored

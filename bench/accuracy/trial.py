@@ -1,10 +1,10 @@
 """Runs one case: scan, reconstruct by a method or a peer, evaluate. All of it resumable."""
 import json
-from dataclasses import dataclass, fields
 
 from cases import SEED, Method
 from lab import NotKept
 from peers import ENVIRONMENT, read_samples, read_scans, write_oriented
+from results import Row
 
 POINTS = 100000  # on each surface; means settle to a fifth of a percent
 
@@ -12,40 +12,6 @@ POINTS = 100000  # on each surface; means settle to a fifth of a percent
 def last_line(measured):
     """What a program that failed said in the end."""
     return (measured["errors"].strip().splitlines() or [f"exit code {measured['code']}"])[-1]
-
-
-@dataclass
-class Row:
-    """What is known of one case: a line of runs.csv. Errors are distances from the truth to the mesh."""
-    shape: str
-    condition: str
-    method: str
-    cells: int                   # along the shape's longest side
-    coarser: float               # a peer's voxel over ours
-    voxel: float                 # ours, input units
-    samples: int
-    mean: float = None           # input units
-    mean_voxels: float = None
-    rms_voxels: float = None
-    p95_voxels: float = None
-    back_mean_voxels: float = None  # mesh to truth: what should not be there
-    normal_angle: float = None   # mean, degrees
-    closed: bool = None
-    components: int = None
-    genus: int = None
-    true_components: int = None
-    true_genus: int = None
-    cpu: float = 0               # seconds of the whole process
-    peak_mb: float = 0
-    failure: str = ""            # the program's own line when there is no mesh
-
-    @property
-    def right(self):
-        """Is the topology the truth's?"""
-        return bool(self.closed) and (self.components, self.genus) == (self.true_components, self.true_genus)
-
-    def values(self):
-        return [getattr(self, f.name) for f in fields(Row)]
 
 
 class NoVerdict(Exception):
@@ -109,8 +75,8 @@ class Trial:
             depends = [lab.program, cloud.parent if cloud.suffix == ".conf" else cloud]
             return mesh, lab.once(f"{case.name}.run", words, depends, mesh)
         ready = self.oriented(cloud)
-        words = case.method.words(ready, mesh, case.coarser * voxel, round(case.cells / case.coarser))
-        label = f"{case.method.name}, {case.coarser:g} voxels: {cloud.parent.name}"
+        words = case.method.words(ready, mesh, case.peer_voxel * voxel, round(case.cells / case.peer_voxel))
+        label = f"{case.method.name}, {case.peer_voxel:g} voxels: {cloud.parent.name}"
         return mesh, lab.once(f"{case.name}.run", words, [ready, *case.method.scripts()], mesh, label, ENVIRONMENT)
 
     def evaluate(self, name, mesh, shape, voxel):
@@ -135,7 +101,7 @@ class Trial:
         voxel, facts = self.voxel(case), self.facts[case.shape.name]
         truth = json.loads((cloud.parent / "truth.json").read_text())
         samples = (truth.get("scans") or truth["samples"])["samples"]
-        row = Row(case.shape.name, case.condition.name, case.method.name, case.cells, case.coarser, voxel, samples,
+        row = Row(case.shape.name, case.condition.name, case.method.name, case.cells, case.peer_voxel, voxel, samples,
                   true_components=facts["components"], true_genus=facts["genus"])
         mesh, measured = self.mesh(case, cloud)
         row.cpu, row.peak_mb = measured["cpu"], measured["peak_mb"]
@@ -143,16 +109,7 @@ class Trial:
             row.failure = last_line(measured)
             return row
         try:
-            judged = self.evaluate(case.name, mesh, case.shape, voxel)
+            row.take(self.evaluate(case.name, mesh, case.shape, voxel))
         except NoVerdict as refusal:
             row.failure = str(refusal)
-            return row
-        there, back = judged["truth_to_mesh"], judged["mesh_to_truth"]
-        row.mean = there["distance"]["mean"]
-        row.mean_voxels, row.rms_voxels, row.p95_voxels = (
-            there["distance_voxels"][k] for k in ("mean", "rms", "percentile95"))
-        row.back_mean_voxels = back["distance_voxels"]["mean"]
-        row.normal_angle = there["normal_angle_deg"]["mean"]
-        topology = judged["topology"]["mesh"]
-        row.closed, row.components, row.genus = (topology[k] for k in ("closed", "components", "genus"))
         return row
