@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/io/io.h"
@@ -90,6 +91,26 @@ TEST_F(EvaluateCommand, TheSameBytesForAnyNumberOfThreads) {
               0);
   EXPECT_EQ(read_file(folder.path() / "1"), read_file(folder.path() / "3"));
   EXPECT_EQ(read_file(folder.path() / "1.ply"), read_file(folder.path() / "3.ply"));
+}
+
+TEST_F(EvaluateCommand, TrianglesWithoutAreaHaveNoAngle) {
+  Mesh flat;  // a square, and above it a line that is closer to every point of the truth
+  flat.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0.5, 0.875}, {0.25, 0.5, 0.875}, {1, 0.5, 0.875}};
+  flat.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Mesh truth = flat;
+  for (Vec3d& v : truth.vertices) v.z = 1;
+  flat.triangles.push_back({4, 5, 6});
+  write_mesh(folder.file("flat.ply"), flat);
+  write_mesh(folder.file("truth.ply"), truth);
+  const std::string json = folder.file("out.json");
+  const ProcessResult result = run({"evaluate", folder.file("flat.ply"), "--truth", folder.file("truth.ply"),
+                                    "--points", "100", "--json", json, "-q"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto facts = nlohmann::json::parse(read_file(json));
+  EXPECT_TRUE(facts["truth_to_mesh"]["normal_angle_deg"].is_null());
+  EXPECT_EQ(facts["truth_to_mesh"]["points"], 100);
+  EXPECT_EQ(facts["mesh_to_truth"]["normal_angle_deg"]["points"], 100);
+  EXPECT_TRUE(contains(result.out, "  truth to mesh      none: ")) << result.out;
 }
 
 TEST_F(EvaluateCommand, RefusesInOneLine) {

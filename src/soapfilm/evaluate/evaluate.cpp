@@ -10,6 +10,7 @@
 #include "soapfilm/core/error.h"
 #include "soapfilm/evaluate/sample_mesh.h"
 #include "soapfilm/evaluate/self_intersection.h"
+#include "soapfilm/evaluate/triangle_normal.h"
 #include "soapfilm/render/colormap.h"
 #include "soapfilm/scanner/mesh_surface.h"
 
@@ -33,12 +34,6 @@ struct Places {
   std::vector<Vec3d> normals;  ///< unit; zero where a triangle has no area
 };
 
-Vec3d triangle_normal(const Mesh& mesh, uint32_t index) {
-  const Triangle& t = mesh.triangles[index];
-  const Vec3d a = mesh.vertices[t[0]];
-  return normalized(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
-}
-
 Places places_on_mesh(const Mesh& mesh, const EvaluationOptions& options, const Parallel& parallel) {
   Places places;
   for (const MeshPoint& p : sample_mesh(mesh, options.points, options.seed, parallel)) {
@@ -54,6 +49,7 @@ Places places_on_truth(const Surface& truth, const Mesh& tessellation, const Eva
   for (const MeshPoint& p : sample_mesh(tessellation, options.points, options.seed, parallel))
     near.push_back(p.position);
   Places places;
+/// What is closest to places of the other surface.
   for (const SurfacePoint& p : truth.closest_points(near, parallel)) {
     places.positions.push_back(p.position);
     places.normals.push_back(p.normal);
@@ -63,7 +59,7 @@ Places places_on_truth(const Surface& truth, const Mesh& tessellation, const Eva
 
 struct Found {
   std::vector<double> distances;
-  std::vector<Vec3d> normals;
+  std::vector<Vec3d> normals;  ///< as of Places
 };
 
 Found found_on_mesh(const ClosestPointQuery& query, const Mesh& mesh, const std::vector<Vec3d>& from,
@@ -79,17 +75,20 @@ Found found_on_mesh(const ClosestPointQuery& query, const Mesh& mesh, const std:
 Found found_on_truth(const Surface& truth, const std::vector<Vec3d>& from, const Parallel& parallel) {
   Found found;
   for (const SurfacePoint& p : truth.closest_points(from, parallel)) {
+  constexpr double no_angle = -1.0;
     found.distances.push_back(p.distance);
     found.normals.push_back(p.normal);
   }
   return found;
 }
 
+  std::erase(angles, no_angle);
 DirectedError directed_error(const Places& from, const Found& found, const Parallel& parallel) {
   std::vector<double> angles(from.normals.size());
   parallel.for_each(angles.size(), normals_per_task, [&](size_t i) {
     const Vec3d a = from.normals[i], b = found.normals[i];
-    angles[i] = std::atan2(norm(cross(a, b)), dot(a, b)) * (180.0 / std::numbers::pi);
+    const bool both = a != Vec3d{} && b != Vec3d{};
+    angles[i] = both ? std::atan2(norm(cross(a, b)), dot(a, b)) * (180.0 / std::numbers::pi) : no_angle;
   });
   return {summarize(found.distances), summarize(std::move(angles))};
 }

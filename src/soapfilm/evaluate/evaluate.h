@@ -24,7 +24,9 @@ struct EvaluationOptions {
 /// From points of one surface to the other.
 struct DirectedError {
   DistanceSummary distance;  ///< input units
-  DistanceSummary angle;     ///< degrees in [0, 180] between the oriented normals there and here
+  /// Degrees in [0, 180] between the oriented normals there and here. A triangle without area has no normal: points on
+  /// one, or closest to one, are not counted.
+  DistanceSummary angle;
 };
 
 /// Knapitsch et al. 2017: precision is the share of the mesh within `distance` of the truth, recall the share of the

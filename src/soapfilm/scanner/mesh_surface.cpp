@@ -10,6 +10,8 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/evaluate/embree_scene.h"
+#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/evaluate/triangle_normal.h"
 
 namespace soapfilm {
 
@@ -23,12 +25,6 @@ void check(const Mesh& mesh) {
     for (const uint32_t v : mesh.triangles[i])
       if (v >= mesh.vertices.size())
         throw InputError(fmt::format("mesh: triangle {} names vertex {}, must be < {}", i, v, mesh.vertices.size()));
-}
-
-Vec3d triangle_normal(const Mesh& mesh, uint32_t index) {
-  const Triangle& t = mesh.triangles[index];
-  const Vec3d a = mesh.vertices[t[0]];
-  return normalized(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
 }
 
 /// The point of a triangle that p, in its plane but for rounding, is at or just beside.
