@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "cli/json.h"
 #include "soapfilm/version.h"
 
 namespace soapfilm::cli {
@@ -13,11 +14,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr int evaluation_version = 1;
-
-template <class T>
-ordered_json or_null(const std::optional<T>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
-}
 
 ordered_json summary_json(const DistanceSummary& d, double unit) {
   return {{"mean", d.mean / unit},

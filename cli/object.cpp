@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "cli/json.h"
 #include "cli/parse.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/io/io.h"
@@ -34,8 +35,8 @@ Object shape_object(const ObjectOptions& options) {
   json["components"] = facts.components;
   json["genus"] = facts.genus;
   json["narrowest"] = facts.narrowest;
-  json["volume"] = facts.volume ? ordered_json(*facts.volume) : ordered_json(nullptr);
-  json["area"] = facts.area ? ordered_json(*facts.area) : ordered_json(nullptr);
+  json["volume"] = or_null(facts.volume);
+  json["area"] = or_null(facts.area);
   return {shape, std::move(json)};
 }
 
@@ -50,7 +51,7 @@ Object mesh_object(const ObjectOptions& options, const Parallel& parallel, Progr
   return {mesh,
           {{"file", options.name},
            {"turned", mesh->turned()},
-           {"volume", mesh->mesh().volume()},
+           {"volume", or_null(mesh->volume())},
            {"area", mesh->mesh().area()}}};
 }
 
@@ -95,7 +96,5 @@ Object make_object(const char* option, const ObjectOptions& options, const Paral
         fmt::format("{} = {}, must be one of {}, or a mesh file", option, options.name, fmt::join(names, ", ")));
   return mesh_object(options, parallel, progress);
 }
-
-ordered_json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace soapfilm::cli

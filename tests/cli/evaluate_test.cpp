@@ -93,6 +93,46 @@ TEST_F(EvaluateCommand, TheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(read_file(folder.path() / "1.ply"), read_file(folder.path() / "3.ply"));
 }
 
+/// Two triangles in a plane that no axis lies in.
+Mesh tilted_sheet() {
+  Mesh mesh;
+  mesh.vertices = {{0.1, 0.2, 0.7}, {0.4, 1.1, 1.1}, {-0.4, 1.2, 1.65}, {-0.7, 0.3, 1.25}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+TEST_F(EvaluateCommand, AnOpenTruthHasNoVolumeAndIsNotTurned) {
+  Mesh open = tilted_sheet();
+  const std::string truth = folder.file("open.ply"), json = folder.file("out.json");
+  for (const bool reversed : {false, true}) {
+    if (reversed)
+      for (Triangle& t : open.triangles) std::swap(t[0], t[1]);
+    write_mesh(truth, open);
+    const ProcessResult result = run({"evaluate", truth, "--truth", truth, "--points", "100", "--json", json, "-q"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    EXPECT_TRUE(contains(result.out, "none (open), true none (open)")) << result.out;
+    const auto facts = nlohmann::json::parse(read_file(json));
+    EXPECT_EQ(facts["truth"]["turned"], false);
+    EXPECT_TRUE(facts["truth"]["volume"].is_null());
+    EXPECT_TRUE(facts["volume"]["truth"].is_null());
+    EXPECT_EQ(facts["mesh_to_truth"]["normal_angle_deg"]["maximum"], 0.0);
+  }
+}
+
+TEST_F(EvaluateCommand, AClosedTruthThatIsInsideOutIsTurnedWithAWarning) {
+  Mesh inside_out = read_mesh(mesh);
+  for (Triangle& t : inside_out.triangles) std::swap(t[0], t[1]);
+  const std::string truth = folder.file("inside_out.ply"), json = folder.file("out.json");
+  write_mesh(truth, inside_out);
+  const ProcessResult result = run({"evaluate", mesh, "--truth", truth, "--points", "100", "--json", json, "-q"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "inside_out.ply: inside-out (negative volume), its faces are turned"));
+  const auto facts = nlohmann::json::parse(read_file(json));
+  EXPECT_EQ(facts["truth"]["turned"], true);
+  EXPECT_GT(facts["truth"]["volume"].get<double>(), 0.0);
+}
+
 TEST_F(EvaluateCommand, TrianglesWithoutAreaHaveNoAngle) {
   Mesh flat;  // a square, and above it a line that is closer to every point of the truth
   flat.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0.5, 0.875}, {0.25, 0.5, 0.875}, {1, 0.5, 0.875}};

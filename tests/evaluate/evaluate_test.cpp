@@ -132,6 +132,20 @@ TEST(Evaluate, WithoutAnyNormalThereAreNoAngles) {
   EXPECT_EQ(e.mesh_to_truth.angle.count, 1000u);
 }
 
+/// The sign of an open surface's volume is its shape's or rounding's: one of these two would be turned by it.
+TEST(Evaluate, AnOpenTruthIsTakenAsItIs) {
+  Mesh corner;
+  corner.vertices = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  corner.triangles = {{0, 1, 2}};
+  for (const bool reversed : {false, true}) {
+    if (reversed) std::swap(corner.triangles[0][0], corner.triangles[0][1]);
+    const Evaluation e = evaluate(corner, corner, {.points = 100}, Parallel(1));
+    EXPECT_EQ(e.truth_to_mesh.angle.maximum, 0.0) << reversed;
+    EXPECT_EQ(e.mesh_to_truth.angle.maximum, 0.0) << reversed;
+    EXPECT_FALSE(e.volume.truth) << reversed;
+  }
+}
+
 TEST(Evaluate, AShapeAgainstItsOwnTessellationHasTheChordsErrorSlow) {
   for (const std::string& name : shape_names()) {
     const auto shape = make_shape(name);

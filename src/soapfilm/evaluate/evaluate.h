@@ -72,7 +72,7 @@ struct Evaluation {
 Evaluation evaluate(const Mesh& mesh, const Surface& truth, const EvaluationOptions& options, const Parallel& parallel,
                     Progress& progress, const std::vector<Vec3d>* samples = nullptr);
 
-/// The same against a mesh, without anyone watching. A truth that is inside-out is turned.
+/// The same against a mesh, without anyone watching. A closed truth that is inside-out is turned.
 Evaluation evaluate(const Mesh& mesh, const Mesh& truth, const EvaluationOptions& options, const Parallel& parallel);
 
 /// `mesh` with each vertex's distance to the truth as the attribute `distance` (input units) and as colours: dark at 0,

@@ -79,7 +79,8 @@ MeshSurface::MeshSurface(Mesh mesh, const Parallel& parallel) : mesh_(std::move(
   check(mesh_);
   for (const Triangle& t : mesh_.triangles)  // unused vertices are no part of the surface
     for (const uint32_t v : t) box_.extend(mesh_.vertices[v]);
-  turned_ = mesh_.volume() < 0.0;
+  closed_ = check_topology(mesh_).closed();
+  turned_ = closed_ && mesh_.volume() < 0.0;
   if (turned_) {
     for (Triangle& t : mesh_.triangles) std::swap(t[1], t[2]);
     for (Vec3f& n : mesh_.normals) n = -n;
