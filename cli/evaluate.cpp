@@ -13,6 +13,7 @@
 #include "cli/evaluation_report.h"
 #include "cli/object.h"
 #include "cli/overwrite.h"
+#include "cli/read_cloud.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/stages.h"
@@ -78,7 +79,7 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
     truth = make_object("truth", options.truth, parallel, progress);
     if (!options.samples.empty()) {
       ReadReport read;
-      samples = read_points(options.samples, &read);
+      samples = read_cloud({options.samples}, parallel, progress, read);
       std::vector<std::string> scans;  // of a set
       for (const FileReport& file : read.files) scans.push_back(file.path);
       refuse_overwriting({options.json, options.error_ply}, scans);

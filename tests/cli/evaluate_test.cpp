@@ -133,6 +133,25 @@ TEST_F(EvaluateCommand, AClosedTruthThatIsInsideOutIsTurnedWithAWarning) {
   EXPECT_GT(facts["truth"]["volume"].get<double>(), 0.0);
 }
 
+TEST_F(EvaluateCommand, WarnsOfSamplesThatAreNotFinite) {
+  const std::string samples = folder.file("samples.xyz"), json = folder.file("out.json");
+  std::ofstream(samples) << "1 0 0\nnan 0 0\n0 1 0\n0 0 inf\n0 0 1\n";
+  const ProcessResult result =
+      run({"evaluate", mesh, "--truth", mesh, "--samples", samples, "--points", "100", "--json", json, "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "soapfilm: warning: 2 of 5 samples dropped: not finite\n");
+  EXPECT_EQ(nlohmann::json::parse(read_file(json))["samples_to_mesh"]["points"], 3);
+}
+
+TEST_F(EvaluateCommand, PassesOnWhatReadingTheSamplesWarnsOf) {
+  write_points(folder.file("scan.ply"), sample_surface(*make_sphere(), 20, 1));
+  const std::string set = folder.file("set.conf");
+  std::ofstream(set) << "colour 3\nbmesh scan.ply 0 0 0 0 0 0 1\n";
+  const ProcessResult result = run({"evaluate", mesh, "--truth", mesh, "--samples", set, "--points", "100", "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "set.conf:1: keyword 'colour' ignored")) << result.err;
+}
+
 TEST_F(EvaluateCommand, TrianglesWithoutAreaHaveNoAngle) {
   Mesh flat;  // a square, and above it a line that is closer to every point of the truth
   flat.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0.5, 0.875}, {0.25, 0.5, 0.875}, {1, 0.5, 0.875}};
