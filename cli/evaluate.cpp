@@ -39,9 +39,10 @@ struct EvaluateOptions {
 };
 
 void check(const EvaluateOptions& options) {
+  validate(options.evaluation);
   const auto positive = [](const CLI::Option* option, const char* name, double value) {
     if (option->count() > 0 && !(value > 0.0 && std::isfinite(value)))
-      throw ParameterError(fmt::format("{} = {}, must be > 0", name, value));
+      throw ParameterError(fmt::format("{} = {}, must be > 0 and finite", name, value));
   };
   positive(options.voxel_option, "voxel", options.voxel);
   positive(options.error_range_option, "error_range", options.error_range);
@@ -75,8 +76,8 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
   Object truth;
   std::optional<PointCloud> samples;
   stages.run("read", [&] {
+    truth = make_object("truth", options.truth, parallel, progress);  // first: its options are judged before files
     mesh = read_surface(options.mesh);
-    truth = make_object("truth", options.truth, parallel, progress);
     if (!options.samples.empty()) {
       ReadReport read;
       samples = read_cloud({options.samples}, parallel, progress, read);

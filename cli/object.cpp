@@ -10,6 +10,7 @@
 #include "cli/json.h"
 #include "cli/parse.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/evaluate/distance.h"
 #include "soapfilm/io/io.h"
 #include "soapfilm/scanner/mesh_surface.h"
 
@@ -84,6 +85,9 @@ Mesh read_surface(const std::string& path) {
   const double area = mesh.area();
   if (!(area > 0) || !std::isfinite(area))
     throw InputError(fmt::format("{}: a mesh of area {:g}, must be > 0 and finite", path, area));
+  const double longest = mesh.box().longest(), most = ClosestPointQuery::longest_side;
+  if (longest > most)
+    throw InputError(fmt::format("{}: the longest side of its box = {:g}, must be <= {:g}", path, longest, most));
   return mesh;
 }
 

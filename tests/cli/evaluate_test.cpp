@@ -172,6 +172,61 @@ TEST_F(EvaluateCommand, TrianglesWithoutAreaHaveNoAngle) {
   EXPECT_TRUE(contains(result.out, "  truth to mesh      none: ")) << result.out;
 }
 
+TEST_F(EvaluateCommand, OptionsAreJudgedBeforeFilesAreRead) {
+  const auto expect = [](std::vector<std::string> options, const std::string& what) {
+    options.insert(options.begin(), {"evaluate", "/nowhere/mesh.ply", "--quiet"});
+    expect_refused(options, what);
+  };
+  expect({"--truth", "/nowhere/truth.ply", "--f-score", "0.1,-1"}, "f_score = -1, must be > 0 and finite");
+  expect({"--truth", "/nowhere/truth.ply", "--f-score", "nan"}, "f_score = nan, must be > 0 and finite");
+  expect({"--truth", "/nowhere/truth.ply", "--f-score", "inf"}, "f_score = inf, must be > 0 and finite");
+  expect({"--truth", "/nowhere/truth.ply", "--voxel", "-1"}, "voxel = -1, must be > 0 and finite");
+  expect({"--truth", "sphere", "--size", "0"}, "size = 0, must be > 0");
+  expect({"--truth", "cube"}, "truth = cube, must be one of");
+  expect({"--truth", "/nowhere/truth.ply", "--size", "2"}, "--size: only built-in shapes have it");
+}
+
+/// Each is one line and exit code 2, and leaves no output.
+TEST_F(EvaluateCommand, BadFilesLeaveNothingBehind) {
+  const std::string json = folder.file("out.json"), ply = folder.file("error.ply");
+  const auto file = [&](const std::string& name, const std::string& text) {
+    std::ofstream(folder.file(name)) << text;
+    return folder.file(name);
+  };
+  const auto expect = [&](const std::string& judged, const std::string& truth, const std::string& what,
+                          std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"evaluate", judged, "--truth", truth, "--json", json, "--error-ply", ply, "--quiet"});
+    expect_refused(more, what);
+    EXPECT_FALSE(std::filesystem::exists(json)) << what;
+    EXPECT_FALSE(std::filesystem::exists(ply)) << what;
+  };
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+      "float z\nelement face ";
+  const std::string list = "\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
+  const std::string bad[] = {folder.file("absent.ply"),
+                             file("empty.ply", ""),
+                             file("empty.obj", ""),
+                             file("empty.stl", ""),
+                             file("no_faces.ply", header + "0" + list),
+                             file("no_faces.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"),
+                             file("no_faces.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n"),
+                             file("short.ply", header + "2" + list + "3 0 1 2\n"),
+                             file("index.ply", header + "1" + list + "3 0 1 3\n"),
+                             file("nan.off", "OFF\n3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n"),
+                             file("huge.off", "OFF\n3 1 0\n0 0 0\n1e120 0 0\n0 1e120 0\n3 0 1 2\n"),
+                             file("cloud.xyz", "0 0 0\n1 0 0\n"),
+                             folder.path().string()};
+  for (const std::string& path : bad) {
+    const std::string name = std::filesystem::path(path).filename().string() + ":";
+    expect(path, "sphere", name);
+    expect(mesh, path, name);
+  }
+  for (const auto& [name, text] : {std::pair{"none.xyz", ""}, {"nan.xyz", "nan 0 0\n"}, {"words.xyz", "a b c\n"}})
+    expect(mesh, "sphere", name, {"--samples", file(name, text)});
+  expect(mesh, "sphere", "f_score = -0.1, must be > 0 and finite", {"--f-score", "-0.1"});
+}
+
 TEST_F(EvaluateCommand, RefusesInOneLine) {
   const auto expect = [&](std::vector<std::string> options, const std::string& what) {
     options.insert(options.begin(), {"evaluate", mesh, "--quiet"});

@@ -222,7 +222,7 @@ TEST(Evaluate, RefusalsNameTheValueAndItsConstraint) {
     return "accepted";
   };
   EXPECT_EQ(message(sheet(1, 0.0), {.points = 0}), "points = 0, must be in [1, 1e8]");
-  EXPECT_EQ(message(sheet(1, 0.0), {.f_score_distances = {0.0}}), "f_score = 0, must be > 0");
+  EXPECT_EQ(message(sheet(1, 0.0), {.f_score_distances = {0.0}}), "f_score = 0, must be > 0 and finite");
   Mesh line = sheet(1, 0.0);
   for (Vec3d& v : line.vertices) v.x = 0.0;
   EXPECT_EQ(message(line, {.points = 10}), "the mesh has no area, it must have some");

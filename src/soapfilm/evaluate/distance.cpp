@@ -130,10 +130,9 @@ ClosestPointQuery::ClosestPointQuery(const Mesh& mesh, const Parallel& parallel)
     if (!is_finite(v)) throw ParameterError(fmt::format("vertex {} is ({}, {}, {}), must be finite", i, v.x, v.y, v.z));
     box.extend(v);
   }
-  constexpr double longest = 1e100;  // whose square a double holds
-  if (box.longest() > longest)
+  if (box.longest() > longest_side)
     throw ParameterError(
-        fmt::format("the longest side of the mesh's box = {:g}, must be <= {:g}", box.longest(), longest));
+        fmt::format("the longest side of the mesh's box = {:g}, must be <= {:g}", box.longest(), longest_side));
   impl_->centre = box.centre();
   if (box.longest() > 0) impl_->to_unit = 2 / box.longest();
   impl_->triangles.resize(mesh.triangles.size());

@@ -21,13 +21,6 @@ namespace {
 constexpr double truth_tolerance = 2e-5;  // of the longest side: only where points are sought, then they are moved
 constexpr size_t normals_per_task = 4096;
 
-void check(const EvaluationOptions& options) {
-  if (options.points < 1 || options.points > 100'000'000)
-    throw ParameterError(fmt::format("points = {}, must be in [1, 1e8]", options.points));
-  for (const double d : options.f_score_distances)
-    if (!(d > 0.0 && std::isfinite(d))) throw ParameterError(fmt::format("f_score = {}, must be > 0", d));
-}
-
 /// Places of a surface, and its normals there.
 struct Places {
   std::vector<Vec3d> positions;
@@ -49,7 +42,6 @@ Places places_on_truth(const Surface& truth, const Mesh& tessellation, const Eva
   for (const MeshPoint& p : sample_mesh(tessellation, options.points, options.seed, parallel))
     near.push_back(p.position);
   Places places;
-/// What is closest to places of the other surface.
   for (const SurfacePoint& p : truth.closest_points(near, parallel)) {
     places.positions.push_back(p.position);
     places.normals.push_back(p.normal);
@@ -57,6 +49,7 @@ Places places_on_truth(const Surface& truth, const Mesh& tessellation, const Eva
   return places;
 }
 
+/// What is closest to places of the other surface.
 struct Found {
   std::vector<double> distances;
   std::vector<Vec3d> normals;  ///< as of Places
@@ -75,21 +68,21 @@ Found found_on_mesh(const ClosestPointQuery& query, const Mesh& mesh, const std:
 Found found_on_truth(const Surface& truth, const std::vector<Vec3d>& from, const Parallel& parallel) {
   Found found;
   for (const SurfacePoint& p : truth.closest_points(from, parallel)) {
-  constexpr double no_angle = -1.0;
     found.distances.push_back(p.distance);
     found.normals.push_back(p.normal);
   }
   return found;
 }
 
-  std::erase(angles, no_angle);
 DirectedError directed_error(const Places& from, const Found& found, const Parallel& parallel) {
+  constexpr double no_angle = -1.0;
   std::vector<double> angles(from.normals.size());
   parallel.for_each(angles.size(), normals_per_task, [&](size_t i) {
     const Vec3d a = from.normals[i], b = found.normals[i];
     const bool both = a != Vec3d{} && b != Vec3d{};
     angles[i] = both ? std::atan2(norm(cross(a, b)), dot(a, b)) * (180.0 / std::numbers::pi) : no_angle;
   });
+  std::erase(angles, no_angle);
   return {summarize(found.distances), summarize(std::move(angles))};
 }
 
@@ -100,9 +93,16 @@ double share_within(const std::vector<double>& distances, double limit) {
 
 }  // namespace
 
+void validate(const EvaluationOptions& options) {
+  if (options.points < 1 || options.points > 100'000'000)
+    throw ParameterError(fmt::format("points = {}, must be in [1, 1e8]", options.points));
+  for (const double d : options.f_score_distances)
+    if (!(d > 0.0 && std::isfinite(d))) throw ParameterError(fmt::format("f_score = {}, must be > 0 and finite", d));
+}
+
 Evaluation evaluate(const Mesh& mesh, const Surface& truth, const EvaluationOptions& options, const Parallel& parallel,
                     Progress& progress, const std::vector<Vec3d>* samples) {
-  check(options);
+  validate(options);
   Evaluation out;
   out.topology = check_topology(mesh);
   const ClosestPointQuery mesh_query(mesh, parallel);
@@ -137,7 +137,8 @@ Evaluation evaluate(const Mesh& mesh, const Mesh& truth, const EvaluationOptions
 }
 
 Mesh color_by_error(Mesh mesh, const Surface& truth, double top, const Parallel& parallel) {
-  if (!(top > 0.0 && std::isfinite(top))) throw ParameterError(fmt::format("error_range = {}, must be > 0", top));
+  if (!(top > 0.0 && std::isfinite(top)))
+    throw ParameterError(fmt::format("error_range = {}, must be > 0 and finite", top));
   std::erase_if(mesh.attributes, [](const Mesh::Attribute& a) { return a.name == "distance"; });
   Mesh::Attribute distance{"distance", {}};
   mesh.colors.clear();

@@ -17,9 +17,12 @@ namespace soapfilm {
 
 struct EvaluationOptions {
   size_t points = 300000;                   ///< on each of the two surfaces, by area; [1, 1e8]
-  std::vector<double> f_score_distances{};  ///< input units, each > 0
+  std::vector<double> f_score_distances{};  ///< input units, each > 0 and finite
   uint64_t seed = 1;                        ///< of where the points lie
 };
+
+/// Throws ParameterError for the first option out of its range.
+void validate(const EvaluationOptions& options);
 
 /// From points of one surface to the other.
 struct DirectedError {
@@ -76,7 +79,7 @@ Evaluation evaluate(const Mesh& mesh, const Surface& truth, const EvaluationOpti
 Evaluation evaluate(const Mesh& mesh, const Mesh& truth, const EvaluationOptions& options, const Parallel& parallel);
 
 /// `mesh` with each vertex's distance to the truth as the attribute `distance` (input units) and as colours: dark at 0,
-/// bright at `top` (input units, > 0) and beyond.
+/// bright at `top` (input units, > 0 and finite) and beyond.
 Mesh color_by_error(Mesh mesh, const Surface& truth, double top, const Parallel& parallel);
 
 }  // namespace soapfilm
