@@ -216,12 +216,6 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   return 0;
 }
 
-/// The values of an enumeration by their names.
-template <class Enum>
-CLI::Validator named(const std::vector<std::pair<std::string, Enum>>& names) {
-  return CLI::CheckedTransformer(names).description("");
-}
-
 void add_main_options(CLI::App& app, ReconstructOptions& o) {
   ReconstructParams& p = o.params;
   app.add_option("input", o.inputs, "Point clouds or scan sets (.ply, .xyz, .conf); several are several scans")
