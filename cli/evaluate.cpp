@@ -64,7 +64,7 @@ void write_errors(const EvaluateOptions& options, Mesh mesh, const Surface& trut
   const double top = options.error_range > 0 ? options.error_range : found > 0 ? found : truth.box().longest();
   MeshWriteOptions write;
   write.comments = {fmt::format("colours: distance to the truth from 0 to {:.6g}", top)};
-  write_mesh(options.error_ply, color_by_error(std::move(mesh), truth, top, parallel), write);
+  write_mesh(options.error_ply, color_by_error(std::move(mesh), truth, top, parallel), write, parallel);
 }
 
 int run(const EvaluateOptions& options, const GlobalOptions& global) {

@@ -59,16 +59,16 @@ ordered_json topology_json(const TopologyReport& t) {
 std::string row(const std::string& name, const DistanceSummary& d, double unit, const char* format) {
   std::string line = fmt::format("{:<20}", name);
   for (const double value : {d.mean, d.rms, d.percentile95, d.percentile99, d.maximum})
+    line += fmt::format(fmt::runtime(format), value / unit);
+  return line + "\n";
+}
+
 std::string angle_row(const std::string& name, const DirectedError& error) {
   const size_t left_out = error.distance.count - error.angle.count;
   if (error.angle.count == 0) return fmt::format("{:<20} none: no triangle there has area\n", name);
   std::string line = row(name, error.angle, 1.0, "{:>11.3f}");
   if (left_out > 0) line += fmt::format("{:<20} {} points left out: the triangle there has no area\n", "", left_out);
   return line;
-}
-
-    line += fmt::format(fmt::runtime(format), value / unit);
-  return line + "\n";
 }
 
 std::string percent(double share) { return fmt::format("{:.2f} %", 100.0 * share); }

@@ -161,7 +161,7 @@ int run(const ScanOptions& options, const GlobalOptions& global) {
   check_together(options);
   check_folder(options);
   TerminalProgress progress(global);
-  const Parallel parallel(global.threads);
+  const Parallel parallel(global.threads, &progress);
   Stages stages(progress);
   const Object object =
       stages.run("prepare", [&] { return make_object("object", options.object, parallel, progress); });
