@@ -13,6 +13,7 @@
 #include "cli/evaluation_report.h"
 #include "cli/object.h"
 #include "cli/overwrite.h"
+#include "cli/read_cloud.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/stages.h"
@@ -38,9 +39,10 @@ struct EvaluateOptions {
 };
 
 void check(const EvaluateOptions& options) {
+  validate(options.evaluation);
   const auto positive = [](const CLI::Option* option, const char* name, double value) {
     if (option->count() > 0 && !(value > 0.0 && std::isfinite(value)))
-      throw ParameterError(fmt::format("{} = {}, must be > 0", name, value));
+      throw ParameterError(fmt::format("{} = {}, must be > 0 and finite", name, value));
   };
   positive(options.voxel_option, "voxel", options.voxel);
   positive(options.error_range_option, "error_range", options.error_range);
@@ -62,7 +64,7 @@ void write_errors(const EvaluateOptions& options, Mesh mesh, const Surface& trut
   const double top = options.error_range > 0 ? options.error_range : found > 0 ? found : truth.box().longest();
   MeshWriteOptions write;
   write.comments = {fmt::format("colours: distance to the truth from 0 to {:.6g}", top)};
-  write_mesh(options.error_ply, color_by_error(std::move(mesh), truth, top, parallel), write);
+  write_mesh(options.error_ply, color_by_error(std::move(mesh), truth, top, parallel), write, parallel);
 }
 
 int run(const EvaluateOptions& options, const GlobalOptions& global) {
@@ -74,11 +76,11 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
   Object truth;
   std::optional<PointCloud> samples;
   stages.run("read", [&] {
+    truth = make_object("truth", options.truth, parallel, progress);  // first: its options are judged before files
     mesh = read_surface(options.mesh);
-    truth = make_object("truth", options.truth, parallel, progress);
     if (!options.samples.empty()) {
       ReadReport read;
-      samples = read_points(options.samples, &read);
+      samples = read_cloud({options.samples}, parallel, progress, read);
       std::vector<std::string> scans;  // of a set
       for (const FileReport& file : read.files) scans.push_back(file.path);
       refuse_overwriting({options.json, options.error_ply}, scans);

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "cli/json.h"
 #include "soapfilm/version.h"
 
 namespace soapfilm::cli {
@@ -13,11 +14,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr int evaluation_version = 1;
-
-template <class T>
-ordered_json or_null(const std::optional<T>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
-}
 
 ordered_json summary_json(const DistanceSummary& d, double unit) {
   return {{"mean", d.mean / unit},
@@ -35,7 +31,11 @@ ordered_json distances_json(const DistanceSummary& d, double voxel) {
 
 ordered_json directed_json(const DirectedError& error, double voxel) {
   ordered_json json = distances_json(error.distance, voxel);
-  json["normal_angle_deg"] = summary_json(error.angle, 1.0);
+  json["normal_angle_deg"] = nullptr;
+  if (error.angle.count > 0) {
+    json["normal_angle_deg"] = {{"points", error.angle.count}};
+    json["normal_angle_deg"].update(summary_json(error.angle, 1.0));
+  }
   return json;
 }
 
@@ -63,6 +63,14 @@ std::string row(const std::string& name, const DistanceSummary& d, double unit, 
   return line + "\n";
 }
 
+std::string angle_row(const std::string& name, const DirectedError& error) {
+  const size_t left_out = error.distance.count - error.angle.count;
+  if (error.angle.count == 0) return fmt::format("{:<20} none: no triangle there has area\n", name);
+  std::string line = row(name, error.angle, 1.0, "{:>11.3f}");
+  if (left_out > 0) line += fmt::format("{:<20} {} points left out: the triangle there has no area\n", "", left_out);
+  return line;
+}
+
 std::string percent(double share) { return fmt::format("{:.2f} %", 100.0 * share); }
 
 std::string compared_line(const char* name, const Compared& c) {
@@ -85,8 +93,8 @@ std::string evaluation_table(const EvaluationSubject& subject, const Evaluation&
   distances("mesh to truth", e.mesh_to_truth.distance);
   if (e.samples_to_mesh) distances("samples to mesh", *e.samples_to_mesh);
   text += "normals, degrees\n";
-  text += row("  truth to mesh", e.truth_to_mesh.angle, 1.0, "{:>11.3f}");
-  text += row("  mesh to truth", e.mesh_to_truth.angle, 1.0, "{:>11.3f}");
+  text += angle_row("  truth to mesh", e.truth_to_mesh);
+  text += angle_row("  mesh to truth", e.mesh_to_truth);
   for (const FScore& f : e.f_scores)
     text += fmt::format("{:<20} {}: precision {}, recall {}\n", fmt::format("F-score at {:.4g}", f.distance),
                         percent(f.score()), percent(f.precision), percent(f.recall));

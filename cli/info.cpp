@@ -9,7 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "command.h"
+#include "cli/command.h"
+#include "cli/json.h"
 #include "soapfilm/evaluate/topology.h"
 #include "soapfilm/io/io.h"
 #include "soapfilm/io/precision.h"
@@ -26,13 +27,10 @@ struct InfoOptions {
   bool as_json = false;
 };
 
-ordered_json to_json(const Vec3d& v) { return ordered_json::array({v.x, v.y, v.z}); }
-ordered_json to_json(const Box3d& box) { return {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}}; }
-
 ordered_json scan_facts(const Scan& scan) {
   ordered_json facts = {{"name", scan.name}, {"samples", scan.size()}};
-  if (scan.sensor) facts["sensor"] = to_json(*scan.sensor);
-  if (scan.view_direction) facts["view_direction"] = to_json(*scan.view_direction);
+  if (scan.sensor) facts["sensor"] = json_of(*scan.sensor);
+  if (scan.view_direction) facts["view_direction"] = json_of(*scan.view_direction);
   if (scan.range_grid) {
     const auto& cells = scan.range_grid->sample;
     const auto seen = std::count_if(cells.begin(), cells.end(), [](int32_t sample) { return sample >= 0; });
@@ -49,8 +47,8 @@ ordered_json point_facts(const std::string& path) {
                         {"kind", "points"},
                         {"samples", cloud.size()},
                         {"dropped_non_finite", report.dropped()},
-                        {"box", to_json(summary.box)},
-                        {"size", to_json(summary.box.size())},
+                        {"box", json_of(summary.box)},
+                        {"size", json_of(summary.box.size())},
                         {"spacing", summary.spacing},
                         {"normals", summary.normals},
                         {"sensor_positions", summary.sensors},
@@ -78,20 +76,20 @@ ordered_json point_facts(const std::string& path) {
 
 ordered_json mesh_facts(const std::string& path) {
   const Mesh mesh = read_mesh(path);
+  const TopologyReport topology = check_topology(mesh);
   const Box3d box = mesh.box();
   ordered_json facts = {{"file", path},
                         {"kind", "mesh"},
                         {"vertices", mesh.vertices.size()},
                         {"triangles", mesh.triangles.size()},
-                        {"box", to_json(box)},
-                        {"size", to_json(box.size())},
+                        {"box", json_of(box)},
+                        {"size", json_of(box.size())},
                         {"mean_edge", io::mean_edge(mesh)},
                         {"area", mesh.area()},
-                        {"volume", mesh.volume()},
+                        {"volume", topology.closed() ? ordered_json(mesh.volume()) : ordered_json(nullptr)},
                         {"normals", !mesh.normals.empty()},
                         {"colors", !mesh.colors.empty()},
                         {"attributes", ordered_json::array()}};
-  const TopologyReport topology = check_topology(mesh);
   facts["closed"] = topology.closed();
   facts["manifold"] = topology.manifold();
   facts["boundary_edges"] = topology.boundary_edges;
@@ -215,7 +213,7 @@ void print_mesh(const ordered_json& facts) {
   lines.emplace_back("mean edge", fmt::format("{:.3g}", edge));
   lines.emplace_back("area", fmt::format("{:.6g}", facts["area"].get<double>()));
   lines.emplace_back("surface", surface_text(facts));
-  if (facts["closed"])
+  if (!facts["volume"].is_null())
     lines.emplace_back("volume", fmt::format("{:.6g}{}", facts["volume"].get<double>(),
                                              facts["volume"] < 0 ? " (the surface is inside out)" : ""));
   lines.emplace_back("normals", facts["normals"].get<bool>() ? "yes" : "no");

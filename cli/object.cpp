@@ -7,8 +7,10 @@
 #include <cmath>
 #include <filesystem>
 
+#include "cli/json.h"
 #include "cli/parse.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/evaluate/distance.h"
 #include "soapfilm/io/io.h"
 #include "soapfilm/scanner/mesh_surface.h"
 
@@ -34,8 +36,8 @@ Object shape_object(const ObjectOptions& options) {
   json["components"] = facts.components;
   json["genus"] = facts.genus;
   json["narrowest"] = facts.narrowest;
-  json["volume"] = facts.volume ? ordered_json(*facts.volume) : ordered_json(nullptr);
-  json["area"] = facts.area ? ordered_json(*facts.area) : ordered_json(nullptr);
+  json["volume"] = or_null(facts.volume);
+  json["area"] = or_null(facts.area);
   return {shape, std::move(json)};
 }
 
@@ -50,7 +52,7 @@ Object mesh_object(const ObjectOptions& options, const Parallel& parallel, Progr
   return {mesh,
           {{"file", options.name},
            {"turned", mesh->turned()},
-           {"volume", mesh->mesh().volume()},
+           {"volume", or_null(mesh->volume())},
            {"area", mesh->mesh().area()}}};
 }
 
@@ -83,6 +85,9 @@ Mesh read_surface(const std::string& path) {
   const double area = mesh.area();
   if (!(area > 0) || !std::isfinite(area))
     throw InputError(fmt::format("{}: a mesh of area {:g}, must be > 0 and finite", path, area));
+  const double longest = mesh.box().longest(), most = ClosestPointQuery::longest_side;
+  if (longest > most)
+    throw InputError(fmt::format("{}: the longest side of its box = {:g}, must be <= {:g}", path, longest, most));
   return mesh;
 }
 
@@ -95,7 +100,5 @@ Object make_object(const char* option, const ObjectOptions& options, const Paral
         fmt::format("{} = {}, must be one of {}, or a mesh file", option, options.name, fmt::join(names, ", ")));
   return mesh_object(options, parallel, progress);
 }
-
-ordered_json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace soapfilm::cli

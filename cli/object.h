@@ -37,9 +37,7 @@ struct Object {
 /// A mesh that has an area to measure; throws InputError naming the file.
 Mesh read_surface(const std::string& path);
 
-/// `option` is how a refusal calls the object. Warns of a mesh that is inside-out; its faces are turned.
+/// `option` is how a refusal calls the object. Warns of a closed mesh that is inside-out; its faces are turned.
 Object make_object(const char* option, const ObjectOptions& options, const Parallel& parallel, Progress& progress);
-
-nlohmann::ordered_json json_of(const Vec3d& v);
 
 }  // namespace soapfilm::cli

@@ -1,8 +1,12 @@
 // Option texts as numbers, points and lengths. Refusals are ParameterErrors that quote the option and its value.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/core/vec.h"
@@ -18,5 +22,22 @@ Vec3d parse_point(const char* option, const std::string& text);
 
 /// A length in input units, or with a percent sign in hundredths of `longest`.
 double parse_length(const char* option, const std::string& text, double longest);
+
+/// Turns the name of an enumeration's value, or of a switch's state, into what CLI11 reads; refuses other words.
+template <class T>
+CLI::Validator named(std::vector<std::pair<std::string, T>> names) {
+  const auto replace = [names = std::move(names)](std::string& text) -> std::string {
+    std::string known;
+    for (const auto& [name, value] : names) {
+      if (text == name) {
+        text = fmt::format("{}", static_cast<int>(value));
+        return "";
+      }
+      known += (known.empty() ? "" : ", ") + name;
+    }
+    return fmt::format("Value {} not one of {}", text, known);
+  };
+  return CLI::Validator(replace, "");
+}
 
 }  // namespace soapfilm::cli

@@ -50,11 +50,42 @@ int fail(ExitCode code, std::string message) {
   return code;
 }
 
+/// What an option takes when it is a number, else nothing.
+std::string number_kind(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  if (type.starts_with("FLOAT")) return "a number";
+  if (type.starts_with("INT")) return "a whole number";
+  if (type.starts_with("UINT")) return "a whole number >= 0";
+  return "";
+}
+
+/// CLI11 would take an empty text, as of a shell's variable that is not set, for 0.
+void refuse_empty_numbers(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    const std::string kind = number_kind(*option);
+    if (kind.empty()) continue;
+    const auto refuse = [kind](const std::string& text) { return text.empty() ? "no value, must be " + kind : ""; };
+    option->transform(CLI::Validator(refuse, ""));
+  }
+}
+
+/// What belongs after CLI11's "Could not convert: --name = value".
+std::string constraint(const CLI::App& command, const std::string& what) {
+  const size_t name = what.find("--"), end = what.find(" = ");
+  if (name >= end || end == std::string::npos) return "";
+  const CLI::Option* option = nullptr;
+  for (const CLI::App* app = &command; app && !option; app = app->get_parent())
+    option = app->get_option_no_throw(what.substr(name, end - name));
+  const std::string kind = option ? number_kind(*option) : "";
+  return kind.empty() ? "" : ", must be " + kind;
+}
+
 /// CLI11 does not say whether what it did not expect is an option or a command, nor where to read more.
 std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
   std::string what = error.what();
   const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  if (code == CLI::ExitCodes::ConversionError) what += constraint(chosen.empty() ? app : *chosen[0], what);
   const std::vector<std::string> extras = app.remaining(true);
   // Something unknown often explains why something required is missing.
   if (!extras.empty() && (code == CLI::ExitCodes::ExtrasError || code == CLI::ExitCodes::RequiredError)) {
@@ -115,7 +146,9 @@ int run(int argc, char** argv) {
   add_info(app, options, runner);
   add_render(app, options, runner);
   app.footer(examples_and_codes);  // last: sub-commands would inherit it
+  refuse_empty_numbers(app);
   for (CLI::App* command : app.get_subcommands({})) {
+    refuse_empty_numbers(*command);
     const std::string own = command->get_footer();
     command->footer(own + (own.empty() ? "" : "\n") +
                     "Global options (--threads, --quiet, --verbose): soapfilm --help");

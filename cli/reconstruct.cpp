@@ -14,6 +14,8 @@
 
 #include "cli/command.h"
 #include "cli/overwrite.h"
+#include "cli/parse.h"
+#include "cli/read_cloud.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
@@ -85,10 +87,7 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
 
 PointCloud read_input(const ReconstructOptions& options, const Parallel& parallel, Progress& progress,
                       ReadReport& read) {
-  PointCloud cloud = read_points(options.inputs, &read, parallel);
-  for (const std::string& warning : read.warnings) progress.warn(warning);
-  if (read.dropped() > 0)
-    progress.warn(fmt::format("{} of {} samples dropped: not finite", read.dropped(), read.dropped() + cloud.size()));
+  PointCloud cloud = read_cloud(options.inputs, parallel, progress, read);
   // Methods that look at scans rather than at samples find it there too.
   if (options.params.orient.sensor)
     for (Scan& scan : cloud.scans)
@@ -215,12 +214,6 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   progress.info(
       fmt::format("{}: {} vertices, {} triangles", options.output, report.mesh_vertices, report.mesh_triangles));
   return 0;
-}
-
-/// The values of an enumeration by their names.
-template <class Enum>
-CLI::Validator named(const std::vector<std::pair<std::string, Enum>>& names) {
-  return CLI::CheckedTransformer(names).description("");
 }
 
 void add_main_options(CLI::App& app, ReconstructOptions& o) {

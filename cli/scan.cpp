@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cli/command.h"
+#include "cli/json.h"
 #include "cli/overwrite.h"
 #include "cli/scan_options.h"
 #include "cli/terminal.h"
@@ -146,7 +147,7 @@ void write(const ScanOptions& options, const Object& object, const Mesh& truth, 
                          {"soapfilm", version},
                          {"object", object.facts},
                          {"mesh", truth_mesh_file}};
-  report["object"]["box"] = {{"lo", json_of(box.lo)}, {"hi", json_of(box.hi)}};
+  report["object"]["box"] = json_of(box);
   report.update(measured.files);
   write_text_file((folder / truth_file).string(), report.dump(2) + "\n");
   if (options.even_samples()) {
@@ -160,7 +161,7 @@ int run(const ScanOptions& options, const GlobalOptions& global) {
   check_together(options);
   check_folder(options);
   TerminalProgress progress(global);
-  const Parallel parallel(global.threads);
+  const Parallel parallel(global.threads, &progress);
   Stages stages(progress);
   const Object object =
       stages.run("prepare", [&] { return make_object("object", options.object, parallel, progress); });

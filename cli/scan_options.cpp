@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <limits>
-#include <utility>
 
 #include "cli/parse.h"
 #include "soapfilm/core/error.h"
@@ -13,12 +12,6 @@
 namespace soapfilm::cli {
 
 namespace {
-
-/// Words and the values they stand for, without CLI11's own list in the help page.
-template <class T>
-auto words(std::vector<std::pair<std::string, T>> values) {
-  return CLI::CheckedTransformer(std::move(values)).description("");
-}
 
 void add_view_options(CLI::App& app, ScanOptions& o) {
   ScannerParams& p = o.scanner;
@@ -33,7 +26,7 @@ void add_view_options(CLI::App& app, ScanOptions& o) {
   orbit(app.add_option("--views", p.views, "Positions on the orbit, on each circle of a ring"))
       ->option_text(fmt::format("N [{}]", p.views));
   orbit(app.add_option("--orbit", p.orbit, "fibonacci: evenly over a sphere; ring: on circles"))
-      ->transform(words<Orbit>({{"fibonacci", Orbit::fibonacci}, {"ring", Orbit::ring}}))
+      ->transform(named<Orbit>({{"fibonacci", Orbit::fibonacci}, {"ring", Orbit::ring}}))
       ->option_text("ORBIT [fibonacci]");
   o.elevations =
       orbit(app.add_option("--elevations", p.elevations_deg, "Degrees of the ring's circles above the object"))
@@ -55,7 +48,7 @@ void add_ray_options(CLI::App& app, ScanOptions& o) {
     return option->group("Rays");
   };
   rays(app.add_option("--rays", p.rays, "central: all start at the scanner; parallel: one direction"))
-      ->transform(words<Rays>({{"central", Rays::central}, {"parallel", Rays::parallel}}))
+      ->transform(named<Rays>({{"central", Rays::central}, {"parallel", Rays::parallel}}))
       ->option_text("KIND [central]");
   CLI::Option* image = rays(app.add_option("--image", o.image, "Columns and rows of each range image"))
                            ->option_text(fmt::format("CxR [{}x{}]", p.columns, p.rows));
@@ -73,7 +66,7 @@ void add_sample_options(CLI::App& app, ScanOptions& o) {
       even(app.add_option("--directions", o.directions,
                           "normals: the true ones; views: for each sample only the scanner position, of those "
                           "above, that sees it best"))
-          ->transform(words<Directions>({{"normals", Directions::normals}, {"views", Directions::views}}))
+          ->transform(named<Directions>({{"normals", Directions::normals}, {"views", Directions::views}}))
           ->option_text("KIND [normals]");
 }
 
@@ -90,7 +83,7 @@ void add_error_options(CLI::App& app, ScanOptions& o) {
       ->option_text(fmt::format("V [{:g}]", p.outliers));
   of_scans(app.add_option("--outlier-kind", p.outlier_kind,
                           "ray: elsewhere on the ray; box: anywhere around the object, as with --samples"))
-      ->transform(words<Outliers>({{"ray", Outliers::ray}, {"box", Outliers::box}}))
+      ->transform(named<Outliers>({{"ray", Outliers::ray}, {"box", Outliers::box}}))
       ->option_text("KIND [ray]");
   of_scans(app.add_option("--drop-out", p.drop_out, "Share of the hits that are lost, 0 to 1"))
       ->option_text(fmt::format("V [{:g}]", p.drop_out));

@@ -59,6 +59,17 @@ TEST_F(Info, PrintsJson) {
   EXPECT_NEAR(facts[1]["volume"].get<double>(), 1.0 / 6, 1e-12);
 }
 
+TEST_F(Info, AnOpenMeshHasNoVolume) {
+  const std::string open = folder_.file("open.off");
+  std::ofstream(open) << "OFF\n4 3 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n";
+  const ProcessResult result = info({"--json", open});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json facts = nlohmann::json::parse(result.out);
+  EXPECT_EQ(facts[0]["closed"], false);
+  EXPECT_TRUE(facts[0]["volume"].is_null());
+  EXPECT_EQ(info({open}).out.find("volume"), std::string::npos);
+}
+
 TEST_F(Info, RefusesWhatItCannotRead) {
   const ProcessResult result = info({folder_.file("none.ply")});
   EXPECT_EQ(result.exit_code, 2);

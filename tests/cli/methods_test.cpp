@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "cli/reconstruct_runs.h"
 #include "soapfilm/evaluate/topology.h"
 #include "soapfilm/io/io.h"
 #include "soapfilm/method.h"
 #include "soapfilm/scanner/sample_surface.h"
 #include "soapfilm/scanner/shape.h"
 #include "soapfilm/scanner/virtual_scan.h"
-#include "support/program.h"
 #include "support/sanitized.h"
 
 namespace soapfilm::test {
@@ -26,7 +26,7 @@ using nlohmann::json;
 const std::string resolution = sanitized ? "32" : "44";
 
 /// A folder with a sphere of diameter 1: as range scans, and as even samples.
-class MethodCommand : public testing::Test {
+class MethodCommand : public ReconstructRuns {
  protected:
   void SetUp() override {
     ScannerParams scanner;
@@ -36,26 +36,8 @@ class MethodCommand : public testing::Test {
     write_points(even, sample_surface(*make_sphere(), 3000, 1));
   }
 
-  /// Runs with the report; the report as JSON.
-  json reported(std::vector<std::string> arguments) {
-    const std::string file = folder.file("report.json");
-    arguments.insert(arguments.begin(), "reconstruct");
-    arguments.insert(arguments.end(), {"-o", mesh, "--report", file, "--quiet"});
-    const ProcessResult result = run(arguments);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    return result.exit_code == 0 ? json::parse(read_file(file)) : json();
-  }
-  void refused(std::vector<std::string> arguments, const std::string& what) {
-    arguments.insert(arguments.begin(), {"reconstruct", "--quiet"});
-    arguments.insert(arguments.end(), {"-o", mesh});
-    expect_refused(arguments, what);
-    EXPECT_FALSE(std::filesystem::exists(mesh));
-  }
-
-  TemporaryFolder folder;
   std::string scans = folder.file("scans.ply");
   std::string even = folder.file("even.ply");
-  std::string mesh = folder.file("mesh.ply");
 };
 
 TEST_F(MethodCommand, EveryNameRunsAndReports) {

@@ -61,6 +61,26 @@ TEST(Scan, ScansAMeshAndTurnsItWhenInsideOut) {
   }
 }
 
+/// One of the two orientations has a negative volume, by the sheet's place in its box; none has an inside.
+TEST(Scan, AnOpenMeshIsScannedAsItIs) {
+  const TemporaryFolder folder;
+  Mesh open;
+  open.vertices = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const Triangle& t : {Triangle{0, 1, 2}, Triangle{0, 2, 1}}) {
+    open.triangles = {t};
+    const std::string file = folder.file("open.ply"), out = folder.file("scans");
+    write_mesh(file, open);
+    const ProcessResult result = scan({file, "-o", out, "--samples", "50", "--quiet"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    EXPECT_EQ(read_mesh(out + "/truth.ply").triangles, open.triangles);
+    const auto object = nlohmann::json::parse(read_file(out + "/truth.json"))["object"];
+    EXPECT_EQ(object["turned"], false);
+    EXPECT_TRUE(object["volume"].is_null());
+    EXPECT_GT(object["area"].get<double>(), 0.5);
+  }
+}
+
 TEST(Scan, TheSameBytesForAnyNumberOfThreads) {
   const TemporaryFolder folder;
   for (const char* threads : {"1", "3"}) {

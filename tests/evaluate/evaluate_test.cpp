@@ -102,6 +102,50 @@ TEST(Evaluate, AnInsideOutMeshIsHalfATurnOff) {
   EXPECT_NEAR(*e.volume.relative_error(), -2.0, 1e-3);
 }
 
+/// Triangles without area come first in the list, so that they win ties, and some of the truth is closest to them.
+TEST(Evaluate, ATriangleWithoutAreaIsNoPerfectNormal) {
+  const Mesh truth = sheet(4, 0.25);
+  Mesh mesh = sheet(4, 0.0);
+  for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+  const auto line = static_cast<uint32_t>(mesh.vertices.size());  // within 1/4 of it lies half of the truth
+  mesh.vertices.insert(mesh.vertices.end(), {{0, 0.5, 0.25}, {0.3, 0.5, 0.25}, {1, 0.5, 0.25}});
+  mesh.triangles.insert(mesh.triangles.begin(), {line, line + 1, line + 2});
+  const Evaluation e = evaluate(mesh, truth, {.points = 5000}, Parallel(1));
+  EXPECT_EQ(e.topology.zero_area_triangles, 1u);
+  EXPECT_EQ(e.truth_to_mesh.distance.count, 5000u);
+  EXPECT_NEAR(static_cast<double>(e.truth_to_mesh.angle.count), 2500.0, 50.0);
+  EXPECT_DOUBLE_EQ(e.truth_to_mesh.angle.mean, 180.0);
+  EXPECT_EQ(e.mesh_to_truth.angle.count, 5000u);
+  EXPECT_DOUBLE_EQ(e.mesh_to_truth.angle.mean, 180.0);
+  const Evaluation swapped = evaluate(truth, mesh, {.points = 5000}, Parallel(1));
+  EXPECT_EQ(swapped.mesh_to_truth.angle.count, e.truth_to_mesh.angle.count) << "of the truth neither";
+  EXPECT_DOUBLE_EQ(swapped.mesh_to_truth.angle.mean, 180.0);
+}
+
+TEST(Evaluate, WithoutAnyNormalThereAreNoAngles) {
+  Mesh mesh = sheet(1, 0.0);
+  const auto line = static_cast<uint32_t>(mesh.vertices.size());  // closer to all of the truth than the sheet
+  mesh.vertices.insert(mesh.vertices.end(), {{0, 0.5, 0.9}, {0.3, 0.5, 0.9}, {1, 0.5, 0.9}});
+  mesh.triangles.push_back({line, line + 1, line + 2});
+  const Evaluation e = evaluate(mesh, sheet(1, 1.0), {.points = 1000}, Parallel(1));
+  EXPECT_EQ(e.truth_to_mesh.angle.count, 0u);
+  EXPECT_EQ(e.mesh_to_truth.angle.count, 1000u);
+}
+
+/// The sign of an open surface's volume is its shape's or rounding's: one of these two would be turned by it.
+TEST(Evaluate, AnOpenTruthIsTakenAsItIs) {
+  Mesh corner;
+  corner.vertices = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  corner.triangles = {{0, 1, 2}};
+  for (const bool reversed : {false, true}) {
+    if (reversed) std::swap(corner.triangles[0][0], corner.triangles[0][1]);
+    const Evaluation e = evaluate(corner, corner, {.points = 100}, Parallel(1));
+    EXPECT_EQ(e.truth_to_mesh.angle.maximum, 0.0) << reversed;
+    EXPECT_EQ(e.mesh_to_truth.angle.maximum, 0.0) << reversed;
+    EXPECT_FALSE(e.volume.truth) << reversed;
+  }
+}
+
 TEST(Evaluate, AShapeAgainstItsOwnTessellationHasTheChordsErrorSlow) {
   for (const std::string& name : shape_names()) {
     const auto shape = make_shape(name);
@@ -178,7 +222,7 @@ TEST(Evaluate, RefusalsNameTheValueAndItsConstraint) {
     return "accepted";
   };
   EXPECT_EQ(message(sheet(1, 0.0), {.points = 0}), "points = 0, must be in [1, 1e8]");
-  EXPECT_EQ(message(sheet(1, 0.0), {.f_score_distances = {0.0}}), "f_score = 0, must be > 0");
+  EXPECT_EQ(message(sheet(1, 0.0), {.f_score_distances = {0.0}}), "f_score = 0, must be > 0 and finite");
   Mesh line = sheet(1, 0.0);
   for (Vec3d& v : line.vertices) v.x = 0.0;
   EXPECT_EQ(message(line, {.points = 10}), "the mesh has no area, it must have some");

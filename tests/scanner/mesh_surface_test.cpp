@@ -90,6 +90,49 @@ TEST(MeshSurface, TurnsAnInsideOutMesh) {
   EXPECT_FALSE(MeshSurface(surface.mesh(), Parallel(1)).turned());
 }
 
+/// Two triangles in a plane that no axis lies in.
+Mesh tilted_sheet() {
+  Mesh mesh;
+  const Vec3d corner{0.1, 0.2, 0.7}, along{0.3, 0.9, 0.4}, across{-0.8, 0.1, 0.55};
+  mesh.vertices = {corner, corner + along, corner + along + across, corner + across};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+/// A cube without its lid; outward, or as a room is scanned.
+Mesh open_box() {
+  Mesh mesh;
+  for (uint32_t i = 0; i < 8; ++i) mesh.vertices.push_back({1.0 * (i & 1), 1.0 * (i >> 1 & 1), 1.0 * (i >> 2)});
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}, {2, 6, 7},
+                    {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+/// It has no inside: the sign of its volume would be rounding's, or its shape's.
+TEST(MeshSurface, AnOpenMeshIsTakenAsItIs) {
+  for (Mesh mesh : {tilted_sheet(), open_box()}) {
+    int negative = 0;
+    for (const bool reversed : {false, true}) {
+      if (reversed)
+        for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+      negative += mesh.volume() < 0.0;
+      const MeshSurface surface(mesh, Parallel(1));
+      EXPECT_FALSE(surface.turned());
+      EXPECT_FALSE(surface.volume());
+      EXPECT_EQ(surface.mesh().triangles, mesh.triangles);
+      const Triangle& t = mesh.triangles[0];
+      const Vec3d a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
+      EXPECT_EQ(surface.closest((a + b + c) / 3.0).normal, normalized(cross(b - a, c - a)));
+    }
+    EXPECT_EQ(negative, 1) << "one orientation has a volume below zero";
+  }
+}
+
+TEST(MeshSurface, AClosedMeshHasItsVolume) {
+  const Mesh mesh = make_torus()->tessellate(1e-3);
+  EXPECT_EQ(MeshSurface(mesh, Parallel(1)).volume(), mesh.volume());
+}
+
 TEST(MeshSurface, SamplesLieOnTheMesh) {
   const MeshSurface surface(make_part()->tessellate(1e-3), Parallel(1));
   const PointCloud cloud = sample_surface(surface, 2000, 3);

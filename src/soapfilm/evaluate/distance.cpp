@@ -9,13 +9,13 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/evaluate/embree_scene.h"
+#include "soapfilm/evaluate/triangle_normal.h"
 
 namespace soapfilm {
 
 namespace {
 
 constexpr size_t points_per_task = 1024;
-constexpr double flat_height = 1e-12;  // of the longest side: thinner triangles are measured by their sides alone
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 using Corners = std::array<Vec3d, 3>;
@@ -42,6 +42,7 @@ Vec3d closest_on_triangle(Vec3d p, const Corners& t) {
   const double longest2 = std::max({dot(ab, ab), dot(bc, bc), dot(ca, ca)});
   const bool above_inside =
       dot(cross(ab, p - t[0]), n) >= 0 && dot(cross(bc, p - t[1]), n) >= 0 && dot(cross(ca, p - t[2]), n) >= 0;
+  // A triangle without area is measured by its sides alone.
   if (above_inside && n2 > flat_height * flat_height * longest2 * longest2) return p - n * (dot(p - t[0], n) / n2);
 
   Vec3d best = closest_on_segment(p, t[0], t[1]);
@@ -129,10 +130,9 @@ ClosestPointQuery::ClosestPointQuery(const Mesh& mesh, const Parallel& parallel)
     if (!is_finite(v)) throw ParameterError(fmt::format("vertex {} is ({}, {}, {}), must be finite", i, v.x, v.y, v.z));
     box.extend(v);
   }
-  constexpr double longest = 1e100;  // whose square a double holds
-  if (box.longest() > longest)
+  if (box.longest() > longest_side)
     throw ParameterError(
-        fmt::format("the longest side of the mesh's box = {:g}, must be <= {:g}", box.longest(), longest));
+        fmt::format("the longest side of the mesh's box = {:g}, must be <= {:g}", box.longest(), longest_side));
   impl_->centre = box.centre();
   if (box.longest() > 0) impl_->to_unit = 2 / box.longest();
   impl_->triangles.resize(mesh.triangles.size());

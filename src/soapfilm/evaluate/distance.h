@@ -22,8 +22,10 @@ struct ClosestPoint {
 /// (offsets of 1e6 with millimetre detail) lose nothing, and the result does not depend on the shape of the tree.
 class ClosestPointQuery {
  public:
-  /// Throws ParameterError when the mesh has no triangle, a coordinate that is not finite, or a triangle that names a
-  /// vertex which does not exist.
+  static constexpr double longest_side = 1e100;  ///< of the mesh's box, at most: a double holds its square
+
+  /// Throws ParameterError when the mesh has no triangle, a coordinate that is not finite, a box longer than
+  /// longest_side, or a triangle that names a vertex which does not exist.
   ClosestPointQuery(const Mesh& mesh, const Parallel& parallel);
   ~ClosestPointQuery();
   ClosestPointQuery(ClosestPointQuery&&) noexcept;

@@ -10,6 +10,7 @@
 #include "soapfilm/core/error.h"
 #include "soapfilm/evaluate/sample_mesh.h"
 #include "soapfilm/evaluate/self_intersection.h"
+#include "soapfilm/evaluate/triangle_normal.h"
 #include "soapfilm/render/colormap.h"
 #include "soapfilm/scanner/mesh_surface.h"
 
@@ -20,24 +21,11 @@ namespace {
 constexpr double truth_tolerance = 2e-5;  // of the longest side: only where points are sought, then they are moved
 constexpr size_t normals_per_task = 4096;
 
-void check(const EvaluationOptions& options) {
-  if (options.points < 1 || options.points > 100'000'000)
-    throw ParameterError(fmt::format("points = {}, must be in [1, 1e8]", options.points));
-  for (const double d : options.f_score_distances)
-    if (!(d > 0.0 && std::isfinite(d))) throw ParameterError(fmt::format("f_score = {}, must be > 0", d));
-}
-
 /// Places of a surface, and its normals there.
 struct Places {
   std::vector<Vec3d> positions;
   std::vector<Vec3d> normals;  ///< unit; zero where a triangle has no area
 };
-
-Vec3d triangle_normal(const Mesh& mesh, uint32_t index) {
-  const Triangle& t = mesh.triangles[index];
-  const Vec3d a = mesh.vertices[t[0]];
-  return normalized(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
-}
 
 Places places_on_mesh(const Mesh& mesh, const EvaluationOptions& options, const Parallel& parallel) {
   Places places;
@@ -61,9 +49,10 @@ Places places_on_truth(const Surface& truth, const Mesh& tessellation, const Eva
   return places;
 }
 
+/// What is closest to places of the other surface.
 struct Found {
   std::vector<double> distances;
-  std::vector<Vec3d> normals;
+  std::vector<Vec3d> normals;  ///< as of Places
 };
 
 Found found_on_mesh(const ClosestPointQuery& query, const Mesh& mesh, const std::vector<Vec3d>& from,
@@ -86,11 +75,14 @@ Found found_on_truth(const Surface& truth, const std::vector<Vec3d>& from, const
 }
 
 DirectedError directed_error(const Places& from, const Found& found, const Parallel& parallel) {
+  constexpr double no_angle = -1.0;
   std::vector<double> angles(from.normals.size());
   parallel.for_each(angles.size(), normals_per_task, [&](size_t i) {
     const Vec3d a = from.normals[i], b = found.normals[i];
-    angles[i] = std::atan2(norm(cross(a, b)), dot(a, b)) * (180.0 / std::numbers::pi);
+    const bool both = a != Vec3d{} && b != Vec3d{};
+    angles[i] = both ? std::atan2(norm(cross(a, b)), dot(a, b)) * (180.0 / std::numbers::pi) : no_angle;
   });
+  std::erase(angles, no_angle);
   return {summarize(found.distances), summarize(std::move(angles))};
 }
 
@@ -101,9 +93,16 @@ double share_within(const std::vector<double>& distances, double limit) {
 
 }  // namespace
 
+void validate(const EvaluationOptions& options) {
+  if (options.points < 1 || options.points > 100'000'000)
+    throw ParameterError(fmt::format("points = {}, must be in [1, 1e8]", options.points));
+  for (const double d : options.f_score_distances)
+    if (!(d > 0.0 && std::isfinite(d))) throw ParameterError(fmt::format("f_score = {}, must be > 0 and finite", d));
+}
+
 Evaluation evaluate(const Mesh& mesh, const Surface& truth, const EvaluationOptions& options, const Parallel& parallel,
                     Progress& progress, const std::vector<Vec3d>* samples) {
-  check(options);
+  validate(options);
   Evaluation out;
   out.topology = check_topology(mesh);
   const ClosestPointQuery mesh_query(mesh, parallel);
@@ -138,7 +137,8 @@ Evaluation evaluate(const Mesh& mesh, const Mesh& truth, const EvaluationOptions
 }
 
 Mesh color_by_error(Mesh mesh, const Surface& truth, double top, const Parallel& parallel) {
-  if (!(top > 0.0 && std::isfinite(top))) throw ParameterError(fmt::format("error_range = {}, must be > 0", top));
+  if (!(top > 0.0 && std::isfinite(top)))
+    throw ParameterError(fmt::format("error_range = {}, must be > 0 and finite", top));
   std::erase_if(mesh.attributes, [](const Mesh::Attribute& a) { return a.name == "distance"; });
   Mesh::Attribute distance{"distance", {}};
   mesh.colors.clear();

@@ -17,14 +17,19 @@ namespace soapfilm {
 
 struct EvaluationOptions {
   size_t points = 300000;                   ///< on each of the two surfaces, by area; [1, 1e8]
-  std::vector<double> f_score_distances{};  ///< input units, each > 0
+  std::vector<double> f_score_distances{};  ///< input units, each > 0 and finite
   uint64_t seed = 1;                        ///< of where the points lie
 };
+
+/// Throws ParameterError for the first option out of its range.
+void validate(const EvaluationOptions& options);
 
 /// From points of one surface to the other.
 struct DirectedError {
   DistanceSummary distance;  ///< input units
-  DistanceSummary angle;     ///< degrees in [0, 180] between the oriented normals there and here
+  /// Degrees in [0, 180] between the oriented normals there and here. A triangle without area has no normal: points on
+  /// one, or closest to one, are not counted.
+  DistanceSummary angle;
 };
 
 /// Knapitsch et al. 2017: precision is the share of the mesh within `distance` of the truth, recall the share of the
@@ -70,11 +75,11 @@ struct Evaluation {
 Evaluation evaluate(const Mesh& mesh, const Surface& truth, const EvaluationOptions& options, const Parallel& parallel,
                     Progress& progress, const std::vector<Vec3d>* samples = nullptr);
 
-/// The same against a mesh, without anyone watching. A truth that is inside-out is turned.
+/// The same against a mesh, without anyone watching. A closed truth that is inside-out is turned.
 Evaluation evaluate(const Mesh& mesh, const Mesh& truth, const EvaluationOptions& options, const Parallel& parallel);
 
 /// `mesh` with each vertex's distance to the truth as the attribute `distance` (input units) and as colours: dark at 0,
-/// bright at `top` (input units, > 0) and beyond.
+/// bright at `top` (input units, > 0 and finite) and beyond.
 Mesh color_by_error(Mesh mesh, const Surface& truth, double top, const Parallel& parallel);
 
 }  // namespace soapfilm

@@ -14,15 +14,26 @@ constexpr size_t samples_per_task = 4096;
 
 }  // namespace
 
-std::vector<MeshPoint> sample_mesh(const Mesh& mesh, size_t count, uint64_t seed, const Parallel& parallel) {
-  std::vector<double> area_up_to;
-  area_up_to.reserve(mesh.triangles.size());
+TrianglesByArea::TrianglesByArea(const Mesh& mesh) {
+  up_to_.reserve(mesh.triangles.size());
   double area = 0.0;
   for (const Triangle& t : mesh.triangles) {
     const Vec3d a = mesh.vertices[t[0]];
     area += 0.5 * norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
-    area_up_to.push_back(area);
+    up_to_.push_back(area);
   }
+}
+
+uint32_t TrianglesByArea::at(double area) const {
+  auto found = std::upper_bound(up_to_.begin(), up_to_.end(), area);
+  // At the very end: the last that has an area.
+  if (found == up_to_.end()) found = std::lower_bound(up_to_.begin(), up_to_.end(), up_to_.back());
+  return static_cast<uint32_t>(found - up_to_.begin());
+}
+
+std::vector<MeshPoint> sample_mesh(const Mesh& mesh, size_t count, uint64_t seed, const Parallel& parallel) {
+  const TrianglesByArea row(mesh);
+  const double area = row.total();
   if (!(area > 0.0) || !std::isfinite(area)) throw ParameterError("the mesh has no area, it must have some");
 
   std::vector<MeshPoint> points(count);
@@ -30,15 +41,14 @@ std::vector<MeshPoint> sample_mesh(const Mesh& mesh, size_t count, uint64_t seed
   parallel.for_each(count, samples_per_task, [&](size_t i) {
     Random random(Random(first_stream + i).next());
     const double at = (static_cast<double>(i) + random.uniform()) / static_cast<double>(count) * area;
-    const auto found = std::upper_bound(area_up_to.begin(), area_up_to.end(), at);
-    const size_t index = std::min(static_cast<size_t>(found - area_up_to.begin()), mesh.triangles.size() - 1);
+    const uint32_t index = row.at(at);
     const Triangle& t = mesh.triangles[index];
     // Uniform in a triangle: sqrt of one number, the other as it is (Turk 1990).
     const double r = std::sqrt(random.uniform());
     const double s = random.uniform();
     const Vec3d a = mesh.vertices[t[0]];
     const Vec3d b = mesh.vertices[t[1]] - a, c = mesh.vertices[t[2]] - a;
-    points[i] = {a + b * (r * (1.0 - s)) + c * (r * s), static_cast<uint32_t>(index)};
+    points[i] = {a + b * (r * (1.0 - s)) + c * (r * s), index};
   });
   return points;
 }

@@ -10,6 +10,19 @@
 
 namespace soapfilm {
 
+/// The triangles of a mesh in a row, each as long as its area.
+class TrianglesByArea {
+ public:
+  explicit TrianglesByArea(const Mesh& mesh);
+
+  double total() const { return up_to_.empty() ? 0.0 : up_to_.back(); }
+  /// The one at `area` in [0, total()] from the row's beginning; one without area only where all are.
+  uint32_t at(double area) const;
+
+ private:
+  std::vector<double> up_to_;  // area of each and those before it
+};
+
 struct MeshPoint {
   Vec3d position;
   uint32_t triangle = 0;

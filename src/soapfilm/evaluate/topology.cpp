@@ -8,12 +8,12 @@
 #include <numeric>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/evaluate/triangle_normal.h"
 
 namespace soapfilm {
 
 namespace {
 
-constexpr double zero_height = 1e-12;  // of the longest side: far above rounding, far below any useful triangle
 constexpr uint32_t nowhere = std::numeric_limits<uint32_t>::max();
 
 /// Items listed per vertex: those of vertex v are items[first[v]] .. items[first[v + 1] - 1].
@@ -87,15 +87,9 @@ class Checker {
       }
       join(t[0], t[1]);
       join(t[1], t[2]);
-      if (has_zero_area(t)) ++report_.zero_area_triangles;
+      const Vec3d corner = mesh_.vertices[t[0]];
+      if (!has_area(mesh_.vertices[t[1]] - corner, mesh_.vertices[t[2]] - corner)) ++report_.zero_area_triangles;
     }
-  }
-
-  bool has_zero_area(const Triangle& t) const {
-    const Vec3d a = mesh_.vertices[t[1]] - mesh_.vertices[t[0]];
-    const Vec3d b = mesh_.vertices[t[2]] - mesh_.vertices[t[0]];
-    const double longest = std::max({dot(a, a), dot(b, b), dot(b - a, b - a)});
-    return !(norm(cross(a, b)) > zero_height * longest);  // true for not-a-number too
   }
 
   void check_edges() {

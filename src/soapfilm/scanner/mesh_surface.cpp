@@ -10,6 +10,8 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/evaluate/embree_scene.h"
+#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/evaluate/triangle_normal.h"
 
 namespace soapfilm {
 
@@ -23,12 +25,6 @@ void check(const Mesh& mesh) {
     for (const uint32_t v : mesh.triangles[i])
       if (v >= mesh.vertices.size())
         throw InputError(fmt::format("mesh: triangle {} names vertex {}, must be < {}", i, v, mesh.vertices.size()));
-}
-
-Vec3d triangle_normal(const Mesh& mesh, uint32_t index) {
-  const Triangle& t = mesh.triangles[index];
-  const Vec3d a = mesh.vertices[t[0]];
-  return normalized(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
 }
 
 /// The point of a triangle that p, in its plane but for rounding, is at or just beside.
@@ -83,7 +79,8 @@ MeshSurface::MeshSurface(Mesh mesh, const Parallel& parallel) : mesh_(std::move(
   check(mesh_);
   for (const Triangle& t : mesh_.triangles)  // unused vertices are no part of the surface
     for (const uint32_t v : t) box_.extend(mesh_.vertices[v]);
-  turned_ = mesh_.volume() < 0.0;
+  closed_ = check_topology(mesh_).closed();
+  turned_ = closed_ && mesh_.volume() < 0.0;
   if (turned_) {
     for (Triangle& t : mesh_.triangles) std::swap(t[1], t[2]);
     for (Vec3f& n : mesh_.normals) n = -n;

@@ -9,6 +9,7 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/evaluate/sample_mesh.h"
 #include "soapfilm/scanner/virtual_scan.h"
 
 namespace soapfilm {
@@ -50,19 +51,11 @@ Vec3d random_direction(Random& random) {
 /// Even samples with their true normals.
 PointCloud undisturbed(const Surface& surface, size_t count, uint64_t seed, const Parallel& parallel) {
   const Mesh mesh = surface.tessellate(1e-4 * surface.box().longest());
-  std::vector<double> area_up_to;
-  double area = 0.0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3d a = mesh.vertices[t[0]];
-    area += 0.5 * norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
-    area_up_to.push_back(area);
-  }
+  const TrianglesByArea row(mesh);
   std::vector<Vec3d> near(count);
   Random random(seed);
   for (Vec3d& p : near) {
-    const auto found = std::upper_bound(area_up_to.begin(), area_up_to.end(), random.uniform() * area);
-    const size_t index = std::min(static_cast<size_t>(found - area_up_to.begin()), mesh.triangles.size() - 1);
-    const Triangle& t = mesh.triangles[index];
+    const Triangle& t = mesh.triangles[row.at(random.uniform() * row.total())];
     // Uniform in a triangle: sqrt of one number, the other as it is (Turk 1990).
     const double r = std::sqrt(random.uniform());
     const double s = random.uniform();

@@ -9,6 +9,8 @@
 
 namespace soapfilm {
 
+namespace {
+
 PointCloud scan_in_own_frame(const ScanSet& set, size_t scan) {
   const Pose& pose = set.poses[scan];
   Scan own = set.cloud.scans[scan];
@@ -27,6 +29,8 @@ PointCloud scan_in_own_frame(const ScanSet& set, size_t scan) {
   cloud.scans.push_back(std::move(own));
   return cloud;
 }
+
+}  // namespace
 
 void write_scans(const std::string& folder, const std::string& conf_name, const ScanSet& set, Progress& progress) {
   const std::filesystem::path base(folder);

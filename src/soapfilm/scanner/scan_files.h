@@ -8,13 +8,10 @@
 
 namespace soapfilm {
 
-/// One scan in its own frame: the scanner at the origin, looking along -z. A central scan keeps its sensor position
-/// (0, 0, 0), a parallel one its viewing direction (0, 0, 1).
-PointCloud scan_in_own_frame(const ScanSet& set, size_t scan);
-
-/// Writes NAME.ply for each scan, then `conf_name` that lists them: who finds it finds all of its scans. The folder
-/// must exist; files of the same names are replaced. Coordinates are doubles: reading the set gives the scans back to
-/// rounding. Throws OutputError.
+/// Writes NAME.ply for each scan in its own frame, the scanner at the origin, looking along -z: a central scan with the
+/// sensor position (0, 0, 0), a parallel one with the viewing direction (0, 0, 1). Then `conf_name` that lists them:
+/// who finds it finds all of its scans. The folder must exist; files of the same names are replaced. Coordinates are
+/// doubles: reading the set gives the scans back to rounding. Throws OutputError.
 void write_scans(const std::string& folder, const std::string& conf_name, const ScanSet& set, Progress& progress);
 
 }  // namespace soapfilm

@@ -15,7 +15,7 @@ namespace soapfilm {
 /// A point of a surface as the answer to a ray or to a closest-point query.
 struct SurfacePoint {
   Vec3d position;       ///< on the surface, input frame
-  Vec3d normal;         ///< unit, outward; at a sharp edge any unit vector of the normal cone
+  Vec3d normal;         ///< unit, outward; at a sharp edge any unit vector of the normal cone; zero: there is none
   double distance = 0;  ///< from the ray's origin, or from the query point; >= 0
 };
 

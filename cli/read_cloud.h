@@ -1,0 +1,18 @@
+// The samples of a command, read in one way by all of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/io/io.h"
+
+namespace soapfilm::cli {
+
+/// Several files are several scans. What reading them left out is a warning.
+PointCloud read_cloud(const std::vector<std::string>& files, const Parallel& parallel, Progress& progress,
+                      ReadReport& read);
+
+}  // namespace soapfilm::cli

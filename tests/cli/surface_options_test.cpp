@@ -1,0 +1,137 @@
+// soapfilm reconstruct: options of the surface, seen in the report.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/reconstruct_runs.h"
+#include "soapfilm/io/io.h"
+#include "soapfilm/scanner/missing.h"
+#include "soapfilm/scanner/sample_surface.h"
+#include "soapfilm/scanner/shape.h"
+#include "support/sanitized.h"
+
+namespace soapfilm::test {
+namespace TEST_FILE {
+
+using nlohmann::json;
+
+/// A folder with even samples of a sphere of diameter 1.
+class SurfaceOptions : public ReconstructRuns {
+ protected:
+  SurfaceOptions() { write_points(cloud, sample_surface(*make_sphere(), 3000, 1)); }
+
+  /// The report of a run on the sphere.
+  json with(std::vector<std::string> options) const {
+    options.insert(options.begin(), {cloud, "--resolution", sanitized ? "32" : "44"});
+    return reported(options);
+  }
+  void expect_bad(const std::string& option, const std::string& value, const std::string& what) const {
+    refused({cloud, option, value}, what);
+  }
+
+  std::string cloud = folder.file("cloud.ply");
+};
+
+TEST_F(SurfaceOptions, RefineOffLeavesTheSurfaceOfTheSegmentation) {
+  const json on = with({}), off = with({"--refine", "off"});
+  ASSERT_FALSE(on.is_null() || off.is_null());
+  EXPECT_TRUE(on["parameters"]["surface"]["refine"].is_null()) << "the method decides";
+  EXPECT_FALSE(on["surface"]["refine"].is_null());
+  EXPECT_FALSE(on["surface"]["bend"].is_null());
+  EXPECT_EQ(off["parameters"]["surface"]["refine"], false);
+  EXPECT_TRUE(off["surface"]["refine"].is_null());
+  EXPECT_TRUE(off["surface"]["bend"].is_null());
+  EXPECT_TRUE(off["surface"]["islands"].is_null()) << "dropped only before a fit";
+  EXPECT_GT(off["surface"]["isovalue"].get<double>(), 0.0);
+  EXPECT_EQ(off["certificate"]["primal_binary"], on["certificate"]["primal_binary"]) << "the same segmentation";
+  EXPECT_LT(on["mesh"]["sample_distance"]["mean"].get<double>(), off["mesh"]["sample_distance"]["mean"].get<double>());
+  const json said = with({"--refine", "on"});
+  EXPECT_EQ(said["parameters"]["surface"]["refine"], true);
+  EXPECT_EQ(said["surface"]["refine"], on["surface"]["refine"]);
+}
+
+TEST_F(SurfaceOptions, SmoothingIsTheOneGiven) {
+  const json chosen = with({}), soft = with({"--smoothing", "0.01"}), stiff = with({"--smoothing", "300"});
+  ASSERT_FALSE(chosen.is_null() || soft.is_null() || stiff.is_null());
+  EXPECT_TRUE(chosen["parameters"]["refine"]["smoothing"].is_null());
+  EXPECT_EQ(soft["parameters"]["refine"]["smoothing"], 0.01);
+  EXPECT_EQ(soft["surface"]["refine"]["smoothing"], 0.01);
+  EXPECT_EQ(stiff["surface"]["refine"]["smoothing"], 300.0);
+  const auto distance = [](const json& report) { return report["mesh"]["sample_distance"]["mean"].get<double>(); };
+  EXPECT_LT(distance(soft), distance(stiff));
+  EXPECT_LE(distance(chosen), distance(stiff));
+}
+
+TEST_F(SurfaceOptions, BendToleranceDecidesHowManyEdgesAreSplit) {
+  const json by_default = with({}), coarse = with({"--bend-tolerance", "0.02"}), none = with({"--bend-tolerance", "0"});
+  ASSERT_FALSE(by_default.is_null() || coarse.is_null() || none.is_null());
+  EXPECT_EQ(none["parameters"]["surface"]["bend_tolerance"], 0.0);
+  EXPECT_TRUE(none["surface"]["bend"].is_null());
+  EXPECT_EQ(none["mesh"]["triangles"], by_default["surface"]["bend"]["triangles_before"]);
+  const auto split = [](const json& report) { return report["surface"]["bend"]["split_edges"].get<int>(); };
+  EXPECT_GT(split(by_default), 0);
+  EXPECT_LT(split(coarse), split(by_default));
+  EXPECT_GT(by_default["mesh"]["triangles"], none["mesh"]["triangles"]);
+}
+
+TEST_F(SurfaceOptions, IslandsAreKeptWhenAsked) {
+  const json dropped = with({}), kept = with({"--islands", "keep"});
+  ASSERT_FALSE(dropped.is_null() || kept.is_null());
+  EXPECT_TRUE(dropped["parameters"]["surface"]["drop_islands"].is_null());
+  EXPECT_EQ(dropped["surface"]["islands"]["objects"]["kept"], 1);
+  EXPECT_EQ(kept["parameters"]["surface"]["drop_islands"], false);
+  EXPECT_TRUE(kept["surface"]["islands"].is_null());
+}
+
+/// Half of a torus, sampled 50 times more thinly than the other.
+TEST_F(SurfaceOptions, ThinPartsOffLosesThem) {
+  const auto torus = make_torus();
+  PointCloud thinned = sample_surface(*torus, sanitized ? 14000 : 58000, 1);
+  thinned.filter(kept_samples(*torus, thinned, {.thin_half = 50}, Parallel(1)));
+  write_points(cloud, thinned);
+  const std::vector<std::string> words{cloud, "--resolution", sanitized ? "44" : "76"};
+  std::vector<std::string> off = words;
+  off.insert(off.end(), {"--thin-parts", "off"});
+  const json kept = reported(words), lost = reported(off);
+  ASSERT_FALSE(kept.is_null() || lost.is_null());
+  EXPECT_EQ(kept["parameters"]["thin"]["keep"], true);
+  ASSERT_EQ(kept["thin"]["parts"].size(), 1u);
+  EXPECT_NEAR(kept["thin"]["parts"][0]["density"].get<double>(), 0.02, 0.006);
+  EXPECT_EQ(kept["mesh"]["genus"], 1);
+  EXPECT_EQ(lost["parameters"]["thin"]["keep"], false);
+  EXPECT_TRUE(lost["thin"].is_null());
+  EXPECT_EQ(lost["mesh"]["genus"], 0);
+}
+
+TEST_F(SurfaceOptions, BadValuesAreRefusedWithTheirRange) {
+  expect_bad("--refine", "maybe", "--refine: Value maybe not one of on, off");
+  expect_bad("--refine", "1", "--refine: Value 1 not one of on, off");
+  expect_bad("--thin-parts", "some", "--thin-parts: Value some not one of on, off");
+  expect_bad("--islands", "sink", "--islands: Value sink not one of drop, keep");
+  for (const char* value : {"0", "-1", "2000000", "inf", "nan"})
+    expect_bad("--smoothing", value, "smoothing = " + std::string(value) + ", must be in [1e-06, 1e+06]");
+  expect_bad("--smoothing", "rough", "--smoothing = rough, must be a number");
+  for (const char* value : {"-0.1", "1.5", "inf", "nan"})
+    expect_bad("--bend-tolerance", value, "bend_tolerance = " + std::string(value) + ", must be in [0, 1]");
+  // As of a shell's variable that is not set: CLI11 would take it for 0.
+  expect_bad("--bend-tolerance", "", "--bend-tolerance: no value, must be a number");
+  expect_bad("--min-support", "", "--min-support: no value, must be a number");
+  expect_bad("--threads", "", "--threads: no value, must be a whole number");
+  expect_bad("--refine", "", "--refine: Value  not one of on, off");
+  expect_bad("--min-support", "few", "--min-support = few, must be a number");
+  expect_bad("--resolution", "1.5", "--resolution = 1.5, must be a whole number");
+}
+
+TEST_F(SurfaceOptions, OptionsOfARefinementThatIsOffAreRefused) {
+  refused({cloud, "--refine", "off", "--smoothing", "1"}, "smoothing = 1: the surface is not refined");
+  refused({cloud, "--refine", "off", "--bend-tolerance", "0"}, "bend_tolerance = 0: the surface is not refined");
+  refused({cloud, "--refine", "on", "--method", "poisson"}, "refine = on: method poisson finds its own surface");
+  refused({cloud, "--refine", "on", "--isovalue", "0.4"}, "isovalue = 0.4 and refine = on");
+  refused({cloud, "--thin-parts", "off", "--lambda", "0.1"}, "--thin-parts: only a lambda that follows the samples");
+  refused({cloud, "--islands", "drop", "--method", "poisson"}, "islands = drop: method poisson finds its own surface");
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm::test
