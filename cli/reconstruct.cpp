@@ -268,7 +268,7 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->option_text("NORM [isotropic]");
   energy(app.add_option("--tolerance", p.solve.tolerance,
                         "Relative gap at which the finest level is solved; the next one: twice\nthat, coarser ones: at "
-                        "most 0.0003 (0.001 where they only tell where to\nstart)"))
+                        "most 0.0003 (0.01 where they only tell where to\nstart)"))
       ->option_text(fmt::format("V [{:g}]", p.solve.tolerance));
   energy(app.add_option("--max-iterations", p.solve.max_iterations, "Limit per level"))
       ->option_text(fmt::format("N [{}]", p.solve.max_iterations));

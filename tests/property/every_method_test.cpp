@@ -1,4 +1,4 @@
-// What holds of every method: bytes, the plan of memory, cancelling, the report.
+// What holds of every method: bytes, the plan of memory, the report (cancelling: cancel_test.cpp).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -41,17 +41,6 @@ TEST_P(EveryMethod, IsRefusedBeforeItsWorkWhenThePlanPassesTheLimit) {
   StageList stages;
   EXPECT_THROW(reconstruct(cloud, params, Parallel(1), stages), MemoryError);
   EXPECT_EQ(stages.names, (std::vector<std::string>{"orient", "place"}));
-}
-
-TEST_P(EveryMethod, CanBeCancelled) {
-  struct CancelsInStage : Progress {
-    explicit CancelsInStage(std::string_view name) : stage(name) {}
-    void begin_stage(std::string_view name) override {
-      if (name == stage) cancel();
-    }
-    std::string stage;
-  } progress(GetParam() == Method::vrip ? "fuse" : "solve");
-  EXPECT_THROW(reconstruct(cloud, params, Parallel(1), progress), Cancelled);
 }
 
 TEST_P(EveryMethod, TellsWhatItDid) {

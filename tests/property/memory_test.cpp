@@ -3,6 +3,7 @@
 
 #include <ostream>
 #include <string>
+#include <utility>
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/memory.h"
@@ -17,41 +18,47 @@ namespace TEST_FILE {
 
 using namespace test;
 
-/// Samples of a shape, per voxel^2, and their noise, voxels: even ones, sparse ones that are fitted on coarser
-/// vertices, and sparse ones that are fitted on the grid itself.
+/// Samples of a shape, per voxel^2, and their noise, voxels; whether the cloud may be freed, as the program's may.
 struct Planned {
   std::string shape;
   double density, noise;
-  double most_over = 1.25;  ///< peak over plan
+  bool freed = false;
+  int resolution = 256;
+  double most_over = 1.15;  ///< peak over plan
 };
-void PrintTo(const Planned& p, std::ostream* out) { *out << p.shape << ' ' << p.density << ' ' << p.noise; }
+void PrintTo(const Planned& p, std::ostream* out) {
+  *out << p.shape << ' ' << p.density << ' ' << p.noise << (p.freed ? " freed " : " kept ") << p.resolution;
+}
 
 class PlannedMemory : public testing::TestWithParam<Planned> {};
 
 /// The process holds little before; what the peak shows is this run (or a sanitizer: hence Slow).
 TEST_P(PlannedMemory, IsAboutThePeakSlow) {
-  const auto [shape, density, noise, most_over] = GetParam();
-  PointCloud cloud = sampled(shape, 256, density);
+  const Planned& p = GetParam();
+  PointCloud cloud = sampled(p.shape, p.resolution, p.density);
   ReconstructParams params;
-  params.place.resolution = 256;
-  Random random(1);
-  const double voxel = voxel_of_resolution(make_shape(shape)->box(), 256, params.place.padding);
-  for (size_t i = 0; i < cloud.size(); ++i)
-    cloud.positions[i] += Vec3d(cloud.normals[i]) * (noise * voxel * random.normal());
+  params.place.resolution = p.resolution;
+  add_noise(cloud, p.noise * voxel_of_resolution(make_shape(p.shape)->box(), p.resolution, params.place.padding), 1);
   Progress progress;
-  const Reconstruction result = reconstruct(cloud, params, Parallel(1), progress);
-  EXPECT_EQ(result.report.refine->spacing > 1, noise > 0);
+  const Parallel one_thread(1);
+  const Reconstruction result = p.freed ? reconstruct(std::move(cloud), params, one_thread, progress)
+                                        : reconstruct(cloud, params, one_thread, progress);
+  EXPECT_EQ(result.report.refine->spacing > 1, p.noise > 0);
   const auto planned = static_cast<double>(result.report.planned_bytes);
   const auto peak = static_cast<double>(result.report.peak_bytes);
   EXPECT_GT(peak, 48.0 * (1 << 20)) << "too small to say anything";
-  EXPECT_LT(peak, most_over * planned);
-  EXPECT_GT(peak, 0.6 * planned);
+  EXPECT_LT(peak, p.most_over * planned);
+  EXPECT_GT(peak, 0.85 * planned);
 }
 
-// The second: of so few samples the comparison of two grids looks at all.
+// Measured 0.96, 0.98, 0.92 and 1.08. The refinement of the part takes more per brick that its samples reach than that
+// of smoother shapes, of which the plan's constants are: 1.16. Samples so few and noisy are fitted on coarser vertices
+// after a look at two grids, which is known too late for the plan: 1.27.
 INSTANTIATE_TEST_SUITE_P(Samples, PlannedMemory,
-                         testing::Values(Planned{"part", 1, 0}, Planned{"knot", 0.1, 1, 1.35},
-                                         Planned{"knot", 0.2, 0}));
+                         testing::Values(Planned{"knot", 1, 0}, Planned{"knot", 1, 0, true, 384},
+                                         Planned{"torus", 1, 0, true}, Planned{"knot", 0.2, 0, true},
+                                         Planned{"part", 1, 0, true, 256, 1.2},
+                                         Planned{"knot", 0.1, 1, false, 256, 1.35}));
 
 TEST(MemoryPlan, ACloudThatMayBeFreedGivesTheSameMeshForLess) {
   PointCloud cloud = sampled("torus", 48, 2);

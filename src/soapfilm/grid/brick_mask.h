@@ -68,7 +68,6 @@ class BrickMask {
     }
   }
 
-  size_t bytes() const { return words_.size() * sizeof(uint64_t); }
   /// Bit i & 63 of word i >> 6 is the brick with index i.
   const std::vector<uint64_t>& words() const { return words_; }
   /// Index of a brick in a box of `bricks`: x fastest, then y, then z.

@@ -4,6 +4,7 @@
 //   z) and sits at position x + 8 y + 64 z of the brick's 512 values. A row (fixed y, z) is 32 bytes: one AVX register.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 #include "soapfilm/core/vec.h"
@@ -16,6 +17,10 @@ inline constexpr int brick_volume = brick_side * brick_side * brick_side;
 
 /// Distance in a brick's values between neighbours along x, y, z.
 inline constexpr int brick_stride[3] = {1, brick_side, brick_area};
+/// The same along the two axes across `axis`, the lower one first.
+constexpr std::array<int, 2> strides_across(int axis) {
+  return {brick_stride[axis == 0 ? 1 : 0], brick_stride[axis == 2 ? 1 : 2]};
+}
 
 constexpr int brick_offset(int x, int y, int z) { return x + brick_side * y + brick_area * z; }
 

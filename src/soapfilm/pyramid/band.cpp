@@ -74,6 +74,7 @@ unsigned infeasible_octants(const Level& level, size_t brick) {
   return octants;
 }
 
+/// Those with a part of the interface, or where the prolonged dual might leave the ball.
 BrickMask interface_children(const Level& coarse, const std::vector<BrickBits>& interface, Vec3i fine_bricks,
                              const Parallel& parallel) {
   BrickMask mask(fine_bricks);
@@ -92,10 +93,6 @@ std::vector<BrickBits> interfaces(const Level& level, const Parallel& parallel) 
 }
 
 }  // namespace
-
-BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel) {
-  return interface_children(coarse, interfaces(coarse, parallel), fine_bricks, parallel);
-}
 
 BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
                       const Parallel& parallel) {
@@ -139,7 +136,7 @@ BrickMask growth(const Level& level, const BrickGrid& coarse, const Parallel& pa
         const Vec3i next = level.grid.coord(b) + slot_offset(slot);
         if (coarse.find(parent_of(next)) < 0) continue;
         const bool outside_is_inside = level.inside.test(next);
-        const int first = brick_stride[axis == 0 ? 1 : 0], second = brick_stride[axis == 2 ? 1 : 2];
+        const auto [first, second] = strides_across(axis);
         const float* layer = u + (up ? (brick_side - 1) * brick_stride[axis] : 0);
         bool reached = false;
         for (int k = 0; k < brick_area && !reached; ++k)

@@ -8,16 +8,14 @@
 
 namespace soapfilm {
 
-/// The children of a solved level's bricks that the next finer level needs, its support bricks aside:
+/// The band of the level below `coarse`: the bricks of its data, `support`, and of the children of the coarse bricks
+/// those that hold
 ///   every pair of neighbours whose rounded u differ (the interface), and
 ///   every vertex I where sqrt(sum_k max(|P_k[I - e_k]|, |P_k[I]|)^2) > lambda: elsewhere the prolonged dual is
 ///   feasible on all finer levels (with the anisotropic norm it is everywhere: prolongation takes means), so leaving
 ///   the brick out costs the certificate nothing but this level's own gap.
-BrickMask interface_children(const Level& coarse, Vec3i fine_bricks, const Parallel& parallel);
-
-/// The band of the level below `coarse`: interface_children() and the bricks of its data, `support`. The finest level
-/// leaves those of them out that lie two vertices and more from the interface and whose data the prolonged state serves
-/// already, as long as this adds no more than `allowed` to the gap.
+/// The finest level leaves bricks of its data out that lie two vertices and more from the interface and whose data the
+/// prolonged state serves already, as long as this adds no more than `allowed` to the gap.
 BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
                       const Parallel& parallel);
 

@@ -21,13 +21,10 @@ std::array<double, octant_volume> fluxes_in(const Level& coarse, size_t brick, V
       for (size_t x = 0; x < here.size(); ++x) sum[x] += double{below[x]} - here[x];
     });
   });
-  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));
-  if (range.whole()) return sums;
   const Vec3i base = octant_base(octant);
-  for (int z = 0; z < half_brick; ++z)
-    for (int y = 0; y < half_brick; ++y)
-      for (int x = 0; x < half_brick; ++x)
-        if (!range.contains(base.x + x, base.y + y, base.z + z)) sums[static_cast<size_t>(octant_offset(x, y, z))] = 0;
+  free_range(coarse.box, coarse.grid.coord(brick)).for_each_fixed(base, half_brick, [&](int x, int y, int z) {
+    sums[static_cast<size_t>(octant_offset(x - base.x, y - base.y, z - base.z))] = 0;
+  });
   return sums;
 }
 

@@ -89,10 +89,7 @@ class Descent {
 
   /// Solves the levels down to `last`; returns that one.
   PyramidSolution to(int last) {
-    std::vector<SupportField> coarser;  // data terms of levels 1, 2, ...
-    coarser.reserve(static_cast<size_t>(lattice_.levels));
-    for (int l = 1; l < lattice_.levels; ++l)
-      coarser.push_back(restrict_field(l == 1 ? support_ : coarser.back(), lattice_.box(l), parallel_));
+    std::vector<SupportField> coarser = coarser_fields(support_, lattice_, lattice_.levels, parallel_);
     std::vector<const SupportField*> data = {&support_};
     for (const SupportField& field : coarser) data.push_back(&field);
     const std::vector<double> shares = lambda_shares(data, lambda_, norm_);

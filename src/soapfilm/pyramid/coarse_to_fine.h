@@ -20,7 +20,7 @@ struct LevelReport {
   size_t active_vertices = 0;
   int iterations = 0;
   double tolerance = 0;  ///< that it was solved to: twice that of the finest at level 1, at most 3e-4 at coarser ones,
-                         ///< 1e-3 where it took less than lambda
+                         ///< 1e-2 where it took less than lambda
   int band_growths = 0;
   bool converged = false;
   Energies energies;  ///< of the relaxed u, whole domain

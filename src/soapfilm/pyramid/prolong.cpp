@@ -93,12 +93,9 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
       have_window = true;
     }
     prolong_u(u, octant, fine.u.brick(b));
-    const FreeRange range = free_range(fine.box, child);
-    if (range.whole()) continue;
-    for (int z = 0; z < brick_side; ++z)
-      for (int y = 0; y < brick_side; ++y)
-        for (int x = 0; x < brick_side; ++x)
-          if (!range.contains(x, y, z)) fine.u.brick(b)[brick_offset(x, y, z)] = 0;
+    free_range(fine.box, child).for_each_fixed({}, brick_side, [&](int x, int y, int z) {
+      fine.u.brick(b)[brick_offset(x, y, z)] = 0;
+    });
   }
 }
 

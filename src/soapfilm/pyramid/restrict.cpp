@@ -28,4 +28,13 @@ SupportField restrict_field(const SupportField& fine, const LevelBox& coarse_box
   return coarse;
 }
 
+std::vector<SupportField> coarser_fields(const SupportField& finest, const Lattice& lattice, int levels,
+                                         const Parallel& parallel) {
+  std::vector<SupportField> fields;
+  fields.reserve(static_cast<size_t>(levels));
+  for (int l = 1; l < levels; ++l)
+    fields.push_back(restrict_field(l == 1 ? finest : fields.back(), lattice.box(l), parallel));
+  return fields;
+}
+
 }  // namespace soapfilm

@@ -59,11 +59,7 @@ Level solve_sor(const Lattice& lattice, const SupportField& support, double lamb
                 const SorObserver& observe) {
   validate(params);
   const int levels = std::min(params.levels, lattice.levels);
-  std::vector<SupportField> coarser;  // data terms of levels 1, 2, ...
-  coarser.reserve(static_cast<size_t>(levels));
-  for (int l = 1; l < levels; ++l)
-    coarser.push_back(restrict_field(l == 1 ? support : coarser.back(), lattice.box(l), parallel));
-
+  const std::vector<SupportField> coarser = coarser_fields(support, lattice, levels, parallel);
   DenseField<float> u(lattice.box(levels - 1));
   for (int l = levels - 1; l >= 0; --l) {
     const LevelBox box = lattice.box(l);

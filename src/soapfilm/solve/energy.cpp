@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "soapfilm/core/random.h"
 #include "soapfilm/solve/energy_kernel.h"
@@ -30,7 +31,7 @@ struct Evaluator {
       ++above[axis];
       const float* values = up >= 0 ? level.u.brick(static_cast<size_t>(up)) : nullptr;
       const float missing = values ? 0.0f : level.missing_u(up, above);
-      const int first = brick_stride[axis == 0 ? 1 : 0], second = brick_stride[axis == 2 ? 1 : 2];
+      const auto [first, second] = strides_across(axis);
       for (int b = 0; b < brick_side; ++b)
         for (int a = 0; a < brick_side; ++a) {
           const float value = values ? u_value(values[a * first + b * second]) : missing;
@@ -41,7 +42,7 @@ struct Evaluator {
 
   bool first_layer_is(float constant, size_t brick, int axis) const {
     const float* values = level.u.brick(brick);
-    const int first = brick_stride[axis == 0 ? 1 : 0], second = brick_stride[axis == 2 ? 1 : 2];
+    const auto [first, second] = strides_across(axis);
     for (int b = 0; b < brick_side; ++b)
       for (int a = 0; a < brick_side; ++a)
         if (u_value(values[a * first + b * second]) != constant) return false;
@@ -176,7 +177,6 @@ Energies energies_of(const Level& level, const EnergyTerms& sum, double p_scale,
   e.gap_band = sum.gap + level.lambda * outside;
   e.gap = e.gap_band + level.outside.gap_of_scaled(p_scale);
   e.max_dual_norm = std::sqrt(sum.max_norm_squared) / level.lambda;
-  e.inside = sum.inside;
   return e;
 }
 
@@ -186,23 +186,16 @@ double Energies::relative(double amount, double lambda) const {
   return amount / std::max(std::abs(dual), 1000 * lambda);
 }
 
-Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Parallel& parallel,
-                         std::vector<double>* local_gap) {
+Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Parallel& parallel) {
   Evaluator evaluator{level, options.threshold, 1.0};
-  std::vector<EnergyTerms> terms;
   const auto evaluate_band = [&] {
-    terms = terms_of_every(1, level.grid.size(), parallel, [&](size_t b) { return evaluator.brick_terms(b); });
-    return sum_of(terms);
+    return sum_of(terms_of_every(1, level.grid.size(), parallel, [&](size_t b) { return evaluator.brick_terms(b); }));
   };
   EnergyTerms sum = evaluate_band();
   const double max_norm = std::sqrt(sum.max_norm_squared) / level.lambda;
   if (options.certify && max_norm > 1) {
     evaluator.p_scale = 1 / max_norm;
     sum = evaluate_band();
-  }
-  if (local_gap) {
-    local_gap->resize(terms.size());
-    for (size_t b = 0; b < terms.size(); ++b) (*local_gap)[b] = terms[b].gap;
   }
   const std::vector<Vec3i> below = bricks_below_band(level, parallel);
   for (const EnergyTerms& t :

@@ -9,7 +9,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/solve/level.h"
@@ -24,7 +23,6 @@ struct Energies {
   double gap = 0;              ///< sum of the local terms, each >= 0; equals primal - dual but for rounding
   double gap_band = 0;         ///< the part of it that the band can still reduce
   double max_dual_norm = 0;    ///< max |p| / lambda over the band, before any rescaling
-  size_t inside = 0;           ///< free vertices of the band with u > 1/2 (or > mu)
 
   /// Relative to max(|D|, 1000 lambda): see relative().
   double relative_gap(double lambda) const { return relative(gap, lambda); }
@@ -41,9 +39,8 @@ struct EnergyOptions {
   bool certify = false;
 };
 
-/// Energies of a level's state. `local_gap`, when given, receives each brick's share of gap_band.
-Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Parallel& parallel,
-                         std::vector<double>* local_gap = nullptr);
+/// Energies of a level's state.
+Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Parallel& parallel);
 
 /// About relative_gap_band(), from every seventh brick: tells a solver when to look at all of them.
 double estimate_gap(const Level& level, const Parallel& parallel);

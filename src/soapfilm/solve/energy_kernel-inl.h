@@ -63,11 +63,10 @@ EnergyTerms brick_terms(const EnergyJob& job, const UpperWindow& u) {
   const D d;
   const int lanes = static_cast<int>(hn::Lanes(D()));
   const V zero = hn::Zero(d);
-  const V lambda = hn::Set(d, job.lambda), p_scale = hn::Set(d, job.p_scale), half = hn::Set(d, 0.5);
+  const V lambda = hn::Set(d, job.lambda), p_scale = hn::Set(d, job.p_scale);
   LaneSums variation, data, dual, gap, max_norm;
   HWY_ALIGN double free_row[brick_side];
   for (int x = 0; x < brick_side; ++x) free_row[x] = x >= job.free_lo.x && x < job.free_hi.x ? 1 : 0;
-  size_t inside = 0;
 
   for (int z = 0; z < brick_side; ++z)
     for (int y = 0; y < brick_side; ++y) {
@@ -102,10 +101,9 @@ EnergyTerms brick_terms(const EnergyJob& job, const UpperWindow& u) {
         data.add(x, hn::IfThenElseZero(counts, hn::Mul(source, here)));
         dual.add(x, negative);
         gap.add(x, hn::Sub(hn::Mul(r, here), negative));
-        inside += hn::CountTrue(d, hn::And(counts, hn::Gt(here, half)));
       }
     }
-  return {variation.sum(), data.sum(), dual.sum(), gap.sum(), max_norm.largest(), inside};
+  return {variation.sum(), data.sum(), dual.sum(), gap.sum(), max_norm.largest()};
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 // once per SIMD target and knows nothing of grids or threads.
 #pragma once
 
-#include <cstddef>
-
 #include "soapfilm/grid/layout.h"
 #include "soapfilm/solve/low_face.h"
 #include "soapfilm/solve/norm.h"
@@ -24,7 +22,7 @@ struct EnergyJob {
   const float* p;               ///< 3 x 512
   const float* f;               ///< 512
   LowFace low_x, low_y, low_z;  ///< p below the brick
-  Vec3i free_lo, free_hi;       ///< local range [lo, hi) of the vertices that count in data, dual, inside
+  Vec3i free_lo, free_hi;       ///< local range [lo, hi) of the vertices that count in data and dual
   double lambda;
   double p_scale;  ///< p counts times this
 };
@@ -36,7 +34,6 @@ struct EnergyTerms {
   double dual = 0;       ///< sum of min(0, r), r = grad^T p - f
   double gap = 0;        ///< sum of lambda |grad u| - p . grad u, and of r u - min(0, r)
   double max_norm_squared = 0;
-  size_t inside = 0;
 
   void operator+=(const EnergyTerms& t) {
     variation += t.variation;
@@ -44,7 +41,6 @@ struct EnergyTerms {
     dual += t.dual;
     gap += t.gap;
     max_norm_squared = max_norm_squared < t.max_norm_squared ? t.max_norm_squared : max_norm_squared;
-    inside += t.inside;
   }
 };
 

@@ -59,7 +59,8 @@ LowFace low_face(const Level& level, size_t brick, int axis) {
   const int32_t neighbor = level.grid.neighbors(brick)[slot_down[axis]];
   if (neighbor >= 0) {
     const float* last_layer = level.p.brick(static_cast<size_t>(neighbor), axis) + 7 * brick_stride[axis];
-    return {last_layer, axis == 0 ? brick_side : 1, axis == 2 ? brick_side : brick_area};
+    const auto [inner, outer] = strides_across(axis);
+    return {last_layer, inner, outer};
   }
   const float* plane = level.rim.plane(brick, axis);
   return {plane ? plane : zeros, 1, brick_side};

@@ -31,7 +31,6 @@ class Rim {
   }
   const float* plane(size_t brick, int axis) const { return const_cast<Rim*>(this)->plane(brick, axis); }
   AlignedArray<float>& flux() { return flux_; }  ///< all planes
-  size_t bytes() const { return plane_.size() * sizeof(plane_[0]) + flux_.bytes(); }
 
  private:
   std::vector<std::array<int32_t, 3>> plane_;
@@ -96,6 +95,15 @@ struct FreeRange {
   bool whole() const { return lo == Vec3i{0, 0, 0} && hi == Vec3i{brick_side, brick_side, brick_side}; }
   bool contains(int x, int y, int z) const {
     return x >= lo.x && x < hi.x && y >= lo.y && y < hi.y && z >= lo.z && z < hi.z;
+  }
+  /// visit(x, y, z) for the fixed ones among `side`^3 vertices from `first` on.
+  template <class Visit>
+  void for_each_fixed(Vec3i first, int side, Visit&& visit) const {
+    if (whole()) return;
+    for (int z = first.z; z < first.z + side; ++z)
+      for (int y = first.y; y < first.y + side; ++y)
+        for (int x = first.x; x < first.x + side; ++x)
+          if (!contains(x, y, z)) visit(x, y, z);
   }
 };
 FreeRange free_range(const LevelBox& box, Vec3i brick);

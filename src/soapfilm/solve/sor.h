@@ -5,8 +5,9 @@
 //
 //   u_i <- (1 - omega) u_i + omega (lambda sum_j g_ij u_j + f_i) / (lambda sum_j g_ij),   g_ij = (g_i + g_j) / 2
 //
-// Where the paper is silent: u is clipped to [0, 1] at each update, |grad u| is taken by forward differences (as the
-// judge's total variation is), u = 0 on the box's outermost layer. pyramid/sor_pyramid.h runs it over the levels.
+// Where the paper is silent: u is clipped to [0, 1] at each update, |grad u| in g is taken by central differences
+// (SorGradient; E(u) by forward ones, as the judge's), u = 0 on the box's outermost layer. pyramid/sor_pyramid.h runs
+// it over the levels.
 #pragma once
 
 #include <functional>

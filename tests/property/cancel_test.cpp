@@ -1,0 +1,168 @@
+// Cancelling: the stage at work ends early, whichever it is and by every method, and all memory goes back.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "property/each_method.h"
+#include "soapfilm/core/error.h"
+#include "soapfilm/reconstruct.h"
+#include "support/resident.h"
+#include "support/sanitized.h"
+
+namespace soapfilm {
+namespace TEST_FILE {
+
+using namespace test;
+
+/// Cancels in a stage: at its n-th report, or, n = 0, when it begins. Remembers the stages.
+class Canceller : public Progress {
+ public:
+  explicit Canceller(std::string stage = {}, int report = 0) : stage_(std::move(stage)), report_(report) {}
+
+  struct Stage {
+    std::string name;
+    int reports = 0;       ///< before cancel()
+    int late_reports = 0;  ///< after it
+    bool cut_short = false;
+  };
+  std::vector<Stage> stages;
+
+  void begin_stage(std::string_view name) override {
+    stages.push_back({std::string(name)});
+    running_ = true;
+    if (report_ == 0 && name == stage_) cancel();
+  }
+  /// A stage that was cut short ends while its exception is on the way up.
+  void end_stage(double) override {
+    stages.back().cut_short = std::uncaught_exceptions() > 0;
+    running_ = false;
+  }
+  void advance(double, std::string_view) override { reported(); }
+  void detail(const std::string&) override { reported(); }
+
+ private:
+  void reported() {
+    if (!running_) return;
+    Stage& now = stages.back();
+    ++(cancelled() ? now.late_reports : now.reports);
+    if (now.name == stage_ && now.reports == report_) cancel();
+  }
+
+  std::string stage_;
+  int report_;
+  bool running_ = false;
+};
+
+std::vector<std::string> names_of(const std::vector<Canceller::Stage>& stages) {
+  std::vector<std::string> names;
+  for (const Canceller::Stage& stage : stages) names.push_back(stage.name);
+  return names;
+}
+
+/// The program's: its loops ask the progress object, too.
+void run(const PointCloud& cloud, const ReconstructParams& params, Progress& progress, int threads = 1) {
+  const Parallel parallel(threads, &progress);
+  reconstruct(cloud, params, parallel, progress);
+}
+
+class CancelledRun : public testing::TestWithParam<Method> {
+ protected:
+  static constexpr int vertices = sanitized ? 32 : 48;
+  const PointCloud cloud = range_scans({}, vertices);
+  ReconstructParams params = params_of(GetParam());
+  void SetUp() override { params.place.resolution = vertices; }
+
+  void expect_cut_short(const std::vector<Canceller::Stage>& whole, size_t at, int report) const {
+    SCOPED_TRACE(whole[at].name + ", report " + std::to_string(report));
+    Canceller progress(whole[at].name, report);
+    EXPECT_THROW(run(cloud, params, progress), Cancelled);
+    std::vector<std::string> expected = names_of(whole);
+    expected.resize(at + 1);
+    ASSERT_EQ(names_of(progress.stages), expected);
+    EXPECT_TRUE(progress.stages.back().cut_short) << "it went on to its end";
+    EXPECT_EQ(progress.stages.back().late_reports, 0);
+  }
+};
+
+TEST_P(CancelledRun, EndsWithinTheStageAtWork) {
+  Canceller none;
+  run(cloud, params, none);
+  const std::vector<Canceller::Stage>& whole = none.stages;
+  for (size_t at = 0; at < whole.size(); ++at) {
+    const auto& [name, reports, late_reports, cut_short] = whole[at];
+    EXPECT_FALSE(cut_short);
+    // Methods that know no lambda have nothing to weigh; Poisson's surface comes out of the solve.
+    if (name == "weigh" && !weighs_area(GetParam())) continue;
+    if (name == "refine" && GetParam() == Method::poisson) continue;
+    std::set<int> wanted = {0, std::min(1, reports), reports / 2};
+    for (const int report : wanted) expect_cut_short(whole, at, report);
+  }
+  const std::vector<std::string> names = names_of(whole);
+  for (const char* name : {GetParam() == Method::vrip ? "fuse" : "solve", "extract"})
+    EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+}
+
+/// Cancels some time after a stage began, from a thread of its own.
+class LateCanceller : public Progress {
+ public:
+  LateCanceller(std::string stage, double seconds) : stage_(std::move(stage)), seconds_(seconds) {}
+  void begin_stage(std::string_view name) override {
+    if (name != stage_) return;
+    timer_ = std::jthread([this] {
+      std::this_thread::sleep_for(std::chrono::duration<double>(seconds_));
+      cancel();
+    });
+  }
+
+ private:
+  std::string stage_;
+  double seconds_;
+  std::jthread timer_;
+};
+
+/// LeakSanitizer sees no array that came straight from the system, nor the pages that wait for the next one. (Other
+/// sanitizers keep memory of their own: hence Slow.)
+TEST_P(CancelledRun, GivesItsMemoryBackSlow) {
+  const int resolution_here = GetParam() == Method::tv ? 160 : 96;
+  const PointCloud large = range_scans({}, resolution_here);
+  params.place.resolution = resolution_here;
+  constexpr int threads = 2;
+  constexpr double megabyte = 1 << 20;
+  const double empty = resident_bytes();
+  Progress progress;
+  std::vector<StageTime> stages;
+  {
+    const Reconstruction whole = reconstruct(large, params, Parallel(threads, &progress), progress);
+    stages = whole.report.stages;
+    EXPECT_GT(static_cast<double>(whole.report.peak_bytes) - empty, 16 * megabyte) << "too small to say anything";
+  }
+  const double before = resident_bytes();
+  int cancelled = 0;
+  for (const StageTime& stage : stages)
+    for (const double share : {0.0, 0.5}) {
+      if (stage.elapsed < 0.02) continue;  // too little to hold much
+      LateCanceller canceller(stage.name, share * stage.elapsed);
+      try {
+        run(large, params, canceller, threads);
+      } catch (const Cancelled&) {
+        ++cancelled;
+      }
+      EXPECT_LT(resident_bytes(), before + 2 * megabyte) << stage.name << ", " << share;
+    }
+  EXPECT_GE(cancelled, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, CancelledRun,
+                         testing::Values(Method::tv, Method::tv_sor, Method::poisson, Method::graph_cut_6,
+                                         Method::graph_cut_26, Method::vrip),
+                         method_name);
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm

@@ -1,0 +1,23 @@
+// What this process holds of the machine's memory now.
+#pragma once
+
+#include <malloc.h>
+
+#include <fstream>
+#include <string>
+
+namespace soapfilm::test {
+
+/// In bytes, once the allocator has handed back what it keeps for later.
+inline double resident_bytes() {
+  malloc_trim(0);
+  std::ifstream rollup("/proc/self/smaps_rollup");
+  std::string word;
+  while (rollup >> word && word != "Rss:") {
+  }
+  double kilobytes = 0;
+  rollup >> kilobytes;
+  return 1024 * kilobytes;
+}
+
+}  // namespace soapfilm::test
