@@ -7,6 +7,7 @@
 #include "soapfilm/evaluate/topology.h"
 #include "soapfilm/pyramid/restrict.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/refine/indicator.h"
 #include "support/dense.h"
 #include "support/problem.h"
 
@@ -109,7 +110,8 @@ size_t inside_on_coarsest_level(const ReconstructReport& report, const PointClou
   Level level =
       make_level(box, static_cast<float>(lambda), BrickMask::whole(box.bricks), data.grid, data.f, one_thread);
   Progress progress;
-  return solve_primal_dual(level, {}, one_thread, progress).energies.inside;
+  solve_primal_dual(level, {}, one_thread, progress);
+  return count_inside(level, 0.5f, one_thread);
 }
 
 TEST(Plate, OfThreeVoxelsStaysWholeThoughCoarseLevelsLoseIt) {
