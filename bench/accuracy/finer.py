@@ -3,16 +3,20 @@ import numpy as np
 
 
 def read_mesh(path):
-    """(vertices, triangles) of a PLY as `soapfilm scan` writes truth.ply: binary, positions in double, triangles."""
+    """(vertices, triangles) of a PLY as `soapfilm scan` writes truth.ply: binary, positions in float or double,
+    triangles."""
     with open(path, "rb") as file:
         header = []
         while not header or header[-1] != "end_header":
             header.append(file.readline().decode("ascii").strip())
         counts = [int(line.split()[2]) for line in header if line.startswith("element ")]
         properties = [line for line in header if line.startswith("property ")]
-        if properties != [*(f"property double {n}" for n in "xyz"), "property list uchar int vertex_indices"]:
-            raise ValueError(f"{path}: properties {properties}, must be double x, y, z and triangles")
-        vertices = np.fromfile(file, "<f8", 3 * counts[0]).reshape(-1, 3)
+        kinds = {kind: [*(f"property {kind} {n}" for n in "xyz"), "property list uchar int vertex_indices"]
+                 for kind in ("float", "double")}
+        if properties not in kinds.values():
+            raise ValueError(f"{path}: properties {properties}, must be float or double x, y, z and triangles")
+        kind = "<f4" if properties == kinds["float"] else "<f8"
+        vertices = np.fromfile(file, kind, 3 * counts[0]).reshape(-1, 3).astype(float)
         faces = np.fromfile(file, np.dtype([("corners", "u1"), ("vertex", "<i4", 3)]), counts[1])
         return vertices, faces["vertex"].astype(np.int64)
 

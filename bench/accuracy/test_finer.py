@@ -48,6 +48,16 @@ class Finer(unittest.TestCase):
             np.testing.assert_array_equal(read[0], cut[0])
             np.testing.assert_array_equal(read[1], cut[1])
 
+    def test_positions_in_float(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "float.ply"
+            finer.write(path, self.vertices, self.triangles)
+            head, end, body = path.read_bytes().partition(b"end_header\n")
+            doubles = 8 * self.vertices.size
+            path.write_bytes(head.replace(b"double", b"float") + end + self.vertices.astype("<f4").tobytes()
+                             + body[doubles:])
+            np.testing.assert_array_equal(finer.read_mesh(path)[0], self.vertices)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -7,7 +7,6 @@
 #include "soapfilm/evaluate/topology.h"
 #include "soapfilm/pyramid/restrict.h"
 #include "soapfilm/reconstruct.h"
-#include "soapfilm/refine/indicator.h"
 #include "support/dense.h"
 #include "support/problem.h"
 
@@ -103,15 +102,15 @@ INSTANTIATE_TEST_SUITE_P(Planes, PlanarHole, testing::Bool(), [](const auto& p) 
 size_t inside_on_coarsest_level(const ReconstructReport& report, const PointCloud& cloud) {
   const Problem problem = make_problem(cloud, report.lattice);
   const Parallel one_thread(1);
-  SupportField data = restrict_field(problem.support, report.lattice.box(1), one_thread);
-  for (int l = 2; l < report.lattice.levels; ++l) data = restrict_field(data, report.lattice.box(l), one_thread);
+  const auto fields = coarser_fields(problem.support, report.lattice, report.lattice.levels, one_thread);
+  const SupportField& data = fields.back();
   const LevelBox box = report.lattice.box(report.lattice.levels - 1);
   const double lambda = report.certificate.lambda * std::pow(4, box.level);
   Level level =
       make_level(box, static_cast<float>(lambda), BrickMask::whole(box.bricks), data.grid, data.f, one_thread);
   Progress progress;
   solve_primal_dual(level, {}, one_thread, progress);
-  return count_inside(level, 0.5f, one_thread);
+  return count_inside(dense_labels(level));
 }
 
 TEST(Plate, OfThreeVoxelsStaysWholeThoughCoarseLevelsLoseIt) {
