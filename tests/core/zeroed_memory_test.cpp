@@ -8,13 +8,13 @@
 #include <atomic>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <new>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "soapfilm/core/memory.h"
+#include "support/resident.h"
 #include "support/sanitized.h"
 
 namespace soapfilm {
@@ -47,16 +47,6 @@ TEST(ZeroedMemory, WhatIsNotGivenBackStays) {
   std::memset(memory.get(), 1, bytes);  // and it may be written again
 }
 
-double resident_bytes() {
-  std::ifstream rollup("/proc/self/smaps_rollup");
-  std::string word;
-  while (rollup >> word && word != "Rss:") {
-  }
-  double kilobytes = 0;
-  rollup >> kilobytes;
-  return 1024 * kilobytes;
-}
-
 bool is_zero(const ZeroedMemory& memory, size_t bytes) {
   return std::all_of(memory.get(), memory.get() + bytes, [](std::byte b) { return b == std::byte{0}; });
 }
@@ -67,7 +57,7 @@ constexpr double slack = 3 * block;
 constexpr double slack_of_vectors = test::sanitized ? large / 2 : slack;  // their shadow comes on top
 
 TEST(KeepFreedPages, ServeTheNextArraysAndThenGoBack) {
-  const double before = resident_bytes();
+  const double before = test::resident_bytes();
   {
     const KeepFreedPages keep;
     {
@@ -75,7 +65,7 @@ TEST(KeepFreedPages, ServeTheNextArraysAndThenGoBack) {
       const ZeroedMemory memory = allocate_zeroed(large);
       std::memset(memory.get(), 2, large);
     }
-    EXPECT_NEAR(resident_bytes(), before + large, slack);
+    EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     // In pieces, large and small, all of them zero.
     std::vector<ZeroedMemory> pieces;
     for (const size_t size : {3 * block + 1, size_t{1000}, 6 * block, block, large - 10 * block}) {
@@ -84,32 +74,32 @@ TEST(KeepFreedPages, ServeTheNextArraysAndThenGoBack) {
       EXPECT_TRUE(is_zero(pieces.back(), size)) << size;
       std::memset(pieces.back().get(), 3, size);
     }
-    EXPECT_NEAR(resident_bytes(), before + large, slack);
+    EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     pieces.erase(pieces.begin() + 2);
     const ZeroedMemory more = allocate_zeroed(2 * large);  // more than there is
     EXPECT_TRUE(is_zero(more, 2 * large));
   }
-  EXPECT_NEAR(resident_bytes(), before, slack);
+  EXPECT_NEAR(test::resident_bytes(), before, slack);
 }
 
 TEST(KeepFreedPages, AreNoneThatNobodyTouched) {
-  const double before = resident_bytes();
+  const double before = test::resident_bytes();
   const KeepFreedPages keep;
   { const ZeroedMemory untouched = allocate_zeroed(large); }
-  EXPECT_NEAR(resident_bytes(), before, slack);
+  EXPECT_NEAR(test::resident_bytes(), before, slack);
   {
     const ZeroedMemory memory = allocate_zeroed(large);
     std::memset(memory.get(), 2, large / 2);
   }
-  EXPECT_NEAR(resident_bytes(), before + large / 2, slack);
+  EXPECT_NEAR(test::resident_bytes(), before + large / 2, slack);
   const ZeroedMemory memory = allocate_zeroed(large);
   EXPECT_TRUE(is_zero(memory, large));
   std::memset(memory.get(), 3, large);
-  EXPECT_NEAR(resident_bytes(), before + large, slack);
+  EXPECT_NEAR(test::resident_bytes(), before + large, slack);
 }
 
 TEST(KeepFreedPages, ServeOthersBeforeTheirArrayEnds) {
-  const double before = resident_bytes();
+  const double before = test::resident_bytes();
   {
     const KeepFreedPages keep;
     const ZeroedMemory old = allocate_zeroed(large), next = allocate_zeroed(large);
@@ -122,22 +112,22 @@ TEST(KeepFreedPages, ServeOthersBeforeTheirArrayEnds) {
       gone = give_back(old, gone, end);
       EXPECT_EQ(gone, end / block * block);
     }
-    EXPECT_NEAR(resident_bytes(), before + large, slack);
+    EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     std::byte* const from = next.get() + 100;
     take_pages(from, large - 100);  // whole large pages after the first
-    EXPECT_NEAR(resident_bytes(), before + large, slack);
+    EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     for (size_t i = 0; i < large; ++i) ASSERT_EQ(next.get()[i], i / block == 5 ? std::byte{3} : std::byte{0}) << i;
     std::memset(next.get(), 4, 13 * block);  // eleven and one of these are there
-    EXPECT_NEAR(resident_bytes(), before + large + block, slack);
+    EXPECT_NEAR(test::resident_bytes(), before + large + block, slack);
     EXPECT_EQ(std::count(old.get() + gone, old.get() + large, std::byte{2}), static_cast<ptrdiff_t>(large - gone));
     std::memset(old.get(), 5, large);  // what went may be written
     EXPECT_EQ(std::count(old.get(), old.get() + large, std::byte{5}), static_cast<ptrdiff_t>(large));
   }
-  EXPECT_NEAR(resident_bytes(), before, slack);
+  EXPECT_NEAR(test::resident_bytes(), before, slack);
 }
 
 TEST(KeepFreedPages, ServeVectors) {
-  const double before = resident_bytes();
+  const double before = test::resident_bytes();
   {
     const KeepFreedPages keep;
     {
@@ -146,13 +136,13 @@ TEST(KeepFreedPages, ServeVectors) {
     }
     std::vector<int> values;
     reserve_many(values, large / sizeof(int));
-    EXPECT_NEAR(resident_bytes(), before + large, slack);
+    EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     values.resize(large / sizeof(int));
     EXPECT_EQ(std::count(values.begin(), values.end(), 0), static_cast<ptrdiff_t>(values.size()));
-    EXPECT_NEAR(resident_bytes(), before + large, slack_of_vectors);
+    EXPECT_NEAR(test::resident_bytes(), before + large, slack_of_vectors);
   }
   if (!test::sanitized) {  // whose allocators keep what is freed
-    EXPECT_NEAR(resident_bytes(), before, slack);
+    EXPECT_NEAR(test::resident_bytes(), before, slack);
   }
 }
 

@@ -18,8 +18,8 @@ class MeshSurface final : public Surface {
   MeshSurface(Mesh mesh, const Parallel& parallel);
   ~MeshSurface() override;
 
-  /// Seen from its inner side a triangle is met all the same; the normal stays outward. It is
-  /// zero where the triangle has no area.
+  /// Seen from its inner side a triangle is met all the same; the normal stays outward. It is zero
+  /// where the triangle has no area.
   std::optional<SurfacePoint> intersect(Vec3d origin, Vec3d direction) const override;
   SurfacePoint closest(Vec3d p) const override;
   Box3d box() const override { return box_; }
