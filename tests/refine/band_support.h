@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include "soapfilm/core/random.h"
@@ -36,6 +37,11 @@ inline RowArray random_array(const NarrowBand& band, uint64_t seed) {
     if (band.mask(static_cast<uint32_t>(i / brick_side)) >> (i % brick_side) & 1)
       array.data()[i] = static_cast<float>(random.normal());
   return array;
+}
+
+/// Sum of a_i b_i.
+inline double dot(const RowArray& a, const RowArray& b) {
+  return std::inner_product(a.data(), a.data() + a.size(), b.data(), 0.0);
 }
 
 /// Independent samples in a box of bricks, with random unit directions.

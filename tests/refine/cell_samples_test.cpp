@@ -125,13 +125,13 @@ TEST_F(Pulled, GradientIsTheEnergysDerivative) {
     back.data()[i] = phi.data()[i] - 0.5f * step.data()[i];
   }
   // Quadratic: the central difference is exact.
-  EXPECT_NEAR(2 * dot(gradient(phi, true), step, one_thread), energy(forth) - energy(back), 1e-3 * energy(phi));
+  EXPECT_NEAR(2 * dot(gradient(phi, true), step), energy(forth) - energy(back), 1e-3 * energy(phi));
 }
 
 TEST_F(Pulled, IsSymmetricAndTellsItsEnergy) {
   const RowArray a = random_array(band, 5), b = random_array(band, 6);
-  const double scale = dot(a, gradient(a, false), one_thread);
-  EXPECT_NEAR(dot(gradient(a, false), b, one_thread), dot(a, gradient(b, false), one_thread), 1e-4 * scale);
+  const double scale = dot(a, gradient(a, false));
+  EXPECT_NEAR(dot(gradient(a, false), b), dot(a, gradient(b, false)), 1e-4 * scale);
   RowArray out = band.make_array();
   EXPECT_NEAR(DataTerm::hessian(band, data, a, &out).add(one_thread), scale, 1e-5 * scale);
   EXPECT_EQ(DataTerm::hessian(band, data, a, nullptr).add(one_thread),

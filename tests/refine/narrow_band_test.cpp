@@ -95,12 +95,12 @@ TEST(NarrowBand, LaplacianIsSymmetricAndPositiveAndForgetsConstants) {
   RowArray ga = band.make_array(), gb = band.make_array();
   apply_laplacian(band, a, 0, 1, ga, one_thread);
   apply_laplacian(band, b, 0, 1, gb, one_thread);
-  EXPECT_NEAR(dot(ga, b, one_thread), dot(a, gb, one_thread), 1e-4 * dot(a, ga, one_thread));
-  EXPECT_GT(dot(a, ga, one_thread), 0);
-  const double energy = 0.5 * dot(a, ga, one_thread) + 2 * dot(ga, ga, one_thread);
+  EXPECT_NEAR(dot(ga, b), dot(a, gb), 1e-4 * dot(a, ga));
+  EXPECT_GT(dot(a, ga), 0);
+  const double energy = 0.5 * dot(a, ga) + 2 * dot(ga, ga);
   EXPECT_NEAR(apply_laplacian(band, a, 0.5f, 2, gb, one_thread), energy, 1e-5 * energy);
   apply_laplacian(band, members(band), 0, 1, ga, one_thread);
-  EXPECT_EQ(dot(ga, ga, one_thread), 0);
+  EXPECT_EQ(dot(ga, ga), 0);
 }
 
 TEST(NarrowBand, MultilevelTransfersAreAdjointAndKeepConstants) {
@@ -116,7 +116,7 @@ TEST(NarrowBand, MultilevelTransfersAreAdjointAndKeepConstants) {
   job.x = up.data();
   job.out = prolonged.data();
   for (int layer = 0; layer < 3; ++layer) coarse.prolong_onto(layer, band, job);
-  EXPECT_NEAR(dot(down, up, one_thread), dot(fine, prolonged, one_thread), 1e-3);
+  EXPECT_NEAR(dot(down, up), dot(fine, prolonged), 1e-3);
 
   const RowArray constant = members(coarse.band());
   job.x = constant.data();
@@ -183,7 +183,7 @@ TEST(NarrowBand, MultilevelTakesEvenSteps) {
   const double sum = row_kernel().smooth(band.view(), job, 1, band.rows() + 1);
   for (size_t i = 0; i < x.size(); ++i)
     ASSERT_NEAR(out.data()[i], x.data()[i] + step * residual.data()[i], 1e-6) << "vertex " << i;
-  EXPECT_NEAR(sum, dot(out, b, one_thread), 1e-5 * std::abs(sum));
+  EXPECT_NEAR(sum, dot(out, b), 1e-5 * std::abs(sum));
 
   coarse.restrict_to(residual, expected, one_thread);
   for (int layer = 0; layer < 3; ++layer) coarse.restrict_residual(layer, band, job, restricted);
@@ -226,8 +226,8 @@ TEST(NarrowBand, MultilevelIsSymmetricPositiveDefinite) {
     const double energy = multilevel.apply(nothing_to_complete, a, ma, work, one_thread);
     multilevel.apply(nothing_to_complete, b, mb, work, one_thread);
     EXPECT_GT(energy, 0);
-    EXPECT_NEAR(dot(a, ma, one_thread), energy, 1e-5 * energy) << "gamma " << gamma;
-    EXPECT_NEAR(dot(ma, b, one_thread), dot(a, mb, one_thread), 1e-4 * energy) << "gamma " << gamma;
+    EXPECT_NEAR(dot(a, ma), energy, 1e-5 * energy) << "gamma " << gamma;
+    EXPECT_NEAR(dot(ma, b), dot(a, mb), 1e-4 * energy) << "gamma " << gamma;
   }
 }
 

@@ -80,29 +80,11 @@ size_t NarrowBand::count() const {
 }
 
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
-                       const Parallel& parallel, const RowArray* share) {
+                       const Parallel& parallel) {
   const RowKernel kernel = row_kernel();
   return sum_over_rows(all_rows(band), parallel, [&](size_t begin, size_t end) {
-    return kernel.laplacian(band.view(), {v.data(), weight_v, weight_g, out.data(), share ? share->data() : nullptr},
-                            begin, end);
+    return kernel.laplacian(band.view(), {v.data(), weight_v, weight_g, out.data()}, begin, end);
   });
-}
-
-double dot(const RowArray& a, const RowArray& b, const Parallel& parallel) {
-  constexpr size_t grain = rows_per_task * brick_side;
-  std::vector<double> sums((a.size() + grain - 1) / grain);
-  parallel.for_chunks(a.size(), grain, [&](size_t begin, size_t end) {
-    double lane[brick_side] = {};
-    for (size_t i = begin; i < end; i += brick_side)
-      for (size_t x = 0; x < brick_side; ++x)
-        lane[x] += static_cast<double>(a.data()[i + x]) * static_cast<double>(b.data()[i + x]);
-    double sum = 0;
-    for (const double l : lane) sum += l;
-    sums[begin / grain] = sum;
-  });
-  double total = 0;
-  for (const double sum : sums) total += sum;
-  return total;
 }
 
 }  // namespace soapfilm

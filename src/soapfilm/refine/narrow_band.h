@@ -118,13 +118,9 @@ double sum_over_rows(RowRange rows, Body&& body) {
   return total;
 }
 
-/// out = weight_v v + weight_g s G v, s the `share` where it is not null; G is the band's graph Laplacian, positive
-/// semi-definite: (G v)_i = sum over neighbours j in the band of v_i - v_j. Its null space are the constants on
-/// connected parts. Returns <G v, out>.
+/// out = weight_v v + weight_g G v; G is the band's graph Laplacian, positive semi-definite: (G v)_i = sum over
+/// neighbours j in the band of v_i - v_j. Its null space are the constants on connected parts. Returns <G v, out>.
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
-                       const Parallel& parallel, const RowArray* share = nullptr);
-
-/// Sum of a_i b_i in double, in an order that does not depend on threads.
-double dot(const RowArray& a, const RowArray& b, const Parallel& parallel);
+                       const Parallel& parallel);
 
 }  // namespace soapfilm
