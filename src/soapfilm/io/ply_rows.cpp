@@ -167,7 +167,10 @@ const char* PlyRows::take_floats(size_t count) {
 }
 
 double PlyRows::read_value(const PlyProperty& property, PlyType type) {
-  return text_ ? text_->number(property.name) : load_as_double(binary_->take(size_of(type)), type, binary_->swaps());
+  if (!text_) return load_as_double(binary_->take(size_of(type)), type, binary_->swaps());
+  if (is_integer(type))
+    if (const std::optional<uint32_t> count = text_->small_count()) return *count;
+  return text_->number(property.name);
 }
 
 void PlyRows::read_list(size_t index) {

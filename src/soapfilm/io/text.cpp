@@ -86,14 +86,6 @@ bool TextCursor::next_content_line(std::string_view& line) {
   return false;
 }
 
-void TextCursor::skip_blanks() {
-  if (next_line_ != 0) {  // next_line() has passed a line's end that it counts only when the next line begins
-    line_ = next_line_;
-    next_line_ = 0;
-  }
-  for (; at_ != end_ && is_blank(*at_); ++at_) line_ += *at_ == '\n';
-}
-
 std::string_view TextCursor::token() {
   skip_blanks();
   const char* begin = at_;
@@ -148,10 +140,6 @@ const char* parse_plain_number(const char* at, const char* end, double& value) {
 }  // namespace
 
 const char* parse_usual_number(const char* at, const char* end, double& value) {
-  if (end - at >= 2 && *at >= '0' && *at <= '9' && is_blank(at[1])) {  // as most counts and empty cells are
-    value = *at - '0';
-    return at + 1;
-  }
   if (const char* after = parse_plain_number(at, end, value); after && (after == end || is_blank(*after))) return after;
   const std::from_chars_result parsed = std::from_chars(at, end, value);
   return parsed.ec == std::errc{} && (parsed.ptr == end || is_blank(*parsed.ptr)) ? parsed.ptr : nullptr;

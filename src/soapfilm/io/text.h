@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -74,10 +75,30 @@ class TextCursor {
   /// The next token, which must be a number; `what` names it in the message.
   double number(std::string_view what);
 
+  /// The next token where it is a whole number of few digits, as counts and indices are; else none, and it is still
+  /// the next one.
+  std::optional<uint32_t> small_count() {
+    constexpr int most_digits = 9;
+    skip_blanks();
+    const char* at = at_;
+    uint32_t value = 0;
+    for (; at != end_ && at - at_ <= most_digits && *at >= '0' && *at <= '9'; ++at)
+      value = 10 * value + static_cast<uint32_t>(*at - '0');
+    if (at == at_ || at - at_ > most_digits || (at != end_ && !is_blank(*at))) return std::nullopt;
+    at_ = at;
+    return value;
+  }
+
   void release() { source_.release_before(offset()); }
 
   /// Passes over blanks and ends of lines.
-  void skip_blanks();
+  void skip_blanks() {
+    if (next_line_ != 0) {  // next_line() has passed a line's end that it counts only when the next line begins
+      line_ = next_line_;
+      next_line_ = 0;
+    }
+    for (; at_ != end_ && is_blank(*at_); ++at_) line_ += *at_ == '\n';
+  }
   /// Goes on at `offset`, which is on the given line.
   void jump(size_t offset, size_t line) {
     at_ = source_.bytes().data() + offset;

@@ -4,6 +4,8 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include <array>
+
 #include "soapfilm/solve/sweep_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -97,16 +99,27 @@ HWY_INLINE V primal_step(V u, V grad_t_p, V f, V tau, V cap) {
 class Caps {
  public:
   HWY_INLINE Caps(Vec3i lo, Vec3i hi) : lo_z_(lo.z), hi_z_(hi.z) {
+    if (lo.x == 0 && lo.y == 0 && hi.x == brick_side && hi.y == brick_side) return;  // nearly all bricks
     for (int i = 0; i < brick_area; ++i) {
       const int x = i % brick_side, y = i / brick_side;
-      inside_[i] = x >= lo.x && x < hi.x && y >= lo.y && y < hi.y ? 1.0f : 0.0f;
+      some_[i] = x >= lo.x && x < hi.x && y >= lo.y && y < hi.y ? 1.0f : 0.0f;
     }
+    inside_ = some_;
   }
-  HWY_INLINE const float* layer(int z) const { return z >= lo_z_ && z < hi_z_ ? inside_ : outside_; }
+  Caps(const Caps&) = delete;
+  Caps& operator=(const Caps&) = delete;
+  HWY_INLINE const float* layer(int z) const { return z >= lo_z_ && z < hi_z_ ? inside_ : none; }
 
  private:
-  HWY_ALIGN float inside_[brick_area];
-  HWY_ALIGN float outside_[brick_area] = {};
+  HWY_ALIGN static constexpr auto all = [] {
+    std::array<float, brick_area> ones{};
+    for (float& one : ones) one = 1;
+    return ones;
+  }();
+  HWY_ALIGN static constexpr float none[brick_area] = {};
+
+  HWY_ALIGN float some_[brick_area];
+  const float* inside_ = all.data();
   int lo_z_, hi_z_;
 };
 
