@@ -370,6 +370,19 @@ TEST(PlyMesh, PolygonsAndStripsBecomeTriangles) {
   EXPECT_EQ(strip.triangles, std::vector<Triangle>({{0, 1, 3}, {3, 1, 2}, {2, 4, 3}}));
 }
 
+TEST(PlyMesh, CountsAndIndicesAreReadInAnySpelling) {
+  const TemporaryFolder folder;
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (const char* face :
+       {"3 2 1 0", "003 02 01 00", "+3 2.0 1e0 -0", "3.0 20e-1 1 0", "\t3\n2 \r\n1\n\n0", "3 0000000002 1 0"}) {
+    const Mesh mesh = read_mesh(folder.write("a.ply", head + face));
+    ASSERT_EQ(mesh.triangles.size(), 2u) << face;
+    EXPECT_EQ(mesh.triangles[1], (Triangle{2, 1, 0})) << face;
+  }
+}
+
 TEST(Ply, KindFollowsFromTheFaces) {
   const TemporaryFolder folder;
   write_points(folder / "cloud.ply", rich_cloud(1, 3, 3, 1));

@@ -126,6 +126,9 @@ TEST(Refusals, PlyMeshes) {
   const std::string rows = "0 0 0\n1 0 0\n0 1 0\n";
   expect_mesh_refused("m.ply", head + rows + "3 0 1 3\n", {"m.ply:13:", "face 0", "index = 3", "0 to 2"});
   expect_mesh_refused("m.ply", head + rows + "3 0 1 -1\n", {"m.ply:13:", "index = -1"});
+  expect_mesh_refused("m.ply", head + rows + "3 0 1 4294967298\n", {"m.ply:13:", "index = 4294967298"});
+  expect_mesh_refused("m.ply", head + rows + "4294967299 0 1 2\n", {"m.ply:13:", "count = 4294967299", "at most 7"});
+  expect_mesh_refused("m.ply", head + rows + "3.5 0 1 2\n", {"m.ply:13:", "count = 3.5", "integer"});
   expect_mesh_refused("m.ply", head + rows + "2 0 1    \n", {"m.ply:13:", "2 vertices", "at least 3"});
   expect_mesh_refused("m.ply", head + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", {"m.ply:11:", "vertex 1", "finite"});
   expect_mesh_refused("m.ply", vertex_head + "end_header\n0 0 0\n1 1 1\n", {"no faces"});
