@@ -173,28 +173,17 @@ double PlyRows::read_value(const PlyProperty& property, PlyType type) {
   return text_->number(property.name);
 }
 
-size_t PlyRows::read_count(const PlyProperty& property) {
-  if (text_) {  // as nearly all are
-    const std::optional<uint32_t> count = text_->small_count();
-    if (count && *count <= text_->remaining()) return *count;
-    if (count) fail_truncated(property, *count, text_->remaining());
-  }
-  const double count = read_value(property, *property.count_type);
-  if (!(count >= 0) || count != std::floor(count))
-    fail(fmt::format("list {}: count = {}, must be an integer >= 0", in_quotes(property.name), count));
-  const size_t most = text_ ? text_->remaining() : binary_->remaining() / size_of(property.type);
-  if (count > static_cast<double>(most)) fail_truncated(property, count, most);
-  return static_cast<size_t>(count);
-}
-
-void PlyRows::fail_truncated(const PlyProperty& property, double count, size_t most) const {
-  fail(fmt::format("truncated: list {}: count = {}, but the rest of the file holds at most {}",
-                   in_quotes(property.name), count, most));
-}
-
 void PlyRows::read_list(size_t index) {
   const PlyProperty& property = element_->properties[index];
-  lists_[index] = {items_.size(), read_count(property)};
+  const double count = read_value(property, *property.count_type);
+  const double most = text_ ? static_cast<double>(text_->remaining())
+                            : static_cast<double>(binary_->remaining() / size_of(property.type));
+  if (!(count >= 0) || count != std::floor(count))
+    fail(fmt::format("list {}: count = {}, must be an integer >= 0", in_quotes(property.name), count));
+  if (count > most)
+    fail(fmt::format("truncated: list {}: count = {}, but the rest of the file holds at most {}",
+                     in_quotes(property.name), count, most));
+  lists_[index] = {items_.size(), static_cast<size_t>(count)};
   for (size_t i = 0; i < lists_[index].size; ++i) items_.push_back(read_value(property, property.type));
 }
 

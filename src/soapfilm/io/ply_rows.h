@@ -62,9 +62,7 @@ class PlyRows {
 
   void read_ahead();
   double read_value(const PlyProperty& property, PlyType type);
-  size_t read_count(const PlyProperty& property);
   void read_list(size_t index);
-  [[noreturn]] void fail_truncated(const PlyProperty& property, double count, size_t most) const;
 
   ByteSource& source_;
   const PlyHeader& header_;

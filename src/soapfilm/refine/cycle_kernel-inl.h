@@ -48,55 +48,30 @@ struct PlacedRows {
   HWY_ALIGN float row[brick_area][brick_side] = {};
 };
 
-/// Adds the five coarse values below rows of fine ones, from `half` on.
-class AcrossRows {
- public:
+/// The five coarse values below one row of fine ones, from `half` on.
+HWY_INLINE void add_across(const float* fine, int half, float* row, float* right) {
 #if SOAPFILM_ROW_IN_A_VECTOR
-  HWY_INLINE explicit AcrossRows(int half) : upper_(half != 0) {
-    // The fine vertices on, left and right of the coarse ones.
-    HWY_ALIGN static constexpr int32_t index[2][3][brick_side] = {
-        {{0, 2, 4, 6, 0, 0, 0, 0}, {0, 1, 3, 5, 7, 0, 0, 0}, {1, 3, 5, 7, 0, 0, 0, 0}},
-        {{0, 0, 0, 0, 0, 2, 4, 6}, {0, 0, 0, 0, 0, 1, 3, 5}, {0, 0, 0, 0, 1, 3, 5, 7}}};
-    HWY_ALIGN static constexpr float weight[2][3][brick_side] = {
-        {{1, 1, 1, 1, 0, 0, 0, 0}, {0, 0.5f, 0.5f, 0.5f, 0.5f, 0, 0, 0}, {0.5f, 0.5f, 0.5f, 0.5f, 0, 0, 0, 0}},
-        {{0, 0, 0, 0, 1, 1, 1, 1}, {0, 0, 0, 0, 0, 0.5f, 0.5f, 0.5f}, {0, 0, 0, 0, 0.5f, 0.5f, 0.5f, 0.5f}}};
-    on_ = part(index[upper_][0], weight[upper_][0]);
-    left_ = part(index[upper_][1], weight[upper_][1]);
-    right_ = part(index[upper_][2], weight[upper_][2]);
-  }
-
-  HWY_INLINE void add(const float* fine, float* row, float* right) const {
-    const D d;
-    const V v = hn::Load(d, fine);
-    hn::Store(hn::Add(hn::Load(d, row), hn::Add(on_.of(v), hn::Add(left_.of(v), right_.of(v)))), d, row);
-    if (upper_) right[0] += 0.5f * fine[7];
-  }
-
- private:
-  using Indices = decltype(hn::SetTableIndices(D(), static_cast<const int32_t*>(nullptr)));
-  struct Part {
-    Indices index;
-    V weight;
-    HWY_INLINE V of(V v) const { return hn::Mul(hn::TableLookupLanes(v, index), weight); }
+  // The fine vertices on, left and right of the coarse ones.
+  HWY_ALIGN static constexpr int32_t index[2][3][brick_side] = {
+      {{0, 2, 4, 6, 0, 0, 0, 0}, {0, 1, 3, 5, 7, 0, 0, 0}, {1, 3, 5, 7, 0, 0, 0, 0}},
+      {{0, 0, 0, 0, 0, 2, 4, 6}, {0, 0, 0, 0, 0, 1, 3, 5}, {0, 0, 0, 0, 1, 3, 5, 7}}};
+  HWY_ALIGN static constexpr float weight[2][3][brick_side] = {
+      {{1, 1, 1, 1, 0, 0, 0, 0}, {0, 0.5f, 0.5f, 0.5f, 0.5f, 0, 0, 0}, {0.5f, 0.5f, 0.5f, 0.5f, 0, 0, 0, 0}},
+      {{0, 0, 0, 0, 1, 1, 1, 1}, {0, 0, 0, 0, 0, 0.5f, 0.5f, 0.5f}, {0, 0, 0, 0, 0.5f, 0.5f, 0.5f, 0.5f}}};
+  const D d;
+  const V v = hn::Load(d, fine);
+  const auto part = [&](int k) {
+    const size_t upper = half / 4;
+    return hn::Mul(hn::TableLookupLanes(v, hn::SetTableIndices(d, index[upper][k])), hn::Load(d, weight[upper][k]));
   };
-  HWY_INLINE static Part part(const int32_t* index, const float* weight) {
-    return {hn::SetTableIndices(D(), index), hn::Load(D(), weight)};
-  }
-  Part on_, left_, right_;
+  hn::Store(hn::Add(hn::Load(d, row), hn::Add(part(0), hn::Add(part(1), part(2)))), d, row);
 #else
-  explicit AcrossRows(int half) : upper_(half != 0) {}
-
-  HWY_INLINE void add(const float* fine, float* row, float* right) const {
-    float* to = row + (upper_ ? 4 : 0);
-    for (int i = 0; i < 4; ++i)
-      to[i] += fine[2 * i] + ((i == 0 ? 0.0f : 0.5f * fine[2 * i - 1]) + 0.5f * fine[2 * i + 1]);
-    (upper_ ? right[0] : row[4]) += 0.5f * fine[7];
-  }
-
- private:
+  for (int i = 0; i < 4; ++i)
+    row[half + i] += fine[2 * i] + ((i == 0 ? 0.0f : 0.5f * fine[2 * i - 1]) + 0.5f * fine[2 * i + 1]);
+  if (half == 0) row[4] += 0.5f * fine[7];
 #endif
-  bool upper_;
-};
+  if (half != 0) right[0] += 0.5f * fine[7];
+}
 
 /// Sums along one axis: to[k] = from[2 k] + (from[2 k - 1] + from[2 k + 1]) / 2 over rows `stride` apart, k = 0..4.
 HWY_INLINE void sum_along(const float* from, size_t stride, float* to, size_t to_stride) {
@@ -121,11 +96,10 @@ HWY_INLINE void add_restricted(const PlacedRows& fine, const BrickTransfer& tran
     sum_along(fine.row[z * brick_side], brick_side, along_y[z * side], brick_side);
   for (size_t y = 0; y < side; ++y) sum_along(along_y[y], side * brick_side, along_z[y], side * brick_side);
   HWY_ALIGN float nowhere[brick_side] = {};  // coarse rows that are missing get nothing but zeros
-  const AcrossRows across(transfer.half);
   for (size_t k = 0; k < side * side; ++k) {
     if ((transfer.row[k] | transfer.right[k]) == 0) continue;
     const auto to = [&](uint32_t row) { return row == 0 ? nowhere : coarse + size_t{row} * brick_side; };
-    across.add(along_z[k], to(transfer.row[k]), to(transfer.right[k]));
+    add_across(along_z[k], transfer.half, to(transfer.row[k]), to(transfer.right[k]));
   }
 }
 
