@@ -26,6 +26,13 @@ void announce_weight(const ReconstructReport& report, Progress& progress) {
     progress.warn(report.warnings[i]);
 }
 
+void announce_border(const ReconstructReport& report, Progress& progress) {
+  const BorderReport& border = report.border;
+  progress.info(fmt::format("outside: {}{}{}", name_of(border.chosen), border.reason.empty() ? "" : ", ",
+                            border.reason));
+  if (border.air) progress.info(fmt::format("TRIAL air {:.4g} solid {:.4g} open {:.4g} flux {:.3g}", *border.air, border.solid.value_or(0), border.open.value_or(0), border.border_flux));
+}
+
 void warn_unconverged(ReconstructReport& report, Progress& progress) {
   const auto warn = [&](std::string text) {
     progress.warn(text);

@@ -52,6 +52,7 @@ struct ReconstructReport {
   InputFacts input;
   Lattice lattice;
   std::optional<CrossValidationReport> select;  ///< when lambda was chosen by cross-validation
+  BorderReport border;
   std::optional<ThinPartsReport> thin;          ///< when thinly sampled parts were looked for
   std::vector<LevelReport> levels;              ///< Method::tv; coarsest first
   std::vector<SorLevelReport> sor;              ///< Method::tv_sor; coarsest first
