@@ -254,9 +254,10 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
 
   std::vector<std::pair<std::string, Border>> borders;
   for (size_t i = 0; i < border_names.size(); ++i) borders.emplace_back(border_names[i], static_cast<Border>(i));
-  grid(app.add_option("--outside", p.border.outside,
-                      "What lies beyond the samples' box: air, around an object; solid, around a\nroom seen from inside; "
-                      "open: neither, the surface is a sheet that ends"))
+  grid(app.add_option(
+           "--outside", p.border.outside,
+           "What lies beyond the samples' box: air, around an object; solid, around a\nroom seen from inside; "
+           "open: neither, the surface is a sheet that ends"))
       ->transform(named<Border>(borders))
       ->option_text("WHAT [auto]");
 

@@ -28,9 +28,8 @@ void announce_weight(const ReconstructReport& report, Progress& progress) {
 
 void announce_border(const ReconstructReport& report, Progress& progress) {
   const BorderReport& border = report.border;
-  progress.info(fmt::format("outside: {}{}{}", name_of(border.chosen), border.reason.empty() ? "" : ", ",
-                            border.reason));
-  if (border.air) progress.info(fmt::format("TRIAL air {:.4g} solid {:.4g} open {:.4g} flux {:.3g}", *border.air, border.solid.value_or(0), border.open.value_or(0), border.border_flux));
+  if (border.reason.empty()) return;  // of methods that know but one
+  progress.info(fmt::format("outside: {}, {}", name_of(border.chosen), border.reason));
 }
 
 void warn_unconverged(ReconstructReport& report, Progress& progress) {

@@ -105,15 +105,16 @@ SupportField Pipeline::field(const GridSamples& samples) {
 }
 
 void Pipeline::border(SupportField& field, GridSamples& samples) {
+  const BorderParams& asked = params_.border;
+  BorderReport& border = report_.border;
+  if (asked.outside == Border::automatic && params_.method != Method::tv) return;
   stages_.run("border", [&] {
-    BorderReport& border = report_.border;
-    const BorderParams& asked = params_.border;
-    if (asked.outside != Border::automatic) {
+    if (asked.outside == Border::automatic) {
+      border = choose_border(report_.lattice, field, report_.certificate.lambda, asked, params_.solve,
+                             params_.energy.norm, parallel_, progress_);
+    } else {
       border.chosen = asked.outside;
       border.reason = "as asked for";
-    } else if (params_.method == Method::tv) {
-      border = choose_border(report_.lattice, field, report_.certificate.lambda, asked, params_.solve,
-                             params_.energy.norm, parallel_);
     }
     report_.lattice.open = border.chosen == Border::open;
     if (border.chosen != Border::solid) return;

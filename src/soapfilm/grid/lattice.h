@@ -25,9 +25,9 @@ inline constexpr double area_per_face = 2.0 / 3;
 /// The vertices of one level.
 struct LevelBox {
   int level = 0;
-  Vec3i free_lo;  ///< first vertex that is not fixed to u = 0
-  Vec3i free_hi;  ///< last one; inclusive
-  Vec3i bricks;   ///< size of the box of bricks, from brick (0, 0, 0)
+  Vec3i free_lo;      ///< first vertex that is not fixed to u = 0
+  Vec3i free_hi;      ///< last one; inclusive
+  Vec3i bricks;       ///< size of the box of bricks, from brick (0, 0, 0)
   bool open = false;  ///< instead of u = 0 beyond: faces between a free and a fixed vertex have no area and no flux
 
   bool is_free(Vec3i v) const {

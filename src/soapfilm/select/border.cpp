@@ -36,11 +36,14 @@ Trial trial_of(const Lattice& lattice, const SupportField& field, double lambda,
   return {coarse_pyramid(lattice, level), std::move(coarse), std::ldexp(lambda, 2 * level)};
 }
 
-PyramidSolution solve(const Trial& trial, PrimalDualParams solver, Norm norm, const Parallel& parallel) {
+PyramidSolution solve(const Trial& trial, PrimalDualParams solver, Norm norm, const Parallel& parallel,
+                      Progress& progress) {
   solver.tolerance = std::max(solver.tolerance, trial_tolerance);
   solver.max_iterations = std::min(solver.max_iterations, trial_iterations);
-  Progress unseen;
-  return solve_coarse_to_fine(trial.lattice, trial.field, trial.lambda, solver, parallel, unseen, norm);
+  PyramidSolution solution =
+      solve_coarse_to_fine(trial.lattice, trial.field, trial.lambda, solver, parallel, progress, norm);
+  progress.check();
+  return solution;
 }
 
 /// E(0) = 0 competes.
@@ -65,6 +68,25 @@ double border_flux(const Level& level) {
   return sum;
 }
 
+/// The lower of the closed ones, unless the open one gains enough over it.
+void decide(double scale, double open_gain, BorderReport& report) {
+  constexpr double tie = 0.01;  // of the scale: solved no better than that
+  const auto percent = [&](double lower, double higher) { return 100 * (higher - lower) / scale; };
+  report.chosen = *report.solid < *report.air - tie * scale ? Border::solid : Border::air;
+  const bool solid = report.chosen == Border::solid;
+  const double closed = solid ? *report.solid : *report.air, other = solid ? *report.air : *report.solid;
+  if (*report.open < closed - open_gain * std::max(std::abs(closed), scale)) {
+    report.chosen = Border::open;
+    report.reason =
+        fmt::format("a surface that ends at the box serves the samples better by {:.2g} % than a closed one",
+                    percent(*report.open, closed));
+    return;
+  }
+  report.reason =
+      fmt::format("which serves the samples better by {:.2g} % than {} there, and an open surface by {:.2g} %",
+                  percent(closed, other), solid ? "air" : "solid matter", std::max(0.0, percent(*report.open, closed)));
+}
+
 }  // namespace
 
 void validate(const BorderParams& params) {
@@ -80,22 +102,25 @@ void negate(SupportField& field, const Parallel& parallel) {
 }
 
 BorderReport choose_border(const Lattice& lattice, const SupportField& field, double lambda, const BorderParams& params,
-                           const PrimalDualParams& solver, Norm norm, const Parallel& parallel) {
+                           const PrimalDualParams& solver, Norm norm, const Parallel& parallel, Progress& progress) {
   BorderReport report;
+  const double gain = params.open_gain;
   report.level = std::min(2, lattice.levels - 1);
   Trial trial = trial_of(lattice, field, lambda, report.level, parallel);
-  const PyramidSolution air = solve(trial, solver, norm, parallel);
+  const PyramidSolution air = solve(trial, solver, norm, parallel, progress);
   report.air = energy_of(air);
-  report.border_flux = border_flux(air.finest) / std::abs(*report.air);
+  const double scale = std::max(std::abs(*report.air), 1000 * trial.lambda);
+  report.border_flux = border_flux(air.finest) / scale;
+  if (report.border_flux < gain) {
+    report.reason = fmt::format("another border could gain no more than {:.2g} %", 100 * report.border_flux);
+    return report;
+  }
   trial.lattice.open = true;
-  report.open = energy_of(solve(trial, solver, norm, parallel));
+  report.open = energy_of(solve(trial, solver, norm, parallel, progress));
   trial.lattice.open = false;
   negate(trial.field, parallel);
-  report.solid = energy_of(solve(trial, solver, norm, parallel));
-  const double closed = std::min(*report.air, *report.solid);
-  report.chosen = *report.open < (1 + params.open_gain) * closed ? Border::open
-                  : *report.solid < *report.air                  ? Border::solid
-                                                                 : Border::air;
+  report.solid = energy_of(solve(trial, solver, norm, parallel, progress));
+  decide(scale, gain, report);
   return report;
 }
 

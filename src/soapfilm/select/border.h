@@ -48,6 +48,6 @@ void negate(SupportField& field, const Parallel& parallel);
 /// the border set to 0, bounds the energy that any other border could reach. Where that leaves something to gain, a
 /// level whose cells are four voxels is solved with each of the three.
 BorderReport choose_border(const Lattice& lattice, const SupportField& field, double lambda, const BorderParams& params,
-                           const PrimalDualParams& solver, Norm norm, const Parallel& parallel);
+                           const PrimalDualParams& solver, Norm norm, const Parallel& parallel, Progress& progress);
 
 }  // namespace soapfilm
