@@ -252,6 +252,15 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->expected(3)
       ->option_text("X,Y,Z");
 
+  std::vector<std::pair<std::string, Border>> borders;
+  for (size_t i = 0; i < border_names.size(); ++i) borders.emplace_back(border_names[i], static_cast<Border>(i));
+  grid(app.add_option(
+           "--outside", p.border.outside,
+           "What lies beyond the samples' box: air, around an object; solid, around a\nroom seen from inside; "
+           "open: neither, the surface is a sheet that ends"))
+      ->transform(named<Border>(borders))
+      ->option_text("WHAT [auto]");
+
   const auto energy = [&](auto* option) { return option->group("Energy"); };
   energy(app.add_option("--lambda", o.lambda,
                         fmt::format("Weight of area, in the paper's meaning (0.005 to 0.01 there); larger\n"

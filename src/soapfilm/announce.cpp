@@ -26,6 +26,12 @@ void announce_weight(const ReconstructReport& report, Progress& progress) {
     progress.warn(report.warnings[i]);
 }
 
+void announce_border(const ReconstructReport& report, Progress& progress) {
+  const BorderReport& border = report.border;
+  if (border.reason.empty()) return;  // of methods that know but one
+  progress.info(fmt::format("outside: {}, {}", name_of(border.chosen), border.reason));
+}
+
 void warn_unconverged(ReconstructReport& report, Progress& progress) {
   const auto warn = [&](std::string text) {
     progress.warn(text);

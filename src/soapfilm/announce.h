@@ -10,6 +10,7 @@ namespace soapfilm {
 void announce_grid(const ReconstructReport& report, Progress& progress);
 
 /// What area weighs, and whatever there is to be warned of before the solve (orient() has shown its own).
+void announce_border(const ReconstructReport& report, Progress& progress);
 void announce_weight(const ReconstructReport& report, Progress& progress);
 
 /// Warns, here and in the report, of what ran into its limit of iterations or could not be proved.

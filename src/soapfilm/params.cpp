@@ -26,6 +26,8 @@ inline constexpr auto names_of<Method> = method_names;
 template <>
 inline constexpr std::array<const char*, 5> names_of<DirectionSource>{"auto", "normals", "sensor", "scan", "estimate"};
 template <>
+inline constexpr auto names_of<Border> = border_names;
+template <>
 inline constexpr std::array<const char*, 2> names_of<Norm>{"isotropic", "anisotropic"};
 template <>
 inline constexpr std::array<const char*, 3> names_of<FoldSource>{"auto", "samples", "scans"};
@@ -52,6 +54,8 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("energy", "lambda_per_density", p.energy.lambda_per_density);
   visit("energy", "cross_validate", p.energy.cross_validate);
   visit("energy", "norm", p.energy.norm);
+  visit("border", "outside", p.border.outside);
+  visit("border", "open_gain", p.border.open_gain);
   visit("select", "folds", p.select.folds);
   visit("select", "source", p.select.source);
   visit("select", "max_resolution", p.select.max_resolution);
@@ -200,6 +204,10 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(fmt::format("lambda = auto: the surface of method {} does not depend on lambda", method));
   if (params.energy.norm != Norm::isotropic && (!film || params.method == Method::tv_sor))
     throw ParameterError(fmt::format("norm = anisotropic: method {} has none", method));
+  const Border outside = params.border.outside;
+  if ((outside == Border::open && params.method != Method::tv) ||
+      (outside == Border::solid && params.method == Method::vrip))
+    throw ParameterError(fmt::format("outside = {}: method {} cannot have it", name_of(outside), method));
   if (params.surface.threshold != SurfaceParams{}.threshold && !is_certified(params.method))
     throw ParameterError(fmt::format("threshold = {:g}: method {} has none", params.surface.threshold, method));
   if (params.surface.isovalue && !film)
@@ -243,6 +251,7 @@ void validate(const ReconstructParams& params) {
   require(checks, "check_every", params.solve.check_every, ">= 1 and <= 1000");
   require(params.solve.step_balance > 0, "step_balance", params.solve.step_balance, "> 0");
   validate(params.sor);
+  validate(params.border);
   validate(params.select);
   validate(params.thin);
   validate(params.islands);

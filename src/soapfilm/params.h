@@ -12,6 +12,7 @@
 #include "soapfilm/method.h"
 #include "soapfilm/orient/orient.h"
 #include "soapfilm/refine/refine.h"
+#include "soapfilm/select/border.h"
 #include "soapfilm/select/cross_validation.h"
 #include "soapfilm/select/thin_parts.h"
 #include "soapfilm/solve/graph_cut.h"
@@ -54,6 +55,7 @@ struct ReconstructParams {
   OrientParams orient;
   PlaceParams place;
   EnergyParams energy;
+  BorderParams border;  ///< open: Method::tv alone; automatic: others take air
   CrossValidationParams select;
   ThinPartsParams thin;      ///< methods that weigh area, where lambda is not given
   PrimalDualParams solve;    ///< Method::tv

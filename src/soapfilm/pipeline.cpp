@@ -7,10 +7,12 @@
 #include "soapfilm/announce.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/extract/bend.h"
+#include "soapfilm/extract/cut.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/islands.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/pyramid/critical_lambda.h"
+#include "soapfilm/solve/closed_border.h"
 
 namespace soapfilm {
 
@@ -102,6 +104,26 @@ SupportField Pipeline::field(const GridSamples& samples) {
   return stages_.run("field", [&] { return divergence_field(samples, report_.lattice.box(0), parallel_); });
 }
 
+void Pipeline::border(SupportField& field, GridSamples& samples) {
+  const BorderParams& asked = params_.border;
+  BorderReport& border = report_.border;
+  if (asked.outside == Border::automatic && params_.method != Method::tv) return;
+  stages_.run("border", [&] {
+    if (asked.outside == Border::automatic) {
+      border = choose_border(report_.lattice, field, report_.certificate.lambda, asked, params_.solve,
+                             params_.energy.norm, parallel_, progress_);
+    } else {
+      border.chosen = asked.outside;
+      border.reason = "as asked for";
+    }
+    report_.lattice.open = border.chosen == Border::open;
+    if (border.chosen != Border::solid) return;
+    negate(field, parallel_);
+    for (Vec3f& direction : samples.direction) direction = -direction;
+  });
+  announce_border(report_, progress_);
+}
+
 Segmentation Pipeline::solve(const SupportField& field, const GridSamples& samples) {
   keep_.emplace();
   auto found = stages_.run("solve", [&] {
@@ -117,6 +139,7 @@ void Pipeline::certify(Level& level, SupportField& field) {
   announce_energy(report_, progress_);
   level.p = {};
   field.f = {};
+  if (level.box.open) level = closed_at_border(level, parallel_);
 }
 
 void Pipeline::drop_islands(Level& level, const GridSamples& samples) {
@@ -176,6 +199,12 @@ void Pipeline::bend(Mesh& mesh, const SurfaceField& surface, const GridSamples& 
                params_.refine.robust.scale(report_.refine->strength.noise), report_.lattice, params_.surface.bend,
                parallel_, report_.bend.emplace());
   });
+}
+
+void Pipeline::finish_border(Mesh& mesh) {
+  if (report_.border.chosen == Border::solid)
+    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  if (report_.border.chosen == Border::open) cut_at_border(mesh, report_.lattice);
 }
 
 Reconstruction Pipeline::finish(Mesh mesh) {

@@ -32,13 +32,18 @@ class Pipeline {
   Mesh fuse(const PointCloud& cloud);
 
   SupportField field(const GridSamples& samples);
+  /// Turns the data and the samples where solid matter lies beyond.
+  void border(SupportField& field, GridSamples& samples);
   Segmentation solve(const SupportField& field, const GridSamples& samples);
-  /// Throws EmptyResult. Frees the dual and the data term, which nobody reads afterwards.
+  /// Throws EmptyResult. Frees the dual and the data term, which nobody reads afterwards. Closes an open solution along
+  /// the box, for the stages up to finish_border().
   void certify(Level& level, SupportField& field);
   void drop_islands(Level& level, const GridSamples& samples);
   SurfaceField refine(Segmentation& found, const GridSamples& samples);
   Mesh extract(const SurfaceField& surface);
   void bend(Mesh& mesh, const SurfaceField& surface, const GridSamples& samples);
+
+  void finish_border(Mesh& mesh);
 
   /// Hands the mesh and the report out.
   Reconstruction finish(Mesh mesh);

@@ -33,6 +33,10 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   // The data term f = div v (section 4.1).
   auto field = stage.field(samples);
 
+  // What lies beyond the samples' box: air, solid matter, or neither. Around solid matter all that follows works on the
+  // complement, its directions turned.
+  stage.border(field, samples);
+
   // Inside or outside: the convex problem (4), coarse to fine, on a thin band; or what it is compared with.
   auto found = stage.solve(field, samples);
 
@@ -52,6 +56,9 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
   // Where the surface bends, triangles of a voxel are too coarse for what the samples tell.
   stage.bend(mesh, surface, samples);
+
+  // The complement's faces turn back; what closed a sheet along the box goes.
+  stage.finish_border(mesh);
   return stage.finish(std::move(mesh));
 }
 

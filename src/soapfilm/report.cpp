@@ -162,6 +162,17 @@ ordered_json select_json(const CrossValidationReport& select) {
           {"curve", curve}};
 }
 
+ordered_json border_json(const BorderReport& border) {
+  const auto energy = [](const std::optional<double>& e) { return e ? ordered_json(*e) : ordered_json(nullptr); };
+  return {{"outside", name_of(border.chosen)},
+          {"reason", border.reason},
+          {"level", border.level < 0 ? ordered_json(nullptr) : ordered_json(border.level)},
+          {"energy_air", energy(border.air)},
+          {"energy_solid", energy(border.solid)},
+          {"energy_open", energy(border.open)},
+          {"border_flux", border.border_flux}};
+}
+
 ordered_json thin_json(const ThinPartsReport& thin) {
   ordered_json parts = ordered_json::array();
   for (const ThinPart& p : thin.parts)
@@ -220,6 +231,7 @@ std::string to_json(const ReconstructReport& report) {
       {"grid", grid_json(report)},
       {"method", method_json(report)},
       {"select", report.select ? select_json(*report.select) : ordered_json(nullptr)},
+      {"border", border_json(report.border)},
       {"thin", report.thin ? thin_json(*report.thin) : ordered_json(nullptr)},
       {"certificate", certificate_json(report.certificate, report.params.method)},
       {"surface",

@@ -52,9 +52,10 @@ struct ReconstructReport {
   InputFacts input;
   Lattice lattice;
   std::optional<CrossValidationReport> select;  ///< when lambda was chosen by cross-validation
-  std::optional<ThinPartsReport> thin;          ///< when thinly sampled parts were looked for
-  std::vector<LevelReport> levels;              ///< Method::tv; coarsest first
-  std::vector<SorLevelReport> sor;              ///< Method::tv_sor; coarsest first
+  BorderReport border;
+  std::optional<ThinPartsReport> thin;  ///< when thinly sampled parts were looked for
+  std::vector<LevelReport> levels;      ///< Method::tv; coarsest first
+  std::vector<SorLevelReport> sor;      ///< Method::tv_sor; coarsest first
   std::optional<PoissonReport> poisson;
   std::optional<GraphCutReport> graph_cut;
   std::optional<VripReport> vrip;

@@ -24,20 +24,21 @@ void fill_some_inactive_bricks(RandomLevel& random, uint64_t seed) {
   });
 }
 
-class EnergyOfRandomLevels : public testing::TestWithParam<std::tuple<uint64_t, Norm>> {
+class EnergyOfRandomLevels : public testing::TestWithParam<std::tuple<uint64_t, Norm, bool>> {
  protected:
   const uint64_t seed = std::get<0>(GetParam());
   const Norm norm = std::get<1>(GetParam());
+  const bool open = std::get<2>(GetParam());
 };
 
 TEST_P(EnergyOfRandomLevels, AgreesWithBruteForceOnTheDenseGrid) {
-  const RandomLevel random(seed, {.rim = RimFlux::zero, .norm = norm});
+  const RandomLevel random(seed, {.rim = RimFlux::zero, .norm = norm, .open = open});
   const Level& level = random.level;
   const Dense<double> f = dense_f(level);
   for (const std::optional<float> threshold : {std::optional<float>(), std::optional(0.3f), std::optional(0.5f)}) {
     const Dense<double> u = dense_u(level, threshold);
     const Energies e = evaluate_energy(level, {.threshold = threshold, .certify = false}, one_thread);
-    const double variation = total_variation(u, norm), data = inner_product(f, u);
+    const double variation = total_variation(u, norm, level.box), data = inner_product(f, u);
     EXPECT_NEAR(e.total_variation, variation, 1e-11 * variation);
     EXPECT_NEAR(e.data, data, 1e-9 * std::abs(data) + 1e-9);
     EXPECT_DOUBLE_EQ(e.primal, level.lambda * e.total_variation - e.data);
@@ -49,7 +50,7 @@ TEST_P(EnergyOfRandomLevels, AgreesWithBruteForceOnTheDenseGrid) {
 /// D(p) <= E(u) for every feasible p and every u in [0, 1].
 TEST_P(EnergyOfRandomLevels, DualNeverExceedsPrimal) {
   for (const double lambda : {1e-3, 0.1, 10.0}) {
-    const RandomLevel random(seed, {.lambda = lambda, .rim = RimFlux::zero, .norm = norm});
+    const RandomLevel random(seed, {.lambda = lambda, .rim = RimFlux::zero, .norm = norm, .open = open});
     for (const std::optional<float> threshold : {std::optional<float>(), std::optional(0.5f)}) {
       const Energies e = evaluate_energy(random.level, {.threshold = threshold, .certify = true}, one_thread);
       EXPECT_LE(e.dual, e.primal);
@@ -59,7 +60,7 @@ TEST_P(EnergyOfRandomLevels, DualNeverExceedsPrimal) {
 
 TEST_P(EnergyOfRandomLevels, GapIsTheSumOfLocalTermsThatAreNeverNegative) {
   for (const RimFlux rim : {RimFlux::zero, RimFlux::random}) {
-    const RandomLevel random(seed, {.rim = rim, .norm = norm});
+    const RandomLevel random(seed, {.rim = rim, .norm = norm, .open = open});
     const Level& level = random.level;
     const Energies e = evaluate_energy(level, {}, one_thread);
     EXPECT_NEAR(e.gap, e.primal - e.dual, 1e-9 * (std::abs(e.primal) + std::abs(e.dual)));
@@ -69,7 +70,7 @@ TEST_P(EnergyOfRandomLevels, GapIsTheSumOfLocalTermsThatAreNeverNegative) {
     const DenseVectors p = dense_p(level);
     double sum = 0, least = 0;
     u.for_each([&](Vec3i v) {
-      const Vec3d g = gradient_at(u, v);
+      const Vec3d g = gradient_at(u, v, level.box);
       double local = level.lambda * length(g, norm) - dot(vector_at(p, v), g);
       if (level.box.is_free(v)) {
         const double r = adjoint_at(p, v) - f[v];
@@ -84,7 +85,7 @@ TEST_P(EnergyOfRandomLevels, GapIsTheSumOfLocalTermsThatAreNeverNegative) {
 }
 
 TEST_P(EnergyOfRandomLevels, NoDualGivesTheSumOfTheNegativeData) {
-  RandomLevel random(seed, {.rim = RimFlux::zero, .norm = norm});
+  RandomLevel random(seed, {.rim = RimFlux::zero, .norm = norm, .open = open});
   Level& level = random.level;
   double expected = 0;
   for (size_t b = 0; b < level.grid.size(); ++b) {
@@ -98,7 +99,7 @@ TEST_P(EnergyOfRandomLevels, NoDualGivesTheSumOfTheNegativeData) {
 
 /// A dual that leaves the ball is brought back before it is a proof.
 TEST_P(EnergyOfRandomLevels, CertifyRescalesAnInfeasibleDual) {
-  RandomLevel random(seed, {.rim = RimFlux::zero, .norm = norm});
+  RandomLevel random(seed, {.rim = RimFlux::zero, .norm = norm, .open = open});
   Level& level = random.level;
   for (size_t b = 0; b < level.grid.size(); ++b)
     for (int i = 0; i < 3 * brick_volume; ++i) level.p.brick(b)[i] *= 3;
@@ -118,16 +119,16 @@ TEST_P(EnergyOfRandomLevels, CertifyRescalesAnInfeasibleDual) {
 
 /// Where inactive bricks of different labels touch, TV is bounded from above, so that E is never understated.
 TEST_P(EnergyOfRandomLevels, NeverUnderstatesTheVariationOutsideTheBand) {
-  RandomLevel random(seed, {.norm = norm});
+  RandomLevel random(seed, {.norm = norm, .open = open});
   fill_some_inactive_bricks(random, seed);
-  const double variation = total_variation(dense_u(random.level), norm);
+  const double variation = total_variation(dense_u(random.level), norm, random.level.box);
   const Energies e = evaluate_energy(random.level, {}, one_thread);
   EXPECT_GE(e.total_variation, variation * (1 - 1e-12));
   EXPECT_LE(e.total_variation, variation * 2);
 }
 
 TEST_P(EnergyOfRandomLevels, DoesNotDependOnThreads) {
-  const RandomLevel random(seed, {.norm = norm});
+  const RandomLevel random(seed, {.norm = norm, .open = open});
   const Energies one = evaluate_energy(random.level, {}, one_thread);
   for (const int threads : {2, 3, 8}) {
     const Energies many = evaluate_energy(random.level, {}, Parallel(threads));
@@ -139,10 +140,10 @@ TEST_P(EnergyOfRandomLevels, DoesNotDependOnThreads) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, EnergyOfRandomLevels,
                          testing::Combine(testing::Values(1, 2, 3, 4),
-                                          testing::Values(Norm::isotropic, Norm::anisotropic)),
+                                          testing::Values(Norm::isotropic, Norm::anisotropic), testing::Bool()),
                          [](const auto& c) {
                            return (std::get<1>(c.param) == Norm::isotropic ? "isotropic" : "anisotropic") +
-                                  std::to_string(std::get<0>(c.param));
+                                  std::to_string(std::get<0>(c.param)) + (std::get<2>(c.param) ? "_open" : "");
                          });
 
 /// The null space of the gradient: a block of ones has variation at its faces only, whether the band covers its inside

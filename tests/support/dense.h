@@ -123,6 +123,25 @@ inline Vec3d gradient_at(const Dense<double>& u, Vec3i v) {
   return {u.get(v + along(0)) - here, u.get(v + along(1)) - here, u.get(v + along(2)) - here};
 }
 
+/// The same on a level's box: where that is open nothing but between free vertices.
+inline Vec3d gradient_at(const Dense<double>& u, Vec3i v, const LevelBox& box) {
+  Vec3d g = gradient_at(u, v);
+  for (int axis = 0; axis < 3; ++axis)
+    if (box.open && !(box.is_free(v) && box.is_free(v + along(axis)))) g[axis] = 0;
+  return g;
+}
+
+/// The largest flux through faces that an open box does not have.
+inline double flux_beyond_border(const DenseVectors& p, const LevelBox& box) {
+  double most = 0;
+  p[0].for_each([&](Vec3i v) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(box.is_free(v) && box.is_free(v + along(axis))))
+        most = std::max(most, std::abs(p[static_cast<size_t>(axis)][v]));
+  });
+  return most;
+}
+
 inline Vec3d vector_at(const DenseVectors& p, Vec3i v) { return {p[0][v], p[1][v], p[2][v]}; }
 
 inline double adjoint_at(const DenseVectors& p, Vec3i v) {
@@ -146,6 +165,12 @@ inline double dual_length(Vec3d p, Norm norm_kind = Norm::isotropic) {
 inline double total_variation(const Dense<double>& u, Norm norm_kind = Norm::isotropic) {
   double sum = 0;
   u.for_each([&](Vec3i v) { sum += length(gradient_at(u, v), norm_kind); });
+  return sum;
+}
+
+inline double total_variation(const Dense<double>& u, Norm norm_kind, const LevelBox& box) {
+  double sum = 0;
+  u.for_each([&](Vec3i v) { sum += length(gradient_at(u, v, box), norm_kind); });
   return sum;
 }
 

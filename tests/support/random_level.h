@@ -25,6 +25,7 @@ struct RandomLevelParams {
   double support = 0.6;  ///< share of those that have data
   RimFlux rim = RimFlux::random;
   Norm norm = Norm::isotropic;
+  bool open = false;                      ///< the box; p is 0 where that has no faces
   int more_layers = sanitized ? 40 : 90;  ///< along z, beside 36 to 51: enough bricks for several tiles of work
 };
 
@@ -44,6 +45,7 @@ struct RandomLevel {
     Lattice lattice;
     for (int axis = 0; axis < 3; ++axis) lattice.size[axis] = 36 + static_cast<int>(random.next() % 16);
     lattice.size.z += params.more_layers;
+    lattice.open = params.open;
     const LevelBox box = lattice.box(0);
 
     BrickMask band(box.bricks), with_data(box.bricks);
@@ -67,7 +69,10 @@ struct RandomLevel {
       const auto value = static_cast<float>(random.uniform());
       level.u.brick(b)[i] = level.box.is_free(v) ? value : 0.0f;
       const Vec3f p = random_in_ball(random, params.lambda);
-      for (int axis = 0; axis < 3; ++axis) level.p.brick(b, axis)[i] = p[axis];
+      for (int axis = 0; axis < 3; ++axis) {
+        const bool face = !params.open || (level.box.is_free(v) && level.box.is_free(v + along(axis)));
+        level.p.brick(b, axis)[i] = face ? p[axis] : 0;
+      }
     });
     for (int axis = 0; axis < 3; ++axis) {
       if (float* plane = level.rim.plane(b, axis))

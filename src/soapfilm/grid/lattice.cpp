@@ -46,9 +46,11 @@ int turn_of(Vec3i along_world) {
 LevelBox Lattice::box(int level) const {
   LevelBox box;
   box.level = level;
+  box.open = open;
   for (int axis = 0; axis < 3; ++axis) {
-    box.free_lo[axis] = (margin() + 1) >> level;
+    box.free_lo[axis] = (margin() + (open ? 0 : 1)) >> level;
     box.free_hi[axis] = (margin() + size[axis] - 2) >> level;
+    if (open) box.free_hi[axis] |= (1 << (levels - 1 - level)) - 1;
   }
   // Enough bricks for the last free vertex of the finest level, rounded up so that every level's box covers the
   // children of the next coarser one: brick b has the children 2b and 2b + 1.

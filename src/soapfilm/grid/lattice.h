@@ -25,9 +25,10 @@ inline constexpr double area_per_face = 2.0 / 3;
 /// The vertices of one level.
 struct LevelBox {
   int level = 0;
-  Vec3i free_lo;  ///< first vertex that is not fixed to u = 0
-  Vec3i free_hi;  ///< last one; inclusive
-  Vec3i bricks;   ///< size of the box of bricks, from brick (0, 0, 0)
+  Vec3i free_lo;      ///< first vertex that is not fixed to u = 0
+  Vec3i free_hi;      ///< last one; inclusive
+  Vec3i bricks;       ///< size of the box of bricks, from brick (0, 0, 0)
+  bool open = false;  ///< instead of u = 0 beyond: faces between a free and a fixed vertex have no area and no flux
 
   bool is_free(Vec3i v) const {
     return v.x >= free_lo.x && v.y >= free_lo.y && v.z >= free_lo.z && v.x <= free_hi.x && v.y <= free_hi.y &&
@@ -42,6 +43,9 @@ struct Lattice {
   int padding = 6;     ///< cells between the samples' box and the border
   double voxel = 1;    ///< edge of a cell, input units
   Vec3d first_vertex;  ///< world position of reported vertex (0, 0, 0)
+  /// A surface may end at the border, at no cost. Free vertices then go on to the ends of whole cells of the coarsest
+  /// level, so that every level has the same border.
+  bool open = false;
 
   /// A vector along the world's axes, along the lattice's; and back.
   template <class T>

@@ -87,6 +87,10 @@ BrickMask interface_children(const Level& coarse, const std::vector<BrickBits>& 
   return mask;
 }
 
+bool is_free(const FreeRange& range, int offset) {
+  return range.contains(offset % brick_side, offset / brick_side % brick_side, offset / brick_area);
+}
+
 /// Of each brick.
 std::vector<BrickBits> interfaces(const Level& level, const Parallel& parallel) {
   return InsideBits(level, 0.5f, parallel).interfaces(parallel);
@@ -129,18 +133,24 @@ BrickMask growth(const Level& level, const BrickGrid& coarse, const Parallel& pa
   BrickMask grown(level.box.bricks);
   parallel.for_each(level.grid.size(), 64, [&](size_t b) {
     const float* u = level.u.brick(b);
+    const FreeRange range = free_range(level.box, level.grid.coord(b));
+    const bool ends = level.box.open && !range.whole();
     for (int axis = 0; axis < 3; ++axis)
       for (int up = 0; up <= 1; ++up) {
         const int slot = up ? slot_up[axis] : slot_down[axis];
         if (level.grid.neighbors(b)[static_cast<size_t>(slot)] != outside_band) continue;
         const Vec3i next = level.grid.coord(b) + slot_offset(slot);
         if (coarse.find(parent_of(next)) < 0) continue;
+        if (level.box.open && !has_free(level.box, next)) continue;
         const bool outside_is_inside = level.inside.test(next);
         const auto [first, second] = strides_across(axis);
         const float* layer = u + (up ? (brick_side - 1) * brick_stride[axis] : 0);
         bool reached = false;
-        for (int k = 0; k < brick_area && !reached; ++k)
-          reached = (layer[k % brick_side * first + k / brick_side * second] > 0.5f) != outside_is_inside;
+        for (int k = 0; k < brick_area && !reached; ++k) {
+          const int offset = k % brick_side * first + k / brick_side * second;
+          if (ends && !is_free(range, offset + static_cast<int>(layer - u))) continue;
+          reached = (layer[offset] > 0.5f) != outside_is_inside;
+        }
         if (reached) grown.set_shared(next);
       }
   });

@@ -6,8 +6,15 @@
 namespace soapfilm {
 
 bool inside_child(const Level& coarse, size_t brick, Vec3i octant) {
-  const Vec3i base = octant_base(octant);
-  return coarse.u.brick(brick)[brick_offset(base.x, base.y, base.z)] > 0.5f;
+  Vec3i at = octant_base(octant);
+  if (coarse.box.open && at_border(coarse.box, coarse.grid.coord(brick))) {  // what is free there tells
+    const Vec3i first = coarse.grid.first_vertex(brick);
+    const Vec3i free = nearest_free(coarse.box, first + at) - first;
+    for (int axis = 0; axis < 3; ++axis)
+      if (free[axis] < at[axis] || free[axis] >= at[axis] + half_brick) return false;
+    at = free;
+  }
+  return coarse.u.brick(brick)[brick_offset(at.x, at.y, at.z)] > 0.5f;
 }
 
 namespace {
@@ -46,9 +53,12 @@ Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const Sup
     return sum;
   }
   const float* f = support.f.brick(static_cast<size_t>(n));
+  const Vec3i base = octant_base(octant);
+  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));  // an open one's children are as free
   for (int z = 0; z < brick_side; ++z)
     for (int y = 0; y < brick_side; ++y)
       for (int x = 0; x < brick_side; ++x) {
+        if (coarse.box.open && !range.contains(base.x + x / 2, base.y + y / 2, base.z + z / 2)) continue;
         const double gain = f[brick_offset(x, y, z)];
         sum.data += gain * u;
         sum.gain += std::max(0.0, gain);

@@ -10,6 +10,18 @@ namespace soapfilm {
 
 namespace {
 
+/// Beyond an open border u goes on as it is there.
+void go_on_beyond_border(const Level& coarse, size_t brick, Window<float, 1>& u) {
+  const Vec3i first = coarse.grid.first_vertex(brick);
+  if (!has_free(coarse.box, coarse.grid.coord(brick))) return;
+  for (int z = -1; z <= brick_side; ++z)
+    for (int y = -1; y <= brick_side; ++y)
+      for (int x = -1; x <= brick_side; ++x) {
+        const Vec3i v{x, y, z}, from = nearest_free(coarse.box, first + v) - first;
+        if (from != v) u.at(x, y, z) = u.at(from.x, from.y, from.z);
+      }
+}
+
 /// Trilinear, an axis at a time: a fine vertex is 3/4 the coarse vertex that holds it and 1/4 the nearer neighbour,
 /// below for even, above for odd fine vertices.
 void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
@@ -90,6 +102,7 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
       fill_window(
           coarse.grid, brick, [&](int, int32_t n) { return n >= 0 ? coarse.u.brick(static_cast<size_t>(n)) : nullptr; },
           [&](int slot, int32_t n) { return coarse.missing_u(n, parent + slot_offset(slot)); }, u);
+      if (coarse.box.open && at_border(coarse.box, parent)) go_on_beyond_border(coarse, brick, u);
       have_window = true;
     }
     prolong_u(u, octant, fine.u.brick(b));

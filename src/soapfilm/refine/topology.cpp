@@ -37,7 +37,8 @@ uint32_t SignBits::neighborhood(size_t brick, int x, int y, int z) const {
 bool SignBits::test(Vec3i vertex) const {
   const Vec3i coord{vertex.x >> 3, vertex.y >> 3, vertex.z >> 3};
   const int32_t brick = grid_->find(coord);
-  return brick < 0 ? inside_->test(coord) : test(static_cast<size_t>(brick), vertex.x & 7, vertex.y & 7, vertex.z & 7);
+  return brick < 0 ? inside_->contains(coord) && inside_->test(coord)
+                   : test(static_cast<size_t>(brick), vertex.x & 7, vertex.y & 7, vertex.z & 7);
 }
 
 size_t SignBits::count() const {

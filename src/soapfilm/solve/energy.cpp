@@ -40,6 +40,21 @@ struct Evaluator {
     }
   }
 
+  /// No step from the last free vertices to the fixed ones above them.
+  void end_at_border(Vec3i brick, UpperWindow& u) const {
+    const Vec3i first = brick * brick_side;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int last = level.box.free_hi[axis] - first[axis];
+      if (last < 0 || last >= brick_side) continue;
+      for (int b = 0; b < brick_side; ++b)
+        for (int a = 0; a < brick_side; ++a) {
+          if (axis == 0) u.at(last + 1, a, b) = u.at(last, a, b);
+          if (axis == 1) u.at(a, last + 1, b) = u.at(a, last, b);
+          if (axis == 2) u.at(a, b, last + 1) = u.at(a, b, last);
+        }
+    }
+  }
+
   bool first_layer_is(float constant, size_t brick, int axis) const {
     const float* values = level.u.brick(brick);
     const auto [first, second] = strides_across(axis);
@@ -64,9 +79,19 @@ struct Evaluator {
     fill_upper_halo(
         level.grid.coord(brick), [&](int slot) { return level.grid.neighbors(brick)[static_cast<size_t>(slot)]; }, u);
     const FreeRange range = free_range(level.box, level.grid.coord(brick));
+    if (level.box.open) end_at_border(level.grid.coord(brick), u);
     return kernel({level.p.brick(brick), level.data(brick), low_face(level, brick, 0), low_face(level, brick, 1),
-                   low_face(level, brick, 2), range.lo, range.hi, level.lambda, p_scale},
+                   low_face(level, brick, 2), range.lo, range.hi, level.lambda, p_scale, level.box.open},
                   u);
+  }
+
+  /// Of the differences from a vertex up, none is left to or from a fixed vertex.
+  void leave_out_border(Vec3i v, double (&g)[3]) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3i next = v;
+      ++next[axis];
+      if (!level.box.is_free(v) || !level.box.is_free(next)) g[axis] = 0;
+    }
   }
 
   /// The faces through which an inactive brick looks up into the band: u is constant below them.
@@ -95,8 +120,9 @@ struct Evaluator {
       for (int y = 0; y < brick_side; ++y)
         for (int x = 0; x < brick_side; ++x) {
           if (x != 7 && y != 7 && z != 7) continue;
-          const double g[3] = {double{u.at(x + 1, y, z)} - constant, double{u.at(x, y + 1, z)} - constant,
-                               double{u.at(x, y, z + 1)} - constant};
+          double g[3] = {double{u.at(x + 1, y, z)} - constant, double{u.at(x, y + 1, z)} - constant,
+                         double{u.at(x, y, z + 1)} - constant};
+          if (level.box.open) leave_out_border(coord * brick_side + Vec3i{x, y, z}, g);
           if (g[0] == 0 && g[1] == 0 && g[2] == 0) continue;
           const double length = norm(g[0], g[1], g[2]);
           const int at[3][2] = {{y, z}, {x, z}, {x, y}};
@@ -138,6 +164,7 @@ double outside_variation(const Level& level, const Parallel& parallel) {
       for (int step = -1; step <= 1; step += 2) {
         Vec3i next = b;
         next[axis] += step;
+        if (level.box.open && !has_free(level.box, next)) continue;
         if (!band.contains(next) || (!band.test(next) && !level.inside.test(next))) faces += brick_area;
       }
   });

@@ -77,11 +77,18 @@ EnergyTerms brick_terms(const EnergyJob& job, const UpperWindow& u) {
       const float* below_z = z == 0 ? job.low_z.row(y) : p + 2 * brick_volume - brick_area;
       const float below_x = job.low_x.at(y, z);
       const bool free = y >= job.free_lo.y && y < job.free_hi.y && z >= job.free_lo.z && z < job.free_hi.z;
+      if (job.open && !free) continue;
       for (int x = 0; x < brick_side; x += lanes) {
         const V here = load(values + x);
-        const V gx = hn::Sub(load(values + x + 1), here);
-        const V gy = hn::Sub(load(values + x + UpperWindow::row), here);
-        const V gz = hn::Sub(load(values + x + UpperWindow::layer), here);
+        V gx = hn::Sub(load(values + x + 1), here);
+        V gy = hn::Sub(load(values + x + UpperWindow::row), here);
+        V gz = hn::Sub(load(values + x + UpperWindow::layer), here);
+        const auto counts = hn::Ne(hn::Load(d, free_row + x), zero);
+        if (job.open) {
+          gx = hn::IfThenElseZero(counts, gx);
+          gy = hn::IfThenElseZero(counts, gy);
+          gz = hn::IfThenElseZero(counts, gz);
+        }
         const V px = load(p + x), py = load(p + x + brick_volume), pz = load(p + x + 2 * brick_volume);
         max_norm.max(x, dual_norm_squared<norm>(px, py, pz));
         // Most rows are flat: nothing to add.
@@ -92,7 +99,6 @@ EnergyTerms brick_terms(const EnergyJob& job, const UpperWindow& u) {
           gap.add(x, hn::Sub(hn::Mul(lambda, slope), hn::Mul(p_scale, coupling)));
         }
         if (!free) continue;
-        const auto counts = hn::Ne(hn::Load(d, free_row + x), zero);
         const V into = hn::Add(hn::Add(hn::Sub(load_below(p, x, below_x), px), hn::Sub(load(below_y + x), py)),
                                hn::Sub(load(below_z + x), pz));
         const V source = load(f + x);

@@ -25,6 +25,7 @@ struct EnergyJob {
   Vec3i free_lo, free_hi;       ///< local range [lo, hi) of the vertices that count in data and dual
   double lambda;
   double p_scale;  ///< p counts times this
+  bool open;       ///< fixed vertices add nothing to the variation; `u` has no steps from free to fixed ones above
 };
 
 /// Summed lane by lane, the 8 lanes in a fixed tree: the same bits on every target.

@@ -28,6 +28,7 @@ const BrickBits& InsideBits::of(int32_t n, Vec3i brick) const {
 
 BrickBits InsideBits::interface(size_t b) const {
   const BrickBits& own = bits_[b];
+  const bool ends = level_.box.open && at_border(level_.box, level_.grid.coord(b));
   BrickBits found;
   for (int axis = 0; axis < 3; ++axis)
     for (const int step : {-1, 1}) {
@@ -35,8 +36,19 @@ BrickBits InsideBits::interface(size_t b) const {
       const BrickBits& beside =
           of(level_.grid.neighbors(b)[static_cast<size_t>(slot)], level_.grid.coord(b) + slot_offset(slot));
       const BrickBits next = moved(own, axis, step) | carried(beside, axis, step);
-      found |= own ^ next;
+      found |= ends ? (own ^ next) & joined_to(b, axis, -step) : own ^ next;
     }
+  return found;
+}
+
+BrickBits InsideBits::joined_to(size_t b, int axis, int step) const {
+  BrickBits found;
+  for (int i = 0; i < brick_volume; ++i) {
+    const Vec3i v = level_.grid.first_vertex(b) + Vec3i{i % brick_side, i / brick_side % brick_side, i / brick_area};
+    Vec3i next = v;
+    next[axis] += step;
+    if (level_.box.is_free(v) && level_.box.is_free(next)) found.set(i);
+  }
   return found;
 }
 

@@ -75,4 +75,14 @@ FreeRange free_range(const LevelBox& box, Vec3i brick) {
   return range;
 }
 
+bool has_free(const LevelBox& box, Vec3i brick) {
+  const FreeRange range = free_range(box, brick);
+  return range.lo.x < range.hi.x && range.lo.y < range.hi.y && range.lo.z < range.hi.z;
+}
+
+bool at_border(const LevelBox& box, Vec3i brick) {
+  const Vec3i first = brick * brick_side;
+  return !box.is_free(first - Vec3i{1, 1, 1}) || !box.is_free(first + Vec3i{brick_side, brick_side, brick_side});
+}
+
 }  // namespace soapfilm

@@ -1,6 +1,7 @@
 // One level's convex problem on its band, and the state that the solver moves.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -57,6 +58,8 @@ struct Outside {
 };
 
 /// min lambda TV(u) - <f, u> over 0 <= u <= 1, u = 0 at fixed vertices (equation (4)), restricted to a band of bricks.
+/// Where the box is open TV is the sum over faces between free vertices alone, so p = 0 on all others; the 0 that fixed
+/// vertices hold means nothing there, and a constant brick that is partly fixed is so where it is free.
 /// Outside the band u is constant (0 or 1) on every connected part and p is the coarser level's, prolonged; through
 /// the band's rim that p is the boundary flux. Lattice units: h = 1 on every level.
 struct Level {
@@ -107,5 +110,14 @@ struct FreeRange {
   }
 };
 FreeRange free_range(const LevelBox& box, Vec3i brick);
+/// Whether any of them is.
+bool has_free(const LevelBox& box, Vec3i brick);
+/// Whether a vertex of the brick is fixed or next to a fixed one.
+bool at_border(const LevelBox& box, Vec3i brick);
+/// The nearest free vertex.
+inline Vec3i nearest_free(const LevelBox& box, Vec3i v) {
+  for (int axis = 0; axis < 3; ++axis) v[axis] = std::clamp(v[axis], box.free_lo[axis], box.free_hi[axis]);
+  return v;
+}
 
 }  // namespace soapfilm

@@ -80,6 +80,15 @@ DualJob dual_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, con
               level.p.brick(next_of(brick))};
   for (int axis = 0; axis < 3; ++axis)
     job.fixed_up[axis] = level.grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])] == outside_band;
+  const Vec3i coord = level.grid.coord(brick);
+  if (level.box.open && at_border(level.box, coord)) {
+    const FreeRange range = free_range(level.box, coord);
+    job.at_open_border = true;
+    job.free_lo = range.lo;
+    job.free_hi = range.hi;
+    for (int axis = 0; axis < 3; ++axis)
+      job.last_up[axis] = std::clamp(level.box.free_hi[axis] - brick_side * coord[axis], 0, brick_side);
+  }
   return job;
 }
 

@@ -268,15 +268,30 @@ HWY_INLINE void project(V lambda, V lambda_squared, Flux& q) {
   q = {hn::Mul(q.x, scale), hn::Mul(q.y, scale), hn::Mul(q.z, scale)};
 }
 
-/// Where a component of p is fixed: on the brick's upper faces at the band's rim.
+/// Where a component of p is fixed: on the brick's upper faces at the band's rim, and at an open border.
 struct Fixed {
   M x, y, z;
 };
 
+/// The vertices [lo, hi) of a row, as bits.
+HWY_INLINE unsigned row_bits(int lo, int hi) { return lo < hi ? (0xffu << lo) & (0xffu >> (brick_side - hi)) : 0; }
+
+/// The vertices of a row whose p along an axis may not move at an open border, as bits.
+HWY_INLINE unsigned held_at_border(const DualJob& job, int axis, int y, int z) {
+  Vec3i end = job.free_hi;
+  end[axis] = job.last_up[axis];
+  if (y < job.free_lo.y || y >= end.y || z < job.free_lo.z || z >= end.z) return 0xff;
+  return 0xff & ~row_bits(job.free_lo.x, end.x);
+}
+
 HWY_INLINE Fixed fixed_flux(const DualJob& job, int y, int z, int x) {
   const bool last_y = y == brick_side - 2, last_z = z == brick_side - 1;
-  return {lanes_of(job.fixed_up[0] ? 0x8080 : 0, x), lanes_of(job.fixed_up[1] && last_y ? 0xff00 : 0, x),
-          lanes_of(job.fixed_up[2] && last_z ? 0xffff : 0, x)};
+  unsigned pair[3] = {job.fixed_up[0] ? 0x8080u : 0u, job.fixed_up[1] && last_y ? 0xff00u : 0u,
+                      job.fixed_up[2] && last_z ? 0xffffu : 0u};
+  if (job.at_open_border)
+    for (int axis = 0; axis < 3; ++axis)
+      pair[axis] |= held_at_border(job, axis, y, z) | held_at_border(job, axis, y + 1, z) << brick_side;
+  return {lanes_of(pair[0], x), lanes_of(pair[1], x), lanes_of(pair[2], x)};
 }
 
 HWY_INLINE Flux with_fixed(const Fixed& fixed, const Flux& old, const Flux& q) {
@@ -357,7 +372,7 @@ struct OntoBall {
 };
 
 RowMask dual(const DualJob& job) {
-  const bool rim = job.fixed_up[0] || job.fixed_up[1] || job.fixed_up[2];
+  const bool rim = job.fixed_up[0] || job.fixed_up[1] || job.fixed_up[2] || job.at_open_border;
   return rim ? step_dual(job, OntoBall<true>{job.lambda}) : step_dual(job, OntoBall<false>{job.lambda});
 }
 

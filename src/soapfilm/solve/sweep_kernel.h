@@ -44,6 +44,8 @@ struct DualJob {
   float sigma;
   float lambda;
   const float* next_p;  ///< the next brick's: its p_y and p_z are fetched here, half of the memory's work in each step
+  bool at_open_border = false;            ///< faces to, from or between fixed vertices have no flux:
+  Vec3i free_lo{}, free_hi{}, last_up{};  ///< p_k moves in [free_lo, free_hi), along axis k in [free_lo, last_up) only
 };
 
 /// The steps of one SIMD target for one norm; both return the rows where a value has changed.

@@ -1,0 +1,95 @@
+#include "soapfilm/extract/cut.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace soapfilm {
+
+namespace {
+
+constexpr uint32_t none = ~uint32_t{0};
+
+/// Gives each fan of triangles around a vertex a vertex of its own: corners of triangles that share an edge are one.
+class Fans {
+ public:
+  explicit Fans(Mesh& mesh) : mesh_(mesh), root_(3 * mesh.triangles.size()) {
+    std::iota(root_.begin(), root_.end(), 0);
+    join_across_edges();
+  }
+
+  void separate() {
+    const std::vector<Vec3d> places = std::move(mesh_.vertices);
+    mesh_.vertices.clear();
+    std::vector<uint32_t> vertex(root_.size(), none);
+    for (uint32_t corner = 0; corner < root_.size(); ++corner) {
+      const uint32_t fan = root(corner);
+      uint32_t& v = mesh_.triangles[corner / 3][corner % 3];
+      if (vertex[fan] == none) {
+        vertex[fan] = static_cast<uint32_t>(mesh_.vertices.size());
+        mesh_.vertices.push_back(places[v]);
+      }
+      v = vertex[fan];
+    }
+  }
+
+ private:
+  uint32_t root(uint32_t corner) {
+    while (root_[corner] != corner) corner = root_[corner] = root_[root_[corner]];
+    return corner;
+  }
+  void join(uint32_t a, uint32_t b) {
+    const uint32_t ra = root(a), rb = root(b);
+    root_[std::max(ra, rb)] = std::min(ra, rb);
+  }
+
+  void join_across_edges() {
+    struct Half {
+      uint32_t low, high, corner;
+    };
+    std::vector<Half> halves(root_.size());
+    const auto next = [](uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; };
+    const auto at = [&](uint32_t h) { return mesh_.triangles[h / 3][h % 3]; };
+    for (uint32_t h = 0; h < halves.size(); ++h)
+      halves[h] = {std::min(at(h), at(next(h))), std::max(at(h), at(next(h))), h};
+    std::sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) {
+      return std::array{a.low, a.high, a.corner} < std::array{b.low, b.high, b.corner};
+    });
+    for (size_t i = 1; i < halves.size(); ++i) {
+      if (halves[i].low != halves[i - 1].low || halves[i].high != halves[i - 1].high) continue;
+      const uint32_t a = halves[i - 1].corner, b = halves[i].corner;
+      join(a, next(b));
+      join(b, next(a));
+    }
+  }
+
+  Mesh& mesh_;
+  std::vector<uint32_t> root_;
+};
+
+}  // namespace
+
+void keep_triangles(Mesh& mesh, const std::function<bool(uint32_t)>& wanted) {
+  std::erase_if(mesh.triangles, [&](const Triangle& t) { return !(wanted(t[0]) && wanted(t[1]) && wanted(t[2])); });
+  mesh.normals.clear();
+  mesh.colors.clear();
+  mesh.attributes.clear();
+  Fans(mesh).separate();
+}
+
+void cut_at_border(Mesh& mesh, const Lattice& lattice) {
+  const LevelBox box = lattice.box(0);
+  constexpr double depth = 1;  // the closing lies between the border's free vertices and fixed ones
+  const std::vector<Vec3d> places = mesh.vertices;
+  keep_triangles(mesh, [&](uint32_t v) {
+    const Vec3d p = lattice.to_lattice(places[v]);
+    bool keep = true;
+    for (int axis = 0; axis < 3; ++axis)
+      keep = keep && p[axis] >= box.free_lo[axis] + depth && p[axis] <= box.free_hi[axis] - depth;
+    return keep;
+  });
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,81 @@
+// soapfilm reconstruct --outside: what lies beyond the samples' box.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cli/reconstruct_runs.h"
+#include "soapfilm/io/io.h"
+#include "soapfilm/scanner/sample_surface.h"
+#include "soapfilm/scanner/shape.h"
+
+namespace soapfilm::test {
+namespace TEST_FILE {
+
+using nlohmann::json;
+
+class Outside : public ReconstructRuns {
+ protected:
+  static constexpr size_t samples = 4000;
+
+  /// Samples of a sphere, or of what is left of it above a share of its height; seen from within or from outside.
+  std::string sphere(bool from_within, double above = 0) const {
+    PointCloud all = sample_surface(*make_sphere(), samples, 1);
+    const Box3d box = all.box();
+    std::vector<bool> keep(all.size());
+    for (size_t i = 0; i < keep.size(); ++i) keep[i] = all.positions[i].z >= box.lo.z + above * box.size().z;
+    all.filter(keep);
+    if (from_within)
+      for (Vec3f& n : all.normals) n = -n;
+    const std::string file = folder.file("cloud.ply");
+    write_points(file, all);
+    return file;
+  }
+  Mesh written() const { return read_mesh(mesh); }
+};
+
+TEST_F(Outside, AirIsWhatAClosedObjectHas) {
+  const std::string cloud = sphere(false);
+  const json chosen = reported({cloud, "--resolution", "48"});
+  const std::string bytes = read_file(mesh);
+  EXPECT_EQ(chosen["border"]["outside"], "air");
+  EXPECT_FALSE(chosen["border"]["reason"].get<std::string>().empty());
+  const json asked = reported({cloud, "--resolution", "48", "--outside", "air"});
+  EXPECT_EQ(asked["parameters"]["border"]["outside"], "air");
+  EXPECT_EQ(read_file(mesh), bytes);
+}
+
+/// The same surface as that of the object, its faces turned.
+TEST_F(Outside, ARoomSeenFromWithinIsItsComplementTurned) {
+  reported({sphere(false), "--resolution", "48", "--outside", "air"});
+  const double volume = written().volume();
+  const json room = reported({sphere(true), "--resolution", "48"});
+  EXPECT_EQ(room["border"]["outside"], "solid");
+  EXPECT_EQ(room["mesh"]["closed"], true);
+  EXPECT_EQ(room["mesh"]["components"], 1);
+  EXPECT_GT(volume, 0);
+  EXPECT_NEAR(written().volume(), -volume, 1e-9 * volume);
+}
+
+TEST_F(Outside, AnOpenSurfaceEndsAndIsProved) {
+  const std::string bowl = sphere(false, 0.75);
+  const json open = reported({bowl, "--resolution", "48", "--outside", "open"});
+  const double open_area = written().area();
+  EXPECT_EQ(open["mesh"]["closed"], false);
+  EXPECT_EQ(open["mesh"]["manifold"], true);
+  EXPECT_EQ(open["mesh"]["components"], 1);
+  EXPECT_LT(open["certificate"]["relative_gap_binary"].get<double>(), 0.05);
+  const json closed = reported({bowl, "--resolution", "48", "--outside", "air"});
+  EXPECT_EQ(closed["mesh"]["closed"], true);
+  EXPECT_LT(open["certificate"]["primal_binary"].get<double>(), closed["certificate"]["primal_binary"].get<double>());
+  EXPECT_LT(open_area, written().area());
+}
+
+TEST_F(Outside, OnlyTvMayBeOpen) {
+  refused({sphere(false), "--outside", "open", "--method", "poisson"}, "outside = open: method poisson cannot have it");
+  refused({sphere(false), "--outside", "water"}, "--outside");
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm::test
