@@ -90,6 +90,15 @@ WholeDual prolonged(const WholeDual& coarse, Vec3i fine_size) {
   return fine;
 }
 
+/// An open box has no faces beyond free vertices; the coarser level's may reach further.
+void cut_off_border(const LevelBox& box, WholeDual& dual) {
+  dual.counts.for_each([&](Vec3i v) {
+    dual.counts[v] = dual.counts[v] && box.is_free(v);
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(box.is_free(v) && box.is_free(v + along(axis)))) dual.p[static_cast<size_t>(axis)][v] = 0;
+  });
+}
+
 WholeDual whole_dual(const KeptPyramid& pyramid) {
   WholeDual dual;
   for (size_t l = pyramid.levels.size(); l-- > 0;) {
@@ -99,6 +108,7 @@ WholeDual whole_dual(const KeptPyramid& pyramid) {
                                           : prolonged(dual, zero.size());
     if (l > 1)
       for (Dense<double>& p : dual.p) p.for_each([&](Vec3i v) { p[v] *= flux_kept; });
+    if (level.box.open) cut_off_border(level.box, dual);
     for (size_t b = 0; b < level.grid.size(); ++b)
       for (int axis = 0; axis < 3; ++axis)
         for_each_low_rim_face(level, b, axis, [&](Vec3i v, float flux) {
@@ -118,6 +128,7 @@ struct Case {
   double noise_vox;
   Norm norm = Norm::isotropic;
   Border outside = Border::air;
+  int levels = 0;
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
@@ -142,7 +153,9 @@ class Certificate : public testing::TestWithParam<Case> {
     if (c.outside == Border::solid)
       for (Vec3f& n : cloud.normals) n = -n;
     if (c.outside == Border::open) cut_in_half(cloud);
-    Problem problem = make_problem(cloud, resolution);
+    Lattice lattice = lattice_of(cloud, resolution);
+    if (c.levels > 0) lattice = place_lattice(cloud.box(), lattice.voxel, lattice.padding, c.levels);
+    Problem problem = make_problem(cloud, lattice);
     problem.lattice.open = c.outside == Border::open;
     return solve_and_keep(problem, c.lambda, c.norm);
   }
@@ -222,6 +235,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Certificate,
                                          Case{"sphere", 1, 0.02, 0, Norm::isotropic, Border::solid},
                                          Case{"sphere", 1, 0.02, 0, Norm::isotropic, Border::open},
                                          Case{"part", 2, 0.02, 0.3, Norm::isotropic, Border::open},
+                                         Case{"torus", 2, 0.005, 0, Norm::isotropic, Border::open, 5},
                                          Case{"knot", 2, 0.02, 0, Norm::anisotropic, Border::open}),
                          [](const auto& c) {
                            return c.param.shape + (c.param.norm == Norm::isotropic ? "" : "_anisotropic") + "_" +

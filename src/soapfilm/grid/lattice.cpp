@@ -49,8 +49,9 @@ LevelBox Lattice::box(int level) const {
   box.open = open;
   for (int axis = 0; axis < 3; ++axis) {
     box.free_lo[axis] = (margin() + (open ? 0 : 1)) >> level;
-    box.free_hi[axis] = (margin() + size[axis] - 2) >> level;
-    if (open) box.free_hi[axis] |= (1 << (levels - 1 - level)) - 1;
+    int last = margin() + size[axis] - 2;
+    if (open) last |= (1 << std::min(same_border_levels, levels - 1)) - 1;
+    box.free_hi[axis] = last >> level;
   }
   // Enough bricks for the last free vertex of the finest level, rounded up so that every level's box covers the
   // children of the next coarser one: brick b has the children 2b and 2b + 1.

@@ -36,6 +36,9 @@ struct LevelBox {
   }
 };
 
+/// The coarsest level whose open border is the finest one's.
+inline constexpr int same_border_levels = 3;
+
 struct Lattice {
   Vec3i size;          ///< reported vertices along each of its axes, padding included
   int turn = 0;        ///< its axis k is the world's axis (k + turn) % 3
@@ -43,8 +46,8 @@ struct Lattice {
   int padding = 6;     ///< cells between the samples' box and the border
   double voxel = 1;    ///< edge of a cell, input units
   Vec3d first_vertex;  ///< world position of reported vertex (0, 0, 0)
-  /// A surface may end at the border, at no cost. Free vertices then go on to the ends of whole cells of the coarsest
-  /// level, so that every level has the same border.
+  /// A surface may end at the border, at no cost. Free vertices then go on to the ends of whole cells of level 3, so
+  /// that the levels down from there have the same border; coarser ones have whole cells around it.
   bool open = false;
 
   /// A vector along the world's axes, along the lattice's; and back.

@@ -91,6 +91,16 @@ bool is_free(const FreeRange& range, int offset) {
   return range.contains(offset % brick_side, offset / brick_side % brick_side, offset / brick_area);
 }
 
+/// Where the coarser level's cells reach beyond an open border its flux through that is cut off: the vertices there
+/// take part.
+void add_upper_border(const LevelBox& box, BrickMask& band) {
+  BrickMask::whole(box.bricks).for_each([&](Vec3i brick) {
+    if (!has_free(box, brick)) return;
+    for (int axis = 0; axis < 3; ++axis)
+      if (brick_side * (brick[axis] + 1) > box.free_hi[axis]) band.set(brick);
+  });
+}
+
 /// Of each brick.
 std::vector<BrickBits> interfaces(const Level& level, const Parallel& parallel) {
   return InsideBits(level, 0.5f, parallel).interfaces(parallel);
@@ -102,6 +112,7 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
                       const Parallel& parallel) {
   const std::vector<BrickBits> interface = interfaces(coarse, parallel);
   BrickMask band = interface_children(coarse, interface, box.bricks, parallel);
+  if (box.open && box.level >= same_border_levels) add_upper_border(box, band);
   if (box.level > 0) {
     for (size_t b = 0; b < support.grid.size(); ++b) band.set(support.grid.coord(b));
     return band;

@@ -112,6 +112,26 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
   }
 }
 
+/// No flux on faces that an open box lacks: those of a coarser level whose cells reach beyond the border.
+void cut_off_flux(Level& level, const Parallel& parallel) {
+  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
+    if (!at_border(level.box, level.grid.coord(b))) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      float* p = level.p.brick(b, axis);
+      float* plane = level.rim.plane(b, axis);
+      for (int i = 0; i < brick_volume; ++i) {
+        const Vec3i local{i % brick_side, i / brick_side % brick_side, i / brick_area};
+        const Vec3i v = level.grid.first_vertex(b) + local;
+        Vec3i up = v, down = v;
+        ++up[axis], --down[axis];
+        if (!level.box.is_free(v) || !level.box.is_free(up)) p[i] = 0;
+        if (plane && local[axis] == 0 && (!level.box.is_free(v) || !level.box.is_free(down)))
+          plane[local[axis == 0 ? 1 : 0] + brick_side * local[axis == 2 ? 1 : 2]] = 0;
+      }
+    }
+  });
+}
+
 /// What the children of one coarse brick that the fine band leaves out are.
 struct LeftOut {
   std::array<Outside, 8> outside;
@@ -122,6 +142,7 @@ LeftOut left_out_children(const Level& coarse, size_t brick, const Level& fine, 
   LeftOut children;
   for (int k = 0; k < 8; ++k) {
     const Vec3i octant = octant_of(k);
+    if (fine.box.open && !has_free(fine.box, child_of(coarse.grid.coord(brick), octant))) continue;
     if (inside_child(coarse, brick, octant)) children.inside |= static_cast<uint8_t>(1 << k);
     if (fine.grid.find(child_of(coarse.grid.coord(brick), octant)) < 0)
       children.outside[static_cast<size_t>(k)] = outside_child(coarse, brick, octant, support);
@@ -163,8 +184,10 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
     used(z);
   }
   coarse.inside.for_each([&](Vec3i b) {
-    for (int k = 0; k < 8; ++k) fine.inside.set(child_of(b, k));
+    for (int k = 0; k < 8; ++k)
+      if (!box.open || has_free(box, child_of(b, k))) fine.inside.set(child_of(b, k));
   });
+  if (box.open && box.level >= same_border_levels) cut_off_flux(fine, parallel);
   fine.outside = coarse.outside;
   for (size_t b = 0; b < coarse.grid.size(); ++b)
     for (int k = 0; k < 8; ++k) {

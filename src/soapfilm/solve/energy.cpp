@@ -159,7 +159,7 @@ double outside_variation(const Level& level, const Parallel& parallel) {
   parallel.for_each(level.grid.size(), 1024, [&](size_t b) { band.set_shared(level.grid.coord(b)); });
   double faces = 0;
   level.inside.for_each([&](Vec3i b) {
-    if (band.test(b)) return;
+    if (band.test(b) || (level.box.open && !has_free(level.box, b))) return;
     for (int axis = 0; axis < 3; ++axis)
       for (int step = -1; step <= 1; step += 2) {
         Vec3i next = b;
