@@ -95,6 +95,9 @@ void prefer_large_pages(void* memory, size_t bytes) {
 }
 
 size_t peak_memory_bytes() {
+  // getrusage's maximum is also that of the program which was replaced by this one (exec), such as a large one that
+  // started it.
+  if (const auto kilobytes = read_entry("/proc/self/status", "VmHWM:")) return *kilobytes * 1024;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<size_t>(usage.ru_maxrss) * 1024;
