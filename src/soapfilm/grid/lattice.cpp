@@ -14,6 +14,9 @@ namespace {
 constexpr int max_vertices_per_axis = 16384;
 constexpr int coarsest_vertices = 24;
 constexpr int paper_levels = 3;
+/// Along the shortest axis of a coarser level than the paper's: with fewer vertices it tells nothing, and every box is
+/// rounded up to whole bricks of it.
+constexpr int fewest_across = 2;
 
 int vertices_along(double length, double voxel, int padding) {
   // A length that is a whole number of voxels but for rounding must not gain a cell.
@@ -89,10 +92,10 @@ Lattice place_lattice(const Box3d& samples, double voxel, int padding, int level
   const double below = (padding - 0.5) * voxel;
   lattice.first_vertex = samples.lo - Vec3d{below, below, below};
 
-  const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z});
+  const auto [shortest, longest] = std::minmax({lattice.size.x, lattice.size.y, lattice.size.z});
   if (levels == 0) {
     levels = paper_levels;
-    while ((longest >> (levels - 1)) > coarsest_vertices) ++levels;
+    while ((longest >> (levels - 1)) > coarsest_vertices && (shortest >> levels) >= fewest_across) ++levels;
   }
   lattice.levels = levels;
   return lattice;

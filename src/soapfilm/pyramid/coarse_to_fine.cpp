@@ -124,9 +124,9 @@ class Descent {
     const LevelBox box = lattice_.box(report.level);
     const auto scale = static_cast<double>(size_t{1} << (2 * box.level));
     const auto lambda = static_cast<float>(lambda_ * report.lambda_share * scale);
-    if (report.level == coarsest_)
-      return make_level(box, lambda, BrickMask::whole(box.bricks), field.grid, field.f, parallel_, norm_);
-    Level level = prolong_level(coarse, box, BrickMask::whole(box.bricks), field, parallel_);
+    const BrickMask bricks = free_bricks(box, field.grid);
+    if (report.level == coarsest_) return make_level(box, lambda, bricks, field.grid, field.f, parallel_, norm_);
+    Level level = prolong_level(coarse, box, bricks, field, parallel_);
     level.lambda = lambda;
     return level;
   }
