@@ -100,7 +100,18 @@ Mesh Pipeline::fuse(const PointCloud& cloud) {
   return mesh;
 }
 
+void Pipeline::plan_again(size_t bytes) {
+  grid_bytes_ = std::max(grid_bytes_, bytes);
+  MemoryPlan plan;
+  plan.fixed_bytes = held_bytes_;
+  plan.grid_bytes = grid_bytes_;
+  plan.placing_bytes = room_->placing_bytes;
+  report_.planned_bytes = plan.total();
+  check_memory(plan, *room_, report_.lattice, 0, params_.place.resolution && !params_.place.voxel);
+}
+
 SupportField Pipeline::field(const GridSamples& samples) {
+  held_bytes_ = resident_memory_bytes();
   return stages_.run("field", [&] { return divergence_field(samples, report_.lattice.box(0), parallel_); });
 }
 
@@ -126,9 +137,20 @@ void Pipeline::border(SupportField& field, GridSamples& samples) {
 
 Segmentation Pipeline::solve(const SupportField& field, const GridSamples& samples) {
   keep_.emplace();
+  PyramidObserver observe = observe_;
+  observe.begins = [&, user = observe_.begins](int level, size_t bricks, size_t beside) {
+    size_t bytes = solve_bytes(field.grid.size(), bricks + beside);
+    if (level == 0 && refines(params_)) bytes = std::max(bytes, refine_bytes(bricks));
+    plan_again(bytes);
+    if (user) user(level, bricks, beside);
+  };
+  const size_t first_plan = report_.planned_bytes;
   auto found = stages_.run("solve", [&] {
-    return segment(report_.lattice, field, samples, params_, observe_, parallel_, progress_, report_);
+    return segment(report_.lattice, field, samples, params_, observe, parallel_, progress_, report_);
   });
+  if (params_.method == Method::tv)
+    plan_again(mesh_bytes(count_faces(found.level, params_.surface.threshold, parallel_), params_.checked));
+  announce_plan(first_plan, report_, progress_);
   warn_unconverged(report_, progress_);
   return found;
 }

@@ -11,7 +11,8 @@ namespace soapfilm {
 
 namespace {
 
-constexpr int max_vertices_per_axis = 16384;
+/// Margins, and boxes rounded up, of the deepest pyramid stay below 2^31. Memory sets the limit long before.
+constexpr int max_vertices_per_axis = 1 << 28;
 constexpr int coarsest_vertices = 24;
 constexpr int paper_levels = 3;
 /// Along the shortest axis of a coarser level than the paper's: with fewer vertices it tells nothing, and every box is
