@@ -76,6 +76,7 @@ std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
 GridSamples Pipeline::place(const PointCloud& cloud, std::span<const Vec3f> directions, AfterPlacing after) {
   auto samples = stages_.run(
       "place", [&] { return soapfilm::place(cloud, box_, directions, params_, *room_, after, parallel_, report_); });
+  held_bytes_ = plan_fixed(params_.method, cloud, after);
   announce_grid(report_, progress_);
   return samples;
 }
@@ -111,7 +112,6 @@ void Pipeline::plan_again(size_t bytes) {
 }
 
 SupportField Pipeline::field(const GridSamples& samples) {
-  held_bytes_ = resident_memory_bytes();
   return stages_.run("field", [&] { return divergence_field(samples, report_.lattice.box(0), parallel_); });
 }
 

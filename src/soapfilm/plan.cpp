@@ -114,12 +114,16 @@ size_t plan_placing(bool probes, const PointCloud& cloud) {
   return base_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + sorted_bytes + (probes ? probing_bytes : 0);
 }
 
+size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after) {
+  const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
+  return base_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
+}
+
 MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, size_t support_bricks) {
   MemoryPlan plan;
   plan.placing_bytes = plan_placing(probes, cloud);
-  const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
-  plan.fixed_bytes = base_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
+  plan.fixed_bytes = plan_fixed(method, cloud, after);
   const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
   plan.tables_bytes = box_bytes(method, lattice);
   plan.grid_bytes = plan.tables_bytes + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick);
@@ -147,7 +151,7 @@ size_t refine_bytes(size_t level_bricks) {
 
 size_t mesh_bytes(size_t vertices, bool checked) {
   // Measured per vertex before bending, which adds some, 250 to 320; 423 to 518.
-  constexpr size_t bent_vertex_bytes = 310, checked_vertex_bytes = 470;
+  constexpr size_t bent_vertex_bytes = 330, checked_vertex_bytes = 470;
   return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
 }
 
@@ -185,7 +189,7 @@ void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& latti
       std::max(static_cast<double>(plan.grid_bytes) - tables, area / area_per_brick * refined_brick_bytes);
   constexpr double most_times_coarser = 1e9;
   double coarser = 1;
-  while (tables / (coarser * coarser * coarser) + bands / (coarser * coarser) > 0.8 * left &&
+  while (tables / (coarser * coarser * coarser) + bands / (coarser * coarser) > 0.7 * left &&
          coarser < most_times_coarser)
     coarser *= 1.01;
   const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z}), around = 2 * lattice.padding;

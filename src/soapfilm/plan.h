@@ -36,6 +36,9 @@ MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointC
 /// The same before anything is built: what spans the whole box, whatever the samples.
 MemoryPlan plan_tables(Method method, const Lattice& lattice);
 
+/// What stays through the solve, whatever the grid: MemoryPlan::fixed_bytes.
+size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after);
+
 /// What it takes to place the samples, whatever the grid: MemoryPlan::placing_bytes.
 size_t plan_placing(bool probes, const PointCloud& cloud);
 

@@ -103,8 +103,6 @@ size_t peak_memory_bytes() {
   return static_cast<size_t>(usage.ru_maxrss) * 1024;
 }
 
-size_t resident_memory_bytes() { return read_entry("/proc/self/status", "VmRSS:").value_or(0) * 1024; }
-
 size_t held_memory_bytes() {
   std::ifstream in("/proc/self/statm");
   size_t size = 0, resident = 0, shared = 0;  // pages

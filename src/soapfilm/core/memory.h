@@ -13,10 +13,6 @@ namespace soapfilm {
 /// Most memory that this process has held at once so far (resident set), in bytes.
 size_t peak_memory_bytes();
 
-/// Memory that this process has resident now, files that are mapped included, as its peak does; 0 where the system does
-/// not say.
-size_t resident_memory_bytes();
-
 /// Memory that this process holds now, beside files that are mapped or shared, in bytes; 0 where the system does not
 /// say.
 size_t held_memory_bytes();

@@ -15,9 +15,9 @@ namespace {
 constexpr int max_vertices_per_axis = 1 << 28;
 constexpr int coarsest_vertices = 24;
 constexpr int paper_levels = 3;
-/// Along the shortest axis of a coarser level than the paper's: with fewer vertices it tells nothing, and every box is
-/// rounded up to whole bricks of it.
-constexpr int fewest_across = 2;
+/// Every box is rounded up to whole bricks of the coarsest level: these may be so many times as long as the shortest
+/// axis.
+constexpr int longest_brick = 16;
 
 int vertices_along(double length, double voxel, int padding) {
   // A length that is a whole number of voxels but for rounding must not gain a cell.
@@ -96,7 +96,7 @@ Lattice place_lattice(const Box3d& samples, double voxel, int padding, int level
   const auto [shortest, longest] = std::minmax({lattice.size.x, lattice.size.y, lattice.size.z});
   if (levels == 0) {
     levels = paper_levels;
-    while ((longest >> (levels - 1)) > coarsest_vertices && (shortest >> levels) >= fewest_across) ++levels;
+    while ((longest >> (levels - 1)) > coarsest_vertices && brick_side << levels <= longest_brick * shortest) ++levels;
   }
   lattice.levels = levels;
   return lattice;
