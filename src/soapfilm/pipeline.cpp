@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "soapfilm/announce.h"
@@ -107,7 +108,7 @@ void Pipeline::plan_again(size_t bytes) {
   plan.fixed_bytes = held_bytes_;
   plan.grid_bytes = grid_bytes_;
   plan.placing_bytes = room_->placing_bytes;
-  report_.planned_bytes = plan.total();
+  report_.planned_bytes = std::max(report_.planned_bytes, plan.total());
   check_memory(plan, *room_, report_.lattice, 0, params_.place.resolution && !params_.place.voxel);
 }
 
