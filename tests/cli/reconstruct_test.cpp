@@ -302,6 +302,7 @@ TEST_F(Reconstruct, AMeshWithoutItsReportIsToldOf) {
 TEST_F(Reconstruct, ASampleFarAwayIsNamed) {
   PointCloud far = sphere_cloud(6000);
   far.positions[17] = {1e4, 1e4, 0};
+  far.normals[17] = {1, 1, 0};
   write_points(folder.file("far.ply"), far);
   refused({folder.file("far.ply"), "-o", mesh, "--memory", "200M"}, "far away, one at (10000, 10000, 0)");
 }
