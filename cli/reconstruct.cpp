@@ -140,7 +140,7 @@ void check_names(const ReconstructOptions& options, const ReadReport& read) {
   std::vector<std::string> inputs = options.inputs;
   for (const FileReport& file : read.files) inputs.push_back(file.path);  // the scans of a set
   std::vector<std::string> outputs{options.output, options.report};
-  constexpr int most_levels = 12;
+  constexpr int most_levels = 28;
   for (int level = 0; level < most_levels && !options.levels_folder.empty(); ++level)
     outputs.push_back((std::filesystem::path(options.levels_folder) / LevelFiles::name(level)).string());
   refuse_overwriting(outputs, inputs);
@@ -178,7 +178,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   PointCloud cloud = stages.run("read", [&] { return read_input(options, parallel, progress, read); });
   check_names(options, read);
   LevelFiles levels;
-  const bool checks = options.check || !options.report.empty();
+  const bool checks = options.params.checked = options.check || !options.report.empty();
   const PyramidObserver observe = levels.writer(options.levels_folder, options.params.surface.threshold, parallel);
   Reconstruction result;
   try {

@@ -15,6 +15,13 @@ void announce_grid(const ReconstructReport& report, Progress& progress) {
                             report.lattice.voxel, report.input.density, format_bytes(report.planned_bytes)));
 }
 
+void announce_plan(size_t first_plan, const ReconstructReport& report, Progress& progress) {
+  constexpr double much = 1.1;
+  const auto first = static_cast<double>(first_plan), now = static_cast<double>(report.planned_bytes);
+  if (now > much * first || first > much * now)
+    progress.info(fmt::format("memory {}, now that the surface is known", format_bytes(report.planned_bytes)));
+}
+
 void announce_weight(const ReconstructReport& report, Progress& progress) {
   if (weighs_area(report.params.method)) progress.info(fmt::format("lambda {:.3g}", report.certificate.lambda));
   if (report.thin && report.thin->samples > 0)

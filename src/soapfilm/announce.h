@@ -10,8 +10,13 @@ namespace soapfilm {
 void announce_grid(const ReconstructReport& report, Progress& progress);
 
 /// What area weighs, and whatever there is to be warned of before the solve (orient() has shown its own).
-void announce_border(const ReconstructReport& report, Progress& progress);
 void announce_weight(const ReconstructReport& report, Progress& progress);
+
+/// What lies beyond the samples' box.
+void announce_border(const ReconstructReport& report, Progress& progress);
+
+/// The plan of memory, where the solve found much more or less surface than the samples told.
+void announce_plan(size_t first_plan, const ReconstructReport& report, Progress& progress);
 
 /// Warns, here and in the report, of what ran into its limit of iterations or could not be proved.
 void warn_unconverged(ReconstructReport& report, Progress& progress);

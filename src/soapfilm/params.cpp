@@ -106,6 +106,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("refine", "reach", p.refine.reach);
   visit("refine", "sparse", p.refine.sparse);
   visit("memory", "limit", p.memory_limit);
+  visit("memory", "checked", p.checked);
 }
 
 template <class T>

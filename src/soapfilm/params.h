@@ -67,6 +67,7 @@ struct ReconstructParams {
   IslandParams islands;  ///< where drops_islands()
   RefineParams refine;
   std::optional<size_t> memory_limit;  ///< bytes; without it: what the machine has free
+  bool checked = false;                ///< check_result() follows: the plan has its memory, too
 };
 
 /// Is the surface moved onto the samples (refine/refine.h), or is it the paper's?

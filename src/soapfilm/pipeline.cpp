@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "soapfilm/announce.h"
@@ -76,6 +77,7 @@ std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
 GridSamples Pipeline::place(const PointCloud& cloud, std::span<const Vec3f> directions, AfterPlacing after) {
   auto samples = stages_.run(
       "place", [&] { return soapfilm::place(cloud, box_, directions, params_, *room_, after, parallel_, report_); });
+  held_bytes_ = plan_fixed(params_.method, cloud, after);
   announce_grid(report_, progress_);
   return samples;
 }
@@ -98,6 +100,16 @@ Mesh Pipeline::fuse(const PointCloud& cloud) {
                                   report_.lattice.voxel),
                       0);
   return mesh;
+}
+
+void Pipeline::plan_again(size_t bytes) {
+  grid_bytes_ = std::max(grid_bytes_, bytes);
+  MemoryPlan plan;
+  plan.fixed_bytes = held_bytes_;
+  plan.grid_bytes = grid_bytes_;
+  plan.placing_bytes = room_->placing_bytes;
+  report_.planned_bytes = std::max(report_.planned_bytes, plan.total());
+  check_memory(plan, *room_, report_.lattice, 0, params_.place.resolution && !params_.place.voxel);
 }
 
 SupportField Pipeline::field(const GridSamples& samples) {
@@ -126,9 +138,20 @@ void Pipeline::border(SupportField& field, GridSamples& samples) {
 
 Segmentation Pipeline::solve(const SupportField& field, const GridSamples& samples) {
   keep_.emplace();
+  PyramidObserver observe = observe_;
+  observe.begins = [&, user = observe_.begins](int level, size_t bricks, size_t beside) {
+    size_t bytes = solve_bytes(field.grid.size(), bricks + beside);
+    if (level == 0 && refines(params_)) bytes = std::max(bytes, refine_bytes(bricks));
+    plan_again(bytes);
+    if (user) user(level, bricks, beside);
+  };
+  const size_t first_plan = report_.planned_bytes;
   auto found = stages_.run("solve", [&] {
-    return segment(report_.lattice, field, samples, params_, observe_, parallel_, progress_, report_);
+    return segment(report_.lattice, field, samples, params_, observe, parallel_, progress_, report_);
   });
+  if (params_.method == Method::tv)
+    plan_again(mesh_bytes(count_faces(found.level, params_.surface.threshold, parallel_), params_.checked));
+  announce_plan(first_plan, report_, progress_);
   warn_unconverged(report_, progress_);
   return found;
 }

@@ -50,6 +50,8 @@ class Pipeline {
 
  private:
   SurfaceField level_set(Segmentation& found, const GridSamples& samples);
+  /// Once more is known: `bytes` beside what stays of the samples. Throws MemoryError.
+  void plan_again(size_t bytes);
 
   const ReconstructParams& params_;
   const Parallel& parallel_;
@@ -59,6 +61,8 @@ class Pipeline {
   ReconstructReport report_;
   Box3d box_;
   std::optional<Room> room_;
+  size_t held_bytes_ = 0;               ///< through the solve, whatever the grid
+  size_t grid_bytes_ = 0;               ///< the largest of what plan_again() was told
   std::optional<KeepFreedPages> keep_;  ///< from the solve to the mesh: each stage's arrays take the last one's place
 };
 

@@ -132,8 +132,9 @@ Box3d check_samples(const PointCloud& cloud, const Parallel& parallel) {
 }
 
 Room check_room(const PointCloud& cloud, const ReconstructParams& params) {
-  const Room room(params.memory_limit, held_memory_bytes());
-  check_placing(plan_placing(probes(params), cloud), room, cloud.size());
+  Room room(params.memory_limit, held_memory_bytes());
+  room.placing_bytes = plan_placing(probes(params), cloud);
+  check_placing(room.placing_bytes, room, cloud.size());
   return room;
 }
 
@@ -142,14 +143,16 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
                   ReconstructReport& report) {
   const Sampling sampling = measure_sampling(cloud, box, parallel);
   const double voxel = choose_voxel(params.place, box, sampling);
+  const bool by_resolution = params.place.resolution && !params.place.voxel;
   try {
     report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);
+    const double density = sampling.density(voxel);
+    check_memory(plan_tables(params.method, report.lattice), room, report.lattice,
+                 density > 0 ? static_cast<double>(cloud.size()) / density : 0, by_resolution);
+  } catch (const MemoryError& error) {
+    throw MemoryError(error.what() + far_samples(cloud, box));
   } catch (const ParameterError& error) {
-    if (params.place.voxel || params.place.resolution) throw;
-    throw ParameterError(
-        fmt::format("{} (it follows from the samples' density; their box is {:.4g} x {:.4g} x {:.4g}: "
-                    "is one of them far away?)",
-                    error.what(), box.size().x, box.size().y, box.size().z));
+    throw ParameterError(error.what() + far_samples(cloud, box));
   }
   report.input.samples = cloud.size();
   report.input.scans = cloud.scans.size();
@@ -157,14 +160,13 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
   report.input.density = sampling.density(voxel);
   warn_of_repeats(sampling, cloud.size(), report.warnings);
 
-  check_memory(plan_tables(params.method, report.lattice), room, report.lattice);
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
   const MemoryPlan plan =
       plan_memory(params.method, probes(params), refines(params), cloud, after, report.lattice, support);
   report.planned_bytes = plan.total();
-  check_memory(plan, room, report.lattice);
+  check_memory(plan, room, report.lattice, 0, by_resolution);
   return samples;
 }
 

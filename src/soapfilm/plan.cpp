@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
-#include "soapfilm/solve/level.h"
+#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -45,13 +47,24 @@ double dense_bytes_per_vertex(Method method) {
   return 0;
 }
 
+/// Samples on a surface reach a brick per so many voxel^2 of it.
+constexpr double area_per_brick = 20;
+
+/// Two digits, not below the value.
+double two_digits_above(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::ceil(value / unit) * unit;
+}
+
 /// What spans the whole box: bits per brick in masks and grids, and the arrays of methods that know no band.
 size_t box_bytes(Method method, const Lattice& lattice) {
   const Vec3i bricks = lattice.box(0).bricks;
   const double count = static_cast<double>(bricks.x) * bricks.y * bricks.z;
   constexpr double masks = 6;      // support, band, inside; each beside its coarser or older one
   constexpr double ranks = 3 * 2;  // BrickGrid's two bits: samples, data, level
-  return static_cast<size_t>((masks + ranks) * count / 8 + dense_bytes_per_vertex(method) * lattice.vertices());
+  constexpr double most = 0x1p60;  // what size_t holds; no machine has it
+  return static_cast<size_t>(
+      std::min(most, (masks + ranks) * count / 8 + dense_bytes_per_vertex(method) * lattice.vertices()));
 }
 
 /// The peak beside the box's arrays and the data term, bytes per support brick.
@@ -101,14 +114,19 @@ size_t plan_placing(bool probes, const PointCloud& cloud) {
   return base_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + sorted_bytes + (probes ? probing_bytes : 0);
 }
 
+size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after) {
+  const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
+  return base_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
+}
+
 MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, size_t support_bricks) {
   MemoryPlan plan;
   plan.placing_bytes = plan_placing(probes, cloud);
-  const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
-  plan.fixed_bytes = base_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
+  plan.fixed_bytes = plan_fixed(method, cloud, after);
   const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
-  plan.grid_bytes = box_bytes(method, lattice) + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick);
+  plan.tables_bytes = box_bytes(method, lattice);
+  plan.grid_bytes = plan.tables_bytes + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick);
   if (!is_refined) return plan;
 
   const size_t cells = std::min(cloud.size(), refined_cells_per_brick * support_bricks);
@@ -117,25 +135,100 @@ MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointC
   return plan;
 }
 
-MemoryPlan plan_tables(Method method, const Lattice& lattice) { return {base_bytes, box_bytes(method, lattice), 0}; }
+MemoryPlan plan_tables(Method method, const Lattice& lattice) {
+  const size_t tables = box_bytes(method, lattice);
+  return {base_bytes, tables, tables, 0};
+}
+
+size_t solve_bytes(size_t data_bricks, size_t level_bricks) {
+  return data_brick_bytes * data_bricks + level_brick_bytes * level_bricks;
+}
+
+size_t refine_bytes(size_t level_bricks) {
+  constexpr size_t bytes_per_brick = 15000;  // measured 13,800 to 15,900
+  return bytes_per_brick * level_bricks;
+}
+
+size_t mesh_bytes(size_t vertices, bool checked) {
+  // Measured per vertex before bending, which adds some, 250 to 320; 423 to 518.
+  constexpr size_t bent_vertex_bytes = 330, checked_vertex_bytes = 470;
+  return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
+}
+
+size_t count_faces(const Level& level, double threshold, const Parallel& parallel) {
+  const InsideBits inside(level, static_cast<float>(threshold), parallel);
+  const auto faces_of = [&](size_t begin, size_t end) {
+    size_t faces = 0;
+    for (size_t b = begin; b < end; ++b) {
+      const Vec3i coord = level.grid.coord(b);
+      const BrickBits& own = inside.of(static_cast<int32_t>(b), coord);
+      for (int axis = 0; axis < 3; ++axis) {
+        const int slot = slot_up[axis];
+        const int32_t n = level.grid.neighbors(b)[static_cast<size_t>(slot)];
+        const BrickBits& above = inside.of(n, coord + slot_offset(slot));
+        faces += (own ^ (moved(own, axis, -1) | carried(above, axis, -1))).count();
+      }
+    }
+    return faces;
+  };
+  return sum_chunks<size_t>(level.grid.size(), 1024, parallel, faces_of);
+}
 
 Room::Room(std::optional<size_t> limit, size_t held) : what(limit ? "--memory" : "free memory") {
   const size_t available = available_memory_bytes();
   bytes = limit ? *limit : available > SIZE_MAX - held ? SIZE_MAX : available + held;
 }
 
-void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice) {
+void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice, double area, bool by_resolution) {
   const size_t needed = plan.total();
   if (needed <= room.bytes) return;
-  const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z});
-  const int around = 2 * lattice.padding;
   const double left = room.bytes > plan.fixed_bytes ? static_cast<double>(room.bytes - plan.fixed_bytes) : 0;
-  const double shrink = std::sqrt(0.8 * left / static_cast<double>(plan.grid_bytes));
-  const int fits = around + static_cast<int>((longest - around) * shrink);
+  const auto tables = static_cast<double>(plan.tables_bytes);
+  // Before the samples are sorted the bricks are not known.
+  const double bands =
+      std::max(static_cast<double>(plan.grid_bytes) - tables, area / area_per_brick * refined_brick_bytes);
+  constexpr double most_times_coarser = 1e9;
+  double coarser = 1;
+  while (tables / (coarser * coarser * coarser) + bands / (coarser * coarser) > 0.7 * left &&
+         coarser < most_times_coarser)
+    coarser *= 1.01;
+  const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z}), around = 2 * lattice.padding;
+  const int fits = around + static_cast<int>((longest - around) / coarser);
+  const std::string fit = fits <= around || coarser >= most_times_coarser ? "no resolution would fit"
+                          : by_resolution
+                              ? fmt::format("a resolution of about {} would fit", fits)
+                              : fmt::format("--voxel {:.2g} would fit", two_digits_above(coarser * lattice.voxel));
   throw MemoryError(
-      fmt::format("memory: resolution {} needs about {}, {} is {}; {}", longest, format_bytes(needed), room.what,
-                  format_bytes(room.bytes),
-                  fits > around ? fmt::format("a resolution of about {} would fit", fits) : "no resolution would fit"));
+      fmt::format("memory: {} needs about {}, {} is {}; {}",
+                  by_resolution ? fmt::format("resolution {}", longest) : fmt::format("voxel {:.4g}", lattice.voxel),
+                  format_bytes(needed), room.what, format_bytes(room.bytes), fit));
+}
+
+std::string far_samples(const PointCloud& cloud, const Box3d& box) {
+  const size_t few = std::max<size_t>(1, cloud.size() / 2000);  // from each end of each axis
+  if (2 * few >= cloud.size()) return {};
+  Box3d most = box;
+  Vec3d farthest = box.lo;
+  double distance = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> along(cloud.size());
+    for (size_t i = 0; i < along.size(); ++i) along[i] = cloud.positions[i][axis];
+    const auto low = along.begin() + static_cast<std::ptrdiff_t>(few), high = along.end() - 1 - (low - along.begin());
+    std::nth_element(along.begin(), low, along.end());
+    most.lo[axis] = *low;
+    std::nth_element(along.begin(), high, along.end());
+    most.hi[axis] = *high;
+  }
+  if (2 * most.longest() > box.longest()) return {};
+  for (const Vec3d& p : cloud.positions)
+    for (int axis = 0; axis < 3; ++axis)
+      if (const double d = std::max(most.lo[axis] - p[axis], p[axis] - most.hi[axis]); d > distance)
+        distance = d, farthest = p;
+  const Vec3d all = box.size(), without = most.size();
+  return fmt::format(
+      " (few of the samples lie far away, one at ({:.6g}, {:.6g}, {:.6g}): without them the box is {:.3g} x {:.3g} x "
+      "{:.3g}, not {:.3g} x {:.3g} x {:.3g})",
+      farthest.x, farthest.y, farthest.z, without.x, without.y, without.z, all.x, all.y, all.z);
 }
 
 void check_placing(size_t placing_bytes, const Room& room, size_t samples) {

@@ -4,17 +4,20 @@
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <string>
 
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/method.h"
+#include "soapfilm/solve/level.h"
 
 namespace soapfilm {
 
 struct MemoryPlan {
-  size_t fixed_bytes = 0;  ///< through the solve, whatever the resolution: the program and what stays of the samples
-  size_t grid_bytes = 0;   ///< the peak on top of it: the finest level's band beside the coarser one, the box's tables
+  size_t fixed_bytes = 0;   ///< through the solve, whatever the resolution: the program and what stays of the samples
+  size_t grid_bytes = 0;    ///< the peak on top of it: the finest level's band beside the coarser one, the box's tables
+  size_t tables_bytes = 0;  ///< those of grid_bytes that span the box
   size_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; half as many
                              ///< again where a probe looks for thin parts
   size_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes); }
@@ -33,8 +36,22 @@ MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointC
 /// The same before anything is built: what spans the whole box, whatever the samples.
 MemoryPlan plan_tables(Method method, const Lattice& lattice);
 
+/// What stays through the solve, whatever the grid: MemoryPlan::fixed_bytes.
+size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after);
+
 /// What it takes to place the samples, whatever the grid: MemoryPlan::placing_bytes.
 size_t plan_placing(bool probes, const PointCloud& cloud);
+
+/// What later stages take beside what the run holds once its samples are placed, from what is known when they begin.
+/// The solve: the data's bricks, and those of the levels that are held at once.
+size_t solve_bytes(size_t data_bricks, size_t level_bricks);
+/// The refinement of a surface in a finest level of so many bricks.
+size_t refine_bytes(size_t level_bricks);
+/// The mesh, what bends it and, where it is `checked`, what check_result() takes.
+size_t mesh_bytes(size_t vertices, bool checked);
+
+/// Faces between vertices of different sides: about as many as the surface's mesh has vertices.
+size_t count_faces(const Level& level, double threshold, const Parallel& parallel);
 
 /// What a run may take: `limit` or, without one, what the machine has free and what this process `held` when the run
 /// began, which the plans count too. `what` names it in messages.
@@ -42,11 +59,17 @@ struct Room {
   Room(std::optional<size_t> limit, size_t held);
   size_t bytes;
   const char* what;
+  size_t placing_bytes = 0;  ///< that placing the samples takes: plan_placing()
 };
 
-/// Throws MemoryError when the plan passes the room; the message says which resolution would fit, by the square law of
-/// a surface.
-void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice);
+/// Throws MemoryError when the plan passes the room. The message names the voxel that would fit, or the resolution
+/// where the grid was asked for `by_resolution`: tables of the box grow with the cube of the resolution, a surface of
+/// `area`, voxel^2, with its square.
+void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice, double area, bool by_resolution);
+
+/// " (...)", where a thousandth of the samples makes the box at least twice as long: what the box would be without
+/// them, and where one is. Nothing otherwise.
+std::string far_samples(const PointCloud& cloud, const Box3d& box);
 
 /// The same of plan_placing().
 void check_placing(size_t placing_bytes, const Room& room, size_t samples);

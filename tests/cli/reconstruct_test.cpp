@@ -232,7 +232,7 @@ TEST_F(Reconstruct, GeoreferencedInputLosesNothing) {
 
 TEST_F(Reconstruct, RefusesBadParameters) {
   refused({cloud, "-o", mesh, "--resolution", "5"}, "resolution = 5, must be between 13");
-  refused({cloud, "-o", mesh, "--resolution", "1000000"}, "resolution = 1000000");
+  refused({cloud, "-o", mesh, "--resolution", "1000000"}, "resolution 1000000 needs");
   refused({cloud, "-o", mesh, "--voxel", "-1"}, "voxel = -1, must be > 0");
   refused({cloud, "-o", mesh, "--voxel", "1e-9"}, "voxel = 1e-09");
   refused({cloud, "-o", mesh, "--voxel", "0.1", "--resolution", "64"}, "--resolution");
@@ -240,7 +240,7 @@ TEST_F(Reconstruct, RefusesBadParameters) {
   refused({cloud, "-o", mesh, "--tolerance", "nan"}, "tolerance = nan, must be > 0");
   refused({cloud, "-o", mesh, "--threshold", "1"}, "threshold = 1, must be > 0 and < 1");
   refused({cloud, "-o", mesh, "--isovalue", "middle"}, "isovalue = middle");
-  refused({cloud, "-o", mesh, "--voxel", "1e-300"}, "must be <= 16384");
+  refused({cloud, "-o", mesh, "--voxel", "1e-300"}, "must be <= 268435456");
   refused({cloud, "-o", mesh, "--voxel", "3"}, "voxel = 3, must be <= 0.99");
   refused({cloud, "-o", mesh, "--lambda", "inf"}, "lambda = inf, must be > 0 and <= 1e24");
   refused({cloud, "-o", mesh, "--padding", "1"}, "padding = 1, must be >= 2");
@@ -299,11 +299,12 @@ TEST_F(Reconstruct, AMeshWithoutItsReportIsToldOf) {
   EXPECT_TRUE(std::filesystem::exists(mesh));
 }
 
-TEST_F(Reconstruct, ASampleFarAwayIsAskedFor) {
+TEST_F(Reconstruct, ASampleFarAwayIsNamed) {
   PointCloud far = sphere_cloud(6000);
-  far.positions[17] = {1e4, 0, 0};
+  far.positions[17] = {1e4, 1e4, 0};
+  far.normals[17] = {1, 1, 0};
   write_points(folder.file("far.ply"), far);
-  refused({folder.file("far.ply"), "-o", mesh}, "their box is 1e+04 x 0.99");
+  refused({folder.file("far.ply"), "-o", mesh, "--memory", "200M"}, "far away, one at (10000, 10000, 0)");
 }
 
 /// Pixels without depth, all at the camera's origin, must not decide how fine the grid is.

@@ -69,6 +69,16 @@ TEST(Lattice, UsesAtLeastThePapersThreeLevelsAndStopsAtSmallGrids) {
   EXPECT_EQ(levels(2048), 8);
 }
 
+/// A corridor's box must not be rounded up to cells as long as a few of which hold its length.
+TEST(Lattice, BoxesOfALongThinGridAreThin) {
+  const Lattice lattice = place_lattice(box({0, 0, 0}, {100'000, 38, 45}), 1, 6);
+  EXPECT_EQ(lattice.to_world_axes(lattice.size), (Vec3i{100'012, 50, 57}));
+  EXPECT_GE(lattice.levels, 3);
+  const LevelBox finest = lattice.box(0);
+  const double held = static_cast<double>(finest.bricks.x) * finest.bricks.y * finest.bricks.z * brick_volume;
+  EXPECT_LT(held, 200 * lattice.vertices());  // of bits
+}
+
 /// On every level: vertex 0 is fixed, the fixed layers stay outside, and boxes nest.
 TEST(Lattice, BoxesOfThePyramidNest) {
   for (const int levels : {1, 2, 3, 5})
@@ -128,9 +138,9 @@ TEST(Lattice, RefusesWhatCannotBeAGrid) {
   EXPECT_THROW(place_lattice(samples, -1, 6), ParameterError);
   EXPECT_THROW(place_lattice(samples, std::numeric_limits<double>::quiet_NaN(), 6), ParameterError);
   EXPECT_THROW(place_lattice(samples, 0.1, 1), ParameterError);
-  EXPECT_THROW(place_lattice(samples, 1e-5, 6), ParameterError);
+  EXPECT_THROW(place_lattice(samples, 1e-9, 6), ParameterError);
   EXPECT_THROW(voxel_of_resolution(samples, 12, 6), ParameterError);
-  EXPECT_THROW(voxel_of_resolution(samples, 20000, 6), ParameterError);
+  EXPECT_THROW(voxel_of_resolution(samples, 1 << 29, 6), ParameterError);
   EXPECT_NO_THROW(voxel_of_resolution(samples, 13, 6));
 }
 

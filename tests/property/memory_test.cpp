@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <ostream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/memory.h"
@@ -59,6 +61,101 @@ INSTANTIATE_TEST_SUITE_P(Samples, PlannedMemory,
                                          Planned{"torus", 1, 0, true}, Planned{"knot", 0.2, 0, true},
                                          Planned{"part", 1, 0, true, 256, 1.2},
                                          Planned{"knot", 0.1, 1, false, 256, 1.35}));
+
+/// What is scanned but not closed: parts of a box's faces from within.
+struct Scene {
+  std::string name;
+  bool checked;
+};
+void PrintTo(const Scene& s, std::ostream* out) { *out << s.name << (s.checked ? " checked" : ""); }
+
+/// Uniform samples, 1 per unit of area, on the faces across the first `axes` axes of a box at the origin, seen from
+/// within.
+PointCloud walls(Vec3d size, int axes) {
+  PointCloud cloud;
+  Random random(1);
+  for (int axis = 0; axis < axes; ++axis)
+    for (const int side : {0, 1}) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      const auto count = static_cast<size_t>(size[u] * size[v]);
+      for (size_t i = 0; i < count; ++i) {
+        Vec3d p;
+        p[axis] = side * size[axis];
+        p[u] = size[u] * random.uniform();
+        p[v] = size[v] * random.uniform();
+        Vec3f n;
+        n[axis] = side ? -1.0f : 1.0f;
+        cloud.positions.push_back(p);
+        cloud.normals.push_back(n);
+      }
+    }
+  cloud.scans.push_back({"walls", 0, cloud.size(), {}, {}, {}});
+  return cloud;
+}
+
+PointCloud scene(const std::string& name) {
+  if (name == "room") return walls({160, 120, 70}, 3);
+  return walls({30, 36, 1000}, 2);
+}
+
+class PlannedScene : public testing::TestWithParam<Scene> {};
+
+TEST_P(PlannedScene, IsAboutThePeakSlow) {
+  const Scene& s = GetParam();
+  PointCloud cloud = scene(s.name);
+  ReconstructParams params;
+  params.place.voxel = 1;
+  params.checked = s.checked;
+  Progress progress;
+  const Parallel one_thread(1);
+  Reconstruction result = s.checked ? reconstruct(cloud, params, one_thread, progress)
+                                    : reconstruct(std::move(cloud), params, one_thread, progress);
+  if (s.checked) check_result(result, cloud, one_thread);
+  const auto planned = static_cast<double>(result.report.planned_bytes);
+  const auto peak = static_cast<double>(peak_memory_bytes());
+  EXPECT_GT(peak, 40.0 * (1 << 20)) << "too small to say anything";
+  EXPECT_LT(peak, (s.name == "corridor" && !s.checked ? 1.3 : 1.15) * planned);
+  EXPECT_GT(peak, 0.85 * planned);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, PlannedScene,
+                         testing::Values(Scene{"room", false}, Scene{"room", true}, Scene{"corridor", false},
+                                         Scene{"corridor", true}));
+
+std::string refusal(const PointCloud& cloud, const ReconstructParams& params) {
+  Progress progress;
+  try {
+    reconstruct(cloud, params, Parallel(1), progress);
+  } catch (const MemoryError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(MemoryPlan, ARefusalNamesAVoxelThatFits) {
+  const PointCloud cloud = sampled("torus", 64, 1);
+  ReconstructParams params;
+  params.memory_limit = size_t{40} << 20;
+  params.place.voxel = cloud.box().longest() / 1'000'000;
+  const std::string message = refusal(cloud, params), before = "--voxel ";
+  const size_t at = message.find(before);
+  ASSERT_NE(at, std::string::npos) << message;
+  EXPECT_EQ(message.find("far away"), std::string::npos) << message;
+  const double fits = std::stod(message.substr(at + before.size()));
+  EXPECT_GT(fits, *params.place.voxel);
+  params.place.voxel = fits;
+  EXPECT_EQ(refusal(cloud, params), "");
+}
+
+TEST(MemoryPlan, ARefusalTellsOfFarSamplesWhereThereAreSome) {
+  PointCloud cloud = sampled("torus", 64, 1);
+  cloud.positions[7] = {1e6, 0, 0};
+  ReconstructParams params;
+  params.memory_limit = size_t{40} << 20;
+  params.place.voxel = 0.01;
+  const std::string message = refusal(cloud, params);
+  EXPECT_NE(message.find("far away, one at (1e+06, 0, 0)"), std::string::npos) << message;
+}
 
 TEST(MemoryPlan, ACloudThatMayBeFreedGivesTheSameMeshForLess) {
   PointCloud cloud = sampled("torus", 48, 2);

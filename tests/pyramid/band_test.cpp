@@ -113,6 +113,30 @@ TEST(Band, LeavesOutOnlyFeasibleBricks) {
   });
 }
 
+/// A level that is solved whole has every free vertex and every face of one, and not what its box is rounded up by.
+TEST(Band, OfAWholeLevelFollowsTheFreeVertices) {
+  for (const Vec3i size : {Vec3i{60, 61, 62}, {1181, 220, 38}, {5000, 50, 50}, {64, 65, 200}}) {
+    Lattice lattice;
+    lattice.size = size;
+    lattice.levels = 5;
+    for (int l = 0; l < lattice.levels; ++l) {
+      const LevelBox box = lattice.box(l);
+      const BrickMask bricks = free_bricks(box, BrickGrid());
+      double most = 1;
+      for (int axis = 0; axis < 3; ++axis) {
+        most *= (box.free_hi[axis] - box.free_lo[axis] + 3) / brick_side + 2;
+        for (const Vec3i& end : {box.free_lo, box.free_hi})
+          for (const int step : {-1, 0, 1}) {
+            Vec3i v = end;
+            v[axis] += step;
+            ASSERT_TRUE(!bricks.contains(brick_of(v)) || bricks.test(brick_of(v)));
+          }
+      }
+      EXPECT_LE(static_cast<double>(bricks.count()), most);
+    }
+  }
+}
+
 TEST(Band, GrowsWhereTheInterfaceReachesTheRim) {
   Blank blank;
   BrickMask band(blank.lattice.box(0).bricks);

@@ -11,9 +11,13 @@ namespace soapfilm {
 
 namespace {
 
-constexpr int max_vertices_per_axis = 16384;
+/// Margins, and boxes rounded up, of the deepest pyramid stay below 2^31. Memory sets the limit long before.
+constexpr int max_vertices_per_axis = 1 << 28;
 constexpr int coarsest_vertices = 24;
 constexpr int paper_levels = 3;
+/// Every box is rounded up to whole bricks of the coarsest level: these may be so many times as long as the shortest
+/// axis.
+constexpr int longest_brick = 16;
 
 int vertices_along(double length, double voxel, int padding) {
   // A length that is a whole number of voxels but for rounding must not gain a cell.
@@ -89,10 +93,10 @@ Lattice place_lattice(const Box3d& samples, double voxel, int padding, int level
   const double below = (padding - 0.5) * voxel;
   lattice.first_vertex = samples.lo - Vec3d{below, below, below};
 
-  const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z});
+  const auto [shortest, longest] = std::minmax({lattice.size.x, lattice.size.y, lattice.size.z});
   if (levels == 0) {
     levels = paper_levels;
-    while ((longest >> (levels - 1)) > coarsest_vertices) ++levels;
+    while ((longest >> (levels - 1)) > coarsest_vertices && brick_side << levels <= longest_brick * shortest) ++levels;
   }
   lattice.levels = levels;
   return lattice;

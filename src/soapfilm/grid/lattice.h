@@ -82,8 +82,9 @@ struct Lattice {
 /// Places a grid of the given voxel around the samples' box: N_k = ceil(L_k / voxel) + 2 padding, the first vertex
 /// (padding - 1/2) voxels below the box. The axes are turned so that layers along z are at most a quarter larger than
 /// the smallest, and of such turns the one with the longest rows along x is taken. `levels` 0 chooses: at least the
-/// paper's three, more until the coarsest level has at most 24 vertices along its longest axis. Throws ParameterError
-/// when voxel <= 0, padding < 2, or an axis would pass 16384 vertices.
+/// paper's three, more until the coarsest level has at most 24 vertices along its longest axis or another one would
+/// have less than 2 along its shortest. Throws ParameterError when voxel <= 0, padding < 2, or an axis would pass 2^28
+/// vertices.
 Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels = 0);
 
 /// The voxel that gives `resolution` vertices along the longest axis: h = L_max / (resolution - 2 padding).

@@ -108,6 +108,16 @@ std::vector<BrickBits> interfaces(const Level& level, const Parallel& parallel) 
 
 }  // namespace
 
+BrickMask free_bricks(const LevelBox& box, const BrickGrid& support) {
+  BrickMask mask(box.bricks);
+  const Vec3i lo = brick_of(box.free_lo - Vec3i{1, 1, 1}), hi = brick_of(box.free_hi + Vec3i{1, 1, 1});
+  for (int z = lo.z; z <= std::min(hi.z, box.bricks.z - 1); ++z)
+    for (int y = lo.y; y <= std::min(hi.y, box.bricks.y - 1); ++y)
+      for (int x = lo.x; x <= std::min(hi.x, box.bricks.x - 1); ++x) mask.set({x, y, z});
+  for (size_t b = 0; b < support.size(); ++b) mask.set(support.coord(b));
+  return mask;
+}
+
 BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
                       const Parallel& parallel) {
   const std::vector<BrickBits> interface = interfaces(coarse, parallel);

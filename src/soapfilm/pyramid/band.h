@@ -8,6 +8,11 @@
 
 namespace soapfilm {
 
+/// The bricks of a level that is solved whole: those with free vertices, with the faces around these, and those of its
+/// data, `support`. In the rest of the box, which is rounded up to whole bricks of the coarsest level and so may be
+/// many times larger, u = 0 and p = 0.
+BrickMask free_bricks(const LevelBox& box, const BrickGrid& support);
+
 /// The band of the level below `coarse`: the bricks of its data, `support`, and of the children of the coarse bricks
 /// those that hold
 ///   every pair of neighbours whose rounded u differ (the interface), and

@@ -124,9 +124,10 @@ class Descent {
     const LevelBox box = lattice_.box(report.level);
     const auto scale = static_cast<double>(size_t{1} << (2 * box.level));
     const auto lambda = static_cast<float>(lambda_ * report.lambda_share * scale);
-    if (report.level == coarsest_)
-      return make_level(box, lambda, BrickMask::whole(box.bricks), field.grid, field.f, parallel_, norm_);
-    Level level = prolong_level(coarse, box, BrickMask::whole(box.bricks), field, parallel_);
+    const BrickMask bricks = free_bricks(box, field.grid);
+    begin(report.level, bricks, coarse.grid.size());
+    if (report.level == coarsest_) return make_level(box, lambda, bricks, field.grid, field.f, parallel_, norm_);
+    Level level = prolong_level(coarse, box, bricks, field, parallel_);
     level.lambda = lambda;
     return level;
   }
@@ -140,6 +141,8 @@ class Descent {
     // A quarter of the finest level's memory would wait for the rare band that has to grow. It goes; should the band
     // grow after all, the way down to there is taken once more.
     const bool finest = report.level == 0;
+    constexpr size_t kept = 10;  // a tenth of the coarser level is left while it goes
+    begin(report.level, band, finest ? coarse.grid.size() / kept : coarse.grid.size());
     Level level = finest ? prolong_level(std::move(coarse), box, band, field, parallel_)
                          : prolong_level(coarse, box, band, field, parallel_);
     const BrickGrid held = finest ? std::move(coarse.grid) : coarse.grid;
@@ -156,11 +159,16 @@ class Descent {
         band = widened(band, held);
         tight = false;
       }
+      begin(report.level, band, held.size());
       if (coarse.grid.size() == 0)
         coarse = Descent(lattice_, support_, lambda_, params_, parallel_, progress_, norm_, {}).to(1).finest;
       level = prolong_level(coarse, box, band, field, parallel_, std::move(level));
       ++report.band_growths;
     }
+  }
+
+  void begin(int level, const BrickMask& bricks, size_t beside) const {
+    if (observe_.begins) observe_.begins(level, bricks.count(), beside);
   }
 
   void solve(Level& level, LevelReport& report, int most_iterations) const {

@@ -38,6 +38,9 @@ struct PyramidObserver {
   /// Each evaluation of the relaxed u, `iterations` on this level so far. Where it is set no gap is estimated: large
   /// levels may stop an iteration or two from where they would.
   std::function<void(const Level&, int iterations, const Energies&)> evaluated;
+  /// Of every level, before its memory is taken: its bricks, and those of coarser levels that are held beside it. May
+  /// throw.
+  std::function<void(int level, size_t bricks, size_t beside)> begins;
 };
 
 /// Solves min lambda TV(u) - <f, u> (equation (4)) on the lattice, TV by `norm`. `support` is the finest level's data
