@@ -281,6 +281,10 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->option_text(fmt::format("V [{:g}]", p.solve.tolerance));
   energy(app.add_option("--max-iterations", p.solve.max_iterations, "Limit per level"))
       ->option_text(fmt::format("N [{}]", p.solve.max_iterations));
+  energy(app.add_option("--settle", p.solve.settle,
+                        "End a level when no label changes any more, though its gap may still\nfall: on or off"))
+      ->transform(named<bool>({{"on", true}, {"off", false}}))
+      ->option_text("on|off [on]");
 }
 
 void add_method_options(CLI::App& app, ReconstructOptions& o) {

@@ -184,7 +184,8 @@ class Descent {
     PrimalDualRun run;
     // Flux that has faded (flux_kept()) has yet to settle: of the levels on a band the finest alone keeps it all.
     run.late = report.level == 0 && start_ > 0;
-    run.settles = report.level <= 1 && report.level < start_;
+    run.stalls = report.level < start_;
+    run.settles = run.stalls && report.level <= 1;
     run.checked = [&](int iterations, double gap) {
       progress_.advance(
           1.0 - static_cast<double>(report.level) / (coarsest_ + 1),

@@ -97,7 +97,7 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
     bool stalled = false;
     if (!whole) {
       gap = estimate_gap(level, parallel);
-      stalled = stall.found(report.iterations, gap, false);
+      stalled = run.stalls && stall.found(report.iterations, gap, false);
       whole = stalled || gap <= params.tolerance || (settles && settling.due(report.iterations, gap, params.tolerance));
     }
     if (whole) {
@@ -110,7 +110,7 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
       else if (settles && settling.due(report.iterations, gap, params.tolerance) &&
                settling.found(report.iterations, report.energies))
         stop(Stop::settled);
-      else if (stall.found(report.iterations, gap, true) || stalled)
+      else if (stalled || (run.stalls && stall.found(report.iterations, gap, true)))
         stop(Stop::stalled);
     }
     if (run.checked) run.checked(report.iterations, gap);

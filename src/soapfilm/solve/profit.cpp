@@ -9,7 +9,7 @@ namespace soapfilm {
 namespace {
 
 /// A wave of p or u crosses a band within so many iterations; before that a gap may wait for one.
-constexpr int least_before_stall = 96;
+constexpr int least_before_stall = 128;
 /// A gap above this part of the lowest one before the last third has not fallen.
 constexpr double no_longer_falls = 0.9;
 
@@ -33,9 +33,8 @@ std::string_view name_of(Stop stop) {
 
 bool Stall::found(int iterations, double gap, bool whole) {
   std::vector<Look>& looks = looks_[whole];
-  double before = 0;  // the lowest gap of those looks that lie far enough back, 0: there is none
-  for (const Look& look : looks)
-    if (3 * look.iterations <= 2 * iterations) before = look.lowest;
+  double before = 0;  // lowest gap of the looks that lie far enough back, two looks at least; 0: there is none
+  for (size_t k = 0; k + 1 < looks.size() && 3 * looks[k].iterations <= 2 * iterations; ++k) before = looks[k].lowest;
   const double lowest = looks.empty() ? gap : std::min(gap, looks.back().lowest);
   looks.push_back({iterations, lowest});
   return iterations >= least_before_stall && before > 0 && lowest > no_longer_falls * before;
