@@ -63,7 +63,7 @@ void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
       if (!used && app.count(name) > 0) throw ParameterError(fmt::format("{}: only {} has it", name, of));
   };
   const bool chooses = params.energy.cross_validate;
-  only({"--tolerance", "--max-iterations"}, params.method == Method::tv || chooses, "method tv");
+  only({"--tolerance", "--max-iterations", "--settle"}, params.method == Method::tv || chooses, "method tv");
   only({"--link-weights"}, params.method == Method::graph_cut_26, "method graph-cut-26");
   only({"--front", "--behind"}, params.method == Method::vrip, "method vrip");
   only({"--write-levels"}, params.method == Method::tv, "method tv");

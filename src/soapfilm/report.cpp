@@ -43,7 +43,8 @@ ordered_json grid_json(const ReconstructReport& report) {
                       {"band_growths", l.band_growths},
                       {"relative_gap", l.energies.relative_gap(lambda)},
                       {"relative_gap_band", l.energies.relative_gap_band(lambda)},
-                      {"relative_gap_binary", l.level > 0 ? l.binary.relative_gap(lambda) : report.certificate.relative_gap_binary()}});
+                      {"relative_gap_binary",
+                       l.level > 0 ? l.binary.relative_gap(lambda) : report.certificate.relative_gap_binary()}});
   }
   return {{"size", vector_json(lattice.to_world_axes(lattice.size))},
           {"voxel", lattice.voxel},

@@ -319,8 +319,8 @@ TEST(CoarseToFine, AFilmThatTheRimCannotFeedEndsStalled) {
   Progress progress;
   constexpr double lambda = 0.05;
   const SupportField field = restrict_field(problem.support, problem.lattice.box(1), one_thread);
-  Level coarse = make_level(problem.lattice.box(1), static_cast<float>(4 * lambda), BrickMask::whole(problem.lattice.box(1).bricks), field.grid,
-                      field.f, one_thread);
+  Level coarse = make_level(problem.lattice.box(1), static_cast<float>(4 * lambda),
+                            BrickMask::whole(problem.lattice.box(1).bricks), field.grid, field.f, one_thread);
   ASSERT_TRUE(solve_primal_dual(coarse, params, one_thread, progress).converged);
   int iterations[2];
   for (const bool faded : {false, true}) {
@@ -328,7 +328,8 @@ TEST(CoarseToFine, AFilmThatTheRimCannotFeedEndsStalled) {
     const LevelBox box = problem.lattice.box(0);
     Level level = prolong_level(coarse, box, choose_band(coarse, box, problem.support, 1e9, one_thread),
                                 problem.support, one_thread);
-    const PrimalDualReport report = solve_primal_dual(level, params, one_thread, progress, {.late = true, .stalls = true});
+    const PrimalDualReport report =
+        solve_primal_dual(level, params, one_thread, progress, {.late = true, .stalls = true});
     EXPECT_EQ(report.stop, faded ? Stop::stalled : Stop::converged);
     iterations[faded] = report.iterations;
   }

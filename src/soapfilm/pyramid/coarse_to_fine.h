@@ -24,8 +24,8 @@ struct LevelReport {
   int band_growths = 0;
   bool converged = false;
   Stop stop = Stop::limit;
-  Energies energies;   ///< of the relaxed u, whole domain
-  Energies binary;     ///< of u thresholded at 1/2; of the finest level its certificate tells
+  Energies energies;  ///< of the relaxed u, whole domain
+  Energies binary;    ///< of u thresholded at 1/2; of the finest level its certificate tells
 };
 
 struct PyramidSolution {

@@ -29,7 +29,8 @@ struct PrimalDualReport {
 /// How a level is solved, beside the parameters.
 struct PrimalDualRun {
   bool late = false;  ///< steps as near the end from the start: p comes from a solved level and has settled
-  /// It may end with Stop::stalled: it starts from a solved level. From zero the gap waits for waves that cross the box.
+  /// It may end with Stop::stalled: it starts from a solved level. From zero the gap waits for waves that cross the
+  /// box.
   bool stalls = false;
   bool settles = false;  ///< and, where params.settle, with Stop::settled: the thresholded u is what matters
   std::function<void(int iterations, double gap)> checked = {};  ///< after each look at the band's relative gap
