@@ -63,7 +63,7 @@ void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
       if (!used && app.count(name) > 0) throw ParameterError(fmt::format("{}: only {} has it", name, of));
   };
   const bool chooses = params.energy.cross_validate;
-  only({"--tolerance", "--max-iterations"}, params.method == Method::tv || chooses, "method tv");
+  only({"--tolerance", "--max-iterations", "--settle"}, params.method == Method::tv || chooses, "method tv");
   only({"--link-weights"}, params.method == Method::graph_cut_26, "method graph-cut-26");
   only({"--front", "--behind"}, params.method == Method::vrip, "method vrip");
   only({"--write-levels"}, params.method == Method::tv, "method tv");
@@ -281,6 +281,10 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->option_text(fmt::format("V [{:g}]", p.solve.tolerance));
   energy(app.add_option("--max-iterations", p.solve.max_iterations, "Limit per level"))
       ->option_text(fmt::format("N [{}]", p.solve.max_iterations));
+  energy(app.add_option("--settle", p.solve.settle,
+                        "End a level when no label changes any more, though its gap may still\nfall: on or off"))
+      ->transform(named<bool>({{"on", true}, {"off", false}}))
+      ->option_text("on|off [on]");
 }
 
 void add_method_options(CLI::App& app, ReconstructOptions& o) {

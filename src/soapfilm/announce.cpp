@@ -50,8 +50,18 @@ void warn_unconverged(ReconstructReport& report, Progress& progress) {
                     "the same",
                     level, iterations, tolerance));
   };
-  for (const LevelReport& level : report.levels)
-    if (!level.converged && level.lambda_share == 1) warn_level(level.level, level.iterations, level.tolerance);
+  for (const LevelReport& level : report.levels) {
+    if (level.lambda_share < 1) continue;
+    // A level whose labels have settled has given all that the mesh takes. A coarser one that stalls only starts
+    // others.
+    if (level.stop == Stop::limit) warn_level(level.level, level.iterations, level.tolerance);
+    if (level.stop == Stop::stalled && level.level == 0)
+      warn(fmt::format(
+          "level 0: the gap has stayed at {:.2g} (tolerance {:g}) and more iterations would not help: likely "
+          "a large part without samples; the certificate below holds all the same, --resolution or "
+          "--lambda may change it",
+          level.energies.relative_gap_band(report.certificate.lambda), level.tolerance));
+  }
   for (const SorLevelReport& level : report.sor)
     if (!level.converged) warn_level(level.level, level.iterations, report.params.sor.tolerance);
   if (report.poisson && !report.poisson->converged)

@@ -72,6 +72,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("thin", "seed", p.thin.seed);
   visit("solve", "tolerance", p.solve.tolerance);
   visit("solve", "max_iterations", p.solve.max_iterations);
+  visit("solve", "settle", p.solve.settle);
   visit("solve", "check_every", p.solve.check_every);
   visit("solve", "step_balance", p.solve.step_balance);
   visit("sor", "epsilon", p.sor.epsilon);

@@ -39,9 +39,12 @@ ordered_json grid_json(const ReconstructReport& report) {
                       {"iterations", l.iterations},
                       {"tolerance", l.tolerance},
                       {"converged", l.converged},
+                      {"stop", name_of(l.stop)},
                       {"band_growths", l.band_growths},
                       {"relative_gap", l.energies.relative_gap(lambda)},
-                      {"relative_gap_band", l.energies.relative_gap_band(lambda)}});
+                      {"relative_gap_band", l.energies.relative_gap_band(lambda)},
+                      {"relative_gap_binary",
+                       l.level > 0 ? l.binary.relative_gap(lambda) : report.certificate.relative_gap_binary()}});
   }
   return {{"size", vector_json(lattice.to_world_axes(lattice.size))},
           {"voxel", lattice.voxel},

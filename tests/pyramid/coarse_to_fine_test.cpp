@@ -7,7 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/pyramid/band.h"
 #include "soapfilm/pyramid/prolong.h"
+#include "soapfilm/pyramid/restrict.h"
 #include "soapfilm/refine/indicator.h"
 #include "support/dense.h"
 #include "support/problem.h"
@@ -205,7 +207,9 @@ TEST(CoarseToFine, AGrownFinestBandHasTheFluxOfTheCoarseLevel) {
   constexpr double lambda = 0.01;
   const Problem problem = make_problem(sampled("sphere", 64, 1), 64);
   PrimalDualParams params;
-  params.max_iterations = 8;
+  params.max_iterations = 12;
+  params.check_every = 2;
+  params.tolerance = 0.05;  // the finest level is there before its iterations run out, and may grow
   Progress progress;
   Level coarse;
   int solved = 0;
@@ -239,6 +243,98 @@ TEST(CoarseToFine, AGrownFinestBandHasTheFluxOfTheCoarseLevel) {
       for (int k = 0; flux && k < brick_area; ++k, ++faces) ASSERT_EQ(flux[k], expected[k]);
     }
   EXPECT_GT(faces, 1000u);
+}
+
+/// A cloud without what lies beyond a plane across its longest side: `share` of its length.
+PointCloud without_end(const PointCloud& cloud, double share) {
+  const Box3d box = cloud.box();
+  PointCloud rest;
+  for (size_t i = 0; i < cloud.size(); ++i)
+    if (cloud.positions[i].x < box.hi.x - share * (box.hi.x - box.lo.x)) {
+      rest.positions.push_back(cloud.positions[i]);
+      rest.normals.push_back(cloud.normals[i]);
+    }
+  return rest;
+}
+
+TEST(CoarseToFine, TheLimitHoldsOverTheGrowthsOfABand) {
+  const Problem problem = make_problem(without_end(sampled("sphere", 96, 1), 0.4), 96);
+  int growths = 0;
+  for (const int limit : {1, 15, 40, 140, 200}) {
+    PrimalDualParams params;
+    params.max_iterations = limit;
+    params.tolerance = 1e-7;
+    params.settle = false;
+    Progress progress;
+    for (const LevelReport& report :
+         solve_coarse_to_fine(problem.lattice, problem.support, 0.04, params, one_thread, progress).reports) {
+      EXPECT_LE(report.iterations, limit) << "level " << report.level;
+      EXPECT_EQ(report.converged, report.stop == Stop::converged);
+      if (report.stop == Stop::limit) {
+        EXPECT_EQ(report.iterations, limit);
+      }
+      growths += report.band_growths;
+    }
+  }
+  EXPECT_GT(growths, 0) << "the case tells nothing: no band has grown";
+}
+
+/// Where samples are missing the relaxed gap goes on falling when no label has anything of it.
+TEST(CoarseToFine, ALevelEndsWhenItsLabelsHaveSettled) {
+  const Problem problem = make_problem(without_end(sampled("part", 96, 1), 0.3), 96);
+  constexpr double lambda = 0.03;
+  const auto solved = [&](bool settle, int threads) {
+    PrimalDualParams params;
+    params.settle = settle;
+    params.tolerance = 1e-5;
+    params.max_iterations = 20000;
+    Progress progress;
+    return solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, Parallel(threads), progress);
+  };
+  const PyramidSolution settled = solved(true, 1), exact = solved(false, 1);
+  const LevelReport &ended = settled.reports.back(), &went_on = exact.reports.back();
+  EXPECT_EQ(ended.stop, Stop::settled);
+  EXPECT_FALSE(ended.converged);
+  EXPECT_EQ(went_on.stop, Stop::converged);
+  EXPECT_LT(ended.iterations, 0.7 * went_on.iterations);
+
+  const Energies binary = evaluate_energy(settled.finest, {.threshold = 0.5f, .certify = true}, one_thread);
+  const Energies best = evaluate_energy(exact.finest, {.threshold = 0.5f, .certify = true}, one_thread);
+  EXPECT_NEAR(binary.primal, best.primal, 5e-4 * std::abs(best.primal));
+  EXPECT_LT(binary.gap, 1.15 * best.gap);
+  const size_t differences = count_differences(dense_labels(settled.finest), dense_labels(exact.finest));
+  EXPECT_LE(static_cast<double>(differences), 0.03 * binary.total_variation) << "a surface 0.03 vertices away";
+
+  const PyramidSolution threaded = solved(true, 3);
+  EXPECT_EQ(threaded.reports.back().iterations, ended.iterations);
+  EXPECT_EQ(threaded.reports.back().energies.gap, ended.energies.gap);
+}
+
+/// A film needs lambda times its area from either side of the band. With less it can only tear, whatever the
+/// iterations: the solver says so.
+TEST(CoarseToFine, AFilmThatTheRimCannotFeedEndsStalled) {
+  const Problem problem = make_problem(without_end(sampled("sphere", 64, 1), 0.4), 64);
+  PrimalDualParams params;
+  params.max_iterations = 20000;
+  Progress progress;
+  constexpr double lambda = 0.05;
+  const SupportField field = restrict_field(problem.support, problem.lattice.box(1), one_thread);
+  Level coarse = make_level(problem.lattice.box(1), static_cast<float>(4 * lambda),
+                            BrickMask::whole(problem.lattice.box(1).bricks), field.grid, field.f, one_thread);
+  ASSERT_TRUE(solve_primal_dual(coarse, params, one_thread, progress).converged);
+  int iterations[2];
+  for (const bool faded : {false, true}) {
+    if (faded) scale_flux(coarse, 0.6f, one_thread);
+    const LevelBox box = problem.lattice.box(0);
+    Level level = prolong_level(coarse, box, choose_band(coarse, box, problem.support, 1e9, one_thread),
+                                problem.support, one_thread);
+    const PrimalDualReport report =
+        solve_primal_dual(level, params, one_thread, progress, {.late = true, .stalls = true});
+    EXPECT_EQ(report.stop, faded ? Stop::stalled : Stop::converged);
+    iterations[faded] = report.iterations;
+  }
+  EXPECT_LT(iterations[0], 100);
+  EXPECT_LT(iterations[1], 1000);
 }
 
 }  // namespace TEST_FILE

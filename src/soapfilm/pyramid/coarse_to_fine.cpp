@@ -41,7 +41,7 @@ double balance_of(int level, int start) { return level > 1 && level < start ? 1.
 /// of a vertex per iteration, cross from side to side. Each level that takes some off leaves it well inside the ball,
 /// and what an interface needs comes back within a few iterations. Where the band's rim runs close to the interface p
 /// is fixed there, so less may go: at level 1 half of that, at the finest, 0, nothing.
-float flux_kept(int level) { return level == 1 ? 0.9f : 0.8f; }
+float flux_kept(int level) { return level == 1 ? 0.95f : 0.9f; }
 
 /// An upper bound of what any surface can gain from a level's data: the sum of its positive part.
 double largest_gain(const SupportField& support) {
@@ -112,6 +112,7 @@ class Descent {
         level = solve_on_band(std::move(level), field, share_left_out * params_.tolerance * scale, report);
       }
       report.active_vertices = level.grid.vertices();
+      if (l > 0) report.binary = evaluate_energy(level, {.threshold = 0.5f, .certify = false}, parallel_);
       if (observe_.solved && l <= start_) observe_.solved(level, lattice_.of_level(l));
       solution.reports.push_back(report);
     }
@@ -148,12 +149,16 @@ class Descent {
     const BrickGrid held = finest ? std::move(coarse.grid) : coarse.grid;
     if (finest) coarse = {};
     bool tight = !finest && params_.max_iterations > patience;
+    int stalls = 0;
     for (;;) {
-      solve(level, report, tight ? patience : params_.max_iterations);
+      const int left = params_.max_iterations - report.iterations;
+      solve(level, report, tight ? std::min(patience, left) : left);
+      stalls += report.stop == Stop::stalled;
       if (report.band_growths == max_growths) return level;
       const BrickMask grown = growth(level, held, parallel_);
-      const bool widen = tight && !report.converged;
+      const bool widen = tight && !report.converged && report.stop != Stop::settled;
       if (grown.count() == 0 && !widen) return level;
+      if (report.iterations >= params_.max_iterations || stalls > 1) return level;
       band |= grown;
       if (widen) {
         band = widened(band, held);
@@ -179,6 +184,8 @@ class Descent {
     PrimalDualRun run;
     // Flux that has faded (flux_kept()) has yet to settle: of the levels on a band the finest alone keeps it all.
     run.late = report.level == 0 && start_ > 0;
+    run.stalls = report.level < start_;
+    run.settles = run.stalls && report.level <= 1;
     run.checked = [&](int iterations, double gap) {
       progress_.advance(
           1.0 - static_cast<double>(report.level) / (coarsest_ + 1),
@@ -191,6 +198,7 @@ class Descent {
     const PrimalDualReport solved = solve_primal_dual(level, params, parallel_, progress_, run);
     report.iterations += solved.iterations;
     report.converged = solved.converged;
+    report.stop = solved.stop;
     report.energies = solved.energies;
   }
 

@@ -23,7 +23,9 @@ struct LevelReport {
                          ///< 1e-2 where it took less than lambda
   int band_growths = 0;
   bool converged = false;
+  Stop stop = Stop::limit;
   Energies energies;  ///< of the relaxed u, whole domain
+  Energies binary;    ///< of u thresholded at 1/2; of the finest level its certificate tells
 };
 
 struct PyramidSolution {

@@ -76,9 +76,12 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
   Sweeper sweeper(level, parallel);
   PrimalDualReport report;
   Forecast forecast(params.tolerance);
-  bool late = run.late;
+  Stall stall;
+  Settling settling(level, parallel);
+  const bool settles = run.settles && params.settle;
+  bool late = run.late, ended = false;
   int check_after = (params.check_every + 1) / 2;
-  for (int check = 1; report.iterations < params.max_iterations && !report.converged; ++check) {
+  for (int check = 1; report.iterations < params.max_iterations && !ended; ++check) {
     const int sweeps = std::min(check_after, params.max_iterations - report.iterations);
     for (int done = 0; done < sweeps; done += Sweeper::tile_sweeps) {
       progress.check();
@@ -87,12 +90,28 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
     report.iterations += sweeps;
     double gap = 0;
     bool whole = check % estimates == 0 || report.iterations == params.max_iterations;
-    if (!whole) whole = (gap = estimate_gap(level, parallel)) <= params.tolerance;
+    const auto stop = [&](Stop reason) {
+      report.stop = reason;
+      ended = true;
+    };
+    bool stalled = false;
+    if (!whole) {
+      gap = estimate_gap(level, parallel);
+      stalled = run.stalls && stall.found(report.iterations, gap, false);
+      whole = stalled || gap <= params.tolerance || (settles && settling.due(report.iterations, gap, params.tolerance));
+    }
     if (whole) {
       report.energies = evaluate_energy(level, {}, parallel);
       gap = report.energies.relative_gap_band(level.lambda);
       report.converged = gap <= params.tolerance;
       if (run.evaluated) run.evaluated(report.iterations, report.energies);
+      if (report.converged)
+        stop(Stop::converged);
+      else if (settles && settling.due(report.iterations, gap, params.tolerance) &&
+               settling.found(report.iterations, report.energies))
+        stop(Stop::settled);
+      else if (stalled || (run.stalls && stall.found(report.iterations, gap, true)))
+        stop(Stop::stalled);
     }
     if (run.checked) run.checked(report.iterations, gap);
     late = late || gap <= late_gap * params.tolerance;

@@ -7,12 +7,14 @@
 #include "soapfilm/core/progress.h"
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/level.h"
+#include "soapfilm/solve/profit.h"
 
 namespace soapfilm {
 
 struct PrimalDualParams {
   double tolerance = 1e-3;    ///< of the band's relative gap, > 0 (chosen by bench/results/tolerance.md)
-  int max_iterations = 2000;  ///< per level, >= 1
+  int max_iterations = 2000;  ///< per level, its band's growths counted, >= 1
+  bool settle = true;         ///< end a level on a band where the thresholded u has settled, whatever the relaxed gap
   int check_every = 32;  ///< most iterations between two evaluations of the gap, 1 to 1000; the first comes after half
   double step_balance = 1.4;  ///< sigma in units of lambda at first, half of it near the end; tau = 1.3 / (12 sigma)
 };
@@ -20,12 +22,17 @@ struct PrimalDualParams {
 struct PrimalDualReport {
   int iterations = 0;
   bool converged = false;
+  Stop stop = Stop::limit;
   Energies energies;  ///< of the relaxed u
 };
 
 /// How a level is solved, beside the parameters.
 struct PrimalDualRun {
   bool late = false;  ///< steps as near the end from the start: p comes from a solved level and has settled
+  /// It may end with Stop::stalled: it starts from a solved level. From zero the gap waits for waves that cross the
+  /// box.
+  bool stalls = false;
+  bool settles = false;  ///< and, where params.settle, with Stop::settled: the thresholded u is what matters
   std::function<void(int iterations, double gap)> checked = {};  ///< after each look at the band's relative gap
   /// After each evaluation of the whole level. Without it a large level's gap is estimated until it is about the
   /// tolerance.

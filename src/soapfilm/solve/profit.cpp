@@ -1,0 +1,70 @@
+#include "soapfilm/solve/profit.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace soapfilm {
+
+namespace {
+
+/// A wave of p or u crosses a band within so many iterations; before that a gap may wait for one.
+constexpr int least_before_stall = 128;
+/// A gap above this part of the lowest one before the last third has not fallen.
+constexpr double no_longer_falls = 0.9;
+
+/// Iterations between two looks at the labels: a label that is on its way changes within so many.
+constexpr int label_look_every = 32;
+/// Labels that may change in so many iterations, per vertex^2 of the thresholded surface: they move it by this part of
+/// a vertex in the mean.
+constexpr double labels_per_area = 0.01;
+/// The thresholded gap may fall by this part of it between two looks.
+constexpr double same_gap = 0.01;
+/// The relaxed gap, which bounds what the dual can still gain, is at most this part of the thresholded one.
+constexpr double little_to_gain = 0.125;
+constexpr double late_gap = 10;  // times the tolerance
+
+}  // namespace
+
+std::string_view name_of(Stop stop) {
+  constexpr std::array<std::string_view, 4> names = {"converged", "settled", "stalled", "limit"};
+  return names[static_cast<size_t>(stop)];
+}
+
+bool Stall::found(int iterations, double gap, bool whole) {
+  std::vector<Look>& looks = looks_[whole];
+  double before = 0;  // lowest gap of the looks that lie far enough back, two looks at least; 0: there is none
+  for (size_t k = 0; k + 1 < looks.size() && 3 * looks[k].iterations <= 2 * iterations; ++k) before = looks[k].lowest;
+  const double lowest = looks.empty() ? gap : std::min(gap, looks.back().lowest);
+  looks.push_back({iterations, lowest});
+  return iterations >= least_before_stall && before > 0 && lowest > no_longer_falls * before;
+}
+
+bool Settling::due(int iterations, double gap, double tolerance) const {
+  return gap <= late_gap * tolerance && iterations >= iterations_ + label_look_every;
+}
+
+bool Settling::found(int iterations, const Energies& relaxed) {
+  const Energies binary = evaluate_energy(level_, {.threshold = 0.5f, .certify = false}, parallel_);
+  const bool first = iterations_ == 0;
+  const double allowed = labels_per_area * binary.total_variation * (iterations - iterations_) / label_look_every;
+  const bool same_labels = static_cast<double>(changed_labels()) <= allowed;
+  const bool same = binary.gap >= (1 - same_gap) * gap_ && same_labels;
+  iterations_ = iterations;
+  gap_ = binary.gap;
+  return !first && same && relaxed.gap_band <= little_to_gain * binary.gap;
+}
+
+size_t Settling::changed_labels() {
+  inside_.resize(level_.grid.size());
+  std::vector<size_t> changed(inside_.size());
+  parallel_.for_each(inside_.size(), 64, [&](size_t b) {
+    const BrickBits now = BrickBits::above(level_.u.brick(b), 0.5f);
+    for (size_t z = 0; z < now.layer.size(); ++z)
+      changed[b] += static_cast<size_t>(count_bits(now.layer[z] ^ inside_[b].layer[z]));
+    inside_[b] = now;
+  });
+  return std::accumulate(changed.begin(), changed.end(), size_t{0});
+}
+
+}  // namespace soapfilm
