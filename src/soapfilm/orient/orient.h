@@ -32,6 +32,7 @@ struct OrientReport {
   size_t from_normals = 0;
   size_t from_sensor = 0;
   size_t from_scan = 0;
+  size_t from_planes = 0;  ///< of those two, by `automatic`: now normals of the planes around them, on that side
   size_t estimated = 0;
   size_t without_direction = 0;  ///< their direction is zero: no neighbours that span a plane
   std::vector<std::string> warnings;
