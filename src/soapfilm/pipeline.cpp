@@ -68,7 +68,11 @@ void Pipeline::check(const PointCloud& cloud) {
 
 std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
   auto directions = stages_.run("orient", [&] {
-    return soapfilm::orient(cloud, params_.orient, parallel_, progress_, report_.input.directions);
+    auto found = soapfilm::orient(cloud, params_.orient, parallel_, progress_, report_.input.directions);
+    local_surface_ = measure_local_surface(cloud.positions, found, box_, parallel_, progress_);
+    if (params_.orient.source == DirectionSource::automatic)
+      turn_to_planes(cloud, local_surface_, parallel_, found, report_.input.directions);
+    return found;
   });
   report_.warnings = report_.input.directions.warnings;  // which it has shown
   return directions;
@@ -76,14 +80,15 @@ std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
 
 GridSamples Pipeline::place(const PointCloud& cloud, std::span<const Vec3f> directions, AfterPlacing after) {
   auto samples = stages_.run(
-      "place", [&] { return soapfilm::place(cloud, box_, directions, params_, *room_, after, parallel_, report_); });
+      "place", [&] { return soapfilm::place(cloud, box_, directions, local_surface_, params_, *room_, after, parallel_, report_); });
   held_bytes_ = plan_fixed(params_.method, cloud, after);
   announce_grid(report_, progress_);
   return samples;
 }
 
 void Pipeline::weigh(const PointCloud& cloud, std::span<const Vec3f> directions, GridSamples& samples) {
-  stages_.run("weigh", [&] { weigh_area(cloud, directions, params_, parallel_, progress_, samples, report_); });
+  stages_.run("weigh", [&] { weigh_area(cloud, directions, local_surface_, params_, parallel_, progress_, samples, report_); });
+  local_surface_ = {};
   announce_weight(report_, progress_);
 }
 

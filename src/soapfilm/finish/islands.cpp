@@ -72,7 +72,7 @@ Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Paral
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f direction = samples.direction[s];
       const Supported by = supported_parts(parts, around, samples.local[s], normalized(direction));
-      const double weight = std::max(1.0f, norm(direction));
+      const double weight = norm(direction);
       for (size_t k = 0; k < by.size(); ++k)
         if (k == 0 || by[k] != by[0]) add_evidence(by[k], weight, in_brick[b]);
     }

@@ -172,19 +172,19 @@ class Survey {
       const size_t side = cells.facet_of(k, c) - cells[c].first_facet;
       if (!planes[side]) planes[side] = plane_of(around, cells.facets(c)[side]);
       const Plane& plane = *planes[side];
+      const bool found = plane.found && (first_filled_[i] == 0 || first_filled_[i] == depth || thin_enough_far(around));
+      if (plane.filled && (found || first_filled_[i] == 0)) {
+        surface_.area[i] = static_cast<float>(plane.area * cells.side() * cells.side());
+        surface_.spacing[i] = static_cast<float>(plane.spacing * cells.side());
+      }
       if (plane.filled && first_filled_[i] == 0) {
         first_filled_[i] = static_cast<uint8_t>(depth);
         surface_.gap[i] = static_cast<float>(cells.side());
       }
-      const bool far = first_filled_[i] > depth;
-      if (plane.found && (!far || plane.area > 0)) {
-        if (!far || thin_enough_far(around)) {
-          surface_.normal[i] = plane.normal;
-          surface_.area[i] = static_cast<float>(plane.area * cells.side() * cells.side());
-          surface_.spacing[i] = static_cast<float>(plane.spacing * cells.side());
-          open_[i] = 0;
-          continue;
-        }
+      if (found) {
+        surface_.normal[i] = plane.normal;
+        open_[i] = 0;
+        continue;
       }
       if (first_filled_[i] >= depth + coarser_at_most) open_[i] = 0;  // an edge, or no surface
       left += open_[i];
@@ -227,8 +227,12 @@ class Survey {
       thin = spread.variance[0] <= most_thick * spread.variance[1] &&
              spread.variance[1] > least_spread * spread.variance[2];
     }
-    if (!plane.filled || !thin) return plane;
+    if (!plane.filled) return plane;
     plane.normal = spread.normal;
+    if (!thin) {
+      measure_area(around, agreeing, plane);
+      return plane;
+    }
     plane.found = true;
     const float towards = dot(plane.normal, own.direction);
     const bool told = std::abs(towards) > least_incidence * norm(own.direction);

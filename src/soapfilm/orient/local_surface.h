@@ -15,7 +15,7 @@ namespace soapfilm {
 
 /// Columns, each as long as the samples; empty when it was not measured.
 struct LocalSurface {
-  std::vector<float> area;     ///< of surface that the sample stands for, input units^2; 0: no plane was found around it
+  std::vector<float> area;     ///< of surface that the sample stands for, input units^2; 0: nothing around it
   std::vector<float> spacing;  ///< of different samples around it, input units; 0 likewise
   std::vector<float> gap;      ///< side of the smallest cells that the surface fills without holes, input units
   std::vector<Vec3f> normal;   ///< unit, sign arbitrary; zero: no plane

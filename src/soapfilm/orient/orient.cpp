@@ -189,27 +189,6 @@ void warn_of_inward_normals(const PointCloud& cloud, const std::vector<Vec3f>& d
          "they must be turned outward");
 }
 
-/// Towards the scanner says which side is outside, and of the plane only what the angle between them leaves: a floor that
-/// rays graze counts a sixth. Where the neighborhood spans a plane, its normal on that side says both.
-void turn_to_planes(const PointCloud& cloud, const Parallel& parallel, Progress& progress,
-                    std::vector<Vec3f>& directions, OrientReport& report) {
-  constexpr float least_incidence = 0.02f;  // cosine: below it the side is not told
-  const bool has_normals = report.from_normals > 0;
-  const LocalSurface surface =
-      measure_local_surface(cloud.positions, directions, cloud.box(parallel), parallel, progress);
-  report.from_planes = sum_chunks<size_t>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
-    size_t turned = 0;
-    for (size_t i = begin; i < end; ++i) {
-      if (has_normals && cloud.normals[i] != Vec3f{}) continue;
-      const float incidence = dot(surface.normal[i], directions[i]);
-      if (!(std::abs(incidence) > least_incidence)) continue;
-      directions[i] = incidence > 0 ? surface.normal[i] : -surface.normal[i];
-      ++turned;
-    }
-    return turned;
-  });
-}
-
 }  // namespace
 
 std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
@@ -245,10 +224,24 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
   report.from_scan = found.samples[2];
   refuse_absent_source(params.source, report);
   warn_of_inward_normals(cloud, directions, parallel, progress, report);
-  if (params.source == DirectionSource::automatic && report.from_sensor + report.from_scan > 0)
-    turn_to_planes(cloud, parallel, progress, directions, report);
   estimate(cloud, params, known, parallel, progress, directions, report);
   return directions;
+}
+
+void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Parallel& parallel,
+                    std::vector<Vec3f>& directions, OrientReport& report) {
+  constexpr float least_incidence = 0.02f;  // cosine: below it the side is not told
+  report.from_planes = sum_chunks<size_t>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
+    size_t turned = 0;
+    for (size_t i = begin; i < end; ++i) {
+      if (!cloud.normals.empty() && cloud.normals[i] != Vec3f{}) continue;
+      const float incidence = dot(surface.normal[i], directions[i]);
+      if (!(std::abs(incidence) > least_incidence)) continue;
+      directions[i] = incidence > 0 ? surface.normal[i] : -surface.normal[i];
+      ++turned;
+    }
+    return turned;
+  });
 }
 
 }  // namespace soapfilm
