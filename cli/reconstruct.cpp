@@ -68,8 +68,8 @@ void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
   only({"--front", "--behind"}, params.method == Method::vrip, "method vrip");
   only({"--write-levels"}, params.method == Method::tv, "method tv");
   only({"--folds", "--fold-source"}, chooses, "--lambda auto");
-  only({"--thin-parts"}, weighs_area(params.method), "a method that weighs area");
-  only({"--thin-parts"}, !params.energy.lambda, "a lambda that follows the samples");
+  only({"--weights"}, weighs_area(params.method), "a method that weighs area");
+  only({"--weights"}, !params.energy.lambda, "a lambda that follows the samples");
 }
 
 void finish_params(const CLI::App& app, ReconstructOptions& options) {
@@ -267,10 +267,10 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
                                     "is smoother (default: {:g} x samples per voxel^2);\nauto: by cross-validation",
                                     p.energy.lambda_per_density)))
       ->option_text("V|auto");
-  energy(app.add_option("--thin-parts", p.thin.keep,
-                        "Weigh samples up where lambda would lose a part for its thin sampling:\non or off"))
-      ->transform(named<bool>({{"on", true}, {"off", false}}))
-      ->option_text("on|off [on]");
+  energy(app.add_option("--weights", p.energy.by_area,
+                        "What a sample counts for: area, the surface that it stands for, or samples,\nall alike"))
+      ->transform(named<bool>({{"area", true}, {"samples", false}}))
+      ->option_text("area|samples [area]");
   energy(app.add_option("--norm", p.energy.norm,
                         "How area is measured: isotropic, as it is, or anisotropic, along the\ngrid's axes"))
       ->transform(named<Norm>({{"isotropic", Norm::isotropic}, {"anisotropic", Norm::anisotropic}}))

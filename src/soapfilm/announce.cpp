@@ -24,10 +24,6 @@ void announce_plan(size_t first_plan, const ReconstructReport& report, Progress&
 
 void announce_weight(const ReconstructReport& report, Progress& progress) {
   if (weighs_area(report.params.method)) progress.info(fmt::format("lambda {:.3g}", report.certificate.lambda));
-  if (report.thin && report.thin->samples > 0)
-    progress.info(fmt::format("{} thinly sampled part{}: {} samples weigh {:.2g} times as much (--thin-parts)",
-                              report.thin->parts.size(), report.thin->parts.size() == 1 ? "" : "s",
-                              report.thin->samples, report.thin->mean_weight));
   // orient() has shown its own.
   for (size_t i = report.input.directions.warnings.size(); i < report.warnings.size(); ++i)
     progress.warn(report.warnings[i]);

@@ -53,6 +53,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("energy", "lambda", p.energy.lambda);
   visit("energy", "lambda_per_density", p.energy.lambda_per_density);
   visit("energy", "cross_validate", p.energy.cross_validate);
+  visit("energy", "by_area", p.energy.by_area);
   visit("energy", "norm", p.energy.norm);
   visit("border", "outside", p.border.outside);
   visit("border", "open_gain", p.border.open_gain);
@@ -62,14 +63,6 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("select", "indifference", p.select.indifference);
   visit("select", "seed", p.select.seed);
   visit("select", "candidates", p.select.candidates);
-  visit("thin", "keep", p.thin.keep);
-  visit("thin", "max_resolution", p.thin.max_resolution);
-  visit("thin", "lambda_ratio", p.thin.lambda_ratio);
-  visit("thin", "thinness", p.thin.thinness);
-  visit("thin", "agreement", p.thin.agreement);
-  visit("thin", "least_samples", p.thin.least_samples);
-  visit("thin", "most_weight", p.thin.most_weight);
-  visit("thin", "seed", p.thin.seed);
   visit("solve", "tolerance", p.solve.tolerance);
   visit("solve", "max_iterations", p.solve.max_iterations);
   visit("solve", "settle", p.solve.settle);
@@ -255,7 +248,6 @@ void validate(const ReconstructParams& params) {
   validate(params.sor);
   validate(params.border);
   validate(params.select);
-  validate(params.thin);
   validate(params.islands);
   validate(params.refine);
   validate(params.vrip.surface);

@@ -14,7 +14,6 @@
 #include "soapfilm/refine/refine.h"
 #include "soapfilm/select/border.h"
 #include "soapfilm/select/cross_validation.h"
-#include "soapfilm/select/thin_parts.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/norm.h"
 #include "soapfilm/solve/poisson.h"
@@ -37,6 +36,7 @@ struct EnergyParams {
   std::optional<double> lambda;      ///< the paper's: weight of a voxel face of area against one unit vector, > 0
   double lambda_per_density = 0.02;  ///< without it: lambda is this times the samples per voxel^2 of surface, > 0
   bool cross_validate = false;       ///< choose lambda_per_density from the samples; `lambda` must be absent
+  bool by_area = true;               ///< a sample weighs by the area it stands for, where `lambda` is absent; else 1
   Norm norm = Norm::isotropic;       ///< of the gradient; anisotropic for Method::tv and graph cuts alone
 };
 
@@ -57,7 +57,6 @@ struct ReconstructParams {
   EnergyParams energy;
   BorderParams border;  ///< open: Method::tv alone; automatic: others take air
   CrossValidationParams select;
-  ThinPartsParams thin;      ///< methods that weigh area, where lambda is not given
   PrimalDualParams solve;    ///< Method::tv
   SorParams sor;             ///< Method::tv_sor
   PoissonParams poisson;     ///< Method::poisson

@@ -79,15 +79,17 @@ std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
 }
 
 GridSamples Pipeline::place(const PointCloud& cloud, std::span<const Vec3f> directions, AfterPlacing after) {
-  auto samples = stages_.run(
-      "place", [&] { return soapfilm::place(cloud, box_, directions, local_surface_, params_, *room_, after, parallel_, report_); });
+  auto samples = stages_.run("place", [&] {
+    return soapfilm::place(cloud, box_, directions, local_surface_, params_, *room_, after, parallel_, report_);
+  });
   held_bytes_ = plan_fixed(params_.method, cloud, after);
   announce_grid(report_, progress_);
   return samples;
 }
 
 void Pipeline::weigh(const PointCloud& cloud, std::span<const Vec3f> directions, GridSamples& samples) {
-  stages_.run("weigh", [&] { weigh_area(cloud, directions, local_surface_, params_, parallel_, progress_, samples, report_); });
+  stages_.run("weigh",
+              [&] { weigh_area(cloud, directions, local_surface_, params_, parallel_, progress_, samples, report_); });
   local_surface_ = {};
   announce_weight(report_, progress_);
 }

@@ -55,15 +55,10 @@ struct Moments {
   }
 };
 
-/// Whether weigh_area() looks for thinly sampled parts.
-bool probes(const ReconstructParams& params) {
-  return weighs_area(params.method) && !params.energy.lambda && params.thin.keep;
-}
-
 /// Whether a sample counts by the area that it stands for; where lambda is given, it is the paper's: against one vector
 /// for each sample.
 bool weighs_by_area(const ReconstructParams& params) {
-  return weighs_area(params.method) && !params.energy.lambda;
+  return weighs_area(params.method) && params.energy.by_area && !params.energy.lambda;
 }
 
 void warn_near_empty(double lambda, double density, std::vector<std::string>& warnings) {
@@ -142,14 +137,14 @@ Box3d check_samples(const PointCloud& cloud, const Parallel& parallel) {
 
 Room check_room(const PointCloud& cloud, const ReconstructParams& params) {
   Room room(params.memory_limit, held_memory_bytes());
-  room.placing_bytes = plan_placing(probes(params), cloud);
+  room.placing_bytes = plan_placing(cloud);
   check_placing(room.placing_bytes, room, cloud.size());
   return room;
 }
 
 GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions,
-                  const LocalSurface& surface, const ReconstructParams& params, const Room& room, AfterPlacing after, const Parallel& parallel,
-                  ReconstructReport& report) {
+                  const LocalSurface& surface, const ReconstructParams& params, const Room& room, AfterPlacing after,
+                  const Parallel& parallel, ReconstructReport& report) {
   const Sampling sampling = measure_sampling(cloud, box, parallel);
   const AreaCoverage coverage = cover_area(surface);
   const double voxel = choose_voxel(params.place, box, sampling, coverage);
@@ -174,15 +169,15 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
-  const MemoryPlan plan =
-      plan_memory(params.method, probes(params), refines(params), cloud, after, report.lattice, support);
+  const MemoryPlan plan = plan_memory(params.method, refines(params), cloud, after, report.lattice, support);
   report.planned_bytes = plan.total();
   check_memory(plan, room, report.lattice, 0, by_resolution);
   return samples;
 }
 
 void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const LocalSurface& surface,
-                const ReconstructParams& params, const Parallel& parallel, Progress& progress, GridSamples& samples, ReconstructReport& report) {
+                const ReconstructParams& params, const Parallel& parallel, Progress& progress, GridSamples& samples,
+                ReconstructReport& report) {
   double per_density = params.energy.lambda_per_density;
   if (params.energy.cross_validate) {
     report.select = choose_lambda(cloud, directions, report.lattice, params.select, params.solve, parallel, progress);

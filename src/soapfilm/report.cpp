@@ -24,6 +24,7 @@ ordered_json input_json(const InputFacts& input) {
            {{"normals", d.from_normals},
             {"sensor", d.from_sensor},
             {"scan", d.from_scan},
+            {"planes", d.from_planes},
             {"estimated", d.estimated},
             {"none", d.without_direction}}}};
 }
@@ -176,17 +177,6 @@ ordered_json border_json(const BorderReport& border) {
           {"border_flux", border.border_flux}};
 }
 
-ordered_json thin_json(const ThinPartsReport& thin) {
-  ordered_json parts = ordered_json::array();
-  for (const ThinPart& p : thin.parts)
-    parts.push_back({{"samples", p.samples}, {"density", p.density}, {"agreement", p.agreement}});
-  return {{"grid", vector_json(thin.grid)},
-          {"voxel", thin.voxel},
-          {"parts", parts},
-          {"samples", thin.samples},
-          {"mean_weight", thin.mean_weight}};
-}
-
 ordered_json mesh_json(const ReconstructReport& report) {
   ordered_json json = {{"vertices", report.mesh_vertices}, {"triangles", report.mesh_triangles}};
   if (report.topology) {
@@ -235,7 +225,6 @@ std::string to_json(const ReconstructReport& report) {
       {"method", method_json(report)},
       {"select", report.select ? select_json(*report.select) : ordered_json(nullptr)},
       {"border", border_json(report.border)},
-      {"thin", report.thin ? thin_json(*report.thin) : ordered_json(nullptr)},
       {"certificate", certificate_json(report.certificate, report.params.method)},
       {"surface",
        {{"isovalue", report.isovalue},

@@ -53,9 +53,8 @@ struct ReconstructReport {
   Lattice lattice;
   std::optional<CrossValidationReport> select;  ///< when lambda was chosen by cross-validation
   BorderReport border;
-  std::optional<ThinPartsReport> thin;  ///< when thinly sampled parts were looked for
-  std::vector<LevelReport> levels;      ///< Method::tv; coarsest first
-  std::vector<SorLevelReport> sor;      ///< Method::tv_sor; coarsest first
+  std::vector<LevelReport> levels;  ///< Method::tv; coarsest first
+  std::vector<SorLevelReport> sor;  ///< Method::tv_sor; coarsest first
   std::optional<PoissonReport> poisson;
   std::optional<GraphCutReport> graph_cut;
   std::optional<VripReport> vrip;

@@ -15,8 +15,8 @@
 namespace soapfilm {
 
 /// Sorts items by the lowest `bits` > 0 of key_of(item), and keeps the order of those that agree in these (Knuth, The
-/// Art of Computer Programming 3, section 5.2.5): they are dealt by their highest digit, each thread a run of them; then
-/// each hand is sorted in the cache, lowest digits first. Takes as much memory again as the items while it works.
+/// Art of Computer Programming 3, section 5.2.5): they are dealt by their highest digit, each thread a run of them;
+/// then each hand is sorted in the cache, lowest digits first. Takes as much memory again as the items while it works.
 template <class T, class KeyOf>
 void radix_sort(std::vector<T>& items, int bits, const Parallel& parallel, KeyOf&& key_of) {
   constexpr int high_bits = 12, low_bits = 8;

@@ -43,7 +43,7 @@ Supported supported_parts(const Parts& parts, const PartsAround& around, Vec3f l
   return supported;
 }
 
-/// Samples on the surface of each part, and what they weigh, each at least 1: thinly sampled parts were weighed up.
+/// Samples on the surface of each part, and what they weigh.
 struct Evidence {
   std::vector<size_t> count;
   std::vector<double> weight;

@@ -19,7 +19,7 @@ AreaCoverage cover_area(const LocalSurface& surface) {
   spacing_and_area.reserve(surface.planes);
   constexpr double scatter = 1.15;  // of even samples: a quarter of them seem closer by that than they are
   for (size_t i = 0; i < surface.area.size(); ++i) {
-    if (surface.normal[i] == Vec3f{}) continue;  // an edge, an outlier: its area is not known
+    if (!surface.is_plane(i)) continue;  // an edge, an outlier: its area is not known
     coverage.area += surface.area[i];
     spacing_and_area.emplace_back(surface.spacing[i], surface.area[i]);
   }
@@ -41,7 +41,7 @@ std::vector<float> weigh_by_area(const LocalSurface& surface, const AreaCoverage
   parallel.for_each(weights.size(), size_t{1} << 14, [&](size_t i) {
     const double ratio = surface.area[i] > 0 ? surface.area[i] * coverage.per_area : 1.0;
     const double weight = ratio > scatter ? ratio / scatter : ratio * scatter < 1 ? ratio * scatter : 1.0;
-    weights[i] = static_cast<float>(std::min(weight, surface.normal[i] == Vec3f{} ? 1.0 : most));
+    weights[i] = static_cast<float>(std::min(weight, surface.is_plane(i) ? most : 1.0));
   });
   return weights;
 }

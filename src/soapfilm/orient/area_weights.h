@@ -9,9 +9,9 @@
 namespace soapfilm {
 
 struct AreaCoverage {
-  double area = 0;       ///< of surface that was seen, input units^2; 0: too little of it was found to go by
-  double per_area = 0;   ///< samples per area on the mean over the area, input units^-2
-  double spacing = 0;    ///< of different samples, input units: on a quarter of the area they lie closer
+  double area = 0;      ///< of surface that was seen, input units^2; 0: too little of it was found to go by
+  double per_area = 0;  ///< samples per area on the mean over the area, input units^-2
+  double spacing = 0;   ///< of different samples, input units: on a quarter of the area they lie closer
 };
 
 /// Sums over the samples, in their order.

@@ -14,13 +14,14 @@ namespace soapfilm {
 
 namespace {
 
-constexpr int fewest_cells = 6;          // of 27: a plane passes through 9 to 13
-constexpr double least_spread = 0.15;    // middle over largest variance: below it the samples lie along a line
-constexpr double most_thick = 0.08;      // least over middle variance of a plane
-constexpr double most_thick_far = 0.04;  // the same in cells larger than the first ones that are filled
-constexpr int coarser_at_most = 3;       // depths above the first filled one where a plane is looked for
-constexpr int coarsest = 4;              // depth: a sixteenth of the box
+constexpr int fewest_cells = 6;           // of 27: a plane passes through 9 to 13
+constexpr double least_spread = 0.15;     // middle over largest variance: below it the samples lie along a line
+constexpr double most_thick = 0.08;       // least over middle variance of a plane
+constexpr double most_thick_far = 0.04;   // the same in cells larger than the first ones that are filled
+constexpr int coarser_at_most = 3;        // depths above the first filled one where a plane is looked for
+constexpr int coarsest = 4;               // depth: a sixteenth of the box
 constexpr double least_incidence = 0.05;  // cosine of direction and normal, below which sides are not told apart
+constexpr double least_agreement = 0.75;  // length of the mean direction; random ones on one side have a half
 constexpr double parts_per_face = 16;     // of a cell's parts, those that a plane along its face meets
 
 /// Where the samples of a facet are settled.
@@ -30,6 +31,7 @@ struct Plane {
   float spacing = 0;  ///< cells
   bool filled = false;
   bool found = false;
+  bool agrees = false;  ///< the directions around, as those of outliers do not
 };
 
 /// The facets around one, relative to the center of its cell.
@@ -91,8 +93,14 @@ template <class Wanted>
 void measure_area(const Around& around, Wanted&& wanted, Plane& plane) {
   const int cells = cells_with(around, wanted);
   double samples = 0, distinct = 0;
-  for (size_t k = 0; k < around.count; ++k)
-    if (wanted(k)) samples += around.facet[k]->count, distinct += around.facet[k]->distinct;
+  Vec3f direction{};
+  for (size_t k = 0; k < around.count; ++k) {
+    if (!wanted(k)) continue;
+    samples += around.facet[k]->count;
+    distinct += around.facet[k]->distinct;
+    direction += around.facet[k]->direction;
+  }
+  plane.agrees = norm(direction) >= least_agreement * samples;
   const Vec3f n = plane.normal;
   const double per_area = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   // Parts that several samples share count once: how many there were if each had a place of its own.
@@ -108,8 +116,13 @@ class Survey {
  public:
   Survey(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Box3d& box,
          const Parallel& parallel, Progress& progress)
-      : positions_(positions), directions_(directions), order_(positions, box, parallel), parallel_(parallel),
-        progress_(progress), first_filled_(positions.size(), 0), open_(positions.size(), 1) {
+      : positions_(positions),
+        directions_(directions),
+        order_(positions, box, parallel),
+        parallel_(parallel),
+        progress_(progress),
+        first_filled_(positions.size(), 0),
+        open_(positions.size(), 1) {
     surface_.area.assign(positions.size(), 0);
     surface_.spacing.assign(positions.size(), 0);
     surface_.gap.assign(positions.size(), 0);
@@ -122,7 +135,7 @@ class Survey {
       progress_.check();
       left = settle(SampleCells(order_, positions_, directions_, depth, parallel_), depth);
     }
-    for (const Vec3f& n : surface_.normal) surface_.planes += n != Vec3f{};
+    for (size_t i = 0; i < positions_.size(); ++i) surface_.planes += surface_.is_plane(i);
     return std::move(surface_);
   }
 
@@ -175,7 +188,7 @@ class Survey {
       const bool found = plane.found && (first_filled_[i] == 0 || first_filled_[i] == depth || thin_enough_far(around));
       if (plane.filled && (found || first_filled_[i] == 0)) {
         surface_.area[i] = static_cast<float>(plane.area * cells.side() * cells.side());
-        surface_.spacing[i] = static_cast<float>(plane.spacing * cells.side());
+        surface_.spacing[i] = plane.agrees ? static_cast<float>(plane.spacing * cells.side()) : 0.0f;
       }
       if (plane.filled && first_filled_[i] == 0) {
         first_filled_[i] = static_cast<uint8_t>(depth);

@@ -16,11 +16,14 @@ namespace soapfilm {
 /// Columns, each as long as the samples; empty when it was not measured.
 struct LocalSurface {
   std::vector<float> area;     ///< of surface that the sample stands for, input units^2; 0: nothing around it
-  std::vector<float> spacing;  ///< of different samples around it, input units; 0 likewise
+  std::vector<float> spacing;  ///< of different samples around it, input units; 0: likewise, or
+                               ///< their directions contradict each other
   std::vector<float> gap;      ///< side of the smallest cells that the surface fills without holes, input units
   std::vector<Vec3f> normal;   ///< unit, sign arbitrary; zero: no plane
-  size_t planes = 0;           ///< samples with one
+  size_t planes = 0;           ///< samples with both
 
+  /// Does the sample lie on a plane whose samples agree about its sides?
+  bool is_plane(size_t i) const { return normal[i] != Vec3f{} && spacing[i] > 0; }
   bool empty() const { return area.empty(); }
 };
 

@@ -96,8 +96,8 @@ SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positi
     for (size_t k = begin; k < end;) {
       const size_t first = k;
       const uint64_t key = order.key(k) >> up;
-      const Vec3d center = order.low() + Vec3d{gather_bits(key) + 0.5, gather_bits(key >> 1) + 0.5,
-                                               gather_bits(key >> 2) + 0.5} * side_;
+      const Vec3d center =
+          order.low() + Vec3d{gather_bits(key) + 0.5, gather_bits(key >> 1) + 0.5, gather_bits(key >> 2) + 0.5} * side_;
       Sides sides;
       for (; k == first || (k < order.size() && !begins(k)); ++k) {
         const uint32_t i = order.sample(k);
