@@ -14,8 +14,8 @@ namespace soapfilm {
 namespace {
 
 constexpr float sampled_within = 1;  // of every second vertex: two voxels
-constexpr size_t least_film = 64;    // of every second vertex, two or three deep: a hole some 14 voxels wide
-constexpr float film_depth = 2;      // voxels on either side
+constexpr size_t least_film = 24;    // of every second vertex: a hole some 14 voxels wide
+constexpr float film_depth = 1;      // voxels on either side; farther away samples of the surface do not hold it
 constexpr int most_rounds = 12;
 constexpr double reach = 2;              // of the band on every second vertex
 constexpr float held = 0.05f;            // voxels, of vertices whose sign must not follow

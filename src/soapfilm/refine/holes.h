@@ -34,7 +34,7 @@ class HoleFinder {
   HoleFinder(const Level& level, const Start& start, const GridSamples& samples, const Parallel& parallel);
 
   /// Vertices I of every second one (vertex 2 I of the grid) at the films that are to bend: those that lie farther than
-  /// two voxels from all samples near the surface, in parts of at least 64, which is a hole some 14 voxels wide. Not
+  /// two voxels from all samples near the surface, in parts of at least 24, which is a hole some 14 voxels wide. Not
   /// what lies along a face of the samples' box while the surface around meets it steeply (an unseen base), nor what
   /// touches the grid's border.
   std::vector<Vec3i> film_to_bend(HoleReport& report) const;
