@@ -16,9 +16,10 @@ namespace {
 constexpr float sampled_within = 1;  // of every second vertex: two voxels
 constexpr size_t least_film = 24;    // of every second vertex: a hole some 14 voxels wide
 constexpr float film_depth = 1;      // voxels on either side; farther away samples of the surface do not hold it
+constexpr int border_within = 2;     // voxels: nearer, the film ends at the border
 constexpr int most_rounds = 12;
-constexpr double reach = 2;              // of the band on every second vertex
-constexpr float held = 0.05f;            // voxels, of vertices whose sign must not follow
+constexpr double reach = 2;    // of the band on every second vertex
+constexpr float held = 0.05f;  // voxels, of vertices whose sign must not follow
 constexpr double least_smoothing = 0.02, most_smoothing = 1;
 constexpr double noise_to_follow = 0.1;  // voxels; with less, the least smoothing
 constexpr double slope_of_curvature = 0.002;
@@ -272,8 +273,8 @@ HoleFinder::HoleFinder(const Level& level, const Start& start, const GridSamples
     const Vec3i first = samples.bricks.first_vertex(b);
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f p = samples.local[s];
-      if (!is_near_surface(first + Vec3i{static_cast<int>(p.x + 0.5f), static_cast<int>(p.y + 0.5f),
-                                         static_cast<int>(p.z + 0.5f)}))
+      if (!is_near_surface(
+              first + Vec3i{static_cast<int>(p.x + 0.5f), static_cast<int>(p.y + 0.5f), static_cast<int>(p.z + 0.5f)}))
         continue;
       const Vec3f place = p + Vec3f(first), c = p * 0.5f;
       for (int axis = 0; axis < 3; ++axis) {
@@ -305,9 +306,7 @@ bool HoleFinder::is_near_surface(Vec3i v) const {
 }
 
 bool HoleFinder::is_sampled(Vec3i v) const {
-  const auto bricks_of = [](int c) {
-    return std::pair{(c & 3) == 0 ? (c >> 2) - 1 : c >> 2, c >> 2};
-  };
+  const auto bricks_of = [](int c) { return std::pair{(c & 3) == 0 ? (c >> 2) - 1 : c >> 2, c >> 2}; };
   const auto [x0, x1] = bricks_of(v.x);
   const auto [y0, y1] = bricks_of(v.y);
   const auto [z0, z1] = bricks_of(v.z);
@@ -328,16 +327,17 @@ Vec3f HoleFinder::gradient(Vec3i v) const {
   for (int axis = 0; axis < 3; ++axis) {
     Vec3i step{};
     step[axis] = 1;
-    slope[axis] = value_at(start_.band, start_.phi0, v + step, here) - value_at(start_.band, start_.phi0, v - step, here);
+    slope[axis] =
+        value_at(start_.band, start_.phi0, v + step, here) - value_at(start_.band, start_.phi0, v - step, here);
   }
   return slope;
 }
 
 bool HoleFinder::is_base(const std::vector<Vec3i>& film) const {
-  constexpr float face_within = 2.5f;   // voxels
+  constexpr float face_within = 2.5f;  // voxels
   constexpr double most = 0.8, steep_share = 0.6;
-  constexpr float cosine = 0.5f;        // of 60 degrees
-  constexpr int far = 4;                // of every second vertex, from the film to where the rim is looked at
+  constexpr float cosine = 0.5f;  // of 60 degrees
+  constexpr int far = 4;          // of every second vertex, from the film to where the rim is looked at
   Vec3f normal{};
   for (const Vec3i v : film) normal = normal + gradient(2 * v);
   const float length = norm(normal);
@@ -347,9 +347,9 @@ bool HoleFinder::is_base(const std::vector<Vec3i>& film) const {
   for (int axis = 0; axis < 3; ++axis)
     for (const float face : {lo_[axis], hi_[axis]}) {
       size_t count = 0;
-      for (const Vec3i v : film)
-        count += std::abs(2 * static_cast<float>(v[axis]) - face) <= face_within + film_depth;
-      at_face = at_face || (std::abs(normal[axis]) > 0.9f && static_cast<double>(count) >= most * static_cast<double>(film.size()));
+      for (const Vec3i v : film) count += std::abs(2 * static_cast<float>(v[axis]) - face) <= face_within + film_depth;
+      at_face = at_face || (std::abs(normal[axis]) > 0.9f &&
+                            static_cast<double>(count) >= most * static_cast<double>(film.size()));
     }
   if (!at_face) return false;
   std::unordered_map<uint64_t, bool> seen;
@@ -378,7 +378,8 @@ std::vector<Vec3i> HoleFinder::film_to_bend(HoleReport& report) const {
   const LevelBox& box = level_.box;
   const auto touches_border = [&](Vec3i v) {
     for (int axis = 0; axis < 3; ++axis)
-      if (2 * v[axis] < box.free_lo[axis] + 4 || 2 * v[axis] > box.free_hi[axis] - 4) return true;
+      if (2 * v[axis] < box.free_lo[axis] + border_within || 2 * v[axis] > box.free_hi[axis] - border_within)
+        return true;
     return false;
   };
   std::vector<Vec3i> bend;
