@@ -38,10 +38,10 @@ TEST(Holes, ACapOfASphereBendsAsTheSphere) {
   const Refined flat = filled(solved, HoleFill::flat), smooth = filled(solved, HoleFill::smooth);
   EXPECT_EQ(smooth.report.holes.bent, 1u);
   EXPECT_LT(mean_error_vox(solved, smooth.mesh), 0.3 * mean_error_vox(solved, flat.mesh));
-  const Topology topology = check_topology(smooth.mesh);
-  EXPECT_TRUE(topology.closed);
-  EXPECT_EQ(topology.components, 1u);
-  EXPECT_EQ(topology.genus, 0);
+  const TopologyReport topology = check_topology(smooth.mesh);
+  EXPECT_TRUE(topology.watertight());
+  EXPECT_EQ(topology.components.size(), 1u);
+  EXPECT_EQ(topology.genus(), 0);
 }
 
 TEST(Holes, NothingChangesWhereThereIsNone) {

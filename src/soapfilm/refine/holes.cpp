@@ -13,10 +13,11 @@ namespace soapfilm {
 
 namespace {
 
-constexpr float sampled_within = 1;  // of every second vertex: two voxels
-constexpr size_t least_film = 24;    // of every second vertex: a hole some 14 voxels wide
-constexpr float film_depth = 1;      // voxels on either side; farther away samples of the surface do not hold it
-constexpr int border_within = 2;     // voxels: nearer, the film ends at the border
+constexpr float sampled_within = 1;    // of every second vertex: two voxels
+constexpr size_t least_film = 24;      // of every second vertex: a hole some 14 voxels wide
+constexpr float film_depth = 1;        // voxels on either side; farther away samples of the surface do not hold it
+constexpr double most_refused = 0.03;  // of the flips
+constexpr int border_within = 2;       // voxels: nearer, the film ends at the border
 constexpr int most_rounds = 12;
 constexpr double reach = 2;    // of the band on every second vertex
 constexpr float held = 0.05f;  // voxels, of vertices whose sign must not follow
@@ -385,7 +386,7 @@ std::vector<Vec3i> HoleFinder::film_to_bend(HoleReport& report) const {
   std::vector<Vec3i> bend;
   for (const std::vector<Vec3i>& film : parts_of(unsampled)) {
     if (film.size() < least_film) continue;
-    if (std::any_of(film.begin(), film.end(), touches_border) || is_base(film)) {
+    if (box.open || std::any_of(film.begin(), film.end(), touches_border) || is_base(film)) {
       ++report.left;
       continue;
     }
@@ -403,6 +404,11 @@ void bend_holes(Level& level, float threshold, const std::vector<Vec3i>& film, c
     CoarseFilm coarse(level, threshold, finder, samples, strength, parallel);
     coarse.bend(film, report);
     bent = bent_level(level, threshold, start, coarse, finder, parallel, report);
+  }
+  // Where much wants to go through other parts of the surface, this is no hole that bends as what is around it.
+  if (static_cast<double>(report.refused) > most_refused * static_cast<double>(report.flips)) {
+    report.left += std::exchange(report.bent, 0);
+    report.flips = 0;
   }
   if (report.flips == 0) return;
   level = std::move(bent);

@@ -36,7 +36,7 @@ class HoleFinder {
   /// Vertices I of every second one (vertex 2 I of the grid) at the films that are to bend: those that lie farther than
   /// two voxels from all samples near the surface, in parts of at least 24, which is a hole some 14 voxels wide. Not
   /// what lies along a face of the samples' box while the surface around meets it steeply (an unseen base), nor what
-  /// touches the grid's border.
+  /// touches the grid's border, nor anything in a box that is open.
   std::vector<Vec3i> film_to_bend(HoleReport& report) const;
 
   /// Is a sample near vertex I of every second one? Outliers do not count: those that the first surface is not near.
@@ -57,7 +57,8 @@ class HoleFinder {
 
 /// Bends the surface of u > threshold at these films; `level` becomes a binary indicator (its box, grid, u and inside
 /// alone), `start` the start from it. Components and genus stay. `strength` is what the samples of the whole grid are
-/// fitted with. Bulges end at the grid's border. Results do not depend on threads.
+/// fitted with. Bulges end at the grid's border; where more than 3 % of the vertices that want to turn may not, all
+/// stays as it was. Results do not depend on threads.
 void bend_holes(Level& level, float threshold, const std::vector<Vec3i>& film, const HoleFinder& finder,
                 const Strength& strength, Start& start, const GridSamples& samples, double reach,
                 const Parallel& parallel, HoleReport& report);
