@@ -36,6 +36,8 @@ inline constexpr std::array<const char*, 2> names_of<SorOrder>{"lexicographic", 
 template <>
 inline constexpr std::array<const char*, 2> names_of<SorGradient>{"central", "forward"};
 template <>
+inline constexpr std::array<const char*, 2> names_of<HoleFill>{"smooth", "flat"};
+template <>
 inline constexpr std::array<const char*, 2> names_of<LinkWeights>{"edge-length", "cauchy-crofton"};
 
 /// Names every parameter once: visit(group, name, value).
@@ -99,6 +101,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("refine", "normals", p.refine.normals);
   visit("refine", "reach", p.refine.reach);
   visit("refine", "sparse", p.refine.sparse);
+  visit("refine", "holes", p.refine.holes);
   visit("memory", "limit", p.memory_limit);
   visit("memory", "checked", p.checked);
 }
