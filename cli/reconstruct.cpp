@@ -34,6 +34,7 @@ struct ReconstructOptions {
   std::string memory;
   std::string isovalue = "auto";
   std::string lambda;
+  std::string trim;
   std::string levels_folder;
   std::vector<double> sensor;
   bool ascii = false;
@@ -80,6 +81,12 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   if (!options.lambda.empty()) {
     params.energy.lambda = number_or_auto("lambda", options.lambda, "> 0");
     params.energy.cross_validate = !params.energy.lambda;
+  }
+  if (options.trim == "off") {
+    params.trim.on = false;
+  } else if (!options.trim.empty()) {
+    params.trim.distance = number_or_auto("trim", options.trim, "> 0, or 'off'");
+    params.trim.on = true;
   }
   refuse_unused(app, params);
   validate(params);
@@ -343,6 +350,12 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
                          "Of the refined surface: split edges whose middle lies further from it,\nvoxels; 0: leave the "
                          "triangles of marching cubes"))
       ->option_text(fmt::format("V [{:g}]", p.surface.bend.tolerance));
+
+  surface(app.add_option("--trim", o.trim,
+                         "Take away surface farther than this from all samples, in the input's\nunits; auto: 3 voxels, "
+                         "or 3 times the samples' spacing; off\n(default: auto where the surface is open, else off)"))
+      ->option_text("DIST|auto|off");
+  surface(app.add_flag("--trim-holes", p.trim.holes, "Of --trim: also holes that would stay filled"));
 
   const auto output = [&](auto* option) { return option->group("Output"); };
   output(app.add_option("--report", o.report, "Write what was done and proved, as JSON"))->option_text("FILE.json");

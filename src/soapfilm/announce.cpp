@@ -107,4 +107,20 @@ void announce_refinement(const ReconstructReport& report, Progress& progress) {
                               n == 1 ? "" : "s", n == 1 ? "it" : "them"));
 }
 
+void announce_trim(ReconstructReport& report, Progress& progress) {
+  const TrimReport& trim = *report.trim;
+  if (trim.nothing_near) {
+    std::string text =
+        fmt::format("not trimmed: no surface is within {:.3g} of a sample; try a larger --trim", trim.distance);
+    progress.warn(text);
+    report.warnings.push_back(std::move(text));
+  }
+  if (trim.removed + trim.filled == 0) return;
+  progress.info(fmt::format("trimmed: {:.2g} % of the area, farther than {:.3g} from any sample{}",
+                            100 * trim.removed_area, trim.distance,
+                            trim.filled == 0 ? std::string()
+                                             : fmt::format("; {} hole{} stay{} filled (--trim-holes)", trim.filled,
+                                                           trim.filled == 1 ? "" : "s", trim.filled == 1 ? "s" : "")));
+}
+
 }  // namespace soapfilm

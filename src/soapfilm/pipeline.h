@@ -44,6 +44,7 @@ class Pipeline {
   void bend(Mesh& mesh, const SurfaceField& surface, const GridSamples& samples);
 
   void finish_border(Mesh& mesh);
+  void trim(Mesh& mesh, const GridSamples& samples);
 
   /// Hands the mesh and the report out.
   Reconstruction finish(Mesh mesh);

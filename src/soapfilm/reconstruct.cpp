@@ -59,6 +59,9 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
   // The complement's faces turn back; what closed a sheet along the box goes.
   stage.finish_border(mesh);
+
+  // Where a surface may end, what no sample is near goes, too.
+  stage.trim(mesh, samples);
   return stage.finish(std::move(mesh));
 }
 

@@ -148,6 +148,11 @@ ordered_json bend_json(const BendReport& r) {
   return {{"split_edges", r.split_edges}, {"triangles_before", r.triangles_before}};
 }
 
+ordered_json trim_json(const TrimReport& r) {
+  return {{"distance", r.distance},         {"removed", r.removed},     {"filled", r.filled},
+          {"removed_area", r.removed_area}, {"leftovers", r.leftovers}, {"nothing_near", r.nothing_near}};
+}
+
 ordered_json select_json(const CrossValidationReport& select) {
   ordered_json curve = ordered_json::array();
   for (const CrossValidationPoint& p : select.curve)
@@ -241,7 +246,8 @@ std::string to_json(const ReconstructReport& report) {
        {{"isovalue", report.isovalue},
         {"islands", report.islands ? islands_json(*report.islands, report.params.islands) : ordered_json(nullptr)},
         {"refine", report.refine ? refine_json(*report.refine) : ordered_json(nullptr)},
-        {"bend", report.bend ? bend_json(*report.bend) : ordered_json(nullptr)}}},
+        {"bend", report.bend ? bend_json(*report.bend) : ordered_json(nullptr)},
+        {"trim", report.trim ? trim_json(*report.trim) : ordered_json(nullptr)}}},
       {"mesh", mesh_json(report)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},

@@ -64,6 +64,7 @@ struct ReconstructReport {
   std::optional<IslandReport> islands;  ///< when parts that few samples support were dropped
   std::optional<RefineReport> refine;   ///< when the surface was moved onto the samples
   std::optional<BendReport> bend;       ///< when edges that bend were split
+  std::optional<TrimReport> trim;       ///< when surface that no sample is near was looked for
   double isovalue = 0;                  ///< of the smoothed indicator; 0 of the refined field
   size_t mesh_vertices = 0;
   size_t mesh_triangles = 0;
