@@ -39,6 +39,7 @@ struct ReconstructOptions {
   std::vector<double> sensor;
   bool ascii = false;
   bool check = false;
+  bool strict = false;
   ReconstructParams params;
 };
 
@@ -220,7 +221,8 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   levels.keep();
   progress.info(
       fmt::format("{}: {} vertices, {} triangles", options.output, report.mesh_vertices, report.mesh_triangles));
-  return 0;
+  constexpr int samples_lost = 4;  // beside program.cpp's exit codes, and no error: all is written
+  return options.strict && report.self_check.lost > self_check_most_lost ? samples_lost : 0;
 }
 
 void add_main_options(CLI::App& app, ReconstructOptions& o) {
@@ -364,6 +366,9 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
              "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (finest), ..."))
       ->option_text("DIR");
   output(app.add_flag("--check", o.check, "Check the mesh's topology and its distance to the samples"));
+  output(app.add_flag(
+      "--strict", o.strict,
+      "Exit code 4, with all written, when more than 1 % of the samples are\nfarther than 3 voxels from the mesh"));
   output(app.add_flag("--ascii", o.ascii, "PLY and STL as text"));
 }
 

@@ -11,6 +11,7 @@
 #include "soapfilm/extract/cut.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/islands.h"
+#include "soapfilm/finish/self_check.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/pyramid/critical_lambda.h"
@@ -238,6 +239,12 @@ void Pipeline::trim(Mesh& mesh, const GridSamples& samples) {
                    report_.trim.emplace());
   });
   announce_trim(report_, progress_);
+}
+
+void Pipeline::self_check(const Mesh& mesh, const GridSamples& samples) {
+  stages_.run("self-check",
+              [&] { report_.self_check = soapfilm::self_check(mesh, samples, report_.lattice, parallel_); });
+  announce_self_check(report_, progress_);
 }
 
 Reconstruction Pipeline::finish(Mesh mesh) {

@@ -46,6 +46,9 @@ class Pipeline {
   void finish_border(Mesh& mesh);
   void trim(Mesh& mesh, const GridSamples& samples);
 
+  /// Every run says how much of the samples its mesh holds.
+  void self_check(const Mesh& mesh, const GridSamples& samples);
+
   /// Hands the mesh and the report out.
   Reconstruction finish(Mesh mesh);
 

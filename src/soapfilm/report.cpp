@@ -192,6 +192,14 @@ ordered_json thin_json(const ThinPartsReport& thin) {
           {"mean_weight", thin.mean_weight}};
 }
 
+ordered_json self_check_json(const SelfCheckReport& r) {
+  return {{"reach", self_check_reach},
+          {"samples", r.samples},
+          {"places", r.places},
+          {"lost", r.lost},
+          {"invented", r.invented}};
+}
+
 ordered_json mesh_json(const ReconstructReport& report) {
   ordered_json json = {{"vertices", report.mesh_vertices}, {"triangles", report.mesh_triangles}};
   if (report.topology) {
@@ -249,6 +257,7 @@ std::string to_json(const ReconstructReport& report) {
         {"bend", report.bend ? bend_json(*report.bend) : ordered_json(nullptr)},
         {"trim", report.trim ? trim_json(*report.trim) : ordered_json(nullptr)}}},
       {"mesh", mesh_json(report)},
+      {"self_check", self_check_json(report.self_check)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},
       {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}}},

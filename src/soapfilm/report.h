@@ -11,6 +11,7 @@
 #include "soapfilm/core/stages.h"
 #include "soapfilm/evaluate/distance.h"
 #include "soapfilm/evaluate/topology.h"
+#include "soapfilm/finish/self_check.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
@@ -68,6 +69,7 @@ struct ReconstructReport {
   double isovalue = 0;                  ///< of the smoothed indicator; 0 of the refined field
   size_t mesh_vertices = 0;
   size_t mesh_triangles = 0;
+  SelfCheckReport self_check;
   std::optional<TopologyReport> topology;          ///< when it was checked
   std::optional<DistanceSummary> sample_distance;  ///< samples to mesh, input units
   std::vector<StageTime> stages;                   ///< in order

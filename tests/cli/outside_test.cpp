@@ -103,6 +103,25 @@ TEST_F(Outside, BadDistancesToTrimAreRefused) {
   refused({cloud, "--trim", "1", "--method", "vrip"}, "method vrip");
 }
 
+TEST_F(Outside, LostSamplesAreWarnedOfAndStrictRunsTellByTheirExitCode) {
+  const std::string cloud = sphere(false);
+  const json good = reported({cloud, "--resolution", "48", "--strict"});
+  EXPECT_EQ(good["self_check"]["lost"], 0);
+  EXPECT_EQ(good["warnings"].size(), 0u);
+  // One sample in ten far beside the sphere: no surface pays for them.
+  PointCloud with = sample_surface(*make_sphere(), samples, 1);
+  for (size_t i = 0; i < with.size(); i += 10) with.positions[i] = with.positions[i] * 1.5;
+  const std::string bad = folder.file("bad.ply");
+  write_points(bad, with);
+  const json lost = reported({bad, "--resolution", "48"});
+  EXPECT_NEAR(lost["self_check"]["lost"].get<double>(), 0.1, 0.01);
+  EXPECT_NE(lost["warnings"].dump().find("% of the samples are farther than 3 voxels"), std::string::npos);
+  const ProcessResult strict = run({"reconstruct", bad, "-o", mesh, "--resolution", "48", "--strict"});
+  EXPECT_EQ(strict.exit_code, 4);
+  EXPECT_NE(strict.err.find("% of the samples are farther than 3 voxels"), std::string::npos);
+  EXPECT_FALSE(written().triangles.empty());
+}
+
 TEST_F(Outside, OnlyTvMayBeOpen) {
   refused({sphere(false), "--outside", "open", "--method", "poisson"}, "outside = open: method poisson cannot have it");
   refused({sphere(false), "--outside", "water"}, "--outside");
