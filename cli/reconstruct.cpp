@@ -34,10 +34,12 @@ struct ReconstructOptions {
   std::string memory;
   std::string isovalue = "auto";
   std::string lambda;
+  std::string trim;
   std::string levels_folder;
   std::vector<double> sensor;
   bool ascii = false;
   bool check = false;
+  bool strict = false;
   ReconstructParams params;
 };
 
@@ -80,6 +82,12 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   if (!options.lambda.empty()) {
     params.energy.lambda = number_or_auto("lambda", options.lambda, "> 0");
     params.energy.cross_validate = !params.energy.lambda;
+  }
+  if (options.trim == "off") {
+    params.trim.on = false;
+  } else if (!options.trim.empty()) {
+    params.trim.distance = number_or_auto("trim", options.trim, "> 0, or 'off'");
+    params.trim.on = true;
   }
   refuse_unused(app, params);
   validate(params);
@@ -213,7 +221,8 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   levels.keep();
   progress.info(
       fmt::format("{}: {} vertices, {} triangles", options.output, report.mesh_vertices, report.mesh_triangles));
-  return 0;
+  constexpr int samples_lost = 4;  // beside program.cpp's exit codes, and no error: all is written
+  return options.strict && report.self_check.lost > self_check_most_lost ? samples_lost : 0;
 }
 
 void add_main_options(CLI::App& app, ReconstructOptions& o) {
@@ -349,6 +358,12 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
                          "triangles of marching cubes"))
       ->option_text(fmt::format("V [{:g}]", p.surface.bend.tolerance));
 
+  surface(app.add_option("--trim", o.trim,
+                         "Take away surface farther than this from all samples, in the input's\nunits; auto: 3 voxels, "
+                         "or 3 times the samples' spacing; off\n(default: auto where the surface is open, else off)"))
+      ->option_text("DIST|auto|off");
+  surface(app.add_flag("--trim-holes", p.trim.holes, "Of --trim: also holes that would stay filled"));
+
   const auto output = [&](auto* option) { return option->group("Output"); };
   output(app.add_option("--report", o.report, "Write what was done and proved, as JSON"))->option_text("FILE.json");
   output(app.add_option(
@@ -356,6 +371,9 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
              "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (finest), ..."))
       ->option_text("DIR");
   output(app.add_flag("--check", o.check, "Check the mesh's topology and its distance to the samples"));
+  output(app.add_flag(
+      "--strict", o.strict,
+      "Exit code 4, with all written, when more than 1 % of the samples are\nfarther than 3 voxels from the mesh"));
   output(app.add_flag("--ascii", o.ascii, "PLY and STL as text"));
 }
 

@@ -102,6 +102,9 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("refine", "reach", p.refine.reach);
   visit("refine", "sparse", p.refine.sparse);
   visit("refine", "holes", p.refine.holes);
+  visit("trim", "on", p.trim.on);
+  visit("trim", "distance", p.trim.distance);
+  visit("trim", "holes", p.trim.holes);
   visit("memory", "limit", p.memory_limit);
   visit("memory", "checked", p.checked);
 }
@@ -219,6 +222,9 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(fmt::format("islands = drop: method {} finds its own surface", method));
   if (params.islands.min_support != IslandParams{}.min_support && !drops_islands(params))
     throw ParameterError(fmt::format("min_support = {:g}: islands are kept", params.islands.min_support));
+  const TrimParams& trim = params.trim;
+  if (params.method == Method::vrip && (trim.on.value_or(false) || trim.distance || trim.holes))
+    throw ParameterError(fmt::format("trim: the surface of method {} ends by itself where nothing was seen", method));
   if (params.refine.smoothing && !refines(params))
     throw ParameterError(fmt::format("smoothing = {:g}: the surface is not refined", *params.refine.smoothing));
   if (params.surface.bend.tolerance != BendParams{}.tolerance && !refines(params))
@@ -253,6 +259,7 @@ void validate(const ReconstructParams& params) {
   validate(params.select);
   validate(params.islands);
   validate(params.refine);
+  validate(params.trim);
   validate(params.vrip.surface);
   const auto reach = [](double v) { return v > 0 && v <= 1000; };
   require(reach(params.vrip.front), "front", params.vrip.front, "> 0 and <= 1000");

@@ -8,6 +8,7 @@
 
 #include "soapfilm/extract/bend.h"
 #include "soapfilm/finish/islands.h"
+#include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/method.h"
 #include "soapfilm/orient/orient.h"
@@ -65,6 +66,7 @@ struct ReconstructParams {
   SurfaceParams surface;
   IslandParams islands;  ///< where drops_islands()
   RefineParams refine;
+  TrimParams trim;                     ///< all but Method::vrip, whose surface ends where nothing was seen
   std::optional<size_t> memory_limit;  ///< bytes; without it: what the machine has free
   bool checked = false;                ///< check_result() follows: the plan has its memory, too
 };
@@ -77,6 +79,11 @@ inline bool refines(const ReconstructParams& params) {
 /// Are parts that few samples support dropped (finish/islands.h)? The paper's surface keeps them.
 inline bool drops_islands(const ReconstructParams& params) {
   return params.surface.drop_islands.value_or(refines(params));
+}
+
+/// Is surface taken away that no sample is near (finish/trim.h)? `border` is the one that was chosen.
+inline bool trims(const ReconstructParams& params, Border border) {
+  return params.method != Method::vrip && params.trim.on.value_or(params.trim.distance || border == Border::open);
 }
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.

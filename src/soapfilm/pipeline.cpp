@@ -11,6 +11,8 @@
 #include "soapfilm/extract/cut.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/islands.h"
+#include "soapfilm/finish/self_check.h"
+#include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/pyramid/critical_lambda.h"
 #include "soapfilm/solve/closed_border.h"
@@ -235,6 +237,21 @@ void Pipeline::finish_border(Mesh& mesh) {
   if (report_.border.chosen == Border::solid)
     for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   if (report_.border.chosen == Border::open) cut_at_border(mesh, report_.lattice);
+}
+
+void Pipeline::trim(Mesh& mesh, const GridSamples& samples) {
+  if (!trims(params_, report_.border.chosen)) return;
+  stages_.run("trim", [&] {
+    soapfilm::trim(mesh, samples, report_.lattice, report_.input.density, params_.trim, parallel_,
+                   report_.trim.emplace());
+  });
+  announce_trim(report_, progress_);
+}
+
+void Pipeline::self_check(const Mesh& mesh, const GridSamples& samples) {
+  stages_.run("self-check",
+              [&] { report_.self_check = soapfilm::self_check(mesh, samples, report_.lattice, parallel_); });
+  announce_self_check(report_, progress_);
 }
 
 Reconstruction Pipeline::finish(Mesh mesh) {

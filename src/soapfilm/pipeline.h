@@ -44,6 +44,10 @@ class Pipeline {
   void bend(Mesh& mesh, const SurfaceField& surface, const GridSamples& samples);
 
   void finish_border(Mesh& mesh);
+  void trim(Mesh& mesh, const GridSamples& samples);
+
+  /// Every run says how much of the samples its mesh holds.
+  void self_check(const Mesh& mesh, const GridSamples& samples);
 
   /// Hands the mesh and the report out.
   Reconstruction finish(Mesh mesh);

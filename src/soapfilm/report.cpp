@@ -155,6 +155,11 @@ ordered_json bend_json(const BendReport& r) {
   return {{"split_edges", r.split_edges}, {"triangles_before", r.triangles_before}};
 }
 
+ordered_json trim_json(const TrimReport& r) {
+  return {{"distance", r.distance},         {"removed", r.removed},     {"filled", r.filled},
+          {"removed_area", r.removed_area}, {"leftovers", r.leftovers}, {"nothing_near", r.nothing_near}};
+}
+
 ordered_json select_json(const CrossValidationReport& select) {
   ordered_json curve = ordered_json::array();
   for (const CrossValidationPoint& p : select.curve)
@@ -181,6 +186,14 @@ ordered_json border_json(const BorderReport& border) {
           {"energy_solid", energy(border.solid)},
           {"energy_open", energy(border.open)},
           {"border_flux", border.border_flux}};
+}
+
+ordered_json self_check_json(const SelfCheckReport& r) {
+  return {{"reach", self_check_reach},
+          {"samples", r.samples},
+          {"places", r.places},
+          {"lost", r.lost},
+          {"invented", r.invented}};
 }
 
 ordered_json mesh_json(const ReconstructReport& report) {
@@ -236,8 +249,10 @@ std::string to_json(const ReconstructReport& report) {
        {{"isovalue", report.isovalue},
         {"islands", report.islands ? islands_json(*report.islands, report.params.islands) : ordered_json(nullptr)},
         {"refine", report.refine ? refine_json(*report.refine) : ordered_json(nullptr)},
-        {"bend", report.bend ? bend_json(*report.bend) : ordered_json(nullptr)}}},
+        {"bend", report.bend ? bend_json(*report.bend) : ordered_json(nullptr)},
+        {"trim", report.trim ? trim_json(*report.trim) : ordered_json(nullptr)}}},
       {"mesh", mesh_json(report)},
+      {"self_check", self_check_json(report.self_check)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},
       {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}}},
