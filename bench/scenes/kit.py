@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "accuracy"))  # of peers.py, which reads scans
+sys.path.append(str(Path(__file__).resolve().parent.parent / "accuracy"))  # of peers.py, which reads scans
 
 import geometry
 from peers import columns, posed_scans, read_vertices
