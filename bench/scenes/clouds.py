@@ -21,7 +21,7 @@ def outliers(share):
 def near(kit, positions, within):
     """Whether each sample lies on the truth: an outlier by chance does too, and is none then."""
     from judge import distances_to
-    return distances_to(kit.folder / "truth.ply", positions) < within
+    return distances_to(kit.folder / "truth.ply", positions, 0.05) < within
 
 
 def flipped(share):

@@ -1,7 +1,6 @@
 """What a mesh is worth as the surface of given samples: what is lost, what is invented, how it is connected.
 
-Distances to a mesh are Open3D's, exact but for single precision, in a frame around the mesh. Every mesh is judged in
-the same way, ours and the peer's, closed or open."""
+Every mesh is judged in the same way, ours and the peer's, closed or open."""
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,27 +18,67 @@ def read_mesh(path):
     return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
 
 
+def length(v):
+    return np.sqrt(np.einsum("...i,...i", v, v))
+
+
+def to_segments(p, a, b):
+    """Distances of points to segments, row by row."""
+    ab, ap = b - a, p - a
+    part = np.einsum("...i,...i", ap, ab) / np.maximum(np.einsum("...i,...i", ab, ab), 1e-300)
+    return length(ap - np.clip(part, 0, 1)[..., None] * ab)
+
+
+def to_triangles(p, corners):
+    """Distances of points (..., 3) to triangles (..., 3, 3)."""
+    a, b, c = (corners[..., k, :] for k in range(3))
+    square = np.cross(b - a, c - a)
+    over = [np.einsum("...i,...i", np.cross(v - u, p - u), square) >= 0 for u, v in ((a, b), (b, c), (c, a))]
+    height = np.abs(np.einsum("...i,...i", p - a, square)) / np.maximum(length(square), 1e-300)
+    rim = np.minimum(np.minimum(to_segments(p, a, b), to_segments(p, b, c)), to_segments(p, c, a))
+    return np.where(over[0] & over[1] & over[2], height, rim)
+
+
+def split(corners, longest):
+    """Triangles with no edge over `longest`, each cut into four until it has none."""
+    done = []
+    while len(corners):
+        edges = length(corners - np.roll(corners, -1, axis=1)).max(axis=1)
+        done.append(corners[edges <= longest])
+        a, b, c = corners[edges > longest].transpose(1, 0, 2)
+        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        corners = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+    return np.concatenate(done)
+
+
 class Surface:
-    """A mesh to which distances are asked, about its middle and scaled, so that single precision is enough."""
+    """A mesh to which distances are asked: to the nearest of the triangles with the CANDIDATES nearest middles, none
+    longer than a few voxels, so that nothing nearer is overlooked by more than a few hundredths of one."""
+    CANDIDATES, AT_ONCE, LONGEST = 12, 20000, 4
 
-    def __init__(self, vertices, triangles):
-        used = vertices[np.unique(triangles)]
-        self.middle, self.scale = (used.min(0) + used.max(0)) / 2, max(np.ptp(used, axis=0).max(), 1e-300)
-        self.scene = open3d.t.geometry.RaycastingScene(nthreads=1)
-        self.scene.add_triangles(self.local(vertices), open3d.core.Tensor(triangles.astype(np.uint32)))
-
-    def local(self, points):
-        return open3d.core.Tensor(((points - self.middle) / self.scale).astype(np.float32))
+    def __init__(self, vertices, triangles, voxel):
+        self.corners = split(vertices[triangles], self.LONGEST * voxel)
+        self.tree = cKDTree(self.corners.mean(axis=1))
 
     def nearest(self, points):
-        """Distance of each point and the unit normal of the triangle that it is nearest to."""
-        found = self.scene.compute_closest_points(self.local(points))
-        near = found["points"].numpy().astype(float) * self.scale + self.middle
-        return np.linalg.norm(points - near, axis=1), found["primitive_normals"].numpy().astype(float)
+        """Distance of each point and the normal of the triangle that it is nearest to."""
+        distance, normal = np.empty(len(points)), np.empty((len(points), 3))
+        count = min(self.CANDIDATES, len(self.corners))
+        for begin in range(0, len(points), self.AT_ONCE):
+            part = slice(begin, begin + self.AT_ONCE)
+            found = self.tree.query(points[part], count)[1].reshape(-1, count)
+            apart = to_triangles(points[part, None], self.corners[found])
+            best = apart.argmin(axis=1)
+            rows = np.arange(len(best))
+            distance[part] = apart[rows, best]
+            a, b, c = self.corners[found[rows, best]].transpose(1, 0, 2)
+            normal[part] = np.cross(b - a, c - a)
+        return distance, normal
 
 
-def distances_to(path, points):
-    return Surface(*read_mesh(path)).nearest(points)[0]
+def distances_to(path, points, longest):
+    """Of points to a mesh whose triangles are cut until no edge is over `longest`."""
+    return Surface(*read_mesh(path), longest).nearest(points)[0]
 
 
 def on_surface(vertices, triangles, count, rng):
@@ -120,7 +159,7 @@ class Judge:
     def __call__(self, vertices, triangles):
         if not len(triangles):
             return None
-        surface = Surface(vertices, triangles)
+        surface = Surface(vertices, triangles, self.voxel)
         distance, normal = surface.nearest(self.measured)
         invented, area = self.invented(vertices, triangles)
         verdict = Verdict(float((distance > LOST * self.voxel).mean()),
@@ -137,14 +176,14 @@ class Judge:
 def trimmed(judge, vertices, triangles, densities, loss):
     """Poisson's surface without what its octree was thinly filled by: as much cut off as leaves no more samples lost
     than `loss`, or than its whole surface loses. Returns the triangles that stay."""
-    allowed = max(loss, judge.lost(Surface(vertices, triangles))) + 1e-9
+    allowed = max(loss, judge.lost(Surface(vertices, triangles, judge.voxel))) + 1e-9
     least = densities[triangles].min(axis=1)
     order = np.sort(least)
     low, high = 0, len(order) - 1          # triangles cut off: `low` are allowed, more than `high` are not tried
     while high - low > max(1, len(order) // 1000):
         middle = (low + high) // 2
         stays = triangles[least >= order[middle]]
-        if judge.lost(Surface(vertices, stays)) <= allowed:
+        if judge.lost(Surface(vertices, stays, judge.voxel)) <= allowed:
             low = middle
         else:
             high = middle

@@ -133,7 +133,7 @@ class Trial:
         if entry.failure:
             return None
         points, _ = on_surface(*read_mesh(mesh), 100000, np.random.default_rng(2))
-        distance = Surface(*read_mesh(single)).nearest(points)[0] / voxel
+        distance = Surface(*read_mesh(single), voxel).nearest(points)[0] / voxel
         return float(distance.mean()), float(np.quantile(distance, 0.95))
 
     def keep(self, result):

@@ -57,11 +57,11 @@ Scene make_room() {
   build.hollow(air, low_x | high_y);
   build.wall(air.lo, {0, 4, 0}, {0, 0, 2.6}, {{2.6, 0, 3.5, 2.0}});        // the door
   build.wall({0, 4, 0}, {6, 0, 0}, {0, 0, 2.6}, {{2.0, 0.9, 4.0, 2.1}});  // the window
-  build.block({{4.2, 0, 0}, {5.4, 0.6, 1.9}}, true);                      // the cabinet
+  build.block({{4.2, 0, 0}, {5.4, 0.6, 1.9}}, Rests::on_the_floor);                      // the cabinet
   build.block({{2.2, 1.6, 0.70}, {3.8, 2.4, 0.76}});                      // the table
   for (const double x : {2.25, 3.67})
-    for (const double y : {1.65, 2.27}) build.block({{x, y, 0}, {x + 0.08, y + 0.08, 0.70}}, true);
-  build.block({{2.85, 1.85, 2.45}, {3.15, 2.15, 2.6}});  // the lamp
+    for (const double y : {1.65, 2.27}) build.block({{x, y, 0}, {x + 0.08, y + 0.08, 0.70}}, Rests::on_the_floor);
+  build.block({{2.85, 1.85, 2.45}, {3.15, 2.15, 2.6}}, Rests::at_the_ceiling);  // the lamp
   return {"room", build.take(), spinning({{1.2, 1.0, 1.4}, {4.8, 3.0, 1.5}}, 420, 210, -88, 89)};
 }
 
@@ -85,12 +85,12 @@ Scene make_street() {
       build.wall({-60, front, 0.12}, {120, 0, 0}, {0, edge - front, 0});
     }
   }
-  build.block({{-60, 8, 0.12}, {-10, 18, 9}}, true);
-  build.block({{-6, 8, 0.12}, {60, 18, 12}}, true);
-  build.block({{-50, -18, 0.12}, {60, -9, 8}}, true);
+  build.block({{-60, 8, 0.12}, {-10, 18, 9}}, Rests::on_the_floor);
+  build.block({{-6, 8, 0.12}, {60, 18, 12}}, Rests::on_the_floor);
+  build.block({{-50, -18, 0.12}, {60, -9, 8}}, Rests::on_the_floor);
   for (const double x : {-22.0, -14.0, 6.0, 14.0, 27.0}) {  // cars: a body on its shadow, a cabin
-    build.block({{x, -5.6, 0}, {x + 4.2, -3.9, 0.9}}, true);
-    build.block({{x + 0.9, -5.4, 0.9}, {x + 3.2, -4.1, 1.5}}, true);
+    build.block({{x, -5.6, 0}, {x + 4.2, -3.9, 0.9}}, Rests::on_the_floor);
+    build.block({{x + 0.9, -5.4, 0.9}, {x + 3.2, -4.1, 1.5}}, Rests::on_the_floor);
   }
   for (const double x : {-30.0, -12.0, 9.0, 30.0}) build.post({x, 6.5, 0.12}, 0.12, 6.0);
   return {"street", build.take(), spinning({{0, 0, 1.73}}, 2000, 64, -24.8, 2)};

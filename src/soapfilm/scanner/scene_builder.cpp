@@ -44,14 +44,14 @@ void SceneBuilder::wall(Vec3d corner, Vec3d u, Vec3d v, const std::vector<WallPa
   }
 }
 
-void SceneBuilder::block(const Box3d& box, bool stands) {
+void SceneBuilder::block(const Box3d& box, Rests rests) {
   const Vec3d s = box.size(), x{s.x, 0, 0}, y{0, s.y, 0}, z{0, 0, s.z};
   wall(box.lo, x, z);
   wall(box.lo + y, z, x);
   wall(box.lo, z, y);
   wall(box.lo + x, y, z);
-  wall(box.lo + z, x, y);
-  if (!stands) wall(box.lo, y, x);
+  if (rests != Rests::at_the_ceiling) wall(box.lo + z, x, y);
+  if (rests != Rests::on_the_floor) wall(box.lo, y, x);
 }
 
 void SceneBuilder::hollow(const Box3d& box, unsigned without) {
