@@ -47,7 +47,9 @@ ordered_json elevations_of(const ScannerParams& p) {
 ordered_json scanner_facts(const ScannerParams& p, const Box3d& box) {
   return {{"positions", positions_of(scanner_positions(box, p))},
           {"target", json_of(p.target.value_or(box.centre()))},
-          {"rays", p.rays == Rays::central ? "central" : p.rays == Rays::parallel ? "parallel" : "spinning"},
+          {"rays", p.rays == Rays::central    ? "central"
+                   : p.rays == Rays::parallel ? "parallel"
+                                              : "spinning"},
           {"columns", p.step > 0 ? ordered_json(nullptr) : ordered_json(p.columns)},
           {"rows", p.step > 0 ? ordered_json(nullptr) : ordered_json(p.rows)},
           {"step", p.step > 0 ? ordered_json(p.step) : ordered_json(nullptr)},
@@ -215,7 +217,8 @@ EXAMPLES
 
 void add_scan(CLI::App& app, const GlobalOptions& global, Runner& runner) {
   auto options = std::make_shared<ScanOptions>();
-  CLI::App* command = app.add_subcommand("scan", "Virtual scans of a shape, a scene or a mesh, with the truth beside them");
+  CLI::App* command =
+      app.add_subcommand("scan", "Virtual scans of a shape, a scene or a mesh, with the truth beside them");
   add_scan_options(*command, *options);
   command->footer(scan_footer);
   command->callback([options, &global, &runner] { runner = [options, &global] { return run(*options, global); }; });

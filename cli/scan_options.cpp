@@ -59,8 +59,9 @@ void add_ray_options(CLI::App& app, ScanOptions& o) {
   rays(app.add_option("--step", o.step, "Distance of neighbouring rays at the target, instead of --image"))
       ->excludes(image)
       ->option_text("LENGTH");
-  CLI::Option* span = rays(app.add_option("--span", o.span, "Of a spinning scanner: elevation of its lowest and highest "
-                                                            "ring, degrees; as many rings as the image has rows"))
+  CLI::Option* span = rays(app.add_option("--span", o.span,
+                                          "Of a spinning scanner: elevation of its lowest and highest "
+                                          "ring, degrees; as many rings as the image has rows"))
                           ->option_text(fmt::format("LOW,HIGH [{:g},{:g}]", p.lowest_deg, p.highest_deg));
   o.rings = rays(app.add_option("--rings", p.rings_deg, "Instead: elevation of each ring, from the top"))
                 ->delimiter(',')

@@ -1,4 +1,4 @@
-"""Clouds with something wrong in them: outliers, copies, signs, units, noise. Most are of the knot, whose genus is 4."""
+"""Clouds with something wrong in them: outliers, copies, signs, units, noise. Most are of the knot, of genus 4."""
 import numpy as np
 
 import geometry
@@ -128,7 +128,7 @@ def zero_normals(kit):
 
 
 def ct_voxels(kit):
-    """The integer coordinates of the border voxels of a segmented volume: a ball with three bores through its middle."""
+    """Integer coordinates of the border voxels of a segmented volume: a ball with three bores through its middle."""
     x, y, z = np.meshgrid(*[np.arange(-50, 51)] * 3, indexing="ij", sparse=True)
     solid = (x**2 + y**2 + z**2 < 45**2) & (np.minimum(np.minimum(x**2 + y**2, y**2 + z**2), x**2 + z**2) > 14**2)
     inner = solid.copy()

@@ -72,7 +72,8 @@ class Kit:
 
     def cloud(self, positions, normals=None, truth=None, **known):
         """One PLY; `truth` is a mesh, or the name of one in the folder."""
-        geometry.write_cloud(self.folder / "input.ply", positions, normals, known.get("sensors"), known.pop("weights", None))
+        weights = known.pop("weights", None)
+        geometry.write_cloud(self.folder / "input.ply", positions, normals, known.get("sensors"), weights)
         return self.made(["input.ply"], positions, normals, truth, **known)
 
     def bare(self, positions, digits, truth=None, **known):

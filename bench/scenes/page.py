@@ -1,7 +1,7 @@
 """The page that is published: what fails first, then the table, the pictures, all figures as CSV."""
 import textwrap
 
-import verdicts
+from lab import markdown
 from verdicts import MISSED, percent
 
 HEAD = """# Scenes
@@ -69,7 +69,6 @@ def table(lab, results):
         rows.append(cells)
     header = ["scene", "samples", "voxel", "lost", "peer", "invented", "peer", "trimmed", "error", "peer", "ours is",
               "right is", "CPU s", "peer", "MB", "peer"]
-    from lab import markdown
     return markdown(header, rows)
 
 

@@ -29,8 +29,9 @@ def draw(lab, result, box):
     if not files:
         return None
     raw = lab.work / f"{result.scene.name}.png"
-    words = [lab.program, "render", *files, "-o", raw, "--quiet", "--up", result.scene.up, f"--view={result.scene.view}",
-             "--framing", "fitted", "--size", PANEL, "--columns", len(files), "--samples", 2, "--threads", 1]
+    words = [lab.program, "render", *files, "-o", raw, "--quiet", "--up", result.scene.up,
+             f"--view={result.scene.view}", "--framing", "fitted", "--size", PANEL, "--columns", len(files), "--samples", 2,
+             "--threads", 1]
     for caption in captions:
         words += ["--caption", caption]
     subprocess.run([str(w) for w in words], check=True)

@@ -143,7 +143,8 @@ def drift(kit):
         positions[of_scan], sensor = made.positions[of_scan] @ turn.T + shift, stands[k] @ turn.T + shift
         sensors[of_scan] = sensor
         files.append(f"input_{len(files):02d}.ply")
-        geometry.write_cloud(kit.folder / files[-1], positions[of_scan], comments=["sensor %.9g %.9g %.9g" % tuple(sensor)])
+        comment = "sensor %.9g %.9g %.9g" % tuple(sensor)
+        geometry.write_cloud(kit.folder / files[-1], positions[of_scan], comments=[comment])
     return Made(files, positions, sensors=sensors, good=made.good, outward=made.outward, towards=sensors,
                 truth="truth.ply")
 

@@ -56,8 +56,9 @@ def main():
         if name:
             drawn[r.scene.name] = name
     rows = verdicts.all_rows(results, areas, bunny(lab, trial))
-    measured = (f"Measured on {machine()}, one thread for each run, {sum(lab.cpu.values()) / 60:.0f} minutes of CPU time "
-                f"in all; program of commit {commit()}.")
+    minutes = sum(lab.cpu.values()) / 60
+    measured = (f"Measured on {machine()}, one thread for each run, {minutes:.0f} minutes of CPU time in all; program "
+                f"of commit {commit()}.")
     text = page.write(lab, results, rows, drawn, measured, PEER, FACTOR)
     if options.scene:
         print(text)

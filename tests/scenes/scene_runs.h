@@ -42,19 +42,21 @@ struct SceneRun {
   double wrong_side = 1;  ///< share of the samples whose nearest face looks away from `sides`
 };
 
-/// By defaults. `sides`: of each sample, a direction into the air; `counts`: which samples may not be lost.
+/// By defaults. `sides`: of each sample, a direction into the air; `counts`: which samples may not be lost, by the
+/// voxel.
 inline SceneRun run_scene(const PointCloud& cloud, const std::vector<Vec3d>& sides = {},
-                          const std::function<bool(size_t)>& counts = {}) {
+                          const std::function<bool(size_t, double)>& counts = {}) {
   Progress progress;
   SceneRun run{reconstruct(cloud, ReconstructParams(), Parallel(1), progress), {}};
   run.topology = check_topology(run.result.mesh);
   const ClosestPointQuery nearest(run.result.mesh, Parallel(1));
   const std::vector<ClosestPoint> found = nearest(cloud.positions, Parallel(1));
+  const double voxel = run.result.report.lattice.voxel;
   double lost = 0, wrong = 0, all = 0;
   for (size_t i = 0; i < found.size(); ++i) {
-    if (counts && !counts(i)) continue;
+    if (counts && !counts(i, voxel)) continue;
     all += 1;
-    lost += found[i].distance > 3 * run.result.report.lattice.voxel;
+    lost += found[i].distance > 3 * voxel;
     if (!sides.empty()) wrong += dot(triangle_normal(run.result.mesh, found[i].triangle), sides[i]) < 0;
   }
   run.lost = lost / all;

@@ -43,8 +43,8 @@ std::vector<RangeCamera> place_spinning(const Box3d& box, const ScannerParams& p
   if (elevations.empty())
     for (int row = 0; row < params.rows; ++row)
       elevations.push_back(params.rows == 1 ? 0.5 * (params.lowest_deg + params.highest_deg)
-                                            : params.highest_deg - (params.highest_deg - params.lowest_deg) * row /
-                                                                       (params.rows - 1));
+                                            : params.highest_deg -
+                                                  (params.highest_deg - params.lowest_deg) * row / (params.rows - 1));
   for (double& e : elevations) e *= radians;
   const auto rows = static_cast<int>(elevations.size());
   std::vector<RangeCamera> cameras;

@@ -16,7 +16,7 @@ struct RangeCamera {
   double step = 1;   ///< between neighbouring rays: at the target, input units; spinning: of azimuth, radians
   int columns = 1;
   int rows = 1;
-  double turn = 0;                  ///< spinning: where in a step the turn begins, [0, 1)
+  double turn = 0;                   ///< spinning: where in a step the turn begins, [0, 1)
   std::vector<double> elevations{};  ///< spinning: of each row, radians
 
   struct Ray {

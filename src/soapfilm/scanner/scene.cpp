@@ -55,9 +55,9 @@ Scene make_room() {
   SceneBuilder build;
   const Box3d air{{0, 0, 0}, {6, 4, 2.6}};
   build.hollow(air, low_x | high_y);
-  build.wall(air.lo, {0, 4, 0}, {0, 0, 2.6}, {{2.6, 0, 3.5, 2.0}});        // the door
+  build.wall(air.lo, {0, 4, 0}, {0, 0, 2.6}, {{2.6, 0, 3.5, 2.0}});       // the door
   build.wall({0, 4, 0}, {6, 0, 0}, {0, 0, 2.6}, {{2.0, 0.9, 4.0, 2.1}});  // the window
-  build.block({{4.2, 0, 0}, {5.4, 0.6, 1.9}}, Rests::on_the_floor);                      // the cabinet
+  build.block({{4.2, 0, 0}, {5.4, 0.6, 1.9}}, Rests::on_the_floor);       // the cabinet
   build.block({{2.2, 1.6, 0.70}, {3.8, 2.4, 0.76}});                      // the table
   for (const double x : {2.25, 3.67})
     for (const double y : {1.65, 2.27}) build.block({{x, y, 0}, {x + 0.08, y + 0.08, 0.70}}, Rests::on_the_floor);

@@ -9,8 +9,8 @@
 
 namespace soapfilm {
 
-/// An open mesh in metres, z up. Its faces look into the air, from which they are scanned: a room's inwards. As a Surface
-/// it is a MeshSurface with Faces::as_given.
+/// An open mesh in metres, z up. Its faces look into the air, from which they are scanned: a room's inwards. As a
+/// Surface it is a MeshSurface with Faces::as_given.
 struct Scene {
   std::string name;
   Mesh mesh;

@@ -33,9 +33,8 @@ void SceneBuilder::wall(Vec3d corner, Vec3d u, Vec3d v, const std::vector<WallPa
   for (size_t i = 0; i + 1 < columns.size(); ++i) {
     for (size_t j = 0; j + 1 < rows.size(); ++j) {
       const double s = 0.5 * (columns[i] + columns[i + 1]), t = 0.5 * (rows[j] + rows[j + 1]);
-      const bool open = std::any_of(openings.begin(), openings.end(), [&](const WallPart& o) {
-        return s > o.u0 && s < o.u1 && t > o.v0 && t < o.v1;
-      });
+      const bool open = std::any_of(openings.begin(), openings.end(),
+                                    [&](const WallPart& o) { return s > o.u0 && s < o.u1 && t > o.v0 && t < o.v1; });
       if (open || columns[i] == columns[i + 1] || rows[j] == rows[j + 1]) continue;
       const auto at = [&](double a, double b) { return corner + along * a + up * b; };
       quad(at(columns[i], rows[j]), at(columns[i + 1], rows[j]), at(columns[i + 1], rows[j + 1]),

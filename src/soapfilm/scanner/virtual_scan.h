@@ -15,8 +15,8 @@ namespace soapfilm {
 
 /// fibonacci: spread evenly over a sphere around the target; ring: on circles of the given elevations.
 enum class Orbit { fibonacci, ring };
-/// central: all rays of a scan start at the scanner (pinhole); parallel: all have one direction; spinning: they start at
-/// the scanner, which turns once about the upright axis z, a ring of rays for each elevation.
+/// central: all rays of a scan start at the scanner (pinhole); parallel: all have one direction; spinning: they start
+/// at the scanner, which turns once about the upright axis z, a ring of rays for each elevation.
 enum class Rays { central, parallel, spinning };
 /// ray: somewhere else on its ray, still part of the range image; box: anywhere in the box, outside the range image.
 enum class Outliers { ray, box };
