@@ -39,11 +39,15 @@ def to_triangles(p, corners):
     return np.where(over[0] & over[1] & over[2], height, rim)
 
 
-def split(corners, longest):
-    """Triangles with no edge over `longest`, each cut into four until it has none."""
+def split(corners, longest, near=None, reach=0):
+    """Triangles with no edge over `longest`, each cut into four until it has none; those farther than `reach` from all
+    points of the tree `near` are left out, for a balloon of a peer may be as large as the sky."""
     done = []
     while len(corners):
         edges = length(corners - np.roll(corners, -1, axis=1)).max(axis=1)
+        if near is not None:
+            close = near.query(corners.mean(axis=1))[0] < reach + edges
+            corners, edges = corners[close], edges[close]
         done.append(corners[edges <= longest])
         a, b, c = corners[edges > longest].transpose(1, 0, 2)
         ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
@@ -53,11 +57,14 @@ def split(corners, longest):
 
 class Surface:
     """A mesh to which distances are asked: to the nearest of the triangles with the CANDIDATES nearest middles, none
-    longer than a few voxels, so that nothing nearer is overlooked by more than a few hundredths of one."""
-    CANDIDATES, AT_ONCE, LONGEST = 12, 20000, 4
+    longer than a few voxels, so that nothing nearer is overlooked by more than a few hundredths of one. With `near`,
+    a tree of the points that will ask, only distances up to REACH voxels are exact; others are too large."""
+    CANDIDATES, AT_ONCE, LONGEST, REACH = 12, 20000, 4, 20
 
-    def __init__(self, vertices, triangles, voxel):
-        self.corners = split(vertices[triangles], self.LONGEST * voxel)
+    def __init__(self, vertices, triangles, voxel, near=None):
+        self.corners = split(vertices[triangles], self.LONGEST * voxel, near, self.REACH * voxel)
+        if not len(self.corners):
+            self.corners = vertices[triangles[:1]]
         self.tree = cKDTree(self.corners.mean(axis=1))
 
     def nearest(self, points):
@@ -141,6 +148,7 @@ class Judge:
         self.measured = made.positions[chosen]
         towards = None if made.towards is None else made.towards - made.positions
         sides = made.outward if made.outward is not None else towards
+        self.asking = cKDTree(self.measured)
         self.sides = None if sides is None else sides[chosen]
         self.truth = self.sampled_truth(truth) if truth is not None else None
 
@@ -149,8 +157,9 @@ class Judge:
         points, _ = on_surface(*truth, MOST_SAMPLES, self.rng)
         return points[self.tree.query(points)[0] < 2 * self.voxel]
 
-    def lost(self, surface):
-        return float((surface.nearest(self.measured)[0] > LOST * self.voxel).mean())
+    def lost(self, vertices, triangles):
+        distance, _ = Surface(vertices, triangles, self.voxel, self.asking).nearest(self.measured)
+        return float((distance > LOST * self.voxel).mean())
 
     def invented(self, vertices, triangles):
         points, area = on_surface(vertices, triangles, MOST_SAMPLES, np.random.default_rng(1))
@@ -159,7 +168,7 @@ class Judge:
     def __call__(self, vertices, triangles):
         if not len(triangles):
             return None
-        surface = Surface(vertices, triangles, self.voxel)
+        surface = Surface(vertices, triangles, self.voxel, self.tree)
         distance, normal = surface.nearest(self.measured)
         invented, area = self.invented(vertices, triangles)
         verdict = Verdict(float((distance > LOST * self.voxel).mean()),
@@ -176,14 +185,14 @@ class Judge:
 def trimmed(judge, vertices, triangles, densities, loss):
     """Poisson's surface without what its octree was thinly filled by: as much cut off as leaves no more samples lost
     than `loss`, or than its whole surface loses. Returns the triangles that stay."""
-    allowed = max(loss, judge.lost(Surface(vertices, triangles, judge.voxel))) + 1e-9
+    allowed = max(loss, judge.lost(vertices, triangles)) + 1e-9
     least = densities[triangles].min(axis=1)
     order = np.sort(least)
     low, high = 0, len(order) - 1          # triangles cut off: `low` are allowed, more than `high` are not tried
     while high - low > max(1, len(order) // 1000):
         middle = (low + high) // 2
         stays = triangles[least >= order[middle]]
-        if judge.lost(Surface(vertices, stays, judge.voxel)) <= allowed:
+        if judge.lost(vertices, stays) <= allowed:
             low = middle
         else:
             high = middle

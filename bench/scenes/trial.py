@@ -14,7 +14,7 @@ from kit import Kit, Made
 HERE = Path(__file__).resolve().parent
 PEER = "Open3D's screened Poisson"
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}  # CPU seconds are work, not waiting
-LIMITS = ("timeout", "600", "prlimit", f"--as={12 * 2**30}")          # of any run: ten minutes, 12 GiB
+LIMITS = ("timeout", "600", "prlimit", f"--as={8 * 2**30}")           # of any run: ten minutes, 8 GiB
 FACTOR = 3  # judged at our voxel, but at most so many times the scene's spacing, and at least that part of it
 
 
