@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find src cli tests examples bench -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test bench paper accuracy format format-check tidy clean
+.PHONY: help build demo test bench paper accuracy scenes format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -44,6 +44,9 @@ paper: packages-build packages-paper ## every table and figure of the paper, int
 accuracy: build-release packages-accuracy ## errors against the truth, beside peers, to docs/accuracy/ (FULL=1: all)
 	/usr/bin/python3 -B bench/accuracy/accuracy.py build/release/bin out/accuracy docs/accuracy \
 	  --jobs $(JOBS) $(if $(FULL),--full)
+
+scenes: build-release packages-scenes ## scenes as people scan them, beside a peer, to docs/scenes/ (SOAPFILM_DATA: as above)
+	/usr/bin/python3 -B bench/scenes/scenes.py build/release/bin out/scenes docs/scenes --jobs $(JOBS)
 
 format: packages-format ## lay the sources out
 	$(SOURCES) | xargs clang-format -i

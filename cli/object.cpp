@@ -13,6 +13,7 @@
 #include "soapfilm/evaluate/distance.h"
 #include "soapfilm/io/io.h"
 #include "soapfilm/scanner/mesh_surface.h"
+#include "soapfilm/scanner/scene.h"
 
 namespace soapfilm::cli {
 
@@ -41,11 +42,22 @@ Object shape_object(const ObjectOptions& options) {
   return {shape, std::move(json)};
 }
 
-Object mesh_object(const ObjectOptions& options, const Parallel& parallel, Progress& progress) {
+void refuse_shape_options(const ObjectOptions& options, const char* kind) {
   for (const CLI::Option* option : options.shape_only)
     if (option->count() > 0)
       throw ParameterError(
-          fmt::format("{}: only built-in shapes have it, {} is a mesh", option->get_name(), options.name));
+          fmt::format("{}: only built-in shapes have it, {} is a {}", option->get_name(), options.name, kind));
+}
+
+Object scene_object(const ObjectOptions& options, const Parallel& parallel) {
+  refuse_shape_options(options, "scene");
+  Scene scene = make_scene(options.name);
+  const auto surface = std::make_shared<const MeshSurface>(std::move(scene.mesh), parallel, Faces::as_given);
+  return {surface, {{"scene", scene.name}, {"volume", nullptr}, {"area", surface->mesh().area()}}, scene.scanner};
+}
+
+Object mesh_object(const ObjectOptions& options, const Parallel& parallel, Progress& progress) {
+  refuse_shape_options(options, "mesh");
   const auto mesh = std::make_shared<const MeshSurface>(read_surface(options.name), parallel);
   if (mesh->turned())
     progress.warn(fmt::format("{}: inside-out (negative volume), its faces are turned", options.name));
@@ -59,7 +71,8 @@ Object mesh_object(const ObjectOptions& options, const Parallel& parallel, Progr
 }  // namespace
 
 std::string object_description() {
-  return fmt::format("A built-in shape ({})\nor a mesh (.ply, .obj, .off, .stl)", fmt::join(shape_names(), ", "));
+  return fmt::format("A built-in shape ({}),\na scene ({})\nor a mesh (.ply, .obj, .off, .stl)",
+                     fmt::join(shape_names(), ", "), fmt::join(scene_names(), ", "));
 }
 
 void add_shape_options(CLI::App& app, ObjectOptions& o) {
@@ -92,8 +105,14 @@ Mesh read_surface(const std::string& path) {
 }
 
 Object make_object(const char* option, const ObjectOptions& options, const Parallel& parallel, Progress& progress) {
-  const std::vector<std::string> names = shape_names();
-  if (std::find(names.begin(), names.end(), options.name) != names.end()) return shape_object(options);
+  std::vector<std::string> names = shape_names();
+  const std::vector<std::string> scenes = scene_names();
+  const auto among = [&](const std::vector<std::string>& known) {
+    return std::find(known.begin(), known.end(), options.name) != known.end();
+  };
+  if (among(names)) return shape_object(options);
+  if (among(scenes)) return scene_object(options, parallel);
+  names.insert(names.end(), scenes.begin(), scenes.end());
   const std::filesystem::path path(options.name);
   if (!path.has_extension() && !std::filesystem::exists(path))
     throw ParameterError(

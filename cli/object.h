@@ -1,28 +1,30 @@
-// A known surface named on the command line: a built-in shape with its options, or a mesh file.
+// A known surface named on the command line: a built-in shape with its options, a built-in scene, or a mesh file.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/scanner/shape.h"
+#include "soapfilm/scanner/virtual_scan.h"
 
 namespace soapfilm::cli {
 
 /// What the options say, before it is checked.
 struct ObjectOptions {
-  std::string name;  ///< shape or file
+  std::string name;  ///< shape, scene or file
   std::string centre;
   ShapeParams shape;
   std::vector<const CLI::Option*> shape_only;      ///< options that a mesh has no use for
   std::vector<const CLI::Option*> of_some_shapes;  ///< those that are named as the parameter of a few shapes
 };
 
-/// "A built-in shape (sphere, ...) or a mesh (...)", for the option that names the object.
+/// "A built-in shape (sphere, ...), a scene (room, ...) or a mesh (...)", for the option that names the object.
 std::string object_description();
 
 /// --size, --centre, --thickness, --gap.
@@ -32,6 +34,7 @@ void add_shape_options(CLI::App& app, ObjectOptions& options);
 struct Object {
   std::shared_ptr<const Surface> surface;
   nlohmann::ordered_json facts;
+  std::optional<ScannerParams> scanner{};  ///< a scene's own
 };
 
 /// A mesh that has an area to measure; throws InputError naming the file.

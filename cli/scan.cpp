@@ -38,14 +38,27 @@ ordered_json positions_of(const std::vector<Vec3d>& positions) {
   return list;
 }
 
+/// Of a spinning scanner's rings: each, or the lowest and the highest; else null.
+ordered_json elevations_of(const ScannerParams& p) {
+  if (p.rays != Rays::spinning) return nullptr;
+  return p.rings_deg.empty() ? ordered_json{p.lowest_deg, p.highest_deg} : ordered_json(p.rings_deg);
+}
+
 ordered_json scanner_facts(const ScannerParams& p, const Box3d& box) {
   return {{"positions", positions_of(scanner_positions(box, p))},
           {"target", json_of(p.target.value_or(box.centre()))},
-          {"rays", p.rays == Rays::central ? "central" : "parallel"},
+          {"rays", p.rays == Rays::central    ? "central"
+                   : p.rays == Rays::parallel ? "parallel"
+                                              : "spinning"},
           {"columns", p.step > 0 ? ordered_json(nullptr) : ordered_json(p.columns)},
           {"rows", p.step > 0 ? ordered_json(nullptr) : ordered_json(p.rows)},
           {"step", p.step > 0 ? ordered_json(p.step) : ordered_json(nullptr)},
+          {"elevations_deg", elevations_of(p)},
+          {"max_range", p.max_range > 0 ? ordered_json(p.max_range) : ordered_json(nullptr)},
           {"noise", p.noise},
+          {"ghosts", p.ghosts},
+          {"ghost_depth", {p.ghost_lo, p.ghost_hi}},
+          {"mixed_pixels", p.mixed_pixels},
           {"outliers", p.outliers},
           {"outlier_kind", p.outlier_kind == Outliers::ray ? "ray" : "box"},
           {"drop_out", p.drop_out},
@@ -157,7 +170,7 @@ void write(const ScanOptions& options, const Object& object, const Mesh& truth, 
   }
 }
 
-int run(const ScanOptions& options, const GlobalOptions& global) {
+int run(ScanOptions options, const GlobalOptions& global) {
   check_together(options);
   check_folder(options);
   TerminalProgress progress(global);
@@ -165,6 +178,7 @@ int run(const ScanOptions& options, const GlobalOptions& global) {
   Stages stages(progress);
   const Object object =
       stages.run("prepare", [&] { return make_object("object", options.object, parallel, progress); });
+  if (object.scanner) take_scanner_of_scene(options, *object.scanner);
   const Measured measured = stages.run("scan", [&] { return measure(options, *object.surface, parallel, progress); });
   const Mesh truth = stages.run(
       "truth", [&] { return object.surface->tessellate(truth_tolerance * object.surface->box().longest()); });
@@ -194,6 +208,8 @@ EXAMPLES
   soapfilm scan part -o scans
   soapfilm scan knot -o scans --views 24 --noise 0.2% --outliers 0.05 --misalignment 0.1%
   soapfilm scan horse.ply -o scans --orbit ring --elevations 0,35,-35 --views 8 --rays parallel
+  soapfilm scan room -o room --noise 0.003 --mixed-pixels 0.3
+  soapfilm scan street -o street --rings 2,1,0,-1,-2,-4,-8,-16 --ghosts 0.005 --max-range 70
   soapfilm scan torus -o even --samples 100000 --directions views --hole 0.1
 )";
 
@@ -201,7 +217,8 @@ EXAMPLES
 
 void add_scan(CLI::App& app, const GlobalOptions& global, Runner& runner) {
   auto options = std::make_shared<ScanOptions>();
-  CLI::App* command = app.add_subcommand("scan", "Virtual scans of a shape or a mesh, with the truth beside them");
+  CLI::App* command =
+      app.add_subcommand("scan", "Virtual scans of a shape, a scene or a mesh, with the truth beside them");
   add_scan_options(*command, *options);
   command->footer(scan_footer);
   command->callback([options, &global, &runner] { runner = [options, &global] { return run(*options, global); }; });

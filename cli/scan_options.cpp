@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -47,14 +48,26 @@ void add_ray_options(CLI::App& app, ScanOptions& o) {
     o.image_options.push_back(option);
     return option->group("Rays");
   };
-  rays(app.add_option("--rays", p.rays, "central: all start at the scanner; parallel: one direction"))
-      ->transform(named<Rays>({{"central", Rays::central}, {"parallel", Rays::parallel}}))
-      ->option_text("KIND [central]");
+  o.rays = rays(app.add_option("--rays", p.rays,
+                               "central: all start at the scanner; parallel: one direction; spinning: a scanner that "
+                               "turns once about the upright axis z"))
+               ->transform(named<Rays>(
+                   {{"central", Rays::central}, {"parallel", Rays::parallel}, {"spinning", Rays::spinning}}))
+               ->option_text("KIND [central]");
   CLI::Option* image = rays(app.add_option("--image", o.image, "Columns and rows of each range image"))
                            ->option_text(fmt::format("CxR [{}x{}]", p.columns, p.rows));
   rays(app.add_option("--step", o.step, "Distance of neighbouring rays at the target, instead of --image"))
       ->excludes(image)
       ->option_text("LENGTH");
+  CLI::Option* span = rays(app.add_option("--span", o.span,
+                                          "Of a spinning scanner: elevation of its lowest and highest "
+                                          "ring, degrees; as many rings as the image has rows"))
+                          ->option_text(fmt::format("LOW,HIGH [{:g},{:g}]", p.lowest_deg, p.highest_deg));
+  o.rings = rays(app.add_option("--rings", p.rings_deg, "Instead: elevation of each ring, from the top"))
+                ->delimiter(',')
+                ->excludes(span)
+                ->option_text("A,B,...");
+  rays(app.add_option("--max-range", o.max_range, "Hits farther away are lost; 0: none"))->option_text("LENGTH [0]");
 }
 
 void add_sample_options(CLI::App& app, ScanOptions& o) {
@@ -87,8 +100,16 @@ void add_error_options(CLI::App& app, ScanOptions& o) {
       ->option_text("KIND [ray]");
   of_scans(app.add_option("--drop-out", p.drop_out, "Share of the hits that are lost, 0 to 1"))
       ->option_text(fmt::format("V [{:g}]", p.drop_out));
-  of_scans(app.add_option("--max-incidence", p.max_incidence_deg, "Hits at a larger angle to the normal are lost"))
-      ->option_text(fmt::format("DEGREES [{:g}]", p.max_incidence_deg));
+  o.max_incidence =
+      of_scans(app.add_option("--max-incidence", p.max_incidence_deg, "Hits at a larger angle to the normal are lost"))
+          ->option_text(fmt::format("DEGREES [{:g}]", p.max_incidence_deg));
+  of_scans(app.add_option("--ghosts", p.ghosts, "Share of the hits that come back late: behind the surface, 0 to 1"))
+      ->option_text(fmt::format("V [{:g}]", p.ghosts));
+  of_scans(app.add_option("--ghost-depth", o.ghost_depth, "How far behind it, along its normal, input units"))
+      ->option_text(fmt::format("LOW,HIGH [{:g},{:g}]", p.ghost_lo, p.ghost_hi));
+  of_scans(app.add_option("--mixed-pixels", p.mixed_pixels,
+                          "Share of the pixels at a step in depth that measure between its two sides, 0 to 1"))
+      ->option_text(fmt::format("V [{:g}]", p.mixed_pixels));
   errors(app.add_option("--hole", o.missing.hole, "Share of the surface, one patch of it, without samples, 0 to 0.9"))
       ->option_text(fmt::format("V [{:g}]", o.missing.hole));
   errors(app.add_option("--thin-half", o.missing.thin_half,
@@ -140,6 +161,17 @@ void check_together(const ScanOptions& o) {
     throw ParameterError("elevations: only --orbit ring has them");
 }
 
+void take_scanner_of_scene(ScanOptions& o, const ScannerParams& scene) {
+  const auto given = [](const CLI::Option* option) { return option->count() > 0; };
+  ScannerParams& p = o.scanner;
+  if (o.positions.empty() && std::none_of(o.orbit_options.begin(), o.orbit_options.end(), given))
+    p.positions = scene.positions;
+  if (!given(o.rays)) p.rays = scene.rays;
+  if (!given(o.max_incidence)) p.max_incidence_deg = scene.max_incidence_deg;
+  if (o.image.empty() && o.step.empty()) p.columns = scene.columns, p.rows = scene.rows;
+  if (o.span.empty()) p.lowest_deg = scene.lowest_deg, p.highest_deg = scene.highest_deg;
+}
+
 ScannerParams scanner_params(const ScanOptions& options, const Box3d& box) {
   ScannerParams params = options.scanner;
   const auto length = [&](const char* option, const std::string& text, double& value) {
@@ -149,6 +181,18 @@ ScannerParams scanner_params(const ScanOptions& options, const Box3d& box) {
   if (!options.step.empty() && !(params.step > 0))
     throw ParameterError(fmt::format("step = {}, must be > 0", options.step));
   length("noise", options.noise, params.noise);
+  length("max-range", options.max_range, params.max_range);
+  const auto pair = [](const char* option, const std::string& text, double& low, double& high) {
+    if (text.empty()) return;
+    const std::vector<double> values = parse_numbers(option, text, ',', 2, "two numbers such as 1,3");
+    low = values[0], high = values[1];
+  };
+  pair("span", options.span, params.lowest_deg, params.highest_deg);
+  pair("ghost-depth", options.ghost_depth, params.ghost_lo, params.ghost_hi);
+  if (params.rays != Rays::spinning && (options.rings->count() > 0 || !options.span.empty()))
+    throw ParameterError("rings, span: only --rays spinning has them");
+  if (params.rays == Rays::spinning && !options.step.empty())
+    throw ParameterError("step: a spinning scanner has --image instead, rays of a turn and rings");
   length("misalignment", options.misalignment, params.misalignment);
   for (const std::string& text : options.positions) params.positions.push_back(parse_point("position", text));
   if (!options.target.empty()) params.target = parse_point("target", options.target);

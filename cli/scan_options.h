@@ -21,7 +21,8 @@ struct ScanOptions {
   ObjectOptions object;
   std::string folder;
   std::string image;
-  std::string step, noise, misalignment;
+  std::string step, noise, misalignment, max_range;
+  std::string span, ghost_depth;
   std::vector<std::string> positions;
   std::string target;
   ScannerParams scanner;
@@ -32,6 +33,9 @@ struct ScanOptions {
   const CLI::Option* samples_option = nullptr;
   const CLI::Option* directions_option = nullptr;
   const CLI::Option* elevations = nullptr;
+  const CLI::Option* rays = nullptr;
+  const CLI::Option* rings = nullptr;
+  const CLI::Option* max_incidence = nullptr;
   std::vector<const CLI::Option*> orbit_options;  ///< no use for given positions
   std::vector<const CLI::Option*> view_options;   ///< where scanners stand: no use for samples with normals
   std::vector<const CLI::Option*> image_options;  ///< what only range images have: no use for samples at all
@@ -43,6 +47,9 @@ void add_scan_options(CLI::App& app, ScanOptions& options);
 
 /// Throws ParameterError for options that have no meaning together.
 void check_together(const ScanOptions& options);
+
+/// What the scene's own scanner decides because no option does: positions, rays, size of the image, largest incidence.
+void take_scanner_of_scene(ScanOptions& options, const ScannerParams& scene);
 
 ScannerParams scanner_params(const ScanOptions& options, const Box3d& box);
 SamplingParams sampling_params(const ScanOptions& options, const Box3d& box);

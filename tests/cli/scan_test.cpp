@@ -81,6 +81,30 @@ TEST(Scan, AnOpenMeshIsScannedAsItIs) {
   }
 }
 
+TEST(Scan, ASceneBringsItsScannerAndOptionsReplaceItPartByPart) {
+  const TemporaryFolder folder;
+  const std::string own = folder.file("own"), other = folder.file("other");
+  ASSERT_EQ(scan({"room", "-o", own, "--image", "90x40", "--quiet"}).exit_code, 0);
+  const auto scanner = nlohmann::json::parse(read_file(own + "/truth.json"))["scanner"];
+  EXPECT_EQ(scanner["rays"], "spinning");
+  EXPECT_EQ(scanner["positions"].size(), 2u);
+  EXPECT_EQ(scanner["max_incidence_deg"], 89);
+  EXPECT_EQ(scanner["elevations_deg"], (nlohmann::json{-88, 89}));
+  const PointCloud cloud = read_points(own + "/scans.conf");
+  EXPECT_EQ(cloud.scans[0].range_grid->columns, 90);
+  EXPECT_EQ(cloud.scans[0].range_grid->rows, 40);
+
+  ASSERT_EQ(scan({"room", "-o", other, "--rays", "central", "--position", "1,1,1.5", "--target", "5,3,0.5", "--image",
+                  "64x48", "--max-range", "3", "--quiet"})
+                .exit_code,
+            0);
+  const auto pinhole = nlohmann::json::parse(read_file(other + "/truth.json"))["scanner"];
+  EXPECT_EQ(pinhole["rays"], "central");
+  EXPECT_EQ(pinhole["positions"].size(), 1u);
+  EXPECT_TRUE(pinhole["elevations_deg"].is_null());
+  for (const Vec3d& p : read_points(other + "/scans.conf").positions) ASSERT_LE(norm(p - Vec3d{1, 1, 1.5}), 3 + 1e-9);
+}
+
 TEST(Scan, TheSameBytesForAnyNumberOfThreads) {
   const TemporaryFolder folder;
   for (const char* threads : {"1", "3"}) {
@@ -105,7 +129,12 @@ TEST(Scan, RefusesInOneLineAndWritesNothing) {
     EXPECT_FALSE(std::filesystem::exists(out)) << what;
   };
   expect_refused({"cube"},
-                 "object = cube, must be one of sphere, torus, part, plate, sheets, knot, arch, or a mesh file");
+                 "object = cube, must be one of sphere, torus, part, plate, sheets, knot, arch, room, yard, street, "
+                 "terrain, tunnel, facade, or a mesh file");
+  expect_refused({"room", "--size", "2"}, "--size: only built-in shapes have it, room is a scene");
+  expect_refused({"room", "--step", "0.1"}, "step: a spinning scanner has --image instead");
+  expect_refused({"torus", "--rings", "10,0"}, "rings, span: only --rays spinning has them");
+  expect_refused({"street", "--ghost-depth", "3,1"}, "ghost_hi = 1, must be >= ghost_lo");
   expect_refused({"missing.ply"}, "missing.ply");
   expect_refused({"part", "--noise", "loud"}, "noise = loud, must be a number >= 0, or one with a percent sign");
   expect_refused({"part", "--noise", "-1%"}, "noise = -0.01, must be >= 0");

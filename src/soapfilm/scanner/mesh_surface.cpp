@@ -75,12 +75,12 @@ struct MeshSurface::Rays {
   Vec3f to_local(Vec3d p) const { return static_cast<Vec3f>((p - centre) / scale); }
 };
 
-MeshSurface::MeshSurface(Mesh mesh, const Parallel& parallel) : mesh_(std::move(mesh)) {
+MeshSurface::MeshSurface(Mesh mesh, const Parallel& parallel, Faces faces) : mesh_(std::move(mesh)) {
   check(mesh_);
   for (const Triangle& t : mesh_.triangles)  // unused vertices are no part of the surface
     for (const uint32_t v : t) box_.extend(mesh_.vertices[v]);
   closed_ = check_topology(mesh_).closed();
-  turned_ = closed_ && mesh_.volume() < 0.0;
+  turned_ = faces == Faces::outward && closed_ && mesh_.volume() < 0.0;
   if (turned_) {
     for (Triangle& t : mesh_.triangles) std::swap(t[1], t[2]);
     for (Vec3f& n : mesh_.normals) n = -n;

@@ -9,13 +9,17 @@
 
 namespace soapfilm {
 
+/// Which way the faces of a mesh look: outward turns a closed one whose volume is negative; as_given leaves a room from
+/// inside as it is.
+enum class Faces { outward, as_given };
+
 /// Rays and closest points by Embree, refined in double against the triangle found: positions lie on the mesh to
 /// double precision whatever the coordinates' offset. A closed mesh with negative volume is inside-out; its faces are
 /// turned. An open one is taken as it is: the sign of its volume says nothing.
 class MeshSurface final : public Surface {
  public:
   /// Throws InputError when the mesh has no triangle, a vertex index out of range, or a coordinate that is not finite.
-  MeshSurface(Mesh mesh, const Parallel& parallel);
+  MeshSurface(Mesh mesh, const Parallel& parallel, Faces faces = Faces::outward);
   ~MeshSurface() override;
 
   /// Seen from its inner side a triangle is met all the same; the normal stays outward. It is zero

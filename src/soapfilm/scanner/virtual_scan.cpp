@@ -11,6 +11,7 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/scanner/range_camera.h"
 
 namespace soapfilm {
 
@@ -43,88 +44,21 @@ void check(const ScannerParams& params) {
   require(params.drop_out >= 0.0 && params.drop_out < 1.0, "drop_out", params.drop_out, "in [0, 1)");
   require(params.max_incidence_deg > 0.0 && params.max_incidence_deg <= 90.0, "max_incidence_deg",
           params.max_incidence_deg, "in (0, 90]");
+  for (const double e : params.rings_deg) require(e >= -90.0 && e <= 90.0, "ring", e, "in [-90, 90] degrees");
+  require(params.lowest_deg >= -90.0 && params.lowest_deg <= params.highest_deg, "lowest_deg", params.lowest_deg,
+          "in [-90, highest_deg]");
+  require(params.highest_deg <= 90.0, "highest_deg", params.highest_deg, "<= 90");
+  finite_from_zero("max_range", params.max_range);
+  require(params.ghosts >= 0.0 && params.ghosts <= 1.0, "ghosts", params.ghosts, "in [0, 1]");
+  finite_from_zero("ghost_lo", params.ghost_lo);
+  require(params.ghost_hi >= params.ghost_lo && std::isfinite(params.ghost_hi), "ghost_hi", params.ghost_hi,
+          ">= ghost_lo");
+  require(params.mixed_pixels >= 0.0 && params.mixed_pixels <= 1.0, "mixed_pixels", params.mixed_pixels, "in [0, 1]");
   finite_from_zero("misalignment_deg", params.misalignment_deg);
   finite_from_zero("misalignment", params.misalignment);
 }
 
-Vec3d target_of(const Box3d& box, const ScannerParams& params) { return params.target.value_or(box.centre()); }
-
-/// Half the extent of the box in a view's image, in input units at the target.
-struct HalfExtent {
-  double across = 0;
-  double up = 0;
-};
-
-HalfExtent half_extent(const Pose& pose, const Box3d& box, const Vec3d& target, Rays rays) {
-  HalfExtent extent;
-  const double range = norm(target - pose.origin);
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p = pose.to_local(
-        {corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y, corner & 4 ? box.hi.z : box.lo.z});
-    // A corner beside or behind a central scanner would need an image of half a turn; it sees 2 x 80 degrees.
-    const double depth = std::max(-p.z, std::tan(10.0 * radians) * std::hypot(p.x, p.y));
-    const double scale = rays == Rays::central ? range / std::max(depth, 1e-12 * range) : 1.0;
-    extent.across = std::max(extent.across, std::abs(p.x) * scale);
-    extent.up = std::max(extent.up, std::abs(p.y) * scale);
-  }
-  return extent;
-}
-
-/// The rays of one view.
-struct RangeCamera {
-  Pose pose;
-  Rays rays = Rays::central;
-  double range = 1;  ///< from scanner to target
-  double step = 1;   ///< between neighbouring rays at the target
-  int columns = 1;
-  int rows = 1;
-
-  struct Ray {
-    Vec3d origin, direction;
-  };
-  Ray ray(int column, int row) const {
-    const double across = (column - 0.5 * (columns - 1)) * step;
-    const double up = (0.5 * (rows - 1) - row) * step;
-    if (rays == Rays::parallel) return {pose.to_world({across, up, 0.0}), -pose.z};
-    return {pose.origin, pose.rotate(normalized(Vec3d{across, up, -range}))};
-  }
-};
-
-std::vector<RangeCamera> place_cameras(const Box3d& box, const ScannerParams& params) {
-  const Vec3d target = target_of(box, params);
-  std::vector<RangeCamera> cameras;
-  std::vector<HalfExtent> extents;
-  for (const Vec3d& position : scanner_positions(box, params)) {
-    const double range = norm(position - target);
-    if (!(range > 0.0)) throw ParameterError("position: must differ from the target that the view looks at");
-    RangeCamera camera{look_at(position, target), params.rays, range, params.step, params.columns, params.rows};
-    extents.push_back(half_extent(camera.pose, box, target, params.rays));
-    cameras.push_back(camera);
-  }
-  if (params.step > 0.0) {
-    for (size_t k = 0; k < cameras.size(); ++k) {
-      const double columns = std::ceil(2.0 * extents[k].across / params.step) + 1.0;
-      const double rows = std::ceil(2.0 * extents[k].up / params.step) + 1.0;
-      if (columns * rows > 1e8)
-        throw ParameterError(
-            fmt::format("step = {}, must be larger: a range image would have {} x {} rays, at most "
-                        "1e8 are allowed",
-                        params.step, columns, rows));
-      cameras[k].columns = static_cast<int>(columns);
-      cameras[k].rows = static_cast<int>(rows);
-    }
-    return cameras;
-  }
-  // One step for all views, so that the sampling is even; box corners fall on the middle of border pixels or within.
-  double step = 0.0;
-  for (const HalfExtent& extent : extents)
-    step = std::max(
-        {step, 2.0 * extent.across / std::max(params.columns - 1, 1), 2.0 * extent.up / std::max(params.rows - 1, 1)});
-  for (RangeCamera& camera : cameras) camera.step = step;
-  return cameras;
-}
-
-enum class Pixel : uint8_t { empty, on_surface, outlier_on_ray, outlier_in_box };
+enum class Pixel : uint8_t { empty, on_surface, outlier_on_ray, outlier_in_box };  // a ghost is one on its ray
 
 struct Measurement {
   Pixel kind = Pixel::empty;
@@ -139,10 +73,25 @@ Random pixel_random(uint64_t seed, size_t scan, size_t pixel) {
   return Random(of_scan.next() + pixel);
 }
 
-Measurement measure(const Surface& surface, const Box3d& box, const ScannerParams& params, const RangeCamera::Ray& ray,
-                    Random random) {
+/// Range of a pixel that a step in depth crosses: somewhere between the two sides. A step: half a pixel on, the range
+/// differs by more than 10 times the spacing of rays, which a plane would do at 84 degrees.
+std::optional<double> range_at_edge(const Surface& surface, const RangeCamera& camera, int column, int row,
+                                    double range, double blend) {
+  constexpr double step_over_spacing = 10.0;
+  for (const auto& [right, below] : {std::pair{0.5, 0.0}, std::pair{0.0, 0.5}}) {
+    const RangeCamera::Ray beside = camera.ray(column + right, row + below);
+    const std::optional<SurfacePoint> other = surface.intersect(beside.origin, beside.direction);
+    if (other && std::abs(other->distance - range) > step_over_spacing * camera.spacing(range))
+      return range + blend * (other->distance - range);
+  }
+  return std::nullopt;
+}
+
+Measurement measure(const Surface& surface, const Box3d& box, const ScannerParams& params, const RangeCamera& camera,
+                    int column, int row, Random random) {
+  const RangeCamera::Ray ray = camera.ray(column, row);
   const std::optional<SurfacePoint> hit = surface.intersect(ray.origin, ray.direction);
-  if (!hit) return {};
+  if (!hit || (params.max_range > 0.0 && hit->distance > params.max_range)) return {};
   const double cosine = std::abs(dot(hit->normal, ray.direction));
   if (cosine < std::cos(params.max_incidence_deg * radians)) return {};
   // Each effect draws its numbers whether it is on or not, so that switching one leaves the others as they were.
@@ -150,6 +99,8 @@ Measurement measure(const Surface& surface, const Box3d& box, const ScannerParam
   const double outlying = random.uniform();
   const double error = random.normal();
   const Vec3d where{random.uniform(), random.uniform(), random.uniform()};
+  const double ghost = random.uniform(), depth = random.uniform(params.ghost_lo, params.ghost_hi);
+  const double mixed = random.uniform(), blend = random.uniform();
   if (lost < params.drop_out) return {};
   if (outlying < params.outliers) {
     const Box3d wide = outlier_box(box);
@@ -157,10 +108,15 @@ Measurement measure(const Surface& surface, const Box3d& box, const ScannerParam
     if (params.outlier_kind == Outliers::box)
       return {Pixel::outlier_in_box, wide.lo + Vec3d{size.x * where.x, size.y * where.y, size.z * where.z}, {}};
     const double middle = dot(wide.centre() - ray.origin, ray.direction);
-    const double near = std::max(middle - 0.5 * wide.diagonal(), 1e-3 * middle);
+    const double near = std::max(middle - 0.5 * wide.diagonal(), 1e-3 * wide.diagonal());
     const double far = middle + 0.5 * wide.diagonal();
     return {Pixel::outlier_on_ray, ray.origin + ray.direction * (near + (far - near) * where.x), {}};
   }
+  if (ghost < params.ghosts)
+    return {Pixel::outlier_on_ray, hit->position + ray.direction * (depth / std::max(cosine, 1e-3)), {}};
+  if (mixed < params.mixed_pixels)
+    if (const auto range = range_at_edge(surface, camera, column, row, hit->distance, blend))
+      return {Pixel::outlier_on_ray, ray.origin + ray.direction * *range, {}};
   return {Pixel::on_surface, hit->position + ray.direction * (params.noise * error), static_cast<Vec3f>(hit->normal)};
 }
 
@@ -201,7 +157,7 @@ PointCloud scan_view(const Surface& surface, const ScannerParams& params, RangeC
   parallel.for_each(pixels, 256, [&](size_t i) {
     const auto column = static_cast<int>(i % camera.columns);
     const auto row = static_cast<int>(i / camera.columns);
-    image[i] = measure(surface, box, params, camera.ray(column, row), pixel_random(params.seed, index, i));
+    image[i] = measure(surface, box, params, camera, column, row, pixel_random(params.seed, index, i));
   });
 
   PointCloud cloud;
@@ -215,7 +171,7 @@ PointCloud scan_view(const Surface& surface, const ScannerParams& params, RangeC
   if (cloud.size() == 0) return cloud;
   misalign(cloud.positions, cloud.normals, camera.pose, params, pixel_random(params.seed, index, pixels));
   Scan scan{fmt::format("scan_{:03}", index), 0, cloud.size(), {}, {}, std::move(grid)};
-  if (params.rays == Rays::central) {
+  if (params.rays != Rays::parallel) {
     scan.sensor = camera.pose.origin;
   } else {
     scan.view_direction = camera.pose.z;
@@ -234,7 +190,7 @@ Box3d outlier_box(const Box3d& box) {
 std::vector<Vec3d> scanner_positions(const Box3d& box, const ScannerParams& params) {
   check(params);
   if (!params.positions.empty()) return params.positions;
-  const Vec3d target = target_of(box, params);
+  const Vec3d target = params.target.value_or(box.centre());
   const double radius = params.distance * box.diagonal();
   const auto at = [&](double height, double angle) {
     const double axial = std::sqrt(std::max(0.0, 1.0 - height * height));

@@ -15,8 +15,9 @@ namespace soapfilm {
 
 /// fibonacci: spread evenly over a sphere around the target; ring: on circles of the given elevations.
 enum class Orbit { fibonacci, ring };
-/// central: all rays of a scan start at the scanner (pinhole); parallel: all have one direction.
-enum class Rays { central, parallel };
+/// central: all rays of a scan start at the scanner (pinhole); parallel: all have one direction; spinning: they start
+/// at the scanner, which turns once about the upright axis z, a ring of rays for each elevation.
+enum class Rays { central, parallel, spinning };
 /// ray: somewhere else on its ray, still part of the range image; box: anywhere in the box, outside the range image.
 enum class Outliers { ray, box };
 
@@ -31,10 +32,14 @@ struct ScannerParams {
 
   // What it sees.
   Rays rays = Rays::central;
-  int columns = 300;  ///< of the range image; 1..20000
-  int rows = 300;
+  int columns = 300;  ///< of the range image; 1..20000. Spinning: rays of a turn
+  int rows = 300;     ///< spinning: rings, unless `rings_deg` gives them
   double step = 0;  ///< distance between neighbouring rays at the target, input units. When > 0 columns and rows follow
                     ///< from it; when 0 it follows from them: the widest view of the box fills the image
+
+  double lowest_deg = -60, highest_deg = 60;  ///< spinning: elevation of the lowest and the highest ring; [-90, 90]
+  std::vector<double> rings_deg;              ///< spinning: of each ring instead, from the top; each in [-90, 90]
+  double max_range = 0;                       ///< hits farther away are lost, input units; 0: none are
 
   // What goes wrong.
   double noise = 0;     ///< standard deviation along the ray, input units, >= 0
@@ -42,6 +47,10 @@ struct ScannerParams {
   Outliers outlier_kind = Outliers::ray;
   double drop_out = 0;            ///< share of the hits that are lost, [0, 1)
   double max_incidence_deg = 80;  ///< hits with a larger angle between ray and normal are lost; (0, 90]
+  double ghosts = 0;              ///< share of the hits that come back late, mirrored: behind the surface; [0, 1]
+  double ghost_lo = 1;            ///< how far behind it, along its normal, input units, >= 0
+  double ghost_hi = 3;            ///< at most; >= ghost_lo
+  double mixed_pixels = 0;        ///< share of the pixels at a step in depth that measure between its sides; [0, 1]
   double misalignment_deg = 0;    ///< standard deviation of each scan's rotation about its centre, >= 0
   double misalignment = 0;        ///< standard deviation of its shift along each axis, input units, >= 0
 

@@ -1,0 +1,108 @@
+"""The page that is published: what fails first, then the table, the pictures, all figures as CSV."""
+import textwrap
+
+from lab import markdown
+from verdicts import MISSED, percent
+
+HEAD = """# Scenes
+
+`make scenes` writes this page; [scenes.csv](scenes.csv) holds every figure. {count} scenes as people scan them, made by
+seeded generators (`bench/scenes/catalog.py`; scans by the [virtual scanner](../scanner.md)). Every run of ours has no
+option at all. Beside it {peer} at the same voxel (ours, but at most {factor} times the scene's spacing and at least a
+{factor}rd of it), with the normals of the file or its own best ones: estimated from 30 neighbors and turned to the
+scanner where the file says where it stood. *Trimmed*: what its octree was thinly filled by is cut off, as much as
+leaves no more samples lost than ours or than its whole surface.
+
+- **lost**: share of the samples farther than 3 voxels from the surface; ghosts and outliers left out.
+- **invented**: share of the surface farther than 3 voxels from every sample; what closes an unseen side counts too.
+- **error**: mean distance of the truth from the mesh where it was sampled, voxels.
+- **wrong side**: share of the samples whose nearest face looks away from the true normal, or from the scanner.
+
+{machine}
+"""
+
+
+def bullet(text):
+    return textwrap.fill(text, 118, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False,
+                         break_long_words=False)
+
+
+def failing(rows):
+    missed = [row for row in rows if row[3] == MISSED]
+    if not missed:
+        return "## What fails\n\nNothing of what must hold.\n"
+    lines = [bullet(f"**{what}** (demanded: {demanded}): {measured}.") for what, demanded, measured, _ in missed]
+    return "## What fails\n\n" + "\n".join(lines) + "\n"
+
+
+def number(value, form="{:.2f}"):
+    return "-" if value is None else form.format(value)
+
+
+def shape_of(v):
+    """Components, boundary curves, genus in a few words."""
+    words = [f"{v.components} part{'s' * (v.components != 1)}"]
+    words += [f"{v.curves} border{'s' * (v.curves != 1)}"] if v.curves else []
+    words += [f"genus {v.genus}"] if v.genus is not None else ["not manifold"]
+    return ", ".join(words)
+
+
+def right_of(scene):
+    words = [] if scene.components is None else [f"{scene.components} part{'s' * (scene.components != 1)}"]
+    words += [] if scene.genus is None else [f"genus {scene.genus}"]
+    return ", ".join(words + (["may have a border"] if scene.open else [])) or "-"
+
+
+def table(lab, results):
+    rows = []
+    for r in results:
+        cells = [f"[{r.scene.name}](#{r.scene.name})", f"{r.samples:,}", f"{r.judged_voxel:.3g}"]
+        for key in ("lost", "invented"):
+            mine = percent(getattr(r.ours.verdict, key)) if r.ours.verdict else "none"
+            theirs = percent(getattr(r.peer.verdict, key)) if r.peer.verdict else "none"
+            cells += [mine, theirs]
+        cells.append(percent(r.trimmed.verdict.invented) if r.trimmed and r.trimmed.verdict else "-")
+        for entry in (r.ours, r.peer):
+            cells.append(number(entry.verdict.error if entry.verdict else None))
+        cells += [shape_of(r.ours.verdict) if r.ours.verdict else "none", right_of(r.scene)]
+        cells += [f"{r.ours.cpu:.1f}", f"{r.peer.cpu:.1f}", f"{r.ours.peak_mb:.0f}", f"{r.peer.peak_mb:.0f}"]
+        rows.append(cells)
+    header = ["scene", "samples", "voxel", "lost", "peer", "invented", "peer", "trimmed", "error", "peer", "ours is",
+              "right is", "CPU s", "peer", "MB", "peer"]
+    return markdown(header, rows)
+
+
+CSV = ("lost", "p95", "invented", "error", "wrong_side", "area", "triangles", "components", "curves", "genus")
+
+
+def csv_rows(results):
+    for r in results:
+        for name, entry in (("soapfilm", r.ours), ("Open3D Poisson", r.peer), ("Open3D Poisson, trimmed", r.trimmed)):
+            if entry is None:
+                continue
+            values = [getattr(entry.verdict, key) if entry.verdict else None for key in CSV]
+            shown = ["" if v is None else f"{v:.6g}" if isinstance(v, float) else v for v in values]
+            yield [r.scene.name, name, r.samples, f"{r.voxel:.6g}" if r.voxel else "", f"{r.judged_voxel:.6g}", *shown,
+                   f"{entry.cpu:.2f}", f"{entry.peak_mb:.0f}", entry.failure]
+
+
+def gallery(results, pictures):
+    parts = []
+    for r in results:
+        told = [r.ours.failure] if r.ours.failure else [f"warned: {w}" for w in r.ours.warnings]
+        lines = "\n".join(bullet(f"`{text}`") for text in told)
+        picture = f"\n![{r.scene.name}]({pictures[r.scene.name]})\n" if r.scene.name in pictures else ""
+        parts.append(f"### {r.scene.name}\n{r.scene.title[:1].upper()}{r.scene.title[1:]}.\n{picture}{lines}\n")
+    return "\n".join(parts)
+
+
+def write(lab, results, rows, pictures, machine, peer, factor):
+    lab.table("scenes", ["scene", "program", "samples", "own voxel", "judged voxel", *CSV, "cpu", "peak MB", "failure"],
+              list(csv_rows(results)))
+    head = HEAD.format(count=len(results), peer=peer, factor=factor, machine=machine)
+    holds = "## What must hold\n\n" + lab.table("verdicts", ["what", "demanded", "measured", "verdict"], rows) + "\n"
+    shown = "## The pictures\n\nLeft ours, right the peer's, trimmed. Red is a back side.\n\n"
+    text = "\n".join([head, failing(rows), holds, "## All scenes\n\n" + table(lab, results) + "\n",
+                      shown + gallery(results, pictures)])
+    (lab.page / "README.md").write_text(text)
+    return text
