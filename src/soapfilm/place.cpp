@@ -182,6 +182,9 @@ void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, cons
   if (params.energy.cross_validate) {
     report.select = choose_lambda(cloud, directions, report.lattice, params.select, params.solve, parallel, progress);
     per_density = report.select->chosen;
+    // The same rule on this grid, by the density that counts here.
+    for (CrossValidationPoint& point : report.select->curve)
+      point.lambda = point.lambda_per_density * report.input.density;
     warn_at_end(*report.select, report.warnings);
   }
   const double lambda = params.energy.lambda.value_or(per_density * report.input.density);

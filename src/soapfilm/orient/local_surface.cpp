@@ -112,6 +112,18 @@ void measure_area(const Around& around, Wanted&& wanted, Plane& plane) {
   plane.spacing = static_cast<float>(std::sqrt(met / per_area / apart));
 }
 
+/// To some four digits: what is left of rounding when the axes are turned must not reach the mesh.
+float rounded(double value) {
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);
+  return static_cast<float>(std::ldexp(std::round(mantissa * 4096) / 4096, exponent));
+}
+
+Vec3f rounded(Vec3f unit) {
+  constexpr float steps = 16384;
+  return normalized(Vec3f{std::round(unit.x * steps), std::round(unit.y * steps), std::round(unit.z * steps)});
+}
+
 class Survey {
  public:
   Survey(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Box3d& box,
@@ -187,15 +199,15 @@ class Survey {
       const Plane& plane = *planes[side];
       const bool found = plane.found && (first_filled_[i] == 0 || first_filled_[i] == depth || thin_enough_far(around));
       if (plane.filled && (found || first_filled_[i] == 0)) {
-        surface_.area[i] = static_cast<float>(plane.area * cells.side() * cells.side());
-        surface_.spacing[i] = plane.agrees ? static_cast<float>(plane.spacing * cells.side()) : 0.0f;
+        surface_.area[i] = rounded(plane.area * cells.side() * cells.side());
+        surface_.spacing[i] = plane.agrees ? rounded(plane.spacing * cells.side()) : 0.0f;
       }
       if (plane.filled && first_filled_[i] == 0) {
         first_filled_[i] = static_cast<uint8_t>(depth);
         surface_.gap[i] = static_cast<float>(cells.side());
       }
       if (found) {
-        surface_.normal[i] = plane.normal;
+        surface_.normal[i] = rounded(plane.normal);
         open_[i] = 0;
         continue;
       }
