@@ -44,11 +44,10 @@ struct Sides {
   std::array<Facet, 2> facet;
   std::array<Vec3d, 2> sum;
   std::array<uint64_t, 2> last_part{~uint64_t{0}, ~uint64_t{0}};
-  Vec3f first;  ///< direction of the first sample that has one
+  Vec3f first;  ///< direction of the cell's first sample in the cloud
 
   /// Tells which facet it is.
   int add(Vec3d from_center, Vec3f direction, uint64_t part) {
-    if (first == Vec3f{}) first = direction;
     const int side = dot(first, direction) < 0 ? 1 : 0;
     const auto s = static_cast<size_t>(side);
     sum[s] += from_center;
@@ -98,7 +97,10 @@ SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positi
       const uint64_t key = order.key(k) >> up;
       const Vec3d center =
           order.low() + Vec3d{gather_bits(key) + 0.5, gather_bits(key >> 1) + 0.5, gather_bits(key >> 2) + 0.5} * side_;
+      uint32_t earliest = order.sample(k);
+      for (size_t j = k + 1; j < order.size() && !begins(j); ++j) earliest = std::min(earliest, order.sample(j));
       Sides sides;
+      sides.first = directions[earliest];
       for (; k == first || (k < order.size() && !begins(k)); ++k) {
         const uint32_t i = order.sample(k);
         second_[k] = static_cast<uint8_t>(sides.add(positions[i] - center, directions[i], order.key(k) >> up_parts));
