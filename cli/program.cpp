@@ -39,6 +39,7 @@ EXIT CODES
   1    internal error
   2    refused: input, parameter, output or memory; the message names it, nothing is half-written
   3    the optimal surface is empty; the message names the largest lambda that keeps one
+  4    with reconstruct --strict: written, but over 1 % of the samples are far from the mesh
   130  cancelled (Ctrl-C); nothing was written
 )";
 

@@ -34,10 +34,12 @@ struct ReconstructOptions {
   std::string memory;
   std::string isovalue = "auto";
   std::string lambda;
+  std::string trim;
   std::string levels_folder;
   std::vector<double> sensor;
   bool ascii = false;
   bool check = false;
+  bool strict = false;
   ReconstructParams params;
 };
 
@@ -68,8 +70,8 @@ void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
   only({"--front", "--behind"}, params.method == Method::vrip, "method vrip");
   only({"--write-levels"}, params.method == Method::tv, "method tv");
   only({"--folds", "--fold-source"}, chooses, "--lambda auto");
-  only({"--thin-parts"}, weighs_area(params.method), "a method that weighs area");
-  only({"--thin-parts"}, !params.energy.lambda, "a lambda that follows the samples");
+  only({"--weights"}, weighs_area(params.method), "a method that weighs area");
+  only({"--weights"}, !params.energy.lambda, "a lambda that follows the samples");
 }
 
 void finish_params(const CLI::App& app, ReconstructOptions& options) {
@@ -80,6 +82,12 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   if (!options.lambda.empty()) {
     params.energy.lambda = number_or_auto("lambda", options.lambda, "> 0");
     params.energy.cross_validate = !params.energy.lambda;
+  }
+  if (options.trim == "off") {
+    params.trim.on = false;
+  } else if (!options.trim.empty()) {
+    params.trim.distance = number_or_auto("trim", options.trim, "> 0, or 'off'");
+    params.trim.on = true;
   }
   refuse_unused(app, params);
   validate(params);
@@ -213,7 +221,8 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   levels.keep();
   progress.info(
       fmt::format("{}: {} vertices, {} triangles", options.output, report.mesh_vertices, report.mesh_triangles));
-  return 0;
+  constexpr int samples_lost = 4;  // beside program.cpp's exit codes, and no error: all is written
+  return options.strict && report.self_check.lost > self_check_most_lost ? samples_lost : 0;
 }
 
 void add_main_options(CLI::App& app, ReconstructOptions& o) {
@@ -267,10 +276,10 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
                                     "is smoother (default: {:g} x samples per voxel^2);\nauto: by cross-validation",
                                     p.energy.lambda_per_density)))
       ->option_text("V|auto");
-  energy(app.add_option("--thin-parts", p.thin.keep,
-                        "Weigh samples up where lambda would lose a part for its thin sampling:\non or off"))
-      ->transform(named<bool>({{"on", true}, {"off", false}}))
-      ->option_text("on|off [on]");
+  energy(app.add_option("--weights", p.energy.by_area,
+                        "What a sample counts for: area, the surface that it stands for, or samples,\nall alike"))
+      ->transform(named<bool>({{"area", true}, {"samples", false}}))
+      ->option_text("area|samples [area]");
   energy(app.add_option("--norm", p.energy.norm,
                         "How area is measured: isotropic, as it is, or anisotropic, along the\ngrid's axes"))
       ->transform(named<Norm>({{"isotropic", Norm::isotropic}, {"anisotropic", Norm::anisotropic}}))
@@ -339,10 +348,21 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
                          "Of the refined surface: weight of curvature against one sample\n(default: chosen by held-out "
                          "samples)"))
       ->option_text("V");
+  surface(app.add_option("--holes", p.refine.holes,
+                         "Of the refined surface, where no sample covers it: smooth, bent as the\nsurface around, or "
+                         "flat, of least area; unseen bases are flat"))
+      ->transform(named<HoleFill>({{"smooth", HoleFill::smooth}, {"flat", HoleFill::flat}}))
+      ->option_text("smooth|flat [flat]");
   surface(app.add_option("--bend-tolerance", p.surface.bend.tolerance,
                          "Of the refined surface: split edges whose middle lies further from it,\nvoxels; 0: leave the "
                          "triangles of marching cubes"))
       ->option_text(fmt::format("V [{:g}]", p.surface.bend.tolerance));
+
+  surface(app.add_option("--trim", o.trim,
+                         "Take away surface farther than this from all samples, in the input's\nunits; auto: 3 voxels, "
+                         "or 3 times the samples' spacing; off\n(default: auto where the surface is open, else off)"))
+      ->option_text("DIST|auto|off");
+  surface(app.add_flag("--trim-holes", p.trim.holes, "Of --trim: also holes that would stay filled"));
 
   const auto output = [&](auto* option) { return option->group("Output"); };
   output(app.add_option("--report", o.report, "Write what was done and proved, as JSON"))->option_text("FILE.json");
@@ -351,6 +371,9 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
              "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (finest), ..."))
       ->option_text("DIR");
   output(app.add_flag("--check", o.check, "Check the mesh's topology and its distance to the samples"));
+  output(app.add_flag(
+      "--strict", o.strict,
+      "Exit code 4, with all written, when more than 1 % of the samples are\nfarther than 3 voxels from the mesh"));
   output(app.add_flag("--ascii", o.ascii, "PLY and STL as text"));
 }
 

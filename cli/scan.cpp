@@ -217,8 +217,7 @@ EXAMPLES
 
 void add_scan(CLI::App& app, const GlobalOptions& global, Runner& runner) {
   auto options = std::make_shared<ScanOptions>();
-  CLI::App* command =
-      app.add_subcommand("scan", "Virtual scans of a shape, a scene or a mesh, with the truth beside them");
+  CLI::App* command = app.add_subcommand("scan", "Virtual scans of a shape, a scene or a mesh, with the truth beside");
   add_scan_options(*command, *options);
   command->footer(scan_footer);
   command->callback([options, &global, &runner] { runner = [options, &global] { return run(*options, global); }; });

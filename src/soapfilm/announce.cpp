@@ -24,10 +24,6 @@ void announce_plan(size_t first_plan, const ReconstructReport& report, Progress&
 
 void announce_weight(const ReconstructReport& report, Progress& progress) {
   if (weighs_area(report.params.method)) progress.info(fmt::format("lambda {:.3g}", report.certificate.lambda));
-  if (report.thin && report.thin->samples > 0)
-    progress.info(fmt::format("{} thinly sampled part{}: {} samples weigh {:.2g} times as much (--thin-parts)",
-                              report.thin->parts.size(), report.thin->parts.size() == 1 ? "" : "s",
-                              report.thin->samples, report.thin->mean_weight));
   // orient() has shown its own.
   for (size_t i = report.input.directions.warnings.size(); i < report.warnings.size(); ++i)
     progress.warn(report.warnings[i]);
@@ -105,6 +101,51 @@ void announce_refinement(const ReconstructReport& report, Progress& progress) {
   if (const size_t n = refine.vanished; n > 0)
     progress.info(fmt::format("{} island{} or bubble{} dropped: refining left nothing of {}", n, n == 1 ? "" : "s",
                               n == 1 ? "" : "s", n == 1 ? "it" : "them"));
+}
+
+void announce_trim(ReconstructReport& report, Progress& progress) {
+  const TrimReport& trim = *report.trim;
+  if (trim.nothing_near) {
+    std::string text =
+        fmt::format("not trimmed: no surface is within {:.3g} of a sample; try a larger --trim", trim.distance);
+    progress.warn(text);
+    report.warnings.push_back(std::move(text));
+  }
+  if (trim.removed + trim.filled == 0) return;
+  progress.info(fmt::format("trimmed: {:.2g} % of the area, farther than {:.3g} from any sample{}",
+                            100 * trim.removed_area, trim.distance,
+                            trim.filled == 0 ? std::string()
+                                             : fmt::format("; {} hole{} stay{} filled (--trim-holes)", trim.filled,
+                                                           trim.filled == 1 ? "" : "s", trim.filled == 1 ? "s" : "")));
+}
+
+namespace {
+
+/// Why samples were lost, most likely, and what to try; half a line.
+std::string cause_of_loss(const ReconstructReport& report) {
+  const double lost = report.self_check.lost * static_cast<double>(report.input.samples);
+  if (report.params.method == Method::vrip) return "seen at grazing angles or by one ray alone; try --method tv";
+  if (report.trim && report.trim->leftovers > 0 && report.trim->removed_area > 0.1)
+    return "pieces around a few samples were trimmed; try a larger --trim";
+  if (report.islands && 2.0 * static_cast<double>(report.islands->samples) > lost)
+    return "parts that few samples support were dropped, outliers or not; try --islands keep";
+  return "outliers, or parts too thin or too thinly sampled for this grid and lambda; try a smaller --voxel or "
+         "--lambda";
+}
+
+}  // namespace
+
+void announce_self_check(ReconstructReport& report, Progress& progress) {
+  const SelfCheckReport& check = report.self_check;
+  progress.info(
+      fmt::format("self-check: {:.2g} % of the samples are farther than {:g} voxels from the mesh, {:.2g} % of "
+                  "the mesh from all samples",
+                  100 * check.lost, self_check_reach, 100 * check.invented));
+  if (!(check.lost > self_check_most_lost)) return;
+  std::string text = fmt::format("{:.2g} % of the samples are farther than {:g} voxels from the mesh: {}",
+                                 100 * check.lost, self_check_reach, cause_of_loss(report));
+  progress.warn(text);
+  report.warnings.push_back(std::move(text));
 }
 
 }  // namespace soapfilm

@@ -30,4 +30,10 @@ void announce_islands(const ReconstructReport& report, Progress& progress);
 /// How much the samples are trusted, by the data or as asked for; of how many parts refining left nothing, if any.
 void announce_refinement(const ReconstructReport& report, Progress& progress);
 
+/// How much the mesh holds of the samples; warns, here and in the report, where it lost more than 1 % of them.
+void announce_self_check(ReconstructReport& report, Progress& progress);
+
+/// What trim() took away, if anything; warns, here and in the report, where it would have taken all.
+void announce_trim(ReconstructReport& report, Progress& progress);
+
 }  // namespace soapfilm

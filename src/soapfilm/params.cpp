@@ -36,6 +36,8 @@ inline constexpr std::array<const char*, 2> names_of<SorOrder>{"lexicographic", 
 template <>
 inline constexpr std::array<const char*, 2> names_of<SorGradient>{"central", "forward"};
 template <>
+inline constexpr std::array<const char*, 2> names_of<HoleFill>{"smooth", "flat"};
+template <>
 inline constexpr std::array<const char*, 2> names_of<LinkWeights>{"edge-length", "cauchy-crofton"};
 
 /// Names every parameter once: visit(group, name, value).
@@ -53,6 +55,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("energy", "lambda", p.energy.lambda);
   visit("energy", "lambda_per_density", p.energy.lambda_per_density);
   visit("energy", "cross_validate", p.energy.cross_validate);
+  visit("energy", "by_area", p.energy.by_area);
   visit("energy", "norm", p.energy.norm);
   visit("border", "outside", p.border.outside);
   visit("border", "open_gain", p.border.open_gain);
@@ -62,14 +65,6 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("select", "indifference", p.select.indifference);
   visit("select", "seed", p.select.seed);
   visit("select", "candidates", p.select.candidates);
-  visit("thin", "keep", p.thin.keep);
-  visit("thin", "max_resolution", p.thin.max_resolution);
-  visit("thin", "lambda_ratio", p.thin.lambda_ratio);
-  visit("thin", "thinness", p.thin.thinness);
-  visit("thin", "agreement", p.thin.agreement);
-  visit("thin", "least_samples", p.thin.least_samples);
-  visit("thin", "most_weight", p.thin.most_weight);
-  visit("thin", "seed", p.thin.seed);
   visit("solve", "tolerance", p.solve.tolerance);
   visit("solve", "max_iterations", p.solve.max_iterations);
   visit("solve", "settle", p.solve.settle);
@@ -106,6 +101,10 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("refine", "normals", p.refine.normals);
   visit("refine", "reach", p.refine.reach);
   visit("refine", "sparse", p.refine.sparse);
+  visit("refine", "holes", p.refine.holes);
+  visit("trim", "on", p.trim.on);
+  visit("trim", "distance", p.trim.distance);
+  visit("trim", "holes", p.trim.holes);
   visit("memory", "limit", p.memory_limit);
   visit("memory", "checked", p.checked);
 }
@@ -223,6 +222,9 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(fmt::format("islands = drop: method {} finds its own surface", method));
   if (params.islands.min_support != IslandParams{}.min_support && !drops_islands(params))
     throw ParameterError(fmt::format("min_support = {:g}: islands are kept", params.islands.min_support));
+  const TrimParams& trim = params.trim;
+  if (params.method == Method::vrip && (trim.on.value_or(false) || trim.distance || trim.holes))
+    throw ParameterError(fmt::format("trim: the surface of method {} ends by itself where nothing was seen", method));
   if (params.refine.smoothing && !refines(params))
     throw ParameterError(fmt::format("smoothing = {:g}: the surface is not refined", *params.refine.smoothing));
   if (params.surface.bend.tolerance != BendParams{}.tolerance && !refines(params))
@@ -255,9 +257,9 @@ void validate(const ReconstructParams& params) {
   validate(params.sor);
   validate(params.border);
   validate(params.select);
-  validate(params.thin);
   validate(params.islands);
   validate(params.refine);
+  validate(params.trim);
   validate(params.vrip.surface);
   const auto reach = [](double v) { return v > 0 && v <= 1000; };
   require(reach(params.vrip.front), "front", params.vrip.front, "> 0 and <= 1000");

@@ -8,13 +8,13 @@
 
 #include "soapfilm/extract/bend.h"
 #include "soapfilm/finish/islands.h"
+#include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/method.h"
 #include "soapfilm/orient/orient.h"
 #include "soapfilm/refine/refine.h"
 #include "soapfilm/select/border.h"
 #include "soapfilm/select/cross_validation.h"
-#include "soapfilm/select/thin_parts.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/norm.h"
 #include "soapfilm/solve/poisson.h"
@@ -37,6 +37,7 @@ struct EnergyParams {
   std::optional<double> lambda;      ///< the paper's: weight of a voxel face of area against one unit vector, > 0
   double lambda_per_density = 0.02;  ///< without it: lambda is this times the samples per voxel^2 of surface, > 0
   bool cross_validate = false;       ///< choose lambda_per_density from the samples; `lambda` must be absent
+  bool by_area = true;               ///< a sample weighs by the area it stands for, where `lambda` is absent; else 1
   Norm norm = Norm::isotropic;       ///< of the gradient; anisotropic for Method::tv and graph cuts alone
 };
 
@@ -57,7 +58,6 @@ struct ReconstructParams {
   EnergyParams energy;
   BorderParams border;  ///< open: Method::tv alone; automatic: others take air
   CrossValidationParams select;
-  ThinPartsParams thin;      ///< methods that weigh area, where lambda is not given
   PrimalDualParams solve;    ///< Method::tv
   SorParams sor;             ///< Method::tv_sor
   PoissonParams poisson;     ///< Method::poisson
@@ -66,6 +66,7 @@ struct ReconstructParams {
   SurfaceParams surface;
   IslandParams islands;  ///< where drops_islands()
   RefineParams refine;
+  TrimParams trim;                     ///< all but Method::vrip, whose surface ends where nothing was seen
   std::optional<size_t> memory_limit;  ///< bytes; without it: what the machine has free
   bool checked = false;                ///< check_result() follows: the plan has its memory, too
 };
@@ -78,6 +79,11 @@ inline bool refines(const ReconstructParams& params) {
 /// Are parts that few samples support dropped (finish/islands.h)? The paper's surface keeps them.
 inline bool drops_islands(const ReconstructParams& params) {
   return params.surface.drop_islands.value_or(refines(params));
+}
+
+/// Is surface taken away that no sample is near (finish/trim.h)? `border` is the one that was chosen.
+inline bool trims(const ReconstructParams& params, Border border) {
+  return params.method != Method::vrip && params.trim.on.value_or(params.trim.distance || border == Border::open);
 }
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.

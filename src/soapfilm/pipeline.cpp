@@ -11,6 +11,8 @@
 #include "soapfilm/extract/cut.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/islands.h"
+#include "soapfilm/finish/self_check.h"
+#include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/pyramid/critical_lambda.h"
 #include "soapfilm/solve/closed_border.h"
@@ -68,22 +70,29 @@ void Pipeline::check(const PointCloud& cloud) {
 
 std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
   auto directions = stages_.run("orient", [&] {
-    return soapfilm::orient(cloud, params_.orient, parallel_, progress_, report_.input.directions);
+    auto found = soapfilm::orient(cloud, params_.orient, parallel_, progress_, report_.input.directions);
+    local_surface_ = measure_local_surface(cloud.positions, found, box_, parallel_, progress_);
+    if (params_.orient.source == DirectionSource::automatic)
+      turn_to_planes(cloud, local_surface_, parallel_, found, report_.input.directions);
+    return found;
   });
   report_.warnings = report_.input.directions.warnings;  // which it has shown
   return directions;
 }
 
 GridSamples Pipeline::place(const PointCloud& cloud, std::span<const Vec3f> directions, AfterPlacing after) {
-  auto samples = stages_.run(
-      "place", [&] { return soapfilm::place(cloud, box_, directions, params_, *room_, after, parallel_, report_); });
+  auto samples = stages_.run("place", [&] {
+    return soapfilm::place(cloud, box_, directions, local_surface_, params_, *room_, after, parallel_, report_);
+  });
   held_bytes_ = plan_fixed(params_.method, cloud, after);
   announce_grid(report_, progress_);
   return samples;
 }
 
 void Pipeline::weigh(const PointCloud& cloud, std::span<const Vec3f> directions, GridSamples& samples) {
-  stages_.run("weigh", [&] { weigh_area(cloud, directions, params_, parallel_, progress_, samples, report_); });
+  stages_.run("weigh",
+              [&] { weigh_area(cloud, directions, local_surface_, params_, parallel_, progress_, samples, report_); });
+  local_surface_ = {};
   announce_weight(report_, progress_);
 }
 
@@ -228,6 +237,21 @@ void Pipeline::finish_border(Mesh& mesh) {
   if (report_.border.chosen == Border::solid)
     for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   if (report_.border.chosen == Border::open) cut_at_border(mesh, report_.lattice);
+}
+
+void Pipeline::trim(Mesh& mesh, const GridSamples& samples) {
+  if (!trims(params_, report_.border.chosen)) return;
+  stages_.run("trim", [&] {
+    soapfilm::trim(mesh, samples, report_.lattice, report_.input.density, params_.trim, parallel_,
+                   report_.trim.emplace());
+  });
+  announce_trim(report_, progress_);
+}
+
+void Pipeline::self_check(const Mesh& mesh, const GridSamples& samples) {
+  stages_.run("self-check",
+              [&] { report_.self_check = soapfilm::self_check(mesh, samples, report_.lattice, parallel_); });
+  announce_self_check(report_, progress_);
 }
 
 Reconstruction Pipeline::finish(Mesh mesh) {

@@ -44,6 +44,10 @@ class Pipeline {
   void bend(Mesh& mesh, const SurfaceField& surface, const GridSamples& samples);
 
   void finish_border(Mesh& mesh);
+  void trim(Mesh& mesh, const GridSamples& samples);
+
+  /// Every run says how much of the samples its mesh holds.
+  void self_check(const Mesh& mesh, const GridSamples& samples);
 
   /// Hands the mesh and the report out.
   Reconstruction finish(Mesh mesh);
@@ -60,6 +64,7 @@ class Pipeline {
   Stages stages_;
   ReconstructReport report_;
   Box3d box_;
+  LocalSurface local_surface_;  ///< around each sample of the cloud; until weigh()
   std::optional<Room> room_;
   size_t held_bytes_ = 0;               ///< through the solve, whatever the grid
   size_t grid_bytes_ = 0;               ///< the largest of what plan_again() was told

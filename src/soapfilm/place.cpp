@@ -10,6 +10,7 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/field/sampling.h"
+#include "soapfilm/orient/area_weights.h"
 
 namespace soapfilm {
 
@@ -23,14 +24,16 @@ constexpr size_t fewest_samples = 4;
 constexpr double coplanar = 1e-7;
 constexpr size_t samples_per_task = size_t{1} << 15;
 
-double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling& sampling) {
+double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling& sampling,
+                    const AreaCoverage& coverage) {
   if (params.voxel) {
     if (*params.voxel <= box.longest()) return *params.voxel;
     throw ParameterError(fmt::format("voxel = {:g}, must be <= {:.6g}, the longest side of the samples' box",
                                      *params.voxel, box.longest()));
   }
   if (params.resolution) return voxel_of_resolution(box, *params.resolution, params.padding);
-  const double voxel = sampling.voxel(params.samples_per_voxel2);
+  const double voxel = coverage.area > 0 ? coverage.spacing * std::sqrt(params.samples_per_voxel2)
+                                         : sampling.voxel(params.samples_per_voxel2);
   if (voxel > 0) return voxel;
   // Too few samples to measure their density: as coarse as the pyramid allows.
   constexpr int fallback_resolution = 64;
@@ -52,9 +55,10 @@ struct Moments {
   }
 };
 
-/// Whether weigh_area() looks for thinly sampled parts.
-bool probes(const ReconstructParams& params) {
-  return weighs_area(params.method) && !params.energy.lambda && params.thin.keep;
+/// Whether a sample counts by the area that it stands for; where lambda is given, it is the paper's: against one vector
+/// for each sample.
+bool weighs_by_area(const ReconstructParams& params) {
+  return weighs_area(params.method) && params.energy.by_area && !params.energy.lambda;
 }
 
 void warn_near_empty(double lambda, double density, std::vector<std::string>& warnings) {
@@ -133,16 +137,17 @@ Box3d check_samples(const PointCloud& cloud, const Parallel& parallel) {
 
 Room check_room(const PointCloud& cloud, const ReconstructParams& params) {
   Room room(params.memory_limit, held_memory_bytes());
-  room.placing_bytes = plan_placing(probes(params), cloud);
+  room.placing_bytes = plan_placing(cloud);
   check_placing(room.placing_bytes, room, cloud.size());
   return room;
 }
 
 GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions,
-                  const ReconstructParams& params, const Room& room, AfterPlacing after, const Parallel& parallel,
-                  ReconstructReport& report) {
+                  const LocalSurface& surface, const ReconstructParams& params, const Room& room, AfterPlacing after,
+                  const Parallel& parallel, ReconstructReport& report) {
   const Sampling sampling = measure_sampling(cloud, box, parallel);
-  const double voxel = choose_voxel(params.place, box, sampling);
+  const AreaCoverage coverage = cover_area(surface);
+  const double voxel = choose_voxel(params.place, box, sampling, coverage);
   const bool by_resolution = params.place.resolution && !params.place.voxel;
   try {
     report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);
@@ -157,25 +162,29 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
   report.input.samples = cloud.size();
   report.input.scans = cloud.scans.size();
   report.input.box = box;
-  report.input.density = sampling.density(voxel);
+  report.input.density =
+      weighs_by_area(params) && coverage.area > 0 ? coverage.per_area * voxel * voxel : sampling.density(voxel);
   warn_of_repeats(sampling, cloud.size(), report.warnings);
 
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
-  const MemoryPlan plan =
-      plan_memory(params.method, probes(params), refines(params), cloud, after, report.lattice, support);
+  const MemoryPlan plan = plan_memory(params.method, refines(params), cloud, after, report.lattice, support);
   report.planned_bytes = plan.total();
   check_memory(plan, room, report.lattice, 0, by_resolution);
   return samples;
 }
 
-void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
-                const Parallel& parallel, Progress& progress, GridSamples& samples, ReconstructReport& report) {
+void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const LocalSurface& surface,
+                const ReconstructParams& params, const Parallel& parallel, Progress& progress, GridSamples& samples,
+                ReconstructReport& report) {
   double per_density = params.energy.lambda_per_density;
   if (params.energy.cross_validate) {
     report.select = choose_lambda(cloud, directions, report.lattice, params.select, params.solve, parallel, progress);
     per_density = report.select->chosen;
+    // The same rule on this grid, by the density that counts here.
+    for (CrossValidationPoint& point : report.select->curve)
+      point.lambda = point.lambda_per_density * report.input.density;
     warn_at_end(*report.select, report.warnings);
   }
   const double lambda = params.energy.lambda.value_or(per_density * report.input.density);
@@ -183,13 +192,9 @@ void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, cons
   report.certificate.lambda = lambda;
   if (!weighs_area(params.method)) return;
   warn_near_empty(lambda, report.input.density, report.warnings);
-  if (!probes(params)) return;
-  const double voxel = report.lattice.voxel;
-  const Sampling sampling{report.input.density / (voxel * voxel)};
-  const std::vector<float> weights =
-      weigh_thin_parts(cloud, directions, report.lattice, sampling, per_density, params.thin, params.solve, parallel,
-                       progress, report.thin.emplace());
-  if (weights.empty()) return;
+  if (!weighs_by_area(params)) return;
+  constexpr double most_weight = 50;
+  const std::vector<float> weights = weigh_by_area(surface, cover_area(surface), most_weight, parallel);
   parallel.for_each(samples.size(), samples_per_task,
                     [&](size_t k) { samples.direction[k] = samples.direction[k] * weights[samples.source[k]]; });
 }

@@ -7,6 +7,7 @@
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/field/samples.h"
+#include "soapfilm/orient/local_surface.h"
 #include "soapfilm/plan.h"
 #include "soapfilm/report.h"
 
@@ -22,13 +23,14 @@ Room check_room(const PointCloud& cloud, const ReconstructParams& params);
 /// check_samples() told, `room` what check_room(). Throws MemoryError before what is large beside the samples is
 /// allocated.
 GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions,
-                  const ReconstructParams& params, const Room& room, AfterPlacing after, const Parallel& parallel,
-                  ReconstructReport& report);
+                  const LocalSurface& surface, const ReconstructParams& params, const Room& room, AfterPlacing after,
+                  const Parallel& parallel, ReconstructReport& report);
 
 /// Fills certificate.lambda: as given, by the samples' density, or by cross-validation (the report's `select`); warns
 /// when it is near the one where the film vanishes. Where lambda is not given, the samples of parts that it would lose
 /// for their thin sampling are weighed up (the report's `thin`): their directions in `samples` get longer.
-void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const ReconstructParams& params,
-                const Parallel& parallel, Progress& progress, GridSamples& samples, ReconstructReport& report);
+void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const LocalSurface& surface,
+                const ReconstructParams& params, const Parallel& parallel, Progress& progress, GridSamples& samples,
+                ReconstructReport& report);
 
 }  // namespace soapfilm

@@ -106,12 +106,14 @@ size_t kept_bytes(const PointCloud& cloud) { return (2 * sizeof(Vec3f) + sizeof(
 
 }  // namespace
 
-size_t plan_placing(bool probes, const PointCloud& cloud) {
+size_t plan_placing(const PointCloud& cloud) {
   // While the cloud is there also the direction as found and where sorted samples came from.
   const size_t sorted_bytes = kept_bytes(cloud) + sizeof(uint32_t) * cloud.size();
-  // The probe holds the folds, and one of two sorted.
-  const size_t probing_bytes = sizeof(uint8_t) * cloud.size() + sorted_bytes / 2;
-  return base_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + sorted_bytes + (probes ? probing_bytes : 0);
+  // The surface around each: area, spacing, gap, normal; with it either the cells that found it or the sorted samples.
+  const size_t around_bytes = (3 * sizeof(float) + sizeof(Vec3f)) * cloud.size();
+  const size_t cells_bytes = (3 * sizeof(uint64_t) + 3 * sizeof(uint8_t)) * cloud.size();
+  return base_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + around_bytes +
+         std::max(sorted_bytes, cells_bytes);
 }
 
 size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after) {
@@ -119,10 +121,10 @@ size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after) {
   return base_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
 }
 
-MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointCloud& cloud, AfterPlacing after,
+MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, size_t support_bricks) {
   MemoryPlan plan;
-  plan.placing_bytes = plan_placing(probes, cloud);
+  plan.placing_bytes = plan_placing(cloud);
   plan.fixed_bytes = plan_fixed(method, cloud, after);
   const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
   plan.tables_bytes = box_bytes(method, lattice);

@@ -18,19 +18,19 @@ struct MemoryPlan {
   size_t fixed_bytes = 0;   ///< through the solve, whatever the resolution: the program and what stays of the samples
   size_t grid_bytes = 0;    ///< the peak on top of it: the finest level's band beside the coarser one, the box's tables
   size_t tables_bytes = 0;  ///< those of grid_bytes that span the box
-  size_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; half as many
-                             ///< again where a probe looks for thin parts
+  size_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and what
+                             ///< was found around them
   size_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes); }
 };
 
 /// What happens to the cloud once its samples are on the grid.
 enum class AfterPlacing { kept, freed };
 
-/// What a reconstruction on this lattice by this method will need; `probes`: it looks for thinly sampled parts. The
+/// What a reconstruction on this lattice by this method will need. The
 /// band's size follows from the bricks that the samples reach (`support_bricks`), the only part of the grid that is
 /// known before the solve. Of the solve and, when the surface `is_refined`, the refinement, the plan is the one's that
 /// takes more.
-MemoryPlan plan_memory(Method method, bool probes, bool is_refined, const PointCloud& cloud, AfterPlacing after,
+MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, size_t support_bricks);
 
 /// The same before anything is built: what spans the whole box, whatever the samples.
@@ -40,7 +40,7 @@ MemoryPlan plan_tables(Method method, const Lattice& lattice);
 size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after);
 
 /// What it takes to place the samples, whatever the grid: MemoryPlan::placing_bytes.
-size_t plan_placing(bool probes, const PointCloud& cloud);
+size_t plan_placing(const PointCloud& cloud);
 
 /// What later stages take beside what the run holds once its samples are placed, from what is known when they begin.
 /// The solve: the data's bricks, and those of the levels that are held at once.

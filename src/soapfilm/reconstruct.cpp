@@ -25,7 +25,11 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   stage.weigh(cloud, directions, samples);
 
   // Curless and Levoy's surface needs neither field nor solve: its scans say what is known.
-  if (params.method == Method::vrip) return stage.finish(stage.fuse(cloud));
+  if (params.method == Method::vrip) {
+    auto mesh = stage.fuse(cloud);
+    stage.self_check(mesh, samples);
+    return stage.finish(std::move(mesh));
+  }
   release(directions);
   release(samples.source);
   if (owned) *owned = {};
@@ -59,6 +63,12 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
   // The complement's faces turn back; what closed a sheet along the box goes.
   stage.finish_border(mesh);
+
+  // Where a surface may end, what no sample is near goes, too.
+  stage.trim(mesh, samples);
+
+  // Whether it holds what the samples saw, by a part of both.
+  stage.self_check(mesh, samples);
   return stage.finish(std::move(mesh));
 }
 

@@ -24,6 +24,7 @@ ordered_json input_json(const InputFacts& input) {
            {{"normals", d.from_normals},
             {"sensor", d.from_sensor},
             {"scan", d.from_scan},
+            {"planes", d.from_planes},
             {"estimated", d.estimated},
             {"none", d.without_direction}}}};
 }
@@ -136,6 +137,12 @@ ordered_json refine_json(const RefineReport& r) {
           {"held_out_samples", r.search.samples},
           {"candidates", r.search.candidates},
           {"spacing", r.spacing},
+          {"holes",
+           {{"bent", r.holes.bent},
+            {"left_flat", r.holes.left},
+            {"rounds", r.holes.rounds},
+            {"flips", r.holes.flips},
+            {"refused", r.holes.refused}}},
           {"band_vertices", r.band_vertices},
           {"down_weighted", r.down_weighted},
           {"flips", r.flips},
@@ -146,6 +153,11 @@ ordered_json refine_json(const RefineReport& r) {
 
 ordered_json bend_json(const BendReport& r) {
   return {{"split_edges", r.split_edges}, {"triangles_before", r.triangles_before}};
+}
+
+ordered_json trim_json(const TrimReport& r) {
+  return {{"distance", r.distance},         {"removed", r.removed},     {"filled", r.filled},
+          {"removed_area", r.removed_area}, {"leftovers", r.leftovers}, {"nothing_near", r.nothing_near}};
 }
 
 ordered_json select_json(const CrossValidationReport& select) {
@@ -176,15 +188,12 @@ ordered_json border_json(const BorderReport& border) {
           {"border_flux", border.border_flux}};
 }
 
-ordered_json thin_json(const ThinPartsReport& thin) {
-  ordered_json parts = ordered_json::array();
-  for (const ThinPart& p : thin.parts)
-    parts.push_back({{"samples", p.samples}, {"density", p.density}, {"agreement", p.agreement}});
-  return {{"grid", vector_json(thin.grid)},
-          {"voxel", thin.voxel},
-          {"parts", parts},
-          {"samples", thin.samples},
-          {"mean_weight", thin.mean_weight}};
+ordered_json self_check_json(const SelfCheckReport& r) {
+  return {{"reach", self_check_reach},
+          {"samples", r.samples},
+          {"places", r.places},
+          {"lost", r.lost},
+          {"invented", r.invented}};
 }
 
 ordered_json mesh_json(const ReconstructReport& report) {
@@ -235,14 +244,15 @@ std::string to_json(const ReconstructReport& report) {
       {"method", method_json(report)},
       {"select", report.select ? select_json(*report.select) : ordered_json(nullptr)},
       {"border", border_json(report.border)},
-      {"thin", report.thin ? thin_json(*report.thin) : ordered_json(nullptr)},
       {"certificate", certificate_json(report.certificate, report.params.method)},
       {"surface",
        {{"isovalue", report.isovalue},
         {"islands", report.islands ? islands_json(*report.islands, report.params.islands) : ordered_json(nullptr)},
         {"refine", report.refine ? refine_json(*report.refine) : ordered_json(nullptr)},
-        {"bend", report.bend ? bend_json(*report.bend) : ordered_json(nullptr)}}},
+        {"bend", report.bend ? bend_json(*report.bend) : ordered_json(nullptr)},
+        {"trim", report.trim ? trim_json(*report.trim) : ordered_json(nullptr)}}},
       {"mesh", mesh_json(report)},
+      {"self_check", self_check_json(report.self_check)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},
       {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}}},

@@ -11,6 +11,7 @@
 #include "soapfilm/core/stages.h"
 #include "soapfilm/evaluate/distance.h"
 #include "soapfilm/evaluate/topology.h"
+#include "soapfilm/finish/self_check.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
@@ -53,9 +54,8 @@ struct ReconstructReport {
   Lattice lattice;
   std::optional<CrossValidationReport> select;  ///< when lambda was chosen by cross-validation
   BorderReport border;
-  std::optional<ThinPartsReport> thin;  ///< when thinly sampled parts were looked for
-  std::vector<LevelReport> levels;      ///< Method::tv; coarsest first
-  std::vector<SorLevelReport> sor;      ///< Method::tv_sor; coarsest first
+  std::vector<LevelReport> levels;  ///< Method::tv; coarsest first
+  std::vector<SorLevelReport> sor;  ///< Method::tv_sor; coarsest first
   std::optional<PoissonReport> poisson;
   std::optional<GraphCutReport> graph_cut;
   std::optional<VripReport> vrip;
@@ -64,9 +64,11 @@ struct ReconstructReport {
   std::optional<IslandReport> islands;  ///< when parts that few samples support were dropped
   std::optional<RefineReport> refine;   ///< when the surface was moved onto the samples
   std::optional<BendReport> bend;       ///< when edges that bend were split
+  std::optional<TrimReport> trim;       ///< when surface that no sample is near was looked for
   double isovalue = 0;                  ///< of the smoothed indicator; 0 of the refined field
   size_t mesh_vertices = 0;
   size_t mesh_triangles = 0;
+  SelfCheckReport self_check;
   std::optional<TopologyReport> topology;          ///< when it was checked
   std::optional<DistanceSummary> sample_distance;  ///< samples to mesh, input units
   std::vector<StageTime> stages;                   ///< in order

@@ -72,6 +72,56 @@ TEST_F(Outside, AnOpenSurfaceEndsAndIsProved) {
   EXPECT_LT(open_area, written().area());
 }
 
+TEST_F(Outside, WhatNoSampleIsNearIsTrimmedOfOpenSurfacesByDefault) {
+  const std::string bowl = sphere(false, 0.75);
+  const json by_default = reported({bowl, "--resolution", "48", "--outside", "open"});
+  const std::string bytes = read_file(mesh);
+  const double area = written().area();
+  ASSERT_FALSE(by_default["surface"]["trim"].is_null());
+  EXPECT_GT(by_default["surface"]["trim"]["removed"], 0);
+  EXPECT_EQ(by_default["mesh"]["manifold"], true);
+  reported({bowl, "--resolution", "48", "--outside", "open", "--trim", "auto", "--threads", "1"});
+  EXPECT_EQ(read_file(mesh), bytes);
+  const json off = reported({bowl, "--resolution", "48", "--outside", "open", "--trim", "off"});
+  EXPECT_TRUE(off["surface"]["trim"].is_null());
+  EXPECT_GT(written().area(), area);
+  // Of a closed one the lid, when asked for.
+  const json closed = reported({bowl, "--resolution", "48", "--outside", "air"});
+  EXPECT_TRUE(closed["surface"]["trim"].is_null());
+  const double closed_area = written().area();
+  const json lid = reported({bowl, "--resolution", "48", "--outside", "air", "--trim", "0.05"});
+  EXPECT_EQ(lid["surface"]["trim"]["distance"], 0.05);
+  EXPECT_EQ(lid["mesh"]["closed"], false);
+  EXPECT_LT(written().area(), closed_area);
+}
+
+TEST_F(Outside, BadDistancesToTrimAreRefused) {
+  const std::string cloud = sphere(false);
+  refused({cloud, "--trim", "-1"}, "trim = -1");
+  refused({cloud, "--trim", "much"}, "trim = much");
+  refused({cloud, "--trim", "off", "--trim-holes"}, "trim_holes");
+  refused({cloud, "--trim", "1", "--method", "vrip"}, "method vrip");
+}
+
+TEST_F(Outside, LostSamplesAreWarnedOfAndStrictRunsTellByTheirExitCode) {
+  const std::string cloud = sphere(false);
+  const json good = reported({cloud, "--resolution", "48", "--strict"});
+  EXPECT_EQ(good["self_check"]["lost"], 0);
+  EXPECT_EQ(good["warnings"].size(), 0u);
+  // One sample in ten far beside the sphere, at distances that form no surface.
+  PointCloud with = sample_surface(*make_sphere(), samples, 1);
+  for (size_t i = 0; i < with.size(); i += 10) with.positions[i] = with.positions[i] * (1.6 + 0.1 * (i / 10 % 7));
+  const std::string bad = folder.file("bad.ply");
+  write_points(bad, with);
+  const json lost = reported({bad, "--resolution", "48"});
+  EXPECT_GT(lost["self_check"]["lost"].get<double>(), 0.02);
+  EXPECT_NE(lost["warnings"].dump().find("% of the samples are farther than 3 voxels"), std::string::npos);
+  const ProcessResult strict = run({"reconstruct", bad, "-o", mesh, "--resolution", "48", "--strict"});
+  EXPECT_EQ(strict.exit_code, 4);
+  EXPECT_NE(strict.err.find("% of the samples are farther than 3 voxels"), std::string::npos);
+  EXPECT_FALSE(written().triangles.empty());
+}
+
 TEST_F(Outside, OnlyTvMayBeOpen) {
   refused({sphere(false), "--outside", "open", "--method", "poisson"}, "outside = open: method poisson cannot have it");
   refused({sphere(false), "--outside", "water"}, "--outside");

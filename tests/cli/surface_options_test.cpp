@@ -86,29 +86,26 @@ TEST_F(SurfaceOptions, IslandsAreKeptWhenAsked) {
 }
 
 /// Half of a torus, sampled 50 times more thinly than the other.
-TEST_F(SurfaceOptions, ThinPartsOffLosesThem) {
+TEST_F(SurfaceOptions, WeightsByAreaKeepAThinlySampledHalf) {
   const auto torus = make_torus();
   PointCloud thinned = sample_surface(*torus, sanitized ? 14000 : 58000, 1);
   thinned.filter(kept_samples(*torus, thinned, {.thin_half = 50}, Parallel(1)));
   write_points(cloud, thinned);
   const std::vector<std::string> words{cloud, "--resolution", sanitized ? "44" : "76"};
   std::vector<std::string> off = words;
-  off.insert(off.end(), {"--thin-parts", "off"});
+  off.insert(off.end(), {"--weights", "samples"});
   const json kept = reported(words), lost = reported(off);
   ASSERT_FALSE(kept.is_null() || lost.is_null());
-  EXPECT_EQ(kept["parameters"]["thin"]["keep"], true);
-  ASSERT_EQ(kept["thin"]["parts"].size(), 1u);
-  EXPECT_NEAR(kept["thin"]["parts"][0]["density"].get<double>(), 0.02, 0.006);
+  EXPECT_EQ(kept["parameters"]["energy"]["by_area"], true);
   EXPECT_EQ(kept["mesh"]["genus"], 1);
-  EXPECT_EQ(lost["parameters"]["thin"]["keep"], false);
-  EXPECT_TRUE(lost["thin"].is_null());
+  EXPECT_EQ(lost["parameters"]["energy"]["by_area"], false);
   EXPECT_EQ(lost["mesh"]["genus"], 0);
 }
 
 TEST_F(SurfaceOptions, BadValuesAreRefusedWithTheirRange) {
   expect_bad("--refine", "maybe", "--refine: Value maybe not one of on, off");
   expect_bad("--refine", "1", "--refine: Value 1 not one of on, off");
-  expect_bad("--thin-parts", "some", "--thin-parts: Value some not one of on, off");
+  expect_bad("--weights", "some", "--weights: Value some not one of area, samples");
   expect_bad("--islands", "sink", "--islands: Value sink not one of drop, keep");
   for (const char* value : {"0", "-1", "2000000", "inf", "nan"})
     expect_bad("--smoothing", value, "smoothing = " + std::string(value) + ", must be in [1e-06, 1e+06]");
@@ -129,7 +126,7 @@ TEST_F(SurfaceOptions, OptionsOfARefinementThatIsOffAreRefused) {
   refused({cloud, "--refine", "off", "--bend-tolerance", "0"}, "bend_tolerance = 0: the surface is not refined");
   refused({cloud, "--refine", "on", "--method", "poisson"}, "refine = on: method poisson finds its own surface");
   refused({cloud, "--refine", "on", "--isovalue", "0.4"}, "isovalue = 0.4 and refine = on");
-  refused({cloud, "--thin-parts", "off", "--lambda", "0.1"}, "--thin-parts: only a lambda that follows the samples");
+  refused({cloud, "--weights", "area", "--lambda", "0.1"}, "--weights: only a lambda that follows the samples");
   refused({cloud, "--islands", "drop", "--method", "poisson"}, "islands = drop: method poisson finds its own surface");
 }
 

@@ -78,6 +78,7 @@ TEST(ParamsJson, JsonGivesThemBack) {
   params.place.resolution = 300;
   params.place.padding = 8;
   params.energy.lambda = 0.1;
+  params.trim = {.on = true, .distance = 0.3, .holes = true};
   params.solve.tolerance = 1e-5;
   params.solve.max_iterations = 77;
   params.surface.isovalue = 0.45;

@@ -172,7 +172,9 @@ TEST_P(Certificate, DualIsFeasibleOnTheWholeGrid) {
   f.for_each([&](Vec3i v) { longest = std::max(longest, dual_length(vector_at(dual.p, v), level.norm)); });
   EXPECT_LE(longest, level.lambda * (1 + 1e-6));
   EXPECT_GT(longest, level.lambda * 0.9);
-  if (level.box.open) EXPECT_EQ(flux_beyond_border(dual.p, level.box), 0);
+  if (level.box.open) {
+    EXPECT_EQ(flux_beyond_border(dual.p, level.box), 0);
+  }
 }
 
 TEST_P(Certificate, DualBoundIsTheOneOfTheWholeGrid) {
@@ -201,7 +203,9 @@ TEST_P(Certificate, DataLeftOutCostNoMoreThanIsAllowed) {
   // What is allowed is used, to the grain of a brick.
   const double none = gap_with(-1);
   for (const double allowed : {0.01, 0.1, 1.0}) EXPECT_LE(gap_with(allowed), none + allowed * (1 + 1e-9));
-  if (GetParam().outside != Border::solid) EXPECT_GT(gap_with(all), none);  // else the film lies around all of them
+  if (GetParam().outside != Border::solid) {  // else the film lies around all of them
+    EXPECT_GT(gap_with(all), none);
+  }
 }
 
 TEST_P(Certificate, EnergiesAreThoseOfTheWholeGrid) {

@@ -174,7 +174,7 @@ TEST(CrossValidation, KeepsASparseHalfThatTheFixedRuleLoses_Slow) {
     ReconstructParams params;
     params.place.resolution = resolution;
     params.energy.lambda_per_density = lambda_per_density;
-    params.thin.keep = false;  // it would mend what the fixed rule loses
+    params.energy.by_area = false;  // it would mend what the fixed rule loses
     Progress progress;
     return check_topology(reconstruct(cloud, params, Parallel(1), progress).mesh).genus();
   };

@@ -43,7 +43,7 @@ Supported supported_parts(const Parts& parts, const PartsAround& around, Vec3f l
   return supported;
 }
 
-/// Samples on the surface of each part, and what they weigh, each at least 1: thinly sampled parts were weighed up.
+/// Samples on the surface of each part, and what they weigh.
 struct Evidence {
   std::vector<size_t> count;
   std::vector<double> weight;
@@ -72,7 +72,7 @@ Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Paral
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f direction = samples.direction[s];
       const Supported by = supported_parts(parts, around, samples.local[s], normalized(direction));
-      const double weight = std::max(1.0f, norm(direction));
+      const double weight = norm(direction);
       for (size_t k = 0; k < by.size(); ++k)
         if (k == 0 || by[k] != by[0]) add_evidence(by[k], weight, in_brick[b]);
     }

@@ -38,9 +38,8 @@ void validate(const IslandParams& params);
 
 /// Moves the parts of u > threshold (finish/parts.h) that their samples do not support to the side around them, voids
 /// like objects: there u becomes 0 or 1. `density` is in samples per voxel^2 of surface. A sample supports the surface
-/// that it lies on when it looks across it, from inside to outside, by its weight where that is above 1 (of thinly
-/// sampled parts, select/thin_parts.h). Where no object would stay, the one with most
-/// samples does. Doing it twice changes nothing more; the result does not depend on the number of threads.
+/// that it lies on when it looks across it, from inside to outside, by its weight. Where no object would stay, the one
+/// with most samples does. Doing it twice changes nothing more; the result does not depend on the number of threads.
 void drop_islands(Level& level, float threshold, const GridSamples& samples, double density, const IslandParams& params,
                   const Parallel& parallel, IslandReport& report);
 

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/orient/estimate_normals.h"
+#include "soapfilm/orient/local_surface.h"
 
 namespace soapfilm {
 
@@ -224,6 +226,22 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
   warn_of_inward_normals(cloud, directions, parallel, progress, report);
   estimate(cloud, params, known, parallel, progress, directions, report);
   return directions;
+}
+
+void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Parallel& parallel,
+                    std::vector<Vec3f>& directions, OrientReport& report) {
+  constexpr float least_incidence = 0.02f;  // cosine: below it the side is not told
+  report.from_planes = sum_chunks<size_t>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
+    size_t turned = 0;
+    for (size_t i = begin; i < end; ++i) {
+      if (!cloud.normals.empty() && cloud.normals[i] != Vec3f{}) continue;
+      const float incidence = dot(surface.normal[i], directions[i]);
+      if (!(std::abs(incidence) > least_incidence)) continue;
+      directions[i] = incidence > 0 ? surface.normal[i] : -surface.normal[i];
+      ++turned;
+    }
+    return turned;
+  });
 }
 
 }  // namespace soapfilm

@@ -9,6 +9,7 @@
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
+#include "soapfilm/orient/local_surface.h"
 
 namespace soapfilm {
 
@@ -32,6 +33,7 @@ struct OrientReport {
   size_t from_normals = 0;
   size_t from_sensor = 0;
   size_t from_scan = 0;
+  size_t from_planes = 0;  ///< of those two, by `automatic`: now normals of the planes around them, on that side
   size_t estimated = 0;
   size_t without_direction = 0;  ///< their direction is zero: no neighbours that span a plane
   std::vector<std::string> warnings;
@@ -49,5 +51,11 @@ struct OrientReport {
 /// for any sample; SamplesError when scans are not in order.
 std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
                           Progress& progress, OrientReport& report);
+
+/// A direction towards the scanner tells the outer side of the surface, but counts by the cosine of its angle to the
+/// normal: a floor that rays graze at 80 degrees weighs a sixth. Where `surface` has a plane around a sample that has
+/// no normal of its own, the plane's normal on the direction's side takes its place.
+void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Parallel& parallel,
+                    std::vector<Vec3f>& directions, OrientReport& report);
 
 }  // namespace soapfilm

@@ -13,7 +13,6 @@
 #include "soapfilm/refine/prolong_distance.h"
 #include "soapfilm/refine/start.h"
 #include "soapfilm/refine/topology.h"
-#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -22,17 +21,6 @@ namespace {
 constexpr float far_distance = 3;       // voxels, of vertices beyond the band
 constexpr float held_distance = 0.05f;  // voxels, of vertices whose sign must not follow
 constexpr size_t speck = 64;            // vertices: a ball of radius 2.5, what outliers that support each other make
-
-SignBits make_signs(const Level& level, float threshold, const Start& start, const Parallel& parallel) {
-  SignBits signs(start.grid, start.inside);
-  parallel.for_each(start.grid.size(), 64, [&](size_t b) {
-    const Vec3i brick = start.grid.coord(b);
-    const BrickBits inside = inside_of(level, threshold, level.grid.find(brick), brick);
-    for (int z = 0; z < brick_side; ++z)
-      for (int y = 0; y < brick_side; ++y) signs.row(b, y, z) = inside.row(y, z);
-  });
-  return signs;
-}
 
 /// How much the samples are worth is for the samples to say. `spacing`: of the fit's vertices, voxels.
 Strength choose(const Start& start, const GridSamples& samples, const RefineParams& params, double spacing,
@@ -148,10 +136,18 @@ SurfaceField refine(Level level, float threshold, const GridSamples& samples, do
                     const RefineParams& params, const Parallel& parallel, RefineReport& report) {
   validate(params);
   Start start = start_from(level, threshold, params.reach, parallel);
-  SignBits signs = make_signs(level, threshold, start, parallel);
-  report.band_vertices = start.band.count();
   report.spacing = 1;
   const bool sparse = density > 0 && density < params.sparse;
+  std::optional<Strength> chosen;
+  if (params.holes == HoleFill::smooth && !sparse) {
+    const HoleFinder finder(level, start, samples, parallel);
+    if (const auto film = finder.film_to_bend(report.holes); !film.empty()) {
+      chosen = choose(start, samples, params, 1, parallel, report.search);
+      bend_holes(level, threshold, film, finder, *chosen, start, samples, params.reach, parallel, report.holes);
+    }
+  }
+  SignBits signs = signs_of(level, threshold, start, parallel);
+  report.band_vertices = start.band.count();
   Level indicator = sparse ? every_second_vertex(level, threshold, parallel) : Level{};
   level = {};  // memory for the fit
 
@@ -162,7 +158,7 @@ SurfaceField refine(Level level, float threshold, const GridSamples& samples, do
         fit_coarser(start, grids_that_serve(start, std::move(indicator), threshold, samples, density, params, parallel),
                     params, parallel, report);
   if (!phi) {
-    report.strength = choose(start, samples, params, 1, parallel, report.search);
+    report.strength = chosen ? *chosen : choose(start, samples, params, 1, parallel, report.search);
     phi = moved_onto(samples, start, report.strength, params.robust, parallel, report);
   }
 

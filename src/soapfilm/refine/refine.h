@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "soapfilm/field/samples.h"
+#include "soapfilm/refine/holes.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/robust_fit.h"
 #include "soapfilm/refine/strength.h"
@@ -22,6 +23,7 @@ struct RefineParams {
   double reach = 3;     ///< half width of the band, voxels; [1, 3]
   double sparse = 0.5;  ///< samples per voxel^2, [0, 1e3]: where there are fewer, a fit on every second vertex, or
                         ///< every fourth, ..., takes its place if that serves as well
+  HoleFill holes = HoleFill::flat;  ///< how the surface spans what no sample covers
   bool vanish = true;  ///< specks, objects and voids of at most 64 vertices, that the fit shrinks to their last one go:
                        ///< no surface fits their samples. (reconstruct() sets it by drops_islands().)
 };
@@ -29,6 +31,7 @@ struct RefineParams {
 struct RefineReport {
   Strength strength;         ///< in use
   StrengthReport search;     ///< how it was found
+  HoleReport holes;          ///< what no sample covers
   double spacing = 1;        ///< of the vertices that the fit worked on, voxels: 1, 2, 4, ...
   size_t band_vertices = 0;  ///< on either side of the surface
   size_t down_weighted = 0;  ///< samples of weight < 1/4, those that the band does not see included

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "soapfilm/grid/brick_bits.h"
+#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -27,11 +28,13 @@ float normal_quantile(float p) {
 /// normal distribution's.
 float distance_of(float smoothed) { return 1.41421356f * normal_quantile(smoothed); }
 
-NarrowBand make_band(const SurfaceField& field, const LevelBox& box, double reach, const Parallel& parallel) {
+NarrowBand make_band(const SurfaceField& field, const LevelBox& box, double reach, const BrickMask* where,
+                     const Parallel& parallel) {
   const auto limit = static_cast<float>(0.5 * std::erfc(reach / 2));
   const float last = std::nextafter(1 - limit, 0.0f);  // below 1 - limit
   std::vector<uint8_t> vertices(field.grid.size() * brick_area);
   parallel.for_each(field.grid.size(), bricks_of_a_task, [&](size_t b) {
+    if (where && !where->test(field.grid.coord(b))) return;
     const float* v = field.value.brick(b);
     const BrickBits near = BrickBits::above(v, limit) & ~BrickBits::above(v, last);
     const FreeRange range = free_range(box, field.grid.coord(b));
@@ -67,18 +70,29 @@ BrickGrid every_second_vertex(const BrickGrid& fine, const Parallel& parallel) {
 
 }  // namespace
 
-Start start_from(const Level& level, float threshold, double reach, const Parallel& parallel) {
+Start start_from(const Level& level, float threshold, double reach, const Parallel& parallel, const BrickMask* where) {
   // The smoothed indicator tells roughly how far each vertex is from the surface.
   SurfaceField field = smoothed_indicator(level, threshold, parallel);
-  NarrowBand band = make_band(field, level.box, reach, parallel);
+  NarrowBand band = make_band(field, level.box, reach, where, parallel);
   RowArray phi0 = distance_on(band, field, parallel);
   return {std::move(field.grid), std::move(field.inside), std::move(band), std::move(phi0)};
 }
 
-Level every_second_vertex(const Level& fine, float threshold, const Parallel& parallel) {
+SignBits signs_of(const Level& level, float threshold, const Start& start, const Parallel& parallel) {
+  SignBits signs(start.grid, start.inside);
+  parallel.for_each(start.grid.size(), bricks_of_a_task, [&](size_t b) {
+    const Vec3i brick = start.grid.coord(b);
+    const BrickBits inside = inside_of(level, threshold, level.grid.find(brick), brick);
+    for (int z = 0; z < brick_side; ++z)
+      for (int y = 0; y < brick_side; ++y) signs.row(b, y, z) = inside.row(y, z);
+  });
+  return signs;
+}
+
+Level every_second_vertex(const Level& fine, float threshold, const Parallel& parallel, const BrickMask* where) {
   Level coarse;
   coarse.box = {fine.box.level + 1, half_up(fine.box.free_lo), half_of(fine.box.free_hi), half_up(fine.box.bricks)};
-  coarse.grid = every_second_vertex(fine.grid, parallel);
+  coarse.grid = where ? BrickGrid(*where, parallel) : every_second_vertex(fine.grid, parallel);
   coarse.inside = BrickMask(coarse.box.bricks);
   fine.inside.for_each([&](Vec3i b) {
     if (octant_in_parent(b) == Vec3i{}) coarse.inside.set(parent_of(b));
@@ -102,10 +116,10 @@ Level every_second_vertex(const Level& fine, float threshold, const Parallel& pa
   return coarse;
 }
 
-GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& parallel) {
+GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& parallel, const BrickMask* where) {
   GridSamples coarse;
   coarse.turn = samples.turn;
-  coarse.bricks = every_second_vertex(samples.bricks, parallel);
+  coarse.bricks = where ? BrickGrid(*where, parallel) : every_second_vertex(samples.bricks, parallel);
   const auto for_children = [&](size_t b, auto&& visit) {
     for (int k = 0; k < 8; ++k)
       if (const int32_t n = samples.bricks.find(child_of(coarse.bricks.coord(b), k)); n >= 0)
@@ -116,9 +130,9 @@ GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& p
     coarse.begin[b + 1] = coarse.begin[b];
     for_children(b, [&](size_t n, Vec3i) { coarse.begin[b + 1] += samples.begin[n + 1] - samples.begin[n]; });
   }
-  coarse.local.resize(samples.size());
-  coarse.direction.resize(samples.size());
-  coarse.lot.resize(samples.size());
+  coarse.local.resize(coarse.begin.back());
+  coarse.direction.resize(coarse.begin.back());
+  coarse.lot.resize(coarse.begin.back());
   // Rounding must not carry a sample into the next brick.
   const float last = std::nextafter(static_cast<float>(brick_side), 0.0f);
   parallel.for_each(coarse.bricks.size(), bricks_of_a_task, [&](size_t b) {

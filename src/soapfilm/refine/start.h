@@ -5,6 +5,7 @@
 #include "soapfilm/field/samples.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/narrow_band.h"
+#include "soapfilm/refine/topology.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
@@ -17,13 +18,22 @@ struct Start {
 };
 
 /// Of the surface of u > threshold; the band is `reach` voxels wide on either side.
-Start start_from(const Level& level, float threshold, double reach, const Parallel& parallel);
+/// `where`: the band's bricks, where not all.
+Start start_from(const Level& level, float threshold, double reach, const Parallel& parallel,
+                 const BrickMask* where = nullptr);
+
+/// u > threshold on the start's bricks. The start must outlive it.
+SignBits signs_of(const Level& level, float threshold, const Start& start, const Parallel& parallel);
 
 /// The binary indicator u > threshold on every second vertex: coarse vertex I lies on vertex 2 I. Of the level's fields
 /// the box, the grid, u and what is inside are there.
-Level every_second_vertex(const Level& fine, float threshold, const Parallel& parallel);
+/// `where`: its bricks, where not all those that hold vertices of the level's.
+Level every_second_vertex(const Level& fine, float threshold, const Parallel& parallel,
+                          const BrickMask* where = nullptr);
 
-/// Samples on that grid: nothing but their place in the grid changes, and their order.
-GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& parallel);
+/// Samples on that grid: nothing but their place in the grid changes, and their order. `where`: those in these bricks
+/// of it, where not all.
+GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& parallel,
+                                   const BrickMask* where = nullptr);
 
 }  // namespace soapfilm

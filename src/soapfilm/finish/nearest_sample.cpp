@@ -1,0 +1,57 @@
+#include "soapfilm/finish/nearest_sample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace soapfilm {
+
+namespace {
+
+/// Square of the distance from `place` to the box of the brick.
+double to_brick2(Vec3d place, Vec3i brick) {
+  double sum = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lo = brick[axis] * double{brick_side}, hi = lo + brick_side;
+    const double d = std::max({lo - place[axis], place[axis] - hi, 0.0});
+    sum += d * d;
+  }
+  return sum;
+}
+
+/// bricks at the Chebyshev distance `r` from `centre`, in a fixed order.
+template <class Visit>
+void for_each_of_shell(Vec3i centre, int r, Visit&& visit) {
+  for (int z = -r; z <= r; ++z)
+    for (int y = -r; y <= r; ++y) {
+      const bool face = std::abs(z) == r || std::abs(y) == r;
+      for (int x = -r; x <= r; x += face || r == 0 ? 1 : 2 * r) visit(centre + Vec3i{x, y, z});
+    }
+}
+
+}  // namespace
+
+double distance_to_samples(const GridSamples& samples, Vec3d place, double enough, double limit) {
+  const double enough2 = enough * enough;
+  double best2 = limit * limit;
+  const auto index = [](double x) { return static_cast<int32_t>(std::floor(x / brick_side)); };
+  const Vec3i centre{index(place.x), index(place.y), index(place.z)};
+  for (int r = 0; best2 > enough2; ++r) {
+    const double reached = (r - 1) * double{brick_side};  // all bricks of this shell are farther
+    if (r > 0 && reached * reached >= best2) break;
+    for_each_of_shell(centre, r, [&](Vec3i brick) {
+      if (best2 <= enough2 || to_brick2(place, brick) >= best2) return;
+      const int32_t b = samples.bricks.find(brick);
+      if (b < 0) return;
+      const auto slot = static_cast<size_t>(b);
+      const Vec3d from = place - Vec3d(brick * brick_side);
+      for (uint32_t s = samples.begin[slot]; s < samples.begin[slot + 1] && best2 > enough2; ++s) {
+        const Vec3d d = Vec3d(samples.local[s]) - from;
+        best2 = std::min(best2, dot(d, d));
+      }
+    });
+  }
+  return std::max(std::sqrt(best2), enough);
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,32 @@
+// Does the mesh hold what the samples saw, and only that? A look at a part of both, cheap enough for every run.
+#pragma once
+
+#include <cstddef>
+
+#include "soapfilm/core/mesh.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/field/samples.h"
+#include "soapfilm/grid/lattice.h"
+
+namespace soapfilm {
+
+struct SelfCheckReport {
+  size_t samples = 0;   ///< looked at
+  size_t places = 0;    ///< on the surface, spread by area
+  double lost = 0;      ///< share of these samples that lie farther than self_check_reach from the mesh, [0, 1]
+  double invented = 0;  ///< share of the surface that lies farther than that from every sample, [0, 1]
+};
+
+/// Voxels: far more than noise and rounding move a surface by.
+inline constexpr double self_check_reach = 3;
+
+/// Share of lost samples that is warned of.
+inline constexpr double self_check_most_lost = 0.01;
+
+/// Looks at all samples where there are at most 20 000, else at 10 000 to 20 000 of them by lot; at 20 000 places of
+/// the surface, each against all samples. The lots are fixed: the same input gives the same figures, for any number of
+/// threads. Standard error of a share s at most sqrt(s / 10 000). All is lost when the mesh has no area.
+SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice,
+                           const Parallel& parallel);
+
+}  // namespace soapfilm

@@ -1,0 +1,269 @@
+#include "soapfilm/finish/trim.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/extract/cut.h"
+#include "soapfilm/finish/nearest_sample.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr double spacings = 3;          // without a distance given: voxels, or mean distances between samples
+constexpr double search_share = 1.5;    // of the distance: how far samples are looked for
+constexpr int smoothing_passes = 3;     // a ragged line of cut follows single samples otherwise
+constexpr double nearest_cut = 0.2;     // share of an edge, from its ends: no slivers beside a cut
+constexpr double membrane_share = 0.1;  // of a closed mesh's area: larger regions are no holes to fill
+constexpr double leftover_area = 5;     // times distance^2: a little more than the disk around a single sample
+
+class Sets {
+ public:
+  explicit Sets(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  uint32_t root(uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(uint32_t a, uint32_t b) {
+    const uint32_t ra = root(a), rb = root(b);
+    parent_[std::max(ra, rb)] = std::min(ra, rb);
+  }
+
+ private:
+  std::vector<uint32_t> parent_;
+};
+
+double area_of(const Mesh& mesh, const Triangle& t) {
+  const Vec3d a = mesh.vertices[t[0]];
+  return 0.5 * norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
+}
+
+/// The distance field on the vertices, relative to where it is cut: 1 there, more where surface is to go.
+class Cut {
+ public:
+  Cut(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double distance, const Parallel& parallel)
+      : mesh_(mesh), distance_(distance), level_(mesh.vertices.size()) {
+    const double voxels = distance / lattice.voxel;
+    parallel.for_each(mesh.vertices.size(), 1024, [&](size_t v) {
+      level_[v] =
+          distance_to_samples(samples, lattice.to_lattice(mesh.vertices[v]), voxels / 2, search_share * voxels) /
+          voxels;
+    });
+    smooth();
+  }
+
+  bool all_far() const {
+    return std::all_of(level_.begin(), level_.end(), [](double level) { return level > 1; });
+  }
+
+  /// Marks regions that stay as near; returns whether anything is left to cut.
+  bool choose_regions(bool open, bool holes, TrimReport& report) {
+    Sets regions(level_.size());
+    std::vector<double> area(level_.size());
+    double whole = 0;
+    for (const Triangle& t : mesh_.triangles) {
+      const double third = area_of(mesh_, t) / 3;
+      whole += 3 * third;
+      for (size_t k = 0; k < 3; ++k) {
+        const uint32_t a = t[k], b = t[(k + 1) % 3];
+        if (far(a)) area[a] += third;
+        if (far(a) && far(b)) regions.join(a, b);
+      }
+    }
+    std::vector<uint8_t> goes(level_.size());
+    if (open && !holes)
+      for (const uint32_t v : far_on_border()) goes[regions.root(v)] = 1;
+    for (uint32_t v = 0; v < level_.size(); ++v)
+      if (const uint32_t root = regions.root(v); far(v) && root != v) area[root] += area[v];
+    for (uint32_t v = 0; v < level_.size(); ++v) {
+      if (!far(v)) continue;
+      const uint32_t root = regions.root(v);
+      if (root == v) {  // comes before the others: the least vertex of a region is its root
+        if (holes || (!open && area[v] > membrane_share * whole)) goes[v] = 1;
+        ++(goes[v] ? report.removed : report.filled);
+      }
+    }
+    for (uint32_t v = 0; v < level_.size(); ++v)
+      if (far(v) && !goes[regions.root(v)]) level_[v] = 0;
+    return report.removed > 0;
+  }
+
+  /// Far vertices that the cut passes closely are on it, and stay. (Near ones move it away a little: cut_point().)
+  void snap_cuts() {
+    on_cut_.assign(level_.size(), 0);
+    for (const Triangle& t : mesh_.triangles)
+      for (size_t k = 0; k < 3; ++k) {
+        const uint32_t a = t[k], b = t[(k + 1) % 3];
+        if (far(a) == far(b)) continue;
+        const uint32_t near_end = far(a) ? b : a, far_end = far(a) ? a : b;
+        if (share_of_cut(near_end, far_end) > 1 - nearest_cut) on_cut_[far_end] = 1;
+      }
+    for (size_t v = 0; v < level_.size(); ++v)
+      if (on_cut_[v]) level_[v] = 1;
+  }
+
+  /// The triangles on the near side of the cut; triangles that the cut passes are clipped.
+  void clip() {
+    std::vector<Triangle> kept;
+    kept.reserve(mesh_.triangles.size());
+    at_cut_.assign(mesh_.vertices.size(), 0);
+    for (const Triangle& t : mesh_.triangles) {
+      if (!far(t[0]) && !far(t[1]) && !far(t[2])) {
+        kept.push_back(t);
+        continue;
+      }
+      std::array<uint32_t, 4> polygon{};
+      size_t corners = 0;
+      bool inside = false;
+      for (size_t k = 0; k < 3; ++k) {
+        const uint32_t a = t[k], b = t[(k + 1) % 3];
+        if (!far(a)) {
+          at_cut_[a] = 1;
+          polygon[corners++] = a;
+          inside = inside || !on_cut_[a];
+        }
+        if (crosses(a, b)) polygon[corners++] = cut_point(a, b);
+      }
+      if (!inside || corners < 3) continue;
+      if (corners == 3) {
+        kept.push_back({polygon[0], polygon[1], polygon[2]});
+        continue;
+      }
+      const auto length = [&](size_t i, size_t j) {
+        return norm(mesh_.vertices[polygon[i]] - mesh_.vertices[polygon[j]]);
+      };
+      const size_t turn = length(0, 2) <= length(1, 3) ? 0 : 1;
+      const auto corner = [&](size_t i) { return polygon[(i + turn) % 4]; };
+      kept.push_back({corner(0), corner(1), corner(2)});
+      kept.push_back({corner(0), corner(2), corner(3)});
+    }
+    mesh_.triangles = std::move(kept);
+  }
+
+  /// Small pieces that a cut has touched.
+  size_t drop_leftovers() {
+    const size_t count = mesh_.vertices.size();
+    Sets pieces(count);
+    for (const Triangle& t : mesh_.triangles) {
+      pieces.join(t[0], t[1]);
+      pieces.join(t[0], t[2]);
+    }
+    std::vector<double> area(count);
+    std::vector<uint8_t> touched(count);
+    for (const Triangle& t : mesh_.triangles) {
+      const uint32_t root = pieces.root(t[0]);
+      area[root] += area_of(mesh_, t);
+      for (const uint32_t v : t) touched[root] |= at_cut_[v];
+    }
+    std::vector<uint8_t> drop(count);
+    size_t dropped = 0;
+    for (uint32_t v = 0; v < count; ++v) {
+      drop[v] = touched[v] && area[v] < leftover_area * distance_ * distance_;
+      dropped += drop[v];
+    }
+    // Where nothing else would be left, the pieces stay.
+    const bool all = std::all_of(mesh_.triangles.begin(), mesh_.triangles.end(),
+                                 [&](const Triangle& t) { return drop[pieces.root(t[0])] != 0; });
+    if (all) drop.assign(count, 0);
+    keep_triangles(mesh_, [&](uint32_t v) { return !drop[pieces.root(v)]; });
+    return all ? 0 : dropped;
+  }
+
+ private:
+  bool far(uint32_t v) const { return level_[v] > 1; }
+  bool crosses(uint32_t a, uint32_t b) const { return far(a) != far(b) && !on_cut_[a] && !on_cut_[b]; }
+  double share_of_cut(uint32_t near_end, uint32_t far_end) const {
+    return std::max((1 - level_[near_end]) / (level_[far_end] - level_[near_end]), nearest_cut);
+  }
+
+  /// Jacobi's passes, in the order of the triangles. What is near stays near.
+  void smooth() {
+    const std::vector<double> measured = level_;
+    std::vector<double> sum(level_.size());
+    std::vector<uint32_t> neighbors(level_.size());
+    for (int pass = 0; pass < smoothing_passes; ++pass) {
+      std::fill(sum.begin(), sum.end(), 0);
+      std::fill(neighbors.begin(), neighbors.end(), 0);
+      for (const Triangle& t : mesh_.triangles)
+        for (size_t k = 0; k < 3; ++k) {
+          sum[t[k]] += level_[t[(k + 1) % 3]] + level_[t[(k + 2) % 3]];
+          neighbors[t[k]] += 2;
+        }
+      for (size_t v = 0; v < level_.size(); ++v)
+        if (neighbors[v] > 0) level_[v] = 0.5 * (level_[v] + sum[v] / neighbors[v]);
+    }
+    for (size_t v = 0; v < level_.size(); ++v)
+      if (measured[v] <= 1) level_[v] = std::min(level_[v], measured[v]);
+  }
+
+  /// Far vertices at edges of one triangle alone.
+  std::vector<uint32_t> far_on_border() const {
+    std::vector<std::pair<uint32_t, uint32_t>> edges;
+    for (const Triangle& t : mesh_.triangles)
+      for (size_t k = 0; k < 3; ++k) {
+        const uint32_t a = t[k], b = t[(k + 1) % 3];
+        if (far(a) || far(b)) edges.emplace_back(std::min(a, b), std::max(a, b));
+      }
+    std::sort(edges.begin(), edges.end());
+    std::vector<uint32_t> found;
+    for (size_t i = 0; i < edges.size(); ++i) {
+      if ((i > 0 && edges[i] == edges[i - 1]) || (i + 1 < edges.size() && edges[i] == edges[i + 1])) continue;
+      for (const uint32_t v : {edges[i].first, edges[i].second})
+        if (far(v)) found.push_back(v);
+    }
+    return found;
+  }
+
+  uint32_t cut_point(uint32_t a, uint32_t b) {
+    if (far(a)) std::swap(a, b);
+    const uint64_t edge = uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+    const auto [at, is_new] = points_.try_emplace(edge, static_cast<uint32_t>(mesh_.vertices.size()));
+    if (is_new) {
+      const Vec3d from = mesh_.vertices[a], to = mesh_.vertices[b];
+      mesh_.vertices.push_back(from + (to - from) * share_of_cut(a, b));
+      at_cut_.push_back(1);
+    }
+    return at->second;
+  }
+
+  Mesh& mesh_;
+  double distance_;
+  std::vector<double> level_;
+  std::vector<uint8_t> on_cut_;                    // snapped to it
+  std::vector<uint8_t> at_cut_;                    // all vertices of triangles that it passes
+  std::unordered_map<uint64_t, uint32_t> points_;  // by edge
+};
+
+}  // namespace
+
+void validate(const TrimParams& params) {
+  if (params.distance && !(*params.distance > 0))
+    throw ParameterError(fmt::format("trim = {:g}, must be > 0", *params.distance));
+  if (params.on && !*params.on && params.distance)
+    throw ParameterError(fmt::format("trim = {:g}: trimming is off", *params.distance));
+  if (params.on && !*params.on && params.holes) throw ParameterError("trim_holes: trimming is off");
+}
+
+void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double density, const TrimParams& params,
+          const Parallel& parallel, TrimReport& report) {
+  const double spacing = density > 0 ? 1 / std::sqrt(density) : 1;
+  report.distance = params.distance.value_or(spacings * std::max(1.0, spacing) * lattice.voxel);
+  Cut cut(mesh, samples, lattice, report.distance, parallel);
+  report.nothing_near = cut.all_far();
+  if (report.nothing_near || !cut.choose_regions(lattice.open, params.holes, report)) return;
+  const double before = mesh.area();
+  cut.snap_cuts();
+  cut.clip();
+  report.leftovers = cut.drop_leftovers();
+  report.removed_area = std::max(0.0, 1 - mesh.area() / before);
+}
+
+}  // namespace soapfilm

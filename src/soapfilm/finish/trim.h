@@ -1,0 +1,43 @@
+// Takes away surface that no sample is near: skirts and membranes that the film spans where nothing was scanned.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "soapfilm/core/mesh.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/field/samples.h"
+#include "soapfilm/grid/lattice.h"
+
+namespace soapfilm {
+
+struct TrimParams {
+  std::optional<bool> on{};          ///< without it: where the surface may end at the border (Border::open)
+  std::optional<double> distance{};  ///< input units, > 0; without it: 3 voxels, or 3 times a larger spacing of samples
+  bool holes = false;                ///< cut out also the regions that would stay filled
+};
+
+struct TrimReport {
+  double distance = 0;        ///< in use, input units
+  size_t removed = 0;         ///< regions farther than that from all samples that were cut away
+  size_t filled = 0;          ///< and those that stay
+  double removed_area = 0;    ///< of all that was cut away, share of the mesh's area, [0, 1]
+  size_t leftovers = 0;       ///< small pieces that the cuts left, and that were dropped
+  bool nothing_near = false;  ///< no surface is within the distance: the mesh stays as it was
+};
+
+/// Throws ParameterError.
+void validate(const TrimParams& params);
+
+/// Cuts the mesh along the line where the distance to the nearest sample, smoothed a little along the surface, passes
+/// params.distance. `density` is in samples per voxel^2 of surface. No vertex that is nearer to a sample is removed,
+/// but with pieces that a cut leaves with an area under 5 distance^2, such as around an outlier. Where the lattice is
+/// open, farther regions that touch the mesh's border go; where it is closed, those of more than a tenth of the area.
+/// The others stay as filled holes, unless params.holes.
+/// What is left of a manifold mesh is a manifold with boundary; cut points are shared by the triangles beside an edge,
+/// at least a fifth of the edge from its near end. Normals, colors and attributes are dropped where anything is cut.
+/// The result does not depend on the number of threads.
+void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double density, const TrimParams& params,
+          const Parallel& parallel, TrimReport& report);
+
+}  // namespace soapfilm

@@ -1,0 +1,288 @@
+#include "soapfilm/orient/local_surface.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "soapfilm/core/gather.h"
+#include "soapfilm/core/memory.h"
+#include "soapfilm/orient/sample_cells.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr int fewest_cells = 6;           // of 27: a plane passes through 9 to 13
+constexpr double least_spread = 0.15;     // middle over largest variance: below it the samples lie along a line
+constexpr double most_thick = 0.08;       // least over middle variance of a plane
+constexpr double most_thick_far = 0.04;   // the same in cells larger than the first ones that are filled
+constexpr int coarser_at_most = 3;        // depths above the first filled one where a plane is looked for
+constexpr int coarsest = 4;               // depth: a sixteenth of the box
+constexpr double least_incidence = 0.05;  // cosine of direction and normal, below which sides are not told apart
+constexpr double least_agreement = 0.75;  // length of the mean direction; random ones on one side have a half
+constexpr double parts_per_face = 16;     // of a cell's parts, those that a plane along its face meets
+
+/// Where the samples of a facet are settled.
+struct Plane {
+  Vec3f normal{};
+  float area = 0;     ///< cells^2 for each sample
+  float spacing = 0;  ///< cells
+  bool filled = false;
+  bool found = false;
+  bool agrees = false;  ///< the directions around, as those of outliers do not
+};
+
+/// The facets around one, relative to the center of its cell.
+struct Around {
+  std::array<Vec3f, 54> mean;
+  std::array<const Facet*, 54> facet;
+  std::array<int8_t, 54> slot;
+  size_t count = 0;
+};
+
+struct Spread {
+  Eigen::Vector3d variance;
+  Vec3f normal;
+};
+
+template <class Wanted>
+Spread spread_of(const Around& around, Wanted&& wanted) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  double count = 0;
+  for (size_t k = 0; k < around.count; ++k) {
+    if (!wanted(k)) continue;
+    const Eigen::Vector3d v(around.mean[k].x, around.mean[k].y, around.mean[k].z);
+    mean += v;
+    moments += v * v.transpose();
+    ++count;
+  }
+  mean /= count;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(moments / count - mean * mean.transpose());
+  const Eigen::Vector3d n = solver.eigenvectors().col(0);
+  return {solver.eigenvalues(), normalized(Vec3f(Vec3d{n.x(), n.y(), n.z()}))};
+}
+
+/// Cells, of 27, that hold a wanted facet.
+template <class Wanted>
+int cells_with(const Around& around, Wanted&& wanted) {
+  uint32_t cells = 0;
+  for (size_t k = 0; k < around.count; ++k)
+    if (wanted(k)) cells |= 1u << around.slot[k];
+  return __builtin_popcount(cells);
+}
+
+/// Mean of a Poisson distribution whose mean without zeros is `seen` >= 1 (Newton's method from above).
+double mean_with_zeros(double seen) {
+  double mean = seen;
+  for (int k = 0; k < 8; ++k) {
+    const double e = std::exp(-mean);
+    const double value = mean - seen * (1 - e), slope = 1 - seen * e;
+    if (slope <= 0.05) break;
+    mean = std::max(mean - value / slope, 0.05);
+  }
+  return mean;
+}
+
+/// The same plane's own side: area for each sample and spacing of different ones, in cells. A plane meets
+/// |n_x| + |n_y| + |n_z| cells per cell^2 of its area.
+template <class Wanted>
+void measure_area(const Around& around, Wanted&& wanted, Plane& plane) {
+  const int cells = cells_with(around, wanted);
+  double samples = 0, distinct = 0;
+  Vec3f direction{};
+  for (size_t k = 0; k < around.count; ++k) {
+    if (!wanted(k)) continue;
+    samples += around.facet[k]->count;
+    distinct += around.facet[k]->distinct;
+    direction += around.facet[k]->direction;
+  }
+  plane.agrees = norm(direction) >= least_agreement * samples;
+  const Vec3f n = plane.normal;
+  const double per_area = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+  // Parts that several samples share count once: how many there were if each had a place of its own.
+  const double parts = parts_per_face * cells;
+  const double apart = -parts * std::log1p(-std::min(distinct / parts, 0.95));
+  const double in_cell = mean_with_zeros(std::max(apart / cells, 1.0 + 1e-3));
+  const double met = apart / in_cell;  // cells, those without samples included
+  plane.area = static_cast<float>(met / per_area / samples);
+  plane.spacing = static_cast<float>(std::sqrt(met / per_area / apart));
+}
+
+/// To some four digits: what is left of rounding when the axes are turned must not reach the mesh.
+float rounded(double value) {
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);
+  return static_cast<float>(std::ldexp(std::round(mantissa * 4096) / 4096, exponent));
+}
+
+Vec3f rounded(Vec3f unit) {
+  constexpr float steps = 16384;
+  return normalized(Vec3f{std::round(unit.x * steps), std::round(unit.y * steps), std::round(unit.z * steps)});
+}
+
+class Survey {
+ public:
+  Survey(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Box3d& box,
+         const Parallel& parallel, Progress& progress)
+      : positions_(positions),
+        directions_(directions),
+        order_(positions, box, parallel),
+        parallel_(parallel),
+        progress_(progress),
+        first_filled_(positions.size(), 0),
+        open_(positions.size(), 1) {
+    surface_.area.assign(positions.size(), 0);
+    surface_.spacing.assign(positions.size(), 0);
+    surface_.gap.assign(positions.size(), 0);
+    surface_.normal.assign(positions.size(), {});
+  }
+
+  LocalSurface run() {
+    size_t left = positions_.size();
+    for (int depth = first_depth(); depth >= coarsest && left > 0; --depth) {
+      progress_.check();
+      left = settle(SampleCells(order_, positions_, directions_, depth, parallel_), depth);
+    }
+    for (size_t i = 0; i < positions_.size(); ++i) surface_.planes += surface_.is_plane(i);
+    return std::move(surface_);
+  }
+
+ private:
+  /// The finest depth where some cells hold several different samples.
+  int first_depth() const {
+    constexpr double some = 0.02;
+    constexpr uint64_t several = 4;
+    for (int depth = SampleOrder::deepest - 2; depth > coarsest; --depth) {
+      const int up = 3 * (SampleOrder::deepest - depth), up_parts = up - 6;
+      size_t cells = 0, crowded = 0;
+      uint64_t distinct = 0;
+      for (size_t k = 0; k < order_.size(); ++k) {
+        const bool is_new = k == 0 || order_.key(k) >> up != order_.key(k - 1) >> up;
+        if (is_new) {
+          ++cells;
+          distinct = 1;
+        } else if (order_.key(k) >> up_parts != order_.key(k - 1) >> up_parts) {
+          crowded += ++distinct == several;
+        }
+      }
+      if (static_cast<double>(crowded) >= some * static_cast<double>(cells)) return depth;
+    }
+    return coarsest;
+  }
+
+  /// Settles the samples whose surface shows at this depth; tells how many are left.
+  size_t settle(const SampleCells& cells, int depth) {
+    return sum_chunks<size_t>(cells.size(), 512, parallel_, [&](size_t begin, size_t end) {
+      size_t left = 0;
+      for (size_t c = begin; c < end; ++c) left += settle_cell(cells, c, depth);
+      return left;
+    });
+  }
+
+  size_t settle_cell(const SampleCells& cells, size_t c, int depth) {
+    const uint32_t first = cells[c].begin, last = cells[c + 1].begin;
+    bool any = false;
+    for (uint32_t k = first; k < last && !any; ++k) any = open_[order_.sample(k)] != 0;
+    if (!any) return 0;
+    const Around around = look_around(cells, c);
+    std::array<std::optional<Plane>, 2> planes;
+    size_t left = 0;
+    for (uint32_t k = first; k < last; ++k) {
+      const uint32_t i = order_.sample(k);
+      if (!open_[i]) continue;
+      const size_t side = cells.facet_of(k, c) - cells[c].first_facet;
+      if (!planes[side]) planes[side] = plane_of(around, cells.facets(c)[side]);
+      const Plane& plane = *planes[side];
+      const bool found = plane.found && (first_filled_[i] == 0 || first_filled_[i] == depth || thin_enough_far(around));
+      if (plane.filled && (found || first_filled_[i] == 0)) {
+        surface_.area[i] = rounded(plane.area * cells.side() * cells.side());
+        surface_.spacing[i] = plane.agrees ? rounded(plane.spacing * cells.side()) : 0.0f;
+      }
+      if (plane.filled && first_filled_[i] == 0) {
+        first_filled_[i] = static_cast<uint8_t>(depth);
+        surface_.gap[i] = static_cast<float>(cells.side());
+      }
+      if (found) {
+        surface_.normal[i] = rounded(plane.normal);
+        open_[i] = 0;
+        continue;
+      }
+      if (first_filled_[i] >= depth + coarser_at_most) open_[i] = 0;  // an edge, or no surface
+      left += open_[i];
+    }
+    return left;
+  }
+
+  static bool thin_enough_far(const Around& around) {
+    const Spread spread = spread_of(around, [](size_t) { return true; });
+    return spread.variance[0] <= most_thick_far * spread.variance[1];
+  }
+
+  static Around look_around(const SampleCells& cells, size_t c) {
+    Around around;
+    const std::array<uint32_t, 27> near = cells.around(c);
+    for (int slot = 0; slot < 27; ++slot) {
+      const uint32_t cell = near[static_cast<size_t>(slot)];
+      if (cell == SampleCells::none) continue;
+      const Vec3f d{static_cast<float>(slot % 3 - 1), static_cast<float>(slot / 3 % 3 - 1),
+                    static_cast<float>(slot / 9 - 1)};
+      for (const Facet& facet : cells.facets(cell)) {
+        around.mean[around.count] = facet.mean + d;
+        around.facet[around.count] = &facet;
+        around.slot[around.count++] = static_cast<int8_t>(slot);
+      }
+    }
+    return around;
+  }
+
+  static Plane plane_of(const Around& around, const Facet& own) {
+    const auto all = [](size_t) { return true; };
+    const auto agreeing = [&](size_t k) { return dot(around.facet[k]->direction, own.direction) >= 0; };
+    Plane plane;
+    if (cells_with(around, all) < fewest_cells) return plane;
+    Spread spread = spread_of(around, all);
+    plane.filled = spread.variance[1] > least_spread * spread.variance[2];
+    bool thin = spread.variance[0] <= most_thick * spread.variance[1];
+    if (plane.filled && !thin && cells_with(around, agreeing) >= fewest_cells) {
+      spread = spread_of(around, agreeing);
+      thin = spread.variance[0] <= most_thick * spread.variance[1] &&
+             spread.variance[1] > least_spread * spread.variance[2];
+    }
+    if (!plane.filled) return plane;
+    plane.normal = spread.normal;
+    if (!thin) {
+      measure_area(around, agreeing, plane);
+      return plane;
+    }
+    plane.found = true;
+    const float towards = dot(plane.normal, own.direction);
+    const bool told = std::abs(towards) > least_incidence * norm(own.direction);
+    const auto same_side = [&](size_t k) {
+      return !told || dot(plane.normal, around.facet[k]->direction) * towards >= 0;
+    };
+    measure_area(around, same_side, plane);
+    return plane;
+  }
+
+  std::span<const Vec3d> positions_;
+  std::span<const Vec3f> directions_;
+  SampleOrder order_;
+  const Parallel& parallel_;
+  Progress& progress_;
+  std::vector<uint8_t> first_filled_;  ///< depth of each sample's first filled cells; 0: none yet
+  std::vector<uint8_t> open_;          ///< of each sample: is it still looked for
+  LocalSurface surface_;
+};
+
+}  // namespace
+
+LocalSurface measure_local_surface(std::span<const Vec3d> positions, std::span<const Vec3f> directions,
+                                   const Box3d& box, const Parallel& parallel, Progress& progress) {
+  return Survey(positions, directions, box, parallel, progress).run();
+}
+
+}  // namespace soapfilm

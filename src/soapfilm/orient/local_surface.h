@@ -1,0 +1,40 @@
+// What the neighborhood of each sample says of the surface there: its plane, and how much of it the sample stands for.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "soapfilm/core/box.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/core/vec.h"
+
+namespace soapfilm {
+
+/// Columns, each as long as the samples; empty when it was not measured.
+struct LocalSurface {
+  std::vector<float> area;     ///< of surface that the sample stands for, input units^2; 0: nothing around it
+  std::vector<float> spacing;  ///< of different samples around it, input units; 0: likewise, or
+                               ///< their directions contradict each other
+  std::vector<float> gap;      ///< side of the smallest cells that the surface fills without holes, input units
+  std::vector<Vec3f> normal;   ///< unit, sign arbitrary; zero: no plane
+  size_t planes = 0;           ///< samples with both
+
+  /// Does the sample lie on a plane whose samples agree about its sides?
+  bool is_plane(size_t i) const { return normal[i] != Vec3f{} && spacing[i] > 0; }
+  bool empty() const { return area.empty(); }
+};
+
+/// Looks at the samples in cells of an octree, from fine to coarse. A sample has its plane at the smallest cells where
+///   - the 27 cells around it hold at least six with samples, spread along two axes, and
+///   - the mean positions in these, each cell counted once, lie in a plane (principal component analysis).
+/// So neither many samples along one ring of a scanner nor copies of samples pass for a surface, and neither noise
+/// nor a change of density moves the scale to where it is not one. `directions`, as long as `positions`, keep the two
+/// sides of a sheet apart: samples seen from the other side count neither for the area nor, where the plane does not
+/// show with them, for the plane. Does not depend on the number of threads.
+LocalSurface measure_local_surface(std::span<const Vec3d> positions, std::span<const Vec3f> directions,
+                                   const Box3d& box, const Parallel& parallel, Progress& progress);
+
+}  // namespace soapfilm

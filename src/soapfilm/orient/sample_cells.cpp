@@ -1,0 +1,164 @@
+#include "soapfilm/orient/sample_cells.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "soapfilm/core/gather.h"
+#include "soapfilm/core/memory.h"
+#include "soapfilm/core/radix_sort.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr size_t samples_per_task = size_t{1} << 14;
+constexpr int parts_deeper = 2;  // a cell has 4 parts along each axis
+
+uint64_t spread_bits(uint64_t v) {
+  v &= 0x1FFFFF;
+  v = (v | v << 32) & 0x1F00000000FFFFull;
+  v = (v | v << 16) & 0x1F0000FF0000FFull;
+  v = (v | v << 8) & 0x100F00F00F00F00Full;
+  v = (v | v << 4) & 0x10C30C30C30C30C3ull;
+  v = (v | v << 2) & 0x1249249249249249ull;
+  return v;
+}
+
+int gather_bits(uint64_t v) {
+  v &= 0x1249249249249249ull;
+  v = (v | v >> 2) & 0x10C30C30C30C30C3ull;
+  v = (v | v >> 4) & 0x100F00F00F00F00Full;
+  v = (v | v >> 8) & 0x1F0000FF0000FFull;
+  v = (v | v >> 16) & 0x1F00000000FFFFull;
+  v = (v | v >> 32) & 0x1FFFFF;
+  return static_cast<int>(v);
+}
+
+size_t hash_of(uint64_t key) {
+  key *= 0x9E3779B97F4A7C15ull;
+  return static_cast<size_t>(key ^ key >> 32);
+}
+
+/// A cell's samples, dealt to at most two facets by the side that they were seen from.
+struct Sides {
+  std::array<Facet, 2> facet;
+  std::array<Vec3d, 2> sum;
+  std::array<uint64_t, 2> last_part{~uint64_t{0}, ~uint64_t{0}};
+  Vec3f first;  ///< direction of the cell's first sample in the cloud
+
+  /// Tells which facet it is.
+  int add(Vec3d from_center, Vec3f direction, uint64_t part) {
+    const int side = dot(first, direction) < 0 ? 1 : 0;
+    const auto s = static_cast<size_t>(side);
+    sum[s] += from_center;
+    facet[s].direction += direction;
+    ++facet[s].count;
+    facet[s].distinct += part != last_part[s];
+    last_part[s] = part;
+    return side;
+  }
+};
+
+}  // namespace
+
+SampleOrder::SampleOrder(std::span<const Vec3d> positions, const Box3d& box, const Parallel& parallel)
+    : low_(box.lo), longest_(box.longest()) {
+  const double cells = static_cast<double>(1 << deepest);
+  reserve_many(items_, positions.size());
+  items_.resize(positions.size());
+  parallel.for_each(positions.size(), samples_per_task, [&](size_t i) {
+    uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double cell = std::min((positions[i][axis] - low_[axis]) / longest_ * cells, cells - 1);
+      key |= spread_bits(static_cast<uint64_t>(cell)) << axis;
+    }
+    items_[i] = {key, static_cast<uint32_t>(i)};
+  });
+  radix_sort(items_, 3 * deepest, parallel, [](const Item& item) { return item.key; });
+}
+
+SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positions, std::span<const Vec3f> directions,
+                         int depth, const Parallel& parallel)
+    : depth_(depth), side_(order.longest() / static_cast<double>(1 << depth)), second_(order.size()) {
+  const int up = 3 * (SampleOrder::deepest - depth);
+  const int up_parts = std::max(up - 3 * parts_deeper, 0);
+  struct Found {
+    std::vector<Cell> cells;
+    std::vector<Facet> facets;
+  };
+  // A cell belongs to the chunk that its first sample is in.
+  const auto begins = [&](size_t k) { return k == 0 || order.key(k) >> up != order.key(k - 1) >> up; };
+  std::vector<Found> found((order.size() + samples_per_task - 1) / samples_per_task);
+  parallel.for_chunks(order.size(), samples_per_task, [&](size_t begin, size_t end) {
+    Found& mine = found[begin / samples_per_task];
+    while (begin < end && !begins(begin)) ++begin;
+    for (size_t k = begin; k < end;) {
+      const size_t first = k;
+      const uint64_t key = order.key(k) >> up;
+      const Vec3d center =
+          order.low() + Vec3d{gather_bits(key) + 0.5, gather_bits(key >> 1) + 0.5, gather_bits(key >> 2) + 0.5} * side_;
+      uint32_t earliest = order.sample(k);
+      for (size_t j = k + 1; j < order.size() && !begins(j); ++j) earliest = std::min(earliest, order.sample(j));
+      Sides sides;
+      sides.first = directions[earliest];
+      for (; k == first || (k < order.size() && !begins(k)); ++k) {
+        const uint32_t i = order.sample(k);
+        second_[k] = static_cast<uint8_t>(sides.add(positions[i] - center, directions[i], order.key(k) >> up_parts));
+      }
+      mine.cells.push_back({key, static_cast<uint32_t>(first), static_cast<uint32_t>(mine.facets.size())});
+      for (size_t s = 0; s < 2 && sides.facet[s].count > 0; ++s) {
+        sides.facet[s].mean = Vec3f(sides.sum[s] / (side_ * sides.facet[s].count));
+        mine.facets.push_back(sides.facet[s]);
+      }
+    }
+  });
+  for (const Found& part : found) {
+    const auto before = static_cast<uint32_t>(facets_.size());
+    for (Cell cell : part.cells) {
+      cell.first_facet += before;
+      cells_.push_back(cell);
+    }
+    facets_.insert(facets_.end(), part.facets.begin(), part.facets.end());
+  }
+  table_.assign(std::bit_ceil(2 * cells_.size() + 1), none);
+  for (size_t c = 0; c < cells_.size(); ++c) {
+    size_t at = hash_of(cells_[c].key) & (table_.size() - 1);
+    while (table_[at] != none) at = (at + 1) & (table_.size() - 1);
+    table_[at] = static_cast<uint32_t>(c);
+  }
+  cells_.push_back({~uint64_t{0}, static_cast<uint32_t>(order.size()), static_cast<uint32_t>(facets_.size())});
+}
+
+uint32_t SampleCells::find(uint64_t key) const {
+  for (size_t at = hash_of(key);; ++at) {
+    const uint32_t cell = table_[at & (table_.size() - 1)];
+    if (cell == none || cells_[cell].key == key) return cell;
+  }
+}
+
+std::array<uint32_t, 27> SampleCells::around(size_t cell) const {
+  const uint64_t key = cells_[cell].key;
+  const Vec3i at{gather_bits(key), gather_bits(key >> 1), gather_bits(key >> 2)};
+  const int end = 1 << depth_;
+  std::array<std::array<uint64_t, 3>, 3> bits{};  // of each axis and step
+  for (int axis = 0; axis < 3; ++axis)
+    for (int step = -1; step <= 1; ++step)
+      bits[static_cast<size_t>(axis)][static_cast<size_t>(step + 1)] =
+          spread_bits(static_cast<uint64_t>(at[axis] + step)) << axis;
+  const auto outside = [&](int axis, int step) { return at[axis] + step < 0 || at[axis] + step >= end; };
+  std::array<uint32_t, 27> found{};
+  for (int slot = 0; slot < 27; ++slot) {
+    const Vec3i d{slot % 3 - 1, slot / 3 % 3 - 1, slot / 9 - 1};
+    const auto s = static_cast<size_t>(slot);
+    if (slot == 13)
+      found[s] = static_cast<uint32_t>(cell);
+    else if (outside(0, d.x) || outside(1, d.y) || outside(2, d.z))
+      found[s] = none;
+    else
+      found[s] = find(bits[0][static_cast<size_t>(d.x + 1)] | bits[1][static_cast<size_t>(d.y + 1)] |
+                      bits[2][static_cast<size_t>(d.z + 1)]);
+  }
+  return found;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,85 @@
+// The samples in the cells of an octree: what of a surface each cell of one depth holds.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "soapfilm/core/box.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/vec.h"
+
+namespace soapfilm {
+
+/// The samples of one side of the surface in a cell. (A cell that cuts a thin sheet holds samples of two.)
+struct Facet {
+  Vec3f mean;             ///< position relative to the cell's center, cells, each in [-1/2, 1/2]
+  Vec3f direction;        ///< sum of the samples' directions
+  uint32_t count = 0;     ///< samples
+  uint32_t distinct = 0;  ///< of the cell's 64 parts (4 along each axis), how many hold one of them
+};
+
+/// Samples sorted along a Morton curve through the cube of their box's longest side, and the cells of any depth: a cell
+/// of depth d has the side longest / 2^d. Does not depend on the number of threads.
+class SampleOrder {
+ public:
+  static constexpr int deepest = 18;
+
+  SampleOrder(std::span<const Vec3d> positions, const Box3d& box, const Parallel& parallel);
+
+  size_t size() const { return items_.size(); }
+  uint32_t sample(size_t k) const { return items_[k].sample; }
+  uint64_t key(size_t k) const { return items_[k].key; }
+  double longest() const { return longest_; }
+  Vec3d low() const { return low_; }
+
+ private:
+  struct Item {
+    uint64_t key;
+    uint32_t sample;
+  };
+  std::vector<Item> items_;
+  Vec3d low_;
+  double longest_ = 0;
+};
+
+/// The occupied cells of one depth.
+class SampleCells {
+ public:
+  /// `directions` is as long as `positions`; zero ones belong to either side.
+  SampleCells(const SampleOrder& order, std::span<const Vec3d> positions, std::span<const Vec3f> directions, int depth,
+              const Parallel& parallel);
+
+  struct Cell {
+    uint64_t key;
+    uint32_t begin;        ///< its first sample in the order; it ends where the next cell begins
+    uint32_t first_facet;  ///< likewise
+  };
+  static constexpr uint32_t none = ~uint32_t{0};
+
+  size_t size() const { return cells_.size() - 1; }
+  const Cell& operator[](size_t cell) const { return cells_[cell]; }
+  std::span<const Facet> facets(size_t cell) const {
+    return {facets_.data() + cells_[cell].first_facet, facets_.data() + cells_[cell + 1].first_facet};
+  }
+  /// The facet of the k-th sample of the order, which lies in `cell`.
+  uint32_t facet_of(size_t k, size_t cell) const { return cells_[cell].first_facet + second_[k]; }
+  double side() const { return side_; }
+
+  /// The 27 cells around a cell by (dx + 1) + 3 (dy + 1) + 9 (dz + 1); `none` where no sample is.
+  std::array<uint32_t, 27> around(size_t cell) const;
+
+ private:
+  uint32_t find(uint64_t key) const;
+
+  int depth_;
+  double side_;
+  std::vector<Cell> cells_;  ///< by key; one more at the end
+  std::vector<Facet> facets_;
+  std::vector<uint8_t> second_;  ///< of each sample in the order: is it of its cell's second facet
+  std::vector<uint32_t> table_;  ///< of cells by a hash of their keys, open addressing
+};
+
+}  // namespace soapfilm

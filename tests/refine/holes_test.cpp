@@ -1,0 +1,69 @@
+#include "soapfilm/refine/holes.h"
+
+#include <gtest/gtest.h>
+
+#include "refine/band_support.h"
+#include "soapfilm/evaluate/topology.h"
+#include "support/hash.h"
+
+namespace soapfilm {
+namespace TEST_FILE {
+
+using namespace test;
+
+/// Samples of a shape less those that `gone` takes, solved and refined.
+template <class Gone>
+Solved with_hole(const std::string& shape, int resolution, Gone&& gone) {
+  Solved solved(shape, resolution);
+  PointCloud cloud = disturbed(*solved.truth, resolution, 1, {});
+  std::vector<bool> keep(cloud.size());
+  for (size_t i = 0; i < cloud.size(); ++i) keep[i] = !gone(cloud.positions[i]);
+  cloud.filter(keep);
+  solved.problem = make_problem(cloud, solved.problem.lattice);
+  solved.solution = solve(solved.problem, 0.02, 1e-3);
+  return solved;
+}
+
+Refined filled(const Solved& solved, HoleFill holes, int threads = 1) {
+  RefineParams params;
+  params.holes = holes;
+  return refined(solved, params, threads);
+}
+
+/// A cap of a tenth of the sphere, in a direction that is no axis.
+bool in_cap(Vec3d p) { return dot(p, normalized(Vec3d{1, 2, 3})) > 0.4; }
+
+TEST(Holes, ACapOfASphereBendsAsTheSphere) {
+  const Solved solved = with_hole("sphere", 60, in_cap);
+  const Refined flat = filled(solved, HoleFill::flat), smooth = filled(solved, HoleFill::smooth);
+  EXPECT_EQ(smooth.report.holes.bent, 1u);
+  EXPECT_LT(mean_error_vox(solved, smooth.mesh), 0.3 * mean_error_vox(solved, flat.mesh));
+  const TopologyReport topology = check_topology(smooth.mesh);
+  EXPECT_TRUE(topology.watertight());
+  EXPECT_EQ(topology.components.size(), 1u);
+  EXPECT_EQ(topology.genus(), 0);
+}
+
+TEST(Holes, NothingChangesWhereThereIsNone) {
+  const Solved solved("torus", 50);
+  const Refined smooth = filled(solved, HoleFill::smooth);
+  EXPECT_EQ(smooth.report.holes.bent, 0u);
+  EXPECT_EQ(hash_mesh(smooth.mesh), hash_mesh(filled(solved, HoleFill::flat).mesh));
+}
+
+TEST(Holes, AnUnseenBaseStaysFlat) {
+  // The lower third: the sides meet the film at some 70 degrees.
+  const Solved solved = with_hole("sphere", 50, [](Vec3d p) { return p.z < -0.1; });
+  const Refined smooth = filled(solved, HoleFill::smooth);
+  EXPECT_EQ(smooth.report.holes.bent, 0u);
+  EXPECT_EQ(smooth.report.holes.left, 1u);
+  EXPECT_EQ(hash_mesh(smooth.mesh), hash_mesh(filled(solved, HoleFill::flat).mesh));
+}
+
+TEST(Holes, ThreadsDoNotMatter) {
+  const Solved solved = with_hole("sphere", 50, in_cap);
+  EXPECT_EQ(hash_mesh(filled(solved, HoleFill::smooth, 1).mesh), hash_mesh(filled(solved, HoleFill::smooth, 3).mesh));
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm
