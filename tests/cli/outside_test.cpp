@@ -110,7 +110,8 @@ TEST_F(Outside, LostSamplesAreWarnedOfAndStrictRunsTellByTheirExitCode) {
   EXPECT_EQ(good["warnings"].size(), 0u);
   // One sample in ten far beside the sphere, at distances that form no surface.
   PointCloud with = sample_surface(*make_sphere(), samples, 1);
-  for (size_t i = 0; i < with.size(); i += 10) with.positions[i] = with.positions[i] * (1.6 + 0.1 * (i / 10 % 7));
+  for (size_t i = 0; i < with.size(); i += 10)
+    with.positions[i] = with.positions[i] * (1.6 + 0.1 * static_cast<double>(i / 10 % 7));
   const std::string bad = folder.file("bad.ply");
   write_points(bad, with);
   const json lost = reported({bad, "--resolution", "48"});

@@ -100,7 +100,9 @@ TEST_P(Sweep, IsTheIterationOfThePaper) {
         for (size_t k = 0; k < 3; ++k) worst = std::max(worst, std::abs(p[k][v] - reference.p()[k][v]));
       });
       EXPECT_LT(worst, 1e-5);
-      if (open) EXPECT_EQ(flux_beyond_border(p, random.level.box), 0);
+      if (open) {
+        EXPECT_EQ(flux_beyond_border(p, random.level.box), 0);
+      }
     }
 }
 
