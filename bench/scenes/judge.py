@@ -4,18 +4,14 @@ Every mesh is judged in the same way, ours and the peer's, closed or open."""
 from dataclasses import dataclass
 
 import numpy as np
-import open3d
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from geometry import read_mesh
+
 LOST = INVENTED = 3     # voxels
 MOST_SAMPLES = 100000   # that are measured, by lot
-
-
-def read_mesh(path):
-    mesh = open3d.io.read_triangle_mesh(str(path))
-    return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
 
 
 def length(v):
