@@ -1,5 +1,6 @@
 """Scenes as a scanner sees them that stands in the air: all on the virtual scanner."""
 import numpy as np
+from scipy.spatial import cKDTree
 
 import geometry
 from geometry import ball, block, joined, rectangle, tube, turned
@@ -68,11 +69,14 @@ def tunnel(kit):
 
 
 def terrain(kit):
-    """Aerial lidar as offices send it: UTM, text with two decimals, no normals."""
+    """Aerial lidar as offices send it: UTM, text with two decimals, no normals. The crowns of trees, balls of a few
+    samples each in the air, may be lost."""
     made = kit.scan("terrain", "--noise", 0.03)
     made.positions = np.round(made.positions + kit.rng.normal(0, 0.05, made.positions.shape) * (1, 1, 0), 2)
     utm = np.array([452310.0, 5411220.0, 312.0])
     from_file = geometry.read_mesh(kit.folder / "truth.ply")
+    ground_and_houses = 251**2 + 4 * 6 * 4  # vertices, the first of the mesh
+    made.good &= cKDTree(from_file[0]).query(made.positions)[1] < ground_and_houses
     geometry.write_mesh(kit.folder / "truth-utm.ply", (from_file[0] + utm, from_file[1]))
     return kit.bare(made.positions + utm, 2, "truth-utm.ply", good=made.good, outward=made.outward,
                     towards=made.towards + utm)
