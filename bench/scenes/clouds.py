@@ -2,6 +2,7 @@
 import numpy as np
 
 import geometry
+from judge import distances_to
 
 KNOT = 40000
 
@@ -20,7 +21,6 @@ def outliers(share):
 
 def near(kit, positions, within):
     """Whether each sample lies on the truth: an outlier by chance does too, and is none then."""
-    from judge import distances_to
     return distances_to(kit.folder / "truth.ply", positions, 0.05) < within
 
 
@@ -57,8 +57,7 @@ def copies(exact):
 
 
 def move_truth(kit, scale, shift):
-    from scanned import geometry_of
-    vertices, triangles = geometry_of(kit.folder / "truth.ply")
+    vertices, triangles = geometry.read_mesh(kit.folder / "truth.ply")
     geometry.write_mesh(kit.folder / "truth.ply", (vertices * scale + shift, triangles))
 
 

@@ -130,3 +130,21 @@ def write_mesh(path, mesh):
     with open(path, "wb") as file:
         file.write("\n".join(header).encode("ascii"))
         file.write(np.asarray(vertices, "<f8").tobytes() + rows.tobytes())
+
+
+def read_mesh(path):
+    """A binary PLY of triangles as soapfilm and write_mesh() write it."""
+    sizes = {"uchar": "u1", "int": "<i4", "uint": "<u4", "float": "<f4", "double": "<f8"}
+    counts, layout = {}, {"vertex": []}
+    with open(path, "rb") as file:
+        while (line := file.readline().decode("ascii").strip()) != "end_header":
+            words = line.split()
+            if words[0] == "element":
+                element, counts[words[1]] = words[1], int(words[2])
+            elif words[0] == "property" and element == "vertex":
+                layout["vertex"].append((words[2], sizes[words[1]]))
+        vertices = np.fromfile(file, np.dtype(layout["vertex"]), counts["vertex"])
+        faces = np.fromfile(file, np.dtype([("count", "u1"), ("corners", "<i4", 3)]), counts["face"])
+    if len(faces) != counts["face"] or (faces["count"] != 3).any():
+        raise ValueError(f"{path}: not a mesh of triangles alone")
+    return np.stack([vertices[k].astype(float) for k in "xyz"], axis=1), faces["corners"].astype(np.int64)

@@ -4,18 +4,14 @@ Every mesh is judged in the same way, ours and the peer's, closed or open."""
 from dataclasses import dataclass
 
 import numpy as np
-import open3d
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from geometry import read_mesh
+
 LOST = INVENTED = 3     # voxels
 MOST_SAMPLES = 100000   # that are measured, by lot
-
-
-def read_mesh(path):
-    mesh = open3d.io.read_triangle_mesh(str(path))
-    return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
 
 
 def length(v):
@@ -125,7 +121,7 @@ class Verdict:
     lost: float                  # share of the samples farther than LOST
     p95: float                   # of the samples' distances
     invented: float              # share of the area farther than INVENTED from every sample
-    error: float = None          # mean distance of the truth, where it was sampled
+    error: float = None          # mean distance of the truth, where it was sampled and is not lost
     wrong_side: float = None     # share of the samples whose nearest face looks the other way
     area: float = 0              # input units^2
     triangles: int = 0
@@ -177,7 +173,8 @@ class Judge:
         if self.sides is not None:
             verdict.wrong_side = float(((normal * self.sides).sum(axis=1) < 0).mean())
         if self.truth is not None and len(self.truth):
-            verdict.error = float(surface.nearest(self.truth)[0].mean()) / self.voxel
+            apart = surface.nearest(self.truth)[0] / self.voxel
+            verdict.error = float(apart[apart <= LOST].mean()) if (apart <= LOST).any() else None
         verdict.components, verdict.curves, verdict.genus = topology(triangles)
         return verdict
 

@@ -15,7 +15,7 @@ leaves no more samples lost than ours or than its whole surface.
 
 - **lost**: share of the samples farther than 3 voxels from the surface; ghosts and outliers left out.
 - **invented**: share of the surface farther than 3 voxels from every sample; what closes an unseen side counts too.
-- **error**: mean distance of the truth from the mesh where it was sampled, voxels.
+- **error**: mean distance of the truth from the mesh, voxels, where it was sampled and is not lost.
 - **wrong side**: share of the samples whose nearest face looks away from the true normal, or from the scanner.
 
 {machine}

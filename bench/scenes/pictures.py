@@ -5,7 +5,7 @@ import numpy as np
 from PIL import Image
 
 import geometry
-from judge import read_mesh
+from geometry import read_mesh
 
 PANEL = "330x240"
 
@@ -29,8 +29,8 @@ def draw(lab, result, box):
     if not files:
         return None
     raw = lab.work / f"{result.scene.name}.png"
-    words = [lab.program, "render", *files, "-o", raw, "--quiet", "--up", result.scene.up,
-             f"--view={result.scene.view}", "--framing", "fitted", "--size", PANEL, "--columns", len(files), "--samples", 2,
+    look = ["--up", result.scene.up, f"--view={result.scene.view}", "--framing", "fitted", "--samples", 2]
+    words = [lab.program, "render", *files, "-o", raw, "--quiet", *look, "--size", PANEL, "--columns", len(files),
              "--threads", 1]
     for caption in captions:
         words += ["--caption", caption]

@@ -1,9 +1,11 @@
 """Scenes as a scanner sees them that stands in the air: all on the virtual scanner."""
 import numpy as np
+from scipy.spatial import cKDTree
 
 import geometry
 from geometry import ball, block, joined, rectangle, tube, turned
 from kit import Made
+from peers import columns, read_vertices
 
 
 def room(kit):
@@ -26,14 +28,13 @@ def grazing(kit):
     """Thinned to even density, as exports are: the angle of the rays alone tells how far the scanner was."""
     kit.run("scan", "yard", "-o", kit.folder, "--samples", 170000, "--directions", "views", "--position=0,0,1.6",
             "--noise", 0.003, "--seed", kit.seed)
-    positions, sensors = kit_samples(kit)
+    positions, sensors = samples_with_sensors(kit)
     far = np.hypot(positions[:, 0], positions[:, 1]) > 1
     positions, sensors = positions[far], sensors[far]
     return kit.cloud(positions, sensors=sensors, towards=sensors, truth="truth.ply")
 
 
-def kit_samples(kit):
-    from peers import columns, read_vertices
+def samples_with_sensors(kit):
     vertices = read_vertices(kit.folder / "samples.ply")
     (kit.folder / "samples.ply").unlink()
     return columns(vertices, "x", "y", "z"), columns(vertices, "sensor_x", "sensor_y", "sensor_z")
@@ -68,20 +69,17 @@ def tunnel(kit):
 
 
 def terrain(kit):
-    """Aerial lidar as offices send it: UTM, text with two decimals, no normals."""
+    """Aerial lidar as offices send it: UTM, text with two decimals, no normals. The crowns of trees, balls of a few
+    samples each in the air, may be lost."""
     made = kit.scan("terrain", "--noise", 0.03)
     made.positions = np.round(made.positions + kit.rng.normal(0, 0.05, made.positions.shape) * (1, 1, 0), 2)
     utm = np.array([452310.0, 5411220.0, 312.0])
-    from_file = geometry_of(kit.folder / "truth.ply")
+    from_file = geometry.read_mesh(kit.folder / "truth.ply")
+    ground_and_houses = 251**2 + 4 * 6 * 4  # vertices, the first of the mesh
+    made.good &= cKDTree(from_file[0]).query(made.positions)[1] < ground_and_houses
     geometry.write_mesh(kit.folder / "truth-utm.ply", (from_file[0] + utm, from_file[1]))
     return kit.bare(made.positions + utm, 2, "truth-utm.ply", good=made.good, outward=made.outward,
                     towards=made.towards + utm)
-
-
-def geometry_of(path):
-    import open3d
-    mesh = open3d.io.read_triangle_mesh(str(path))
-    return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
 
 
 def facade(kit):

@@ -14,8 +14,7 @@ import page
 import pictures
 import verdicts
 from catalog import SCENES
-from geometry import area
-from judge import read_mesh
+from geometry import area, read_mesh
 from kit import Made
 from lab import Lab, commit, machine
 from trial import FACTOR, PEER, Trial

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 import geometry
-from judge import Judge, Verdict, read_mesh, trimmed
+from geometry import read_mesh
+from judge import Judge, Surface, Verdict, on_surface, trimmed
 from kit import Kit, Made
 
 HERE = Path(__file__).resolve().parent
@@ -125,7 +126,6 @@ class Trial:
 
     def distance_to_one(self, scene, folder, mesh, voxel):
         """From the surface of the copies to that of one of them, both by defaults."""
-        from judge import Surface, on_surface
         one = self.lab.work / f"{scene.name}-one"
         one.mkdir(exist_ok=True)
         (one / "one.ply").write_bytes((folder / scene.copy_of).read_bytes())
