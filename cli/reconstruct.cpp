@@ -70,7 +70,7 @@ void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
   only({"--front", "--behind"}, params.method == Method::vrip, "method vrip");
   only({"--write-levels"}, params.method == Method::tv, "method tv");
   only({"--folds", "--fold-source"}, chooses, "--lambda auto");
-  only({"--weights"}, weighs_area(params.method), "a method that weighs area");
+  only({"--weights"}, params.method != Method::vrip, "a method with a data term");
   only({"--weights"}, !params.energy.lambda, "a lambda that follows the samples");
 }
 

@@ -58,7 +58,7 @@ struct Moments {
 /// Whether a sample counts by the area that it stands for; where lambda is given, it is the paper's: against one vector
 /// for each sample.
 bool weighs_by_area(const ReconstructParams& params) {
-  return weighs_area(params.method) && params.energy.by_area && !params.energy.lambda;
+  return params.method != Method::vrip && params.energy.by_area && !params.energy.lambda;
 }
 
 void warn_near_empty(double lambda, double density, std::vector<std::string>& warnings) {
@@ -190,8 +190,7 @@ void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, cons
   const double lambda = params.energy.lambda.value_or(per_density * report.input.density);
   if (!(lambda > 0)) throw SamplesError("too few samples to measure their density by: lambda must be given");
   report.certificate.lambda = lambda;
-  if (!weighs_area(params.method)) return;
-  warn_near_empty(lambda, report.input.density, report.warnings);
+  if (weighs_area(params.method)) warn_near_empty(lambda, report.input.density, report.warnings);
   if (!weighs_by_area(params)) return;
   constexpr double most_weight = 50;
   const std::vector<float> weights = weigh_by_area(surface, cover_area(surface), most_weight, parallel);

@@ -25,7 +25,7 @@ constexpr double least_agreement = 0.75;  // length of the mean direction; rando
 constexpr double parts_per_face = 16;     // of a cell's parts, those that a plane along its face meets
 
 /// Where the samples of a facet are settled.
-struct Plane {
+struct FacetPlane {
   Vec3f normal{};
   float area = 0;     ///< cells^2 for each sample
   float spacing = 0;  ///< cells
@@ -90,7 +90,7 @@ double mean_with_zeros(double seen) {
 /// The same plane's own side: area for each sample and spacing of different ones, in cells. A plane meets
 /// |n_x| + |n_y| + |n_z| cells per cell^2 of its area.
 template <class Wanted>
-void measure_area(const Around& around, Wanted&& wanted, Plane& plane) {
+void measure_area(const Around& around, Wanted&& wanted, FacetPlane& plane) {
   const int cells = cells_with(around, wanted);
   double samples = 0, distinct = 0;
   Vec3f direction{};
@@ -189,14 +189,14 @@ class Survey {
     for (uint32_t k = first; k < last && !any; ++k) any = open_[order_.sample(k)] != 0;
     if (!any) return 0;
     const Around around = look_around(cells, c);
-    std::array<std::optional<Plane>, 2> planes;
+    std::array<std::optional<FacetPlane>, 2> planes;
     size_t left = 0;
     for (uint32_t k = first; k < last; ++k) {
       const uint32_t i = order_.sample(k);
       if (!open_[i]) continue;
-      const size_t side = cells.facet_of(k, c) - cells[c].first_facet;
+      const size_t side = cells.side_of(k);
       if (!planes[side]) planes[side] = plane_of(around, cells.facets(c)[side]);
-      const Plane& plane = *planes[side];
+      const FacetPlane& plane = *planes[side];
       const bool found = plane.found && (first_filled_[i] == 0 || first_filled_[i] == depth || thin_enough_far(around));
       if (plane.filled && (found || first_filled_[i] == 0)) {
         surface_.area[i] = rounded(plane.area * cells.side() * cells.side());
@@ -231,6 +231,7 @@ class Survey {
       const Vec3f d{static_cast<float>(slot % 3 - 1), static_cast<float>(slot / 3 % 3 - 1),
                     static_cast<float>(slot / 9 - 1)};
       for (const Facet& facet : cells.facets(cell)) {
+        if (facet.count == 0) continue;
         around.mean[around.count] = facet.mean + d;
         around.facet[around.count] = &facet;
         around.slot[around.count++] = static_cast<int8_t>(slot);
@@ -239,10 +240,10 @@ class Survey {
     return around;
   }
 
-  static Plane plane_of(const Around& around, const Facet& own) {
+  static FacetPlane plane_of(const Around& around, const Facet& own) {
     const auto all = [](size_t) { return true; };
     const auto agreeing = [&](size_t k) { return dot(around.facet[k]->direction, own.direction) >= 0; };
-    Plane plane;
+    FacetPlane plane;
     if (cells_with(around, all) < fewest_cells) return plane;
     Spread spread = spread_of(around, all);
     plane.filled = spread.variance[1] > least_spread * spread.variance[2];

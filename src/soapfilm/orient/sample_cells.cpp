@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
-#include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/radix_sort.h"
 
@@ -11,7 +11,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr size_t samples_per_task = size_t{1} << 14;
+constexpr size_t order_grain = size_t{1} << 14;
 constexpr int parts_deeper = 2;  // a cell has 4 parts along each axis
 
 uint64_t spread_bits(uint64_t v) {
@@ -66,7 +66,7 @@ SampleOrder::SampleOrder(std::span<const Vec3d> positions, const Box3d& box, con
   const double cells = static_cast<double>(1 << deepest);
   reserve_many(items_, positions.size());
   items_.resize(positions.size());
-  parallel.for_each(positions.size(), samples_per_task, [&](size_t i) {
+  parallel.for_each(positions.size(), order_grain, [&](size_t i) {
     uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double cell = std::min((positions[i][axis] - low_[axis]) / longest_ * cells, cells - 1);
@@ -82,51 +82,45 @@ SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positi
     : depth_(depth), side_(order.longest() / static_cast<double>(1 << depth)), second_(order.size()) {
   const int up = 3 * (SampleOrder::deepest - depth);
   const int up_parts = std::max(up - 3 * parts_deeper, 0);
-  struct Found {
-    std::vector<Cell> cells;
-    std::vector<Facet> facets;
-  };
   // A cell belongs to the chunk that its first sample is in.
   const auto begins = [&](size_t k) { return k == 0 || order.key(k) >> up != order.key(k - 1) >> up; };
-  std::vector<Found> found((order.size() + samples_per_task - 1) / samples_per_task);
-  parallel.for_chunks(order.size(), samples_per_task, [&](size_t begin, size_t end) {
-    Found& mine = found[begin / samples_per_task];
+  std::vector<size_t> first_cell((order.size() + order_grain - 1) / order_grain);
+  parallel.for_chunks(order.size(), order_grain, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) first_cell[begin / order_grain] += begins(k);
+  });
+  size_t count = 0;
+  for (size_t& first : first_cell) count += std::exchange(first, count);
+  cells_.resize(count);
+  facets_.resize(count);
+  parallel.for_chunks(order.size(), order_grain, [&](size_t begin, size_t end) {
+    size_t cell = first_cell[begin / order_grain];
     while (begin < end && !begins(begin)) ++begin;
-    for (size_t k = begin; k < end;) {
+    for (size_t k = begin; k < end; ++cell) {
       const size_t first = k;
-      const uint64_t key = order.key(k) >> up;
-      const Vec3d center =
-          order.low() + Vec3d{gather_bits(key) + 0.5, gather_bits(key >> 1) + 0.5, gather_bits(key >> 2) + 0.5} * side_;
       uint32_t earliest = order.sample(k);
-      for (size_t j = k + 1; j < order.size() && !begins(j); ++j) earliest = std::min(earliest, order.sample(j));
+      while (++k < order.size() && !begins(k)) earliest = std::min(earliest, order.sample(k));
+      const uint64_t key = order.key(first) >> up;
+      const Vec3i at{gather_bits(key), gather_bits(key >> 1), gather_bits(key >> 2)};
+      const Vec3d center = order.low() + (Vec3d(at) + Vec3d{0.5, 0.5, 0.5}) * side_;
       Sides sides;
       sides.first = directions[earliest];
-      for (; k == first || (k < order.size() && !begins(k)); ++k) {
-        const uint32_t i = order.sample(k);
-        second_[k] = static_cast<uint8_t>(sides.add(positions[i] - center, directions[i], order.key(k) >> up_parts));
+      for (size_t j = first; j < k; ++j) {
+        const uint32_t i = order.sample(j);
+        second_[j] = static_cast<uint8_t>(sides.add(positions[i] - center, directions[i], order.key(j) >> up_parts));
       }
-      mine.cells.push_back({key, static_cast<uint32_t>(first), static_cast<uint32_t>(mine.facets.size())});
-      for (size_t s = 0; s < 2 && sides.facet[s].count > 0; ++s) {
-        sides.facet[s].mean = Vec3f(sides.sum[s] / (side_ * sides.facet[s].count));
-        mine.facets.push_back(sides.facet[s]);
-      }
+      for (size_t s = 0; s < 2; ++s)
+        if (sides.facet[s].count > 0) sides.facet[s].mean = Vec3f(sides.sum[s] / (side_ * sides.facet[s].count));
+      cells_[cell] = {key, static_cast<uint32_t>(first)};
+      facets_[cell] = sides.facet;
     }
   });
-  for (const Found& part : found) {
-    const auto before = static_cast<uint32_t>(facets_.size());
-    for (Cell cell : part.cells) {
-      cell.first_facet += before;
-      cells_.push_back(cell);
-    }
-    facets_.insert(facets_.end(), part.facets.begin(), part.facets.end());
-  }
   table_.assign(std::bit_ceil(2 * cells_.size() + 1), none);
   for (size_t c = 0; c < cells_.size(); ++c) {
     size_t at = hash_of(cells_[c].key) & (table_.size() - 1);
     while (table_[at] != none) at = (at + 1) & (table_.size() - 1);
     table_[at] = static_cast<uint32_t>(c);
   }
-  cells_.push_back({~uint64_t{0}, static_cast<uint32_t>(order.size()), static_cast<uint32_t>(facets_.size())});
+  cells_.push_back({~uint64_t{0}, static_cast<uint32_t>(order.size())});
 }
 
 uint32_t SampleCells::find(uint64_t key) const {

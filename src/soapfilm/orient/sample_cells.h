@@ -54,18 +54,16 @@ class SampleCells {
 
   struct Cell {
     uint64_t key;
-    uint32_t begin;        ///< its first sample in the order; it ends where the next cell begins
-    uint32_t first_facet;  ///< likewise
+    uint32_t begin;  ///< its first sample in the order; it ends where the next cell begins
   };
   static constexpr uint32_t none = ~uint32_t{0};
 
   size_t size() const { return cells_.size() - 1; }
   const Cell& operator[](size_t cell) const { return cells_[cell]; }
-  std::span<const Facet> facets(size_t cell) const {
-    return {facets_.data() + cells_[cell].first_facet, facets_.data() + cells_[cell + 1].first_facet};
-  }
-  /// The facet of the k-th sample of the order, which lies in `cell`.
-  uint32_t facet_of(size_t k, size_t cell) const { return cells_[cell].first_facet + second_[k]; }
+  /// A cell's two sides; of the second, and in odd cases of the first, `count` may be 0.
+  const std::array<Facet, 2>& facets(size_t cell) const { return facets_[cell]; }
+  /// The side, 0 or 1, of the k-th sample of the order.
+  size_t side_of(size_t k) const { return second_[k]; }
   double side() const { return side_; }
 
   /// The 27 cells around a cell by (dx + 1) + 3 (dy + 1) + 9 (dz + 1); `none` where no sample is.
@@ -77,7 +75,7 @@ class SampleCells {
   int depth_;
   double side_;
   std::vector<Cell> cells_;  ///< by key; one more at the end
-  std::vector<Facet> facets_;
+  std::vector<std::array<Facet, 2>> facets_;
   std::vector<uint8_t> second_;  ///< of each sample in the order: is it of its cell's second facet
   std::vector<uint32_t> table_;  ///< of cells by a hash of their keys, open addressing
 };

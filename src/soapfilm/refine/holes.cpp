@@ -21,7 +21,7 @@ constexpr int border_within = 2;       // voxels: nearer, the film ends at the b
 constexpr int most_rounds = 12;
 constexpr double reach = 2;    // of the band on every second vertex
 constexpr float held = 0.05f;  // voxels, of vertices whose sign must not follow
-constexpr double least_smoothing = 0.02, most_smoothing = 1;
+constexpr double least_of_holes = 0.02, most_of_holes = 1;
 constexpr double noise_to_follow = 0.1;  // voxels; with less, the least smoothing
 constexpr double slope_of_curvature = 0.002;
 
@@ -98,8 +98,8 @@ class CoarseFilm {
     // In units of every second vertex, where the surface has a quarter of the vertices.
     strength_.noise = strength.noise / 2;
     strength_.smoothing = strength.noise > noise_to_follow
-                              ? std::clamp(strength.smoothing / 4, least_smoothing, most_smoothing)
-                              : least_smoothing;
+                              ? std::clamp(strength.smoothing / 4, least_of_holes, most_of_holes)
+                              : least_of_holes;
     robust_.slope_of_curvature = slope_of_curvature;
     robust_.solve = {60, 0.01};
   }

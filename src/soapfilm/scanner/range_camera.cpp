@@ -14,7 +14,6 @@ namespace soapfilm {
 namespace {
 
 using std::numbers::pi;
-constexpr double radians = pi / 180.0;
 
 /// Half the extent of the box in a view's image, in input units at the target.
 struct HalfExtent {

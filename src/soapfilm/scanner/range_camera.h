@@ -1,6 +1,7 @@
 // The rays of one view: which pixel of a range image looks where.
 #pragma once
 
+#include <numbers>
 #include <vector>
 
 #include "soapfilm/core/box.h"
@@ -8,6 +9,8 @@
 #include "soapfilm/scanner/virtual_scan.h"
 
 namespace soapfilm {
+
+inline constexpr double radians = std::numbers::pi / 180;  ///< of a degree
 
 struct RangeCamera {
   Pose pose;

@@ -18,17 +18,17 @@ namespace {
 
 using std::numbers::pi;
 
-using Maker = Scene (*)();
-struct NamedMaker {
+using SceneMaker = Scene (*)();
+struct NamedScene {
   const char* name;
-  Maker make;
+  SceneMaker make;
 };
-constexpr std::array<NamedMaker, 6> makers{{{"room", make_room},
-                                            {"yard", make_yard},
-                                            {"street", make_street},
-                                            {"terrain", make_terrain},
-                                            {"tunnel", make_tunnel},
-                                            {"facade", make_facade}}};
+constexpr std::array<NamedScene, 6> scene_makers{{{"room", make_room},
+                                                  {"yard", make_yard},
+                                                  {"street", make_street},
+                                                  {"terrain", make_terrain},
+                                                  {"tunnel", make_tunnel},
+                                                  {"facade", make_facade}}};
 
 /// Bits of the faces of SceneBuilder::hollow.
 constexpr unsigned low_x = 1, high_y = 8;
@@ -162,12 +162,12 @@ Scene make_facade() {
 
 std::vector<std::string> scene_names() {
   std::vector<std::string> names;
-  for (const NamedMaker& maker : makers) names.emplace_back(maker.name);
+  for (const NamedScene& maker : scene_makers) names.emplace_back(maker.name);
   return names;
 }
 
 Scene make_scene(const std::string& name) {
-  for (const NamedMaker& maker : makers)
+  for (const NamedScene& maker : scene_makers)
     if (name == maker.name) return maker.make();
   throw ParameterError(fmt::format("scene = {}, must be one of {}", name, fmt::join(scene_names(), ", ")));
 }

@@ -18,7 +18,6 @@ namespace soapfilm {
 namespace {
 
 using std::numbers::pi;
-constexpr double radians = pi / 180.0;
 
 void check(const ScannerParams& params) {
   const auto require = [](bool holds, const char* name, double value, const char* constraint) {

@@ -22,7 +22,7 @@ constexpr double labels_per_area = 0.01;
 constexpr double same_gap = 0.01;
 /// The relaxed gap, which bounds what the dual can still gain, is at most this part of the thresholded one.
 constexpr double little_to_gain = 0.125;
-constexpr double late_gap = 10;  // times the tolerance
+constexpr double labels_matter = 10;  // times the tolerance
 
 }  // namespace
 
@@ -41,7 +41,7 @@ bool Stall::found(int iterations, double gap, bool whole) {
 }
 
 bool Settling::due(int iterations, double gap, double tolerance) const {
-  return gap <= late_gap * tolerance && iterations >= iterations_ + label_look_every;
+  return gap <= labels_matter * tolerance && iterations >= iterations_ + label_look_every;
 }
 
 bool Settling::found(int iterations, const Energies& relaxed) {
