@@ -145,6 +145,7 @@ TEST(Vrip, ThatSawNoWholeCellIsAnEmptyResult) {
 TEST(Poisson, HasTheSameSurfaceForEveryLambda) {
   const PointCloud cloud = sampled("sphere", resolution, 1);
   ReconstructParams params = params_of(Method::poisson);
+  params.energy.by_area = false;  // as where lambda is given
   const Reconstruction usual = reconstructed(cloud, params);
   EXPECT_TRUE(usual.report.warnings.empty());
   params.energy.lambda = 4;
