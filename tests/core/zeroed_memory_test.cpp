@@ -54,7 +54,7 @@ bool is_zero(const ZeroedMemory& memory, size_t bytes) {
 constexpr size_t block = size_t{2} << 20;
 constexpr size_t large = 20 * block + 12345;
 // The sanitizers' shadow comes on top: some kernels count it in large pages. Release builds judge.
-constexpr double slack = test::sanitized ? large / 2 : 3 * block;
+constexpr double slack = test::sanitized ? 0.75 * large : 3 * block;
 
 TEST(KeepFreedPages, ServeTheNextArraysAndThenGoBack) {
   const double before = test::resident_bytes();
