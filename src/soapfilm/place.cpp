@@ -146,7 +146,7 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
                   const LocalSurface& surface, const ReconstructParams& params, const Room& room, AfterPlacing after,
                   const Parallel& parallel, ReconstructReport& report) {
   const Sampling sampling = measure_sampling(cloud, box, parallel);
-  const AreaCoverage coverage = cover_area(surface);
+  const AreaCoverage& coverage = surface.coverage;
   const double voxel = choose_voxel(params.place, box, sampling, coverage);
   const bool by_resolution = params.place.resolution && !params.place.voxel;
   try {
@@ -193,7 +193,7 @@ void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, cons
   if (weighs_area(params.method)) warn_near_empty(lambda, report.input.density, report.warnings);
   if (!weighs_by_area(params)) return;
   constexpr double most_weight = 50;
-  const std::vector<float> weights = weigh_by_area(surface, cover_area(surface), most_weight, parallel);
+  const std::vector<float> weights = weigh_by_area(surface, most_weight, parallel);
   parallel.for_each(samples.size(), samples_per_task,
                     [&](size_t k) { samples.direction[k] = samples.direction[k] * weights[samples.source[k]]; });
 }

@@ -109,8 +109,8 @@ size_t kept_bytes(const PointCloud& cloud) { return (2 * sizeof(Vec3f) + sizeof(
 size_t plan_placing(const PointCloud& cloud) {
   // While the cloud is there also the direction as found and where sorted samples came from.
   const size_t sorted_bytes = kept_bytes(cloud) + sizeof(uint32_t) * cloud.size();
-  // The surface around each: area, spacing, gap, normal; with it either the cells that found it or the sorted samples.
-  const size_t around_bytes = (3 * sizeof(float) + sizeof(Vec3f)) * cloud.size();
+  // The surface around each: area, spacing, normal; with it either the cells that found it or the sorted samples.
+  const size_t around_bytes = (2 * sizeof(float) + sizeof(Vec3f)) * cloud.size();
   const size_t cells_bytes = (3 * sizeof(uint64_t) + 3 * sizeof(uint8_t)) * cloud.size();
   return base_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + around_bytes +
          std::max(sorted_bytes, cells_bytes);

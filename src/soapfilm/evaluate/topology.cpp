@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <numeric>
 
+#include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/evaluate/triangle_normal.h"
 
@@ -43,9 +43,7 @@ bool is_degenerate(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t
 
 class Checker {
  public:
-  explicit Checker(const Mesh& mesh) : mesh_(mesh), parent_(mesh.vertices.size()), faulty_(mesh.vertices.size(), 0) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
+  explicit Checker(const Mesh& mesh) : mesh_(mesh), sets_(mesh.vertices.size()), faulty_(mesh.vertices.size(), 0) {}
 
   TopologyReport run() {
     report_.vertices = mesh_.vertices.size();
@@ -85,8 +83,8 @@ class Checker {
         ++report_.degenerate_triangles;
         continue;
       }
-      join(t[0], t[1]);
-      join(t[1], t[2]);
+      sets_.join(t[0], t[1]);
+      sets_.join(t[1], t[2]);
       const Vec3d corner = mesh_.vertices[t[0]];
       if (!has_area(mesh_.vertices[t[1]] - corner, mesh_.vertices[t[2]] - corner)) ++report_.zero_area_triangles;
     }
@@ -164,19 +162,13 @@ class Checker {
     for (const Link* link = begin; link != end; ++link) ring.insert(ring.end(), link->begin(), link->end());
     std::sort(ring.begin(), ring.end());
     ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
-    std::vector<uint32_t> parent(ring.size());
-    std::iota(parent.begin(), parent.end(), 0u);
+    DisjointSets sets(ring.size());
     const auto place = [&](uint32_t vertex) {
       return static_cast<uint32_t>(std::lower_bound(ring.begin(), ring.end(), vertex) - ring.begin());
     };
     size_t fans = ring.size();
-    for (const Link* link = begin; link != end; ++link) {
-      const uint32_t a = root(parent, place((*link)[0]));
-      const uint32_t b = root(parent, place((*link)[1]));
-      if (a == b) continue;
-      parent[std::max(a, b)] = std::min(a, b);
-      --fans;
-    }
+    for (const Link* link = begin; link != end; ++link)
+      if (sets.join(place((*link)[0]), place((*link)[1]))) --fans;
     return fans;
   }
 
@@ -203,7 +195,7 @@ class Checker {
     });
     for (uint32_t v = 0; v < mesh_.vertices.size(); ++v) {
       if (!used[v]) continue;
-      const uint32_t r = root(parent_, v);
+      const uint32_t r = sets_.root(v);
       if (component[r] == nowhere) {
         component[r] = static_cast<uint32_t>(report_.components.size());
         report_.components.emplace_back();
@@ -213,23 +205,12 @@ class Checker {
       c.edges += edges_at_[v];
       if (faulty_[v]) c.closed_manifold = false;
     }
-    for_triangles([&](const Triangle& t) { ++report_.components[component[root(parent_, t[0])]].triangles; });
-  }
-
-  static uint32_t root(std::vector<uint32_t>& parent, uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  }
-
-  void join(uint32_t a, uint32_t b) {
-    a = root(parent_, a);
-    b = root(parent_, b);
-    parent_[std::max(a, b)] = std::min(a, b);
+    for_triangles([&](const Triangle& t) { ++report_.components[component[sets_.root(t[0])]].triangles; });
   }
 
   const Mesh& mesh_;
   TopologyReport report_;
-  std::vector<uint32_t> parent_;    // union-find over vertices
+  DisjointSets sets_;               // of connected vertices
   std::vector<uint32_t> edges_at_;  // edges whose lower vertex this is
   std::vector<uint8_t> faulty_;     // vertices at which the surface is not a closed, oriented manifold
 };

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <utility>
 #include <vector>
+
+#include "soapfilm/core/disjoint_sets.h"
 
 namespace soapfilm {
 
@@ -15,17 +16,14 @@ constexpr uint32_t none = ~uint32_t{0};
 /// Gives each fan of triangles around a vertex a vertex of its own: corners of triangles that share an edge are one.
 class Fans {
  public:
-  explicit Fans(Mesh& mesh) : mesh_(mesh), root_(3 * mesh.triangles.size()) {
-    std::iota(root_.begin(), root_.end(), 0);
-    join_across_edges();
-  }
+  explicit Fans(Mesh& mesh) : mesh_(mesh), fans_(3 * mesh.triangles.size()) { join_across_edges(); }
 
   void separate() {
     const std::vector<Vec3d> places = std::move(mesh_.vertices);
     mesh_.vertices.clear();
-    std::vector<uint32_t> vertex(root_.size(), none);
-    for (uint32_t corner = 0; corner < root_.size(); ++corner) {
-      const uint32_t fan = root(corner);
+    std::vector<uint32_t> vertex(fans_.size(), none);
+    for (uint32_t corner = 0; corner < fans_.size(); ++corner) {
+      const uint32_t fan = fans_.root(corner);
       uint32_t& v = mesh_.triangles[corner / 3][corner % 3];
       if (vertex[fan] == none) {
         vertex[fan] = static_cast<uint32_t>(mesh_.vertices.size());
@@ -36,20 +34,11 @@ class Fans {
   }
 
  private:
-  uint32_t root(uint32_t corner) {
-    while (root_[corner] != corner) corner = root_[corner] = root_[root_[corner]];
-    return corner;
-  }
-  void join(uint32_t a, uint32_t b) {
-    const uint32_t ra = root(a), rb = root(b);
-    root_[std::max(ra, rb)] = std::min(ra, rb);
-  }
-
   void join_across_edges() {
     struct Half {
       uint32_t low, high, corner;
     };
-    std::vector<Half> halves(root_.size());
+    std::vector<Half> halves(fans_.size());
     const auto next = [](uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; };
     const auto at = [&](uint32_t h) { return mesh_.triangles[h / 3][h % 3]; };
     for (uint32_t h = 0; h < halves.size(); ++h)
@@ -60,13 +49,13 @@ class Fans {
     for (size_t i = 1; i < halves.size(); ++i) {
       if (halves[i].low != halves[i - 1].low || halves[i].high != halves[i - 1].high) continue;
       const uint32_t a = halves[i - 1].corner, b = halves[i].corner;
-      join(a, next(b));
-      join(b, next(a));
+      fans_.join(a, next(b));
+      fans_.join(b, next(a));
     }
   }
 
   Mesh& mesh_;
-  std::vector<uint32_t> root_;
+  DisjointSets fans_;
 };
 
 }  // namespace

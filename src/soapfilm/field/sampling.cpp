@@ -11,6 +11,7 @@
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/morton.h"
 #include "soapfilm/core/radix_sort.h"
 
 namespace soapfilm {
@@ -26,28 +27,15 @@ constexpr size_t keys_per_task = size_t{1} << 15;
 /// Mean area of a plane's section with a unit cube, over planes through uniform points in uniform directions.
 constexpr double mean_section = 0.9413;
 
-uint64_t spread_bits(uint64_t v) {
-  v &= 0x1FFFFF;
-  v = (v | v << 32) & 0x1F00000000FFFFull;
-  v = (v | v << 16) & 0x1F0000FF0000FFull;
-  v = (v | v << 8) & 0x100F00F00F00F00Full;
-  v = (v | v << 4) & 0x10C30C30C30C30C3ull;
-  v = (v | v << 2) & 0x1249249249249249ull;
-  return v;
-}
-
 /// The keys of the cells that hold the samples, sorted.
 std::vector<uint64_t> cells_of(std::span<const Vec3d> positions, const Box3d& box, int depth,
                                const Parallel& parallel) {
-  const double longest = box.longest(), cells = static_cast<double>(1 << deepest);
+  const double longest = box.longest();
   std::vector<uint64_t> keys;
   reserve_many(keys, positions.size());
   keys.resize(positions.size());
   parallel.for_each(positions.size(), keys_per_task, [&](size_t i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::min((positions[i][axis] - box.lo[axis]) / longest * cells, cells - 1);
-      keys[i] |= spread_bits(static_cast<uint64_t>(cell) >> (deepest - depth)) << axis;
-    }
+    keys[i] = morton_key((positions[i] - box.lo) / longest, deepest) >> (3 * (deepest - depth));
   });
   radix_sort(keys, 3 * depth, parallel);
   return keys;

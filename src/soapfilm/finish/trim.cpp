@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/extract/cut.h"
 #include "soapfilm/finish/nearest_sample.h"
@@ -24,22 +24,6 @@ constexpr int smoothing_passes = 3;     // a ragged line of cut follows single s
 constexpr double nearest_cut = 0.2;     // share of an edge, from its ends: no slivers beside a cut
 constexpr double membrane_share = 0.1;  // of a closed mesh's area: larger regions are no holes to fill
 constexpr double leftover_area = 5;     // times distance^2: a little more than the disk around a single sample
-
-class Sets {
- public:
-  explicit Sets(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  uint32_t root(uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(uint32_t a, uint32_t b) {
-    const uint32_t ra = root(a), rb = root(b);
-    parent_[std::max(ra, rb)] = std::min(ra, rb);
-  }
-
- private:
-  std::vector<uint32_t> parent_;
-};
 
 double area_of(const Mesh& mesh, const Triangle& t) {
   const Vec3d a = mesh.vertices[t[0]];
@@ -66,7 +50,7 @@ class Cut {
 
   /// Marks regions that stay as near; returns whether anything is left to cut.
   bool choose_regions(bool open, bool holes, TrimReport& report) {
-    Sets regions(level_.size());
+    DisjointSets regions(level_.size());
     std::vector<double> area(level_.size());
     double whole = 0;
     for (const Triangle& t : mesh_.triangles) {
@@ -151,7 +135,7 @@ class Cut {
   /// Small pieces that a cut has touched.
   size_t drop_leftovers() {
     const size_t count = mesh_.vertices.size();
-    Sets pieces(count);
+    DisjointSets pieces(count);
     for (const Triangle& t : mesh_.triangles) {
       pieces.join(t[0], t[1]);
       pieces.join(t[0], t[2]);

@@ -33,8 +33,8 @@ AreaCoverage cover_area(const LocalSurface& surface) {
   return coverage;
 }
 
-std::vector<float> weigh_by_area(const LocalSurface& surface, const AreaCoverage& coverage, double most,
-                                 const Parallel& parallel) {
+std::vector<float> weigh_by_area(const LocalSurface& surface, double most, const Parallel& parallel) {
+  const AreaCoverage& coverage = surface.coverage;
   constexpr double scatter = 1.5;
   std::vector<float> weights(surface.area.size(), 1.0f);
   if (!(coverage.area > 0)) return weights;

@@ -8,20 +8,13 @@
 
 namespace soapfilm {
 
-struct AreaCoverage {
-  double area = 0;      ///< of surface that was seen, input units^2; 0: too little of it was found to go by
-  double per_area = 0;  ///< samples per area on the mean over the area, input units^-2
-  double spacing = 0;   ///< of different samples, input units: on a quarter of the area they lie closer
-};
-
-/// Sums over the samples, in their order.
+/// What LocalSurface::coverage holds, of its columns. Sums go over the samples, in their order.
 AreaCoverage cover_area(const LocalSurface& surface);
 
 /// A weight for each sample, 1 on the mean: the area that it stands for over the mean one, so that an area counts alike
-/// however many samples it has. Within a factor of 1.5 it is 1 (what is measured of even samples scatters by less), and
+/// however many samples it has. Within a factor of 1.5 it is 1 (for two of three even samples it scatters by less), and
 /// beyond it changes on from there, up to `most` >= 1. Samples without a plane, such as outliers, never weigh more than
 /// 1.
-std::vector<float> weigh_by_area(const LocalSurface& surface, const AreaCoverage& coverage, double most,
-                                 const Parallel& parallel);
+std::vector<float> weigh_by_area(const LocalSurface& surface, double most, const Parallel& parallel);
 
 }  // namespace soapfilm

@@ -3,11 +3,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <optional>
 
 #include "soapfilm/core/gather.h"
-#include "soapfilm/core/memory.h"
+#include "soapfilm/orient/area_weights.h"
 #include "soapfilm/orient/sample_cells.h"
 
 namespace soapfilm {
@@ -31,7 +32,8 @@ struct FacetPlane {
   float spacing = 0;  ///< cells
   bool filled = false;
   bool found = false;
-  bool agrees = false;  ///< the directions around, as those of outliers do not
+  bool found_far = false;  ///< thin enough for cells larger than the first filled ones, too
+  bool agrees = false;     ///< the directions around, as those of outliers do not
 };
 
 /// The facets around one, relative to the center of its cell.
@@ -72,7 +74,7 @@ int cells_with(const Around& around, Wanted&& wanted) {
   uint32_t cells = 0;
   for (size_t k = 0; k < around.count; ++k)
     if (wanted(k)) cells |= 1u << around.slot[k];
-  return __builtin_popcount(cells);
+  return std::popcount(cells);
 }
 
 /// Mean of a Poisson distribution whose mean without zeros is `seen` >= 1 (Newton's method from above).
@@ -137,7 +139,6 @@ class Survey {
         open_(positions.size(), 1) {
     surface_.area.assign(positions.size(), 0);
     surface_.spacing.assign(positions.size(), 0);
-    surface_.gap.assign(positions.size(), 0);
     surface_.normal.assign(positions.size(), {});
   }
 
@@ -148,6 +149,7 @@ class Survey {
       left = settle(SampleCells(order_, positions_, directions_, depth, parallel_), depth);
     }
     for (size_t i = 0; i < positions_.size(); ++i) surface_.planes += surface_.is_plane(i);
+    surface_.coverage = cover_area(surface_);
     return std::move(surface_);
   }
 
@@ -197,15 +199,13 @@ class Survey {
       const size_t side = cells.side_of(k);
       if (!planes[side]) planes[side] = plane_of(around, cells.facets(c)[side]);
       const FacetPlane& plane = *planes[side];
-      const bool found = plane.found && (first_filled_[i] == 0 || first_filled_[i] == depth || thin_enough_far(around));
-      if (plane.filled && (found || first_filled_[i] == 0)) {
+      const bool is_first = first_filled_[i] == 0;
+      const bool found = is_first ? plane.found : plane.found_far;
+      if (plane.filled && (found || is_first)) {
         surface_.area[i] = rounded(plane.area * cells.side() * cells.side());
         surface_.spacing[i] = plane.agrees ? rounded(plane.spacing * cells.side()) : 0.0f;
       }
-      if (plane.filled && first_filled_[i] == 0) {
-        first_filled_[i] = static_cast<uint8_t>(depth);
-        surface_.gap[i] = static_cast<float>(cells.side());
-      }
+      if (plane.filled && is_first) first_filled_[i] = static_cast<uint8_t>(depth);
       if (found) {
         surface_.normal[i] = rounded(plane.normal);
         open_[i] = 0;
@@ -215,11 +215,6 @@ class Survey {
       left += open_[i];
     }
     return left;
-  }
-
-  static bool thin_enough_far(const Around& around) {
-    const Spread spread = spread_of(around, [](size_t) { return true; });
-    return spread.variance[0] <= most_thick_far * spread.variance[1];
   }
 
   static Around look_around(const SampleCells& cells, size_t c) {
@@ -248,6 +243,7 @@ class Survey {
     Spread spread = spread_of(around, all);
     plane.filled = spread.variance[1] > least_spread * spread.variance[2];
     bool thin = spread.variance[0] <= most_thick * spread.variance[1];
+    const bool thin_far = spread.variance[0] <= most_thick_far * spread.variance[1];
     if (plane.filled && !thin && cells_with(around, agreeing) >= fewest_cells) {
       spread = spread_of(around, agreeing);
       thin = spread.variance[0] <= most_thick * spread.variance[1] &&
@@ -260,6 +256,7 @@ class Survey {
       return plane;
     }
     plane.found = true;
+    plane.found_far = thin_far;
     const float towards = dot(plane.normal, own.direction);
     const bool told = std::abs(towards) > least_incidence * norm(own.direction);
     const auto same_side = [&](size_t k) {

@@ -13,18 +13,23 @@
 
 namespace soapfilm {
 
+struct AreaCoverage {
+  double area = 0;      ///< of surface that was seen, input units^2; 0: too little of it was found to go by
+  double per_area = 0;  ///< samples per area on the mean over the area, input units^-2
+  double spacing = 0;   ///< of different samples, input units: on a quarter of the area they lie closer
+};
+
 /// Columns, each as long as the samples; empty when it was not measured.
 struct LocalSurface {
   std::vector<float> area;     ///< of surface that the sample stands for, input units^2; 0: nothing around it
   std::vector<float> spacing;  ///< of different samples around it, input units; 0: likewise, or
                                ///< their directions contradict each other
-  std::vector<float> gap;      ///< side of the smallest cells that the surface fills without holes, input units
   std::vector<Vec3f> normal;   ///< unit, sign arbitrary; zero: no plane
   size_t planes = 0;           ///< samples with both
+  AreaCoverage coverage;       ///< of all of them
 
   /// Does the sample lie on a plane whose samples agree about its sides?
   bool is_plane(size_t i) const { return normal[i] != Vec3f{} && spacing[i] > 0; }
-  bool empty() const { return area.empty(); }
 };
 
 /// Looks at the samples in cells of an octree, from fine to coarse. A sample has its plane at the smallest cells where

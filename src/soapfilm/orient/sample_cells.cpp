@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/morton.h"
 #include "soapfilm/core/radix_sort.h"
 
 namespace soapfilm {
@@ -13,26 +14,6 @@ namespace {
 
 constexpr size_t order_grain = size_t{1} << 14;
 constexpr int parts_deeper = 2;  // a cell has 4 parts along each axis
-
-uint64_t spread_bits(uint64_t v) {
-  v &= 0x1FFFFF;
-  v = (v | v << 32) & 0x1F00000000FFFFull;
-  v = (v | v << 16) & 0x1F0000FF0000FFull;
-  v = (v | v << 8) & 0x100F00F00F00F00Full;
-  v = (v | v << 4) & 0x10C30C30C30C30C3ull;
-  v = (v | v << 2) & 0x1249249249249249ull;
-  return v;
-}
-
-int gather_bits(uint64_t v) {
-  v &= 0x1249249249249249ull;
-  v = (v | v >> 2) & 0x10C30C30C30C30C3ull;
-  v = (v | v >> 4) & 0x100F00F00F00F00Full;
-  v = (v | v >> 8) & 0x1F0000FF0000FFull;
-  v = (v | v >> 16) & 0x1F00000000FFFFull;
-  v = (v | v >> 32) & 0x1FFFFF;
-  return static_cast<int>(v);
-}
 
 size_t hash_of(uint64_t key) {
   key *= 0x9E3779B97F4A7C15ull;
@@ -63,16 +44,10 @@ struct Sides {
 
 SampleOrder::SampleOrder(std::span<const Vec3d> positions, const Box3d& box, const Parallel& parallel)
     : low_(box.lo), longest_(box.longest()) {
-  const double cells = static_cast<double>(1 << deepest);
   reserve_many(items_, positions.size());
   items_.resize(positions.size());
   parallel.for_each(positions.size(), order_grain, [&](size_t i) {
-    uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::min((positions[i][axis] - low_[axis]) / longest_ * cells, cells - 1);
-      key |= spread_bits(static_cast<uint64_t>(cell)) << axis;
-    }
-    items_[i] = {key, static_cast<uint32_t>(i)};
+    items_[i] = {morton_key((positions[i] - low_) / longest_, deepest), static_cast<uint32_t>(i)};
   });
   radix_sort(items_, 3 * deepest, parallel, [](const Item& item) { return item.key; });
 }
@@ -100,7 +75,7 @@ SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positi
       uint32_t earliest = order.sample(k);
       while (++k < order.size() && !begins(k)) earliest = std::min(earliest, order.sample(k));
       const uint64_t key = order.key(first) >> up;
-      const Vec3i at{gather_bits(key), gather_bits(key >> 1), gather_bits(key >> 2)};
+      const Vec3i at{gather_coordinate(key), gather_coordinate(key >> 1), gather_coordinate(key >> 2)};
       const Vec3d center = order.low() + (Vec3d(at) + Vec3d{0.5, 0.5, 0.5}) * side_;
       Sides sides;
       sides.first = directions[earliest];
@@ -132,13 +107,13 @@ uint32_t SampleCells::find(uint64_t key) const {
 
 std::array<uint32_t, 27> SampleCells::around(size_t cell) const {
   const uint64_t key = cells_[cell].key;
-  const Vec3i at{gather_bits(key), gather_bits(key >> 1), gather_bits(key >> 2)};
+  const Vec3i at{gather_coordinate(key), gather_coordinate(key >> 1), gather_coordinate(key >> 2)};
   const int end = 1 << depth_;
   std::array<std::array<uint64_t, 3>, 3> bits{};  // of each axis and step
   for (int axis = 0; axis < 3; ++axis)
     for (int step = -1; step <= 1; ++step)
       bits[static_cast<size_t>(axis)][static_cast<size_t>(step + 1)] =
-          spread_bits(static_cast<uint64_t>(at[axis] + step)) << axis;
+          spread_coordinate(static_cast<uint64_t>(at[axis] + step)) << axis;
   const auto outside = [&](int axis, int step) { return at[axis] + step < 0 || at[axis] + step >= end; };
   std::array<uint32_t, 27> found{};
   for (int slot = 0; slot < 27; ++slot) {
