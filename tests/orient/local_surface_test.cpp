@@ -89,6 +89,26 @@ TEST(AreaWeights, EvenSamplesWeighAboutOne) {
   EXPECT_LT(weights[count - count / 20], 1.35);
 }
 
+/// Outliers around a shape, their directions random: none counts for more than a sample of the shape does.
+TEST(AreaWeights, OutliersNeverOutweigh) {
+  for (const double share : {0.1, 0.4}) {
+    const auto shape = make_sphere();
+    SamplingParams params{.count = 20000, .outliers = share};
+    const PointCloud cloud = sample_surface(*shape, params, one_thread);
+    const std::vector<float> weights = weigh_by_area(around(cloud), 50, one_thread);
+    size_t outliers = 0;
+    double heavy = 0, sum = 0;
+    for (size_t i = 0; i < cloud.size(); ++i) {
+      if (shape->distance(cloud.positions[i]) < 0.01) continue;
+      ++outliers;
+      sum += weights[i];
+      heavy += weights[i] > 2;
+    }
+    EXPECT_LE(sum, 1.1 * static_cast<double>(outliers)) << share;
+    EXPECT_LE(heavy, 0.005 * static_cast<double>(outliers)) << share;
+  }
+}
+
 /// Two squares side by side, one sampled 25 times more densely: their weights' sums agree within what is taken as even.
 TEST(AreaWeights, AnAreaCountsAlikeHoweverDenselySampled) {
   PointCloud cloud;

@@ -169,9 +169,7 @@ TEST_P(Outlying, SamplesLeaveOneKnot) {
   EXPECT_EQ(run.topology.genus(), 4);
 }
 
-// Not yet at 0.4: a second component is left since samples count by their area.
-INSTANTIATE_TEST_SUITE_P(Share10, Outlying, testing::Values(0.1));
-INSTANTIATE_TEST_SUITE_P(DISABLED_Share40, Outlying, testing::Values(0.4));
+INSTANTIATE_TEST_SUITE_P(Share, Outlying, testing::Values(0.1, 0.4));
 
 // Not yet: 6 parts.
 /// Normals with the signs that an eigen-solver gave: half of them look inward.

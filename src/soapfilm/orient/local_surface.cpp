@@ -23,7 +23,14 @@ constexpr int coarser_at_most = 3;        // depths above the first filled one w
 constexpr int coarsest = 4;               // depth: a sixteenth of the box
 constexpr double least_incidence = 0.05;  // cosine of direction and normal, below which sides are not told apart
 constexpr double least_agreement = 0.75;  // length of the mean direction; random ones on one side have a half
+constexpr double large = 1.5;             // area of a sample over the mean one, from which on it must be confirmed
+constexpr float along = 0.8f;             // cosine of normals at two depths that confirm each other
+constexpr double most_outnumbered = 8;    // by samples seen from the other side; beyond it they are outliers
 constexpr double parts_per_face = 16;     // of a cell's parts, those that a plane along its face meets
+
+/// Of a sample. One that would count for far more area than others has to show the same plane at the next depth, too:
+/// six outliers may lie in a plane, but with those around them they no longer do.
+enum class State : uint8_t { settled, open, found, to_confirm };
 
 /// Where the samples of a facet are settled.
 struct FacetPlane {
@@ -94,15 +101,18 @@ double mean_with_zeros(double seen) {
 template <class Wanted>
 void measure_area(const Around& around, Wanted&& wanted, FacetPlane& plane) {
   const int cells = cells_with(around, wanted);
-  double samples = 0, distinct = 0;
+  double samples = 0, distinct = 0, others = 0;
   Vec3f direction{};
   for (size_t k = 0; k < around.count; ++k) {
-    if (!wanted(k)) continue;
+    if (!wanted(k)) {
+      others += around.facet[k]->count;
+      continue;
+    }
     samples += around.facet[k]->count;
     distinct += around.facet[k]->distinct;
     direction += around.facet[k]->direction;
   }
-  plane.agrees = norm(direction) >= least_agreement * samples;
+  plane.agrees = norm(direction) >= least_agreement * samples && most_outnumbered * samples >= others;
   const Vec3f n = plane.normal;
   const double per_area = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   // Parts that several samples share count once: how many there were if each had a place of its own.
@@ -136,7 +146,7 @@ class Survey {
         parallel_(parallel),
         progress_(progress),
         first_filled_(positions.size(), 0),
-        open_(positions.size(), 1) {
+        state_(positions.size(), State::open) {
     surface_.area.assign(positions.size(), 0);
     surface_.spacing.assign(positions.size(), 0);
     surface_.normal.assign(positions.size(), {});
@@ -147,8 +157,8 @@ class Survey {
     for (int depth = first_depth(); depth >= coarsest && left > 0; --depth) {
       progress_.check();
       left = settle(SampleCells(order_, positions_, directions_, depth, parallel_), depth);
+      left += doubt_large_ones();
     }
-    for (size_t i = 0; i < positions_.size(); ++i) surface_.planes += surface_.is_plane(i);
     surface_.coverage = cover_area(surface_);
     return std::move(surface_);
   }
@@ -176,6 +186,34 @@ class Survey {
     return coarsest;
   }
 
+  /// Of the planes found at this depth, those that count for far more area than others must be confirmed; how many.
+  size_t doubt_large_ones() {
+    constexpr size_t at_once = size_t{1} << 15;
+    struct Sum {
+      size_t planes = 0;
+      double area = 0;
+      void operator+=(const Sum& other) { planes += other.planes, area += other.area; }
+    };
+    const auto sum = sum_chunks<Sum>(positions_.size(), at_once, parallel_, [&](size_t begin, size_t end) {
+      Sum part;
+      for (size_t i = begin; i < end; ++i)
+        if (surface_.is_plane(i)) part += {1, surface_.area[i]};
+      return part;
+    });
+    surface_.planes = sum.planes;
+    const double per_area = sum.planes > 0 ? static_cast<double>(sum.planes) / sum.area : 0;
+    return sum_chunks<size_t>(positions_.size(), at_once, parallel_, [&](size_t begin, size_t end) {
+      size_t doubted = 0;
+      for (size_t i = begin; i < end; ++i) {
+        if (state_[i] != State::found) continue;
+        const bool doubt = surface_.is_plane(i) && surface_.area[i] * per_area > large;
+        state_[i] = doubt ? State::to_confirm : State::settled;
+        doubted += doubt;
+      }
+      return doubted;
+    });
+  }
+
   /// Settles the samples whose surface shows at this depth; tells how many are left.
   size_t settle(const SampleCells& cells, int depth) {
     return sum_chunks<size_t>(cells.size(), 512, parallel_, [&](size_t begin, size_t end) {
@@ -188,17 +226,23 @@ class Survey {
   size_t settle_cell(const SampleCells& cells, size_t c, int depth) {
     const uint32_t first = cells[c].begin, last = cells[c + 1].begin;
     bool any = false;
-    for (uint32_t k = first; k < last && !any; ++k) any = open_[order_.sample(k)] != 0;
+    for (uint32_t k = first; k < last && !any; ++k) any = state_[order_.sample(k)] != State::settled;
     if (!any) return 0;
     const Around around = look_around(cells, c);
     std::array<std::optional<FacetPlane>, 2> planes;
     size_t left = 0;
     for (uint32_t k = first; k < last; ++k) {
       const uint32_t i = order_.sample(k);
-      if (!open_[i]) continue;
+      if (state_[i] == State::settled) continue;
       const size_t side = cells.side_of(k);
       if (!planes[side]) planes[side] = plane_of(around, cells.facets(c)[side]);
       const FacetPlane& plane = *planes[side];
+      if (state_[i] == State::to_confirm) {
+        state_[i] = State::settled;
+        if (!(plane.found && plane.agrees && std::abs(dot(plane.normal, surface_.normal[i])) >= along))
+          surface_.spacing[i] = 0;
+        continue;
+      }
       const bool is_first = first_filled_[i] == 0;
       const bool found = is_first ? plane.found : plane.found_far;
       if (plane.filled && (found || is_first)) {
@@ -208,11 +252,11 @@ class Survey {
       if (plane.filled && is_first) first_filled_[i] = static_cast<uint8_t>(depth);
       if (found) {
         surface_.normal[i] = rounded(plane.normal);
-        open_[i] = 0;
+        state_[i] = State::found;
         continue;
       }
-      if (first_filled_[i] >= depth + coarser_at_most) open_[i] = 0;  // an edge, or no surface
-      left += open_[i];
+      if (first_filled_[i] >= depth + coarser_at_most) state_[i] = State::settled;  // an edge, or no surface
+      left += state_[i] != State::settled;
     }
     return left;
   }
@@ -272,7 +316,7 @@ class Survey {
   const Parallel& parallel_;
   Progress& progress_;
   std::vector<uint8_t> first_filled_;  ///< depth of each sample's first filled cells; 0: none yet
-  std::vector<uint8_t> open_;          ///< of each sample: is it still looked for
+  std::vector<State> state_;           ///< of each sample
   LocalSurface surface_;
 };
 

@@ -22,8 +22,8 @@ struct AreaCoverage {
 /// Columns, each as long as the samples; empty when it was not measured.
 struct LocalSurface {
   std::vector<float> area;     ///< of surface that the sample stands for, input units^2; 0: nothing around it
-  std::vector<float> spacing;  ///< of different samples around it, input units; 0: likewise, or
-                               ///< their directions contradict each other
+  std::vector<float> spacing;  ///< of different samples around it, input units; 0: likewise, or it
+                               ///< is taken for an outlier, such as where the directions around contradict each other
   std::vector<Vec3f> normal;   ///< unit, sign arbitrary; zero: no plane
   size_t planes = 0;           ///< samples with both
   AreaCoverage coverage;       ///< of all of them
@@ -36,9 +36,10 @@ struct LocalSurface {
 ///   - the 27 cells around it hold at least six with samples, spread along two axes, and
 ///   - the mean positions in these, each cell counted once, lie in a plane (principal component analysis).
 /// So neither many samples along one ring of a scanner nor copies of samples pass for a surface, and neither noise
-/// nor a change of density moves the scale to where it is not one. `directions`, as long as `positions`, keep the two
-/// sides of a sheet apart: samples seen from the other side count neither for the area nor, where the plane does not
-/// show with them, for the plane. Does not depend on the number of threads.
+/// nor a change of density moves the scale to where it is not one. Planes whose samples would stand for much more than
+/// the mean area must show at cells twice as large, too: few outliers in a plane do not. `directions`, as long as
+/// `positions`, keep the two sides of a sheet apart: samples seen from the other side count neither for the area nor,
+/// where the plane does not show with them, for the plane. Does not depend on the number of threads.
 LocalSurface measure_local_surface(std::span<const Vec3d> positions, std::span<const Vec3f> directions,
                                    const Box3d& box, const Parallel& parallel, Progress& progress);
 
