@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/core/point_cloud.h"
@@ -39,11 +40,35 @@ TEST(LocalSurface, KnowsASphere) {
   const LocalSurface surface = around(cloud);
   const double area = *make_sphere()->area();
   EXPECT_GT(static_cast<double>(surface.planes), 0.98 * static_cast<double>(cloud.size()));
-  EXPECT_NEAR(surface.coverage.area, area, 0.25 * area);
+  EXPECT_NEAR(surface.coverage.area, area, 0.1 * area);
   EXPECT_NEAR(surface.coverage.spacing, std::sqrt(area / 20000), 0.15 * std::sqrt(area / 20000));
   double cosine = 0;
   for (size_t i = 0; i < cloud.size(); ++i) cosine += std::abs(dot(surface.normal[i], normalized(cloud.normals[i])));
   EXPECT_GT(cosine / static_cast<double>(surface.planes), 0.99);
+}
+
+/// A unit square in rows: `columns` x `rows` samples, nearly in line, the square turned about y.
+PointCloud raster(int columns, int rows, double angle) {
+  PointCloud cloud;
+  Random random(1);
+  const double c = std::cos(angle), s = std::sin(angle);
+  for (int i = 0; i < columns; ++i)
+    for (int j = 0; j < rows; ++j) {
+      const double x = (i + 0.01 * random.uniform()) / columns, z = 0.001 * random.uniform();
+      cloud.positions.push_back({x * c - z * s, (j + 0.01 * random.uniform()) / rows, x * s + z * c});
+      cloud.normals.push_back(Vec3f(Vec3d{-s, 0, c}));
+    }
+  return cloud;
+}
+
+/// As scanners leave them: a raster leaves no cell of its plane out, which random samples do.
+TEST(LocalSurface, KnowsTheAreaOfRastersAndRows) {
+  for (const auto& [columns, rows] : {std::pair{80, 80}, {120, 120}, {200, 200}, {200, 50}, {280, 70}})
+    for (const double angle : {0.0, 0.5}) {
+      const AreaCoverage coverage = around(raster(columns, rows, angle)).coverage;
+      EXPECT_NEAR(coverage.area, 1, 0.2) << columns << " x " << rows << ", turned by " << angle;
+      EXPECT_NEAR(coverage.spacing, std::sqrt(1.0 / (columns * rows)), 0.2 * std::sqrt(1.0 / (columns * rows)));
+    }
 }
 
 TEST(LocalSurface, CopiesMoveNoSpacing) {
@@ -105,7 +130,7 @@ TEST(AreaWeights, OutliersNeverOutweigh) {
       heavy += weights[i] > 2;
     }
     EXPECT_LE(sum, 1.1 * static_cast<double>(outliers)) << share;
-    EXPECT_LE(heavy, 0.005 * static_cast<double>(outliers)) << share;
+    EXPECT_LE(heavy, 0.01 * static_cast<double>(outliers)) << share;
   }
 }
 

@@ -12,9 +12,9 @@ namespace soapfilm {
 AreaCoverage cover_area(const LocalSurface& surface);
 
 /// A weight for each sample, 1 on the mean: the area that it stands for over the mean one, so that an area counts alike
-/// however many samples it has. Within a factor of 1.5 it is 1 (for two of three even samples it scatters by less), and
-/// beyond it changes on from there, up to `most` >= 1. Samples without a plane, such as outliers, never weigh more than
-/// 1.
+/// however many samples it has. Within a factor of 1.5 it is 1 (what is measured of even samples scatters by less), and
+/// beyond it changes on from there, up to `most` >= 1. Samples without a plane weigh 1, those on edges and rods up
+/// to 4.
 std::vector<float> weigh_by_area(const LocalSurface& surface, double most, const Parallel& parallel);
 
 }  // namespace soapfilm

@@ -23,10 +23,18 @@ constexpr int coarser_at_most = 3;        // depths above the first filled one w
 constexpr int coarsest = 4;               // depth: a sixteenth of the box
 constexpr double least_incidence = 0.05;  // cosine of direction and normal, below which sides are not told apart
 constexpr double least_agreement = 0.75;  // length of the mean direction; random ones on one side have a half
-constexpr double large = 1.5;             // area of a sample over the mean one, from which on it must be confirmed
-constexpr float along = 0.8f;             // cosine of normals at two depths that confirm each other
 constexpr double most_outnumbered = 8;    // by samples seen from the other side; beyond it they are outliers
+constexpr double few_others = 0.1;        // of the other side, so few that it says nothing that the views differ
 constexpr double parts_per_face = 16;     // of a cell's parts, those that a plane along its face meets
+
+/// Area of a sample over the mean one, from which on it has to be confirmed at the next depth.
+constexpr double large = 1.5;
+// By what: as thin and as agreeing as two faces of a box that meet, its normal at most halfway between theirs.
+constexpr double most_thick_again = 0.35;
+constexpr double least_agreement_again = 0.65;
+constexpr float least_along_again = 0.65f;  // cosine of the normals
+/// An edge, a rod: there the directions must agree still better at the next depth, as those towards one scanner do.
+constexpr double least_agreement_of_edges = 0.9;
 
 /// Of a sample. One that would count for far more area than others has to show the same plane at the next depth, too:
 /// six outliers may lie in a plane, but with those around them they no longer do.
@@ -40,7 +48,15 @@ struct FacetPlane {
   bool filled = false;
   bool found = false;
   bool found_far = false;  ///< thin enough for cells larger than the first filled ones, too
-  bool agrees = false;     ///< the directions around, as those of outliers do not
+  double thick = 1;        ///< least over middle variance
+  double agreement = 0;    ///< length of the mean direction around: outliers' are all different
+  bool one_sided = false;  ///< directions around are on one side of the plane, however much they differ
+
+  bool agrees() const { return agreement >= least_agreement || (found && one_sided); }
+  bool confirms(Vec3f normal_before) const {
+    return thick <= most_thick_again && (agreement >= least_agreement_again || one_sided) &&
+           std::abs(dot(normal, normal_before)) >= least_along_again;
+  }
 };
 
 /// The facets around one, relative to the center of its cell.
@@ -90,10 +106,36 @@ double mean_with_zeros(double seen) {
   for (int k = 0; k < 8; ++k) {
     const double e = std::exp(-mean);
     const double value = mean - seen * (1 - e), slope = 1 - seen * e;
-    if (slope <= 0.05) break;
+    if (slope <= 0.05 || value < 1e-3 * mean) break;
     mean = std::max(mean - value / slope, 0.05);
   }
   return mean;
+}
+
+/// Area of a plane inside the 27 cells, cells^2; it passes through the middle of the wanted facets.
+template <class Wanted>
+double block_area(const Around& around, Wanted&& wanted, Vec3f n) {
+  Vec3f middle{};
+  float count = 0;
+  for (size_t k = 0; k < around.count; ++k) {
+    if (!wanted(k)) continue;
+    middle = middle + around.mean[k];
+    ++count;
+  }
+  const float offset = dot(n, middle) / count;
+  // Over a raster of the coordinate plane that it lies flattest on.
+  float up = std::abs(n.x), a = n.y, b = n.z;
+  if (std::abs(n.y) > up) up = std::abs(n.y), a = n.x, b = n.z;
+  if (std::abs(n.z) > up) up = std::abs(n.z), a = n.x, b = n.y;
+  constexpr int steps = 5;
+  int inside = 0;
+  for (int i = 0; i < steps; ++i)
+    for (int j = 0; j < steps; ++j) {
+      const float x = (static_cast<float>(i) + 0.5f) / steps * 3 - 1.5f;
+      const float y = (static_cast<float>(j) + 0.5f) / steps * 3 - 1.5f;
+      inside += std::abs(offset - a * x - b * y) <= 1.5f * up;
+    }
+  return 9.0 * inside / (steps * steps) / up;
 }
 
 /// The same plane's own side: area for each sample and spacing of different ones, in cells. A plane meets
@@ -109,17 +151,22 @@ void measure_area(const Around& around, Wanted&& wanted, FacetPlane& plane) {
       continue;
     }
     samples += around.facet[k]->count;
-    distinct += around.facet[k]->distinct;
+    distinct += std::popcount(around.facet[k]->parts);
     direction += around.facet[k]->direction;
   }
-  plane.agrees = norm(direction) >= least_agreement * samples && most_outnumbered * samples >= others;
+  plane.agreement = others <= most_outnumbered * samples ? norm(direction) / samples : 0;
+  plane.one_sided = others <= few_others * samples;
   const Vec3f n = plane.normal;
   const double per_area = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   // Parts that several samples share count once: how many there were if each had a place of its own.
   const double parts = parts_per_face * cells;
   const double apart = -parts * std::log1p(-std::min(distinct / parts, 0.95));
   const double in_cell = mean_with_zeros(std::max(apart / cells, 1.0 + 1e-3));
-  const double met = apart / in_cell;  // cells, those without samples included
+  // Cells, those without samples included; but no more than the plane passes through (samples in a raster leave none
+  // out). Cells that a plane cuts the corners of are missed more often: by how much was measured on spheres, planes,
+  // rasters and lines of samples, whose areas come out within 17 %.
+  const double at_most = std::max<double>(cells, per_area * block_area(around, wanted, n));
+  const double met = std::min(apart / in_cell, at_most) * (1.05 + 0.47 * (per_area - 1));
   plane.area = static_cast<float>(met / per_area / samples);
   plane.spacing = static_cast<float>(std::sqrt(met / per_area / apart));
 }
@@ -153,11 +200,21 @@ class Survey {
   }
 
   LocalSurface run() {
-    size_t left = positions_.size();
-    for (int depth = first_depth(); depth >= coarsest && left > 0; --depth) {
+    int depth = first_depth();
+    SampleCells cells(order_, positions_, directions_, depth, parallel_);
+    while (true) {
       progress_.check();
-      left = settle(SampleCells(order_, positions_, directions_, depth, parallel_), depth);
+      size_t left = settle(cells, depth);
       left += doubt_large_ones();
+      if (left == 0 || depth == coarsest) break;
+      cells = std::move(cells).coarser(directions_, parallel_);
+      --depth;
+    }
+    surface_.planes = 0;
+    for (size_t i = 0; i < positions_.size(); ++i) {
+      const bool edge = surface_.normal[i] == Vec3f{} && first_filled_[i] == coarsest;
+      if (edge || state_[i] == State::to_confirm) surface_.spacing[i] = 0;  // no coarser cells tell
+      surface_.planes += surface_.is_plane(i);
     }
     surface_.coverage = cover_area(surface_);
     return std::move(surface_);
@@ -200,7 +257,6 @@ class Survey {
         if (surface_.is_plane(i)) part += {1, surface_.area[i]};
       return part;
     });
-    surface_.planes = sum.planes;
     const double per_area = sum.planes > 0 ? static_cast<double>(sum.planes) / sum.area : 0;
     return sum_chunks<size_t>(positions_.size(), at_once, parallel_, [&](size_t begin, size_t end) {
       size_t doubted = 0;
@@ -239,15 +295,15 @@ class Survey {
       const FacetPlane& plane = *planes[side];
       if (state_[i] == State::to_confirm) {
         state_[i] = State::settled;
-        if (!(plane.found && plane.agrees && std::abs(dot(plane.normal, surface_.normal[i])) >= along))
-          surface_.spacing[i] = 0;
+        if (!plane.confirms(surface_.normal[i])) surface_.spacing[i] = 0;
         continue;
       }
       const bool is_first = first_filled_[i] == 0;
+      if (first_filled_[i] == depth + 1 && plane.agreement < least_agreement_of_edges) surface_.spacing[i] = 0;
       const bool found = is_first ? plane.found : plane.found_far;
       if (plane.filled && (found || is_first)) {
         surface_.area[i] = rounded(plane.area * cells.side() * cells.side());
-        surface_.spacing[i] = plane.agrees ? rounded(plane.spacing * cells.side()) : 0.0f;
+        surface_.spacing[i] = plane.agrees() ? rounded(plane.spacing * cells.side()) : 0.0f;
       }
       if (plane.filled && is_first) first_filled_[i] = static_cast<uint8_t>(depth);
       if (found) {
@@ -295,6 +351,7 @@ class Survey {
     }
     if (!plane.filled) return plane;
     plane.normal = spread.normal;
+    plane.thick = spread.variance[0] / spread.variance[1];
     if (!thin) {
       measure_area(around, agreeing, plane);
       return plane;

@@ -13,32 +13,58 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t order_grain = size_t{1} << 14;
+constexpr size_t cells_grain = size_t{1} << 12;
 constexpr int parts_deeper = 2;  // a cell has 4 parts along each axis
 
+/// Neighbors share cache lines: the eight cells of a parent follow each other.
+constexpr size_t siblings = 8;
+constexpr size_t next_place = siblings + 1;  // odd: it comes by all places of a table
 size_t hash_of(uint64_t key) {
-  key *= 0x9E3779B97F4A7C15ull;
-  return static_cast<size_t>(key ^ key >> 32);
+  const uint64_t parent = (key >> 3) * 0x9E3779B97F4A7C15ull;
+  return static_cast<size_t>((parent ^ parent >> 32) * siblings | (key & (siblings - 1)));
 }
 
-/// A cell's samples, dealt to at most two facets by the side that they were seen from.
+/// What a cell holds, dealt to at most two facets by the side that it was seen from.
 struct Sides {
   std::array<Facet, 2> facet;
-  std::array<Vec3d, 2> sum;
-  std::array<uint64_t, 2> last_part{~uint64_t{0}, ~uint64_t{0}};
-  Vec3f first;  ///< direction of the cell's first sample in the cloud
+  std::array<Vec3d, 2> sum;  ///< of positions relative to the cell's center, cells
+  Vec3f first;               ///< direction of the cell's first sample in the cloud
 
-  /// Tells which facet it is.
-  int add(Vec3d from_center, Vec3f direction, uint64_t part) {
-    const int side = dot(first, direction) < 0 ? 1 : 0;
-    const auto s = static_cast<size_t>(side);
-    sum[s] += from_center;
-    facet[s].direction += direction;
-    ++facet[s].count;
-    facet[s].distinct += part != last_part[s];
-    last_part[s] = part;
+  /// `count` samples, `from_center` their mean. Tells which facet it is.
+  uint8_t add(Vec3d from_center, Vec3f direction, uint32_t count, uint64_t parts) {
+    const uint8_t side = dot(first, direction) < 0 ? 1 : 0;
+    sum[side] += from_center * static_cast<double>(count);
+    facet[side].direction += direction;
+    facet[side].count += count;
+    facet[side].parts |= parts;
     return side;
   }
+
+  std::array<Facet, 2> take() {
+    for (size_t s = 0; s < 2; ++s)
+      if (facet[s].count > 0) facet[s].mean = Vec3f(sum[s] / static_cast<double>(facet[s].count));
+    return facet;
+  }
 };
+
+/// Of each chunk of `grain` items, how many begin something in the chunks before it; at the end, all of them.
+template <class Begins>
+std::vector<size_t> count_before(size_t size, size_t grain, const Parallel& parallel, Begins&& begins) {
+  std::vector<size_t> before((size + grain - 1) / grain + 1);
+  parallel.for_chunks(size, grain, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) before[begin / grain] += begins(k);
+  });
+  size_t count = 0;
+  for (size_t& first : before) count += std::exchange(first, count);
+  return before;
+}
+
+/// Where a child's eighths lie among its parent's 64 parts.
+uint64_t parts_in_parent(uint64_t parts, uint64_t octant) {
+  uint64_t eighths = 0;
+  for (int j = 0; j < 8; ++j) eighths |= static_cast<uint64_t>((parts >> 8 * j & 255) != 0) << j;
+  return eighths << 8 * octant;
+}
 
 }  // namespace
 
@@ -56,17 +82,12 @@ SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positi
                          int depth, const Parallel& parallel)
     : depth_(depth), side_(order.longest() / static_cast<double>(1 << depth)), second_(order.size()) {
   const int up = 3 * (SampleOrder::deepest - depth);
-  const int up_parts = std::max(up - 3 * parts_deeper, 0);
+  const int up_parts = up - 3 * parts_deeper;
   // A cell belongs to the chunk that its first sample is in.
   const auto begins = [&](size_t k) { return k == 0 || order.key(k) >> up != order.key(k - 1) >> up; };
-  std::vector<size_t> first_cell((order.size() + order_grain - 1) / order_grain);
-  parallel.for_chunks(order.size(), order_grain, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) first_cell[begin / order_grain] += begins(k);
-  });
-  size_t count = 0;
-  for (size_t& first : first_cell) count += std::exchange(first, count);
-  cells_.resize(count);
-  facets_.resize(count);
+  const std::vector<size_t> first_cell = count_before(order.size(), order_grain, parallel, begins);
+  cells_.resize(first_cell.back() + 1);
+  facets_.resize(first_cell.back());
   parallel.for_chunks(order.size(), order_grain, [&](size_t begin, size_t end) {
     size_t cell = first_cell[begin / order_grain];
     while (begin < end && !begins(begin)) ++begin;
@@ -81,27 +102,71 @@ SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positi
       sides.first = directions[earliest];
       for (size_t j = first; j < k; ++j) {
         const uint32_t i = order.sample(j);
-        second_[j] = static_cast<uint8_t>(sides.add(positions[i] - center, directions[i], order.key(j) >> up_parts));
+        const uint64_t part = order.key(j) >> up_parts & 63;
+        second_[j] = sides.add((positions[i] - center) / side_, directions[i], 1, uint64_t{1} << part);
       }
-      for (size_t s = 0; s < 2; ++s)
-        if (sides.facet[s].count > 0) sides.facet[s].mean = Vec3f(sides.sum[s] / (side_ * sides.facet[s].count));
-      cells_[cell] = {key, static_cast<uint32_t>(first)};
-      facets_[cell] = sides.facet;
+      cells_[cell] = {key, static_cast<uint32_t>(first), earliest};
+      facets_[cell] = sides.take();
     }
   });
-  table_.assign(std::bit_ceil(2 * cells_.size() + 1), none);
-  for (size_t c = 0; c < cells_.size(); ++c) {
+  cells_.back() = {~uint64_t{0}, static_cast<uint32_t>(order.size()), none};
+  index_cells();
+}
+
+SampleCells SampleCells::coarser(std::span<const Vec3f> directions, const Parallel& parallel) && {
+  SampleCells parents;
+  parents.depth_ = depth_ - 1;
+  parents.side_ = 2 * side_;
+  parents.second_ = std::move(second_);
+  const auto begins = [&](size_t c) { return c == 0 || cells_[c].key >> 3 != cells_[c - 1].key >> 3; };
+  const std::vector<size_t> first_parent = count_before(size(), cells_grain, parallel, begins);
+  parents.cells_.resize(first_parent.back() + 1);
+  parents.facets_.resize(first_parent.back());
+  parallel.for_chunks(size(), cells_grain, [&](size_t begin, size_t end) {
+    size_t parent = first_parent[begin / cells_grain];
+    while (begin < end && !begins(begin)) ++begin;
+    for (size_t c = begin; c < end; ++parent) {
+      const size_t first = c;
+      uint32_t earliest = cells_[c].earliest;
+      while (++c < size() && !begins(c)) earliest = std::min(earliest, cells_[c].earliest);
+      Sides sides;
+      sides.first = directions[earliest];
+      for (size_t child = first; child < c; ++child) {
+        const uint64_t octant = cells_[child].key & 7;
+        const Vec3d corner = Vec3d{octant & 1 ? 0.25 : -0.25, octant & 2 ? 0.25 : -0.25, octant & 4 ? 0.25 : -0.25};
+        std::array<uint8_t, 2> side{};
+        for (size_t s = 0; s < 2; ++s) {
+          const Facet& facet = facets_[child][s];
+          if (facet.count == 0) continue;
+          side[s] = sides.add(corner + Vec3d(facet.mean) * 0.5, facet.direction, facet.count,
+                              parts_in_parent(facet.parts, octant));
+        }
+        for (size_t k = cells_[child].begin; k < cells_[child + 1].begin; ++k)
+          parents.second_[k] = side[parents.second_[k]];
+      }
+      parents.cells_[parent] = {cells_[first].key >> 3, cells_[first].begin, earliest};
+      parents.facets_[parent] = sides.take();
+    }
+  });
+  parents.cells_.back() = cells_.back();
+  parents.index_cells();
+  return parents;
+}
+
+void SampleCells::index_cells() {
+  table_.assign(std::bit_ceil(2 * size() + siblings), Slot{0, none});
+  for (size_t c = 0; c < size(); ++c) {
     size_t at = hash_of(cells_[c].key) & (table_.size() - 1);
-    while (table_[at] != none) at = (at + 1) & (table_.size() - 1);
-    table_[at] = static_cast<uint32_t>(c);
+    while (table_[at].cell != none) at = (at + next_place) & (table_.size() - 1);
+    table_[at] = {static_cast<uint32_t>(cells_[c].key), static_cast<uint32_t>(c)};
   }
-  cells_.push_back({~uint64_t{0}, static_cast<uint32_t>(order.size())});
 }
 
 uint32_t SampleCells::find(uint64_t key) const {
-  for (size_t at = hash_of(key);; ++at) {
-    const uint32_t cell = table_[at & (table_.size() - 1)];
-    if (cell == none || cells_[cell].key == key) return cell;
+  for (size_t at = hash_of(key);; at += next_place) {
+    const Slot slot = table_[at & (table_.size() - 1)];
+    if (slot.cell == none) return none;
+    if (slot.tag == static_cast<uint32_t>(key) && (3 * depth_ <= 32 || cells_[slot.cell].key == key)) return slot.cell;
   }
 }
 

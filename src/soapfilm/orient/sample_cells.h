@@ -15,10 +15,10 @@ namespace soapfilm {
 
 /// The samples of one side of the surface in a cell. (A cell that cuts a thin sheet holds samples of two.)
 struct Facet {
-  Vec3f mean;             ///< position relative to the cell's center, cells, each in [-1/2, 1/2]
-  Vec3f direction;        ///< sum of the samples' directions
-  uint32_t count = 0;     ///< samples
-  uint32_t distinct = 0;  ///< of the cell's 64 parts (4 along each axis), how many hold one of them
+  Vec3f mean;          ///< position relative to the cell's center, cells, each in [-1/2, 1/2]
+  Vec3f direction;     ///< sum of the samples' directions
+  uint32_t count = 0;  ///< samples
+  uint64_t parts = 0;  ///< of the cell's 64 parts (4 along each axis, by their Morton keys), which hold one of them
 };
 
 /// Samples sorted along a Morton curve through the cube of their box's longest side, and the cells of any depth: a cell
@@ -52,9 +52,13 @@ class SampleCells {
   SampleCells(const SampleOrder& order, std::span<const Vec3d> positions, std::span<const Vec3f> directions, int depth,
               const Parallel& parallel);
 
+  /// The cells of the depth above, from what these hold.
+  SampleCells coarser(std::span<const Vec3f> directions, const Parallel& parallel) &&;
+
   struct Cell {
     uint64_t key;
-    uint32_t begin;  ///< its first sample in the order; it ends where the next cell begins
+    uint32_t begin;     ///< its first sample in the order; it ends where the next cell begins
+    uint32_t earliest;  ///< of its samples, the first in the cloud
   };
   static constexpr uint32_t none = ~uint32_t{0};
 
@@ -70,14 +74,20 @@ class SampleCells {
   std::array<uint32_t, 27> around(size_t cell) const;
 
  private:
+  SampleCells() = default;
+  void index_cells();
   uint32_t find(uint64_t key) const;
 
-  int depth_;
-  double side_;
+  int depth_ = 0;
+  double side_ = 0;
   std::vector<Cell> cells_;  ///< by key; one more at the end
   std::vector<std::array<Facet, 2>> facets_;
   std::vector<uint8_t> second_;  ///< of each sample in the order: is it of its cell's second facet
-  std::vector<uint32_t> table_;  ///< of cells by a hash of their keys, open addressing
+  struct Slot {
+    uint32_t tag;  ///< the key's low bits
+    uint32_t cell;
+  };
+  std::vector<Slot> table_;  ///< of cells by a hash of their keys, open addressing
 };
 
 }  // namespace soapfilm
