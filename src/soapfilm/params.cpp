@@ -47,6 +47,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("orient", "directions", p.orient.source);
   visit("orient", "sensor", p.orient.sensor);
   visit("orient", "neighbours", p.orient.neighbours);
+  visit("orient", "radius", p.orient.radius);
   visit("place", "voxel", p.place.voxel);
   visit("place", "resolution", p.place.resolution);
   visit("place", "samples_per_voxel2", p.place.samples_per_voxel2);

@@ -89,8 +89,8 @@ inline bool trims(const ReconstructParams& params, Border border) {
 /// Throws ParameterError naming the first value that is out of its range, and the range.
 void validate(const ReconstructParams& params);
 
-/// All parameters by name, but for refine.robust, which measurement fixed, and refine.vanish, which drops_islands()
-/// decides; absent ones as null.
+/// All parameters by name, but for refine.robust, which measurement fixed, refine.vanish, which drops_islands()
+/// decides, and orient.from_within, which border.outside says; absent ones as null.
 std::string to_json(const ReconstructParams& params);
 /// The inverse; a key that is absent keeps its default. Throws ParameterError for text that is not JSON, an unknown
 /// key, a value of the wrong type or out of range.

@@ -70,10 +70,14 @@ void Pipeline::check(const PointCloud& cloud) {
 
 std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
   auto directions = stages_.run("orient", [&] {
-    auto found = soapfilm::orient(cloud, params_.orient, parallel_, progress_, report_.input.directions);
+    OrientParams how = params_.orient;
+    how.from_within = params_.border.outside == Border::solid;
+    auto found = soapfilm::orient(cloud, how, parallel_, progress_, report_.input.directions);
     local_surface_ = measure_local_surface(cloud.positions, found, box_, parallel_, progress_);
     if (params_.orient.source == DirectionSource::automatic)
       turn_to_planes(cloud, local_surface_, parallel_, found, report_.input.directions);
+    if (params_.border.outside == Border::automatic && params_.method == Method::tv)
+      scanners_ = look_around(cloud, params_.orient.sensor, parallel_);
     return found;
   });
   report_.warnings = report_.input.directions.warnings;  // which it has shown
@@ -128,11 +132,15 @@ SupportField Pipeline::field(const GridSamples& samples) {
 void Pipeline::border(SupportField& field, GridSamples& samples) {
   const BorderParams& asked = params_.border;
   BorderReport& border = report_.border;
-  if (asked.outside == Border::automatic && params_.method != Method::tv) return;
+  if (asked.outside == Border::automatic && params_.method != Method::tv) {
+    warn_inward(report_, progress_);
+    return;
+  }
   stages_.run("border", [&] {
     if (asked.outside == Border::automatic) {
-      border = choose_border(report_.lattice, field, report_.certificate.lambda, asked, params_.solve,
-                             params_.energy.norm, parallel_, progress_);
+      border = choose_border(
+          {report_.lattice, field, report_.certificate.lambda, params_.energy.norm, report_.input.density}, scanners_,
+          asked, params_.solve, parallel_, progress_);
     } else {
       border.chosen = asked.outside;
       border.reason = "as asked for";
@@ -143,6 +151,7 @@ void Pipeline::border(SupportField& field, GridSamples& samples) {
     for (Vec3f& direction : samples.direction) direction = -direction;
   });
   announce_border(report_, progress_);
+  warn_inward(report_, progress_);
 }
 
 Segmentation Pipeline::solve(const SupportField& field, const GridSamples& samples) {

@@ -65,6 +65,7 @@ class Pipeline {
   ReconstructReport report_;
   Box3d box_;
   LocalSurface local_surface_;  ///< around each sample of the cloud; until weigh()
+  Surroundings scanners_;       ///< of what border() chooses by
   std::optional<Room> room_;
   size_t held_bytes_ = 0;               ///< through the solve, whatever the grid
   size_t grid_bytes_ = 0;               ///< the largest of what plan_again() was told
