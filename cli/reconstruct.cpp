@@ -376,6 +376,9 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
              "--write-levels", o.levels_folder,
              "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (finest), ..."))
       ->option_text("DIR");
+  output(app.add_flag("--distance", p.surface.distance,
+                      "Each vertex' distance to the nearest sample, in the input's units, as the\nPLY's attribute "
+                      "'distance' (soapfilm render --color-by distance)"));
   output(app.add_flag("--check", o.check, "Check the mesh's topology and its distance to the samples"));
   output(app.add_flag(
       "--strict", o.strict,

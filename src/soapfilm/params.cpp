@@ -94,6 +94,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("surface", "isovalue", p.surface.isovalue);
   visit("surface", "drop_islands", p.surface.drop_islands);
   visit("surface", "bend_tolerance", p.surface.bend.tolerance);
+  visit("surface", "distance", p.surface.distance);
   visit("islands", "min_support", p.islands.min_support);
   visit("islands", "few_samples", p.islands.few_samples);
   visit("islands", "many_samples", p.islands.many_samples);

@@ -47,8 +47,9 @@ struct SurfaceParams {
   std::optional<bool> refine;        ///< move the level set onto the samples; without it: by Method::tv alone
   std::optional<bool> drop_islands;  ///< drop parts that few samples support; without it: where the surface is refined
   std::optional<double>
-      isovalue;     ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the samples
-  BendParams bend;  ///< refined, noise under 0.1 voxel: where edges are split
+      isovalue;           ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the samples
+  BendParams bend;        ///< refined, noise under 0.1 voxel: where edges are split
+  bool distance = false;  ///< the mesh's vertices get the attribute "distance": to the nearest sample, input units
 };
 
 struct ReconstructParams {

@@ -11,6 +11,7 @@
 #include "soapfilm/extract/cut.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/islands.h"
+#include "soapfilm/finish/sample_distance.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
@@ -261,6 +262,13 @@ void Pipeline::self_check(const Mesh& mesh, const GridSamples& samples) {
   stages_.run("self-check",
               [&] { report_.self_check = soapfilm::self_check(mesh, samples, report_.lattice, parallel_); });
   announce_self_check(report_, progress_);
+}
+
+void Pipeline::attribute(Mesh& mesh, const GridSamples& samples) {
+  if (!params_.surface.distance) return;
+  stages_.run("distance", [&] {
+    mesh.attributes.push_back({"distance", distances_to_samples(mesh, samples, report_.lattice, parallel_)});
+  });
 }
 
 Reconstruction Pipeline::finish(Mesh mesh) {

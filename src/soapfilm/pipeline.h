@@ -49,6 +49,9 @@ class Pipeline {
   /// Every run says how much of the samples its mesh holds.
   void self_check(const Mesh& mesh, const GridSamples& samples);
 
+  /// The vertices' distances, where they are asked for.
+  void attribute(Mesh& mesh, const GridSamples& samples);
+
   /// Hands the mesh and the report out.
   Reconstruction finish(Mesh mesh);
 

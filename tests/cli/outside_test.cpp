@@ -1,6 +1,7 @@
 // soapfilm reconstruct --outside: what lies beyond the samples' box.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -153,6 +154,23 @@ TEST_F(Outside, NeighborsAndRadiusReachTheEstimate) {
   const json plain = reported({cloud, "--resolution", "48", "--directions", "estimate"});
   EXPECT_TRUE(plain["parameters"]["orient"]["radius"].is_null());
   EXPECT_NE(read_file(mesh), bytes);
+}
+
+TEST_F(Outside, DistancesToSamplesAreWrittenOnRequest) {
+  const std::string bowl = sphere(false, 0.75);
+  reported({bowl, "--resolution", "48"});
+  EXPECT_TRUE(written().attributes.empty());
+  const json report = reported({bowl, "--resolution", "48", "--outside", "air", "--distance"});
+  EXPECT_EQ(report["parameters"]["surface"]["distance"], true);
+  const Mesh with = written();
+  ASSERT_EQ(with.attributes.size(), 1u);
+  EXPECT_EQ(with.attributes[0].name, "distance");
+  // The lid's middle is farthest, next to the bowl's rim.
+  const auto farthest = std::max_element(with.attributes[0].values.begin(), with.attributes[0].values.end());
+  const Vec3d at = with.vertices[static_cast<size_t>(farthest - with.attributes[0].values.begin())];
+  EXPECT_LT(std::hypot(at.x, at.y), 0.1);
+  EXPECT_GT(*farthest, 0.2);
+  EXPECT_LT(*farthest, 0.45);  // that far is the rim
 }
 
 TEST_F(Outside, BadDistancesToTrimAreRefused) {
