@@ -155,6 +155,12 @@ void Pipeline::border(SupportField& field, GridSamples& samples) {
   warn_inward(report_, progress_);
 }
 
+void Pipeline::plan_mesh(const Level& level, bool checked) {
+  if (params_.method == Method::tv)
+    plan_again(mesh_bytes(count_faces(level, params_.surface.threshold, parallel_), checked));
+  announce_plan(first_plan_, report_, progress_);
+}
+
 Segmentation Pipeline::solve(const SupportField& field, const GridSamples& samples) {
   keep_.emplace();
   PyramidObserver observe = observe_;
@@ -164,13 +170,11 @@ Segmentation Pipeline::solve(const SupportField& field, const GridSamples& sampl
     plan_again(bytes);
     if (user) user(level, bricks, beside);
   };
-  const size_t first_plan = report_.planned_bytes;
+  first_plan_ = report_.planned_bytes;
   auto found = stages_.run("solve", [&] {
     return segment(report_.lattice, field, samples, params_, observe, parallel_, progress_, report_);
   });
-  if (params_.method == Method::tv)
-    plan_again(mesh_bytes(count_faces(found.level, params_.surface.threshold, parallel_), params_.checked));
-  announce_plan(first_plan, report_, progress_);
+  if (!found.level.box.open) plan_mesh(found.level, params_.checked);
   warn_unconverged(report_, progress_);
   return found;
 }
@@ -181,7 +185,11 @@ void Pipeline::certify(Level& level, SupportField& field) {
   announce_energy(report_, progress_);
   level.p = {};
   field.f = {};
-  if (level.box.open) level = closed_at_border(level, parallel_);
+  if (!level.box.open) return;
+  level = closed_at_border(level, parallel_);
+  // What closes it is refined and drawn as well, until it is cut off; what is checked is much smaller.
+  if (refines(params_)) plan_again(refine_bytes(level.grid.size()));
+  plan_mesh(level, false);
 }
 
 void Pipeline::drop_islands(Level& level, const GridSamples& samples) {
