@@ -260,6 +260,12 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->delimiter(',')
       ->expected(3)
       ->option_text("X,Y,Z");
+  directions(app.add_option("--neighbors", p.orient.neighbours,
+                            "Of estimated directions: nearest samples whose plane it is, 3 to 1000"))
+      ->option_text(fmt::format("N [{}]", p.orient.neighbours));
+  directions(app.add_option("--radius", p.orient.radius,
+                            "Of estimated directions: all samples as near as this count too, in the\ninput's units"))
+      ->option_text("R");
 
   std::vector<std::pair<std::string, Border>> borders;
   for (size_t i = 0; i < border_names.size(); ++i) borders.emplace_back(border_names[i], static_cast<Border>(i));
@@ -370,6 +376,9 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
              "--write-levels", o.levels_folder,
              "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (finest), ..."))
       ->option_text("DIR");
+  output(app.add_flag("--distance", p.surface.distance,
+                      "Each vertex' distance to the nearest sample, in the input's units, as the\nPLY's attribute "
+                      "'distance' (soapfilm render --color-by distance)"));
   output(app.add_flag("--check", o.check, "Check the mesh's topology and its distance to the samples"));
   output(app.add_flag(
       "--strict", o.strict,

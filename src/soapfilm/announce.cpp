@@ -35,6 +35,15 @@ void announce_border(const ReconstructReport& report, Progress& progress) {
   progress.info(fmt::format("outside: {}, {}", name_of(border.chosen), border.reason));
 }
 
+void warn_inward(ReconstructReport& report, Progress& progress) {
+  if (!report.input.directions.inward || report.border.chosen != Border::air) return;
+  std::string text =
+      "the normals point towards the samples' middle on the whole, as those of a hollow seen from within do: turn them "
+      "outward, or try --outside solid";
+  progress.warn(text);
+  report.warnings.push_back(std::move(text));
+}
+
 void warn_unconverged(ReconstructReport& report, Progress& progress) {
   const auto warn = [&](std::string text) {
     progress.warn(text);

@@ -18,6 +18,9 @@ void announce_border(const ReconstructReport& report, Progress& progress);
 /// The plan of memory, where the solve found much more or less surface than the samples told.
 void announce_plan(size_t first_plan, const ReconstructReport& report, Progress& progress);
 
+/// Warns, here and in the report, of normals that look the wrong way for a surface with air around.
+void warn_inward(ReconstructReport& report, Progress& progress);
+
 /// Warns, here and in the report, of what ran into its limit of iterations or could not be proved.
 void warn_unconverged(ReconstructReport& report, Progress& progress);
 

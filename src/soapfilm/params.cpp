@@ -47,6 +47,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("orient", "directions", p.orient.source);
   visit("orient", "sensor", p.orient.sensor);
   visit("orient", "neighbours", p.orient.neighbours);
+  visit("orient", "radius", p.orient.radius);
   visit("place", "voxel", p.place.voxel);
   visit("place", "resolution", p.place.resolution);
   visit("place", "samples_per_voxel2", p.place.samples_per_voxel2);
@@ -93,6 +94,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("surface", "isovalue", p.surface.isovalue);
   visit("surface", "drop_islands", p.surface.drop_islands);
   visit("surface", "bend_tolerance", p.surface.bend.tolerance);
+  visit("surface", "distance", p.surface.distance);
   visit("islands", "min_support", p.islands.min_support);
   visit("islands", "few_samples", p.islands.few_samples);
   visit("islands", "many_samples", p.islands.many_samples);

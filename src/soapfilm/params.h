@@ -47,8 +47,9 @@ struct SurfaceParams {
   std::optional<bool> refine;        ///< move the level set onto the samples; without it: by Method::tv alone
   std::optional<bool> drop_islands;  ///< drop parts that few samples support; without it: where the surface is refined
   std::optional<double>
-      isovalue;     ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the samples
-  BendParams bend;  ///< refined, noise under 0.1 voxel: where edges are split
+      isovalue;           ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the samples
+  BendParams bend;        ///< refined, noise under 0.1 voxel: where edges are split
+  bool distance = false;  ///< the mesh's vertices get the attribute "distance": to the nearest sample, input units
 };
 
 struct ReconstructParams {
@@ -89,8 +90,8 @@ inline bool trims(const ReconstructParams& params, Border border) {
 /// Throws ParameterError naming the first value that is out of its range, and the range.
 void validate(const ReconstructParams& params);
 
-/// All parameters by name, but for refine.robust, which measurement fixed, and refine.vanish, which drops_islands()
-/// decides; absent ones as null.
+/// All parameters by name, but for refine.robust, which measurement fixed, refine.vanish, which drops_islands()
+/// decides, and orient.from_within, which border.outside says; absent ones as null.
 std::string to_json(const ReconstructParams& params);
 /// The inverse; a key that is absent keeps its default. Throws ParameterError for text that is not JSON, an unknown
 /// key, a value of the wrong type or out of range.

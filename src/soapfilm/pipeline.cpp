@@ -11,6 +11,7 @@
 #include "soapfilm/extract/cut.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/islands.h"
+#include "soapfilm/finish/sample_distance.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
@@ -70,10 +71,14 @@ void Pipeline::check(const PointCloud& cloud) {
 
 std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
   auto directions = stages_.run("orient", [&] {
-    auto found = soapfilm::orient(cloud, params_.orient, parallel_, progress_, report_.input.directions);
+    OrientParams how = params_.orient;
+    how.from_within = params_.border.outside == Border::solid;
+    auto found = soapfilm::orient(cloud, how, parallel_, progress_, report_.input.directions);
     local_surface_ = measure_local_surface(cloud.positions, found, box_, parallel_, progress_);
     if (params_.orient.source == DirectionSource::automatic)
       turn_to_planes(cloud, local_surface_, parallel_, found, report_.input.directions);
+    if (params_.border.outside == Border::automatic && params_.method == Method::tv)
+      scanners_ = look_around(cloud, params_.orient.sensor, parallel_);
     return found;
   });
   report_.warnings = report_.input.directions.warnings;  // which it has shown
@@ -128,11 +133,15 @@ SupportField Pipeline::field(const GridSamples& samples) {
 void Pipeline::border(SupportField& field, GridSamples& samples) {
   const BorderParams& asked = params_.border;
   BorderReport& border = report_.border;
-  if (asked.outside == Border::automatic && params_.method != Method::tv) return;
+  if (asked.outside == Border::automatic && params_.method != Method::tv) {
+    warn_inward(report_, progress_);
+    return;
+  }
   stages_.run("border", [&] {
     if (asked.outside == Border::automatic) {
-      border = choose_border(report_.lattice, field, report_.certificate.lambda, asked, params_.solve,
-                             params_.energy.norm, parallel_, progress_);
+      border = choose_border(
+          {report_.lattice, field, report_.certificate.lambda, params_.energy.norm, report_.input.density}, scanners_,
+          asked, params_.solve, parallel_, progress_);
     } else {
       border.chosen = asked.outside;
       border.reason = "as asked for";
@@ -143,6 +152,13 @@ void Pipeline::border(SupportField& field, GridSamples& samples) {
     for (Vec3f& direction : samples.direction) direction = -direction;
   });
   announce_border(report_, progress_);
+  warn_inward(report_, progress_);
+}
+
+void Pipeline::plan_mesh(const Level& level, bool checked) {
+  if (params_.method == Method::tv)
+    plan_again(mesh_bytes(count_faces(level, params_.surface.threshold, parallel_), checked));
+  announce_plan(first_plan_, report_, progress_);
 }
 
 Segmentation Pipeline::solve(const SupportField& field, const GridSamples& samples) {
@@ -154,13 +170,11 @@ Segmentation Pipeline::solve(const SupportField& field, const GridSamples& sampl
     plan_again(bytes);
     if (user) user(level, bricks, beside);
   };
-  const size_t first_plan = report_.planned_bytes;
+  first_plan_ = report_.planned_bytes;
   auto found = stages_.run("solve", [&] {
     return segment(report_.lattice, field, samples, params_, observe, parallel_, progress_, report_);
   });
-  if (params_.method == Method::tv)
-    plan_again(mesh_bytes(count_faces(found.level, params_.surface.threshold, parallel_), params_.checked));
-  announce_plan(first_plan, report_, progress_);
+  if (!found.level.box.open) plan_mesh(found.level, params_.checked);
   warn_unconverged(report_, progress_);
   return found;
 }
@@ -171,7 +185,11 @@ void Pipeline::certify(Level& level, SupportField& field) {
   announce_energy(report_, progress_);
   level.p = {};
   field.f = {};
-  if (level.box.open) level = closed_at_border(level, parallel_);
+  if (!level.box.open) return;
+  level = closed_at_border(level, parallel_);
+  // What closes it is refined and drawn as well, until it is cut off; what is checked is much smaller.
+  if (refines(params_)) plan_again(refine_bytes(level.grid.size()));
+  plan_mesh(level, false);
 }
 
 void Pipeline::drop_islands(Level& level, const GridSamples& samples) {
@@ -252,6 +270,13 @@ void Pipeline::self_check(const Mesh& mesh, const GridSamples& samples) {
   stages_.run("self-check",
               [&] { report_.self_check = soapfilm::self_check(mesh, samples, report_.lattice, parallel_); });
   announce_self_check(report_, progress_);
+}
+
+void Pipeline::attribute(Mesh& mesh, const GridSamples& samples) {
+  if (!params_.surface.distance) return;
+  stages_.run("distance", [&] {
+    mesh.attributes.push_back({"distance", distances_to_samples(mesh, samples, report_.lattice, parallel_)});
+  });
 }
 
 Reconstruction Pipeline::finish(Mesh mesh) {

@@ -49,6 +49,9 @@ class Pipeline {
   /// Every run says how much of the samples its mesh holds.
   void self_check(const Mesh& mesh, const GridSamples& samples);
 
+  /// The vertices' distances, where they are asked for.
+  void attribute(Mesh& mesh, const GridSamples& samples);
+
   /// Hands the mesh and the report out.
   Reconstruction finish(Mesh mesh);
 
@@ -56,6 +59,8 @@ class Pipeline {
   SurfaceField level_set(Segmentation& found, const GridSamples& samples);
   /// Once more is known: `bytes` beside what stays of the samples. Throws MemoryError.
   void plan_again(size_t bytes);
+  /// Once the surface is known.
+  void plan_mesh(const Level& level, bool checked);
 
   const ReconstructParams& params_;
   const Parallel& parallel_;
@@ -65,8 +70,10 @@ class Pipeline {
   ReconstructReport report_;
   Box3d box_;
   LocalSurface local_surface_;  ///< around each sample of the cloud; until weigh()
+  Surroundings scanners_;       ///< of what border() chooses by
   std::optional<Room> room_;
   size_t held_bytes_ = 0;               ///< through the solve, whatever the grid
+  size_t first_plan_ = 0;               ///< before the solve
   size_t grid_bytes_ = 0;               ///< the largest of what plan_again() was told
   std::optional<KeepFreedPages> keep_;  ///< from the solve to the mesh: each stage's arrays take the last one's place
 };

@@ -157,6 +157,20 @@ size_t mesh_bytes(size_t vertices, bool checked) {
   return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
 }
 
+namespace {
+
+/// Vertices of a brick's lowest layer along an axis that are inside.
+size_t inside_lowest(const BrickBits& bits, int axis) {
+  constexpr uint64_t lowest_x = 0x0101010101010101, lowest_y = 0xff;
+  if (axis == 2) return static_cast<size_t>(count_bits(bits.layer[0]));
+  size_t count = 0;
+  for (const uint64_t layer : bits.layer)
+    count += static_cast<size_t>(count_bits(layer & (axis == 0 ? lowest_x : lowest_y)));
+  return count;
+}
+
+}  // namespace
+
 size_t count_faces(const Level& level, double threshold, const Parallel& parallel) {
   const InsideBits inside(level, static_cast<float>(threshold), parallel);
   const auto faces_of = [&](size_t begin, size_t end) {
@@ -169,6 +183,12 @@ size_t count_faces(const Level& level, double threshold, const Parallel& paralle
         const int32_t n = level.grid.neighbors(b)[static_cast<size_t>(slot)];
         const BrickBits& above = inside.of(n, coord + slot_offset(slot));
         faces += (own ^ (moved(own, axis, -1) | carried(above, axis, -1))).count();
+        Vec3i below = coord;
+        --below[axis];
+        if (below[axis] >= 0 && level.grid.find(below) >= 0) continue;
+        // Nobody else counts the faces below; what lies there is constant.
+        const bool in = below[axis] >= 0 && level.inside.test(below);
+        faces += in ? brick_area - inside_lowest(own, axis) : inside_lowest(own, axis);
       }
     }
     return faces;

@@ -28,6 +28,7 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   if (params.method == Method::vrip) {
     auto mesh = stage.fuse(cloud);
     stage.self_check(mesh, samples);
+    stage.attribute(mesh, samples);
     return stage.finish(std::move(mesh));
   }
   release(directions);
@@ -69,6 +70,7 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
   // Whether it holds what the samples saw, by a part of both.
   stage.self_check(mesh, samples);
+  stage.attribute(mesh, samples);
   return stage.finish(std::move(mesh));
 }
 

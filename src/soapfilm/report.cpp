@@ -185,7 +185,12 @@ ordered_json border_json(const BorderReport& border) {
           {"energy_air", energy(border.air)},
           {"energy_solid", energy(border.solid)},
           {"energy_open", energy(border.open)},
-          {"border_flux", border.border_flux}};
+          {"energy_open_bound", energy(border.open_bound)},
+          {"area_cost", border.area_cost},
+          {"border_flux", border.border_flux},
+          {"scanners", border.scanners.scanners},
+          {"scanners_among_samples", border.scanners.among},
+          {"directions_covered", border.scanners.covered}};
 }
 
 ordered_json self_check_json(const SelfCheckReport& r) {

@@ -1,6 +1,7 @@
 // soapfilm reconstruct --outside: what lies beyond the samples' box.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -93,6 +94,83 @@ TEST_F(Outside, WhatNoSampleIsNearIsTrimmedOfOpenSurfacesByDefault) {
   EXPECT_EQ(lid["surface"]["trim"]["distance"], 0.05);
   EXPECT_EQ(lid["mesh"]["closed"], false);
   EXPECT_LT(written().area(), closed_area);
+}
+
+/// Bare points tell no side: with solid matter beyond, they are taken to be seen from within.
+TEST_F(Outside, SolidMatterTurnsTheGuessAtBarePoints) {
+  PointCloud bare = sample_surface(*make_sphere(), samples, 1);
+  bare.normals.clear();
+  const std::string cloud = folder.file("bare.ply");
+  write_points(cloud, bare);
+  reported({cloud, "--resolution", "48"});
+  const double volume = written().volume();
+  const json room = reported({cloud, "--resolution", "48", "--outside", "solid"});
+  EXPECT_EQ(room["mesh"]["components"], 1);
+  EXPECT_GT(volume, 0);
+  EXPECT_NEAR(written().volume(), -volume, 1e-9 * volume);
+}
+
+TEST_F(Outside, InwardNormalsAreWarnedOfUnlessSolidMatterIsBeyond) {
+  const std::string inward = sphere(true);
+  const auto warned = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all = {inward, "--resolution", "48"};
+    all.insert(all.end(), words.begin(), words.end());
+    return reported(all)["warnings"].dump().find("the normals point towards the samples' middle") != std::string::npos;
+  };
+  EXPECT_FALSE(warned({}));
+  EXPECT_FALSE(warned({"--outside", "solid"}));
+  EXPECT_TRUE(warned({"--outside", "air"}));
+  EXPECT_TRUE(warned({"--method", "graph-cut-6"}));
+}
+
+TEST_F(Outside, LevelsOfAnOpenSurfaceAreWritten) {
+  const std::string bowl = sphere(false, 0.75);
+  const std::string levels = folder.file("levels");
+  const json open = reported({bowl, "--resolution", "64", "--outside", "open", "--write-levels", levels});
+  const std::string bytes = read_file(mesh);
+  const double area = written().area();
+  for (const char* level : {"level_0.ply", "level_1.ply"}) {
+    const Mesh drawn = read_mesh(levels + "/" + level);
+    EXPECT_FALSE(drawn.triangles.empty()) << level;
+    // Unsmoothed, and closed along the box.
+    EXPECT_GT(drawn.area(), area) << level;
+  }
+  reported({bowl, "--resolution", "64", "--outside", "open"});
+  EXPECT_EQ(read_file(mesh), bytes);
+}
+
+TEST_F(Outside, NeighborsAndRadiusReachTheEstimate) {
+  PointCloud bare = sample_surface(*make_sphere(), samples, 1);
+  bare.normals.clear();
+  const std::string cloud = folder.file("bare.ply");
+  write_points(cloud, bare);
+  refused({cloud, "--neighbors", "2"}, "neighbours = 2, must be in [3, 1000]");
+  refused({cloud, "--radius", "0"}, "radius = 0, must be > 0");
+  const json told =
+      reported({cloud, "--resolution", "48", "--directions", "estimate", "--neighbors", "24", "--radius", "0.2"});
+  EXPECT_EQ(told["parameters"]["orient"]["neighbours"], 24);
+  EXPECT_EQ(told["parameters"]["orient"]["radius"], 0.2);
+  const std::string bytes = read_file(mesh);
+  const json plain = reported({cloud, "--resolution", "48", "--directions", "estimate"});
+  EXPECT_TRUE(plain["parameters"]["orient"]["radius"].is_null());
+  EXPECT_NE(read_file(mesh), bytes);
+}
+
+TEST_F(Outside, DistancesToSamplesAreWrittenOnRequest) {
+  const std::string bowl = sphere(false, 0.75);
+  reported({bowl, "--resolution", "48"});
+  EXPECT_TRUE(written().attributes.empty());
+  const json report = reported({bowl, "--resolution", "48", "--outside", "air", "--distance"});
+  EXPECT_EQ(report["parameters"]["surface"]["distance"], true);
+  const Mesh with = written();
+  ASSERT_EQ(with.attributes.size(), 1u);
+  EXPECT_EQ(with.attributes[0].name, "distance");
+  // The lid's middle is farthest, next to the bowl's rim.
+  const auto farthest = std::max_element(with.attributes[0].values.begin(), with.attributes[0].values.end());
+  const Vec3d at = with.vertices[static_cast<size_t>(farthest - with.attributes[0].values.begin())];
+  EXPECT_LT(std::hypot(at.x, at.y), 0.1);
+  EXPECT_GT(*farthest, 0.2);
+  EXPECT_LT(*farthest, 0.45);  // that far is the rim
 }
 
 TEST_F(Outside, BadDistancesToTrimAreRefused) {

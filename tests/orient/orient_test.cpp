@@ -129,6 +129,10 @@ TEST(Orient, MoreNeighboursSmoothNoise) {
   params.neighbours = 60;
   const double many = compare(run(cloud, params).directions, truth.normals).mean_degrees;
   EXPECT_LT(many, 0.5 * few);
+  params.neighbours = 12;
+  params.radius = 0.11;
+  const double within = compare(run(cloud, params).directions, truth.normals).mean_degrees;
+  EXPECT_LT(within, 0.5 * few);
 }
 
 TEST(Orient, OffsetsOfMillionsChangeNothing) {
@@ -163,17 +167,48 @@ TEST(Orient, NormalsComeFirstAndAreMadeUnit) {
   }
 }
 
+/// A radius that holds fewer than the nearest ones changes nothing; one that holds all makes one plane of them.
+TEST(Orient, ARadiusAddsToTheNearest) {
+  const PointCloud cloud = without_normals(sample_surface(*make_part(), 3000, 1));
+  OrientParams params;
+  const std::vector<Vec3f> nearest = run(cloud, params).directions;
+  params.radius = 1e-6;
+  EXPECT_EQ(run(cloud, params).directions, nearest);
+  params.radius = 1e3;
+  const std::vector<Vec3f> all = run(cloud, params).directions;
+  for (const Vec3f& d : all) EXPECT_GT(std::abs(dot(d, all[0])), 0.999f);
+  for (const int threads : {2, 5}) {
+    params.radius = 0.1;
+    EXPECT_EQ(run(cloud, params, threads).directions, run(cloud, params, 1).directions);
+  }
+}
+
+TEST(Orient, SeenFromWithinPropagatedSignsAreTurned) {
+  const PointCloud cloud = without_normals(sample_surface(*make_part(), 5000, 1));
+  OrientParams params;
+  const std::vector<Vec3f> outward = run(cloud, params).directions;
+  params.from_within = true;
+  const Oriented inward = run(cloud, params);
+  ASSERT_EQ(inward.report.warnings.size(), 1u);
+  EXPECT_NE(inward.report.warnings[0].find("turned inward"), std::string::npos);
+  for (size_t i = 0; i < cloud.size(); ++i) EXPECT_EQ(inward.directions[i], -outward[i]);
+  // A scanner tells the side whatever is said.
+  params.sensor = Vec3d{0, 0, 50};
+  const std::vector<Vec3f> told = run(cloud, params).directions;
+  params.from_within = false;
+  EXPECT_EQ(run(cloud, params).directions, told);
+}
+
 /// A file whose normals point inward is a mistake often made; its film wraps the outside of the shape.
-TEST(Orient, InwardNormalsAreWarnedOf) {
+TEST(Orient, InwardNormalsAreNoticed) {
   ShapeParams far;
   far.centre = {1e6, -2e6, 3e6};
   for (const std::string& name : shape_names()) {
     PointCloud cloud = sample_surface(*make_shape(name, far), 4000, 1);
-    EXPECT_TRUE(run(cloud).report.warnings.empty()) << name;
+    EXPECT_FALSE(run(cloud).report.inward) << name;
     for (Vec3f& n : cloud.normals) n = -n;
     const Oriented found = run(cloud);
-    ASSERT_EQ(found.report.warnings.size(), 1u) << name;
-    EXPECT_NE(found.report.warnings[0].find("the normals point towards the samples' middle"), std::string::npos);
+    EXPECT_TRUE(found.report.inward) << name;
     EXPECT_EQ(compare(found.directions, cloud.normals).right_side, 1.0) << "nothing is turned";
   }
 }
@@ -300,6 +335,9 @@ TEST(Orient, AnAbsentSourceIsRefusedByName) {
   OrientParams params;
   params.neighbours = 2;
   EXPECT_EQ(refusal(bare, params), "neighbours = 2, must be in [3, 1000]");
+  params = {};
+  params.radius = 0;
+  EXPECT_EQ(refusal(bare, params), "radius = 0, must be > 0");
   params = {};
   params.sensor = Vec3d{0, INFINITY, 0};
   EXPECT_EQ(refusal(bare, params), "sensor: its coordinates must be finite");

@@ -93,7 +93,21 @@ PointCloud walls(Vec3d size, int axes) {
   return cloud;
 }
 
+/// One per unit of area on waves over a square, seen from above.
+PointCloud waves(double edge) {
+  PointCloud cloud;
+  Random random(1);
+  for (int i = 0; i < edge * edge; ++i) {
+    const double x = edge * random.uniform(), y = edge * random.uniform();
+    cloud.positions.push_back({x, y, 4 * std::sin(x / 16) + 4 * std::cos(y / 20)});
+    cloud.normals.push_back(Vec3f(normalized(Vec3d{-std::cos(x / 16) / 4, std::sin(y / 20) / 5, 1})));
+  }
+  cloud.scans.push_back({"waves", 0, cloud.size(), {}, {}, {}});
+  return cloud;
+}
+
 PointCloud scene(const std::string& name) {
+  if (name == "waves") return waves(240);
   if (name == "room") return walls({160, 120, 70}, 3);
   return walls({30, 36, 1000}, 2);
 }
@@ -120,7 +134,28 @@ TEST_P(PlannedScene, IsAboutThePeakSlow) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, PlannedScene,
                          testing::Values(Scene{"room", false}, Scene{"room", true}, Scene{"corridor", false},
-                                         Scene{"corridor", true}));
+                                         Scene{"corridor", true}, Scene{"waves", false}, Scene{"waves", true}));
+
+/// A sheet is open by itself; with a limit it runs where its plan says so, and is refused else, before or after the
+/// solve has told how much surface there is.
+TEST(MemoryPlan, AnOpenSheetRunsWhereItsPlanFits) {
+  const PointCloud cloud = waves(sanitized ? 60 : 100);
+  for (const Border outside : {Border::open, Border::automatic}) {
+    ReconstructParams params;
+    params.place.voxel = 1;
+    params.border.outside = outside;
+    Progress progress;
+    const Reconstruction free = reconstruct(cloud, params, Parallel(1), progress);
+    EXPECT_EQ(free.report.border.chosen, Border::open);
+    params.memory_limit = free.report.planned_bytes;
+    const Reconstruction fits = reconstruct(cloud, params, Parallel(1), progress);
+    EXPECT_EQ(hash_mesh(fits.mesh), hash_mesh(free.mesh));
+    for (const double share : {0.98, 0.7, 0.3}) {
+      params.memory_limit = static_cast<size_t>(share * static_cast<double>(free.report.planned_bytes));
+      EXPECT_THROW(reconstruct(cloud, params, Parallel(1), progress), MemoryError) << share;
+    }
+  }
+}
 
 std::string refusal(const PointCloud& cloud, const ReconstructParams& params) {
   Progress progress;

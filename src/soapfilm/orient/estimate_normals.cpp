@@ -7,6 +7,7 @@
 #include <limits>
 #include <nanoflann.hpp>
 #include <numeric>
+#include <utility>
 
 namespace soapfilm {
 
@@ -131,8 +132,12 @@ class SignedSets {
 class Estimator {
  public:
   Estimator(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted, const std::vector<Vec3f>& hints,
-            int neighbours, const Parallel& parallel, Progress& progress)
-      : sites_(positions), neighbours_(static_cast<size_t>(neighbours)), parallel_(parallel), progress_(progress) {
+            const NormalParams& params, const Parallel& parallel, Progress& progress)
+      : sites_(positions),
+        neighbours_(static_cast<size_t>(params.neighbours)),
+        params_(params),
+        parallel_(parallel),
+        progress_(progress) {
     hint_.resize(sites_.points.size());
     for (size_t i = 0; i < positions.size(); ++i) hint_[sites_.of_sample[i]] += static_cast<Vec3d>(hints[i]);
     slot_.assign(sites_.points.size(), nobody);
@@ -178,10 +183,26 @@ class Estimator {
         for (size_t k = 0; k < found && count < neighbours_; ++k)
           if (index[k] != targets_[t]) near_[t * neighbours_ + count++] = index[k];
         near_count_[t] = count;
-        planes_[t] = fit_plane(sites_, p, near(t));
+        planes_[t] = fit_plane(sites_, p, params_.radius ? with_all_within(*params_.radius, tree, t) : near(t));
         if (dot(planes_[t].normal, hint_[targets_[t]]) < 0.0) planes_[t].normal = -planes_[t].normal;
       }
     });
+  }
+
+  /// The nearest neighbours of a target or, where more lie within the radius, those, in the order of their samples.
+  std::vector<uint32_t> with_all_within(double radius, const Tree& tree, size_t t) const {
+    const Vec3d p = sites_.points[targets_[t]];
+    std::vector<std::pair<uint32_t, double>> found;
+    tree.radiusSearch(&p.x, radius * radius, found, nanoflann::SearchParams(0, 0, false));
+    std::vector<uint32_t> sites;
+    if (found.size() <= near_count_[t]) {
+      sites.assign(near(t).begin(), near(t).end());
+      return sites;
+    }
+    for (const auto& [site, squared] : found)
+      if (site != targets_[t]) sites.push_back(site);
+    std::sort(sites.begin(), sites.end());
+    return sites;
   }
 
   struct Edge {
@@ -269,12 +290,13 @@ class Estimator {
       for (size_t c = 0; c < components_; ++c) extremes[c] += furthest[c].vote;
     }
     for (size_t c = 0; c < components_; ++c)
-      if (votes[c] == 0.0) votes[c] = extremes[c];
+      if (votes[c] == 0.0) votes[c] = params_.inward ? -extremes[c] : extremes[c];
     return votes;
   }
 
   Sites sites_;
   size_t neighbours_;
+  const NormalParams& params_;
   const Parallel& parallel_;
   Progress& progress_;
   std::vector<Vec3d> hint_;        ///< per site: sum of its samples' hints
@@ -290,10 +312,10 @@ class Estimator {
 }  // namespace
 
 EstimatedNormals estimate_normals(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted,
-                                  const std::vector<Vec3f>& hints, int neighbours, const Parallel& parallel,
+                                  const std::vector<Vec3f>& hints, const NormalParams& params, const Parallel& parallel,
                                   Progress& progress) {
   if (wanted.empty()) return {};
-  return Estimator(positions, wanted, hints, neighbours, parallel, progress).take(wanted);
+  return Estimator(positions, wanted, hints, params, parallel, progress).take(wanted);
 }
 
 }  // namespace soapfilm

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,17 +13,23 @@
 
 namespace soapfilm {
 
+struct NormalParams {
+  int neighbours = 16;           ///< whose plane it is: so many nearest different positions, >= 3
+  std::optional<double> radius;  ///< and all that lie as near as this, > 0, input units
+  bool inward = false;           ///< parts whose sign nothing tells look inward, not outward
+};
+
 struct EstimatedNormals {
   std::vector<Vec3d> normals;  ///< one per wanted sample, unit; zero where the neighbours span no plane
   size_t propagated = 0;       ///< of them, how many have their sign by propagation
   size_t components = 0;       ///< connected parts over which signs were propagated
 };
 
-/// Estimates the normals of the samples `wanted` (increasing indices) from their `neighbours` nearest different
-/// positions. `hints` is as long as `positions`: where a sample's hint is not zero, its normal is turned to that side;
-/// hints of samples that are not wanted help the signs of their neighbours. See orient() for the method.
+/// Estimates the normals of the samples `wanted` (increasing indices) from the positions around them. `hints` is as
+/// long as `positions`: where a sample's hint is not zero, its normal is turned to that side; hints of samples that are
+/// not wanted help the signs of their neighbours. See orient() for the method.
 EstimatedNormals estimate_normals(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted,
-                                  const std::vector<Vec3f>& hints, int neighbours, const Parallel& parallel,
+                                  const std::vector<Vec3f>& hints, const NormalParams& params, const Parallel& parallel,
                                   Progress& progress);
 
 }  // namespace soapfilm

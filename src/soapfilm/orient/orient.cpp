@@ -22,6 +22,8 @@ constexpr size_t samples_at_once = size_t{1} << 14;
 void check(const OrientParams& params) {
   if (params.neighbours < 3 || params.neighbours > 1000)
     throw ParameterError(fmt::format("neighbours = {}, must be in [3, 1000]", params.neighbours));
+  if (params.radius && !(*params.radius > 0 && std::isfinite(*params.radius)))
+    throw ParameterError(fmt::format("radius = {:g}, must be > 0", *params.radius));
   if (params.sensor && !is_finite(*params.sensor)) throw ParameterError("sensor: its coordinates must be finite");
 }
 
@@ -137,20 +139,20 @@ void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDi
     hints[i] = known.direction(DirectionSource::sensor, i, facts);
     if (hints[i] == Vec3f{}) hints[i] = known.direction(DirectionSource::scan, i, facts);
   });
-  const EstimatedNormals estimated =
-      estimate_normals(cloud.positions, wanted, hints, params.neighbours, parallel, progress);
+  const EstimatedNormals estimated = estimate_normals(
+      cloud.positions, wanted, hints, {params.neighbours, params.radius, params.from_within}, parallel, progress);
   for (size_t k = 0; k < wanted.size(); ++k) {
     directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);
     ++(estimated.normals[k] == Vec3d{} ? report.without_direction : report.estimated);
   }
   if (estimated.propagated > 0)
-    warn(
-        progress, report,
-        fmt::format(
-            "{} of {} samples have no direction: normals were estimated from {} neighbours and turned outward by "
-            "propagation over {} connected part{}, which is a guess (give normals, or scanner positions with --sensor)",
-            estimated.propagated, cloud.size(), params.neighbours, estimated.components,
-            estimated.components == 1 ? "" : "s"));
+    warn(progress, report,
+         fmt::format("{} of {} samples have no direction: normals were estimated from {} neighbours and turned {} by "
+                     "propagation over {} connected part{}, which is a guess (give normals, or scanner positions with "
+                     "--sensor{})",
+                     estimated.propagated, cloud.size(), params.neighbours, params.from_within ? "inward" : "outward",
+                     estimated.components, estimated.components == 1 ? "" : "s",
+                     params.from_within ? "" : "; seen from inside: --outside solid"));
   if (report.without_direction > 0)
     warn(progress, report,
          fmt::format("{} of {} samples have no direction and no neighbours that span a plane: they "
@@ -160,9 +162,7 @@ void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDi
 
 /// The flux of x through a closed surface is three times its volume (divergence theorem): outward normals point away
 /// from the samples' middle on the whole, whatever the shape.
-void warn_of_inward_normals(const PointCloud& cloud, const std::vector<Vec3f>& directions, const Parallel& parallel,
-                            Progress& progress, OrientReport& report) {
-  if (2 * report.from_normals <= cloud.size()) return;  // a scanner's side is outside by definition
+bool point_inward(const PointCloud& cloud, const std::vector<Vec3f>& directions, const Parallel& parallel) {
   const Vec3d first = cloud.positions[0];
   const auto sum = sum_chunks<Vec3d>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
     Vec3d part;
@@ -183,10 +183,7 @@ void warn_of_inward_normals(const PointCloud& cloud, const std::vector<Vec3f>& d
     return part;
   });
   constexpr double inward = -0.1;  // thin shapes reach 0.2 to 0.5, a sphere 1
-  if (flux.outward < inward * flux.most)
-    warn(progress, report,
-         "the normals point towards the samples' middle on the whole: right for a hollow seen from within, otherwise "
-         "they must be turned outward");
+  return flux.outward < inward * flux.most;
 }
 
 }  // namespace
@@ -223,7 +220,8 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
   report.from_sensor = found.samples[1];
   report.from_scan = found.samples[2];
   refuse_absent_source(params.source, report);
-  warn_of_inward_normals(cloud, directions, parallel, progress, report);
+  // A scanner's side is outside by definition.
+  report.inward = 2 * report.from_normals > cloud.size() && point_inward(cloud, directions, parallel);
   estimate(cloud, params, known, parallel, progress, directions, report);
   return directions;
 }

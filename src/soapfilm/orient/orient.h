@@ -25,8 +25,10 @@ enum class DirectionSource {
 
 struct OrientParams {
   DirectionSource source = DirectionSource::automatic;
-  std::optional<Vec3d> sensor;  ///< scanner position of the scans that name none, input units and frame
-  int neighbours = 16;          ///< of a sample, for estimated normals; in [3, 1000]
+  std::optional<Vec3d> sensor;   ///< scanner position of the scans that name none, input units and frame
+  int neighbours = 16;           ///< of a sample, for estimated normals; in [3, 1000]
+  std::optional<double> radius;  ///< estimated normals: all samples as near as this count, too; > 0, input units
+  bool from_within = false;      ///< estimated normals whose side nothing tells look inward: BorderParams::outside says
 };
 
 struct OrientReport {
@@ -35,6 +37,7 @@ struct OrientReport {
   size_t from_scan = 0;
   size_t from_planes = 0;  ///< of those two, by `automatic`: now normals of the planes around them, on that side
   size_t estimated = 0;
+  bool inward = false;           ///< normals that were given point towards the samples' middle on the whole
   size_t without_direction = 0;  ///< their direction is zero: no neighbours that span a plane
   std::vector<std::string> warnings;
 };
@@ -44,11 +47,11 @@ struct OrientReport {
 /// Estimated normals are those of a principal component analysis of the nearest different positions (Hoppe et al.
 /// 1992). Where no scanner is known their signs are propagated over a minimum spanning tree of neighbours (same paper),
 /// apart for each connected component; a component's sign follows from neighbours with a known direction or, without
-/// any, from its extreme samples, which look outward. That is right for a closed surface and a guess for a patch: the
-/// report warns. The result does not depend on the number of threads.
+/// any, from its extreme samples, which look outward (`from_within`: inward). That is right for a closed surface and a
+/// guess for a patch: the report warns. The result does not depend on the number of threads.
 ///
-/// Throws ParameterError when `neighbours` or `sensor` is out of range, or when a source that was asked for has nothing
-/// for any sample; SamplesError when scans are not in order.
+/// Throws ParameterError when `neighbours`, `radius` or `sensor` is out of range, or when a source that was asked for
+/// has nothing for any sample; SamplesError when scans are not in order.
 std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
                           Progress& progress, OrientReport& report);
 

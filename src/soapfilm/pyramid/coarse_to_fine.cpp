@@ -87,6 +87,13 @@ class Descent {
         norm_(norm),
         observe_(observe) {}
 
+  /// Solves the levels down to `last`, or to the first one that takes all of lambda, roughly: those that do to the
+  /// tolerance itself.
+  PyramidSolution roughly_to(int last) {
+    last_ = last;
+    return to(last);
+  }
+
   /// Solves the levels down to `last`; returns that one.
   PyramidSolution to(int last) {
     std::vector<SupportField> coarser = coarser_fields(support_, lattice_, lattice_.levels, parallel_);
@@ -95,6 +102,7 @@ class Descent {
     const std::vector<double> shares = lambda_shares(data, lambda_, norm_);
     coarsest_ = static_cast<int>(shares.size()) - 1;
     start_ = static_cast<int>(std::count(shares.begin(), shares.end(), 1.0)) - 1;
+    last = std::min(last, start_);
 
     PyramidSolution solution;
     Level& level = solution.finest;
@@ -179,7 +187,9 @@ class Descent {
   void solve(Level& level, LevelReport& report, int most_iterations) const {
     PrimalDualParams params = params_;
     params.max_iterations = most_iterations;
-    report.tolerance = params.tolerance = tolerance_of(report.level, start_, params_.tolerance);
+    const bool rough = last_ > 0 && report.level <= start_;
+    report.tolerance = params.tolerance =
+        rough ? params_.tolerance : tolerance_of(report.level, start_, params_.tolerance);
     params.step_balance *= balance_of(report.level, start_);
     PrimalDualRun run;
     // Flux that has faded (flux_kept()) has yet to settle: of the levels on a band the finest alone keeps it all.
@@ -210,6 +220,7 @@ class Descent {
   Progress& progress_;
   Norm norm_;
   PyramidObserver observe_;
+  int last_ = 0;  ///< of roughly_to()
   int coarsest_ = 0;
   int start_ = 0;  ///< the coarsest level that takes all of lambda: the last one without a band
 };
@@ -220,6 +231,13 @@ PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField&
                                      const PrimalDualParams& params, const Parallel& parallel, Progress& progress,
                                      Norm norm, const PyramidObserver& observe) {
   return Descent(lattice, support, lambda, params, parallel, progress, norm, observe).to(0);
+}
+
+PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
+                                    const RoughParams& params, const Parallel& parallel, Progress& progress,
+                                    const PyramidObserver& observe) {
+  return Descent(lattice, support, lambda, params.solver, parallel, progress, params.norm, observe)
+      .roughly_to(params.last);
 }
 
 }  // namespace soapfilm

@@ -51,4 +51,16 @@ PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField&
                                      const PrimalDualParams& params, const Parallel& parallel, Progress& progress,
                                      Norm norm = Norm::isotropic, const PyramidObserver& observe = {});
 
+/// A rough look at the problem.
+struct RoughParams {
+  int last = 2;             ///< level to stop at, or the first one that takes all of lambda, if that is finer
+  PrimalDualParams solver;  ///< its tolerance is that of all levels that take all of lambda
+  Norm norm = Norm::isotropic;
+};
+
+/// The levels down to one above the finest, for what they tell of it.
+PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
+                                    const RoughParams& params, const Parallel& parallel, Progress& progress,
+                                    const PyramidObserver& observe = {});
+
 }  // namespace soapfilm

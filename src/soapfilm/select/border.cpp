@@ -4,88 +4,185 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <string>
+#include <vector>
 
 #include "soapfilm/core/error.h"
-#include "soapfilm/pyramid/restrict.h"
 
 namespace soapfilm {
 
 namespace {
 
-/// A coarse level is looked at as a problem of its own: roughly.
+/// A coarse level is looked at roughly, and a second time where that leaves the choice open.
 constexpr double trial_tolerance = 3e-3;
-constexpr int trial_iterations = 400;
+constexpr int trial_iterations = 128, more_iterations = 400;  // per level
 
-/// A level of the lattice as the finest of its own pyramid: the same lattice coordinates and boxes of bricks.
-Lattice coarse_pyramid(const Lattice& lattice, int level) {
-  Lattice coarse = lattice.of_level(level);
-  for (int axis = 0; axis < 3; ++axis) coarse.size[axis] = ((lattice.size[axis] - 2) >> level) + 2;
-  return coarse;
+/// Of a surface's cost of area: the trials tell no finer.
+constexpr double little = 0.05;
+/// Scanners that see samples in less of the directions around them stand under an open sky.
+constexpr double all_covered = 0.75;
+
+/// The level whose cells are as wide as four voxels or, where samples are farther apart than two, twice their spacing:
+/// a film between samples costs there what it costs on finer levels.
+int trial_level(const Lattice& lattice, double density) {
+  int level = 2;
+  for (double here = 4 * density; here < 1 && level < 5; here *= 4) ++level;
+  return std::min(level, lattice.levels - 1);
 }
 
-/// The energy problem of one coarse level.
-struct Trial {
-  Lattice lattice;
-  SupportField field;
-  double lambda;
-};
+/// The sum of |p| over the faces between the box's free and fixed vertices, of levels from coarse to fine: what lies
+/// outside of a level's band keeps the coarser one's p. Counts twice what a coarser brick shares with the band.
+class BorderFlux {
+ public:
+  void add(const Level& level) {
+    for (const Part& part : last_)
+      if (!covered(part.brick, level)) kept_ += part.flux;
+    last_.clear();
+    for (size_t b = 0; b < level.grid.size(); ++b)
+      if (const Vec3i coord = level.grid.coord(b); at_border(level.box, coord))
+        last_.push_back({coord, through_border(level, b)});
+  }
+  double sum() const {
+    double sum = kept_;
+    for (const Part& part : last_) sum += part.flux;
+    return sum;
+  }
 
-Trial trial_of(const Lattice& lattice, const SupportField& field, double lambda, int level, const Parallel& parallel) {
-  SupportField coarse = std::move(coarser_fields(field, lattice, level + 1, parallel).back());
-  return {coarse_pyramid(lattice, level), std::move(coarse), std::ldexp(lambda, 2 * level)};
-}
+ private:
+  struct Part {
+    Vec3i brick;
+    double flux;
+  };
 
-PyramidSolution solve(const Trial& trial, PrimalDualParams solver, Norm norm, const Parallel& parallel,
-                      Progress& progress) {
-  solver.tolerance = std::max(solver.tolerance, trial_tolerance);
-  solver.max_iterations = std::min(solver.max_iterations, trial_iterations);
-  PyramidSolution solution =
-      solve_coarse_to_fine(trial.lattice, trial.field, trial.lambda, solver, parallel, progress, norm);
-  progress.check();
-  return solution;
-}
+  /// Are all children of a coarser brick that lie at the border in the band?
+  static bool covered(Vec3i brick, const Level& level) {
+    for (int child = 0; child < 8; ++child) {
+      const Vec3i coord = brick * 2 + Vec3i{child % 2, child / 2 % 2, child / 4};
+      const Vec3i n = level.box.bricks;
+      if (coord.x >= n.x || coord.y >= n.y || coord.z >= n.z) continue;
+      if (at_border(level.box, coord) && has_free(level.box, coord) && level.grid.find(coord) < 0) return false;
+    }
+    return true;
+  }
 
-/// E(0) = 0 competes.
-double energy_of(const PyramidSolution& solution) { return std::min(0.0, solution.reports.back().energies.primal); }
-
-/// The sum of |p| over the faces between free and fixed vertices of the band.
-double border_flux(const Level& level) {
-  double sum = 0;
-  for (size_t b = 0; b < level.grid.size(); ++b) {
-    const Vec3i coord = level.grid.coord(b);
-    if (!at_border(level.box, coord)) continue;
+  static double through_border(const Level& level, size_t b) {
+    double sum = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const float* p = level.p.brick(b, axis);
       for (int i = 0; i < brick_volume; ++i) {
-        const Vec3i v = coord * brick_side + Vec3i{i % brick_side, i / brick_side % brick_side, i / brick_area};
+        const Vec3i v =
+            level.grid.coord(b) * brick_side + Vec3i{i % brick_side, i / brick_side % brick_side, i / brick_area};
         Vec3i next = v;
         ++next[axis];
         if (level.box.is_free(v) != level.box.is_free(next)) sum += std::abs(double{p[i]});
       }
     }
+    return sum;
   }
-  return sum;
+
+  std::vector<Part> last_;  ///< of the level seen last
+  double kept_ = 0;         ///< of coarser ones, where finer ones have no band
+};
+
+/// What one border gives; energies and costs as of its level.
+struct Trial {
+  double energy = 0;     ///< lowest found; E(0) = 0 competes
+  double bound = 0;      ///< no u has a lower one
+  double area_cost = 0;  ///< lambda TV(u), at least 1000 lambda
+  double flux = 0;       ///< through the border
+  int level = 0;
+
+  /// No border gives a lower energy: of what p sends through the border of a closed problem any other one can take at
+  /// most all.
+  double bound_of_any() const { return bound - flux; }
+};
+
+Trial solve(const BorderProblem& problem, Border border, PrimalDualParams solver, const Parallel& parallel,
+            Progress& progress) {
+  solver.tolerance = std::max(solver.tolerance, trial_tolerance);
+  Lattice lattice = problem.lattice;
+  lattice.open = border == Border::open;
+  BorderFlux flux;
+  PyramidObserver observe;
+  if (!lattice.open) observe.solved = [&](const Level& level, const Lattice&) { flux.add(level); };
+  const PyramidSolution solution =
+      solve_coarse_levels(lattice, problem.field, problem.lambda,
+                          {trial_level(lattice, problem.density), solver, problem.norm}, parallel, progress, observe);
+  progress.check();
+  const Energies& energies = solution.reports.back().energies;
+  const double lambda = solution.finest.lambda;
+  Trial trial;
+  trial.energy = std::min(0.0, energies.primal);
+  trial.bound = std::min(trial.energy, energies.dual);
+  trial.area_cost = std::max(energies.primal < 0 ? lambda * energies.total_variation : 0, 1000 * lambda);
+  trial.flux = flux.sum();
+  trial.level = solution.finest.box.level;
+  return trial;
 }
 
-/// The lower of the closed ones, unless the open one gains enough over it.
-void decide(double scale, double open_gain, BorderReport& report) {
-  constexpr double tie = 0.01;  // of the scale: solved no better than that
-  const auto percent = [&](double lower, double higher) { return 100 * (higher - lower) / scale; };
-  report.chosen = *report.solid < *report.air - tie * scale ? Border::solid : Border::air;
-  const bool solid = report.chosen == Border::solid;
-  const double closed = solid ? *report.solid : *report.air, other = solid ? *report.air : *report.solid;
-  if (*report.open < closed - open_gain * std::max(std::abs(closed), scale)) {
-    report.chosen = Border::open;
-    report.reason =
-        fmt::format("a surface that ends at the box serves the samples better by {:.2g} % than a closed one",
-                    percent(*report.open, closed));
-    return;
-  }
-  report.reason =
-      fmt::format("which serves the samples better by {:.2g} % than {} there, and an open surface by {:.2g} %",
-                  percent(closed, other), solid ? "air" : "solid matter", std::max(0.0, percent(*report.open, closed)));
+std::string percent(double share) {
+  return share >= 0.1 ? fmt::format("{:.0f} %", 100 * share) : fmt::format("{:.2g} %", 100 * share);
 }
+
+/// Shares of a closed surface's cost of area that an open one would spare.
+struct Spared {
+  double at_least, at_most;
+};
+
+std::string reason_of_closed(bool solid, double over_other, const Spared& spared) {
+  const char* other = solid ? "air" : "solid matter";
+  const std::string closed = over_other > little ? fmt::format("which costs less than {} by {} of the surface's area",
+                                                               other, percent(over_other))
+                                                 : fmt::format("though {} would do as well", other);
+  if (spared.at_most < little) return closed + "; an open surface would spare nothing";
+  if (spared.at_most - spared.at_least < little)
+    return fmt::format("{}; an open surface would spare {}", closed, percent(spared.at_least));
+  return fmt::format("{}; an open surface would spare at most {}", closed, percent(spared.at_most));
+}
+
+class Choice {
+ public:
+  Choice(const BorderParams& params, const Trial& air, const Trial& solid, const Surroundings& scanners)
+      : open_gain_(params.open_gain), air_(air), solid_(solid), scanners_(scanners) {
+    // Around scanners lies no object, so rather solid matter where both serve.
+    const double tie = (scanners.all_around() ? -little : little) * solid.area_cost;
+    is_solid_ = solid.energy < air.energy - tie;
+  }
+
+  const Trial& closed() const { return is_solid_ ? solid_ : air_; }
+
+  Spared spared_by(double energy, double bound) const {
+    const auto share = [&](double e) { return std::max(0.0, (closed().energy - e) / closed().area_cost); };
+    return {share(energy), share(bound)};
+  }
+  bool under_open_sky(const Spared& spared) const {
+    return scanners_.all_around() && scanners_.covered < all_covered && spared.at_most > little;
+  }
+  bool undecided(const Spared& spared) const {
+    return spared.at_least <= open_gain_ && spared.at_most > open_gain_ && !under_open_sky(spared);
+  }
+
+  void tell(const Spared& spared, BorderReport& report) const {
+    report.area_cost = closed().area_cost;
+    report.chosen = Border::open;
+    if (spared.at_least > open_gain_) {
+      report.reason = fmt::format("which spares {} of a closed surface's area", percent(spared.at_least));
+    } else if (under_open_sky(spared)) {
+      report.reason = fmt::format("the scanners stand among the samples and see none in {} of the directions",
+                                  percent(1 - scanners_.covered));
+    } else {
+      report.chosen = is_solid_ ? Border::solid : Border::air;
+      const double other = is_solid_ ? air_.energy : solid_.energy;
+      report.reason = reason_of_closed(is_solid_, (other - closed().energy) / closed().area_cost, spared);
+    }
+  }
+
+ private:
+  double open_gain_;
+  const Trial &air_, &solid_;
+  const Surroundings& scanners_;
+  bool is_solid_;
+};
 
 }  // namespace
 
@@ -101,26 +198,42 @@ void negate(SupportField& field, const Parallel& parallel) {
   });
 }
 
-BorderReport choose_border(const Lattice& lattice, const SupportField& field, double lambda, const BorderParams& params,
-                           const PrimalDualParams& solver, Norm norm, const Parallel& parallel, Progress& progress) {
+BorderReport choose_border(const BorderProblem& problem, const Surroundings& scanners, const BorderParams& params,
+                           PrimalDualParams solver, const Parallel& parallel, Progress& progress) {
+  const int asked_iterations = solver.max_iterations;
+  solver.max_iterations = std::min(asked_iterations, trial_iterations);
   BorderReport report;
-  const double gain = params.open_gain;
-  report.level = std::min(2, lattice.levels - 1);
-  Trial trial = trial_of(lattice, field, lambda, report.level, parallel);
-  const PyramidSolution air = solve(trial, solver, norm, parallel, progress);
-  report.air = energy_of(air);
-  const double scale = std::max(std::abs(*report.air), 1000 * trial.lambda);
-  report.border_flux = border_flux(air.finest) / scale;
-  if (report.border_flux < gain) {
-    report.reason = fmt::format("another border could gain no more than {:.2g} %", 100 * report.border_flux);
+  report.scanners = scanners;
+  const Trial air = solve(problem, Border::air, solver, parallel, progress);
+  report.level = air.level;
+  report.air = air.energy;
+  report.area_cost = air.area_cost;
+  report.border_flux = air.flux / air.area_cost;
+  const double most = (air.energy - air.bound_of_any()) / air.area_cost;
+  if (most < little) {
+    report.reason = fmt::format("anything else could spare no more than {} of the surface's area", percent(most));
     return report;
   }
-  trial.lattice.open = true;
-  report.open = energy_of(solve(trial, solver, norm, parallel, progress));
-  trial.lattice.open = false;
-  negate(trial.field, parallel);
-  report.solid = energy_of(solve(trial, solver, norm, parallel, progress));
-  decide(scale, gain, report);
+  negate(problem.field, parallel);
+  const Trial solid = solve(problem, Border::solid, solver, parallel, progress);
+  negate(problem.field, parallel);
+  const Choice choice(params, air, solid, report.scanners);
+  // A closed surface is an open one, too.
+  const double closed = std::min(air.energy, solid.energy);
+  const double closed_bound = std::max(air.bound_of_any(), solid.bound_of_any());
+  Spared spared = choice.spared_by(closed, closed_bound);
+  report.open = closed;
+  report.open_bound = closed_bound;
+  for (const int iterations : {trial_iterations, more_iterations}) {
+    if (!choice.undecided(spared) && iterations == more_iterations) break;
+    solver.max_iterations = std::min(asked_iterations, iterations);
+    const Trial open = solve(problem, Border::open, solver, parallel, progress);
+    report.open = std::min(*report.open, open.energy);
+    report.open_bound = std::max(*report.open_bound, open.bound);
+    spared = choice.spared_by(*report.open, *report.open_bound);
+  }
+  report.solid = solid.energy;
+  choice.tell(spared, report);
   return report;
 }
 

@@ -12,6 +12,7 @@
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
+#include "soapfilm/select/surroundings.h"
 
 namespace soapfilm {
 
@@ -27,16 +28,30 @@ inline const char* name_of(Border border) { return border_names[static_cast<size
 
 struct BorderParams {
   Border outside = Border::automatic;
-  double open_gain = 0.05;  ///< automatic: open where that lowers the energy by more than this share, (0, 1]
+  double open_gain = 0.35;  ///< automatic: open where that spares more than this share of the closed surface's cost of
+                            ///< area, (0, 1]; closing a sheet doubles it
 };
 
+/// Energies are those of a coarse level, costs of area lambda TV(u) there.
 struct BorderReport {
   Border chosen = Border::air;
   std::string reason;  ///< half a line
   int level = -1;      ///< of the pyramid, on which it was tried; -1: it was not
-  /// Lowest energies there with air, solid and nothing beyond; those that were found.
+  /// Lowest energies with air, solid and nothing beyond; those that were looked for.
   std::optional<double> air, solid, open;
-  double border_flux = 0;  ///< with air: flux through the border over |E|; what another border can gain at most
+  std::optional<double> open_bound;  ///< no open surface has a lower energy
+  double area_cost = 0;              ///< of the better closed surface, at least 1000 lambda
+  double border_flux = 0;            ///< with air: flux through the border over that surface's cost of area
+  Surroundings scanners;
+};
+
+/// What is to be solved, on the finest level.
+struct BorderProblem {
+  const Lattice& lattice;
+  SupportField& field;  ///< turned while solid matter is tried; comes back as it was
+  double lambda;
+  Norm norm;
+  double density;  ///< samples per voxel^2 of surface
 };
 
 void validate(const BorderParams& params);
@@ -44,10 +59,14 @@ void validate(const BorderParams& params);
 /// f of the complement: minus f.
 void negate(SupportField& field, const Parallel& parallel);
 
-/// Which border the data asks for. Solves a coarse level with air beyond the box; its dual, whatever it sends through
-/// the border set to 0, bounds the energy that any other border could reach. Where that leaves something to gain, a
-/// level whose cells are four voxels is solved with each of the three.
-BorderReport choose_border(const Lattice& lattice, const SupportField& field, double lambda, const BorderParams& params,
-                           const PrimalDualParams& solver, Norm norm, const Parallel& parallel, Progress& progress);
+/// Which border the data asks for. Solves a coarse level, whose cells are as wide as four voxels or the samples'
+/// spacing, with air beyond the box; its dual, whatever it sends through the border set to 0, bounds the energy that
+/// any other border could reach. Where that leaves something to gain the level is solved with solid matter beyond, and
+/// open. The lower of the two closed energies wins, air where they are alike; unless an open surface
+///   - spares more than params.open_gain of the closed one's cost of area, or
+///   - could spare a twentieth, and the `scanners` stand among samples that leave a quarter of the directions around
+///     them free, such as a street's: far samples are too sparse to tell by energies.
+BorderReport choose_border(const BorderProblem& problem, const Surroundings& scanners, const BorderParams& params,
+                           PrimalDualParams solver, const Parallel& parallel, Progress& progress);
 
 }  // namespace soapfilm
