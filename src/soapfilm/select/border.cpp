@@ -127,6 +127,7 @@ std::string percent(double share) {
 /// Shares of a closed surface's cost of area that an open one would spare.
 struct Spared {
   double at_least, at_most;
+  double width() const { return at_most - at_least; }
 };
 
 std::string reason_of_closed(bool solid, double over_other, const Spared& spared) {
@@ -165,8 +166,9 @@ class Choice {
   void tell(const Spared& spared, BorderReport& report) const {
     report.area_cost = closed().area_cost;
     report.chosen = Border::open;
-    if (spared.at_least > open_gain_) {
-      report.reason = fmt::format("which spares {} of a closed surface's area", percent(spared.at_least));
+    if (const double middle = spared.at_least + spared.width() / 2;
+        spared.at_least > open_gain_ || (spared.width() < 2 * little && middle > open_gain_)) {
+      report.reason = fmt::format("which spares {} of a closed surface's area", percent(middle));
     } else if (under_open_sky(spared)) {
       report.reason = fmt::format("the scanners stand among the samples and see none in {} of the directions",
                                   percent(1 - scanners_.covered));
