@@ -73,10 +73,15 @@ std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
   auto directions = stages_.run("orient", [&] {
     OrientParams how = params_.orient;
     how.from_within = params_.border.outside == Border::solid;
-    auto found = soapfilm::orient(cloud, how, parallel_, progress_, report_.input.directions);
-    local_surface_ = measure_local_surface(cloud.positions, found, box_, parallel_, progress_);
+    OrientReport& report = report_.input.directions;
+    auto found = soapfilm::orient(cloud, how, parallel_, progress_, report);
+    const auto measure = [&] {
+      local_surface_ = measure_local_surface(cloud.positions, found, box_, parallel_, progress_);
+    };
+    measure();
+    if (doubt_signs(cloud, how, local_surface_.sides, parallel_, progress_, found, report)) measure();
     if (params_.orient.source == DirectionSource::automatic)
-      turn_to_planes(cloud, local_surface_, parallel_, found, report_.input.directions);
+      turn_to_planes(cloud, local_surface_, parallel_, found, report);
     if (params_.border.outside == Border::automatic && params_.method == Method::tv)
       scanners_ = look_around(cloud, params_.orient.sensor, parallel_);
     return found;

@@ -26,7 +26,9 @@ ordered_json input_json(const InputFacts& input) {
             {"scan", d.from_scan},
             {"planes", d.from_planes},
             {"estimated", d.estimated},
-            {"none", d.without_direction}}}};
+            {"none", d.without_direction},
+            {"contradicting", d.contradicting},
+            {"turned", d.turned}}}};
 }
 
 ordered_json grid_json(const ReconstructReport& report) {

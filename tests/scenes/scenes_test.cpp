@@ -171,18 +171,26 @@ TEST_P(Outlying, SamplesLeaveOneKnot) {
 
 INSTANTIATE_TEST_SUITE_P(Share, Outlying, testing::Values(0.1, 0.4));
 
-// Not yet: 6 parts.
-/// Normals with the signs that an eigen-solver gave: half of them look inward.
-TEST(SignsByLot, DISABLED_AreNotTakenForDirections) {
+/// Normals with wrong signs: single ones by lot, a half of all as from an eigen-solver, a part of the surface.
+class WrongSigns : public testing::TestWithParam<double> {};
+
+TEST_P(WrongSigns, AreNotTakenForDirections) {
   PointCloud cloud = sample_surface(*make_knot(), 12000, 1);
+  const std::vector<Vec3d> truth = true_normals(cloud);
   Random random(3);
-  for (Vec3f& n : cloud.normals)
-    if (random.uniform() < 0.5) n = -n;
-  const SceneRun run = run_scene(cloud);
+  const bool part = GetParam() == 0;
+  for (size_t i = 0; i < cloud.size(); ++i)
+    if (part ? cloud.positions[i].x > 0.15 : random.uniform() < GetParam()) cloud.normals[i] = -cloud.normals[i];
+  const SceneRun run = run_scene(cloud, truth);
   EXPECT_LE(run.lost, 0.001);
+  EXPECT_LE(run.wrong_side, 0.001);
   EXPECT_EQ(run.topology.components.size(), 1u);
   EXPECT_EQ(run.topology.genus(), 4);
+  EXPECT_GT(run.result.report.input.directions.turned, 0u);
 }
+
+INSTANTIATE_TEST_SUITE_P(ByLot, WrongSigns, testing::Values(0.05, 0.5));
+INSTANTIATE_TEST_SUITE_P(OfAPart, WrongSigns, testing::Values(0.0));
 
 /// A wall sampled 100 times as densely at one end as at the other.
 TEST(UnevenWall, IsOnePlateToItsThinEnd) {
