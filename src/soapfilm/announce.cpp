@@ -132,13 +132,19 @@ namespace {
 
 /// Why samples were lost, most likely, and what to try; half a line.
 std::string cause_of_loss(const ReconstructReport& report) {
+  constexpr double mostly = 0.6;
   const double lost = report.self_check.lost * static_cast<double>(report.input.samples);
   if (report.params.method == Method::vrip) return "seen at grazing angles or by one ray alone; try --method tv";
+  if (report.self_check.outliers > mostly)
+    return fmt::format(
+        "mostly outliers ({:.0f} % of these), around which others show no surface; if a part is missing, "
+        "try a smaller --voxel or --lambda",
+        100 * report.self_check.outliers);
   if (report.trim && report.trim->leftovers > 0 && report.trim->removed_area > 0.1)
     return "pieces around a few samples were trimmed; try a larger --trim";
   if (report.islands && 2.0 * static_cast<double>(report.islands->samples) > lost)
-    return "parts that few samples support were dropped, outliers or not; try --islands keep";
-  return "outliers, or parts too thin or too thinly sampled for this grid and lambda; try a smaller --voxel or "
+    return "parts that few samples support were dropped; try --islands keep";
+  return "parts too thin or too thinly sampled for this grid and lambda; try a smaller --voxel or "
          "--lambda";
 }
 

@@ -200,6 +200,7 @@ ordered_json self_check_json(const SelfCheckReport& r) {
           {"samples", r.samples},
           {"places", r.places},
           {"lost", r.lost},
+          {"outliers", r.outliers},
           {"invented", r.invented}};
 }
 

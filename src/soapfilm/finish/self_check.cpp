@@ -9,6 +9,7 @@
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/finish/nearest_sample.h"
+#include "soapfilm/finish/on_surface.h"
 
 namespace soapfilm {
 
@@ -78,11 +79,11 @@ class Reached {
     });
   }
 
-  /// From now on looks for those alone that were not found yet; how many are left.
-  size_t keep_missed() {
+  /// From now on looks for those alone that were not found yet; which they are.
+  const std::vector<uint32_t>& keep_missed() {
     std::erase_if(wanted_, [&](uint32_t i) { return found_[i].load(std::memory_order_relaxed) != 0; });
     index_wanted();
-    return wanted_.size();
+    return wanted_;
   }
 
  private:
@@ -137,23 +138,29 @@ class Reached {
 
 /// Nearly all samples are near a corner of every eighth triangle: some seven of these lie within reach of a place on
 /// the surface. Whole triangles tell of the others.
-double lost_share(const Mesh& mesh, const std::vector<Vec3d>& picked, const Lattice& lattice,
-                  const Parallel& parallel) {
+std::vector<uint32_t> lost_of(const std::vector<Vec3d>& picked, const Mesh& mesh, const Lattice& lattice,
+                              const Parallel& parallel) {
   constexpr size_t step = 8;
   Reached reached(picked);
   parallel.for_each((mesh.triangles.size() + step - 1) / step, 4096, [&](size_t k) {
     reached.find_near(lattice.to_lattice(mesh.vertices[mesh.triangles[k * step][0]]));
   });
-  size_t lost = reached.keep_missed();
-  if (lost > 0) {
-    parallel.for_each(mesh.triangles.size(), 4096, [&](size_t i) {
-      const Triangle& t = mesh.triangles[i];
-      const auto corner = [&](size_t k) { return lattice.to_lattice(mesh.vertices[t[k]]); };
-      reached.find_near(corner(0), corner(1), corner(2));
-    });
-    lost = reached.keep_missed();
-  }
-  return static_cast<double>(lost) / static_cast<double>(picked.size());
+  if (reached.keep_missed().empty()) return {};
+  parallel.for_each(mesh.triangles.size(), 4096, [&](size_t i) {
+    const Triangle& t = mesh.triangles[i];
+    const auto corner = [&](size_t k) { return lattice.to_lattice(mesh.vertices[t[k]]); };
+    reached.find_near(corner(0), corner(1), corner(2));
+  });
+  return reached.keep_missed();
+}
+
+/// Of the lost ones, or of some of them.
+double outlier_share(const std::vector<Vec3d>& picked, const std::vector<uint32_t>& lost, const GridSamples& samples) {
+  constexpr size_t enough = 400;
+  const size_t step = (lost.size() + enough - 1) / enough;
+  size_t outliers = 0, looked_at = 0;
+  for (size_t k = 0; k < lost.size(); k += step, ++looked_at) outliers += !looks_like_surface(samples, picked[lost[k]]);
+  return static_cast<double>(outliers) / static_cast<double>(looked_at);
 }
 
 struct Area {
@@ -196,7 +203,9 @@ SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const L
   const std::vector<Vec3d> picked = picked_samples(samples);
   report.samples = picked.size();
   if (picked.empty()) return report;
-  report.lost = lost_share(mesh, picked, lattice, parallel);
+  const std::vector<uint32_t> lost = lost_of(picked, mesh, lattice, parallel);
+  report.lost = static_cast<double>(lost.size()) / static_cast<double>(picked.size());
+  if (!lost.empty()) report.outliers = outlier_share(picked, lost, samples);
   size_t places = 0;
   const Area area = invented_area(mesh, samples, lattice, parallel, places);
   if (!(area.all > 0)) return report;
