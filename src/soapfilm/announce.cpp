@@ -148,6 +148,26 @@ std::string cause_of_loss(const ReconstructReport& report) {
          "--lambda";
 }
 
+/// Empty where all is well.
+std::string misplaced_scanners(const ReconstructReport& report) {
+  constexpr double some = 0.1;    // share of the scanners
+  constexpr double unseen = 0.2;  // share of the surface
+  const ScannerReport& s = report.scanners;
+  const auto all = static_cast<double>(s.scanners);
+  const Border border = report.border.chosen;
+  if (static_cast<double>(s.in_solid) > some * all)
+    return fmt::format(
+        "{} of {} scanner positions lie inside of solid matter: the side of the samples is wrong, or what "
+        "lies beyond them; try --outside {}",
+        s.in_solid, s.scanners, border == Border::solid ? "air" : "solid");
+  if (border == Border::air && static_cast<double>(s.enclosed) > some * all && report.self_check.invented > unseen)
+    return fmt::format(
+        "{} of {} scanner positions lie in a closed shell, {:.0f} % of whose surface no sample is near: "
+        "its outer side was made up; try --outside solid",
+        s.enclosed, s.scanners, 100 * report.self_check.invented);
+  return {};
+}
+
 }  // namespace
 
 void announce_self_check(ReconstructReport& report, Progress& progress) {
@@ -156,11 +176,14 @@ void announce_self_check(ReconstructReport& report, Progress& progress) {
       fmt::format("self-check: {:.2g} % of the samples are farther than {:g} voxels from the mesh, {:.2g} % of "
                   "the mesh from all samples",
                   100 * check.lost, self_check_reach, 100 * check.invented));
-  if (!(check.lost > self_check_most_lost)) return;
-  std::string text = fmt::format("{:.2g} % of the samples are farther than {:g} voxels from the mesh: {}",
-                                 100 * check.lost, self_check_reach, cause_of_loss(report));
-  progress.warn(text);
-  report.warnings.push_back(std::move(text));
+  const auto warn = [&](std::string text) {
+    progress.warn(text);
+    report.warnings.push_back(std::move(text));
+  };
+  if (check.lost > self_check_most_lost)
+    warn(fmt::format("{:.2g} % of the samples are farther than {:g} voxels from the mesh: {}", 100 * check.lost,
+                     self_check_reach, cause_of_loss(report)));
+  if (std::string text = misplaced_scanners(report); !text.empty()) warn(std::move(text));
 }
 
 }  // namespace soapfilm

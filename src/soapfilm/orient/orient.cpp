@@ -144,8 +144,9 @@ EstimatedNormals estimate_open(const PointCloud& cloud, const OrientParams& para
   known.for_each(0, cloud.size(), [&](size_t i, const ScanFacts& facts) {
     if (directions[i] == Vec3f{}) hints[i] = towards_scanner(known, i, facts);
   });
-  EstimatedNormals estimated = estimate_normals(
-      cloud.positions, wanted, hints, given, {params.neighbours, params.radius, params.from_within}, parallel, progress);
+  EstimatedNormals estimated =
+      estimate_normals(cloud.positions, wanted, hints, given, {params.neighbours, params.radius, params.from_within},
+                       parallel, progress);
   for (size_t k = 0; k < wanted.size(); ++k) directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);
   return estimated;
 }
