@@ -248,8 +248,10 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
 
   const auto directions = [&](auto* option) { return option->group("Directions"); };
   directions(
-      app.add_option("--directions", p.orient.source,
-                     "Where each sample's outward direction comes from:\nauto, normals, sensor, scan or estimate"))
+      app.add_option(
+          "--directions", p.orient.source,
+          "Where each sample's outward direction comes from:\nauto (normals that contradict each other lose their "
+          "signs), normals (as\ngiven), sensor, scan or estimate"))
       ->transform(named<DirectionSource>({{"auto", DirectionSource::automatic},
                                           {"normals", DirectionSource::normals},
                                           {"sensor", DirectionSource::sensor},

@@ -132,14 +132,40 @@ namespace {
 
 /// Why samples were lost, most likely, and what to try; half a line.
 std::string cause_of_loss(const ReconstructReport& report) {
+  constexpr double mostly = 0.6;
   const double lost = report.self_check.lost * static_cast<double>(report.input.samples);
   if (report.params.method == Method::vrip) return "seen at grazing angles or by one ray alone; try --method tv";
+  if (report.self_check.outliers > mostly)
+    return fmt::format(
+        "mostly outliers ({:.0f} % of these), around which others show no surface; if a part is missing, "
+        "try a smaller --voxel or --lambda",
+        100 * report.self_check.outliers);
   if (report.trim && report.trim->leftovers > 0 && report.trim->removed_area > 0.1)
     return "pieces around a few samples were trimmed; try a larger --trim";
   if (report.islands && 2.0 * static_cast<double>(report.islands->samples) > lost)
-    return "parts that few samples support were dropped, outliers or not; try --islands keep";
-  return "outliers, or parts too thin or too thinly sampled for this grid and lambda; try a smaller --voxel or "
+    return "parts that few samples support were dropped; try --islands keep";
+  return "parts too thin or too thinly sampled for this grid and lambda; try a smaller --voxel or "
          "--lambda";
+}
+
+/// Empty where all is well.
+std::string misplaced_scanners(const ReconstructReport& report) {
+  constexpr double some = 0.1;    // share of the scanners
+  constexpr double unseen = 0.2;  // share of the surface
+  const ScannerReport& s = report.scanners;
+  const auto all = static_cast<double>(s.scanners);
+  const Border border = report.border.chosen;
+  if (static_cast<double>(s.in_solid) > some * all)
+    return fmt::format(
+        "{} of {} scanner positions lie inside of solid matter: the side of the samples is wrong, or what "
+        "lies beyond them; try --outside {}",
+        s.in_solid, s.scanners, border == Border::solid ? "air" : "solid");
+  if (border == Border::air && static_cast<double>(s.enclosed) > some * all && report.self_check.invented > unseen)
+    return fmt::format(
+        "{} of {} scanner positions lie in a closed shell, {:.0f} % of whose surface no sample is near: "
+        "its outer side was made up; try --outside solid",
+        s.enclosed, s.scanners, 100 * report.self_check.invented);
+  return {};
 }
 
 }  // namespace
@@ -150,11 +176,14 @@ void announce_self_check(ReconstructReport& report, Progress& progress) {
       fmt::format("self-check: {:.2g} % of the samples are farther than {:g} voxels from the mesh, {:.2g} % of "
                   "the mesh from all samples",
                   100 * check.lost, self_check_reach, 100 * check.invented));
-  if (!(check.lost > self_check_most_lost)) return;
-  std::string text = fmt::format("{:.2g} % of the samples are farther than {:g} voxels from the mesh: {}",
-                                 100 * check.lost, self_check_reach, cause_of_loss(report));
-  progress.warn(text);
-  report.warnings.push_back(std::move(text));
+  const auto warn = [&](std::string text) {
+    progress.warn(text);
+    report.warnings.push_back(std::move(text));
+  };
+  if (check.lost > self_check_most_lost)
+    warn(fmt::format("{:.2g} % of the samples are farther than {:g} voxels from the mesh: {}", 100 * check.lost,
+                     self_check_reach, cause_of_loss(report)));
+  if (std::string text = misplaced_scanners(report); !text.empty()) warn(std::move(text));
 }
 
 }  // namespace soapfilm

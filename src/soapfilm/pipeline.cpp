@@ -12,6 +12,7 @@
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/islands.h"
 #include "soapfilm/finish/sample_distance.h"
+#include "soapfilm/finish/scanners.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
@@ -67,16 +68,22 @@ void Pipeline::check(const PointCloud& cloud) {
   if (params_.method == Method::vrip)
     for (const Scan& scan : cloud.scans) require_range_scan(scan);
   room_ = check_room(cloud, params_);
+  scanner_positions_ = scanner_positions(cloud, params_.orient.sensor);
 }
 
 std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
   auto directions = stages_.run("orient", [&] {
     OrientParams how = params_.orient;
     how.from_within = params_.border.outside == Border::solid;
-    auto found = soapfilm::orient(cloud, how, parallel_, progress_, report_.input.directions);
-    local_surface_ = measure_local_surface(cloud.positions, found, box_, parallel_, progress_);
+    OrientReport& report = report_.input.directions;
+    auto found = soapfilm::orient(cloud, how, parallel_, progress_, report);
+    const auto measure = [&] {
+      local_surface_ = measure_local_surface(cloud.positions, found, box_, parallel_, progress_);
+    };
+    measure();
+    if (doubt_signs(cloud, how, local_surface_.sides, parallel_, progress_, found, report)) measure();
     if (params_.orient.source == DirectionSource::automatic)
-      turn_to_planes(cloud, local_surface_, parallel_, found, report_.input.directions);
+      turn_to_planes(cloud, local_surface_, parallel_, found, report);
     if (params_.border.outside == Border::automatic && params_.method == Method::tv)
       scanners_ = look_around(cloud, params_.orient.sensor, parallel_);
     return found;
@@ -199,6 +206,12 @@ void Pipeline::drop_islands(Level& level, const GridSamples& samples) {
                            params_.islands, parallel_, report_.islands.emplace());
   });
   announce_islands(report_, progress_);
+}
+
+void Pipeline::place_scanners(const Level& level) {
+  for (Vec3d& p : scanner_positions_) p = report_.lattice.to_lattice(p);
+  report_.scanners = soapfilm::place_scanners(level, static_cast<float>(params_.surface.threshold),
+                                              report_.border.chosen == Border::solid, scanner_positions_);
 }
 
 /// The field whose level set at report.isovalue is the surface: sub-voxel accurate, or the paper's (section 4.4).

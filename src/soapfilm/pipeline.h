@@ -39,6 +39,8 @@ class Pipeline {
   /// the box, for the stages up to finish_border().
   void certify(Level& level, SupportField& field);
   void drop_islands(Level& level, const GridSamples& samples);
+  /// Where scanners stand in it.
+  void place_scanners(const Level& level);
   SurfaceField refine(Segmentation& found, const GridSamples& samples);
   Mesh extract(const SurfaceField& surface);
   void bend(Mesh& mesh, const SurfaceField& surface, const GridSamples& samples);
@@ -71,6 +73,7 @@ class Pipeline {
   Box3d box_;
   LocalSurface local_surface_;  ///< around each sample of the cloud; until weigh()
   Surroundings scanners_;       ///< of what border() chooses by
+  std::vector<Vec3d> scanner_positions_;
   std::optional<Room> room_;
   size_t held_bytes_ = 0;               ///< through the solve, whatever the grid
   size_t first_plan_ = 0;               ///< before the solve

@@ -80,6 +80,20 @@ void warn_of_repeats(const Sampling& sampling, size_t samples, std::vector<std::
                   sampling.repeats, samples, at.x, at.y, at.z));
 }
 
+/// Sides of a sheet less than a voxel apart run into each other: measured on a bent sheet, 6 % of the samples see the
+/// wrong side at 0.7 voxels, 26 % at 0.5; 0.3 % at 1.0, and none at 1.4.
+void warn_of_thin_sheets(const SideTally& sides, double longest, double voxel, std::vector<std::string>& warnings) {
+  constexpr double held = 0.9, held_well = 1.4;  // voxels
+  constexpr double notable = 0.1;                // share of the area
+  const SideTally::Thin thin = sides.thinner_than(held * voxel / longest);
+  if (thin.share < notable || sides.contradicts()) return;
+  const double thickness = thin.thickness * longest;
+  warnings.push_back(
+      fmt::format("{:.0f} % of the area lies on sheets thinner than a voxel can hold, half of it about {:.2g} thick or "
+                  "less: their two sides may run into each other; try --voxel {:.2g}",
+                  100 * thin.share, thickness, thickness / held_well));
+}
+
 /// Beyond the end of the curve something better may lie.
 void warn_at_end(const CrossValidationReport& select, std::vector<std::string>& warnings) {
   const double lowest = select.curve.front().lambda_per_density, highest = select.curve.back().lambda_per_density;
@@ -165,6 +179,7 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
   report.input.density =
       weighs_by_area(params) && coverage.area > 0 ? coverage.per_area * voxel * voxel : sampling.density(voxel);
   warn_of_repeats(sampling, cloud.size(), report.warnings);
+  warn_of_thin_sheets(surface.sides, box.longest(), voxel, report.warnings);
 
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));

@@ -52,6 +52,9 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
   // solution with them.)
   stage.drop_islands(found.level, samples);
 
+  // Scanners stand in the air, and a hollow around one has been seen.
+  stage.place_scanners(found.level);
+
   // The level set moves onto the samples; components and genus stay those of the segmentation, but for what it leaves
   // nothing of.
   const auto surface = stage.refine(found, samples);

@@ -26,7 +26,9 @@ ordered_json input_json(const InputFacts& input) {
             {"scan", d.from_scan},
             {"planes", d.from_planes},
             {"estimated", d.estimated},
-            {"none", d.without_direction}}}};
+            {"none", d.without_direction},
+            {"contradicting", d.contradicting},
+            {"turned", d.turned}}}};
 }
 
 ordered_json grid_json(const ReconstructReport& report) {
@@ -193,12 +195,13 @@ ordered_json border_json(const BorderReport& border) {
           {"directions_covered", border.scanners.covered}};
 }
 
+ordered_json scanners_json(const ScannerReport& r) {
+  return {{"looked_at", r.scanners}, {"in_solid", r.in_solid}, {"enclosed", r.enclosed}};
+}
+
 ordered_json self_check_json(const SelfCheckReport& r) {
-  return {{"reach", self_check_reach},
-          {"samples", r.samples},
-          {"places", r.places},
-          {"lost", r.lost},
-          {"invented", r.invented}};
+  return {{"reach", self_check_reach}, {"samples", r.samples},  {"places", r.places}, {"lost", r.lost},
+          {"outliers", r.outliers},    {"invented", r.invented}};
 }
 
 ordered_json mesh_json(const ReconstructReport& report) {
@@ -258,6 +261,7 @@ std::string to_json(const ReconstructReport& report) {
         {"trim", report.trim ? trim_json(*report.trim) : ordered_json(nullptr)}}},
       {"mesh", mesh_json(report)},
       {"self_check", self_check_json(report.self_check)},
+      {"scanners", scanners_json(report.scanners)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},
       {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}}},

@@ -11,6 +11,7 @@
 #include "soapfilm/core/stages.h"
 #include "soapfilm/evaluate/distance.h"
 #include "soapfilm/evaluate/topology.h"
+#include "soapfilm/finish/scanners.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/params.h"
@@ -69,6 +70,7 @@ struct ReconstructReport {
   size_t mesh_vertices = 0;
   size_t mesh_triangles = 0;
   SelfCheckReport self_check;
+  ScannerReport scanners;                          ///< not of Method::vrip
   std::optional<TopologyReport> topology;          ///< when it was checked
   std::optional<DistanceSummary> sample_distance;  ///< samples to mesh, input units
   std::vector<StageTime> stages;                   ///< in order

@@ -42,12 +42,14 @@ struct SceneRun {
   double wrong_side = 1;  ///< share of the samples whose nearest face looks away from `sides`
 };
 
-/// By defaults. `sides`: of each sample, a direction into the air; `counts`: which samples may not be lost, by the
-/// voxel.
+/// By defaults, but for `outside`. `sides`: of each sample, a direction into the air; `counts`: which samples may not
+/// be lost, by the voxel.
 inline SceneRun run_scene(const PointCloud& cloud, const std::vector<Vec3d>& sides = {},
-                          const std::function<bool(size_t, double)>& counts = {}) {
+                          const std::function<bool(size_t, double)>& counts = {}, Border outside = Border::automatic) {
   Progress progress;
-  SceneRun run{reconstruct(cloud, ReconstructParams(), Parallel(1), progress), {}};
+  ReconstructParams params;
+  params.border.outside = outside;
+  SceneRun run{reconstruct(cloud, params, Parallel(1), progress), {}};
   run.topology = check_topology(run.result.mesh);
   const ClosestPointQuery nearest(run.result.mesh, Parallel(1));
   const std::vector<ClosestPoint> found = nearest(cloud.positions, Parallel(1));

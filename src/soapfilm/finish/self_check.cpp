@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <unordered_map>
+#include <numeric>
 #include <vector>
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/evaluate/sample_mesh.h"
 #include "soapfilm/finish/nearest_sample.h"
+#include "soapfilm/finish/on_surface.h"
 
 namespace soapfilm {
 
@@ -48,66 +48,151 @@ double distance2(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
   return to(a + ab * (vb / sum) + ac * (vc / sum));
 }
 
-/// Places by the cubes of 8 voxels that they have within their reach: what is near a triangle is in the lists of the
-/// cubes that the triangle meets.
+/// Places by the cubes of 8 voxels that they have within their reach: what is near a vertex or a triangle is in the
+/// lists of the cubes that it meets. Cubes share a list where their hashes are equal: that only costs time.
 class Reached {
  public:
-  explicit Reached(const std::vector<Vec3d>& places) : places_(places), found_(places.size()) {
-    const Vec3d reach{self_check_reach, self_check_reach, self_check_reach};
-    for (uint32_t i = 0; i < places.size(); ++i)
-      for_each_cube(places[i] - reach, places[i] + reach, [&](uint64_t cube) { in_cube_[cube].push_back(i); });
+  explicit Reached(const std::vector<Vec3d>& places)
+      : places_(places), found_(places.size()), begin_(lists + 1), wanted_(places.size()) {
+    std::iota(wanted_.begin(), wanted_.end(), 0u);
+    index_wanted();
+  }
+
+  void find_near(Vec3d vertex) {
+    for_each_in(list_of(cube_of(vertex)), [&](uint32_t i) {
+      const Vec3d d = places_[i] - vertex;
+      return dot(d, d) <= self_check_reach * self_check_reach;
+    });
   }
 
   void find_near(Vec3d a, Vec3d b, Vec3d c) {
     const auto least = [&](int axis) { return std::min({a[axis], b[axis], c[axis]}); };
     const auto most = [&](int axis) { return std::max({a[axis], b[axis], c[axis]}); };
     const Vec3d lo{least(0), least(1), least(2)}, hi{most(0), most(1), most(2)};
-    for_each_cube(lo, hi, [&](uint64_t cube) {
-      const auto list = in_cube_.find(cube);
-      if (list == in_cube_.end()) return;
-      for (const uint32_t i : list->second) {
-        if (found_[i].load(std::memory_order_relaxed)) continue;
+    for_each_cube(lo, hi, [&](size_t list) {
+      for_each_in(list, [&](uint32_t i) {
         const Vec3d p = places_[i];
-        bool beyond = false;
         for (int axis = 0; axis < 3; ++axis)
-          beyond = beyond || p[axis] < lo[axis] - self_check_reach || p[axis] > hi[axis] + self_check_reach;
-        if (!beyond && distance2(p, a, b, c) <= self_check_reach * self_check_reach)
-          found_[i].store(1, std::memory_order_relaxed);
-      }
+          if (p[axis] < lo[axis] - self_check_reach || p[axis] > hi[axis] + self_check_reach) return false;
+        return distance2(p, a, b, c) <= self_check_reach * self_check_reach;
+      });
     });
   }
 
-  size_t missed() const {
-    return static_cast<size_t>(std::count_if(found_.begin(), found_.end(), [](const auto& f) { return !f.load(); }));
+  /// From now on looks for those alone that were not found yet; which they are.
+  const std::vector<uint32_t>& keep_missed() {
+    std::erase_if(wanted_, [&](uint32_t i) { return found_[i].load(std::memory_order_relaxed) != 0; });
+    index_wanted();
+    return wanted_;
   }
 
  private:
+  static constexpr size_t lists = size_t{1} << 17;
+
+  static Vec3i cube_of(Vec3d p) {
+    const auto index = [](double x) { return static_cast<int32_t>(std::floor(x / brick_side)); };
+    return {index(p.x), index(p.y), index(p.z)};
+  }
+  static size_t list_of(Vec3i cube) {
+    // As in Teschner et al. 2003, Optimized Spatial Hashing.
+    const auto times = [](int32_t i, uint32_t prime) { return static_cast<uint32_t>(i) * prime; };
+    const uint32_t mixed = times(cube.x, 73856093u) ^ times(cube.y, 19349663u) ^ times(cube.z, 83492791u);
+    return (mixed ^ mixed >> 15) % lists;
+  }
+
   template <class Visit>
   static void for_each_cube(Vec3d lo, Vec3d hi, Visit&& visit) {
-    const auto index = [](double x) { return static_cast<int64_t>(std::floor(x / brick_side)); };
-    for (int64_t z = index(lo.z); z <= index(hi.z); ++z)
-      for (int64_t y = index(lo.y); y <= index(hi.y); ++y)
-        for (int64_t x = index(lo.x); x <= index(hi.x); ++x) {
-          // 21 bits for each: more than the lattice has; two cubes of one name would only cost time.
-          const auto bits = [](int64_t i) { return static_cast<uint64_t>(i) & 0x1FFFFF; };
-          visit(bits(x) | bits(y) << 21 | bits(z) << 42);
-        }
+    const Vec3i first = cube_of(lo), last = cube_of(hi);
+    for (int32_t z = first.z; z <= last.z; ++z)
+      for (int32_t y = first.y; y <= last.y; ++y)
+        for (int32_t x = first.x; x <= last.x; ++x) visit(list_of({x, y, z}));
+  }
+
+  void index_wanted() {
+    const Vec3d reach{self_check_reach, self_check_reach, self_check_reach};
+    const auto for_each_list = [&](auto&& visit) {
+      for (const uint32_t i : wanted_)
+        for_each_cube(places_[i] - reach, places_[i] + reach, [&](size_t list) { visit(list, i); });
+    };
+    std::fill(begin_.begin(), begin_.end(), 0u);
+    for_each_list([&](size_t list, uint32_t) { ++begin_[list + 1]; });
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    in_list_.resize(begin_.back());
+    std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
+    for_each_list([&](size_t list, uint32_t i) { in_list_[next[list]++] = i; });
+  }
+
+  template <class IsNear>
+  void for_each_in(size_t list, IsNear&& is_near) {
+    for (uint32_t k = begin_[list]; k < begin_[list + 1]; ++k) {
+      std::atomic<uint8_t>& found = found_[in_list_[k]];
+      if (!found.load(std::memory_order_relaxed) && is_near(in_list_[k])) found.store(1, std::memory_order_relaxed);
+    }
   }
 
   const std::vector<Vec3d>& places_;
   std::vector<std::atomic<uint8_t>> found_;  // only ever set: the order of threads does not matter
-  std::unordered_map<uint64_t, std::vector<uint32_t>> in_cube_;
+  std::vector<uint32_t> begin_, in_list_;    // of each list
+  std::vector<uint32_t> wanted_;
 };
 
-double lost_share(const Mesh& mesh, const std::vector<Vec3d>& picked, const Lattice& lattice,
-                  const Parallel& parallel) {
+/// Nearly all samples are near a corner of every eighth triangle: some seven of these lie within reach of a place on
+/// the surface. Whole triangles tell of the others.
+std::vector<uint32_t> lost_of(const std::vector<Vec3d>& picked, const Mesh& mesh, const Lattice& lattice,
+                              const Parallel& parallel) {
+  constexpr size_t step = 8;
   Reached reached(picked);
+  parallel.for_each((mesh.triangles.size() + step - 1) / step, 4096, [&](size_t k) {
+    reached.find_near(lattice.to_lattice(mesh.vertices[mesh.triangles[k * step][0]]));
+  });
+  if (reached.keep_missed().empty()) return {};
   parallel.for_each(mesh.triangles.size(), 4096, [&](size_t i) {
     const Triangle& t = mesh.triangles[i];
     const auto corner = [&](size_t k) { return lattice.to_lattice(mesh.vertices[t[k]]); };
     reached.find_near(corner(0), corner(1), corner(2));
   });
-  return static_cast<double>(reached.missed()) / static_cast<double>(picked.size());
+  return reached.keep_missed();
+}
+
+/// Of the lost ones, or of some of them.
+double outlier_share(const std::vector<Vec3d>& picked, const std::vector<uint32_t>& lost, const GridSamples& samples) {
+  constexpr size_t enough = 400;
+  const size_t step = (lost.size() + enough - 1) / enough;
+  size_t outliers = 0, looked_at = 0;
+  for (size_t k = 0; k < lost.size(); k += step, ++looked_at) outliers += !looks_like_surface(samples, picked[lost[k]]);
+  return static_cast<double>(outliers) / static_cast<double>(looked_at);
+}
+
+struct Area {
+  double all = 0, far = 0;
+  void operator+=(const Area& other) { all += other.all, far += other.far; }
+};
+
+/// Area around a place on a triangle of each stretch of them, by lot; small meshes have several on each.
+Area invented_area(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const Parallel& parallel,
+                   size_t& places) {
+  const size_t triangles = mesh.triangles.size();
+  if (triangles == 0) return {};
+  const size_t stretch = (triangles + most_picked - 1) / most_picked;
+  const size_t stretches = (triangles + stretch - 1) / stretch, repeats = most_picked / stretches;
+  places = stretches * repeats;
+  // Just beyond the reach, for which the clamped distance is more than it.
+  constexpr double limit = self_check_reach + 0.01;
+  return sum_chunks<Area>(places, 256, parallel, [&](size_t begin, size_t end) {
+    Area part;
+    for (size_t k = begin; k < end; ++k) {
+      Random random(Random(seed + k).next());
+      const Triangle& t = mesh.triangles[one_of_stretch(k % stretches, stretch, triangles)];
+      // Uniform in a triangle: sqrt of one number, the other as it is (Turk 1990).
+      const double r = std::sqrt(random.uniform()), s = random.uniform();
+      const Vec3d a = mesh.vertices[t[0]], b = mesh.vertices[t[1]] - a, c = mesh.vertices[t[2]] - a;
+      const double area = norm(cross(b, c));
+      const Vec3d place = lattice.to_lattice(a + b * (r * (1.0 - s)) + c * (r * s));
+      const bool far = distance_to_samples(samples, place, self_check_reach, limit) > self_check_reach;
+      part += {area, far ? area : 0.0};
+    }
+    return part;
+  });
 }
 
 }  // namespace
@@ -118,20 +203,14 @@ SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const L
   const std::vector<Vec3d> picked = picked_samples(samples);
   report.samples = picked.size();
   if (picked.empty()) return report;
-  report.lost = lost_share(mesh, picked, lattice, parallel);
-  if (!(mesh.area() > 0)) return report;
-  const std::vector<MeshPoint> places = sample_mesh(mesh, most_picked, seed, parallel);
-  report.places = places.size();
-  // Just beyond the reach, for which the clamped distance is more than it.
-  constexpr double limit = self_check_reach + 0.01;
-  const auto far = sum_chunks<size_t>(places.size(), 256, parallel, [&](size_t begin, size_t end) {
-    size_t count = 0;
-    for (size_t i = begin; i < end; ++i)
-      count += distance_to_samples(samples, lattice.to_lattice(places[i].position), self_check_reach, limit) >
-               self_check_reach;
-    return count;
-  });
-  report.invented = static_cast<double>(far) / static_cast<double>(places.size());
+  const std::vector<uint32_t> lost = lost_of(picked, mesh, lattice, parallel);
+  report.lost = static_cast<double>(lost.size()) / static_cast<double>(picked.size());
+  if (!lost.empty()) report.outliers = outlier_share(picked, lost, samples);
+  size_t places = 0;
+  const Area area = invented_area(mesh, samples, lattice, parallel, places);
+  if (!(area.all > 0)) return report;
+  report.places = places;
+  report.invented = area.far / area.all;
   return report;
 }
 

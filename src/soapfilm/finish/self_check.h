@@ -12,8 +12,9 @@ namespace soapfilm {
 
 struct SelfCheckReport {
   size_t samples = 0;   ///< looked at
-  size_t places = 0;    ///< on the surface, spread by area
+  size_t places = 0;    ///< on the surface, one on each of some triangles; each counts by the triangle's area
   double lost = 0;      ///< share of these samples that lie farther than self_check_reach from the mesh, [0, 1]
+  double outliers = 0;  ///< share of the lost ones around which others show no surface, [0, 1]; a guess
   double invented = 0;  ///< share of the surface that lies farther than that from every sample, [0, 1]
 };
 
@@ -23,9 +24,9 @@ inline constexpr double self_check_reach = 3;
 /// Share of lost samples that is warned of.
 inline constexpr double self_check_most_lost = 0.01;
 
-/// Looks at all samples where there are at most 20 000, else at 10 000 to 20 000 of them by lot; at 20 000 places of
-/// the surface, each against all samples. The lots are fixed: the same input gives the same figures, for any number of
-/// threads. Standard error of a share s at most sqrt(s / 10 000). All is lost when the mesh has no area.
+/// Looks at all samples where there are at most 20 000, else at 10 000 to 20 000 of them by lot; at 10 000 to 20 000
+/// places of the surface, each against all samples. The lots are fixed: the same input gives the same figures, for any
+/// number of threads. Standard error of a share s at most sqrt(s / 10 000). All is lost when the mesh has no area.
 SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice,
                            const Parallel& parallel);
 

@@ -132,7 +132,7 @@ class SignedSets {
 class Estimator {
  public:
   Estimator(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted, const std::vector<Vec3f>& hints,
-            const NormalParams& params, const Parallel& parallel, Progress& progress)
+            std::span<const Vec3f> given, const NormalParams& params, const Parallel& parallel, Progress& progress)
       : sites_(positions),
         neighbours_(static_cast<size_t>(params.neighbours)),
         params_(params),
@@ -146,6 +146,7 @@ class Estimator {
       if (slot_[site] != nobody) continue;
       slot_[site] = static_cast<uint32_t>(targets_.size());
       targets_.push_back(site);
+      if (!given.empty()) given_.push_back(static_cast<Vec3d>(normalized(given[sample])));
     }
     fit();
     propagate();
@@ -165,6 +166,7 @@ class Estimator {
  private:
   std::span<const uint32_t> near(size_t slot) const { return {&near_[slot * neighbours_], near_count_[slot]}; }
   bool has_hint(uint32_t site) const { return !(hint_[site] == Vec3d{}); }
+  bool is_given(size_t slot) const { return !given_.empty() && !(given_[slot] == Vec3d{}); }
 
   /// Nearest neighbours and planes of the targets; those with a hint are turned to it.
   void fit() {
@@ -184,6 +186,7 @@ class Estimator {
           if (index[k] != targets_[t]) near_[t * neighbours_ + count++] = index[k];
         near_count_[t] = count;
         planes_[t] = fit_plane(sites_, p, params_.radius ? with_all_within(*params_.radius, tree, t) : near(t));
+        if (is_given(t)) planes_[t].normal = given_[t];
         if (dot(planes_[t].normal, hint_[targets_[t]]) < 0.0) planes_[t].normal = -planes_[t].normal;
       }
     });
@@ -257,6 +260,24 @@ class Estimator {
       if (propagated_[t] && outward[component[t]] < 0.0) planes_[t].normal = -planes_[t].normal;
   }
 
+  /// Per component: a positive or negative share of the given normals look as they now do or turned round, by more
+  /// than chance leaves of signs by lot; else 0.
+  std::vector<double> given_votes(const std::vector<uint32_t>& component) const {
+    std::vector<double> votes(components_, 0.0);
+    if (given_.empty()) return votes;
+    std::vector<double> count(components_, 0.0);
+    for (size_t t = 0; t < targets_.size(); ++t) {
+      if (!propagated_[t] || !is_given(t)) continue;
+      votes[component[t]] += dot(planes_[t].normal, given_[t]) < 0.0 ? -1.0 : 1.0;
+      count[component[t]] += 1.0;
+    }
+    constexpr double majority = 0.2;  // of 60 to 40
+    constexpr double chance = 4.0;    // standard deviations
+    for (size_t c = 0; c < components_; ++c)
+      if (std::abs(votes[c]) < std::max(majority * count[c], chance * std::sqrt(count[c]))) votes[c] = 0.0;
+    return votes;
+  }
+
   /// Positive where a component's normals look outward as they are.
   std::vector<double> component_votes(const std::vector<uint32_t>& component) const {
     // By neighbours whose direction is known.
@@ -266,9 +287,19 @@ class Estimator {
       for (const uint32_t site : near(t))
         if (has_hint(site)) votes[component[t]] += dot(planes_[t].normal, normalized(hint_[site]));
     }
+    const std::vector<double> by_given = given_votes(component);
+    for (size_t c = 0; c < components_; ++c)
+      if (votes[c] == 0.0) votes[c] = by_given[c];
     // Without any: the furthest sample along a direction looks that way. Twenty-six directions vote, and samples that
-    // do not lie in a plane with their neighbours (outliers) only where there are no others.
+    // do not lie in a plane with their neighbours (outliers) only where there are hardly others (noise).
     constexpr double flat_enough = 0.05;
+    constexpr double hardly = 0.1;  // share of the component
+    std::vector<double> flat_count(components_, 0.0), count(components_, 0.0);
+    for (size_t t = 0; t < targets_.size(); ++t) {
+      if (!propagated_[t]) continue;
+      count[component[t]] += 1.0;
+      flat_count[component[t]] += planes_[t].flat <= flat_enough ? 1.0 : 0.0;
+    }
     constexpr double never = -std::numeric_limits<double>::infinity();
     std::vector<double> extremes(components_, 0.0);
     struct Furthest {
@@ -281,9 +312,10 @@ class Estimator {
       std::vector<Furthest> furthest(components_);
       for (size_t t = 0; t < targets_.size(); ++t) {
         if (!propagated_[t]) continue;
-        Furthest& best = furthest[component[t]];
+        const uint32_t c = component[t];
+        Furthest& best = furthest[c];
         const double reach = dot(sites_.points[targets_[t]], towards);
-        const bool flat = planes_[t].flat <= flat_enough;
+        const bool flat = planes_[t].flat <= flat_enough || flat_count[c] < hardly * count[c];
         if (flat > best.flat || (flat == best.flat && reach > best.reach))
           best = {reach, flat, dot(planes_[t].normal, towards)};
       }
@@ -302,6 +334,7 @@ class Estimator {
   std::vector<Vec3d> hint_;        ///< per site: sum of its samples' hints
   std::vector<uint32_t> slot_;     ///< per site: its place among the targets, or nobody
   std::vector<uint32_t> targets_;  ///< sites whose normals are wanted
+  std::vector<Vec3d> given_;       ///< per target: a normal whose sign is in doubt, or zero; empty: there are none
   std::vector<uint32_t> near_;     ///< per target: the sites nearest to it, nearest first
   std::vector<uint32_t> near_count_;
   std::vector<Plane> planes_;        ///< per target
@@ -312,10 +345,10 @@ class Estimator {
 }  // namespace
 
 EstimatedNormals estimate_normals(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted,
-                                  const std::vector<Vec3f>& hints, const NormalParams& params, const Parallel& parallel,
-                                  Progress& progress) {
+                                  const std::vector<Vec3f>& hints, std::span<const Vec3f> given,
+                                  const NormalParams& params, const Parallel& parallel, Progress& progress) {
   if (wanted.empty()) return {};
-  return Estimator(positions, wanted, hints, params, parallel, progress).take(wanted);
+  return Estimator(positions, wanted, hints, given, params, parallel, progress).take(wanted);
 }
 
 }  // namespace soapfilm

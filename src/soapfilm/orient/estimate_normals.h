@@ -27,9 +27,11 @@ struct EstimatedNormals {
 
 /// Estimates the normals of the samples `wanted` (increasing indices) from the positions around them. `hints` is as
 /// long as `positions`: where a sample's hint is not zero, its normal is turned to that side; hints of samples that are
-/// not wanted help the signs of their neighbours. See orient() for the method.
+/// not wanted help the signs of their neighbours. `given`, empty or as long as `positions`: normals whose signs are in
+/// doubt. Where one is not zero it takes the place of the estimate; where most of a connected part look to one side,
+/// and no hint says otherwise, that side is its outer one. See orient() for the method.
 EstimatedNormals estimate_normals(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted,
-                                  const std::vector<Vec3f>& hints, const NormalParams& params, const Parallel& parallel,
-                                  Progress& progress);
+                                  const std::vector<Vec3f>& hints, std::span<const Vec3f> given,
+                                  const NormalParams& params, const Parallel& parallel, Progress& progress);
 
 }  // namespace soapfilm

@@ -51,6 +51,7 @@ struct FacetPlane {
   double thick = 1;        ///< least over middle variance
   double agreement = 0;    ///< length of the mean direction around: outliers' are all different
   bool one_sided = false;  ///< directions around are on one side of the plane, however much they differ
+  PlaneSides sides;
 
   bool agrees() const { return agreement >= least_agreement || (found && one_sided); }
   bool confirms(Vec3f normal_before) const {
@@ -171,6 +172,15 @@ void measure_area(const Around& around, Wanted&& wanted, FacetPlane& plane) {
   plane.spacing = static_cast<float>(std::sqrt(met / per_area / apart));
 }
 
+PlaneSides sides_of(const Around& around, const FacetPlane& plane) {
+  PlaneSidesOfCells sides;
+  for (size_t k = 0; k < around.count; ++k) {
+    const Facet& facet = *around.facet[k];
+    sides.add(around.slot[k], facet.count, dot(facet.direction, plane.normal), dot(around.mean[k], plane.normal));
+  }
+  return sides.result(plane.spacing);
+}
+
 /// To some four digits: what is left of rounding when the axes are turned must not reach the mesh.
 float rounded(double value) {
   int exponent = 0;
@@ -204,7 +214,9 @@ class Survey {
     SampleCells cells(order_, positions_, directions_, depth, parallel_);
     while (true) {
       progress_.check();
-      size_t left = settle(cells, depth);
+      const Settled settled = settle(cells, depth);
+      surface_.sides += settled.sides;
+      size_t left = settled.left;
       left += doubt_large_ones();
       if (left == 0 || depth == coarsest) break;
       cells = std::move(cells).coarser(directions_, parallel_);
@@ -270,22 +282,30 @@ class Survey {
     });
   }
 
-  /// Settles the samples whose surface shows at this depth; tells how many are left.
-  size_t settle(const SampleCells& cells, int depth) {
-    return sum_chunks<size_t>(cells.size(), 512, parallel_, [&](size_t begin, size_t end) {
-      size_t left = 0;
-      for (size_t c = begin; c < end; ++c) left += settle_cell(cells, c, depth);
-      return left;
+  struct Settled {
+    size_t left = 0;  ///< samples that are not
+    SideTally sides;  ///< of those that now are
+    void operator+=(const Settled& other) { left += other.left, sides += other.sides; }
+  };
+
+  /// Settles the samples whose surface shows at this depth.
+  Settled settle(const SampleCells& cells, int depth) {
+    return sum_chunks<Settled>(cells.size(), 512, parallel_, [&](size_t begin, size_t end) {
+      Settled settled;
+      for (size_t c = begin; c < end; ++c) settled.left += settle_cell(cells, c, depth, settled.sides);
+      return settled;
     });
   }
 
-  size_t settle_cell(const SampleCells& cells, size_t c, int depth) {
+  /// Tells how many samples of the cell are left.
+  size_t settle_cell(const SampleCells& cells, size_t c, int depth, SideTally& sides) {
     const uint32_t first = cells[c].begin, last = cells[c + 1].begin;
     bool any = false;
     for (uint32_t k = first; k < last && !any; ++k) any = state_[order_.sample(k)] != State::settled;
     if (!any) return 0;
     const Around around = look_around(cells, c);
     std::array<std::optional<FacetPlane>, 2> planes;
+    std::array<size_t, 2> found_now{};
     size_t left = 0;
     for (uint32_t k = first; k < last; ++k) {
       const uint32_t i = order_.sample(k);
@@ -309,11 +329,15 @@ class Survey {
       if (found) {
         surface_.normal[i] = rounded(plane.normal);
         state_[i] = State::found;
+        found_now[side] += plane.agrees();
         continue;
       }
       if (first_filled_[i] >= depth + coarser_at_most) state_[i] = State::settled;  // an edge, or no surface
       left += state_[i] != State::settled;
     }
+    const double cell = cells.side() / order_.longest();
+    for (size_t side = 0; side < 2; ++side)
+      if (found_now[side] > 0) sides.add(planes[side]->sides, found_now[side], planes[side]->area * cell * cell, cell);
     return left;
   }
 
@@ -364,6 +388,7 @@ class Survey {
       return !told || dot(plane.normal, around.facet[k]->direction) * towards >= 0;
     };
     measure_area(around, same_side, plane);
+    plane.sides = sides_of(around, plane);
     return plane;
   }
 

@@ -10,6 +10,7 @@
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/core/vec.h"
+#include "soapfilm/orient/sides.h"
 
 namespace soapfilm {
 
@@ -27,6 +28,7 @@ struct LocalSurface {
   std::vector<Vec3f> normal;   ///< unit, sign arbitrary; zero: no plane
   size_t planes = 0;           ///< samples with both
   AreaCoverage coverage;       ///< of all of them
+  SideTally sides;             ///< of those whose directions agree on their own side
 
   /// Does the sample lie on a plane whose samples agree about its sides?
   bool is_plane(size_t i) const { return normal[i] != Vec3f{} && spacing[i] > 0; }

@@ -127,31 +127,46 @@ void warn(Progress& progress, OrientReport& report, std::string line) {
   report.warnings.push_back(std::move(line));
 }
 
-void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known,
-              const Parallel& parallel, Progress& progress, std::vector<Vec3f>& directions, OrientReport& report) {
+Vec3f towards_scanner(const KnownDirections& known, size_t i, const ScanFacts& facts) {
+  const Vec3f direction = known.direction(DirectionSource::sensor, i, facts);
+  return direction == Vec3f{} ? known.direction(DirectionSource::scan, i, facts) : direction;
+}
+
+/// Fills directions that are zero. `given`: normals whose signs are in doubt, or none.
+EstimatedNormals estimate_open(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known,
+                               std::span<const Vec3f> given, const Parallel& parallel, Progress& progress,
+                               std::vector<Vec3f>& directions) {
   std::vector<uint32_t> wanted;
   for (size_t i = 0; i < cloud.size(); ++i)
     if (directions[i] == Vec3f{}) wanted.push_back(static_cast<uint32_t>(i));
-  if (wanted.empty()) return;
+  if (wanted.empty()) return {};
   std::vector<Vec3f> hints = directions;
   known.for_each(0, cloud.size(), [&](size_t i, const ScanFacts& facts) {
-    if (directions[i] != Vec3f{}) return;
-    hints[i] = known.direction(DirectionSource::sensor, i, facts);
-    if (hints[i] == Vec3f{}) hints[i] = known.direction(DirectionSource::scan, i, facts);
+    if (directions[i] == Vec3f{}) hints[i] = towards_scanner(known, i, facts);
   });
-  const EstimatedNormals estimated = estimate_normals(
-      cloud.positions, wanted, hints, {params.neighbours, params.radius, params.from_within}, parallel, progress);
-  for (size_t k = 0; k < wanted.size(); ++k) {
-    directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);
-    ++(estimated.normals[k] == Vec3d{} ? report.without_direction : report.estimated);
-  }
+  EstimatedNormals estimated =
+      estimate_normals(cloud.positions, wanted, hints, given, {params.neighbours, params.radius, params.from_within},
+                       parallel, progress);
+  for (size_t k = 0; k < wanted.size(); ++k) directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);
+  return estimated;
+}
+
+std::string plural(size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known,
+              const Parallel& parallel, Progress& progress, std::vector<Vec3f>& directions, OrientReport& report) {
+  const EstimatedNormals estimated = estimate_open(cloud, params, known, {}, parallel, progress, directions);
+  const std::vector<Vec3d>& normals = estimated.normals;
+  report.without_direction = static_cast<size_t>(std::count(normals.begin(), normals.end(), Vec3d{}));
+  report.estimated = normals.size() - report.without_direction;
   if (estimated.propagated > 0)
     warn(progress, report,
          fmt::format("{} of {} samples have no direction: normals were estimated from {} neighbours and turned {} by "
-                     "propagation over {} connected part{}, which is a guess (give normals, or scanner positions with "
-                     "--sensor{})",
+                     "propagation over {}, which is a guess (give normals, or scanner positions with --sensor{})",
                      estimated.propagated, cloud.size(), params.neighbours, params.from_within ? "inward" : "outward",
-                     estimated.components, estimated.components == 1 ? "" : "s",
+                     plural(estimated.components, "connected part"),
                      params.from_within ? "" : "; seen from inside: --outside solid"));
   if (report.without_direction > 0)
     warn(progress, report,
@@ -224,6 +239,48 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
   report.inward = 2 * report.from_normals > cloud.size() && point_inward(cloud, directions, parallel);
   estimate(cloud, params, known, parallel, progress, directions, report);
   return directions;
+}
+
+bool doubt_signs(const PointCloud& cloud, const OrientParams& params, const SideTally& sides, const Parallel& parallel,
+                 Progress& progress, std::vector<Vec3f>& directions, OrientReport& report) {
+  constexpr double most_on_sheets = 0.05;  // of the pairs
+  report.contradicting = sides.contradicting();
+  if (report.from_normals == 0 || !sides.contradicts()) return false;
+  const std::string found = fmt::format(
+      "neighboring normals contradict each other ({:.2g} % of the pairs on one plane)", 100 * report.contradicting);
+  if (params.source != DirectionSource::automatic) {
+    warn(progress, report, found + ": taken as given, as asked for; --directions auto does without their signs");
+    return false;
+  }
+  const KnownDirections known(cloud, params, parallel);
+  std::vector<Vec3f> turned = directions;
+  size_t open = 0;
+  known.for_each(0, cloud.size(), [&](size_t i, const ScanFacts& facts) {
+    const Vec3f normal = known.direction(DirectionSource::normals, i, facts);
+    if (normal == Vec3f{}) return;
+    const Vec3f view = towards_scanner(known, i, facts);
+    turned[i] = view == Vec3f{} ? view : dot(normal, view) < 0 ? -normal : normal;
+    open += view == Vec3f{};
+  });
+  if (open > 0 && sides.on_sheets() > most_on_sheets) {
+    warn(progress, report,
+         found +
+             ": taken as given all the same, for the two sides of thin parts cannot be told apart without signs; "
+             "mend them, or give scanner positions with --sensor");
+    return false;
+  }
+  const EstimatedNormals propagated = estimate_open(cloud, params, known, cloud.normals, parallel, progress, turned);
+  warn(progress, report,
+       found + ": used without their signs, " +
+           (open == 0 ? "turned to the scanners"
+                      : fmt::format("turned {} by propagation over {}, which is a guess (give scanner positions "
+                                    "with --sensor)",
+                                    params.from_within ? "inward" : "outward",
+                                    plural(propagated.components, "connected part"))) +
+           "; --directions normals takes them as given");
+  directions.swap(turned);
+  for (size_t i = 0; i < cloud.size(); ++i) report.turned += dot(directions[i], cloud.normals[i]) < 0;
+  return true;
 }
 
 void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Parallel& parallel,

@@ -10,17 +10,18 @@
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/orient/local_surface.h"
+#include "soapfilm/orient/sides.h"
 
 namespace soapfilm {
 
 /// Where directions come from. A sample for which the chosen source has nothing takes the next one of normals,
 /// sensor, scan, estimate; `automatic` begins with normals.
 enum class DirectionSource {
-  automatic,
-  normals,  ///< the given normal, unless it is zero
-  sensor,   ///< towards the scanner's position: the sample's own, its scan's, or OrientParams::sensor
-  scan,     ///< one direction for a whole scan: its viewing direction, or from its mean towards its scanner
-  estimate  ///< normal of a plane through the neighbours, turned to the scanner where one is known
+  automatic,  ///< normals first; without their signs where these contradict each other, as doubt_signs() says
+  normals,    ///< the given normal as it is, unless it is zero
+  sensor,     ///< towards the scanner's position: the sample's own, its scan's, or OrientParams::sensor
+  scan,       ///< one direction for a whole scan: its viewing direction, or from its mean towards its scanner
+  estimate    ///< normal of a plane through the neighbours, turned to the scanner where one is known
 };
 
 struct OrientParams {
@@ -39,6 +40,8 @@ struct OrientReport {
   size_t estimated = 0;
   bool inward = false;           ///< normals that were given point towards the samples' middle on the whole
   size_t without_direction = 0;  ///< their direction is zero: no neighbours that span a plane
+  double contradicting = 0;      ///< share of the pairs of neighboring directions on one plane that do, [0, 1]
+  size_t turned = 0;             ///< normals that were therefore used without their signs: turned round since
   std::vector<std::string> warnings;
 };
 
@@ -54,6 +57,13 @@ struct OrientReport {
 /// has nothing for any sample; SamplesError when scans are not in order.
 std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
                           Progress& progress, OrientReport& report);
+
+/// Looks whether the signs of the given normals contradict each other (SideTally). Where they do, and `automatic` was
+/// asked for, `directions` of samples with normals become these without their signs: turned to the scanner where one is
+/// known, the others by propagation as estimated normals are. One warning says so. Not where many samples lie on thin
+/// sheets and no scanner is known: propagation cannot tell their two sides apart. Tells whether `directions` changed.
+bool doubt_signs(const PointCloud& cloud, const OrientParams& params, const SideTally& sides, const Parallel& parallel,
+                 Progress& progress, std::vector<Vec3f>& directions, OrientReport& report);
 
 /// A direction towards the scanner tells the outer side of the surface, but counts by the cosine of its angle to the
 /// normal: a floor that rays graze at 80 degrees weighs a sixth. Where `surface` has a plane around a sample that has

@@ -1,0 +1,41 @@
+#include "soapfilm/finish/on_surface.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace soapfilm {
+
+bool looks_like_surface(const GridSamples& samples, Vec3d place) {
+  constexpr double reach = 8;  // voxels
+  constexpr double fewest = 6;
+  constexpr double most_thick = 0.15;  // least over middle variance
+  const auto index = [](double x) { return static_cast<int32_t>(std::floor(x / brick_side)); };
+  const Vec3i centre{index(place.x), index(place.y), index(place.z)};
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  double count = 0;
+  for (int k = 0; k < 27; ++k) {
+    const Vec3i brick = centre + Vec3i{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+    const int32_t found = samples.bricks.find(brick);
+    if (found < 0) continue;
+    const auto slot = static_cast<size_t>(found);
+    const Vec3d from = place - Vec3d(brick * brick_side);
+    for (uint32_t s = samples.begin[slot]; s < samples.begin[slot + 1]; ++s) {
+      const Vec3d d = Vec3d(samples.local[s]) - from;
+      if (dot(d, d) > reach * reach) continue;
+      const Eigen::Vector3d v(d.x, d.y, d.z);
+      sum += v;
+      moments += v * v.transpose();
+      ++count;
+    }
+  }
+  if (count < fewest) return false;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  const Eigen::Vector3d mean = sum / count;
+  solver.computeDirect(moments / count - mean * mean.transpose(), Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d variance = solver.eigenvalues();
+  constexpr double line = 0.05;  // middle over largest variance
+  return variance[0] <= most_thick * variance[1] || variance[1] <= line * variance[2];
+}
+
+}  // namespace soapfilm

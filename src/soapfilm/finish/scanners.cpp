@@ -1,0 +1,87 @@
+#include "soapfilm/finish/scanners.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "soapfilm/grid/layout.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr size_t enough = 64;
+
+class Air {
+ public:
+  Air(const Level& level, float threshold, bool complement)
+      : level_(level), threshold_(threshold), complement_(complement) {}
+
+  bool in_box(Vec3i v) const { return level_.box.is_free(v); }
+  bool at(Vec3i v) const {
+    if (!in_box(v)) return !complement_;
+    const Vec3i brick{v.x / brick_side, v.y / brick_side, v.z / brick_side};
+    const int32_t slot = level_.grid.find(brick);
+    const int vertex = brick_offset(v.x % brick_side, v.y % brick_side, v.z % brick_side);
+    const float u = slot >= 0 ? level_.u.brick(static_cast<size_t>(slot))[vertex] : level_.missing_u(slot, brick);
+    return (u > threshold_) == complement_;
+  }
+  bool open_along(Vec3i v, int axis, int step) const {
+    for (; in_box(v); v[axis] += step)
+      if (!at(v)) return false;
+    return true;
+  }
+
+ private:
+  const Level& level_;
+  float threshold_;
+  bool complement_;
+};
+
+}  // namespace
+
+std::vector<Vec3d> scanner_positions(const PointCloud& cloud, const std::optional<Vec3d>& sensor) {
+  std::vector<Vec3d> positions;
+  const auto add = [&](const Vec3d& p) {
+    if (is_finite(p)) positions.push_back(p);
+  };
+  const auto add_some = [&](size_t count, auto&& position) {
+    const size_t step = count / enough + 1;
+    for (size_t i = 0; i < count; i += step) position(i);
+  };
+  if (cloud.sensors.empty()) {
+    add_some(cloud.scans.size(), [&](size_t k) {
+      if (const auto& own = cloud.scans[k].sensor ? cloud.scans[k].sensor : sensor) add(*own);
+    });
+    if (cloud.scans.empty() && sensor) add(*sensor);
+  } else {
+    add_some(cloud.size(), [&](size_t i) { add(cloud.sensors[i]); });
+  }
+  const auto order = [](const Vec3d& p) { return std::tie(p.x, p.y, p.z); };
+  std::sort(positions.begin(), positions.end(), [&](const Vec3d& a, const Vec3d& b) { return order(a) < order(b); });
+  positions.erase(std::unique(positions.begin(), positions.end()), positions.end());
+  return positions;
+}
+
+ScannerReport place_scanners(const Level& level, float threshold, bool complement,
+                             const std::vector<Vec3d>& positions) {
+  const Air air(level, threshold, complement);
+  ScannerReport report;
+  constexpr double far = 1e9;  // vertices
+  const auto nearest = [&](double x) { return static_cast<int32_t>(std::round(std::clamp(x, -far, far))); };
+  for (const Vec3d& p : positions) {
+    const Vec3i v{nearest(p.x), nearest(p.y), nearest(p.z)};
+    ++report.scanners;
+    if (!air.at(v)) {
+      ++report.in_solid;
+      continue;
+    }
+    bool enclosed = true;
+    for (int axis = 0; axis < 3 && enclosed; ++axis)
+      enclosed = !air.open_along(v, axis, 1) && !air.open_along(v, axis, -1);
+    report.enclosed += enclosed;
+  }
+  return report;
+}
+
+}  // namespace soapfilm

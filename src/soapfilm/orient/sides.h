@@ -1,0 +1,73 @@
+// Which side of their plane samples look to: the same one, the two of a thin sheet, or either by lot.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace soapfilm {
+
+/// Of one place, the cells around a sample that lies on a plane: those of its samples that look to one side of the
+/// plane, and those that look to the other.
+struct PlaneSides {
+  double pairs = 0;      ///< share of its pairs of samples that look to opposite sides, [0, 0.5 and a bit]
+  double apart = 0;      ///< how far those that look up lie above the others on the mean, spacings; < 0: below them
+  double thickness = 0;  ///< the same, cells
+  bool seam = false;     ///< each of the two has cells of its own: a line parts them
+};
+
+/// Makes them of the samples in 27 cells.
+class PlaneSidesOfCells {
+ public:
+  /// Samples of one cell that look about one way: the sum of their directions along the plane's normal, and their mean
+  /// height over the plane, cells.
+  void add(int cell, uint32_t count, double towards, double height);
+  /// `spacing` of the samples, cells.
+  PlaneSides result(double spacing) const;
+
+ private:
+  std::array<double, 2> samples_{}, height_{};  ///< of those that look up, and down
+  std::array<uint32_t, 2> cells_{};             ///< bits
+};
+
+/// Sums over samples on planes. Shares are of the pairs of neighboring samples on one plane, [0, 1].
+class SideTally {
+ public:
+  /// `area`: that such a sample stands for, `cell`: side of a cell; in units of the samples' box's longest side.
+  void add(const PlaneSides& sides, size_t samples, double area, double cell);
+  SideTally& operator+=(const SideTally& other);
+
+  /// Pairs that look to opposite sides (n . n' < 0, as a rule near -1) though neither lies above the other. The two
+  /// sides of a sheet always lie on their own side of it, those of a gap on the other; wrong signs do not care, so of
+  /// pairs that are no farther apart than noise moves them, twice the smaller part of either kind counts.
+  double contradicting() const;
+  /// Those of them where a line parts the two kinds, as along the edge of a part that was turned round.
+  double at_seams() const { return share(seam_); }
+  /// Are the signs worth nothing? More than 2 % of the pairs contradict; or seams are so long that they could surround
+  /// a fiftieth of the surface: their pairs fall with the root of the samples, so do the share at which they tell.
+  bool contradicts() const;
+
+  /// Pairs on the two sides of a thin sheet.
+  double on_sheets() const { return share(sheet_); }
+  /// Share of the area that lies on sheets thinner than `limit`, same units; and the thickness that half of that is
+  /// below.
+  struct Thin {
+    double share = 0;
+    double thickness = 0;
+  };
+  Thin thinner_than(double limit) const;
+
+  size_t samples() const { return samples_; }
+
+ private:
+  double share(double pairs) const { return samples_ > 0 ? pairs / static_cast<double>(samples_) : 0; }
+
+  /// Thickness of sheets, four bins for each factor of two, from 1 downwards.
+  static constexpr size_t bins = 80;
+  std::array<double, bins> sheet_area_{};
+  double area_ = 0;
+  double above_ = 0, below_ = 0, seam_ = 0, sheet_ = 0;  ///< pairs
+  size_t samples_ = 0;
+};
+
+}  // namespace soapfilm
