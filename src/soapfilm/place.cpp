@@ -22,19 +22,31 @@ constexpr double shortest_box = 1e-100, longest_box = 1e100;
 constexpr size_t fewest_samples = 4;
 /// Thickness of the samples along their thinnest direction, relative to the longest, below which they are coplanar.
 constexpr double coplanar = 1e-7;
+/// Thickness of sheets that a grid holds with hardly a sample on the wrong side, voxels; and the share of the area from
+/// which on they count.
+constexpr double held_well = 1.4, notable_sheets = 0.1;
 constexpr size_t samples_per_task = size_t{1} << 15;
 
+/// Two sides of a sheet that are hardly a voxel apart blur into each other: the voxel follows the sheets' thickness if
+/// they are a notable part of the surface, as far as their samples can tell their sides apart.
+double voxel_of_sheets(double voxel, const SideTally& sides, const Box3d& box) {
+  constexpr double finest = 0.65;  // of what the spacing tells
+  const SideTally::Thin sheets = sides.thinner_than(held_well * voxel / box.longest());
+  if (sheets.share < notable_sheets || sides.contradicts()) return voxel;
+  return std::clamp(sheets.thickness * box.longest() / held_well, finest * voxel, voxel);
+}
+
 double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling& sampling,
-                    const AreaCoverage& coverage) {
+                    const LocalSurface& surface) {
   if (params.voxel) {
     if (*params.voxel <= box.longest()) return *params.voxel;
     throw ParameterError(fmt::format("voxel = {:g}, must be <= {:.6g}, the longest side of the samples' box",
                                      *params.voxel, box.longest()));
   }
   if (params.resolution) return voxel_of_resolution(box, *params.resolution, params.padding);
-  const double voxel = coverage.area > 0 ? coverage.spacing * std::sqrt(params.samples_per_voxel2)
-                                         : sampling.voxel(params.samples_per_voxel2);
-  if (voxel > 0) return voxel;
+  const double voxel = surface.coverage.area > 0 ? surface.coverage.spacing * std::sqrt(params.samples_per_voxel2)
+                                                 : sampling.voxel(params.samples_per_voxel2);
+  if (voxel > 0) return voxel_of_sheets(voxel, surface.sides, box);
   // Too few samples to measure their density: as coarse as the pyramid allows.
   constexpr int fallback_resolution = 64;
   return voxel_of_resolution(box, fallback_resolution, params.padding);
@@ -83,10 +95,9 @@ void warn_of_repeats(const Sampling& sampling, size_t samples, std::vector<std::
 /// Sides of a sheet less than a voxel apart run into each other: measured on a bent sheet, 6 % of the samples see the
 /// wrong side at 0.7 voxels, 26 % at 0.5; 0.3 % at 1.0, and none at 1.4.
 void warn_of_thin_sheets(const SideTally& sides, double longest, double voxel, std::vector<std::string>& warnings) {
-  constexpr double held = 0.9, held_well = 1.4;  // voxels
-  constexpr double notable = 0.1;                // share of the area
+  constexpr double held = 0.9;  // voxels
   const SideTally::Thin thin = sides.thinner_than(held * voxel / longest);
-  if (thin.share < notable || sides.contradicts()) return;
+  if (thin.share < notable_sheets || sides.contradicts()) return;
   const double thickness = thin.thickness * longest;
   warnings.push_back(
       fmt::format("{:.0f} % of the area lies on sheets thinner than a voxel can hold, half of it about {:.2g} thick or "
@@ -161,7 +172,7 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
                   const Parallel& parallel, ReconstructReport& report) {
   const Sampling sampling = measure_sampling(cloud, box, parallel);
   const AreaCoverage& coverage = surface.coverage;
-  const double voxel = choose_voxel(params.place, box, sampling, coverage);
+  const double voxel = choose_voxel(params.place, box, sampling, surface);
   const bool by_resolution = params.place.resolution && !params.place.voxel;
   try {
     report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);
