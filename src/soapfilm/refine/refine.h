@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "soapfilm/field/samples.h"
-#include "soapfilm/refine/holes.h"
+#include "soapfilm/refine/hole_fill.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/robust_fit.h"
 #include "soapfilm/refine/strength.h"
