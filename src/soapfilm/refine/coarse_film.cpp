@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "soapfilm/refine/topology.h"
 #include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
@@ -12,7 +11,8 @@ namespace soapfilm {
 namespace {
 
 constexpr int most_rounds = 12;
-constexpr double reach = 2;  // of the band on every second vertex
+constexpr size_t rest_of_first = 300;  // fewer turn than the first round's over this: they rest
+constexpr double reach = 2;            // of the band on every second vertex
 constexpr double least_of_holes = 0.02, most_of_holes = 1;
 constexpr double noise_to_follow = 0.1;  // voxels; with less, the least smoothing
 constexpr double slope_of_curvature = 0.002;
@@ -41,9 +41,9 @@ void set_with_neighbors(BrickMask& bricks, Vec3i vertex) {
 
 }  // namespace
 
-CoarseFilm::CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const GridSamples& samples,
-                       const Strength& strength, const Parallel& parallel)
-    : fine_(fine), threshold_(threshold), finder_(finder), samples_(samples), parallel_(parallel) {
+CoarseFilm::CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const Strength& strength,
+                       const Parallel& parallel)
+    : fine_(fine), threshold_(threshold), finder_(finder), parallel_(parallel) {
   // In units of every second vertex, where the surface has a quarter of the vertices.
   strength_.noise = strength.noise / 2;
   strength_.smoothing = strength.noise > noise_to_follow
@@ -68,13 +68,13 @@ void CoarseFilm::make_level() {
   level_ = std::move(next);
 }
 
-/// Fits, and lets signs follow. Returns how many did.
-size_t CoarseFilm::step(HoleReport& report) {
+/// Fits, and lets signs follow.
+FlipCount CoarseFilm::step() {
   make_level();
   start_ = start_from(level_, 0.5f, reach, parallel_, &bricks_);
   SignBits signs = signs_of(level_, 0.5f, start_, parallel_);
   {
-    const GridSamples samples = on_every_second_vertex(samples_, parallel_, &bricks_);
+    const GridSamples samples = on_every_second_vertex(finder_.samples(), parallel_, &bricks_);
     Displacement displacement(start_.band, start_.phi0, parallel_);
     CellSamples cells(samples, start_.band, parallel_);
     fit_robustly(displacement, start_.band, samples, cells, {}, strength_, robust_, parallel_);
@@ -87,7 +87,6 @@ size_t CoarseFilm::step(HoleReport& report) {
     if ((value > 0) != inside && finder_.is_sampled(v)) value = inside ? held_distance : -held_distance;
   });
   const FlipCount flips = follow(phi_, start_.band, signs, held_distance, 0);
-  report.refused = flips.refused;
   for (size_t b = 0; b < start_.grid.size(); ++b) {
     const int32_t n = level_.grid.find(start_.grid.coord(b));
     if (n < 0) continue;
@@ -98,17 +97,24 @@ size_t CoarseFilm::step(HoleReport& report) {
     if (std::abs(phi_.data()[k]) < 1 && !finder_.is_sampled(v) && signs.test(v) != is_inside(fine_, threshold_, 2 * v))
       set_with_neighbors(bricks_, v);
   });
-  return flips.wanted - flips.refused;
+  return flips;
 }
 
-void CoarseFilm::bend(const std::vector<Vec3i>& film, HoleReport& report) {
+bool CoarseFilm::bend(const std::vector<HoleFilm>& films, HoleReport& report) {
   bricks_ = BrickMask(Vec3i{fine_.box.bricks.x + 1, fine_.box.bricks.y + 1, fine_.box.bricks.z + 1} / 2);
-  for (const Vec3i v : film) set_with_neighbors(bricks_, v);
-  report.rounds = 0;
-  while (report.rounds < most_rounds) {
-    ++report.rounds;
-    if (step(report) == 0) break;
+  for (const HoleFilm& film : films)
+    for (const Vec3i v : film) set_with_neighbors(bricks_, v);
+  size_t first = 0;
+  for (report.rounds = 1; report.rounds <= most_rounds; ++report.rounds) {
+    const FlipCount flips = step();
+    const size_t turned = flips.wanted - flips.refused;
+    if (report.rounds == 1) first = turned;
+    if (turned > first && refuses_too_much(turned, flips.refused)) return false;
+    // The last ones turn to and fro.
+    if (turned <= first / rest_of_first) return true;
   }
+  report.rounds = most_rounds;
+  return true;
 }
 
 }  // namespace soapfilm

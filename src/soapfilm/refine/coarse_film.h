@@ -5,18 +5,25 @@
 
 #include "soapfilm/refine/hole_finder.h"
 #include "soapfilm/refine/robust_fit.h"
+#include "soapfilm/refine/topology.h"
 
 namespace soapfilm {
+
+/// Whether the topology holds more than 3 % as many vertices as have turned.
+inline bool refuses_too_much(size_t turned, size_t refused) {
+  return static_cast<double>(refused) > 0.03 * static_cast<double>(turned);
+}
 
 /// The surface on every second vertex near the holes, while it bends.
 class CoarseFilm {
  public:
   /// All must outlive it. `strength` is what the samples of the whole grid are fitted with.
-  CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const GridSamples& samples,
-             const Strength& strength, const Parallel& parallel);
+  CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const Strength& strength,
+             const Parallel& parallel);
 
-  /// Fits, signs that follow at simple points, and again until none does, in 12 rounds at most.
-  void bend(const std::vector<Vec3i>& film, HoleReport& report);
+  /// Fits, signs that follow at simple points, and again until hardly one does, in 12 rounds at most. Returns false
+  /// where more of them turn than in the first round, held by the topology: this ends nowhere.
+  bool bend(const std::vector<HoleFilm>& films, HoleReport& report);
 
   const BrickMask& bricks() const { return bricks_; }
   /// About the distance in units of every second vertex; beyond the band its sign alone.
@@ -24,12 +31,11 @@ class CoarseFilm {
 
  private:
   void make_level();
-  size_t step(HoleReport& report);
+  FlipCount step();
 
   const Level& fine_;
   float threshold_;
   const HoleFinder& finder_;
-  const GridSamples& samples_;
   const Parallel& parallel_;
   Strength strength_;
   RobustParams robust_;

@@ -9,10 +9,11 @@ namespace soapfilm {
 
 namespace {
 
-constexpr float sampled_within = 1;  // of every second vertex: two voxels
-constexpr size_t least_film = 24;    // of every second vertex: a hole some 14 voxels wide
-constexpr float film_depth = 1;      // voxels on either side; farther away samples of the surface do not hold it
-constexpr int border_within = 2;     // voxels: nearer, the film ends at the border
+constexpr float sampled_within = 1;      // of every second vertex: two voxels
+constexpr size_t least_film = 24;        // of every second vertex: a hole some 14 voxels wide
+constexpr float film_depth = 1;          // voxels on either side; farther away samples of the surface do not hold it
+constexpr double most_of_surface = 0.2;  // what is larger is no hole, but closes a surface that ends
+constexpr int border_within = 2;         // voxels: nearer, the film ends at the border
 
 uint64_t key_of(Vec3i v) {
   const auto bits = [](int c) { return static_cast<uint64_t>(static_cast<uint32_t>(c + 1)) & 0x1fffff; };
@@ -111,7 +112,7 @@ Vec3f HoleFinder::gradient(Vec3i v) const {
   return slope;
 }
 
-bool HoleFinder::is_base(const std::vector<Vec3i>& film) const {
+bool HoleFinder::is_base(const HoleFilm& film) const {
   constexpr float face_within = 2.5f;  // voxels
   constexpr double most = 0.8, steep_share = 0.6;
   constexpr float cosine = 0.5f;  // of 60 degrees
@@ -147,11 +148,13 @@ bool HoleFinder::is_base(const std::vector<Vec3i>& film) const {
   return rim > 0 && static_cast<double>(steep) >= steep_share * static_cast<double>(rim);
 }
 
-std::vector<Vec3i> HoleFinder::film_to_bend(HoleReport& report) const {
-  std::vector<Vec3i> unsampled;
+std::vector<HoleFilm> HoleFinder::films_to_bend(HoleReport& report) const {
+  HoleFilm unsampled;
+  size_t all = 0;
   for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
-    if (((v.x | v.y | v.z) & 1) == 0 && std::abs(start_.phi0.data()[k]) <= film_depth && !is_sampled(v / 2))
-      unsampled.push_back(v / 2);
+    if (((v.x | v.y | v.z) & 1) != 0 || std::abs(start_.phi0.data()[k]) > film_depth) return;
+    ++all;
+    if (!is_sampled(v / 2)) unsampled.push_back(v / 2);
   });
   const LevelBox& box = level_.box;
   const auto touches_border = [&](Vec3i v) {
@@ -160,15 +163,15 @@ std::vector<Vec3i> HoleFinder::film_to_bend(HoleReport& report) const {
         return true;
     return false;
   };
-  std::vector<Vec3i> bend;
-  for (const std::vector<Vec3i>& film : parts_of(unsampled)) {
+  std::vector<HoleFilm> bend;
+  for (HoleFilm& film : parts_of(unsampled)) {
     if (film.size() < least_film) continue;
-    if (box.open || std::any_of(film.begin(), film.end(), touches_border) || is_base(film)) {
+    const bool stays = static_cast<double>(film.size()) > most_of_surface * static_cast<double>(all) ||
+                       std::any_of(film.begin(), film.end(), touches_border) || is_base(film);
+    if (stays)
       ++report.left;
-      continue;
-    }
-    ++report.bent;
-    bend.insert(bend.end(), film.begin(), film.end());
+    else
+      bend.push_back(std::move(film));
   }
   return bend;
 }

@@ -12,24 +12,30 @@
 
 namespace soapfilm {
 
+/// A hole's film: vertices I of every second one (vertex 2 I of the grid).
+using HoleFilm = std::vector<Vec3i>;
+
 /// Finds films that no sample holds. Cost beyond a look at each sample follows their area.
 class HoleFinder {
  public:
   /// All must outlive it. `start` is the level's.
   HoleFinder(const Level& level, const Start& start, const GridSamples& samples, const Parallel& parallel);
 
-  /// Vertices I of every second one (vertex 2 I of the grid) at the films that are to bend: those that lie farther than
-  /// two voxels from all samples near the surface, in parts of at least 24, which is a hole some 14 voxels wide. Not
-  /// what lies along a face of the samples' box while the surface around meets it steeply (an unseen base), nor what
-  /// touches the grid's border, nor anything in a box that is open.
-  std::vector<Vec3i> film_to_bend(HoleReport& report) const;
+  /// The films that are to bend: vertices on the surface that lie farther than two voxels from all samples near it, in
+  /// parts of at least 24, which is a hole some 14 voxels wide. Not what is more than a fifth of the surface, nor what
+  /// lies along a face of the samples' box while the surface around meets it steeply (an unseen base), nor what touches
+  /// the grid's border: `report` counts these.
+  std::vector<HoleFilm> films_to_bend(HoleReport& report) const;
 
   /// Is a sample near vertex I of every second one? Outliers do not count: those that the first surface is not near.
   bool is_sampled(Vec3i vertex) const;
 
+  const Start& start() const { return start_; }
+  const GridSamples& samples() const { return samples_; }
+
  private:
   static constexpr int side = half_brick + 1;  // of every second vertex around a brick's samples
-  bool is_base(const std::vector<Vec3i>& film) const;
+  bool is_base(const HoleFilm& film) const;
   Vec3f gradient(Vec3i vertex) const;
   bool is_near_surface(Vec3i vertex) const;
 

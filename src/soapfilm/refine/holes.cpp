@@ -2,33 +2,66 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
+#include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/refine/coarse_film.h"
-#include "soapfilm/refine/topology.h"
 #include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
 namespace {
 
-constexpr double most_refused = 0.03;  // of the flips
+constexpr double most_bulge = 0.5;  // volume over area^1.5 of a film; half a ball on a disc: 0.376
 
-/// Where a brick of the grid differs from the bent film: one byte per row, bit x for vertex x.
-std::array<uint8_t, brick_area> differences(const Level& fine, float threshold, Vec3i brick, const CoarseFilm& film,
-                                            const HoleFinder& finder) {
+using BrickRows = std::array<uint8_t, brick_area>;  // of a brick: one byte per row, bit x for vertex x
+
+/// A mask on another box of bricks: those beyond it are lost, new ones not set.
+BrickMask in_box(const BrickMask& mask, Vec3i bricks) {
+  BrickMask other(bricks);
+  mask.for_each([&](Vec3i b) {
+    if (other.contains(b)) other.set(b);
+  });
+  return other;
+}
+
+/// Carries a bent film from every second vertex to the grid.
+class FilmToGrid {
+ public:
+  FilmToGrid(const Level& fine, float threshold, const CoarseFilm& film, const HoleFinder& finder,
+             const Parallel& parallel)
+      : fine_(fine), threshold_(threshold), film_(film), finder_(finder), parallel_(parallel) {}
+
+  /// The level's indicator with signs that follow the film, on the bricks near the surface.
+  Level bent(const std::vector<HoleFilm>& films, HoleReport& report) const;
+
+ private:
+  BrickRows differences(Vec3i brick) const;
+  BrickMask differing_bricks() const;
+  void turn(SignBits& signs, const NarrowBand& band, const std::vector<HoleFilm>& films, HoleReport& report) const;
+
+  const Level& fine_;
+  float threshold_;
+  const CoarseFilm& film_;
+  const HoleFinder& finder_;
+  const Parallel& parallel_;
+};
+
+/// Where a brick of the grid differs from the bent film.
+BrickRows FilmToGrid::differences(Vec3i brick) const {
   // The vertices of every second one that the brick asks for.
   constexpr int side = half_brick + 1;
   std::array<float, static_cast<size_t>(side) * side * side> distance;
   std::array<bool, static_cast<size_t>(side) * side * side> bends;
   for (int k = 0; k < side * side * side; ++k) {
     const Vec3i v = half_brick * brick + Vec3i{k % side, k / side % side, k / side / side};
-    bends[static_cast<size_t>(k)] = !finder.is_sampled(v);
-    distance[static_cast<size_t>(k)] = bends[static_cast<size_t>(k)] ? film.distance(v) : 0;
+    bends[static_cast<size_t>(k)] = !finder_.is_sampled(v);
+    distance[static_cast<size_t>(k)] = bends[static_cast<size_t>(k)] ? film_.distance(v) : 0;
   }
-  const BrickBits inside = inside_of(fine, threshold, fine.grid.find(brick), brick);
-  const FreeRange free = free_range(fine.box, brick);
-  std::array<uint8_t, brick_area> found{};
+  const BrickBits inside = inside_of(fine_, threshold_, fine_.grid.find(brick), brick);
+  const FreeRange free = free_range(fine_.box, brick);
+  BrickRows found{};
   for (int z = free.lo.z; z < free.hi.z; ++z)
     for (int y = free.lo.y; y < free.hi.y; ++y)
       for (int x = free.lo.x; x < free.hi.x; ++x) {
@@ -46,48 +79,98 @@ std::array<uint8_t, brick_area> differences(const Level& fine, float threshold, 
   return found;
 }
 
-/// The bricks of the grid that differ from the bent film.
-BrickMask differing_bricks(const Level& fine, float threshold, const CoarseFilm& film, const HoleFinder& finder) {
-  BrickMask found(fine.box.bricks);
-  film.bricks().for_each([&](Vec3i parent) {
+BrickMask FilmToGrid::differing_bricks() const {
+  BrickMask found(fine_.box.bricks);
+  film_.bricks().for_each([&](Vec3i parent) {
     for (int k = 0; k < 8; ++k) {
       const Vec3i brick = child_of(parent, k);
       if (!found.contains(brick)) continue;
-      const auto rows = differences(fine, threshold, brick, film, finder);
+      const BrickRows rows = differences(brick);
       if (std::any_of(rows.begin(), rows.end(), [](uint8_t row) { return row != 0; })) found.set(brick);
     }
   });
   return found;
 }
 
-/// The level's indicator with signs that follow the film, on the start's bricks and those that differ.
-Level bent_level(const Level& fine, float threshold, const Start& start, const CoarseFilm& film,
-                 const HoleFinder& finder, const Parallel& parallel, HoleReport& report) {
-  const BrickMask differing = differing_bricks(fine, threshold, film, finder);
-  BrickMask wanted = differing;
-  for (size_t b = 0; b < start.grid.size(); ++b) wanted.set(start.grid.coord(b));
+/// What became of the holes in a connected set of bricks that differ, which are undone together.
+struct Outcome {
+  size_t turned = 0, refused = 0;  // vertices
+  double most = 0;                 // that the films there allow
+  bool fails() const { return refuses_too_much(turned, refused) || static_cast<double>(turned) > most; }
+};
+
+/// Turns the band's vertices where their topology allows, and back, hole by hole, what went wrong.
+void FilmToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vector<HoleFilm>& films,
+                      HoleReport& report) const {
+  const BrickGrid& grid = band.grid();
+  const SignBits before = signs;
+  RowArray phi = band.make_array();
+  for_each_vertex(band, [&](Vec3i v, size_t k) { phi.data()[k] = before.test(v) ? -1.0f : 1.0f; });
+  follow(phi, band, signs, held_distance, 0);
+
+  const auto differs = [&](size_t b) { return band.first_row(b) < band.first_row(b + 1); };
+  DisjointSets sets(grid.size());
+  std::vector<Outcome> outcome(grid.size());  // of each set, at its root
+  for (size_t b = 0; b < grid.size(); ++b)
+    for (const int32_t n : grid.neighbors(b))
+      if (n >= 0 && differs(b) && differs(static_cast<size_t>(n)))
+        sets.join(static_cast<uint32_t>(b), static_cast<uint32_t>(n));
+  const auto outcome_of = [&](size_t b) -> Outcome& { return outcome[sets.root(static_cast<uint32_t>(b))]; };
+  for (size_t b = 0; b < grid.size(); ++b)
+    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
+      const int y = band.place(r) & 7, z = band.place(r) >> 3;
+      const auto wanted = static_cast<size_t>(count_bits(band.mask(r)));
+      const auto turned = static_cast<size_t>(count_bits(uint64_t(before.row(b, y, z) ^ signs.row(b, y, z))));
+      outcome_of(b).turned += turned;
+      outcome_of(b).refused += wanted - turned;
+    }
+  // A film takes part in every set that it passes through.
+  std::vector<std::vector<uint32_t>> sets_of(films.size());
+  for (size_t f = 0; f < films.size(); ++f) {
+    for (const Vec3i v : films[f])
+      if (const int32_t b = grid.find(brick_of(2 * v)); b >= 0 && differs(static_cast<size_t>(b)))
+        sets_of[f].push_back(sets.root(static_cast<uint32_t>(b)));
+    std::sort(sets_of[f].begin(), sets_of[f].end());
+    sets_of[f].erase(std::unique(sets_of[f].begin(), sets_of[f].end()), sets_of[f].end());
+    const double area = 4 * static_cast<double>(films[f].size());  // voxel^2: of a vertex on either side
+    for (const uint32_t s : sets_of[f]) outcome[s].most += most_bulge * area * std::sqrt(area);
+  }
+  report.flips = report.refused = 0;
+  for (size_t b = 0; b < grid.size(); ++b) {
+    const Outcome& whole = outcome_of(b);
+    report.flips += whole.fails() ? 0 : outcome[b].turned;
+    report.refused += whole.fails() ? 0 : outcome[b].refused;
+    if (differs(b) && whole.fails())
+      for (int row = 0; row < brick_area; ++row) signs.row(b, row & 7, row >> 3) = before.row(b, row & 7, row >> 3);
+  }
+  for (const std::vector<uint32_t>& passed : sets_of) {
+    const bool flat = std::any_of(passed.begin(), passed.end(), [&](uint32_t s) { return outcome[s].fails(); });
+    ++(flat ? report.left : report.bent);
+  }
+}
+
+Level FilmToGrid::bent(const std::vector<HoleFilm>& films, HoleReport& report) const {
+  const BrickMask differing = differing_bricks();
+  BrickMask near_surface = differing;
+  const Start& start = finder_.start();
+  for (size_t b = 0; b < start.grid.size(); ++b) near_surface.set(start.grid.coord(b));
   Level bent;
-  bent.box = fine.box;
-  bent.inside = start.inside;
-  bent.grid = BrickGrid(wanted, parallel);
+  bent.box = fine_.box;
+  bent.inside = in_box(start.inside, fine_.box.bricks);
+  bent.grid = BrickGrid(near_surface, parallel_);
   std::vector<uint8_t> vertices(bent.grid.size() * brick_area);
   SignBits signs(bent.grid, bent.inside);
-  parallel.for_each(bent.grid.size(), 64, [&](size_t b) {
+  parallel_.for_each(bent.grid.size(), 64, [&](size_t b) {
     const Vec3i brick = bent.grid.coord(b);
-    const BrickBits inside = inside_of(fine, threshold, fine.grid.find(brick), brick);
+    const BrickBits inside = inside_of(fine_, threshold_, fine_.grid.find(brick), brick);
     for (int row = 0; row < brick_area; ++row) signs.row(b, row & 7, row >> 3) = inside.row(row & 7, row >> 3);
     if (!differing.test(brick)) return;
-    const auto rows = differences(fine, threshold, brick, film, finder);
+    const BrickRows rows = differences(brick);
     std::copy(rows.begin(), rows.end(), vertices.begin() + static_cast<std::ptrdiff_t>(b * brick_area));
   });
-  const NarrowBand band(bent.grid, vertices, parallel);
-  RowArray phi = band.make_array();
-  for_each_vertex(band, [&](Vec3i v, size_t k) { phi.data()[k] = signs.test(v) ? -1.0f : 1.0f; });
-  const FlipCount flips = follow(phi, band, signs, held_distance, 0);
-  report.flips = flips.wanted - flips.refused;
-  report.refused = flips.refused;
+  turn(signs, NarrowBand(bent.grid, vertices, parallel_), films, report);
   bent.u = Field<float>(bent.grid);
-  parallel.for_each(bent.grid.size(), 64, [&](size_t b) {
+  parallel_.for_each(bent.grid.size(), 64, [&](size_t b) {
     float* u = bent.u.brick(b);
     for (int k = 0; k < brick_volume; ++k) u[k] = signs.test(b, k & 7, k >> 3 & 7, k >> 6) ? 1.0f : 0.0f;
   });
@@ -96,23 +179,28 @@ Level bent_level(const Level& fine, float threshold, const Start& start, const C
 
 }  // namespace
 
-void bend_holes(Level& level, float threshold, const std::vector<Vec3i>& film, const HoleFinder& finder,
-                const Strength& strength, Start& start, const GridSamples& samples, double start_reach,
-                const Parallel& parallel, HoleReport& report) {
+void make_room(Level& level) {
+  LevelBox& box = level.box;
+  const Vec3i room = box.free_lo - Vec3i{1, 1, 1};
+  box.free_lo = {1, 1, 1};
+  box.free_hi = box.free_hi + room;
+  for (int axis = 0; axis < 3; ++axis)
+    box.bricks[axis] = std::max(box.bricks[axis], brick_of(box.free_hi + Vec3i{1, 1, 1})[axis] + 1);
+  level.inside = in_box(level.inside, box.bricks);
+}
+
+bool bend_holes(Level& level, float threshold, const std::vector<HoleFilm>& films, const HoleFinder& finder,
+                const Strength& strength, const Parallel& parallel, HoleReport& report) {
   Level bent;
   {
-    CoarseFilm coarse(level, threshold, finder, samples, strength, parallel);
-    coarse.bend(film, report);
-    bent = bent_level(level, threshold, start, coarse, finder, parallel, report);
+    CoarseFilm film(level, threshold, finder, strength, parallel);
+    if (film.bend(films, report))
+      bent = FilmToGrid(level, threshold, film, finder, parallel).bent(films, report);
+    else
+      report.left += films.size();
   }
-  // Where much wants to go through other parts of the surface, this is no hole that bends as what is around it.
-  if (static_cast<double>(report.refused) > most_refused * static_cast<double>(report.flips)) {
-    report.left += std::exchange(report.bent, 0);
-    report.flips = 0;
-  }
-  if (report.flips == 0) return;
-  level = std::move(bent);
-  start = start_from(level, threshold, start_reach, parallel);
+  if (report.flips > 0) level = std::move(bent);
+  return report.flips > 0;
 }
 
 }  // namespace soapfilm

@@ -4,19 +4,22 @@
 // follow it at simple points, and again from there, since one fit moves a surface by no more than its band is wide.
 #pragma once
 
-#include <vector>
-
 #include "soapfilm/refine/hole_finder.h"
 #include "soapfilm/refine/strength.h"
 
 namespace soapfilm {
 
-/// Bends the surface of u > threshold at these films; `level` becomes a binary indicator (its box, grid, u and inside
-/// alone), `start` the start from it. Components and genus stay. `strength` is what the samples of the whole grid are
-/// fitted with. Bulges end at the grid's border; where more than 3 % of the vertices that want to turn may not, all
-/// stays as it was. Results do not depend on threads.
-void bend_holes(Level& level, float threshold, const std::vector<Vec3i>& film, const HoleFinder& finder,
-                const Strength& strength, Start& start, const GridSamples& samples, double reach,
-                const Parallel& parallel, HoleReport& report);
+/// Room for bulges beyond the solve's border: frees the vertices up to the lattice's first one, and as many on the high
+/// side. What is on which side stays; the box of bricks may grow.
+void make_room(Level& level);
+
+/// Bends the surface of u > threshold at these films, which `finder` found in this level; returns whether any did.
+/// `level` then becomes a binary indicator (its box, grid, u and inside alone). Components and genus stay. `strength`
+/// is what the samples of the whole grid are fitted with.
+/// A film stays as it was where more than 3 % of the vertices that want to turn may not, for their topology, and where
+/// it would bulge by much more than half a ball on its area. Bulges end at the border of the box. Results do not depend
+/// on threads.
+bool bend_holes(Level& level, float threshold, const std::vector<HoleFilm>& films, const HoleFinder& finder,
+                const Strength& strength, const Parallel& parallel, HoleReport& report);
 
 }  // namespace soapfilm

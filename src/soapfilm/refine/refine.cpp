@@ -141,9 +141,11 @@ SurfaceField refine(Level level, float threshold, const GridSamples& samples, do
   std::optional<Strength> chosen;
   if (params.holes == HoleFill::smooth && !sparse) {
     const HoleFinder finder(level, start, samples, parallel);
-    if (const auto film = finder.film_to_bend(report.holes); !film.empty()) {
+    if (const auto films = finder.films_to_bend(report.holes); !films.empty()) {
       chosen = choose(start, samples, params, 1, parallel, report.search);
-      bend_holes(level, threshold, film, finder, *chosen, start, samples, params.reach, parallel, report.holes);
+      if (!params.open) make_room(level);
+      if (bend_holes(level, threshold, films, finder, *chosen, parallel, report.holes))
+        start = start_from(level, threshold, params.reach, parallel);
     }
   }
   SignBits signs = signs_of(level, threshold, start, parallel);
