@@ -11,6 +11,7 @@ namespace soapfilm {
 namespace {
 
 constexpr int most_rounds = 12;
+constexpr double most_held = 0.03;     // by the topology, of those that turn, where these grow in number
 constexpr size_t rest_of_first = 300;  // fewer turn than the first round's over this: they rest
 constexpr double reach = 2;            // of the band on every second vertex
 constexpr double least_of_holes = 0.02, most_of_holes = 1;
@@ -109,7 +110,7 @@ bool CoarseFilm::bend(const std::vector<HoleFilm>& films, HoleReport& report) {
     const FlipCount flips = step();
     const size_t turned = flips.wanted - flips.refused;
     if (report.rounds == 1) first = turned;
-    if (turned > first && refuses_too_much(turned, flips.refused)) return false;
+    if (turned > first && static_cast<double>(flips.refused) > most_held * static_cast<double>(turned)) return false;
     // The last ones turn to and fro.
     if (turned <= first / rest_of_first) return true;
   }

@@ -9,11 +9,6 @@
 
 namespace soapfilm {
 
-/// Whether the topology holds more than 3 % as many vertices as have turned.
-inline bool refuses_too_much(size_t turned, size_t refused) {
-  return static_cast<double>(refused) > 0.03 * static_cast<double>(turned);
-}
-
 /// The surface on every second vertex near the holes, while it bends.
 class CoarseFilm {
  public:

@@ -13,7 +13,8 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double most_bulge = 0.5;  // volume over area^1.5 of a film; half a ball on a disc: 0.376
+constexpr double most_refused = 0.06;  // by the topology, of the vertices that turn
+constexpr double most_bulge = 0.5;     // volume over area^1.5 of a film; half a ball on a disc: 0.376
 
 using BrickRows = std::array<uint8_t, brick_area>;  // of a brick: one byte per row, bit x for vertex x
 
@@ -96,7 +97,10 @@ BrickMask FilmToGrid::differing_bricks() const {
 struct Outcome {
   size_t turned = 0, refused = 0;  // vertices
   double most = 0;                 // that the films there allow
-  bool fails() const { return refuses_too_much(turned, refused) || static_cast<double>(turned) > most; }
+  bool fails() const {
+    return static_cast<double>(refused) > most_refused * static_cast<double>(turned) ||
+           static_cast<double>(turned) > most;
+  }
 };
 
 /// Turns the band's vertices where their topology allows, and back, hole by hole, what went wrong.

@@ -16,7 +16,7 @@ void make_room(Level& level);
 /// Bends the surface of u > threshold at these films, which `finder` found in this level; returns whether any did.
 /// `level` then becomes a binary indicator (its box, grid, u and inside alone). Components and genus stay. `strength`
 /// is what the samples of the whole grid are fitted with.
-/// A film stays as it was where more than 3 % of the vertices that want to turn may not, for their topology, and where
+/// A film stays as it was where the topology holds more than 6 % as many vertices as turn, and where
 /// it would bulge by much more than half a ball on its area. Bulges end at the border of the box. Results do not depend
 /// on threads.
 bool bend_holes(Level& level, float threshold, const std::vector<HoleFilm>& films, const HoleFinder& finder,
