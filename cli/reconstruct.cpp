@@ -360,7 +360,7 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
                          "Of the refined surface, where no sample covers it: smooth, bent as the\nsurface around, or "
                          "flat, of least area; unseen bases are flat"))
       ->transform(named<HoleFill>({{"smooth", HoleFill::smooth}, {"flat", HoleFill::flat}}))
-      ->option_text("smooth|flat [flat]");
+      ->option_text("smooth|flat [smooth]");
   surface(app.add_option("--bend-tolerance", p.surface.bend.tolerance,
                          "Of the refined surface: split edges whose middle lies further from it,\nvoxels; 0: leave the "
                          "triangles of marching cubes"))

@@ -48,11 +48,12 @@ class Condition:
     misalignment: float = 0      # standard deviation of each scan's shift along an axis, voxels
     density: float = 1           # of even samples, per voxel^2
     scans: bool = False
+    seed: int = SEED             # of the samples, and of what spoils them: also of the hole's place
     baselines: bool = True       # run the older methods too
 
     def errors(self, voxel):
         """Arguments of soapfilm scan that spoil the samples."""
-        words = ["--seed", SEED]
+        words = ["--seed", self.seed]
         for option, value in (("--noise", self.noise * voxel), ("--misalignment", self.misalignment * voxel),
                               ("--outliers", self.outliers), ("--hole", self.hole)):
             words += [option, f"{value:.9g}"] if value else []
@@ -75,6 +76,9 @@ CONDITIONS = (
     Condition("outliers-1", "1 % outliers", outliers=0.01),
     Condition("outliers-10", "10 % outliers", outliers=0.1),
     Condition("hole", "a hole of a tenth", hole=0.1),
+    Condition("hole-2", "the hole in a second place", hole=0.1, seed=2, baselines=False),
+    Condition("hole-3", "the hole in a third place", hole=0.1, seed=3, baselines=False),
+    Condition("hole-noise", "the first hole, noise of 1/2 voxel", hole=0.1, noise=0.5, baselines=False),
     Condition("density", "density 50 to 1", thin_half=50),
     Condition("sparse", "noise of 1/2 voxel, 1/5 sample per voxel^2", noise=0.5, density=0.2, baselines=False),
     Condition("scans", "range scans", scans=True),

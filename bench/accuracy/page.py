@@ -31,9 +31,9 @@ viewing directions only the unit vectors towards the scanner.{voxels}{absent}"""
 
 # Why the peer is better, or as good, by condition.
 BETTER = {
-    "hole": "The film of least area spans a hole flat, and cuts off an edge or corner that lies in it; screened "
-            "Poisson bulges over it as the surface around does. Most of either's mean error lies in the hole. What the "
-            "samples determine of components and genus is judged above.",
+    "hole": "Ours bends over a hole as the surface around it does, and so does screened Poisson; what an edge or corner "
+            "or the end of a limb was like that lies in it, neither can know. Most of either's mean error lies in the "
+            "hole. What the samples determine of components and genus is judged above.",
     "misaligned": "Every scan is off by a shift of its own. A surface can lie at the mean of the scans that see a "
                   "place, as that of every method does, and that mean is off too.",
 }

@@ -224,6 +224,7 @@ SurfaceField Pipeline::level_set(Segmentation& found, const GridSamples& samples
   if (refines(params_)) {
     RefineParams how = params_.refine;
     how.vanish = drops_islands(params_);
+    how.open = report_.lattice.open;
     return soapfilm::refine(std::move(found.level), threshold, samples, report_.input.density, how, parallel_,
                             report_.refine.emplace());
   }

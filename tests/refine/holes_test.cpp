@@ -60,6 +60,51 @@ TEST(Holes, AnUnseenBaseStaysFlat) {
   EXPECT_EQ(hash_mesh(smooth.mesh), hash_mesh(filled(solved, HoleFill::flat).mesh));
 }
 
+TEST(Holes, WhatIsAFifthOfTheSurfaceIsNoHole) {
+  // Samples of the upper third alone, turned so that the film lies along no face of their box.
+  const Solved solved = with_hole("sphere", 50, [](Vec3d p) { return dot(p, normalized(Vec3d{1, 2, 3})) > -0.15; });
+  const Refined smooth = filled(solved, HoleFill::smooth);
+  EXPECT_EQ(smooth.report.holes.bent, 0u);
+  EXPECT_EQ(smooth.report.holes.left, 1u);
+  EXPECT_EQ(hash_mesh(smooth.mesh), hash_mesh(filled(solved, HoleFill::flat).mesh));
+}
+
+/// How far the sphere without a cap reaches along x, over its radius, in a box that ends 3 voxels beyond the samples.
+/// The cap's pole lies 27 degrees off that axis, its rim 53 degrees around: samples end at 0.9 radii, 4 voxels below.
+double reach_along_x(bool open, size_t& bent) {
+  constexpr int resolution = 100;
+  Solved solved("sphere", 30);
+  const double voxel = voxel_of_resolution(solved.truth->box(), resolution, 6);
+  PointCloud cloud = disturbed(*solved.truth, resolution, 1, {});
+  const Vec3d pole = normalized(Vec3d{1, 0, 0.52});
+  std::vector<bool> keep(cloud.size());
+  Box3d box;
+  for (size_t i = 0; i < cloud.size(); ++i)
+    if ((keep[i] = dot(cloud.positions[i], pole) < 0.3)) box.extend(cloud.positions[i]);
+  cloud.filter(keep);
+  solved.problem = make_problem(cloud, place_lattice(box, voxel, 3));
+  solved.solution = solve(solved.problem, 0.02, 1e-3);
+  RefineParams params;
+  params.open = open;
+  const Refined result = refined(solved, params);
+  EXPECT_TRUE(check_topology(result.mesh).watertight());
+  bent = result.report.holes.bent;
+  double most = 0;
+  for (const Vec3d v : result.mesh.vertices) most = std::max(most, v.x);
+  return most / 0.5;
+}
+
+TEST(Holes, ABulgeHasRoomBeyondTheSolvesBorder) {
+  size_t bent = 0;
+  EXPECT_NEAR(reach_along_x(false, bent), 1, 0.02);
+  EXPECT_EQ(bent, 1u);
+}
+
+TEST(Holes, ABulgeStaysWithinAnOpenBox) {
+  size_t bent = 0;
+  EXPECT_LT(reach_along_x(true, bent), 0.97);
+}
+
 TEST(Holes, ThreadsDoNotMatter) {
   const Solved solved = with_hole("sphere", 50, in_cap);
   EXPECT_EQ(hash_mesh(filled(solved, HoleFill::smooth, 1).mesh), hash_mesh(filled(solved, HoleFill::smooth, 3).mesh));

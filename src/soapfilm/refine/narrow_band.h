@@ -118,6 +118,24 @@ double sum_over_rows(RowRange rows, Body&& body) {
   return total;
 }
 
+/// visit(vertex, index into an array over the band), in the order of rows.
+template <class Visit>
+void for_each_vertex(const NarrowBand& band, Visit&& visit) {
+  for (size_t b = 0; b < band.grid().size(); ++b)
+    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r)
+      for (int x = 0; x < brick_side; ++x)
+        if (band.mask(r) >> x & 1)
+          visit(band.grid().first_vertex(b) + Vec3i{x, band.place(r) & 7, band.place(r) >> 3},
+                size_t{r} * brick_side + static_cast<size_t>(x));
+}
+
+/// A value of an array over the band at a vertex, or `otherwise` where the band lacks it.
+inline float value_at(const NarrowBand& band, const RowArray& values, Vec3i v, float otherwise) {
+  const uint32_t row = band.row(band.grid().find(brick_of(v)), v.y & 7, v.z & 7);
+  return band.mask(row) >> (v.x & 7) & 1 ? values.data()[size_t{row} * brick_side + static_cast<size_t>(v.x & 7)]
+                                         : otherwise;
+}
+
 /// out = weight_v v + weight_g G v; G is the band's graph Laplacian, positive semi-definite: (G v)_i = sum over
 /// neighbours j in the band of v_i - v_j. Its null space are the constants on connected parts. Returns <G v, out>.
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,

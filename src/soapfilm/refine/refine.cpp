@@ -10,6 +10,7 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/refine/coarser.h"
+#include "soapfilm/refine/holes.h"
 #include "soapfilm/refine/prolong_distance.h"
 #include "soapfilm/refine/start.h"
 #include "soapfilm/refine/topology.h"
@@ -18,9 +19,8 @@ namespace soapfilm {
 
 namespace {
 
-constexpr float far_distance = 3;       // voxels, of vertices beyond the band
-constexpr float held_distance = 0.05f;  // voxels, of vertices whose sign must not follow
-constexpr size_t speck = 64;            // vertices: a ball of radius 2.5, what outliers that support each other make
+constexpr float far_distance = 3;  // voxels, of vertices beyond the band
+constexpr size_t speck = 64;       // vertices: a ball of radius 2.5, what outliers that support each other make
 
 /// How much the samples are worth is for the samples to say. `spacing`: of the fit's vertices, voxels.
 Strength choose(const Start& start, const GridSamples& samples, const RefineParams& params, double spacing,
@@ -141,9 +141,11 @@ SurfaceField refine(Level level, float threshold, const GridSamples& samples, do
   std::optional<Strength> chosen;
   if (params.holes == HoleFill::smooth && !sparse) {
     const HoleFinder finder(level, start, samples, parallel);
-    if (const auto film = finder.film_to_bend(report.holes); !film.empty()) {
+    if (const auto films = finder.films_to_bend(report.holes); !films.empty()) {
       chosen = choose(start, samples, params, 1, parallel, report.search);
-      bend_holes(level, threshold, film, finder, *chosen, start, samples, params.reach, parallel, report.holes);
+      if (!params.open) make_room(level);
+      if (bend_holes(level, threshold, films, finder, *chosen, parallel, report.holes))
+        start = start_from(level, threshold, params.reach, parallel);
     }
   }
   SignBits signs = signs_of(level, threshold, start, parallel);

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "soapfilm/field/samples.h"
-#include "soapfilm/refine/holes.h"
+#include "soapfilm/refine/hole_fill.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/robust_fit.h"
 #include "soapfilm/refine/strength.h"
@@ -23,9 +23,11 @@ struct RefineParams {
   double reach = 3;     ///< half width of the band, voxels; [1, 3]
   double sparse = 0.5;  ///< samples per voxel^2, [0, 1e3]: where there are fewer, a fit on every second vertex, or
                         ///< every fourth, ..., takes its place if that serves as well
-  HoleFill holes = HoleFill::flat;  ///< how the surface spans what no sample covers
+  HoleFill holes = HoleFill::smooth;  ///< how the surface spans what no sample covers
   bool vanish = true;  ///< specks, objects and voids of at most 64 vertices, that the fit shrinks to their last one go:
                        ///< no surface fits their samples. (reconstruct() sets it by drops_islands().)
+  bool open = false;   ///< may the surface end at the border of the box? Then holes do not bulge beyond it.
+                       ///< (reconstruct() sets it.)
 };
 
 struct RefineReport {

@@ -36,6 +36,8 @@ struct FlipCount {
   size_t vanished = 0;  ///< vertices that were an object or a void of their own, and have turned
 };
 
+inline constexpr float held_distance = 0.05f;  ///< voxels, of vertices whose sign must not follow
+
 /// Turns over, one after the other in a fixed order, the band's vertices whose sign differs from phi's, each only while
 /// it is simple; where phi must not have its way it is set to `held` voxels on the old side. Afterwards phi > 0 exactly
 /// where the bits are set. Objects and voids of at most `speck` vertices, as they were handed in, whose last vertex phi

@@ -1,0 +1,121 @@
+#include "soapfilm/refine/coarse_film.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "soapfilm/solve/inside_bits.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr int most_rounds = 12;
+constexpr double most_held = 0.03;     // by the topology, of those that turn, where these grow in number
+constexpr size_t rest_of_first = 300;  // fewer turn than the first round's over this: they rest
+constexpr double reach = 2;            // of the band on every second vertex
+constexpr double least_of_holes = 0.02, most_of_holes = 1;
+constexpr double noise_to_follow = 0.1;  // voxels; with less, the least smoothing
+constexpr double slope_of_curvature = 0.002;
+
+bool is_inside(const Level& level, float threshold, Vec3i v) {
+  const int32_t b = level.grid.find(brick_of(v));
+  const float u = b >= 0 ? level.u.brick(static_cast<size_t>(b))[brick_offset(v.x & 7, v.y & 7, v.z & 7)]
+                         : level.missing_u(b, brick_of(v));
+  return u > threshold;
+}
+
+/// Bricks and those next to them.
+BrickMask with_neighbors(const BrickMask& bricks) {
+  BrickMask more(bricks.bricks());
+  bricks.for_each([&](Vec3i b) {
+    for (int slot = 0; slot < 27; ++slot)
+      if (const Vec3i next = b + slot_offset(slot); more.contains(next)) more.set(next);
+  });
+  return more;
+}
+
+void set_with_neighbors(BrickMask& bricks, Vec3i vertex) {
+  for (int slot = 0; slot < 27; ++slot)
+    if (const Vec3i b = brick_of(vertex) + slot_offset(slot); bricks.contains(b)) bricks.set(b);
+}
+
+}  // namespace
+
+CoarseFilm::CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const Strength& strength,
+                       const Parallel& parallel)
+    : fine_(fine), threshold_(threshold), finder_(finder), parallel_(parallel) {
+  // In units of every second vertex, where the surface has a quarter of the vertices.
+  strength_.noise = strength.noise / 2;
+  strength_.smoothing = strength.noise > noise_to_follow
+                            ? std::clamp(strength.smoothing / 4, least_of_holes, most_of_holes)
+                            : least_of_holes;
+  robust_.slope_of_curvature = slope_of_curvature;
+  robust_.solve = {60, 0.01};
+}
+
+float CoarseFilm::distance(Vec3i v) const {
+  const float far = static_cast<float>(reach) + 1;
+  return value_at(start_.band, phi_, v, is_inside(level_, 0.5f, v) ? far : -far);
+}
+
+/// The indicator on the bricks that are wanted now; what bent already stays.
+void CoarseFilm::make_level() {
+  const BrickMask wanted = with_neighbors(bricks_);
+  Level next = every_second_vertex(fine_, threshold_, parallel_, &wanted);
+  for (size_t b = 0; b < level_.grid.size(); ++b)
+    if (const int32_t n = next.grid.find(level_.grid.coord(b)); n >= 0)
+      std::copy_n(level_.u.brick(b), brick_volume, next.u.brick(static_cast<size_t>(n)));
+  level_ = std::move(next);
+}
+
+/// Fits, and lets signs follow.
+FlipCount CoarseFilm::step() {
+  make_level();
+  start_ = start_from(level_, 0.5f, reach, parallel_, &bricks_);
+  SignBits signs = signs_of(level_, 0.5f, start_, parallel_);
+  {
+    const GridSamples samples = on_every_second_vertex(finder_.samples(), parallel_, &bricks_);
+    Displacement displacement(start_.band, start_.phi0, parallel_);
+    CellSamples cells(samples, start_.band, parallel_);
+    fit_robustly(displacement, start_.band, samples, cells, {}, strength_, robust_, parallel_);
+    phi_ = std::move(displacement.phi());
+  }
+  // Where samples hold the surface the solve has decided.
+  for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
+    const bool inside = signs.test(v);
+    float& value = phi_.data()[k];
+    if ((value > 0) != inside && finder_.is_sampled(v)) value = inside ? held_distance : -held_distance;
+  });
+  const FlipCount flips = follow(phi_, start_.band, signs, held_distance, 0);
+  for (size_t b = 0; b < start_.grid.size(); ++b) {
+    const int32_t n = level_.grid.find(start_.grid.coord(b));
+    if (n < 0) continue;
+    float* u = level_.u.brick(static_cast<size_t>(n));
+    for (int k = 0; k < brick_volume; ++k) u[k] = signs.row(b, k >> 3 & 7, k >> 6) >> (k & 7) & 1 ? 1.0f : 0.0f;
+  }
+  for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
+    if (std::abs(phi_.data()[k]) < 1 && !finder_.is_sampled(v) && signs.test(v) != is_inside(fine_, threshold_, 2 * v))
+      set_with_neighbors(bricks_, v);
+  });
+  return flips;
+}
+
+bool CoarseFilm::bend(const std::vector<HoleFilm>& films, HoleReport& report) {
+  bricks_ = BrickMask(Vec3i{fine_.box.bricks.x + 1, fine_.box.bricks.y + 1, fine_.box.bricks.z + 1} / 2);
+  for (const HoleFilm& film : films)
+    for (const Vec3i v : film) set_with_neighbors(bricks_, v);
+  size_t first = 0;
+  for (report.rounds = 1; report.rounds <= most_rounds; ++report.rounds) {
+    const FlipCount flips = step();
+    const size_t turned = flips.wanted - flips.refused;
+    if (report.rounds == 1) first = turned;
+    if (turned > first && static_cast<double>(flips.refused) > most_held * static_cast<double>(turned)) return false;
+    // The last ones turn to and fro.
+    if (turned <= first / rest_of_first) return true;
+  }
+  report.rounds = most_rounds;
+  return true;
+}
+
+}  // namespace soapfilm

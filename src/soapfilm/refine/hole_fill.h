@@ -1,0 +1,19 @@
+// How the surface spans what no sample covers, and what came of it.
+#pragma once
+
+#include <cstddef>
+
+namespace soapfilm {
+
+/// How the surface spans what no sample covers: with the bend of the surface around, or as the film of least area.
+enum class HoleFill { smooth, flat };
+
+struct HoleReport {
+  size_t bent = 0;     ///< holes
+  size_t left = 0;     ///< left flat: the unseen base of an object, or a film that ends at the grid's border
+  size_t flips = 0;    ///< vertices of the grid that changed sides
+  size_t refused = 0;  ///< that would have changed the topology and were held
+  int rounds = 0;      ///< of fits and flips; 12 are the most
+};
+
+}  // namespace soapfilm
