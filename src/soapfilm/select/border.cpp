@@ -30,6 +30,13 @@ int trial_level(const Lattice& lattice, double density) {
   return std::min(level, lattice.levels - 1);
 }
 
+/// Around most objects lies air beyond doubt. A level coarser tells that, too, if it is fine enough.
+bool has_coarser_trial(const Lattice& lattice, int level) {
+  constexpr int fine_enough = 48;  // vertices along the longest side
+  const Vec3i n = lattice.size;
+  return level + 1 < lattice.levels && std::max({n.x, n.y, n.z}) >> (level + 1) >= fine_enough;
+}
+
 /// The sum of |p| over the faces between the box's free and fixed vertices, of levels from coarse to fine: what lies
 /// outside of a level's band keeps the coarser one's p. Counts twice what a coarser brick shares with the band.
 class BorderFlux {
@@ -97,7 +104,7 @@ struct Trial {
   double bound_of_any() const { return bound - flux; }
 };
 
-Trial solve(const BorderProblem& problem, Border border, PrimalDualParams solver, const Parallel& parallel,
+Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParams solver, const Parallel& parallel,
             Progress& progress) {
   solver.tolerance = std::max(solver.tolerance, trial_tolerance);
   Lattice lattice = problem.lattice;
@@ -105,9 +112,8 @@ Trial solve(const BorderProblem& problem, Border border, PrimalDualParams solver
   BorderFlux flux;
   PyramidObserver observe;
   if (!lattice.open) observe.solved = [&](const Level& level, const Lattice&) { flux.add(level); };
-  const PyramidSolution solution =
-      solve_coarse_levels(lattice, problem.field, problem.lambda,
-                          {trial_level(lattice, problem.density), solver, problem.norm}, parallel, progress, observe);
+  const PyramidSolution solution = solve_coarse_levels(lattice, problem.field, problem.lambda,
+                                                       {at, solver, problem.norm}, parallel, progress, observe);
   progress.check();
   const Energies& energies = solution.reports.back().energies;
   const double lambda = solution.finest.lambda;
@@ -186,6 +192,56 @@ class Choice {
   bool is_solid_;
 };
 
+/// As the trials of one level tell.
+BorderReport choose_at(int level, const BorderProblem& problem, const Surroundings& scanners,
+                       const BorderParams& params, PrimalDualParams solver, const Parallel& parallel,
+                       Progress& progress) {
+  const int asked_iterations = solver.max_iterations;
+  solver.max_iterations = std::min(asked_iterations, trial_iterations);
+  BorderReport report;
+  report.scanners = scanners;
+  const Trial air = solve(problem, Border::air, level, solver, parallel, progress);
+  report.level = air.level;
+  report.air = air.energy;
+  report.area_cost = air.area_cost;
+  report.border_flux = air.flux / air.area_cost;
+  const double most = (air.energy - air.bound_of_any()) / air.area_cost;
+  if (most < little) {
+    report.reason = fmt::format("anything else could spare no more than {} of the surface's area", percent(most));
+    return report;
+  }
+  negate(problem.field, parallel);
+  const Trial solid = solve(problem, Border::solid, level, solver, parallel, progress);
+  negate(problem.field, parallel);
+  const Choice choice(params, air, solid, report.scanners);
+  // A closed surface is an open one, too.
+  const double closed = std::min(air.energy, solid.energy);
+  const double closed_bound = std::max(air.bound_of_any(), solid.bound_of_any());
+  Spared spared = choice.spared_by(closed, closed_bound);
+  report.open = closed;
+  report.open_bound = closed_bound;
+  for (const int iterations : {trial_iterations, more_iterations}) {
+    if (!choice.undecided(spared) && iterations == more_iterations) break;
+    solver.max_iterations = std::min(asked_iterations, iterations);
+    const Trial open = solve(problem, Border::open, level, solver, parallel, progress);
+    report.open = std::min(*report.open, open.energy);
+    report.open_bound = std::max(*report.open_bound, open.bound);
+    spared = choice.spared_by(*report.open, *report.open_bound);
+  }
+  report.solid = solid.energy;
+  choice.tell(spared, report);
+  return report;
+}
+
+/// Air beyond doubt: solid matter would cost much more, an open surface spare nothing.
+bool is_clear(const BorderReport& report) {
+  constexpr double much = 0.5;  // of the surface's cost of area
+  if (report.chosen != Border::air) return false;
+  if (!report.solid) return true;
+  return *report.solid - *report.air > much * report.area_cost &&
+         *report.air - *report.open_bound < little * report.area_cost;
+}
+
 }  // namespace
 
 void validate(const BorderParams& params) {
@@ -202,41 +258,12 @@ void negate(SupportField& field, const Parallel& parallel) {
 
 BorderReport choose_border(const BorderProblem& problem, const Surroundings& scanners, const BorderParams& params,
                            PrimalDualParams solver, const Parallel& parallel, Progress& progress) {
-  const int asked_iterations = solver.max_iterations;
-  solver.max_iterations = std::min(asked_iterations, trial_iterations);
-  BorderReport report;
-  report.scanners = scanners;
-  const Trial air = solve(problem, Border::air, solver, parallel, progress);
-  report.level = air.level;
-  report.air = air.energy;
-  report.area_cost = air.area_cost;
-  report.border_flux = air.flux / air.area_cost;
-  const double most = (air.energy - air.bound_of_any()) / air.area_cost;
-  if (most < little) {
-    report.reason = fmt::format("anything else could spare no more than {} of the surface's area", percent(most));
-    return report;
+  const int level = trial_level(problem.lattice, problem.density);
+  if (has_coarser_trial(problem.lattice, level)) {
+    BorderReport coarser = choose_at(level + 1, problem, scanners, params, solver, parallel, progress);
+    if (is_clear(coarser)) return coarser;
   }
-  negate(problem.field, parallel);
-  const Trial solid = solve(problem, Border::solid, solver, parallel, progress);
-  negate(problem.field, parallel);
-  const Choice choice(params, air, solid, report.scanners);
-  // A closed surface is an open one, too.
-  const double closed = std::min(air.energy, solid.energy);
-  const double closed_bound = std::max(air.bound_of_any(), solid.bound_of_any());
-  Spared spared = choice.spared_by(closed, closed_bound);
-  report.open = closed;
-  report.open_bound = closed_bound;
-  for (const int iterations : {trial_iterations, more_iterations}) {
-    if (!choice.undecided(spared) && iterations == more_iterations) break;
-    solver.max_iterations = std::min(asked_iterations, iterations);
-    const Trial open = solve(problem, Border::open, solver, parallel, progress);
-    report.open = std::min(*report.open, open.energy);
-    report.open_bound = std::max(*report.open_bound, open.bound);
-    spared = choice.spared_by(*report.open, *report.open_bound);
-  }
-  report.solid = solid.energy;
-  choice.tell(spared, report);
-  return report;
+  return choose_at(level, problem, scanners, params, solver, parallel, progress);
 }
 
 }  // namespace soapfilm
