@@ -1,0 +1,46 @@
+// The plane that the samples of a cell and of the 26 cells around it lie in, and what it says of their area and sides.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "soapfilm/core/vec.h"
+#include "soapfilm/orient/sample_cells.h"
+#include "soapfilm/orient/sides.h"
+
+namespace soapfilm {
+
+/// Of the samples of one facet.
+struct FacetPlane {
+  Vec3f normal{};
+  float area = 0;     ///< cells^2 for each sample
+  float spacing = 0;  ///< cells
+  bool filled = false;
+  bool found = false;
+  bool found_far = false;  ///< thin enough for cells larger than the first filled ones, too
+  double thick = 1;        ///< least over middle variance
+  double agreement = 0;    ///< length of the mean direction around: outliers' are all different
+  bool one_sided = false;  ///< directions around are on one side of the plane, however much they differ
+  PlaneSides sides;
+
+  bool agrees() const;
+  /// As thin and as agreeing as two faces of a box that meet, its normal at most halfway between theirs: does it
+  /// confirm what was found in cells half as large?
+  bool confirms(Vec3f normal_before) const;
+};
+
+/// The facets around one, relative to the center of its cell.
+struct FacetsAround {
+  std::array<Vec3f, 54> mean;
+  std::array<const Facet*, 54> facet;
+  std::array<int8_t, 54> slot;
+  size_t count = 0;
+};
+
+FacetsAround look_around(const SampleCells& cells, size_t cell);
+
+/// `own`: a facet of the cell in the middle.
+FacetPlane plane_of(const FacetsAround& around, const Facet& own);
+
+}  // namespace soapfilm
