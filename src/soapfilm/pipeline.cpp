@@ -54,6 +54,18 @@ void judge(const Level& level, double threshold, const Parallel& parallel, Recon
   report.inside = count_inside(level, mu, parallel);
 }
 
+/// The views of the samples on the grid, as long as their directions.
+std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& samples, const Lattice& lattice,
+                              const Parallel& parallel) {
+  std::vector<Vec3f> sorted;
+  reserve_many(sorted, samples.size());
+  sorted.resize(samples.size());
+  parallel.for_each(samples.size(), size_t{1} << 14, [&](size_t k) {
+    sorted[k] = normalized(lattice.from_world_axes(views[samples.source[k]])) * norm(samples.direction[k]);
+  });
+  return sorted;
+}
+
 }  // namespace
 
 Pipeline::Pipeline(const ReconstructParams& params, const Parallel& parallel, Progress& progress,
@@ -82,8 +94,11 @@ std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
     };
     measure();
     if (doubt_signs(cloud, how, local_surface_.sides, parallel_, progress_, found, report)) measure();
-    if (params_.orient.source == DirectionSource::automatic)
+    if (params_.orient.source == DirectionSource::automatic) {
+      auto as_found = found;
       turn_to_planes(cloud, local_surface_, parallel_, found, report);
+      if (report.from_planes > 0 && refines(params_)) views_ = std::move(as_found);
+    }
     if (params_.border.outside == Border::automatic && params_.method == Method::tv)
       scanners_ = look_around(cloud, params_.orient.sensor, parallel_);
     return found;
@@ -105,6 +120,7 @@ void Pipeline::weigh(const PointCloud& cloud, std::span<const Vec3f> directions,
   stages_.run("weigh",
               [&] { weigh_area(cloud, directions, local_surface_, params_, parallel_, progress_, samples, report_); });
   local_surface_ = {};
+  if (!views_.empty()) views_ = sort_views(views_, samples, report_.lattice, parallel_);
   announce_weight(report_, progress_);
 }
 
@@ -157,6 +173,7 @@ void Pipeline::border(SupportField& field, GridSamples& samples) {
     if (border.chosen != Border::solid) return;
     negate(field, parallel_);
     for (Vec3f& direction : samples.direction) direction = -direction;
+    for (Vec3f& view : views_) view = -view;
   });
   announce_border(report_, progress_);
   warn_inward(report_, progress_);
@@ -215,7 +232,7 @@ void Pipeline::place_scanners(const Level& level) {
 }
 
 /// The field whose level set at report.isovalue is the surface: sub-voxel accurate, or the paper's (section 4.4).
-SurfaceField Pipeline::level_set(Segmentation& found, const GridSamples& samples) {
+SurfaceField Pipeline::level_set(Segmentation& found, GridSamples& samples) {
   const auto threshold = static_cast<float>(params_.surface.threshold);
   if (found.surface) {
     report_.isovalue = 0.5;
@@ -234,7 +251,9 @@ SurfaceField Pipeline::level_set(Segmentation& found, const GridSamples& samples
   return surface;
 }
 
-SurfaceField Pipeline::refine(Segmentation& found, const GridSamples& samples) {
+SurfaceField Pipeline::refine(Segmentation& found, GridSamples& samples) {
+  // Planes tell of samples that are held out, too: the fit must not believe their normals for serving these well.
+  if (!views_.empty()) samples.direction = std::move(views_);
   SurfaceField surface = stages_.run("refine", [&] { return level_set(found, samples); });
   announce_refinement(report_, progress_);
   return surface;

@@ -41,7 +41,8 @@ class Pipeline {
   void drop_islands(Level& level, const GridSamples& samples);
   /// Where scanners stand in it.
   void place_scanners(const Level& level);
-  SurfaceField refine(Segmentation& found, const GridSamples& samples);
+  /// From here on the samples' directions are as they were found, not those of planes.
+  SurfaceField refine(Segmentation& found, GridSamples& samples);
   Mesh extract(const SurfaceField& surface);
   void bend(Mesh& mesh, const SurfaceField& surface, const GridSamples& samples);
 
@@ -58,7 +59,7 @@ class Pipeline {
   Reconstruction finish(Mesh mesh);
 
  private:
-  SurfaceField level_set(Segmentation& found, const GridSamples& samples);
+  SurfaceField level_set(Segmentation& found, GridSamples& samples);
   /// Once more is known: `bytes` beside what stays of the samples. Throws MemoryError.
   void plan_again(size_t bytes);
   /// Once the surface is known.
@@ -72,6 +73,7 @@ class Pipeline {
   ReconstructReport report_;
   Box3d box_;
   LocalSurface local_surface_;  ///< around each sample of the cloud; until weigh()
+  std::vector<Vec3f> views_;    ///< directions before they were turned to planes, if any were; until refine()
   Surroundings scanners_;       ///< of what border() chooses by
   std::vector<Vec3d> scanner_positions_;
   std::optional<Room> room_;

@@ -101,8 +101,10 @@ size_t cloud_bytes(const PointCloud& cloud) {
   return bytes;
 }
 
-/// Sorted: position, direction and lot.
-size_t kept_bytes(const PointCloud& cloud) { return (2 * sizeof(Vec3f) + sizeof(uint8_t)) * cloud.size(); }
+/// Sorted: position, direction and lot; where there are no normals, the view beside the normal of a plane.
+size_t kept_bytes(const PointCloud& cloud) {
+  return ((cloud.normals.empty() ? 3 : 2) * sizeof(Vec3f) + sizeof(uint8_t)) * cloud.size();
+}
 
 }  // namespace
 

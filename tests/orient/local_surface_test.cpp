@@ -95,6 +95,28 @@ TEST(LocalSurface, KeepsTheSidesOfASheetApart) {
   EXPECT_NEAR(surface.coverage.spacing, 0.01, 0.0015);
 }
 
+/// Seen from all sides, rods as thick as their samples are apart lie in no plane, whatever their cells look like; but
+/// where they are sampled more thinly than the rest, they count for their area.
+TEST(LocalSurface, RodsAreNoPlanesAndCount) {
+  PointCloud cloud;
+  add_square(cloud, 40000, 0, 1, 1);
+  const size_t square = cloud.size();
+  Random random(5);
+  constexpr double pi = 3.14159265358979;
+  for (int i = 0; i < 300; ++i) {
+    const double angle = 2 * pi * random.uniform();
+    const Vec3d out{std::cos(angle), std::sin(angle), 0};
+    cloud.positions.push_back(Vec3d{0.5, 0.5, 0.2 + 0.8 * random.uniform()} + out * 0.03);
+    cloud.normals.push_back(static_cast<Vec3f>(out));
+  }
+  const LocalSurface surface = around(cloud);
+  const std::vector<float> weights = weigh_by_area(surface, 50, one_thread);
+  size_t planes = 0, heavy = 0;
+  for (size_t i = square; i < cloud.size(); ++i) planes += surface.is_plane(i), heavy += weights[i] > 2;
+  EXPECT_LT(planes, 60u);
+  EXPECT_GT(heavy, 150u);
+}
+
 TEST(LocalSurface, IsTheSameForAnyNumberOfThreads) {
   const PointCloud cloud = sphere(50000);
   const LocalSurface one = around(cloud), three = around(cloud, Parallel(3));

@@ -43,7 +43,7 @@ AreaCoverage cover_area(const LocalSurface& surface) {
 std::vector<float> weigh_by_area(const LocalSurface& surface, double most, const Parallel& parallel) {
   const AreaCoverage& coverage = surface.coverage;
   constexpr double scatter = 1.5;
-  constexpr double most_of_edges = 4;  // their area is a guess
+  constexpr double most_of_edges = 16;  // their area is a guess
   std::vector<float> weights(surface.area.size(), 1.0f);
   if (!(coverage.area > 0)) return weights;
   parallel.for_each(weights.size(), size_t{1} << 14, [&](size_t i) {

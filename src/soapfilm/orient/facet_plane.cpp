@@ -15,12 +15,16 @@ constexpr double most_thick = 0.08;       // least over middle variance of a pla
 constexpr double most_thick_far = 0.04;   // the same in cells larger than the first ones that are filled
 constexpr double least_incidence = 0.05;  // cosine of direction and normal, below which sides are not told apart
 constexpr double least_agreement = 0.75;  // length of the mean direction; random ones on one side have a half
+constexpr double most_outward = 0.3;      // of a plane, see FacetPlane::outward
+constexpr double least_outward = 0.45;    // of an edge or a rod; six outliers may reach it by chance, rarely
 constexpr double most_outnumbered = 8;    // by samples seen from the other side; beyond it they are outliers
 constexpr double few_others = 0.1;        // of the other side, so few that it says nothing that the views differ
 constexpr double parts_per_face = 16;     // of a cell's parts, those that a plane along its face meets
 // Of a plane that confirms another one.
 constexpr double most_thick_again = 0.35;
 constexpr double least_agreement_again = 0.65;
+/// An edge, a rod: there the directions must agree still better at the next depth, as those towards one scanner do.
+constexpr double least_agreement_of_edges = 0.9, least_outward_again = 0.4;
 constexpr float least_along_again = 0.65f;  // cosine of the normals
 
 struct Spread {
@@ -127,6 +131,22 @@ void measure_area(const FacetsAround& around, Wanted&& wanted, FacetPlane& plane
   plane.spacing = static_cast<float>(std::sqrt(met / per_area / apart));
 }
 
+/// FacetPlane::outward.
+double outward_of(const FacetsAround& around) {
+  Vec3f middle{};
+  for (size_t k = 0; k < around.count; ++k) middle += around.mean[k];
+  middle = middle * (1 / static_cast<float>(around.count));
+  double sum = 0, all = 0;
+  for (size_t k = 0; k < around.count; ++k) {
+    const Vec3f from_middle = around.mean[k] - middle, direction = around.facet[k]->direction;
+    const float length = norm(direction);
+    if (!(length > 0)) continue;
+    sum += dot(direction, from_middle) / length;
+    all += norm(from_middle);
+  }
+  return all > 0 ? sum / all : 0;
+}
+
 PlaneSides sides_of(const FacetsAround& around, const FacetPlane& plane) {
   PlaneSidesOfCells sides;
   for (size_t k = 0; k < around.count; ++k) {
@@ -138,7 +158,13 @@ PlaneSides sides_of(const FacetsAround& around, const FacetPlane& plane) {
 
 }  // namespace
 
-bool FacetPlane::agrees() const { return agreement >= least_agreement || (found && one_sided); }
+bool FacetPlane::agrees() const {
+  return agreement >= least_agreement || (found ? one_sided : outward >= least_outward);
+}
+
+bool FacetPlane::confirms_edge() const {
+  return agreement >= least_agreement_of_edges || outward >= least_outward_again;
+}
 
 bool FacetPlane::confirms(Vec3f normal_before) const {
   return thick <= most_thick_again && (agreement >= least_agreement_again || one_sided) &&
@@ -180,7 +206,8 @@ FacetPlane plane_of(const FacetsAround& around, const Facet& own) {
   if (!plane.filled) return plane;
   plane.normal = spread.normal;
   plane.thick = spread.variance[0] / spread.variance[1];
-  if (!thin) {
+  plane.outward = outward_of(around);
+  if (!thin || plane.outward >= most_outward) {
     measure_area(around, agreeing, plane);
     return plane;
   }

@@ -21,6 +21,8 @@ struct FacetPlane {
   bool found_far = false;  ///< thin enough for cells larger than the first filled ones, too
   double thick = 1;        ///< least over middle variance
   double agreement = 0;    ///< length of the mean direction around: outliers' are all different
+  double outward = 0;  ///< mean cosine between directions and the way from the middle: 0 for outliers', about 1 around
+                       ///< a rod or an edge
   bool one_sided = false;  ///< directions around are on one side of the plane, however much they differ
   PlaneSides sides;
 
@@ -28,6 +30,7 @@ struct FacetPlane {
   /// As thin and as agreeing as two faces of a box that meet, its normal at most halfway between theirs: does it
   /// confirm what was found in cells half as large?
   bool confirms(Vec3f normal_before) const;
+  bool confirms_edge() const;
 };
 
 /// The facets around one, relative to the center of its cell.

@@ -17,9 +17,6 @@ constexpr int coarser_at_most = 3;  // depths above the first filled one where a
 constexpr int coarsest = 4;         // depth: a sixteenth of the box
 /// Area of a sample over the mean one, from which on it has to be confirmed at the next depth.
 constexpr double large = 1.5;
-/// An edge, a rod: there the directions must agree still better at the next depth, as those towards one scanner do.
-constexpr double least_agreement_of_edges = 0.9;
-
 /// Of a sample. One that would count for far more area than others has to show the same plane at the next depth, too:
 /// six outliers may lie in a plane, but with those around them they no longer do.
 enum class State : uint8_t { settled, open, found, to_confirm };
@@ -162,7 +159,7 @@ class Survey {
         continue;
       }
       const bool is_first = first_filled_[i] == 0;
-      if (first_filled_[i] == depth + 1 && plane.agreement < least_agreement_of_edges) surface_.spacing[i] = 0;
+      if (first_filled_[i] == depth + 1 && !plane.confirms_edge()) surface_.spacing[i] = 0;
       const bool found = is_first ? plane.found : plane.found_far;
       if (plane.filled && (found || is_first)) {
         surface_.area[i] = rounded(plane.area * cells.side() * cells.side());

@@ -289,7 +289,7 @@ void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const 
   report.from_planes = sum_chunks<size_t>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
     size_t turned = 0;
     for (size_t i = begin; i < end; ++i) {
-      if (!cloud.normals.empty() && cloud.normals[i] != Vec3f{}) continue;
+      if (!surface.is_plane(i) || (!cloud.normals.empty() && cloud.normals[i] != Vec3f{})) continue;
       const float incidence = dot(surface.normal[i], directions[i]);
       if (!(std::abs(incidence) > least_incidence)) continue;
       directions[i] = incidence > 0 ? surface.normal[i] : -surface.normal[i];
