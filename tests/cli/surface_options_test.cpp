@@ -88,10 +88,10 @@ TEST_F(SurfaceOptions, IslandsAreKeptWhenAsked) {
 /// Half of a torus, sampled 50 times more thinly than the other.
 TEST_F(SurfaceOptions, WeightsByAreaKeepAThinlySampledHalf) {
   const auto torus = make_torus();
-  PointCloud thinned = sample_surface(*torus, sanitized ? 14000 : 58000, 1);
+  PointCloud thinned = sample_surface(*torus, 58000, 1);
   thinned.filter(kept_samples(*torus, thinned, {.thin_half = 50}, Parallel(1)));
   write_points(cloud, thinned);
-  const std::vector<std::string> words{cloud, "--resolution", sanitized ? "44" : "76"};
+  const std::vector<std::string> words{cloud, "--resolution", "76"};
   std::vector<std::string> off = words;
   off.insert(off.end(), {"--weights", "samples"});
   const json kept = reported(words), lost = reported(off);

@@ -139,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, PlannedScene,
 /// A sheet is open by itself; with a limit it runs where its plan says so, and is refused else, before or after the
 /// solve has told how much surface there is.
 TEST(MemoryPlan, AnOpenSheetRunsWhereItsPlanFits) {
-  const PointCloud cloud = waves(sanitized ? 60 : 100);
+  const PointCloud cloud = waves(sanitized ? 80 : 100);
   for (const Border outside : {Border::open, Border::automatic}) {
     ReconstructParams params;
     params.place.voxel = 1;
