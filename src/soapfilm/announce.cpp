@@ -9,6 +9,15 @@
 
 namespace soapfilm {
 
+namespace {
+
+void add_warning(std::string text, ReconstructReport& report, Progress& progress) {
+  progress.warn(text);
+  report.warnings.push_back(std::move(text));
+}
+
+}  // namespace
+
 void announce_grid(const ReconstructReport& report, Progress& progress) {
   const Vec3i n = report.lattice.to_world_axes(report.lattice.size);
   progress.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, memory {}", n.x, n.y, n.z,
@@ -37,18 +46,14 @@ void announce_border(const ReconstructReport& report, Progress& progress) {
 
 void warn_inward(ReconstructReport& report, Progress& progress) {
   if (!report.input.directions.inward || report.border.chosen != Border::air) return;
-  std::string text =
+  add_warning(
       "the normals point towards the samples' middle on the whole, as those of a hollow seen from within do: turn them "
-      "outward, or try --outside solid";
-  progress.warn(text);
-  report.warnings.push_back(std::move(text));
+      "outward, or try --outside solid",
+      report, progress);
 }
 
 void warn_unconverged(ReconstructReport& report, Progress& progress) {
-  const auto warn = [&](std::string text) {
-    progress.warn(text);
-    report.warnings.push_back(std::move(text));
-  };
+  const auto warn = [&](std::string text) { add_warning(std::move(text), report, progress); };
   const auto warn_level = [&](int level, int iterations, double tolerance) {
     warn(
         fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate below holds all "
@@ -115,10 +120,8 @@ void announce_refinement(const ReconstructReport& report, Progress& progress) {
 void announce_trim(ReconstructReport& report, Progress& progress) {
   const TrimReport& trim = *report.trim;
   if (trim.nothing_near) {
-    std::string text =
-        fmt::format("not trimmed: no surface is within {:.3g} of a sample; try a larger --trim", trim.distance);
-    progress.warn(text);
-    report.warnings.push_back(std::move(text));
+    add_warning(fmt::format("not trimmed: no surface is within {:.3g} of a sample; try a larger --trim", trim.distance),
+                report, progress);
   }
   if (trim.removed + trim.filled == 0) return;
   progress.info(fmt::format("trimmed: {:.2g} % of the area, farther than {:.3g} from any sample{}",
@@ -176,10 +179,7 @@ void announce_self_check(ReconstructReport& report, Progress& progress) {
       fmt::format("self-check: {:.2g} % of the samples are farther than {:g} voxels from the mesh, {:.2g} % of "
                   "the mesh from all samples",
                   100 * check.lost, self_check_reach, 100 * check.invented));
-  const auto warn = [&](std::string text) {
-    progress.warn(text);
-    report.warnings.push_back(std::move(text));
-  };
+  const auto warn = [&](std::string text) { add_warning(std::move(text), report, progress); };
   if (check.lost > self_check_most_lost)
     warn(fmt::format("{:.2g} % of the samples are farther than {:g} voxels from the mesh: {}", 100 * check.lost,
                      self_check_reach, cause_of_loss(report)));

@@ -94,10 +94,11 @@ std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
     };
     measure();
     if (doubt_signs(cloud, how, local_surface_.sides, parallel_, progress_, found, report)) measure();
-    if (params_.orient.source == DirectionSource::automatic) {
-      auto as_found = found;
+    // Where each sample has a normal, there is nothing to turn.
+    if (params_.orient.source == DirectionSource::automatic && report.from_normals < cloud.size()) {
+      if (refines(params_)) views_ = found;
       turn_to_planes(cloud, local_surface_, parallel_, found, report);
-      if (report.from_planes > 0 && refines(params_)) views_ = std::move(as_found);
+      if (report.from_planes == 0) views_ = {};
     }
     if (params_.border.outside == Border::automatic && params_.method == Method::tv)
       scanners_ = look_around(cloud, params_.orient.sensor, parallel_);
@@ -232,7 +233,7 @@ void Pipeline::place_scanners(const Level& level) {
 }
 
 /// The field whose level set at report.isovalue is the surface: sub-voxel accurate, or the paper's (section 4.4).
-SurfaceField Pipeline::level_set(Segmentation& found, GridSamples& samples) {
+SurfaceField Pipeline::level_set(Segmentation& found, const GridSamples& samples) {
   const auto threshold = static_cast<float>(params_.surface.threshold);
   if (found.surface) {
     report_.isovalue = 0.5;

@@ -59,7 +59,7 @@ class Pipeline {
   Reconstruction finish(Mesh mesh);
 
  private:
-  SurfaceField level_set(Segmentation& found, GridSamples& samples);
+  SurfaceField level_set(Segmentation& found, const GridSamples& samples);
   /// Once more is known: `bytes` beside what stays of the samples. Throws MemoryError.
   void plan_again(size_t bytes);
   /// Once the surface is known.

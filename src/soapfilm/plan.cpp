@@ -106,6 +106,16 @@ size_t kept_bytes(const PointCloud& cloud) {
   return ((cloud.normals.empty() ? 3 : 2) * sizeof(Vec3f) + sizeof(uint8_t)) * cloud.size();
 }
 
+/// Vertices of a brick's lowest layer along an axis that are inside.
+size_t inside_lowest(const BrickBits& bits, int axis) {
+  constexpr uint64_t lowest_x = 0x0101010101010101, lowest_y = 0xff;
+  if (axis == 2) return static_cast<size_t>(count_bits(bits.layer[0]));
+  size_t count = 0;
+  for (const uint64_t layer : bits.layer)
+    count += static_cast<size_t>(count_bits(layer & (axis == 0 ? lowest_x : lowest_y)));
+  return count;
+}
+
 }  // namespace
 
 size_t plan_placing(const PointCloud& cloud) {
@@ -158,20 +168,6 @@ size_t mesh_bytes(size_t vertices, bool checked) {
   constexpr size_t bent_vertex_bytes = 330, checked_vertex_bytes = 470;
   return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
 }
-
-namespace {
-
-/// Vertices of a brick's lowest layer along an axis that are inside.
-size_t inside_lowest(const BrickBits& bits, int axis) {
-  constexpr uint64_t lowest_x = 0x0101010101010101, lowest_y = 0xff;
-  if (axis == 2) return static_cast<size_t>(count_bits(bits.layer[0]));
-  size_t count = 0;
-  for (const uint64_t layer : bits.layer)
-    count += static_cast<size_t>(count_bits(layer & (axis == 0 ? lowest_x : lowest_y)));
-  return count;
-}
-
-}  // namespace
 
 size_t count_faces(const Level& level, double threshold, const Parallel& parallel) {
   const InsideBits inside(level, static_cast<float>(threshold), parallel);

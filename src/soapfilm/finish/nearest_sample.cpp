@@ -34,8 +34,7 @@ void for_each_of_shell(Vec3i centre, int r, Visit&& visit) {
 double distance_to_samples(const GridSamples& samples, Vec3d place, double enough, double limit) {
   const double enough2 = enough * enough;
   double best2 = limit * limit;
-  const auto index = [](double x) { return static_cast<int32_t>(std::floor(x / brick_side)); };
-  const Vec3i centre{index(place.x), index(place.y), index(place.z)};
+  const Vec3i centre = brick_around(place);
   for (int r = 0; best2 > enough2; ++r) {
     const double reached = (r - 1) * double{brick_side};  // all bricks of this shell are farther
     if (r > 0 && reached * reached >= best2) break;

@@ -1,7 +1,6 @@
 #include "soapfilm/finish/on_surface.h"
 
 #include <Eigen/Eigenvalues>
-#include <cmath>
 
 namespace soapfilm {
 
@@ -9,8 +8,7 @@ bool looks_like_surface(const GridSamples& samples, Vec3d place) {
   constexpr double reach = 8;  // voxels
   constexpr double fewest = 6;
   constexpr double most_thick = 0.15;  // least over middle variance
-  const auto index = [](double x) { return static_cast<int32_t>(std::floor(x / brick_side)); };
-  const Vec3i centre{index(place.x), index(place.y), index(place.z)};
+  const Vec3i centre = brick_around(place);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   double count = 0;

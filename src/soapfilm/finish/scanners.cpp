@@ -4,8 +4,6 @@
 #include <cmath>
 #include <tuple>
 
-#include "soapfilm/grid/layout.h"
-
 namespace soapfilm {
 
 namespace {
@@ -20,11 +18,7 @@ class Air {
   bool in_box(Vec3i v) const { return level_.box.is_free(v); }
   bool at(Vec3i v) const {
     if (!in_box(v)) return !complement_;
-    const Vec3i brick{v.x / brick_side, v.y / brick_side, v.z / brick_side};
-    const int32_t slot = level_.grid.find(brick);
-    const int vertex = brick_offset(v.x % brick_side, v.y % brick_side, v.z % brick_side);
-    const float u = slot >= 0 ? level_.u.brick(static_cast<size_t>(slot))[vertex] : level_.missing_u(slot, brick);
-    return (u > threshold_) == complement_;
+    return (level_.u_at(v) > threshold_) == complement_;
   }
   bool open_along(Vec3i v, int axis, int step) const {
     for (; in_box(v); v[axis] += step)

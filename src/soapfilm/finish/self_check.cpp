@@ -59,7 +59,7 @@ class Reached {
   }
 
   void find_near(Vec3d vertex) {
-    for_each_in(list_of(cube_of(vertex)), [&](uint32_t i) {
+    for_each_in(list_of(brick_around(vertex)), [&](uint32_t i) {
       const Vec3d d = places_[i] - vertex;
       return dot(d, d) <= self_check_reach * self_check_reach;
     });
@@ -89,10 +89,6 @@ class Reached {
  private:
   static constexpr size_t lists = size_t{1} << 17;
 
-  static Vec3i cube_of(Vec3d p) {
-    const auto index = [](double x) { return static_cast<int32_t>(std::floor(x / brick_side)); };
-    return {index(p.x), index(p.y), index(p.z)};
-  }
   static size_t list_of(Vec3i cube) {
     // As in Teschner et al. 2003, Optimized Spatial Hashing.
     const auto times = [](int32_t i, uint32_t prime) { return static_cast<uint32_t>(i) * prime; };
@@ -102,7 +98,7 @@ class Reached {
 
   template <class Visit>
   static void for_each_cube(Vec3d lo, Vec3d hi, Visit&& visit) {
-    const Vec3i first = cube_of(lo), last = cube_of(hi);
+    const Vec3i first = brick_around(lo), last = brick_around(hi);
     for (int32_t z = first.z; z <= last.z; ++z)
       for (int32_t y = first.y; y <= last.y; ++y)
         for (int32_t x = first.x; x <= last.x; ++x) visit(list_of({x, y, z}));

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "soapfilm/core/vec.h"
 
@@ -26,6 +28,11 @@ constexpr int brick_offset(int x, int y, int z) { return x + brick_side * y + br
 
 /// The brick that holds a lattice vertex; valid for negative coordinates too.
 constexpr Vec3i brick_of(Vec3i vertex) { return {vertex.x >> 3, vertex.y >> 3, vertex.z >> 3}; }
+/// The brick whose cube, from its first vertex to the next brick's, holds a place in lattice coordinates.
+inline Vec3i brick_around(Vec3d place) {
+  const auto index = [](double x) { return static_cast<int32_t>(std::floor(x / brick_side)); };
+  return {index(place.x), index(place.y), index(place.z)};
+}
 
 /// A brick of the next coarser level, its parent, covers eight bricks, its children: one per octant, of twice its
 /// resolution. Octants are numbered x fastest.

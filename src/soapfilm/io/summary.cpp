@@ -3,47 +3,28 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nanoflann.hpp>
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/kd_tree.h"
 #include "soapfilm/core/median.h"
 
 namespace soapfilm {
-
-namespace {
-
-/// What nanoflann asks of a set of points.
-struct PointSet {
-  const std::vector<Vec3d>& points;
-
-  size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(size_t index, size_t axis) const { return points[index][static_cast<int>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box& /*box*/) const {
-    return false;
-  }
-};
-
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointSet>, PointSet, 3, size_t>;
-
-}  // namespace
 
 double sample_spacing(const PointCloud& cloud, size_t queries) {
   constexpr size_t neighbours = 8;
   const size_t k = std::min(neighbours, cloud.size() - std::min<size_t>(cloud.size(), 1));
   if (k == 0 || queries == 0) return 0;
-  const PointSet set{cloud.positions};
-  const Tree tree(3, set, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const KdTree tree(cloud.positions);
 
   const size_t step = std::max<size_t>(1, cloud.size() / queries);
   std::vector<double> areas;
   for (size_t i = 0; i < cloud.size(); i += step) {
     const Vec3d& p = cloud.positions[i];
     const std::array<double, 3> query{p.x, p.y, p.z};
-    std::array<size_t, neighbours + 1> index{};  // the sample itself comes first
+    std::array<uint32_t, neighbours + 1> index{};  // the sample itself comes first
     std::array<double, neighbours + 1> squared_distance{};
-    const size_t found = tree.knnSearch(query.data(), k + 1, index.data(), squared_distance.data());
+    const size_t found = tree->knnSearch(query.data(), k + 1, index.data(), squared_distance.data());
     const double farthest = squared_distance[found - 1];
     constexpr double pi = 3.141592653589793;
     if (farthest > 0) areas.push_back(pi * farthest / static_cast<double>(found - 1));

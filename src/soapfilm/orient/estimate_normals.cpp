@@ -5,9 +5,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <nanoflann.hpp>
 #include <numeric>
 #include <utility>
+
+#include "soapfilm/core/kd_tree.h"
 
 namespace soapfilm {
 
@@ -45,17 +46,7 @@ struct Sites {
       points.push_back(positions[i] - positions[0]);
     }
   }
-
-  // What nanoflann asks for.
-  size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(size_t index, size_t axis) const { return points[index][static_cast<int>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box& /*box*/) const {
-    return false;
-  }
 };
-
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Sites>, Sites, 3, uint32_t>;
 
 /// Normal of the plane through `points` around `centre` (sign arbitrary), and how well they fit it.
 struct Plane {
@@ -170,7 +161,7 @@ class Estimator {
 
   /// Nearest neighbours and planes of the targets; those with a hint are turned to it.
   void fit() {
-    const Tree tree(3, sites_, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+    const KdTree tree(sites_.points);
     near_.resize(targets_.size() * neighbours_);
     near_count_.resize(targets_.size());
     planes_.resize(targets_.size());
@@ -180,7 +171,7 @@ class Estimator {
       std::vector<double> distance(neighbours_ + 1);
       for (size_t t = begin; t < end; ++t) {
         const Vec3d p = sites_.points[targets_[t]];
-        const size_t found = tree.knnSearch(&p.x, neighbours_ + 1, index.data(), distance.data());
+        const size_t found = tree->knnSearch(&p.x, neighbours_ + 1, index.data(), distance.data());
         uint32_t count = 0;
         for (size_t k = 0; k < found && count < neighbours_; ++k)
           if (index[k] != targets_[t]) near_[t * neighbours_ + count++] = index[k];
@@ -193,10 +184,10 @@ class Estimator {
   }
 
   /// The nearest neighbours of a target or, where more lie within the radius, those, in the order of their samples.
-  std::vector<uint32_t> with_all_within(double radius, const Tree& tree, size_t t) const {
+  std::vector<uint32_t> with_all_within(double radius, const KdTree& tree, size_t t) const {
     const Vec3d p = sites_.points[targets_[t]];
     std::vector<std::pair<uint32_t, double>> found;
-    tree.radiusSearch(&p.x, radius * radius, found, nanoflann::SearchParams(0, 0, false));
+    tree->radiusSearch(&p.x, radius * radius, found, nanoflann::SearchParams(0, 0, false));
     std::vector<uint32_t> sites;
     if (found.size() <= near_count_[t]) {
       sites.assign(near(t).begin(), near(t).end());

@@ -18,13 +18,6 @@ constexpr double least_of_holes = 0.02, most_of_holes = 1;
 constexpr double noise_to_follow = 0.1;  // voxels; with less, the least smoothing
 constexpr double slope_of_curvature = 0.002;
 
-bool is_inside(const Level& level, float threshold, Vec3i v) {
-  const int32_t b = level.grid.find(brick_of(v));
-  const float u = b >= 0 ? level.u.brick(static_cast<size_t>(b))[brick_offset(v.x & 7, v.y & 7, v.z & 7)]
-                         : level.missing_u(b, brick_of(v));
-  return u > threshold;
-}
-
 /// Bricks and those next to them.
 BrickMask with_neighbors(const BrickMask& bricks) {
   BrickMask more(bricks.bricks());
@@ -56,7 +49,7 @@ CoarseFilm::CoarseFilm(const Level& fine, float threshold, const HoleFinder& fin
 
 float CoarseFilm::distance(Vec3i v) const {
   const float far = static_cast<float>(reach) + 1;
-  return value_at(start_.band, phi_, v, is_inside(level_, 0.5f, v) ? far : -far);
+  return value_at(start_.band, phi_, v, level_.u_at(v) > 0.5f ? far : -far);
 }
 
 /// The indicator on the bricks that are wanted now; what bent already stays.
@@ -95,7 +88,7 @@ FlipCount CoarseFilm::step() {
     for (int k = 0; k < brick_volume; ++k) u[k] = signs.row(b, k >> 3 & 7, k >> 6) >> (k & 7) & 1 ? 1.0f : 0.0f;
   }
   for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
-    if (std::abs(phi_.data()[k]) < 1 && !finder_.is_sampled(v) && signs.test(v) != is_inside(fine_, threshold_, 2 * v))
+    if (std::abs(phi_.data()[k]) < 1 && !finder_.is_sampled(v) && signs.test(v) != (fine_.u_at(2 * v) > threshold_))
       set_with_neighbors(bricks_, v);
   });
   return flips;

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
 #include <queue>
 #include <utility>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/kd_tree.h"
 #include "soapfilm/scanner/sample_surface.h"
 
 namespace soapfilm {
@@ -19,21 +19,12 @@ constexpr size_t reference_samples = 40000;
 constexpr double reach = 3.0;             // mean spacings to a neighbour on the surface: about 28 of them
 constexpr double least_agreement = -0.5;  // cosine between the normals of neighbours: edges yes, the back of a wall no
 
-/// Even samples of the whole surface, and what nanoflann asks of them.
+/// Even samples of the whole surface.
 struct Reference {
   std::vector<Vec3d> points;  ///< relative to the box's centre
   std::vector<Vec3d> normals;
-
-  size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(size_t index, size_t axis) const { return points[index][static_cast<int>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box& /*box*/) const {
-    return false;
-  }
 };
 
-using Tree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Reference>, Reference, 3, uint32_t>;
 using Neighbours = std::vector<std::pair<uint32_t, double>>;
 
 }  // namespace
@@ -41,13 +32,13 @@ using Neighbours = std::vector<std::pair<uint32_t, double>>;
 struct SurfacePatch::Impl {
   Vec3d origin;  ///< of the frame of the reference
   Reference reference;
-  std::unique_ptr<Tree> tree;
+  std::unique_ptr<KdTree> tree;
   double radius = 0;  ///< within which reference samples are neighbours
   std::vector<bool> in_patch;
 
   Neighbours around(Vec3d p) const {
     Neighbours found;
-    tree->radiusSearch(&p.x, radius * radius, found, nanoflann::SearchParams());  // nearest first
+    (*tree)->radiusSearch(&p.x, radius * radius, found, nanoflann::SearchParams());  // nearest first
     return found;
   }
 
@@ -82,7 +73,7 @@ SurfacePatch::SurfacePatch(const Surface& surface, double share, uint64_t seed) 
   for (const Vec3d& p : even.positions) self.reference.points.push_back(p - self.origin);
   for (const Vec3f& n : even.normals) self.reference.normals.push_back(static_cast<Vec3d>(n));
   self.in_patch.assign(reference_samples, false);
-  self.tree = std::make_unique<Tree>(3, self.reference, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  self.tree = std::make_unique<KdTree>(self.reference.points);
   const double area = surface.tessellate(1e-3 * surface.box().longest()).area();
   self.radius = reach * std::sqrt(area / reference_samples);
   self.flood(static_cast<size_t>(std::llround(share * reference_samples)));

@@ -80,6 +80,13 @@ struct Level {
   const float* data(size_t brick) const;
   /// u of a brick that is not in the band (slot value as BrickGrid::find gives it).
   float missing_u(int32_t slot, Vec3i brick) const { return slot == outside_band && inside.test(brick) ? 1.0f : 0.0f; }
+  /// u of a vertex, in the band or not.
+  float u_at(Vec3i vertex) const {
+    const Vec3i brick = brick_of(vertex);
+    const int32_t slot = grid.find(brick);
+    return slot < 0 ? missing_u(slot, brick)
+                    : u.brick(static_cast<size_t>(slot))[brick_offset(vertex.x & 7, vertex.y & 7, vertex.z & 7)];
+  }
 };
 
 /// A level whose u and p are zero and whose rim fluxes are zero.
