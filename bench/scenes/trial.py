@@ -16,6 +16,7 @@ HERE = Path(__file__).resolve().parent
 PEER = "Open3D's screened Poisson"
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}  # CPU seconds are work, not waiting
 LIMITS = ("timeout", "600", "prlimit", f"--as={8 * 2**30}")           # of any run: ten minutes, 8 GiB
+LOST_TO_NOISE = 0.005  # share of the samples from which on it is asked whether the truth loses them, too
 FACTOR = 3  # judged at our voxel, but at most so many times the scene's spacing, and at least that part of it
 
 
@@ -42,6 +43,7 @@ class Result:
     ours: Entry = None
     peer: Entry = None
     trimmed: Entry = None
+    truth_lost: float = None     # samples farther than 3 voxels from the truth itself: noise; where we lose many
     copy_distance: tuple = None  # mean, 95 % of the distances to the surface of one copy, voxels
     files: tuple = ()            # meshes for the picture
 
@@ -118,6 +120,8 @@ class Trial:
             result.trimmed = Entry(judge(poisson[0], stays))
             shown.append(self.lab.work / f"{scene.name}.trimmed.ply")
             geometry.write_mesh(shown[-1], (poisson[0], stays))
+        if made.truth and ours.verdict and ours.verdict.lost > LOST_TO_NOISE:
+            result.truth_lost = judge.lost(*read_mesh(folder / made.truth))
         result.files = tuple(shown)
         if scene.copy_of and ours.verdict:
             result.copy_distance = self.distance_to_one(scene, folder, mesh, judged_at)

@@ -45,8 +45,10 @@ def lost_beside_peer(results):
             continue
         theirs = r.peer.verdict.lost
         mine = r.ours.verdict.lost if has_mesh(r) else 1
-        found.append((r.scene.name, f"{percent(mine)} to {percent(theirs)}" if has_mesh(r) else "no surface",
-                      mine <= theirs + OVER_PEER))
+        text = f"{percent(mine)} to {percent(theirs)}" if has_mesh(r) else "no surface"
+        if r.truth_lost is not None:
+            text += f" (the true surface itself {percent(r.truth_lost)})"
+        found.append((r.scene.name, text, mine <= theirs + OVER_PEER))
     return ["lost samples, any scene", "<= the peer's + 0.3 points", *judged(found, "")]
 
 

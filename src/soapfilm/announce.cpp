@@ -138,6 +138,9 @@ std::string cause_of_loss(const ReconstructReport& report) {
   constexpr double mostly = 0.6;
   const double lost = report.self_check.lost * static_cast<double>(report.input.samples);
   if (report.params.method == Method::vrip) return "seen at grazing angles or by one ray alone; try --method tv";
+  if (report.self_check.noise > 0)
+    return fmt::format("their noise, about {:.2g}, is larger than a voxel; the mesh goes through their middle",
+                       report.self_check.noise * report.lattice.voxel);
   if (report.self_check.outliers > mostly)
     return fmt::format(
         "mostly outliers ({:.0f} % of these), around which others show no surface; if a part is missing, "
@@ -171,6 +174,18 @@ std::string misplaced_scanners(const ReconstructReport& report) {
   return {};
 }
 
+/// Empty where all is well.
+std::string made_up_surface(const ReconstructReport& report) {
+  constexpr double much = 0.3;  // of the surface
+  const double invented = report.self_check.invented;
+  if (report.border.chosen == Border::open || report.trim || !(invented > much)) return {};
+  return fmt::format(
+      "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what nobody saw; try --trim auto, "
+      "or "
+      "--outside open",
+      100 * invented, self_check_reach);
+}
+
 }  // namespace
 
 void announce_self_check(ReconstructReport& report, Progress& progress) {
@@ -183,7 +198,9 @@ void announce_self_check(ReconstructReport& report, Progress& progress) {
   if (check.lost > self_check_most_lost)
     warn(fmt::format("{:.2g} % of the samples are farther than {:g} voxels from the mesh: {}", 100 * check.lost,
                      self_check_reach, cause_of_loss(report)));
-  if (std::string text = misplaced_scanners(report); !text.empty()) warn(std::move(text));
+  std::string text = misplaced_scanners(report);
+  if (text.empty()) text = made_up_surface(report);
+  if (!text.empty()) warn(std::move(text));
 }
 
 }  // namespace soapfilm

@@ -190,6 +190,7 @@ ordered_json border_json(const BorderReport& border) {
           {"energy_open_bound", energy(border.open_bound)},
           {"area_cost", border.area_cost},
           {"border_flux", border.border_flux},
+          {"closing", border.closing},
           {"scanners", border.scanners.scanners},
           {"scanners_among_samples", border.scanners.among},
           {"directions_covered", border.scanners.covered}};
@@ -200,8 +201,8 @@ ordered_json scanners_json(const ScannerReport& r) {
 }
 
 ordered_json self_check_json(const SelfCheckReport& r) {
-  return {{"reach", self_check_reach}, {"samples", r.samples},  {"places", r.places}, {"lost", r.lost},
-          {"outliers", r.outliers},    {"invented", r.invented}};
+  return {{"reach", self_check_reach}, {"samples", r.samples}, {"places", r.places},    {"lost", r.lost},
+          {"outliers", r.outliers},    {"noise", r.noise},     {"invented", r.invented}};
 }
 
 ordered_json mesh_json(const ReconstructReport& report) {

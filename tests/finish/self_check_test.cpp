@@ -90,6 +90,25 @@ TEST(SelfCheck, WithoutSurfaceAllIsLost) {
   EXPECT_EQ(report.places, 0u);
 }
 
+TEST(SelfCheck, KnowsNoiseFromLostSurface) {
+  Random random(3);
+  for (const double deviation : {1.3, 2.0, 3.5}) {
+    const Scene noisy(
+        30000, [&](double) { return deviation * random.normal(); }, everywhere);
+    const SelfCheckReport report = noisy.check();
+    EXPECT_NEAR(report.lost, std::erfc(self_check_reach / deviation / std::sqrt(2.0)), 0.02) << deviation;
+    EXPECT_NEAR(report.noise, deviation, 0.1 * deviation);
+  }
+  // A part of the sheet is missing, a twentieth or two fifths; moderate noise does not hide that.
+  for (const int missing : {4, 32}) {
+    const Scene scene(
+        30000, [&](double) { return 0.7 * random.normal(); }, [=](int x) { return x >= missing; });
+    const SelfCheckReport report = scene.check();
+    EXPECT_GT(report.lost, self_check_most_lost);
+    EXPECT_EQ(report.noise, 0) << missing;
+  }
+}
+
 TEST(SelfCheck, ThreadsDoNotMatter) {
   const Scene scene(
       50000, [](double x) { return 0.06 * x; }, everywhere);

@@ -91,9 +91,13 @@ TEST(MethodReport, WarnsOfTheLevelsThatStoppedTooEarly) {
   }
   ASSERT_GE(expected.size(), 2u);
   ASSERT_LT(expected.size(), report.levels.size());
-  ASSERT_EQ(report.warnings.size(), expected.size());
-  for (size_t k = 0; k < expected.size(); ++k)
-    EXPECT_TRUE(report.warnings[k].starts_with(expected[k])) << report.warnings[k];
+  ASSERT_GE(report.warnings.size(), expected.size());
+  for (size_t k = 0; k < report.warnings.size(); ++k) {
+    if (k < expected.size())
+      EXPECT_TRUE(report.warnings[k].starts_with(expected[k])) << report.warnings[k];
+    else
+      EXPECT_FALSE(report.warnings[k].starts_with("level")) << report.warnings[k];
+  }
 }
 
 TEST(MethodReport, SorHasTheEnergyOfEveryIteration) {

@@ -108,7 +108,7 @@ PointCloud waves(double edge) {
 
 PointCloud scene(const std::string& name) {
   if (name == "waves") return waves(240);
-  if (name == "room") return walls({160, 120, 70}, 3);
+  if (name == "room") return walls({240, 180, 105}, 3);
   return walls({30, 36, 1000}, 2);
 }
 

@@ -18,7 +18,8 @@ const Parallel one_thread(1);
 constexpr double lambda = 0.02;
 constexpr int resolution = 96;
 
-BorderReport chosen_for(const PointCloud& cloud, int threads = 1, const Surroundings& scanners = {}) {
+BorderReport chosen_for(const PointCloud& cloud, int threads = 1, const Surroundings& scanners = {},
+                        int resolution = TEST_FILE::resolution) {
   Problem problem = make_problem(cloud, resolution);
   const Problem same = make_problem(cloud, resolution);
   Progress progress;
@@ -45,17 +46,16 @@ PointCloud upper_part(PointCloud cloud, double above) {
 }
 
 /// Hills over a square, seen from above.
-PointCloud terrain() {
+PointCloud terrain(int samples = 9000) {
   Random random(5);
   PointCloud cloud;
-  constexpr int samples = 9000;
   for (int i = 0; i < samples; ++i) {
     const double x = random.uniform(), y = random.uniform();
     const double slope_x = 0.4 * std::cos(8 * x), slope_y = 0.3 * std::cos(6 * y);
     cloud.positions.push_back({x, y, 0.05 * std::sin(8 * x) + 0.05 * std::sin(6 * y)});
     cloud.normals.push_back(Vec3f(normalized(Vec3d{-slope_x, -slope_y, 1})));
   }
-  cloud.scans.push_back({"terrain", 0, samples, {}, {}, {}});
+  cloud.scans.push_back({"terrain", 0, cloud.size(), {}, {}, {}});
   return cloud;
 }
 
@@ -84,6 +84,21 @@ TEST(Border, SheetsAreOpen) {
     EXPECT_EQ(report.chosen, Border::open) << report.reason;
     EXPECT_LT(*report.open, *report.air);
     EXPECT_LT(*report.open, *report.solid);
+  }
+}
+
+/// From a small sheet that lies askew in its box the way to the border is long.
+TEST(Border, SmallSheetsAreOpenInAnyPose) {
+  const Vec3d axes[3] = {normalized(Vec3d{1, 2, 3}), normalized(cross(Vec3d{1, 2, 3}, Vec3d{1, 0, -1})),
+                         normalized(cross(cross(Vec3d{1, 2, 3}, Vec3d{1, 0, -1}), Vec3d{1, 2, 3}))};
+  for (const int side : {45, 70, 120}) {
+    PointCloud cloud = terrain(side * side);
+    for (Vec3d& p : cloud.positions) p = axes[0] * p.x + axes[1] * p.y + axes[2] * p.z;
+    for (Vec3f& n : cloud.normals) n = Vec3f(axes[0] * double{n.x} + axes[1] * double{n.y} + axes[2] * double{n.z});
+    const Box3d box = cloud.box();
+    const int along_box = static_cast<int>(side * box.longest()) + 12;
+    const BorderReport report = chosen_for(cloud, 1, {}, along_box);
+    EXPECT_EQ(report.chosen, Border::open) << side << ": " << report.reason;
   }
 }
 
@@ -120,24 +135,24 @@ TEST(Border, TurnedDirectionsSwapAirAndSolidMatter) {
   EXPECT_NEAR(*one.open, *other.open, 5e-3 * std::abs(*one.open));
 }
 
-/// A ditch whose energies tell little: a third of a tube, seen from its axis.
+/// A ditch that tells little of itself: two thirds of a long tube, seen from its axis.
 TEST(Border, ScannersUnderAnOpenSkyMakeItOpen) {
   Random random(7);
   PointCloud ditch;
-  constexpr int samples = 6000;
+  constexpr int samples = 40000, along_box = 200;
   for (int i = 0; i < samples; ++i) {
-    const double angle = random.uniform(-0.6, M_PI + 0.6), along = 3 * random.uniform();
+    const double angle = random.uniform(-0.6, M_PI + 0.6), along = 8 * random.uniform();
     const Vec3d around{std::cos(angle), 0, -std::sin(angle)};
     ditch.positions.push_back(around + Vec3d{0, along, 0});
     ditch.normals.push_back(Vec3f(-around));
   }
-  ditch.scans.push_back({"ditch", 0, samples, Vec3d{0, 1.5, 0}, {}, {}});
-  const BorderReport unknown = chosen_for(ditch);
+  ditch.scans.push_back({"ditch", 0, samples, Vec3d{0, 4, 0}, {}, {}});
+  const BorderReport unknown = chosen_for(ditch, 1, {}, along_box);
   EXPECT_EQ(unknown.chosen, Border::solid) << unknown.reason;
   const Surroundings scanners = look_around(ditch, {}, one_thread);
   EXPECT_TRUE(scanners.all_around());
   EXPECT_LT(scanners.covered, 0.75);
-  const BorderReport known = chosen_for(ditch, 1, scanners);
+  const BorderReport known = chosen_for(ditch, 1, scanners, along_box);
   EXPECT_EQ(known.chosen, Border::open) << known.reason;
 }
 

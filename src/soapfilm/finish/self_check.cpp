@@ -52,8 +52,8 @@ double distance2(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
 /// lists of the cubes that it meets. Cubes share a list where their hashes are equal: that only costs time.
 class Reached {
  public:
-  explicit Reached(const std::vector<Vec3d>& places)
-      : places_(places), found_(places.size()), begin_(lists + 1), wanted_(places.size()) {
+  Reached(const std::vector<Vec3d>& places, double reach)
+      : places_(places), reach_(reach), found_(places.size()), begin_(lists + 1), wanted_(places.size()) {
     std::iota(wanted_.begin(), wanted_.end(), 0u);
     index_wanted();
   }
@@ -61,7 +61,7 @@ class Reached {
   void find_near(Vec3d vertex) {
     for_each_in(list_of(brick_around(vertex)), [&](uint32_t i) {
       const Vec3d d = places_[i] - vertex;
-      return dot(d, d) <= self_check_reach * self_check_reach;
+      return dot(d, d) <= reach_ * reach_;
     });
   }
 
@@ -73,8 +73,8 @@ class Reached {
       for_each_in(list, [&](uint32_t i) {
         const Vec3d p = places_[i];
         for (int axis = 0; axis < 3; ++axis)
-          if (p[axis] < lo[axis] - self_check_reach || p[axis] > hi[axis] + self_check_reach) return false;
-        return distance2(p, a, b, c) <= self_check_reach * self_check_reach;
+          if (p[axis] < lo[axis] - reach_ || p[axis] > hi[axis] + reach_) return false;
+        return distance2(p, a, b, c) <= reach_ * reach_;
       });
     });
   }
@@ -105,7 +105,7 @@ class Reached {
   }
 
   void index_wanted() {
-    const Vec3d reach{self_check_reach, self_check_reach, self_check_reach};
+    const Vec3d reach{reach_, reach_, reach_};
     const auto for_each_list = [&](auto&& visit) {
       for (const uint32_t i : wanted_)
         for_each_cube(places_[i] - reach, places_[i] + reach, [&](size_t list) { visit(list, i); });
@@ -127,17 +127,19 @@ class Reached {
   }
 
   const std::vector<Vec3d>& places_;
+  const double reach_;
   std::vector<std::atomic<uint8_t>> found_;  // only ever set: the order of threads does not matter
   std::vector<uint32_t> begin_, in_list_;    // of each list
   std::vector<uint32_t> wanted_;
 };
 
-/// Nearly all samples are near a corner of every eighth triangle: some seven of these lie within reach of a place on
-/// the surface. Whole triangles tell of the others.
-std::vector<uint32_t> lost_of(const std::vector<Vec3d>& picked, const Mesh& mesh, const Lattice& lattice,
+/// Which of the picked samples lie farther than the reach from the mesh. Nearly all samples are near a corner of every
+/// eighth triangle: some seven of these lie within 3 voxels of a place on the surface. Whole triangles tell of the
+/// others.
+std::vector<uint32_t> lost_of(const std::vector<Vec3d>& picked, double reach, const Mesh& mesh, const Lattice& lattice,
                               const Parallel& parallel) {
   constexpr size_t step = 8;
-  Reached reached(picked);
+  Reached reached(picked, reach);
   parallel.for_each((mesh.triangles.size() + step - 1) / step, 4096, [&](size_t k) {
     reached.find_near(lattice.to_lattice(mesh.vertices[mesh.triangles[k * step][0]]));
   });
@@ -157,6 +159,29 @@ double outlier_share(const std::vector<Vec3d>& picked, const std::vector<uint32_
   size_t outliers = 0, looked_at = 0;
   for (size_t k = 0; k < lost.size(); k += step, ++looked_at) outliers += !looks_like_surface(samples, picked[lost[k]]);
   return static_cast<double>(outliers) / static_cast<double>(looked_at);
+}
+
+/// Standard deviation of a normal distribution's noise, as multiple of `reach`, if a share `beyond` of it is farther
+/// than that from the mean.
+double noise_of(double beyond) {
+  double lo = 0, hi = 10;  // of reach over the deviation
+  for (int halving = 0; halving < 50; ++halving) {
+    const double middle = (lo + hi) / 2;
+    (std::erfc(middle / std::sqrt(2.0)) > beyond ? lo : hi) = middle;
+  }
+  return 2 / (lo + hi);
+}
+
+/// Noise loses samples all around its surface: then about as many lie beyond half the reach as a normal distribution
+/// has there. Where parts of a surface are lost, the other samples are near it.
+double noise_of_lost(const std::vector<Vec3d>& picked, double lost, const Mesh& mesh, const Lattice& lattice,
+                     const Parallel& parallel) {
+  constexpr double alike = 0.8;
+  const double noise = noise_of(lost);
+  const size_t far = lost_of(picked, self_check_reach / 2, mesh, lattice, parallel).size();
+  const double expected = std::erfc(1 / (2 * noise * std::sqrt(2.0)));
+  return static_cast<double>(far) > alike * expected * static_cast<double>(picked.size()) ? noise * self_check_reach
+                                                                                          : 0;
 }
 
 struct Area {
@@ -199,9 +224,11 @@ SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const L
   const std::vector<Vec3d> picked = picked_samples(samples);
   report.samples = picked.size();
   if (picked.empty()) return report;
-  const std::vector<uint32_t> lost = lost_of(picked, mesh, lattice, parallel);
+  const std::vector<uint32_t> lost = lost_of(picked, self_check_reach, mesh, lattice, parallel);
   report.lost = static_cast<double>(lost.size()) / static_cast<double>(picked.size());
   if (!lost.empty()) report.outliers = outlier_share(picked, lost, samples);
+  if (report.lost > self_check_most_lost && report.lost < 0.5)
+    report.noise = noise_of_lost(picked, report.lost, mesh, lattice, parallel);
   size_t places = 0;
   const Area area = invented_area(mesh, samples, lattice, parallel, places);
   if (!(area.all > 0)) return report;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/select/closing.h"
 
 namespace soapfilm {
 
@@ -21,6 +22,8 @@ constexpr int trial_iterations = 128, more_iterations = 400;  // per level
 constexpr double little = 0.05;
 /// Scanners that see samples in less of the directions around them stand under an open sky.
 constexpr double all_covered = 0.75;
+/// Where more of the closed surface is there only to close it, it is the back of a sheet.
+constexpr double mostly_closing = 0.4;
 
 /// The level whose cells are as wide as four voxels or, where samples are farther apart than two, twice their spacing:
 /// a film between samples costs there what it costs on finer levels.
@@ -97,6 +100,7 @@ struct Trial {
   double bound = 0;      ///< no u has a lower one
   double area_cost = 0;  ///< lambda TV(u), at least 1000 lambda
   double flux = 0;       ///< through the border
+  double closing = 0;    ///< share of the surface's area that is there only to close it
   int level = 0;
 
   /// No border gives a lower energy: of what p sends through the border of a closed problem any other one can take at
@@ -123,6 +127,8 @@ Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParam
   trial.area_cost = std::max(energies.primal < 0 ? lambda * energies.total_variation : 0, 1000 * lambda);
   trial.flux = flux.sum();
   trial.level = solution.finest.box.level;
+  if (!lattice.open)
+    trial.closing = closing_share(solution.finest, std::ldexp(problem.density, 2 * trial.level), parallel);
   return trial;
 }
 
@@ -165,12 +171,17 @@ class Choice {
   bool under_open_sky(const Spared& spared) const {
     return scanners_.all_around() && scanners_.covered < all_covered && spared.at_most > little;
   }
+  /// The way from a small sheet to the border costs an open surface what it spares.
+  bool is_sheet(const Spared& spared) const { return closed().closing > mostly_closing && spared.at_least > little; }
   bool undecided(const Spared& spared) const {
-    return spared.at_least <= open_gain_ && spared.at_most > open_gain_ && !under_open_sky(spared);
+    if (under_open_sky(spared) || is_sheet(spared)) return false;
+    const double asked = closed().closing > mostly_closing ? little : open_gain_;
+    return spared.at_least <= asked && spared.at_most > asked;
   }
 
   void tell(const Spared& spared, BorderReport& report) const {
     report.area_cost = closed().area_cost;
+    report.closing = closed().closing;
     report.chosen = Border::open;
     if (const double middle = spared.at_least + spared.width() / 2;
         spared.at_least > open_gain_ || (spared.width() < 2 * little && middle > open_gain_)) {
@@ -178,6 +189,8 @@ class Choice {
     } else if (under_open_sky(spared)) {
       report.reason = fmt::format("the scanners stand among the samples and see none in {} of the directions",
                                   percent(1 - scanners_.covered));
+    } else if (is_sheet(spared)) {
+      report.reason = fmt::format("for {} of a closed surface would only close it", percent(closed().closing));
     } else {
       report.chosen = is_solid_ ? Border::solid : Border::air;
       const double other = is_solid_ ? air_.energy : solid_.energy;
@@ -204,6 +217,7 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
   report.level = air.level;
   report.air = air.energy;
   report.area_cost = air.area_cost;
+  report.closing = air.closing;
   report.border_flux = air.flux / air.area_cost;
   const double most = (air.energy - air.bound_of_any()) / air.area_cost;
   if (most < little) {

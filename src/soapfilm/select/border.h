@@ -41,6 +41,7 @@ struct BorderReport {
   std::optional<double> air, solid, open;
   std::optional<double> open_bound;  ///< no open surface has a lower energy
   double area_cost = 0;              ///< of the better closed surface, at least 1000 lambda
+  double closing = 0;                ///< share of that surface that is there only to close it, [0, 1]
   double border_flux = 0;            ///< with air: flux through the border over that surface's cost of area
   Surroundings scanners;
 };
@@ -65,7 +66,10 @@ void negate(SupportField& field, const Parallel& parallel);
 /// open. The lower of the two closed energies wins, air where they are alike; unless an open surface
 ///   - spares more than params.open_gain of the closed one's cost of area, or
 ///   - could spare a twentieth, and the `scanners` stand among samples that leave a quarter of the directions around
-///     them free, such as a street's: far samples are too sparse to tell by energies.
+///     them free, such as a street's: far samples are too sparse to tell by energies, or
+///   - spares a twentieth, and more than two fifths of the closed one are there only to close it (closing_share()):
+///   from
+///     a small sheet that lies askew the way to the border costs much of what it spares.
 BorderReport choose_border(const BorderProblem& problem, const Surroundings& scanners, const BorderParams& params,
                            PrimalDualParams solver, const Parallel& parallel, Progress& progress);
 
