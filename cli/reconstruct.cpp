@@ -96,10 +96,6 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
 PointCloud read_input(const ReconstructOptions& options, const Parallel& parallel, Progress& progress,
                       ReadReport& read) {
   PointCloud cloud = read_cloud(options.inputs, parallel, progress, read);
-  // Methods that look at scans rather than at samples find it there too.
-  if (options.params.orient.sensor)
-    for (Scan& scan : cloud.scans)
-      if (!scan.sensor) scan.sensor = options.params.orient.sensor;
   progress.info(
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));
   return cloud;

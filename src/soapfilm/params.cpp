@@ -256,6 +256,7 @@ void validate(const ReconstructParams& params) {
   const bool checks = params.solve.check_every >= 1 && params.solve.check_every <= 1000;
   require(checks, "check_every", params.solve.check_every, ">= 1 and <= 1000");
   require(params.solve.step_balance > 0, "step_balance", params.solve.step_balance, "> 0");
+  validate(params.orient);
   validate(params.sor);
   validate(params.border);
   validate(params.select);

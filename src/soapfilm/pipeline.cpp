@@ -70,7 +70,7 @@ std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& s
 
 Pipeline::Pipeline(const ReconstructParams& params, const Parallel& parallel, Progress& progress,
                    const PyramidObserver& observe)
-    : params_(params), parallel_(parallel), progress_(progress), observe_(observe), stages_(progress) {
+    : params_(params), parallel_(parallel, progress), progress_(progress), observe_(observe), stages_(progress) {
   validate(params);
   report_.params = params;
 }
@@ -78,7 +78,7 @@ Pipeline::Pipeline(const ReconstructParams& params, const Parallel& parallel, Pr
 void Pipeline::check(const PointCloud& cloud) {
   box_ = check_samples(cloud, parallel_);
   if (params_.method == Method::vrip)
-    for (const Scan& scan : cloud.scans) require_range_scan(scan);
+    for (const Scan& scan : cloud.scans) require_range_scan(scan, params_.orient.sensor);
   room_ = check_room(cloud, params_);
   scanner_positions_ = scanner_positions(cloud, params_.orient.sensor);
 }
@@ -127,7 +127,8 @@ void Pipeline::weigh(const PointCloud& cloud, std::span<const Vec3f> directions,
 
 Mesh Pipeline::fuse(const PointCloud& cloud) {
   const FusedField fused = stages_.run("fuse", [&] {
-    return fuse_scans(cloud, report_.lattice, params_.vrip, parallel_, progress_, report_.vrip.emplace());
+    return fuse_scans({cloud, params_.orient.sensor}, report_.lattice, params_.vrip, parallel_, progress_,
+                      report_.vrip.emplace());
   });
   Mesh mesh = stages_.run("extract", [&] {
     return extract_open_isosurface(fused.grid, fused.distance, fused.weight, 0, report_.lattice, parallel_);

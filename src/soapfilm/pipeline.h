@@ -66,7 +66,7 @@ class Pipeline {
   void plan_mesh(const Level& level, bool checked);
 
   const ReconstructParams& params_;
-  const Parallel& parallel_;
+  Parallel parallel_;  ///< stops when the progress is cancelled
   Progress& progress_;
   const PyramidObserver& observe_;
   Stages stages_;

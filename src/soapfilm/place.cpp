@@ -9,6 +9,7 @@
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/field/divergence.h"
+#include "soapfilm/field/samples.h"
 #include "soapfilm/field/sampling.h"
 #include "soapfilm/orient/area_weights.h"
 
@@ -121,6 +122,8 @@ Box3d check_samples(const PointCloud& cloud, const Parallel& parallel) {
   if (cloud.size() < fewest_samples)
     throw SamplesError(
         fmt::format("{} sample{}, must be at least {}", cloud.size(), cloud.size() == 1 ? "" : "s", fewest_samples));
+  if (cloud.size() > most_samples)
+    throw SamplesError(fmt::format("{} samples, must be at most {}", cloud.size(), most_samples));
   const auto box_of = [&](size_t begin, size_t end) {
     Box3d box;
     for (size_t i = begin; i < end; ++i) {

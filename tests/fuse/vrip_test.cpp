@@ -33,7 +33,7 @@ Fusion fuse(const PointCloud& cloud, const Lattice& lattice, const VripParams& p
   Progress progress;
   const Parallel parallel(threads);
   Fusion fusion;
-  fusion.field = fuse_scans(cloud, lattice, params, parallel, progress, fusion.report);
+  fusion.field = fuse_scans({cloud}, lattice, params, parallel, progress, fusion.report);
   fusion.mesh =
       extract_open_isosurface(fusion.field.grid, fusion.field.distance, fusion.field.weight, 0, lattice, parallel);
   return fusion;

@@ -66,9 +66,9 @@ std::vector<std::string> names_of(const std::vector<Canceller::Stage>& stages) {
   return names;
 }
 
-/// The program's: its loops ask the progress object, too.
+/// Nothing is wired: the library's loops ask the progress object by themselves.
 void run(const PointCloud& cloud, const ReconstructParams& params, Progress& progress, int threads = 1) {
-  const Parallel parallel(threads, &progress);
+  const Parallel parallel(threads);
   reconstruct(cloud, params, parallel, progress);
 }
 
@@ -139,7 +139,7 @@ TEST_P(CancelledRun, GivesItsMemoryBackSlow) {
   Progress progress;
   std::vector<StageTime> stages;
   {
-    const Reconstruction whole = reconstruct(large, params, Parallel(threads, &progress), progress);
+    const Reconstruction whole = reconstruct(large, params, Parallel(threads), progress);
     stages = whole.report.stages;
     EXPECT_GT(static_cast<double>(whole.report.peak_bytes) - empty, 16 * megabyte) << "too small to say anything";
   }

@@ -113,6 +113,20 @@ TEST(Vrip, IsOpenWhereNothingWasSeenAndClosedAllRound) {
   EXPECT_TRUE(check_topology(reconstructed(range_scans({{5, 0, 0}}), closed).mesh).watertight());
 }
 
+/// A scanner that the parameters name serves scans that name none; nothing else of the cloud need be changed.
+TEST(Vrip, ScansWithoutAPositionTakeTheOneThatIsGiven) {
+  const PointCloud named = range_scans({{5, 0, 0}});
+  PointCloud bare = named;
+  for (Scan& scan : bare.scans) scan.sensor.reset();
+  ReconstructParams params = params_of(Method::vrip);
+  EXPECT_THROW(reconstructed(bare, params), ParameterError);
+  params.orient.sensor = named.scans.front().sensor;
+  ASSERT_TRUE(params.orient.sensor);
+  const Mesh given = reconstructed(bare, params).mesh, own = reconstructed(named, params_of(Method::vrip)).mesh;
+  EXPECT_EQ(given.vertices, own.vertices);
+  EXPECT_EQ(given.triangles, own.triangles);
+}
+
 std::string refusal(const PointCloud& cloud, const ReconstructParams& params) {
   StageList stages;
   try {

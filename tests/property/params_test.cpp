@@ -43,7 +43,9 @@ TEST_P(Params, OutOfRangeIsRefused) {
 using P = ReconstructParams;
 INSTANTIATE_TEST_SUITE_P(
     Values, Params,
-    testing::Values(Refusal{"voxel", [](P& p) { p.place.voxel = 0; }, "0", "> 0"},
+    testing::Values(Refusal{"neighbours", [](P& p) { p.orient.neighbours = 2; }, "2", "in [3, 1000]"},
+                    Refusal{"radius", [](P& p) { p.orient.radius = 0; }, "0", "> 0"},
+                    Refusal{"voxel", [](P& p) { p.place.voxel = 0; }, "0", "> 0"},
                     Refusal{"voxel", [](P& p) { p.place.voxel = nan; }, "nan", "> 0"},
                     Refusal{"samples_per_voxel2", [](P& p) { p.place.samples_per_voxel2 = -2; }, "-2", "> 0"},
                     Refusal{"padding", [](P& p) { p.place.padding = 1; }, "1", ">= 2 and <= 4096"},

@@ -1,6 +1,7 @@
 // The sparse certificate against brute force: the dual of every level spread out on the whole fine grid.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -19,50 +20,47 @@ using namespace test;
 
 const Parallel one_thread(1);
 
-constexpr double allowed_outside = 1;  // of the gap, for data that the finest band leaves out
-constexpr float flux_kept = 0.8f;      // of a level's, before a finer one but the finest starts from it
-
-/// solve_coarse_to_fine, with every level kept. data[l] and levels[l] belong to level l; the flux of levels 2 and up is
-/// scaled by then.
+/// What solve_coarse_to_fine() solves, with every level kept as it was solved. data[l] and levels[l] belong to level l.
 struct KeptPyramid {
   std::vector<SupportField> data;
   std::vector<Level> levels;
 };
 
-KeptPyramid solve_and_keep(const Problem& problem, double lambda, Norm norm) {
-  const PrimalDualParams params;
-  const Lattice& lattice = problem.lattice;
-  KeptPyramid kept;
-  const auto count = static_cast<size_t>(lattice.levels);
-  kept.data.resize(count);
-  kept.levels.resize(count);
-  kept.data[0] = divergence_field(problem.samples, lattice.box(0), one_thread);
-  for (size_t l = 1; l < count; ++l)
-    kept.data[l] = restrict_field(kept.data[l - 1], lattice.box(static_cast<int>(l)), one_thread);
-
-  Progress progress;
-  for (size_t l = count; l-- > 0;) {
-    const LevelBox box = lattice.box(static_cast<int>(l));
-    Level& level = kept.levels[l];
-    if (l + 1 == count) {
-      const double scale = std::pow(4.0, static_cast<double>(l));
-      level = make_level(box, static_cast<float>(lambda * scale), BrickMask::whole(box.bricks), kept.data[l].grid,
-                         kept.data[l].f, one_thread, norm);
-      solve_primal_dual(level, params, one_thread, progress);
-      continue;
-    }
-    Level& coarse = kept.levels[l + 1];
-    if (l > 0) scale_flux(coarse, flux_kept, one_thread);
-    BrickMask band = choose_band(coarse, box, kept.data[l], allowed_outside, one_thread);
-    level = prolong_level(coarse, box, band, kept.data[l], one_thread);
-    solve_primal_dual(level, params, one_thread, progress);
-    for (BrickMask grown = growth(level, coarse.grid, Parallel(2)); grown.count() > 0;
-         grown = growth(level, coarse.grid, Parallel(2))) {
-      band |= grown;
-      level = prolong_level(coarse, box, band, kept.data[l], one_thread, std::move(level));
-      solve_primal_dual(level, params, one_thread, progress);
+/// The same but for what is not kept: its data is `field`, which must outlive it.
+Level copy_of(const Level& level, const SupportField& field) {
+  BrickMask band(level.box.bricks);
+  for (size_t b = 0; b < level.grid.size(); ++b) band.set(level.grid.coord(b));
+  Level copy = make_level(level.box, level.lambda, band, field.grid, field.f, one_thread, level.norm);
+  copy.inside = level.inside;
+  copy.outside = level.outside;
+  for (size_t b = 0; b < level.grid.size(); ++b) {
+    EXPECT_EQ(copy.grid.coord(b), level.grid.coord(b));
+    std::copy_n(level.u.brick(b), brick_volume, copy.u.brick(b));
+    for (int axis = 0; axis < 3; ++axis) {
+      std::copy_n(level.p.brick(b, axis), brick_volume, copy.p.brick(b, axis));
+      const float* flux = level.rim.plane(b, axis);
+      float* kept = copy.rim.plane(b, axis);
+      EXPECT_EQ(flux == nullptr, kept == nullptr);
+      if (flux && kept) std::copy_n(flux, brick_area, kept);
     }
   }
+  return copy;
+}
+
+KeptPyramid solve_and_keep(const Problem& problem, double lambda, Norm norm) {
+  const Lattice& lattice = problem.lattice;
+  KeptPyramid kept;
+  kept.data.push_back(divergence_field(problem.samples, lattice.box(0), one_thread));
+  for (int l = 1; l < lattice.levels; ++l)
+    kept.data.push_back(restrict_field(kept.data.back(), lattice.box(l), one_thread));
+  PyramidObserver observe;
+  observe.solved = [&](const Level& level, const Lattice&) {
+    const auto l = static_cast<size_t>(level.box.level);
+    if (kept.levels.empty()) kept.levels.resize(l + 1);
+    kept.levels[l] = copy_of(level, kept.data[l]);
+  };
+  Progress progress;
+  solve_coarse_to_fine(lattice, kept.data[0], lambda, {}, one_thread, progress, norm, observe);
   return kept;
 }
 
@@ -106,8 +104,7 @@ WholeDual whole_dual(const KeptPyramid& pyramid) {
     const Dense<double> zero(level.box.bricks * brick_side);
     dual = l + 1 == pyramid.levels.size() ? WholeDual{{zero, zero, zero}, Dense<uint8_t>(zero.size())}
                                           : prolonged(dual, zero.size());
-    if (l > 1)
-      for (Dense<double>& p : dual.p) p.for_each([&](Vec3i v) { p[v] *= flux_kept; });
+    for (Dense<double>& p : dual.p) p.for_each([&](Vec3i v) { p[v] *= double{flux_kept(static_cast<int>(l))}; });
     if (level.box.open) cut_off_border(level.box, dual);
     for (size_t b = 0; b < level.grid.size(); ++b)
       for (int axis = 0; axis < 3; ++axis)

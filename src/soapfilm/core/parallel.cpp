@@ -21,13 +21,15 @@ namespace {
 /// One loop as an executor sees it: chunks by number, each to be run once, in any order, by any thread.
 class Loop {
  public:
-  Loop(size_t count, size_t grain, void* body, void (*call)(void*, size_t, size_t), const Progress* progress)
+  Loop(size_t count, size_t grain, void* body, void (*call)(void*, size_t, size_t),
+       const std::array<const Progress*, 2>& progress)
       : count_(count), grain_(grain), body_(body), call_(call), progress_(progress) {}
 
   size_t chunks() const { return count_ / grain_ + (count_ % grain_ != 0); }
 
   void run(size_t chunk) {
-    if (progress_) progress_->check();
+    for (const Progress* progress : progress_)
+      if (progress) progress->check();
     const size_t begin = chunk * grain_;
     call_(body_, begin, begin + std::min(grain_, count_ - begin));
   }
@@ -55,7 +57,7 @@ class Loop {
   size_t grain_;
   void* body_;
   void (*call_)(void*, size_t, size_t);
-  const Progress* progress_;
+  std::array<const Progress*, 2> progress_;
   std::atomic<size_t> lowest_failed_{SIZE_MAX};
   std::mutex mutex_;
   std::exception_ptr error_;
@@ -127,8 +129,13 @@ struct Parallel::Impl {
 
 Parallel::Parallel(int threads, const Progress* progress)
     : threads_(threads > 0 ? threads : Impl::default_threads()),
-      progress_(progress),
-      impl_(std::make_unique<Impl>(threads_)) {}
+      progress_{progress, nullptr},
+      impl_(std::make_shared<Impl>(threads_)) {}
+
+Parallel::Parallel(const Parallel& other, const Progress& progress)
+    : threads_(other.threads_),
+      progress_{other.progress_[0], other.progress_[0] == &progress ? nullptr : &progress},
+      impl_(other.impl_) {}
 
 Parallel::~Parallel() = default;
 

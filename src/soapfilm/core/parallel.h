@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <type_traits>
@@ -19,6 +20,8 @@ class Parallel {
   /// `threads` >= 1, or 0 for all that this process may use. When `progress` is given and cancelled, a loop throws
   /// Cancelled before its next chunk: so every stage that loops can be stopped within milliseconds.
   explicit Parallel(int threads = 0, const Progress* progress = nullptr);
+  /// The same threads as `other`, whose loops stop when `progress` is cancelled, too.
+  Parallel(const Parallel& other, const Progress& progress);
   ~Parallel();
   Parallel(const Parallel&) = delete;
   Parallel& operator=(const Parallel&) = delete;
@@ -57,9 +60,9 @@ class Parallel {
   void run_confined(void* body, ChunkFunction call) const;
 
   int threads_;
-  const Progress* progress_;
+  std::array<const Progress*, 2> progress_;  ///< or null
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace soapfilm

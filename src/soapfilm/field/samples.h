@@ -1,6 +1,7 @@
 // The samples as the grid sees them: in lattice coordinates, sorted by brick.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -26,6 +27,9 @@ struct GridSamples {
 
   size_t size() const { return local.size(); }
 };
+
+/// Samples of a cloud: their indices have 32 bits.
+inline constexpr size_t most_samples = UINT32_MAX;
 
 /// Has the sample a direction and a weight > 0?
 inline bool speaks(const PointCloud& cloud, std::span<const Vec3f> directions, size_t i) {

@@ -118,26 +118,29 @@ void validate(const RangeSurfaceParams& params) {
   if (params.taper < 0) throw ParameterError(fmt::format("taper = {}, must be >= 0 samples", params.taper));
 }
 
-Viewpoint::Viewpoint(const Scan& scan) : central_(scan.sensor.has_value()) {
-  if (!scan.sensor && !scan.view_direction)
+Viewpoint::Viewpoint(const Scan& scan, const std::optional<Vec3d>& sensor) {
+  const std::optional<Vec3d>& position = scan.sensor ? scan.sensor : sensor;
+  central_ = position.has_value();
+  if (!position && !scan.view_direction)
     throw ParameterError(
         fmt::format("vrip needs range scans: scan \"{}\" has no sensor position and no viewing direction", scan.name));
-  vector_ = scan.sensor ? *scan.sensor : normalized(*scan.view_direction);
+  vector_ = position ? *position : normalized(*scan.view_direction);
   if (!is_finite(vector_) || (!central_ && vector_ == Vec3d{}))
     throw ParameterError(fmt::format("scan \"{}\": {} must be finite{}", scan.name,
                                      central_ ? "sensor position" : "viewing direction", central_ ? "" : ", not zero"));
 }
 
-void require_range_scan(const Scan& scan) {
+void require_range_scan(const Scan& scan, const std::optional<Vec3d>& sensor) {
   if (!scan.range_grid)
     throw ParameterError(fmt::format("vrip needs range scans: scan \"{}\" has no range grid", scan.name));
-  [[maybe_unused]] const Viewpoint view(scan);
+  [[maybe_unused]] const Viewpoint view(scan, sensor);
 }
 
-RangeSurface range_surface(const PointCloud& cloud, const Scan& scan, const RangeSurfaceParams& params) {
+RangeSurface range_surface(const PointCloud& cloud, const Scan& scan, const RangeSurfaceParams& params,
+                           const std::optional<Vec3d>& sensor) {
   validate(params);
-  require_range_scan(scan);
-  const Viewpoint view(scan);
+  require_range_scan(scan, sensor);
+  const Viewpoint view(scan, sensor);
   check(scan, *scan.range_grid);
   const std::span<const Vec3d> p = std::span(cloud.positions).subspan(scan.begin, scan.size());
 

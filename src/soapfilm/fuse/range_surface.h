@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "soapfilm/core/mesh.h"
@@ -27,8 +28,9 @@ void validate(const RangeSurfaceParams& params);
 /// From where a scan was seen.
 class Viewpoint {
  public:
-  /// The scan's sensor position, else its viewing direction. Throws ParameterError when it has neither.
-  explicit Viewpoint(const Scan& scan);
+  /// The scan's sensor position, or `sensor` where it names none; else its viewing direction. Throws ParameterError
+  /// when there is none of them.
+  explicit Viewpoint(const Scan& scan, const std::optional<Vec3d>& sensor = {});
   /// Rays that meet in `position`.
   static Viewpoint central(Vec3d position) { return {position, true}; }
   /// Parallel rays; `direction` points from the surface to the scanner and is a unit vector.
@@ -55,11 +57,12 @@ struct RangeSurface {
   size_t dropped = 0;  ///< triangles across steps in depth
 };
 
-/// Throws ParameterError naming the scan when it has no range grid or no viewpoint.
-void require_range_scan(const Scan& scan);
+/// Throws ParameterError naming the scan when it has no range grid or no viewpoint; `sensor`: of scans that name none.
+void require_range_scan(const Scan& scan, const std::optional<Vec3d>& sensor = {});
 
 /// Joins the samples of neighbouring pixels: four give two triangles along the shorter diagonal, three give one.
 /// Throws ParameterError when the scan has no range grid or no viewpoint, or a range grid that does not fit it.
-RangeSurface range_surface(const PointCloud& cloud, const Scan& scan, const RangeSurfaceParams& params);
+RangeSurface range_surface(const PointCloud& cloud, const Scan& scan, const RangeSurfaceParams& params,
+                           const std::optional<Vec3d>& sensor = {});
 
 }  // namespace soapfilm

@@ -139,10 +139,10 @@ struct PlacedScan {
   Viewpoint view;
   const RangeSurface& surface;
 
-  PlacedScan(const PointCloud& cloud, const Scan& scan, const RangeSurface& range, const Lattice& lattice)
-      : view(scan), surface(range) {
+  PlacedScan(const RangeScans& scans, const Scan& scan, const RangeSurface& range, const Lattice& lattice)
+      : view(scan, scans.sensor), surface(range) {
     positions.reserve(scan.size());
-    for (size_t i = scan.begin; i < scan.end; ++i) positions.push_back(lattice.to_lattice(cloud.positions[i]));
+    for (size_t i = scan.begin; i < scan.end; ++i) positions.push_back(lattice.to_lattice(scans.cloud.positions[i]));
     view = view.is_central() ? Viewpoint::central(lattice.to_lattice(view.vector()))
                              : Viewpoint::parallel(lattice.from_world_axes(view.vector()));
   }
@@ -167,12 +167,13 @@ struct Sightings {
 
 class Fusion {
  public:
-  Fusion(const PointCloud& cloud, const Lattice& lattice, const VripParams& params, const Parallel& parallel,
+  Fusion(const RangeScans& scans, const Lattice& lattice, const VripParams& params, const Parallel& parallel,
          Progress& progress)
-      : cloud_(cloud), lattice_(lattice), ramp_{params.front, params.behind}, parallel_(parallel), progress_(progress) {
-    surfaces_.resize(cloud.scans.size());
-    parallel.for_each(surfaces_.size(), 1,
-                      [&](size_t k) { surfaces_[k] = range_surface(cloud, cloud.scans[k], params.surface); });
+      : scans_(scans), lattice_(lattice), ramp_{params.front, params.behind}, parallel_(parallel), progress_(progress) {
+    surfaces_.resize(scans_.cloud.scans.size());
+    parallel.for_each(surfaces_.size(), 1, [&](size_t k) {
+      surfaces_[k] = range_surface(scans_.cloud, scans_.cloud.scans[k], params.surface, scans_.sensor);
+    });
   }
 
   FusedField run(VripReport& report) {
@@ -204,7 +205,7 @@ class Fusion {
   }
 
  private:
-  PlacedScan place(size_t k) const { return {cloud_, cloud_.scans[k], surfaces_[k], lattice_}; }
+  PlacedScan place(size_t k) const { return {scans_, scans_.cloud.scans[k], surfaces_[k], lattice_}; }
 
   /// For each triangle the bricks that its prism may reach.
   std::vector<BrickBox> boxes_of(const PlacedScan& scan) const {
@@ -280,7 +281,7 @@ class Fusion {
     }
   }
 
-  const PointCloud& cloud_;
+  RangeScans scans_;
   const Lattice& lattice_;
   Ramp ramp_;
   const Parallel& parallel_;
@@ -291,7 +292,7 @@ class Fusion {
 
 }  // namespace
 
-FusedField fuse_scans(const PointCloud& cloud, const Lattice& lattice, const VripParams& params,
+FusedField fuse_scans(const RangeScans& scans, const Lattice& lattice, const VripParams& params,
                       const Parallel& parallel, Progress& progress, VripReport& report) {
   const auto check_ramp = [](const char* name, double value) {
     if (!(value > 0 && value <= 1000))
@@ -300,11 +301,12 @@ FusedField fuse_scans(const PointCloud& cloud, const Lattice& lattice, const Vri
   check_ramp("front", params.front);
   check_ramp("behind", params.behind);
   validate(params.surface);
+  const PointCloud& cloud = scans.cloud;
   if (cloud.scans.empty()) throw ParameterError("vrip needs range scans: the cloud has none");
   for (size_t i = 0; i < cloud.size(); ++i)
     if (!is_finite(cloud.positions[i])) throw ParameterError(fmt::format("sample {}: position is not finite", i));
   report = {};
-  return Fusion(cloud, lattice, params, parallel, progress).run(report);
+  return Fusion(scans, lattice, params, parallel, progress).run(report);
 }
 
 }  // namespace soapfilm

@@ -23,6 +23,12 @@ struct VripParams {
   RangeSurfaceParams surface;
 };
 
+/// The scans that are fused, and where the scanner stood of those that do not say it.
+struct RangeScans {
+  const PointCloud& cloud;
+  std::optional<Vec3d> sensor = {};
+};
+
 struct VripReport {
   size_t scans = 0;
   size_t triangles = 0;          ///< of all range surfaces
@@ -45,7 +51,7 @@ struct FusedField {
 ///
 /// Throws ParameterError when a parameter is out of range, a sample is not finite, a scan lacks its range grid or its
 /// viewpoint, or no triangle of the scans lies in the lattice.
-FusedField fuse_scans(const PointCloud& cloud, const Lattice& lattice, const VripParams& params,
+FusedField fuse_scans(const RangeScans& scans, const Lattice& lattice, const VripParams& params,
                       const Parallel& parallel, Progress& progress, VripReport& report);
 
 }  // namespace soapfilm

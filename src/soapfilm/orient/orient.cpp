@@ -19,14 +19,6 @@ namespace {
 
 constexpr size_t samples_at_once = size_t{1} << 14;
 
-void check(const OrientParams& params) {
-  if (params.neighbours < 3 || params.neighbours > 1000)
-    throw ParameterError(fmt::format("neighbours = {}, must be in [3, 1000]", params.neighbours));
-  if (params.radius && !(*params.radius > 0 && std::isfinite(*params.radius)))
-    throw ParameterError(fmt::format("radius = {:g}, must be > 0", *params.radius));
-  if (params.sensor && !is_finite(*params.sensor)) throw ParameterError("sensor: its coordinates must be finite");
-}
-
 /// Scans are looked up by sample.
 void check(const PointCloud& cloud) {
   size_t end = 0;
@@ -203,9 +195,17 @@ bool point_inward(const PointCloud& cloud, const std::vector<Vec3f>& directions,
 
 }  // namespace
 
+void validate(const OrientParams& params) {
+  if (params.neighbours < 3 || params.neighbours > 1000)
+    throw ParameterError(fmt::format("neighbours = {}, must be in [3, 1000]", params.neighbours));
+  if (params.radius && !(*params.radius > 0 && std::isfinite(*params.radius)))
+    throw ParameterError(fmt::format("radius = {:g}, must be > 0", *params.radius));
+  if (params.sensor && !is_finite(*params.sensor)) throw ParameterError("sensor: its coordinates must be finite");
+}
+
 std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
                           Progress& progress, OrientReport& report) {
-  check(params);
+  validate(params);
   check(cloud);
   report = {};
   std::vector<Vec3f> directions;

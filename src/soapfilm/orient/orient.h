@@ -32,6 +32,9 @@ struct OrientParams {
   bool from_within = false;      ///< estimated normals whose side nothing tells look inward: BorderParams::outside says
 };
 
+/// Throws ParameterError when `neighbours`, `radius` or `sensor` is out of range.
+void validate(const OrientParams& params);
+
 struct OrientReport {
   size_t from_normals = 0;
   size_t from_sensor = 0;

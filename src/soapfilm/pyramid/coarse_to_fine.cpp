@@ -35,14 +35,6 @@ double tolerance_of(int level, int start, double tolerance) {
 /// leaves it room to, more of it per iteration saves some; elsewhere it costs some.
 double balance_of(int level, int start) { return level > 1 && level < start ? 1.4 : 1.0; }
 
-/// How much of the coarser level's flux a level on a band starts from. A level that hardly sees the data sends flux
-/// through all of the interior to spread it, up to |p| = lambda; finer levels need nothing of it. At full size it would
-/// stay: no finer ball holds it, so those bricks would belong to every band, and u sink there while waves of p, a third
-/// of a vertex per iteration, cross from side to side. Each level that takes some off leaves it well inside the ball,
-/// and what an interface needs comes back within a few iterations. Where the band's rim runs close to the interface p
-/// is fixed there, so less may go: at level 1 half of that, at the finest, 0, nothing.
-float flux_kept(int level) { return level == 1 ? 0.95f : 0.9f; }
-
 /// An upper bound of what any surface can gain from a level's data: the sum of its positive part.
 double largest_gain(const SupportField& support) {
   double sum = 0;
@@ -226,6 +218,14 @@ class Descent {
 };
 
 }  // namespace
+
+// A level that hardly sees the data sends flux through all of the interior to spread it, up to |p| = lambda; finer
+// levels need nothing of it. At full size it would stay: no finer ball holds it, so those bricks would belong to every
+// band, and u sink there while waves of p, a third of a vertex per iteration, cross from side to side. Each level that
+// takes some off leaves it well inside the ball, and what an interface needs comes back within a few iterations. Where
+// the band's rim runs close to the interface p is fixed there, so less may go: at level 1 half of that, at the finest
+// nothing.
+float flux_kept(int level) { return level == 0 ? 1.0f : level == 1 ? 0.95f : 0.9f; }
 
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
                                      const PrimalDualParams& params, const Parallel& parallel, Progress& progress,

@@ -33,6 +33,9 @@ struct PyramidSolution {
   std::vector<LevelReport> reports;  ///< coarsest first
 };
 
+/// Share of the coarser level's flux p that `level`, on a band, starts from; the finest one starts from all of it.
+float flux_kept(int level);
+
 /// Called while it works, from the calling thread, of levels that take all of lambda; either may be empty.
 struct PyramidObserver {
   /// Each level when it is solved, coarsest first, and where its vertices lie in the world.
