@@ -11,10 +11,10 @@
 
 #include "cli/command.h"
 #include "cli/json.h"
-#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/io/io.h"
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/summary.h"
+#include "soapfilm/mesh/topology.h"
 
 namespace soapfilm::cli {
 

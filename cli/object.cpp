@@ -10,8 +10,8 @@
 #include "cli/json.h"
 #include "cli/parse.h"
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/distance.h"
 #include "soapfilm/io/io.h"
+#include "soapfilm/mesh/distance.h"
 #include "soapfilm/scanner/mesh_surface.h"
 #include "soapfilm/scanner/scene.h"
 

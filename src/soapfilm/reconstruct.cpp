@@ -1,8 +1,8 @@
 #include "soapfilm/reconstruct.h"
 
 #include "soapfilm/core/memory.h"
-#include "soapfilm/evaluate/distance.h"
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/distance.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/pipeline.h"
 
 namespace soapfilm {

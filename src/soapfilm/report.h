@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "soapfilm/core/stages.h"
-#include "soapfilm/evaluate/distance.h"
-#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/finish/scanners.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/fuse/vrip.h"
+#include "soapfilm/mesh/distance.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/select/cross_validation.h"

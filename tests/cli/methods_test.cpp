@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "cli/reconstruct_runs.h"
-#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/io/io.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/method.h"
 #include "soapfilm/scanner/sample_surface.h"
 #include "soapfilm/scanner/shape.h"

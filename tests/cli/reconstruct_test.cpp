@@ -11,8 +11,8 @@
 #include <string>
 #include <thread>
 
-#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/io/io.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/scanner/sample_surface.h"
 #include "soapfilm/scanner/shape.h"
 #include "support/program.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/sample_mesh.h"
+#include "soapfilm/mesh/sample_mesh.h"
 #include "soapfilm/render/colormap.h"
 #include "soapfilm/scanner/mesh_surface.h"
 #include "soapfilm/scanner/shape.h"

@@ -4,9 +4,9 @@
 
 #include "refine/band_support.h"
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/self_intersection.h"
-#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/extract/flip.h"
+#include "soapfilm/mesh/self_intersection.h"
+#include "soapfilm/mesh/topology.h"
 #include "support/hash.h"
 #include "support/sanitized.h"
 

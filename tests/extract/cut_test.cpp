@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/scanner/shape.h"
 
 namespace soapfilm {

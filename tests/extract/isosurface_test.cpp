@@ -9,7 +9,7 @@
 #include "dense_reference.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 #include "support/sanitized.h"
 
 namespace soapfilm {

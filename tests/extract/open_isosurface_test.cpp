@@ -8,8 +8,8 @@
 #include "dense_reference.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/extract/isosurface.h"
+#include "soapfilm/mesh/topology.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -6,9 +6,9 @@
 #include <array>
 
 #include "refine/band_support.h"
-#include "soapfilm/evaluate/self_intersection.h"
 #include "soapfilm/extract/crossings.h"
 #include "soapfilm/extract/half_edges.h"
+#include "soapfilm/mesh/self_intersection.h"
 #include "support/hash.h"
 #include "support/sanitized.h"
 

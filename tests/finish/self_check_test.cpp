@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "soapfilm/core/random.h"
-#include "soapfilm/evaluate/distance.h"
 #include "soapfilm/finish/nearest_sample.h"
+#include "soapfilm/mesh/distance.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

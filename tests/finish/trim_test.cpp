@@ -11,8 +11,8 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/finish/nearest_sample.h"
+#include "soapfilm/mesh/topology.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -10,10 +10,10 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/evaluate/distance.h"
-#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/io/io.h"
+#include "soapfilm/mesh/distance.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/scanner/shape.h"
 #include "soapfilm/scanner/virtual_scan.h"
 #include "support/real_data.h"

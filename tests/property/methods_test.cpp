@@ -9,7 +9,7 @@
 
 #include "property/each_method.h"
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/reconstruct.h"
 #include "support/problem.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/pyramid/restrict.h"
 #include "soapfilm/reconstruct.h"
 #include "support/dense.h"

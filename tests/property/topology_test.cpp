@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/reconstruct.h"
 #include "support/problem.h"
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "soapfilm/core/random.h"
-#include "soapfilm/evaluate/distance.h"
 #include "soapfilm/extract/isosurface.h"
+#include "soapfilm/mesh/distance.h"
 #include "soapfilm/refine/refine.h"
 #include "support/dense.h"
 #include "support/problem.h"

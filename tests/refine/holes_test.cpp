@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "refine/band_support.h"
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 #include "support/hash.h"
 
 namespace soapfilm {

@@ -4,7 +4,7 @@
 
 #include "refine/band_support.h"
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/refine/topology.h"
 #include "support/hash.h"
 #include "support/sanitized.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/scanner/mesh_surface.h"
 
 namespace soapfilm {

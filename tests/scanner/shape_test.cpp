@@ -8,7 +8,7 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/scanner/mesh_surface.h"
 #include "soapfilm/scanner/sample_surface.h"
 #include "support/sanitized.h"

@@ -7,9 +7,9 @@
 #include <functional>
 #include <vector>
 
-#include "soapfilm/evaluate/distance.h"
-#include "soapfilm/evaluate/topology.h"
-#include "soapfilm/evaluate/triangle_normal.h"
+#include "soapfilm/mesh/distance.h"
+#include "soapfilm/mesh/topology.h"
+#include "soapfilm/mesh/triangle_normal.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/scanner/mesh_surface.h"
 #include "soapfilm/scanner/sample_surface.h"

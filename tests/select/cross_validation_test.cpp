@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/scanner/virtual_scan.h"
 #include "support/problem.h"

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/extract/isosurface.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/solve/min_cut.h"
 #include "solve/cut_problems.h"

@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/topology.h"
 #include "soapfilm/extract/isosurface.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/refine/dense_surface.h"
 #include "support/dense.h"
 #include "support/problem.h"

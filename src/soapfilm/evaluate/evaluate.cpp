@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/sample_mesh.h"
-#include "soapfilm/evaluate/self_intersection.h"
-#include "soapfilm/evaluate/triangle_normal.h"
+#include "soapfilm/mesh/sample_mesh.h"
+#include "soapfilm/mesh/self_intersection.h"
+#include "soapfilm/mesh/triangle_normal.h"
 #include "soapfilm/render/colormap.h"
 #include "soapfilm/scanner/mesh_surface.h"
 

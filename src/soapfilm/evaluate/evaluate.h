@@ -9,8 +9,8 @@
 #include "soapfilm/core/mesh.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/progress.h"
-#include "soapfilm/evaluate/distance.h"
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/distance.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/scanner/surface.h"
 
 namespace soapfilm {

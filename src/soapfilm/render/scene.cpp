@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "soapfilm/evaluate/embree_scene.h"
+#include "soapfilm/mesh/embree_scene.h"
 #include "soapfilm/render/colormap.h"
 #include "soapfilm/render/splat.h"
 

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/embree_scene.h"
-#include "soapfilm/evaluate/topology.h"
-#include "soapfilm/evaluate/triangle_normal.h"
+#include "soapfilm/mesh/embree_scene.h"
+#include "soapfilm/mesh/topology.h"
+#include "soapfilm/mesh/triangle_normal.h"
 
 namespace soapfilm {
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/evaluate/distance.h"
+#include "soapfilm/mesh/distance.h"
 #include "soapfilm/scanner/surface.h"
 
 namespace soapfilm {

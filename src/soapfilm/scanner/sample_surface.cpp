@@ -9,7 +9,7 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/evaluate/sample_mesh.h"
+#include "soapfilm/mesh/sample_mesh.h"
 #include "soapfilm/scanner/virtual_scan.h"
 
 namespace soapfilm {

@@ -1,4 +1,4 @@
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/triangle_normal.h"
+#include "soapfilm/mesh/triangle_normal.h"
 
 namespace soapfilm {
 

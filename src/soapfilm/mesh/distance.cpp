@@ -1,4 +1,4 @@
-#include "soapfilm/evaluate/distance.h"
+#include "soapfilm/mesh/distance.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "soapfilm/core/error.h"
-#include "soapfilm/evaluate/embree_scene.h"
-#include "soapfilm/evaluate/triangle_normal.h"
+#include "soapfilm/mesh/embree_scene.h"
+#include "soapfilm/mesh/triangle_normal.h"
 
 namespace soapfilm {
 

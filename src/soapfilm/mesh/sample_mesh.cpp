@@ -1,4 +1,4 @@
-#include "soapfilm/evaluate/sample_mesh.h"
+#include "soapfilm/mesh/sample_mesh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "soapfilm/evaluate/topology.h"
+#include "soapfilm/mesh/topology.h"
 
 #include <gtest/gtest.h>
 

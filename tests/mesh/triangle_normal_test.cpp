@@ -1,4 +1,4 @@
-#include "soapfilm/evaluate/triangle_normal.h"
+#include "soapfilm/mesh/triangle_normal.h"
 
 #include <gtest/gtest.h>
 

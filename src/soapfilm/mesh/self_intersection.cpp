@@ -1,4 +1,4 @@
-#include "soapfilm/evaluate/self_intersection.h"
+#include "soapfilm/mesh/self_intersection.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/triangle_pair.h"
-#include "soapfilm/evaluate/embree_scene.h"
+#include "soapfilm/mesh/embree_scene.h"
 
 namespace soapfilm {
 

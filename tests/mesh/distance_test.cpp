@@ -1,4 +1,4 @@
-#include "soapfilm/evaluate/distance.h"
+#include "soapfilm/mesh/distance.h"
 
 #include <gtest/gtest.h>
 

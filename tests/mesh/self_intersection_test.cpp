@@ -1,4 +1,4 @@
-#include "soapfilm/evaluate/self_intersection.h"
+#include "soapfilm/mesh/self_intersection.h"
 
 #include <gtest/gtest.h>
 
