@@ -14,6 +14,7 @@
 
 #include "cli/command.h"
 #include "cli/overwrite.h"
+#include "cli/params_file.h"
 #include "cli/parse.h"
 #include "cli/read_cloud.h"
 #include "cli/terminal.h"
@@ -32,7 +33,7 @@ struct ReconstructOptions {
   std::string output;
   std::string report;
   std::string memory;
-  std::string isovalue = "auto";
+  std::string isovalue;
   std::string lambda;
   std::string trim;
   std::string levels_folder;
@@ -78,13 +79,17 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   ReconstructParams& params = options.params;
   if (!options.memory.empty()) params.memory_limit = parse_memory(options.memory);
   if (!options.sensor.empty()) params.orient.sensor = {options.sensor[0], options.sensor[1], options.sensor[2]};
-  params.surface.isovalue = number_or_auto("isovalue", options.isovalue, "> 0 and < 1");
+  if (!options.isovalue.empty()) params.surface.isovalue = number_or_auto("isovalue", options.isovalue, "> 0 and < 1");
+  // Of two ways to say how fine the grid is, the one beside --params holds.
+  if (app.count("--voxel") > 0) params.place.resolution.reset();
+  if (app.count("--resolution") > 0) params.place.voxel.reset();
   if (!options.lambda.empty()) {
     params.energy.lambda = number_or_auto("lambda", options.lambda, "> 0");
     params.energy.cross_validate = !params.energy.lambda;
   }
   if (options.trim == "off") {
     params.trim.on = false;
+    params.trim.distance.reset();
   } else if (!options.trim.empty()) {
     params.trim.distance = number_or_auto("trim", options.trim, "> 0, or 'off'");
     params.trim.on = true;
@@ -226,6 +231,12 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
   app.add_option("input", o.inputs, "Point clouds or scan sets (.ply, .xyz, .conf); several are several scans")
       ->required()
       ->option_text("FILE...");
+  app.add_option_function<std::string>(
+         "--params", [&o](const std::string& file) { o.params = read_params(file); },
+         "Take all parameters from a report of an earlier run, or from its\n\"parameters\" alone; options beside it "
+         "hold")
+      ->trigger_on_parse()
+      ->option_text("FILE.json");
   app.add_option("-o,--output", o.output, "Mesh to write: .ply, .obj or .stl")->required()->option_text("FILE");
 
   const auto grid = [&](auto* option) { return option->group("Grid"); };

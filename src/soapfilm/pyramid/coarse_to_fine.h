@@ -61,7 +61,8 @@ struct RoughParams {
   Norm norm = Norm::isotropic;
 };
 
-/// The levels down to one above the finest, for what they tell of it.
+/// The levels down to one above the finest, for what they tell of it. The data f of the one returned is gone unless it
+/// is level 0: only `observe` sees it.
 PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
                                     const RoughParams& params, const Parallel& parallel, Progress& progress,
                                     const PyramidObserver& observe = {});

@@ -115,7 +115,13 @@ Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParam
   lattice.open = border == Border::open;
   BorderFlux flux;
   PyramidObserver observe;
-  if (!lattice.open) observe.solved = [&](const Level& level, const Lattice&) { flux.add(level); };
+  double closing = 0;
+  if (!lattice.open)
+    observe.solved = [&](const Level& level, const Lattice&) {
+      flux.add(level);
+      // Now, as the level's data does not outlive the solve.
+      closing = closing_share(level, std::ldexp(problem.density, 2 * level.box.level), parallel);
+    };
   const PyramidSolution solution = solve_coarse_levels(lattice, problem.field, problem.lambda,
                                                        {at, solver, problem.norm}, parallel, progress, observe);
   progress.check();
@@ -127,8 +133,7 @@ Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParam
   trial.area_cost = std::max(energies.primal < 0 ? lambda * energies.total_variation : 0, 1000 * lambda);
   trial.flux = flux.sum();
   trial.level = solution.finest.box.level;
-  if (!lattice.open)
-    trial.closing = closing_share(solution.finest, std::ldexp(problem.density, 2 * trial.level), parallel);
+  trial.closing = closing;
   return trial;
 }
 
