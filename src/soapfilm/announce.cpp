@@ -178,12 +178,12 @@ std::string misplaced_scanners(const ReconstructReport& report) {
 std::string made_up_surface(const ReconstructReport& report) {
   constexpr double much = 0.3;  // of the surface
   const double invented = report.self_check.invented;
-  if (report.border.chosen == Border::open || report.trim || !(invented > much)) return {};
+  const Method method = report.params.method;
+  // vrip's surface closes nothing, and no method but tv can end at the box.
+  if (method == Method::vrip || report.border.chosen == Border::open || report.trim || !(invented > much)) return {};
   return fmt::format(
-      "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what nobody saw; try --trim auto, "
-      "or "
-      "--outside open",
-      100 * invented, self_check_reach);
+      "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what nobody saw; try --trim auto{}",
+      100 * invented, self_check_reach, method == Method::tv ? ", or --outside open" : "");
 }
 
 }  // namespace
