@@ -33,6 +33,11 @@ Vec3d parse_point(const char* option, const std::string& text) {
   return {v[0], v[1], v[2]};
 }
 
+std::optional<double> number_or_auto(const char* option, const std::string& text, const char* constraint) {
+  if (text == "auto") return std::nullopt;
+  return parse_numbers(option, text, '\0', 1, fmt::format("'auto' or a number {}", constraint).c_str())[0];
+}
+
 double parse_length(const char* option, const std::string& text, double longest) {
   const bool percent = !text.empty() && text.back() == '%';
   const std::string number = percent ? text.substr(0, text.size() - 1) : text;

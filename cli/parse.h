@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,9 @@ Vec3d parse_point(const char* option, const std::string& text);
 
 /// A length in input units, or with a percent sign in hundredths of `longest`.
 double parse_length(const char* option, const std::string& text, double longest);
+
+/// A number, or nothing when the text says "auto"; `constraint` says which numbers.
+std::optional<double> number_or_auto(const char* option, const std::string& text, const char* constraint);
 
 /// Turns the name of an enumeration's value, or of a switch's state, into what CLI11 reads; refuses other words.
 template <class T>

@@ -44,21 +44,6 @@ struct ReconstructOptions {
   ReconstructParams params;
 };
 
-/// A number, or nothing when the text says "auto".
-std::optional<double> number_or_auto(const char* option, const std::string& text, const char* constraint) {
-  if (text == "auto") return std::nullopt;
-  size_t used = 0;
-  double value = 0;
-  try {
-    value = std::stod(text, &used);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  if (used != text.size() || used == 0)
-    throw ParameterError(fmt::format("{} = {}, must be 'auto' or a number {}", option, text, constraint));
-  return value;
-}
-
 /// An option that the chosen method would not look at must not pass silently.
 void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
   const auto only = [&](std::initializer_list<const char*> names, bool used, const char* of) {

@@ -7,7 +7,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from figures import bunny, weak
+from figures import bunny
 
 STYLE = {"tv-sor": ("tv-sor (the paper's numerics)", "tab:red"), "tv from zero": ("tv from zero", "tab:orange"),
          "tv": ("tv with the pyramid", "tab:blue")}
@@ -32,7 +32,7 @@ def plot(lab, rows):
 
 
 def convergence(lab):
-    scans, name = bunny(lab)
+    scans, name, _ = bunny(lab)
     lab.say("convergence of three solvers")
     text = lab.output_of([lab.programs / "bench_convergence", scans, 212, 0.05])
     (lab.page / "convergence.csv").write_text(text)
@@ -59,10 +59,10 @@ u on the whole finest grid.
 
 
 def remarks(lab):
-    scans, name = bunny(lab)
+    scans, name, directions = bunny(lab)
     lab.say("remarks at the end of the paper")
     table = lab.output_of([lab.programs / "bench_remarks", scans, 160])
-    run = lab.reconstruct("remarks-profile", scans, *weak(scans), "--resolution", 512, "--lambda", 0.01)
+    run = lab.reconstruct("remarks-profile", scans, *directions, "--resolution", 512, "--lambda", 0.01)
     stages = {k: v for k, v in run.report["seconds"].items() if k not in ("total", "check")}
     whole = sum(stages.values())
     profile = lab.table("remarks-profile", ["stage", "seconds", "share"],

@@ -3,19 +3,18 @@
 MODELS = "the full dragon, armadillo and Buddha scans are not in SOAPFILM_DATA"
 
 
-def weak(scans):
-    """Options for directions as coarse as the paper's, towards the scanner: by default they become normals of planes
-    where samples lie on one. Virtual scanners stand at a place; the real ones, and parallel rays, say a direction."""
-    at_a_place = scans.parent.name in ("knot-scans", "figure-2-scans", "figure-4-scans")
-    return ["--directions", "sensor" if at_a_place else "scan"]
+# Directions as coarse as the paper's; by default they become normals of planes where samples lie on one.
+TO_SCANNER = ["--directions", "sensor"]  # each sample towards where its scanner stood
+TO_SIDE = ["--directions", "scan"]       # all of a scan alike: parallel rays, and real scans that say no more
 
 
 def bunny(lab):
-    """The raw Stanford scans, or virtual ones of a built-in shape: (input, name)."""
+    """The raw Stanford scans, or virtual ones of a built-in shape: (input, name, options for their directions)."""
     real = lab.real("bunny/bun.conf")
     if real:
-        return real, "Stanford bunny, raw scans"
-    return lab.scan("knot-scans", "knot", "--views", 10, "--noise", "0.1%") / "scans.conf", "virtual scans of a knot"
+        return real, "Stanford bunny, raw scans", TO_SIDE
+    scans = lab.scan("knot-scans", "knot", "--views", 10, "--noise", "0.1%") / "scans.conf"
+    return scans, "virtual scans of a knot", TO_SCANNER
 
 
 def detailed(lab, name, *arguments):
@@ -29,7 +28,7 @@ def figure_2(lab):
     scans, name = detailed(lab, "figure-2-scans", "--views", 14, "--noise", "0.2%", "--image", "280x280")
     rows, meshes = [], []
     for lam in (0.1, 0.01, 0.001):
-        run = lab.reconstruct(f"figure-2-{lam}", scans, *weak(scans), "--resolution", 320, "--lambda", lam)
+        run = lab.reconstruct(f"figure-2-{lam}", scans, *TO_SCANNER, "--resolution", 320, "--lambda", lam)
         if run.failure:
             rows.append([lam, run.failure, "", "", ""])
             continue
@@ -56,7 +55,7 @@ def figure_3(lab):
     for method in ("vrip", "poisson", "tv"):
         # Stray samples widen the box: a voxel of a sixth of the bit's 1.6 mm, whatever the box.
         grid = ["--voxel", 0.00027] if real else ["--resolution", 256]
-        run = lab.reconstruct(f"figure-3-{method}", scans, *weak(scans), *grid, "--method", method)
+        run = lab.reconstruct(f"figure-3-{method}", scans, *TO_SIDE, *grid, "--method", method)
         if run.failure:
             rows.append([method, run.failure, "", ""])
             continue
@@ -82,7 +81,7 @@ def figure_4(lab):
     rows, meshes = [], [(scans, "scans: 50 to 1, 1 % outliers")]
     for method in ("poisson", "tv"):
         # The paper's lambda: the default follows the mean density, which the thin half lies far below.
-        run = lab.reconstruct(f"figure-4-{method}", scans, *weak(scans), "--resolution", 200, "--lambda", 0.01,
+        run = lab.reconstruct(f"figure-4-{method}", scans, *TO_SCANNER, "--resolution", 200, "--lambda", 0.01,
                               "--method", method)
         if run.failure:
             rows.append([method, run.failure, ""])
@@ -111,7 +110,7 @@ def figure_5(lab):
     scans = lab.scan("figure-5-scans", "arch", *ARCH) / "scans.conf"
     rows, meshes = [], [(scans, "samples: none between the feet")]
     for method in ("poisson", "tv"):
-        run = lab.reconstruct(f"figure-5-{method}", scans, *weak(scans), "--resolution", 160, "--method", method)
+        run = lab.reconstruct(f"figure-5-{method}", scans, *TO_SIDE, "--resolution", 160, "--method", method)
         if run.failure:
             rows.append([method, run.failure, ""])
             continue
@@ -131,9 +130,9 @@ no sample lies between them.
 
 
 def figure_6(lab):
-    scans, name = bunny(lab)
+    scans, name, directions = bunny(lab)
     levels = lab.work / "figure-6-levels"
-    run = lab.reconstruct("figure-6", scans, *weak(scans), "--resolution", 512, "--write-levels", levels)
+    run = lab.reconstruct("figure-6", scans, *directions, "--resolution", 512, "--write-levels", levels)
     paper = ["128x120x94", "256x241x189", "512x482x378", ""]
     rows, meshes = [], []
     for level, theirs in zip((2, 1, 0), paper):

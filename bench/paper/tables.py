@@ -1,17 +1,17 @@
 """The tables of sections 4 and 5. Each function makes one and returns (title, Markdown)."""
-from figures import bunny, weak
+from figures import bunny
 
 # Every lambda that a method may call its own best, from coarse films to none.
 LAMBDAS = (0.0025, 0.005, 0.01, 0.02, 0.04)
 
 
 def table_1(lab):
-    scans, name = bunny(lab)
+    scans, name, directions = bunny(lab)
     paper = {0.1: 1126101, 0.25: 1124452, 0.5: 1121936, 0.75: 1119334, 0.9: 1117737}
     real = lab.real("bunny/bun.conf") is not None
     rows = []
     for mu, theirs in paper.items():
-        run = lab.reconstruct(f"table-1-{mu}", scans, *weak(scans), "--resolution", 212, "--lambda", 0.01,
+        run = lab.reconstruct(f"table-1-{mu}", scans, *directions, "--resolution", 212, "--lambda", 0.01,
                               "--threshold", mu)
         ours = run.report["grid"]["inside"]
         rows.append([mu, theirs, ours, f"{100 * (ours / theirs - 1):+.3f} %" if real else "other model"])
@@ -23,12 +23,12 @@ def table_1(lab):
 
 
 def table_2(lab):
-    scans, name = bunny(lab)
+    scans, name, directions = bunny(lab)
     rows = [["the paper's, 2011 notebook", "512x482x378", 292, 719, "", "1378268", "", ""]]
     runs = {}
     for method in ("tv", "tv-sor", "poisson"):
         options = [] if method == "poisson" else ["--lambda", 0.01]
-        runs[method] = lab.reconstruct(f"table-2-{method}", scans, *weak(scans), "--resolution", 512,
+        runs[method] = lab.reconstruct(f"table-2-{method}", scans, *directions, "--resolution", 512,
                                        "--method", method, *options)
     for method, run in runs.items():
         c = run.report["certificate"]

@@ -65,15 +65,17 @@ TEST_F(ParamsFile, WhatIsWrongIsNamedWithTheFile) {
     const std::string file = written(text);
     refused({cloud, "--params", file}, file + ": " + what);
   };
-  refuses("", "not JSON");
+  refuses("", "is empty");
+  refuses(" ", "not JSON");
   refuses("{", "not JSON");
   refuses("[1]", "parameters: must be a JSON object");
   refuses(R"({"place": {"voxels": 1}})", "parameters: unknown key 'place.voxels'");
   refuses(R"({"parameters": {"place": {"voxel": -1}}})", "voxel = -1, must be > 0");
   refuses(R"({"orient": {"neighbours": 2}})", "neighbours = 2, must be in [3, 1000]");
   refuses(R"({"place": {"padding": "six"}})", "parameters: place.padding = \"six\"");
-  refused({cloud, "--params", folder.file("none.json")}, folder.file("none.json") + ": No such file or directory");
-  refused({cloud, "--params", folder.file(".")}, "Is a directory");
+  refused({cloud, "--params", folder.file("none.json")},
+          folder.file("none.json") + ": cannot be opened: No such file or directory");
+  refused({cloud, "--params", folder.file(".")}, ": is a directory, must be a file");
 }
 
 }  // namespace TEST_FILE

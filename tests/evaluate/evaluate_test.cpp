@@ -11,6 +11,7 @@
 #include "soapfilm/render/colormap.h"
 #include "soapfilm/scanner/mesh_surface.h"
 #include "soapfilm/scanner/shape.h"
+#include "support/flat_sheet.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -24,19 +25,7 @@ Evaluation evaluated(const Mesh& mesh, const Surface& truth, EvaluationOptions o
 Mesh sphere_mesh(double size, double tolerance = 1e-4) { return make_sphere({.size = size})->tessellate(tolerance); }
 
 /// n x n squares over the unit square at height z.
-Mesh sheet(uint32_t n, double z) {
-  Mesh mesh;
-  for (uint32_t i = 0; i <= n; ++i)
-    for (uint32_t j = 0; j <= n; ++j) mesh.vertices.push_back({1.0 * i / n, 1.0 * j / n, z});
-  for (uint32_t i = 0; i < n; ++i) {
-    for (uint32_t j = 0; j < n; ++j) {
-      const uint32_t a = i * (n + 1) + j;
-      mesh.triangles.push_back({a, a + n + 1, a + n + 2});
-      mesh.triangles.push_back({a, a + n + 2, a + 1});
-    }
-  }
-  return mesh;
-}
+Mesh sheet(uint32_t n, double z) { return test::flat_sheet(n, {0, 0, z}, 1.0 / n); }
 
 TEST(Evaluate, ConcentricSpheresAreTheDifferenceOfRadiiApart) {
   const auto truth = make_sphere({.size = 2.0});

@@ -9,6 +9,7 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "support/flat_sheet.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -39,22 +40,6 @@ Mesh sphere(double radius, int levels, Vec3d centre = {}) {
   return mesh;
 }
 
-/// n x n unit squares in the plane z = 0, corner at `at`, side `step`.
-Mesh plane(uint32_t n, Vec3d at, double step) {
-  Mesh mesh;
-  for (uint32_t i = 0; i <= n; ++i) {
-    for (uint32_t j = 0; j <= n; ++j) mesh.vertices.push_back(at + Vec3d{i * step, j * step, 0});
-  }
-  for (uint32_t i = 0; i < n; ++i) {
-    for (uint32_t j = 0; j < n; ++j) {
-      const uint32_t a = i * (n + 1) + j;
-      mesh.triangles.push_back({a, a + n + 1, a + n + 2});
-      mesh.triangles.push_back({a, a + n + 2, a + 1});
-    }
-  }
-  return mesh;
-}
-
 std::vector<Vec3d> random_points(size_t count, double extent, uint64_t seed) {
   Random random(seed);
   std::vector<Vec3d> points(count);
@@ -77,7 +62,7 @@ TEST(Distance, ConcentricSpheresAreTheDifferenceOfRadiiApart) {
 }
 
 TEST(Distance, PointsOffAPlaneKnowTheirHeight) {
-  const Mesh mesh = plane(10, {0, 0, 0}, 1);
+  const Mesh mesh = test::flat_sheet(10, {0, 0, 0}, 1);
   const auto d =
       distances_to_mesh({{5.3, 4.4, 0.75}, {2.5, 2.25, -3}, {-3, 5, 4}, {14, 13, 0}, {7, 7, 0}}, mesh, Parallel(1));
   EXPECT_DOUBLE_EQ(d[0], 0.75);
@@ -131,7 +116,7 @@ TEST(Distance, EqualsBruteForceOnRandomTriangles) {
 
 TEST(Distance, GeoreferencedOffsetsKeepTheirAccuracy) {
   const Vec3d far{5e6, -5e6, 5e6};
-  const Mesh mesh = plane(100, far, 0.01);
+  const Mesh mesh = test::flat_sheet(100, far, 0.01);
   std::vector<Vec3d> points;
   for (int i = 0; i < 90; ++i) points.push_back(far + Vec3d{0.013 + 0.01 * i, 0.5, 1e-3 + 1e-5 * i});
   const auto d = distances_to_mesh(points, mesh, Parallel(1));
@@ -154,7 +139,7 @@ TEST(Distance, AMeshShrunkToAPointStillHasADistance) {
 }
 
 TEST(Distance, PointsFarFromTheMeshAreMeasuredToo) {
-  const auto d = distances_to_mesh({{0, 0, 1e7}, {0, 0, 1e7 + 1}}, plane(4, {-2, -2, 0}, 1), Parallel(1));
+  const auto d = distances_to_mesh({{0, 0, 1e7}, {0, 0, 1e7 + 1}}, test::flat_sheet(4, {-2, -2, 0}, 1), Parallel(1));
   EXPECT_DOUBLE_EQ(d[0], 1e7);
   EXPECT_DOUBLE_EQ(d[1], 1e7 + 1);
 }
@@ -193,14 +178,14 @@ TEST(Distance, SummaryOfKnownNumbers) {
 
 TEST(Distance, RefusesWhatHasNoDistance) {
   EXPECT_THROW(ClosestPointQuery(Mesh{}, Parallel(1)), ParameterError);
-  EXPECT_THROW(ClosestPointQuery(plane(1, {}, 1e200), Parallel(1)), ParameterError);
-  Mesh bad = plane(1, {}, 1);
+  EXPECT_THROW(ClosestPointQuery(test::flat_sheet(1, {}, 1e200), Parallel(1)), ParameterError);
+  Mesh bad = test::flat_sheet(1, {}, 1);
   bad.triangles[0][0] = 99;
   EXPECT_THROW(ClosestPointQuery(bad, Parallel(1)), ParameterError);
-  bad = plane(1, {}, 1);
+  bad = test::flat_sheet(1, {}, 1);
   bad.vertices[2].y = std::nan("");
   EXPECT_THROW(ClosestPointQuery(bad, Parallel(1)), ParameterError);
-  EXPECT_THROW(distances_to_mesh({{0, 0, std::nan("")}}, plane(1, {}, 1), Parallel(1)), ParameterError);
+  EXPECT_THROW(distances_to_mesh({{0, 0, std::nan("")}}, test::flat_sheet(1, {}, 1), Parallel(1)), ParameterError);
 }
 
 }  // namespace TEST_FILE

@@ -91,13 +91,11 @@ TEST(MethodReport, WarnsOfTheLevelsThatStoppedTooEarly) {
   }
   ASSERT_GE(expected.size(), 2u);
   ASSERT_LT(expected.size(), report.levels.size());
-  ASSERT_GE(report.warnings.size(), expected.size());
-  for (size_t k = 0; k < report.warnings.size(); ++k) {
-    if (k < expected.size())
-      EXPECT_TRUE(report.warnings[k].starts_with(expected[k])) << report.warnings[k];
-    else
-      EXPECT_FALSE(report.warnings[k].starts_with("level")) << report.warnings[k];
-  }
+  // What a single iteration leaves is mostly far from the samples, which is told last.
+  ASSERT_EQ(report.warnings.size(), expected.size() + 1);
+  EXPECT_NE(report.warnings.back().find("it closes what nobody saw"), std::string::npos) << report.warnings.back();
+  for (size_t k = 0; k < expected.size(); ++k)
+    EXPECT_TRUE(report.warnings[k].starts_with(expected[k])) << report.warnings[k];
 }
 
 TEST(MethodReport, SorHasTheEnergyOfEveryIteration) {

@@ -39,7 +39,7 @@ struct Area {
 Area area_of(const Level& level, size_t b, double flux) {
   Area area;
   const float* u = level.u.brick(b);
-  const Vec3i first = level.grid.coord(b) * brick_side;
+  const Vec3i first = level.grid.first_vertex(b);
   for (int i = 0; i < brick_volume; ++i) {
     const Vec3i v = first + Vec3i{i % brick_side, i / brick_side % brick_side, i / brick_area};
     if (!level.box.is_free(v)) continue;
