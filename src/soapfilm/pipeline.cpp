@@ -110,9 +110,12 @@ std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
 
 GridSamples Pipeline::place(const PointCloud& cloud, std::span<const Vec3f> directions, AfterPlacing after) {
   auto samples = stages_.run("place", [&] {
-    return soapfilm::place(cloud, box_, directions, local_surface_, params_, *room_, after, parallel_, report_);
+    GridSamples sorted = soapfilm::place(cloud, box_, directions, local_surface_, params_, *room_, parallel_, report_);
+    const size_t support = support_mask(sorted, report_.lattice.box(0), parallel_).count();
+    plan_ = plan_memory(params_.method, refines(params_), cloud, after, report_.lattice, support);
+    plan_again();
+    return sorted;
   });
-  held_bytes_ = plan_fixed(params_.method, cloud, after);
   announce_grid(report_, progress_);
   return samples;
 }
@@ -141,14 +144,9 @@ Mesh Pipeline::fuse(const PointCloud& cloud) {
   return mesh;
 }
 
-void Pipeline::plan_again(size_t bytes) {
-  grid_bytes_ = std::max(grid_bytes_, bytes);
-  MemoryPlan plan;
-  plan.fixed_bytes = held_bytes_;
-  plan.grid_bytes = grid_bytes_;
-  plan.placing_bytes = room_->placing_bytes;
-  report_.planned_bytes = std::max(report_.planned_bytes, plan.total());
-  check_memory(plan, *room_, report_.lattice, 0, params_.place.resolution && !params_.place.voxel);
+void Pipeline::plan_again() {
+  report_.planned_bytes = plan_.total();
+  check_memory(plan_, *room_, report_.lattice, 0, params_.place.resolution && !params_.place.voxel);
 }
 
 SupportField Pipeline::field(const GridSamples& samples) {
@@ -182,21 +180,22 @@ void Pipeline::border(SupportField& field, GridSamples& samples) {
 }
 
 void Pipeline::plan_mesh(const Level& level, bool checked) {
-  if (params_.method == Method::tv)
-    plan_again(mesh_bytes(count_faces(level, params_.surface.threshold, parallel_), checked));
-  announce_plan(first_plan_, report_, progress_);
+  if (params_.method != Method::tv) return;
+  plan_.mesh_bytes = mesh_bytes(count_faces(level, params_.surface.threshold, parallel_), checked);
+  plan_again();
 }
 
 Segmentation Pipeline::solve(const SupportField& field, const GridSamples& samples) {
   keep_.emplace();
   PyramidObserver observe = observe_;
+  size_t most = 0;
   observe.begins = [&, user = observe_.begins](int level, size_t bricks, size_t beside) {
-    size_t bytes = solve_bytes(field.grid.size(), bricks + beside);
-    if (level == 0 && refines(params_)) bytes = std::max(bytes, refine_bytes(bricks));
-    plan_again(bytes);
+    plan_.solve_bytes = most = std::max(most, solve_bytes(field.grid.size(), bricks + beside));
+    if (level == 0 && refines(params_)) plan_.refine_bytes = guess_refine_bytes(bricks);
+    plan_again();
     if (user) user(level, bricks, beside);
   };
-  first_plan_ = report_.planned_bytes;
+  first_plan_ = plan_.total();
   auto found = stages_.run("solve", [&] {
     return segment(report_.lattice, field, samples, params_, observe, parallel_, progress_, report_);
   });
@@ -213,8 +212,7 @@ void Pipeline::certify(Level& level, SupportField& field) {
   field.f = {};
   if (!level.box.open) return;
   level = closed_at_border(level, parallel_);
-  // What closes it is refined and drawn as well, until it is cut off; what is checked is much smaller.
-  if (refines(params_)) plan_again(refine_bytes(level.grid.size()));
+  // What closes it is drawn as well, until it is cut off; what is checked is much smaller.
   plan_mesh(level, false);
 }
 
@@ -244,8 +242,11 @@ SurfaceField Pipeline::level_set(Segmentation& found, const GridSamples& samples
     RefineParams how = params_.refine;
     how.vanish = drops_islands(params_);
     how.open = report_.lattice.open;
-    return soapfilm::refine(std::move(found.level), threshold, samples, report_.input.density, how, parallel_,
-                            report_.refine.emplace());
+    Refinement refinement(std::move(found.level), threshold, samples, report_.input.density, how, parallel_,
+                          report_.refine.emplace());
+    plan_.refine_bytes = refine_bytes(refinement.rows(), refinement.tries_coarser(), samples.size());
+    plan_again();
+    return refinement.fit();
   }
   SurfaceField surface = smoothed_indicator(found.level, threshold, parallel_);
   report_.isovalue =
@@ -257,6 +258,7 @@ SurfaceField Pipeline::refine(Segmentation& found, GridSamples& samples) {
   // Planes tell of samples that are held out, too: the fit must not believe their normals for serving these well.
   if (!views_.empty()) samples.direction = std::move(views_);
   SurfaceField surface = stages_.run("refine", [&] { return level_set(found, samples); });
+  announce_plan(first_plan_, report_, progress_);
   announce_refinement(report_, progress_);
   return surface;
 }

@@ -60,8 +60,8 @@ class Pipeline {
 
  private:
   SurfaceField level_set(Segmentation& found, const GridSamples& samples);
-  /// Once more is known: `bytes` beside what stays of the samples. Throws MemoryError.
-  void plan_again(size_t bytes);
+  /// Once more is known of the plan. Throws MemoryError.
+  void plan_again();
   /// Once the surface is known.
   void plan_mesh(const Level& level, bool checked);
 
@@ -77,9 +77,8 @@ class Pipeline {
   Surroundings scanners_;       ///< of what border() chooses by
   std::vector<Vec3d> scanner_positions_;
   std::optional<Room> room_;
-  size_t held_bytes_ = 0;               ///< through the solve, whatever the grid
-  size_t first_plan_ = 0;               ///< before the solve
-  size_t grid_bytes_ = 0;               ///< the largest of what plan_again() was told
+  MemoryPlan plan_;                     ///< as far as it is known
+  size_t first_plan_ = 0;               ///< bytes, before the solve
   std::optional<KeepFreedPages> keep_;  ///< from the solve to the mesh: each stage's arrays take the last one's place
 };
 

@@ -164,14 +164,13 @@ Box3d check_samples(const PointCloud& cloud, const Parallel& parallel) {
 }
 
 Room check_room(const PointCloud& cloud, const ReconstructParams& params) {
-  Room room(params.memory_limit, held_memory_bytes());
-  room.placing_bytes = plan_placing(cloud);
-  check_placing(room.placing_bytes, room, cloud.size());
+  const Room room(params.memory_limit, held_memory_bytes());
+  check_placing(plan_placing(cloud), room, cloud.size());
   return room;
 }
 
 GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions,
-                  const LocalSurface& surface, const ReconstructParams& params, const Room& room, AfterPlacing after,
+                  const LocalSurface& surface, const ReconstructParams& params, const Room& room,
                   const Parallel& parallel, ReconstructReport& report) {
   const Sampling sampling = measure_sampling(cloud, box, parallel);
   const AreaCoverage& coverage = surface.coverage;
@@ -197,10 +196,6 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
 
   GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
   if (samples.size() == 0) throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
-  const size_t support = support_mask(samples, report.lattice.box(0), parallel).count();
-  const MemoryPlan plan = plan_memory(params.method, refines(params), cloud, after, report.lattice, support);
-  report.planned_bytes = plan.total();
-  check_memory(plan, room, report.lattice, 0, by_resolution);
   return samples;
 }
 

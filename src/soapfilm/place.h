@@ -19,11 +19,11 @@ Box3d check_samples(const PointCloud& cloud, const Parallel& parallel);
 /// What the run may take. Throws MemoryError where the samples alone, on any grid, take more.
 Room check_room(const PointCloud& cloud, const ReconstructParams& params);
 
-/// Places the grid, sorts the samples into it and fills the report's input, lattice and planned_bytes. `box` is what
+/// Places the grid, sorts the samples into it and fills the report's input and lattice. `box` is what
 /// check_samples() told, `room` what check_room(). Throws MemoryError before what is large beside the samples is
 /// allocated.
 GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions,
-                  const LocalSurface& surface, const ReconstructParams& params, const Room& room, AfterPlacing after,
+                  const LocalSurface& surface, const ReconstructParams& params, const Room& room,
                   const Parallel& parallel, ReconstructReport& report);
 
 /// Fills certificate.lambda: as given, by the samples' density, or by cross-validation (the report's `select`); warns

@@ -140,32 +140,40 @@ MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, 
   plan.fixed_bytes = plan_fixed(method, cloud, after);
   const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
   plan.tables_bytes = box_bytes(method, lattice);
-  plan.grid_bytes = plan.tables_bytes + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick);
+  plan.solve_bytes = plan.tables_bytes + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick);
   if (!is_refined) return plan;
 
   const size_t cells = std::min(cloud.size(), refined_cells_per_brick * support_bricks);
-  const size_t refine_grid = refined_brick_bytes * support_bricks + refined_cell_bytes * cells;
-  plan.grid_bytes = std::max(plan.grid_bytes, refine_grid);
+  plan.refine_bytes = refined_brick_bytes * support_bricks + refined_cell_bytes * cells;
   return plan;
 }
 
 MemoryPlan plan_tables(Method method, const Lattice& lattice) {
   const size_t tables = box_bytes(method, lattice);
-  return {base_bytes, tables, tables, 0};
+  MemoryPlan plan;
+  plan.fixed_bytes = base_bytes;
+  plan.solve_bytes = plan.tables_bytes = tables;
+  return plan;
 }
 
 size_t solve_bytes(size_t data_bricks, size_t level_bricks) {
   return data_brick_bytes * data_bricks + level_brick_bytes * level_bricks;
 }
 
-size_t refine_bytes(size_t level_bricks) {
-  constexpr size_t bytes_per_brick = 15000;  // measured 13,800 to 15,900
+size_t guess_refine_bytes(size_t level_bricks) {
+  constexpr size_t bytes_per_brick = 15000;  // of closed surfaces 13,800 to 15,900
   return bytes_per_brick * level_bricks;
 }
 
+size_t refine_bytes(size_t rows, bool tries_coarser, size_t samples) {
+  // The peaks of bench/scenes: within 10 %.
+  constexpr size_t row_bytes = 410, of_two_grids = 500, sample_bytes = 48;
+  return (tries_coarser ? of_two_grids : row_bytes) * rows + sample_bytes * samples;
+}
+
 size_t mesh_bytes(size_t vertices, bool checked) {
-  // Measured per vertex before bending, which adds some, 250 to 320; 423 to 518.
-  constexpr size_t bent_vertex_bytes = 330, checked_vertex_bytes = 470;
+  // Measured per vertex: bent 286 to 358; checked 423 to 518.
+  constexpr size_t bent_vertex_bytes = 320, checked_vertex_bytes = 470;
   return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
 }
 
@@ -206,7 +214,7 @@ void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& latti
   const auto tables = static_cast<double>(plan.tables_bytes);
   // Before the samples are sorted the bricks are not known.
   const double bands =
-      std::max(static_cast<double>(plan.grid_bytes) - tables, area / area_per_brick * refined_brick_bytes);
+      std::max(static_cast<double>(plan.grid_bytes()) - tables, area / area_per_brick * refined_brick_bytes);
   constexpr double most_times_coarser = 1e9;
   double coarser = 1;
   while (tables / (coarser * coarser * coarser) + bands / (coarser * coarser) > 0.7 * left &&

@@ -14,13 +14,17 @@
 
 namespace soapfilm {
 
+/// Each stage's part is planned again once its size is known, and takes the place of what was guessed before.
 struct MemoryPlan {
-  size_t fixed_bytes = 0;   ///< through the solve, whatever the resolution: the program and what stays of the samples
-  size_t grid_bytes = 0;    ///< the peak on top of it: the finest level's band beside the coarser one, the box's tables
-  size_t tables_bytes = 0;  ///< those of grid_bytes that span the box
+  size_t fixed_bytes = 0;    ///< through all stages after placing: the program and what stays of the samples
+  size_t solve_bytes = 0;    ///< on top of it: the finest level's band beside the coarser one, the box's tables
+  size_t tables_bytes = 0;   ///< those of solve_bytes that span the box
+  size_t refine_bytes = 0;   ///< on top of fixed_bytes as well
+  size_t mesh_bytes = 0;     ///< on top of fixed_bytes as well
   size_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and what
                              ///< was found around them
-  size_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes); }
+  size_t grid_bytes() const { return std::max({solve_bytes, refine_bytes, mesh_bytes}); }
+  size_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes()); }
 };
 
 /// What happens to the cloud once its samples are on the grid.
@@ -28,8 +32,7 @@ enum class AfterPlacing { kept, freed };
 
 /// What a reconstruction on this lattice by this method will need. The
 /// band's size follows from the bricks that the samples reach (`support_bricks`), the only part of the grid that is
-/// known before the solve. Of the solve and, when the surface `is_refined`, the refinement, the plan is the one's that
-/// takes more.
+/// known before the solve. The mesh is not planned yet.
 MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, size_t support_bricks);
 
@@ -45,8 +48,10 @@ size_t plan_placing(const PointCloud& cloud);
 /// What later stages take beside what the run holds once its samples are placed, from what is known when they begin.
 /// The solve: the data's bricks, and those of the levels that are held at once.
 size_t solve_bytes(size_t data_bricks, size_t level_bricks);
-/// The refinement of a surface in a finest level of so many bricks.
-size_t refine_bytes(size_t level_bricks);
+/// The refinement of a surface in a finest level of so many bricks, guessed; and of one whose band has so many rows of
+/// eight vertices, onto so many samples, where it may look at two grids at once.
+size_t guess_refine_bytes(size_t level_bricks);
+size_t refine_bytes(size_t rows, bool tries_coarser, size_t samples);
 /// The mesh, what bends it and, where it is `checked`, what check_result() takes.
 size_t mesh_bytes(size_t vertices, bool checked);
 
@@ -59,7 +64,6 @@ struct Room {
   Room(std::optional<size_t> limit, size_t held);
   size_t bytes;
   const char* what;
-  size_t placing_bytes = 0;  ///< that placing the samples takes: plan_placing()
 };
 
 /// Throws MemoryError when the plan passes the room. The message names the voxel that would fit, or the resolution

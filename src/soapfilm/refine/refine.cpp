@@ -132,44 +132,57 @@ void validate(const RefineParams& params) {
   require("refine yielding_bend", params.robust.yielding_bend, 1e-3, 1e3);
 }
 
-SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,
-                    const RefineParams& params, const Parallel& parallel, RefineReport& report) {
+Refinement::Refinement(Level level, float threshold, const GridSamples& samples, double density,
+                       const RefineParams& params, const Parallel& parallel, RefineReport& report)
+    : params_(params),
+      parallel_(parallel),
+      samples_(samples),
+      density_(density),
+      threshold_(threshold),
+      sparse_(density > 0 && density < params.sparse),
+      report_(report) {
   validate(params);
-  Start start = start_from(level, threshold, params.reach, parallel);
+  start_ = start_from(level, threshold, params.reach, parallel);
   report.spacing = 1;
-  const bool sparse = density > 0 && density < params.sparse;
-  std::optional<Strength> chosen;
-  if (params.holes == HoleFill::smooth && !sparse) {
-    const HoleFinder finder(level, start, samples, parallel);
-    if (const auto films = finder.films_to_bend(report.holes); !films.empty()) {
-      chosen = choose(start, samples, params, 1, parallel, report.search);
-      if (!params.open) make_room(level);
-      if (bend_holes(level, threshold, films, finder, *chosen, parallel, report.holes))
-        start = start_from(level, threshold, params.reach, parallel);
-    }
-  }
-  SignBits signs = signs_of(level, threshold, start, parallel);
-  report.band_vertices = start.band.count();
-  Level indicator = sparse ? every_second_vertex(level, threshold, parallel) : Level{};
-  level = {};  // memory for the fit
+  if (params.holes == HoleFill::smooth && !sparse_) fill_holes(level);
+  signs_.emplace(signs_of(level, threshold, start_, parallel));
+  report.band_vertices = start_.band.count();
+  if (sparse_) indicator_ = every_second_vertex(level, threshold, parallel);
+}
 
+void Refinement::fill_holes(Level& level) {
+  const HoleFinder finder(level, start_, samples_, parallel_);
+  const auto films = finder.films_to_bend(report_.holes);
+  if (films.empty()) return;
+  chosen_ = choose(start_, samples_, params_, 1, parallel_, report_.search);
+  if (!params_.open) make_room(level);
+  if (bend_holes(level, threshold_, films, finder, *chosen_, parallel_, report_.holes))
+    start_ = start_from(level, threshold_, params_.reach, parallel_);
+}
+
+SurfaceField Refinement::fit() {
   // The surface moves onto the samples, on a grid as fine as these can tell.
   std::optional<RowArray> phi;
-  if (sparse)
-    phi =
-        fit_coarser(start, grids_that_serve(start, std::move(indicator), threshold, samples, density, params, parallel),
-                    params, parallel, report);
+  if (sparse_)
+    phi = fit_coarser(
+        start_, grids_that_serve(start_, std::move(indicator_), threshold_, samples_, density_, params_, parallel_),
+        params_, parallel_, report_);
   if (!phi) {
-    report.strength = chosen ? *chosen : choose(start, samples, params, 1, parallel, report.search);
-    phi = moved_onto(samples, start, report.strength, params.robust, parallel, report);
+    report_.strength = chosen_ ? *chosen_ : choose(start_, samples_, params_, 1, parallel_, report_.search);
+    phi = moved_onto(samples_, start_, report_.strength, params_.robust, parallel_, report_);
   }
 
   // Signs follow where the topology allows.
-  const FlipCount flips = follow(*phi, start.band, signs, held_distance, params.vanish ? speck : 0);
-  report.flips = flips.wanted - flips.refused;
-  report.refused = flips.refused;
-  report.vanished = flips.vanished;
-  return distance_field(start, *phi, signs, parallel);
+  const FlipCount flips = follow(*phi, start_.band, *signs_, held_distance, params_.vanish ? speck : 0);
+  report_.flips = flips.wanted - flips.refused;
+  report_.refused = flips.refused;
+  report_.vanished = flips.vanished;
+  return distance_field(start_, *phi, *signs_, parallel_);
+}
+
+SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,
+                    const RefineParams& params, const Parallel& parallel, RefineReport& report) {
+  return Refinement(std::move(level), threshold, samples, density, params, parallel, report).fit();
 }
 
 }  // namespace soapfilm

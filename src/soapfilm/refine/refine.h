@@ -8,7 +8,9 @@
 #include "soapfilm/refine/hole_fill.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/robust_fit.h"
+#include "soapfilm/refine/start.h"
 #include "soapfilm/refine/strength.h"
+#include "soapfilm/refine/topology.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
@@ -51,7 +53,38 @@ void validate(const RefineParams& params);
 /// components and genus are the indicator's: signs differ only where simple points were turned one after the other, but
 /// for what has vanished.
 /// `density`: samples per voxel^2 of surface, 0 where it is not known. `level` is freed early when it is moved in. The
-/// result does not depend on the number of threads. Throws ParameterError.
+/// result does not depend on the number of threads.
+class Refinement {
+ public:
+  /// The band around the surface, its holes filled; `level` is freed. Keeps references to the samples, the parameters,
+  /// `parallel` and the report. Throws ParameterError.
+  Refinement(Level level, float threshold, const GridSamples& samples, double density, const RefineParams& params,
+             const Parallel& parallel, RefineReport& report);
+
+  /// Rows of eight vertices that the fit works on: what its memory follows.
+  size_t rows() const { return start_.band.rows(); }
+  /// Are samples so few that fits on coarser grids are tried?
+  bool tries_coarser() const { return sparse_; }
+  /// Once only.
+  SurfaceField fit();
+
+ private:
+  void fill_holes(Level& level);
+
+  const RefineParams& params_;
+  const Parallel& parallel_;
+  const GridSamples& samples_;
+  double density_;
+  float threshold_;
+  bool sparse_;
+  RefineReport& report_;
+  Start start_;
+  std::optional<SignBits> signs_;   ///< on the start's bricks
+  Level indicator_;                 ///< where sparse: on every second vertex
+  std::optional<Strength> chosen_;  ///< where holes asked for it
+};
+
+/// Both at once.
 SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,
                     const RefineParams& params, const Parallel& parallel, RefineReport& report);
 
