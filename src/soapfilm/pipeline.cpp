@@ -113,7 +113,7 @@ GridSamples Pipeline::place(const PointCloud& cloud, std::span<const Vec3f> dire
     GridSamples sorted = soapfilm::place(cloud, box_, directions, local_surface_, params_, *room_, parallel_, report_);
     const size_t support = support_mask(sorted, report_.lattice.box(0), parallel_).count();
     plan_ = plan_memory(params_.method, refines(params_), cloud, after, report_.lattice, support);
-    plan_again();
+    plan_again(params_.method == Method::tv);
     return sorted;
   });
   announce_grid(report_, progress_);
@@ -144,9 +144,13 @@ Mesh Pipeline::fuse(const PointCloud& cloud) {
   return mesh;
 }
 
-void Pipeline::plan_again() {
+void Pipeline::plan_again(bool guessed) {
   report_.planned_bytes = plan_.total();
-  check_memory(plan_, *room_, report_.lattice, 0, params_.place.resolution && !params_.place.voxel);
+  // A guess may be a third too large.
+  constexpr double least_of_guess = 0.75;
+  MemoryPlan least = plan_;
+  if (guessed) least.refine_bytes = static_cast<size_t>(least_of_guess * static_cast<double>(plan_.refine_bytes));
+  check_memory(least, *room_, report_.lattice, 0, params_.place.resolution && !params_.place.voxel);
 }
 
 SupportField Pipeline::field(const GridSamples& samples) {
@@ -182,7 +186,7 @@ void Pipeline::border(SupportField& field, GridSamples& samples) {
 void Pipeline::plan_mesh(const Level& level, bool checked) {
   if (params_.method != Method::tv) return;
   plan_.mesh_bytes = mesh_bytes(count_faces(level, params_.surface.threshold, parallel_), checked);
-  plan_again();
+  plan_again(true);
 }
 
 Segmentation Pipeline::solve(const SupportField& field, const GridSamples& samples) {
@@ -192,7 +196,7 @@ Segmentation Pipeline::solve(const SupportField& field, const GridSamples& sampl
   observe.begins = [&, user = observe_.begins](int level, size_t bricks, size_t beside) {
     plan_.solve_bytes = most = std::max(most, solve_bytes(field.grid.size(), bricks + beside));
     if (level == 0 && refines(params_)) plan_.refine_bytes = guess_refine_bytes(bricks);
-    plan_again();
+    plan_again(true);
     if (user) user(level, bricks, beside);
   };
   first_plan_ = plan_.total();
@@ -245,7 +249,7 @@ SurfaceField Pipeline::level_set(Segmentation& found, const GridSamples& samples
     Refinement refinement(std::move(found.level), threshold, samples, report_.input.density, how, parallel_,
                           report_.refine.emplace());
     plan_.refine_bytes = refine_bytes(refinement.rows(), refinement.tries_coarser(), samples.size());
-    plan_again();
+    plan_again(false);
     return refinement.fit();
   }
   SurfaceField surface = smoothed_indicator(found.level, threshold, parallel_);

@@ -60,8 +60,8 @@ class Pipeline {
 
  private:
   SurfaceField level_set(Segmentation& found, const GridSamples& samples);
-  /// Once more is known of the plan. Throws MemoryError.
-  void plan_again();
+  /// Once more is known of the plan, the refinement's part only `guessed` as yet. Throws MemoryError.
+  void plan_again(bool guessed);
   /// Once the surface is known.
   void plan_mesh(const Level& level, bool checked);
 
