@@ -146,10 +146,11 @@ Mesh Pipeline::fuse(const PointCloud& cloud) {
 
 void Pipeline::plan_again(bool guessed) {
   report_.planned_bytes = plan_.total();
-  // A guess may be a third too large.
-  constexpr double least_of_guess = 0.75;
+  // Guesses may be too large: the solve's, until it begins, by a tenth; the refinement's by a third.
+  const auto share = [](double part, size_t bytes) { return static_cast<size_t>(part * static_cast<double>(bytes)); };
   MemoryPlan least = plan_;
-  if (guessed) least.refine_bytes = static_cast<size_t>(least_of_guess * static_cast<double>(plan_.refine_bytes));
+  if (guessed) least.refine_bytes = share(0.75, plan_.refine_bytes);
+  if (guessed && first_plan_ == 0) least.solve_bytes = share(0.9, plan_.solve_bytes);
   check_memory(least, *room_, report_.lattice, 0, params_.place.resolution && !params_.place.voxel);
 }
 

@@ -182,7 +182,8 @@ SurfaceField Refinement::fit() {
 
 SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,
                     const RefineParams& params, const Parallel& parallel, RefineReport& report) {
-  return Refinement(std::move(level), threshold, samples, density, params, parallel, report).fit();
+  Refinement refinement(std::move(level), threshold, samples, density, params, parallel, report);  // frees the level
+  return refinement.fit();
 }
 
 }  // namespace soapfilm
