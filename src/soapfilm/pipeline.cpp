@@ -151,7 +151,7 @@ void Pipeline::plan_again(bool guessed) {
   MemoryPlan least = plan_;
   if (guessed) least.refine_bytes = share(0.75, plan_.refine_bytes);
   if (guessed && first_plan_ == 0) least.solve_bytes = share(0.9, plan_.solve_bytes);
-  check_memory(least, *room_, report_.lattice, 0, params_.place.resolution && !params_.place.voxel);
+  check_memory(plan_, least.total(), *room_, report_.lattice, 0, params_.place.resolution && !params_.place.voxel);
 }
 
 SupportField Pipeline::field(const GridSamples& samples) {

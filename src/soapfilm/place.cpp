@@ -179,7 +179,8 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
   try {
     report.lattice = place_lattice(box, voxel, params.place.padding, params.place.levels);
     const double density = sampling.density(voxel);
-    check_memory(plan_tables(params.method, report.lattice), room, report.lattice,
+    const MemoryPlan tables = plan_tables(params.method, report.lattice);
+    check_memory(tables, tables.total(), room, report.lattice,
                  density > 0 ? static_cast<double>(cloud.size()) / density : 0, by_resolution);
   } catch (const MemoryError& error) {
     throw MemoryError(error.what() + far_samples(cloud, box));

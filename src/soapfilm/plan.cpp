@@ -207,9 +207,9 @@ Room::Room(std::optional<size_t> limit, size_t held) : what(limit ? "--memory" :
   bytes = limit ? *limit : available > SIZE_MAX - held ? SIZE_MAX : available + held;
 }
 
-void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice, double area, bool by_resolution) {
-  const size_t needed = plan.total();
-  if (needed <= room.bytes) return;
+void check_memory(const MemoryPlan& plan, size_t least, const Room& room, const Lattice& lattice, double area,
+                  bool by_resolution) {
+  if (least <= room.bytes) return;
   const double left = room.bytes > plan.fixed_bytes ? static_cast<double>(room.bytes - plan.fixed_bytes) : 0;
   const auto tables = static_cast<double>(plan.tables_bytes);
   // Before the samples are sorted the bricks are not known.
@@ -229,7 +229,7 @@ void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& latti
   throw MemoryError(
       fmt::format("memory: {} needs about {}, {} is {}; {}",
                   by_resolution ? fmt::format("resolution {}", longest) : fmt::format("voxel {:.4g}", lattice.voxel),
-                  format_bytes(needed), room.what, format_bytes(room.bytes), fit));
+                  format_bytes(plan.total()), room.what, format_bytes(room.bytes), fit));
 }
 
 std::string far_samples(const PointCloud& cloud, const Box3d& box) {

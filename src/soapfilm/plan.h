@@ -66,10 +66,11 @@ struct Room {
   const char* what;
 };
 
-/// Throws MemoryError when the plan passes the room. The message names the voxel that would fit, or the resolution
-/// where the grid was asked for `by_resolution`: tables of the box grow with the cube of the resolution, a surface of
-/// `area`, voxel^2, with its square.
-void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice, double area, bool by_resolution);
+/// Throws MemoryError when `least` bytes, what of the plan is certain, pass the room. The message names the voxel that
+/// would fit all of the plan, or the resolution where the grid was asked for `by_resolution`: tables of the box grow
+/// with the cube of the resolution, a surface of `area`, voxel^2, with its square.
+void check_memory(const MemoryPlan& plan, size_t least, const Room& room, const Lattice& lattice, double area,
+                  bool by_resolution);
 
 /// " (...)", where a thousandth of the samples makes the box at least twice as long: what the box would be without
 /// them, and where one is. Nothing otherwise.
