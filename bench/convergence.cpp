@@ -41,14 +41,13 @@ int main(int argc, char** argv) {
   if (argc != 4) return fmt::print(stderr, "usage: bench_convergence INPUT RESOLUTION LAMBDA\n"), 2;
   const PointCloud cloud = read_points(argv[1]);
   const double lambda = std::atof(argv[3]);
-  const Parallel parallel(1);
-  Progress progress;
+  const Context context(1);
   OrientReport oriented;
-  const auto directions = orient(cloud, {}, parallel, progress, oriented);
+  const auto directions = orient(cloud, {}, context, oriented);
   const double voxel = voxel_of_resolution(cloud.box(), std::atoi(argv[2]), 6);
   const Lattice lattice = place_lattice(cloud.box(), voxel, 6);
   const SupportField field =
-      divergence_field(sort_samples(cloud, directions, lattice, parallel), lattice.box(0), parallel);
+      divergence_field(sort_samples(cloud, directions, lattice, context), lattice.box(0), context);
 
   PrimalDualParams tight;
   tight.tolerance = 1e-5;
@@ -61,17 +60,17 @@ int main(int argc, char** argv) {
     observer.evaluated = [&](const Level& level, int iterations, const Energies& e) {
       print("tv", level.box.level, iterations, watch.seconds(), e.relative_gap(level.lambda));
     };
-    solve_coarse_to_fine(lattice, field, lambda, tight, parallel, progress, Norm::isotropic, observer);
+    solve_coarse_to_fine(lattice, field, lambda, tight, context, Norm::isotropic, observer);
   }
   {
     Stopwatch watch;
     Level level = make_level(lattice.box(0), static_cast<float>(lambda), BrickMask::whole(lattice.box(0).bricks),
-                             field.grid, field.f, parallel);
+                             field.grid, field.f, context);
     PrimalDualRun run;
     run.evaluated = [&](int iterations, const Energies& e) {
       print("tv from zero", 0, iterations, watch.seconds(), e.relative_gap(level.lambda));
     };
-    solve_primal_dual(level, tight, parallel, progress, run);
+    solve_primal_dual(level, tight, context, run);
   }
   {
     SorParams params;
@@ -79,12 +78,12 @@ int main(int argc, char** argv) {
     params.max_iterations = tight.max_iterations;
     Stopwatch watch;
     std::vector<SorLevelReport> reports;
-    solve_sor(lattice, field, lambda, params, parallel, progress, reports, [&](const SorState& state) {
+    solve_sor(lattice, field, lambda, params, context, reports, [&](const SorState& state) {
       if (state.box.level != 0 || (state.iterations > 20 && state.iterations % 10 != 0)) return;
       const double seconds = watch.seconds();
       watch.pause([&] {
-        const Level level = sor_level(state.u, state.box, state.lambda, state.support, params, parallel);
-        const Energies e = evaluate_energy(level, {}, parallel);
+        const Level level = sor_level(state.u, state.box, state.lambda, state.support, params, context);
+        const Energies e = evaluate_energy(level, {}, context);
         print("tv-sor", 0, state.iterations, seconds, e.relative_gap(level.lambda));
       });
     });

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "plain_copy.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/sweep.h"
 
@@ -42,16 +43,16 @@ struct State {
 
 /// A whole box with values everywhere.
 struct NoisyLevel {
-  explicit NoisyLevel(const Parallel& parallel) {
+  explicit NoisyLevel(const Context& context) {
     const char* wanted = std::getenv("SOAPFILM_BENCH_BRICKS");
     const int side = static_cast<int>(std::cbrt(wanted ? std::stod(wanted) : 32768.0));
     const Vec3i bricks{side, side, side};
     const BrickMask everywhere = BrickMask::whole(bricks);
     const LevelBox box{0, {1, 1, 1}, bricks * brick_side - Vec3i{2, 2, 2}, bricks};
-    support = BrickGrid(everywhere, parallel);
+    support = BrickGrid(everywhere, context);
     f = Field<float>(support);
-    level = make_level(box, lambda, everywhere, support, f, parallel);
-    parallel.for_each(support.size(), 64, [&](size_t b) {
+    level = make_level(box, lambda, everywhere, support, f, context);
+    parallel_for(context, support.size(), 64, [&](size_t b) {
       for (size_t i = 0; i < brick_volume; ++i) {
         const uint64_t key = 8 * (b * brick_volume + i);
         f.brick(b)[i] = 0.1f * (noise(key) - 0.5f);
@@ -65,16 +66,16 @@ struct NoisyLevel {
   double vertices() const { return static_cast<double>(level.grid.vertices()); }
 
   /// All that a sweep writes.
-  State state(const Parallel& parallel) const {
+  State state(const Context& context) const {
     State kept{Field<float>(level.grid), Field<float, 3>(level.grid)};
-    copy_state(level, kept, parallel);
+    copy_state(level, kept, context);
     return kept;
   }
-  void restore(const State& kept, const Parallel& parallel) { copy_state(kept, level, parallel); }
+  void restore(const State& kept, const Context& context) { copy_state(kept, level, context); }
 
   template <class From, class To>
-  static void copy_state(const From& from, To& to, const Parallel& parallel) {
-    parallel.for_each(from.u.bricks(), 256, [&](size_t b) {
+  static void copy_state(const From& from, To& to, const Context& context) {
+    parallel_for(context, from.u.bricks(), 256, [&](size_t b) {
       plain_copy(from.u.brick(b), to.u.brick(b), brick_volume);
       plain_copy(from.p.brick(b), to.p.brick(b), 3 * brick_volume);
     });
@@ -87,7 +88,7 @@ struct NoisyLevel {
 
 /// Made once; benchmarks leave it as it is.
 NoisyLevel& shared() {
-  static NoisyLevel made{Parallel()};
+  static NoisyLevel made{Context()};
   return made;
 }
 
@@ -98,11 +99,11 @@ struct Moved {
 };
 
 Moved moved_by(int sweeps) {
-  const Parallel parallel;
+  const Context context;
   NoisyLevel& noisy = shared();
-  const State start = noisy.state(parallel);
-  State before = noisy.state(parallel);
-  Sweeper sweeper(noisy.level, parallel);
+  const State start = noisy.state(context);
+  State before = noisy.state(context);
+  Sweeper sweeper(noisy.level, context);
   const size_t rows = noisy.level.grid.size() * brick_area;
   size_t u_rows = 0, p_rows = 0;
   for (int k = 0; k < sweeps; ++k) {
@@ -117,9 +118,9 @@ Moved moved_by(int sweeps) {
       for (int axis = 0; axis < 3; ++axis) p = p || differ(noisy.level.p.brick(b, axis), before.p.brick(b, axis));
       p_rows += p;
     }
-    NoisyLevel::copy_state(noisy.level, before, parallel);
+    NoisyLevel::copy_state(noisy.level, before, context);
   }
-  noisy.restore(start, parallel);
+  noisy.restore(start, context);
   const double all = static_cast<double>(rows) * sweeps;
   return {static_cast<double>(u_rows) / all, static_cast<double>(p_rows) / all};
 }
@@ -132,11 +133,11 @@ void count(benchmark::State& state, double vertices, double bytes_per_vertex) {
 
 /// What a sweep writes, read from one place and written to another: 268 MB each.
 void copy(benchmark::State& state) {
-  const Parallel parallel(static_cast<int>(state.range(0)));
+  const Context context(static_cast<int>(state.range(0)));
   const NoisyLevel& noisy = shared();
-  State target = noisy.state(parallel);  // its pages are there from now on
+  State target = noisy.state(context);  // its pages are there from now on
   for (auto _ : state) {
-    NoisyLevel::copy_state(noisy.level, target, parallel);
+    NoisyLevel::copy_state(noisy.level, target, context);
     benchmark::ClobberMemory();
   }
   count(state, noisy.vertices(), 4 * 8);
@@ -165,18 +166,18 @@ void chase(benchmark::State& state) {
 /// The first sweeps of a new sweeper, all of them of one pass over the tiles.
 template <int times>
 void sweeps(benchmark::State& state) {
-  const Parallel parallel(static_cast<int>(state.range(0)));
+  const Context context(static_cast<int>(state.range(0)));
   NoisyLevel& noisy = shared();
   static const Moved moved = moved_by(times);
-  const State start = noisy.state(parallel);
+  const State start = noisy.state(context);
   for (auto _ : state) {
     state.PauseTiming();
-    auto sweeper = std::make_unique<Sweeper>(noisy.level, parallel);
+    auto sweeper = std::make_unique<Sweeper>(noisy.level, context);
     state.ResumeTiming();
     sweeper->sweep(steps, times);
     state.PauseTiming();
     sweeper.reset();
-    noisy.restore(start, parallel);
+    noisy.restore(start, context);
     state.ResumeTiming();
   }
   count(state, times * noisy.vertices(), Sweeper::bytes_per_vertex);
@@ -187,9 +188,9 @@ void one_sweep(benchmark::State& state) { sweeps<1>(state); }
 void eight_sweeps(benchmark::State& state) { sweeps<8>(state); }
 
 void energy(benchmark::State& state) {
-  const Parallel parallel(static_cast<int>(state.range(0)));
+  const Context context(static_cast<int>(state.range(0)));
   const NoisyLevel& noisy = shared();
-  for (auto _ : state) benchmark::DoNotOptimize(evaluate_energy(noisy.level, {}, parallel));
+  for (auto _ : state) benchmark::DoNotOptimize(evaluate_energy(noisy.level, {}, context));
   count(state, noisy.vertices(), evaluated_bytes_per_vertex);
 }
 

@@ -42,12 +42,11 @@ struct Case {
     const double voxel = voxel_of_resolution(cloud.box(), resolution, 6);
     lattice = place_lattice(cloud.box(), voxel, 6);
     OrientReport report;
-    Progress progress;
-    directions = orient(cloud, {}, parallel, progress, report);
-    sorted = sort_samples(cloud, directions, lattice, parallel);
-    field = divergence_field(sorted, lattice.box(0), parallel);
+    directions = orient(cloud, {}, context, report);
+    sorted = sort_samples(cloud, directions, lattice, context);
+    field = divergence_field(sorted, lattice.box(0), context);
     mesh = extract_isosurface(
-        field.grid, field.f, [](Vec3i) { return 0.0f; }, 0.05f, lattice, parallel);
+        field.grid, field.f, [](Vec3i) { return 0.0f; }, 0.05f, lattice, context);
   }
   /// Samples of a torus, neighbours one after the other as a scanner gives them.
   void make_cloud() {
@@ -56,12 +55,12 @@ struct Case {
     const Lattice coarse = place_lattice(random.box(), voxel_of_resolution(random.box(), cells, 6), 6);
     cloud.scans = random.scans;
     cloud.scans.front().sensor = Vec3d{0, 0, 10};
-    for (const uint32_t s : sort_samples(random, random.normals, coarse, parallel).source)
+    for (const uint32_t s : sort_samples(random, random.normals, coarse, context).source)
       cloud.positions.push_back(static_cast<Vec3d>(static_cast<Vec3f>(random.positions[s])));
   }
   ~Case() { std::filesystem::remove_all(folder); }
 
-  Parallel parallel{1};
+  Context context{1};
   std::filesystem::path folder;
   std::string binary, ascii, mesh_file;
   PointCloud cloud;
@@ -104,28 +103,27 @@ void read_ascii_ply(benchmark::State& state) { read_file(state, shared().ascii);
 
 void measure_density(benchmark::State& state) {
   Case& c = shared();
-  for (auto _ : state) benchmark::DoNotOptimize(measure_sampling(c.cloud, c.parallel));
+  for (auto _ : state) benchmark::DoNotOptimize(measure_sampling(c.cloud, c.context));
   count_bytes(state, samples * sizeof(Vec3d));
 }
 
 void orient_samples(benchmark::State& state) {
   Case& c = shared();
   OrientReport report;
-  Progress progress;
-  for (auto _ : state) benchmark::DoNotOptimize(orient(c.cloud, {}, c.parallel, progress, report));
+  for (auto _ : state) benchmark::DoNotOptimize(orient(c.cloud, {}, c.context, report));
   count_bytes(state, samples * (sizeof(Vec3d) + sizeof(Vec3f)));
 }
 
 void sort_by_brick(benchmark::State& state) {
   Case& c = shared();
-  for (auto _ : state) benchmark::DoNotOptimize(sort_samples(c.cloud, c.directions, c.lattice, c.parallel));
+  for (auto _ : state) benchmark::DoNotOptimize(sort_samples(c.cloud, c.directions, c.lattice, c.context));
   count_bytes(state, samples * (sizeof(Vec3d) + 3 * sizeof(Vec3f) + sizeof(uint32_t)));
 }
 
 /// Splat, smoothing and divergence.
 void data_term(benchmark::State& state) {
   Case& c = shared();
-  for (auto _ : state) benchmark::DoNotOptimize(divergence_field(c.sorted, c.lattice.box(0), c.parallel));
+  for (auto _ : state) benchmark::DoNotOptimize(divergence_field(c.sorted, c.lattice.box(0), c.context));
   count_bytes(state, samples * 2 * sizeof(Vec3f) + c.field.f.bytes());
   state.counters["bricks"] = static_cast<double>(c.field.grid.size());
 }
@@ -134,7 +132,7 @@ void extract(benchmark::State& state) {
   Case& c = shared();
   for (auto _ : state)
     benchmark::DoNotOptimize(extract_isosurface(
-        c.field.grid, c.field.f, [](Vec3i) { return 0.0f; }, 0.05f, c.lattice, c.parallel));
+        c.field.grid, c.field.f, [](Vec3i) { return 0.0f; }, 0.05f, c.lattice, c.context));
   count_bytes(state,
               c.field.f.bytes() + c.mesh.vertices.size() * sizeof(Vec3d) + c.mesh.triangles.size() * sizeof(Triangle));
   state.counters["triangles"] = static_cast<double>(c.mesh.triangles.size());

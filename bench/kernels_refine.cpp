@@ -28,14 +28,14 @@ struct Ball {
   explicit Ball(int voxels) : bricks(2 * (voxels + 8) / brick_side), radius(voxels) {
     make_band();
     make_samples();
-    displacement = std::make_unique<Displacement>(band, phi0, parallel);
-    cells = CellSamples(samples, band, parallel);
+    displacement = std::make_unique<Displacement>(band, phi0, context);
+    cells = CellSamples(samples, band, context);
     weigh();
     displacement->precondition(cells, smoothness);
   }
 
   void weigh() {
-    merge(phi0, samples, band, {Penalty::tukey, static_cast<float>(2.5 * noise), true, {}}, weights, parallel, cells);
+    merge(phi0, samples, band, {Penalty::tukey, static_cast<float>(2.5 * noise), true, {}}, weights, context, cells);
   }
   double height(Vec3i vertex) const { return radius - norm(Vec3d(vertex) - middle()); }
   Vec3d middle() const { return Vec3d{1, 1, 1} * (0.5 * bricks * brick_side); }
@@ -47,12 +47,12 @@ struct Ball {
       for (int y = 0; y < bricks; ++y)
         for (int x = 0; x < bricks; ++x)
           if (std::abs(height(Vec3i{x, y, z} * brick_side)) < diagonal + reach) near.set({x, y, z});
-    BrickGrid grid(near, parallel);
+    BrickGrid grid(near, context);
     std::vector<uint8_t> vertices(grid.size() * brick_area);
     for_vertices(grid, [&](size_t row, int x, Vec3i vertex) {
       if (std::abs(height(vertex)) < reach) vertices[row] |= static_cast<uint8_t>(1 << x);
     });
-    band = NarrowBand(std::move(grid), vertices, parallel);
+    band = NarrowBand(std::move(grid), vertices, context);
     phi0 = band.make_array();
     for_vertices(band.grid(), [&](size_t row, int x, Vec3i vertex) {
       const uint32_t r = band.rows_of(static_cast<int32_t>(row / brick_area))[row % brick_area];
@@ -85,10 +85,10 @@ struct Ball {
     Lattice lattice;  // vertex (1, 1, 1), the first that is reported, lies at (1, 1, 1)
     lattice.size = Vec3i{1, 1, 1} * (bricks * brick_side - 2);
     lattice.first_vertex = {1, 1, 1};
-    samples = sort_samples(cloud, directions, lattice, parallel);
+    samples = sort_samples(cloud, directions, lattice, context);
   }
 
-  Parallel parallel{1};
+  Context context{1};
   int bricks, radius;
   NarrowBand band;
   RowArray phi0;
@@ -135,18 +135,18 @@ void copy(benchmark::State& state) {
 /// inverse again, the correction written; that, b and inverse once more, the result written.
 void v_cycles(benchmark::State& state) {
   Ball& b = ball(state);
-  Multilevel multilevel(b.band, b.parallel);
+  Multilevel multilevel(b.band, b.context);
   RowArray position_weights = b.band.make_array(), z = b.band.make_array(), work = b.band.make_array();
-  DataTerm::row_sums(b.band, b.cells, position_weights).add(b.parallel);
-  multilevel.set_operator(position_weights, smoothness.slope, smoothness.curvature, b.parallel);
-  repeat(state, [&] { benchmark::DoNotOptimize(multilevel.apply([](int) {}, b.phi0, z, work, b.parallel)); });
+  DataTerm::row_sums(b.band, b.cells, position_weights).add(b.context);
+  multilevel.set_operator(position_weights, smoothness.slope, smoothness.curvature, b.context);
+  repeat(state, [&] { benchmark::DoNotOptimize(multilevel.apply([](int) {}, b.phi0, z, work, b.context)); });
   count(state, b, 2 * (9 * row_bytes + 2 * neighbor_bytes));
 }
 
 void laplacian(benchmark::State& state) {
   Ball& b = ball(state);
   RowArray out = b.band.make_array();
-  repeat(state, [&] { benchmark::DoNotOptimize(apply_laplacian(b.band, b.phi0, 0, 1, out, b.parallel)); });
+  repeat(state, [&] { benchmark::DoNotOptimize(apply_laplacian(b.band, b.phi0, 0, 1, out, b.context)); });
   count(state, b, 2 * row_bytes + neighbor_bytes);
 }
 
@@ -155,7 +155,7 @@ void data_term(benchmark::State& state) {
   Ball& b = ball(state);
   RowArray out = b.band.make_array();
   const DataTerm term = DataTerm::gradient(b.band, b.cells, b.phi0, -1, out);
-  repeat(state, [&] { benchmark::DoNotOptimize(term.add(b.parallel)); });
+  repeat(state, [&] { benchmark::DoNotOptimize(term.add(b.context)); });
   const double cells = static_cast<double>(b.cells.count) / static_cast<double>(b.band.rows());
   count(state, b, cells * DataJob::values * sizeof(float) + 3 * row_bytes + neighbor_bytes);
 }

@@ -61,31 +61,30 @@ constexpr Candidate candidates[] = {{"Tukey, scale of 2.5 noise", Penalty::tukey
                                     {"Huber, 1", Penalty::huber, 1},
                                     {"least squares", Penalty::least_squares, 1}};
 
-PointCloud measure(const Surface& surface, double voxel, const Condition& condition, const Parallel& parallel) {
+PointCloud measure(const Surface& surface, double voxel, const Condition& condition, const Context& context) {
   ScannerParams scanner;
   scanner.step = voxel;
   scanner.misalignment = condition.scans ? voxel / 2 : 0;
-  if (condition.scans) return virtual_scan(surface, scanner, parallel).cloud;
+  if (condition.scans) return virtual_scan(surface, scanner, context).cloud;
   SamplingParams sampling;
   sampling.count = static_cast<size_t>(std::lround(surface.tessellate(voxel / 100).area() / (voxel * voxel)));
   sampling.noise = condition.noise * voxel;
   sampling.outliers = condition.outliers;
   sampling.sensors = scanner_positions(surface.box(), scanner);
-  return sample_surface(surface, sampling, parallel);
+  return sample_surface(surface, sampling, context);
 }
 
 /// Mean distance from the truth to the mesh, voxels.
 double error(const PointCloud& cloud, const Surface& truth, double voxel, const Candidate& candidate,
-             const Parallel& parallel) {
-  Progress nobody;
+             const Context& context) {
   ReconstructParams params;
   params.place.voxel = voxel;
   params.refine.robust.penalty = candidate.penalty;
   params.refine.robust.scale_of_noise = candidate.scale_of_noise;
-  const Mesh mesh = reconstruct(cloud, params, parallel, nobody).mesh;
+  const Mesh mesh = reconstruct(cloud, params, context).mesh;
   EvaluationOptions options;
   options.points = points;
-  return evaluate(mesh, truth, options, parallel, nobody).truth_to_mesh.distance.mean / voxel;
+  return evaluate(mesh, truth, options, context).truth_to_mesh.distance.mean / voxel;
 }
 
 struct Object {
@@ -93,21 +92,21 @@ struct Object {
   std::shared_ptr<const Surface> surface;
 };
 
-std::vector<Object> objects(int files, char** file, const Parallel& parallel) {
+std::vector<Object> objects(int files, char** file, const Context& context) {
   std::vector<Object> list;
   for (const char* name : {"sphere", "torus", "plate", "sheets", "knot", "part"})
     list.push_back({name, make_shape(name)});
   for (int i = 0; i < files; ++i)
     list.push_back(
-        {std::filesystem::path(file[i]).stem().string(), std::make_shared<MeshSurface>(read_mesh(file[i]), parallel)});
+        {std::filesystem::path(file[i]).stem().string(), std::make_shared<MeshSurface>(read_mesh(file[i]), context)});
   return list;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const Parallel parallel(0);
-  const std::vector<Object> all = objects(argc - 1, argv + 1, parallel);
+  const Context context(0);
+  const std::vector<Object> all = objects(argc - 1, argv + 1, context);
   fmt::print("Errors over those of the default, geometric mean over");
   for (const Object& object : all) fmt::print(" {}", object.name);
   fmt::print(" (least to largest).\n\n| |");
@@ -119,10 +118,10 @@ int main(int argc, char** argv) {
     std::vector<std::vector<double>> ratios(std::size(candidates));
     for (const Object& object : all) {
       const double voxel = object.surface->box().longest() / voxels_along;
-      const PointCloud cloud = measure(*object.surface, voxel, condition, parallel);
+      const PointCloud cloud = measure(*object.surface, voxel, condition, context);
       double first = 0;
       for (size_t c = 0; c < std::size(candidates); ++c) {
-        const double mean = error(cloud, *object.surface, voxel, candidates[c], parallel);
+        const double mean = error(cloud, *object.surface, voxel, candidates[c], context);
         if (c == 0) first = mean;
         ratios[c].push_back(mean / first);
       }

@@ -236,9 +236,8 @@ Measured measure_tv_sor(const LevelBox& box, const SupportField& field, float la
   SorParams params;
   params.tolerance = 0;
   params.max_iterations = iterations;
-  Progress progress;
   const std::clock_t begin = std::clock();
-  relax_sor(u, box, lambda, field, params, Parallel(1), progress);
+  relax_sor(u, box, lambda, field, params, Context(1));
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   const double sum = std::accumulate(u.data(), u.data() + u.count(), 0.0);
   return {1e9 * seconds / static_cast<double>(u.count()) / iterations, sum};
@@ -249,13 +248,12 @@ Measured measure_tv_sor(const LevelBox& box, const SupportField& field, float la
 int main(int argc, char** argv) {
   if (argc != 3) return fmt::print(stderr, "usage: bench_remarks INPUT RESOLUTION\n"), 2;
   const PointCloud cloud = read_points(argv[1]);
-  const Parallel parallel(1);
-  Progress progress;
+  const Context context(1);
   OrientReport oriented;
-  const auto directions = orient(cloud, {}, parallel, progress, oriented);
+  const auto directions = orient(cloud, {}, context, oriented);
   const Lattice lattice = place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), std::atoi(argv[2]), 6), 6);
   const LevelBox box = lattice.box(0);
-  const SupportField field = divergence_field(sort_samples(cloud, directions, lattice, parallel), box, parallel);
+  const SupportField field = divergence_field(sort_samples(cloud, directions, lattice, context), box, context);
   DenseField<float> data(box);
   for (size_t b = 0; b < field.grid.size(); ++b)
     for_each_run(data, field.grid.coord(b), [&](float* row, int x, int y, int z, int n) {

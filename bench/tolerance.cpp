@@ -44,22 +44,21 @@ int main(int argc, char** argv) {
   }
   const int resolution = argc > 2 ? std::stoi(argv[2]) : 256;
   const double per_density = argc > 3 ? std::stod(argv[3]) : EnergyParams().lambda_per_density;
-  const Parallel one_thread(1);
-  Progress progress;
+  const Context one_thread(1);
   const PointCloud cloud = read_points(argv[1]);
   OrientReport orient_report;
-  const auto directions = orient(cloud, {}, one_thread, progress, orient_report);
+  const auto directions = orient(cloud, {}, one_thread, orient_report);
   constexpr int padding = 6;
   const double voxel = voxel_of_resolution(cloud.box(), resolution, padding);
   const Lattice lattice = place_lattice(cloud.box(), voxel, padding);
-  const double lambda = per_density * measure_sampling(cloud, Parallel()).density(voxel);
+  const double lambda = per_density * measure_sampling(cloud, Context()).density(voxel);
   const SupportField support =
       divergence_field(sort_samples(cloud, directions, lattice, one_thread), lattice.box(0), one_thread);
 
   PrimalDualParams params;
   params.tolerance = 1e-6;
   params.max_iterations = 600;
-  const PyramidSolution reference = solve_coarse_to_fine(lattice, support, lambda, params, one_thread, progress);
+  const PyramidSolution reference = solve_coarse_to_fine(lattice, support, lambda, params, one_thread);
   params = {};
   params.check_every = 4;
   fmt::print("{} samples, {} vertices, lambda {:.4g}\n\n", cloud.size(), resolution, lambda);
@@ -69,7 +68,7 @@ int main(int argc, char** argv) {
   for (const double tolerance : {3e-3, 1e-3, 3e-4, 1e-4, 3e-5}) {
     params.tolerance = tolerance;
     const std::clock_t begin = std::clock();
-    const PyramidSolution solution = solve_coarse_to_fine(lattice, support, lambda, params, one_thread, progress);
+    const PyramidSolution solution = solve_coarse_to_fine(lattice, support, lambda, params, one_thread);
     const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     std::string iterations;
     for (const LevelReport& level : solution.reports) iterations += fmt::format(" {}", level.iterations);

@@ -58,42 +58,41 @@ void check(const EvaluateOptions& options) {
 }
 
 void write_errors(const EvaluateOptions& options, Mesh mesh, const Surface& truth, const Evaluation& evaluation,
-                  const Parallel& parallel) {
+                  const Context& context) {
   const double found = evaluation.mesh_to_truth.distance.percentile99;
   // A mesh that lies on the truth has no error to scale by; any range shows it dark.
   const double top = options.error_range > 0 ? options.error_range : found > 0 ? found : truth.box().longest();
   MeshWriteOptions write;
   write.comments = {fmt::format("colours: distance to the truth from 0 to {:.6g}", top)};
-  write_mesh(options.error_ply, color_by_error(std::move(mesh), truth, top, parallel), write, parallel);
+  write_mesh(options.error_ply, color_by_error(std::move(mesh), truth, top, context), write, context);
 }
 
 int run(const EvaluateOptions& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
-  const Parallel parallel(global.threads, &progress);
+  const Context context(global.threads, progress);
   check(options);
-  Stages stages(progress);
+  Stages stages(context);
   Mesh mesh;
   Object truth;
   std::optional<PointCloud> samples;
   stages.run("read", [&] {
-    truth = make_object("truth", options.truth, parallel, progress);  // first: its options are judged before files
+    truth = make_object("truth", options.truth, context);  // first: its options are judged before files
     mesh = read_surface(options.mesh);
     if (!options.samples.empty()) {
       ReadReport read;
-      samples = read_cloud({options.samples}, parallel, progress, read);
+      samples = read_cloud({options.samples}, context, read);
       std::vector<std::string> scans;  // of a set
       for (const FileReport& file : read.files) scans.push_back(file.path);
       refuse_overwriting({options.json, options.error_ply}, scans);
     }
   });
   const Evaluation evaluation = stages.run("evaluate", [&] {
-    return evaluate(mesh, *truth.surface, options.evaluation, parallel, progress,
-                    samples ? &samples->positions : nullptr);
+    return evaluate(mesh, *truth.surface, options.evaluation, context, samples ? &samples->positions : nullptr);
   });
   const EvaluationSubject subject{options.mesh, truth.facts, options.samples, options.voxel, options.evaluation};
   if (!options.json.empty() || !options.error_ply.empty()) {
     stages.run("write", [&] {
-      if (!options.error_ply.empty()) write_errors(options, std::move(mesh), *truth.surface, evaluation, parallel);
+      if (!options.error_ply.empty()) write_errors(options, std::move(mesh), *truth.surface, evaluation, context);
       if (!options.json.empty()) write_text_file(options.json, evaluation_json(subject, evaluation).dump(2) + "\n");
     });
   }

@@ -49,18 +49,18 @@ void refuse_shape_options(const ObjectOptions& options, const char* kind) {
           fmt::format("{}: only built-in shapes have it, {} is a {}", option->get_name(), options.name, kind));
 }
 
-Object scene_object(const ObjectOptions& options, const Parallel& parallel) {
+Object scene_object(const ObjectOptions& options, const Context& context) {
   refuse_shape_options(options, "scene");
   Scene scene = make_scene(options.name);
-  const auto surface = std::make_shared<const MeshSurface>(std::move(scene.mesh), parallel, Faces::as_given);
+  const auto surface = std::make_shared<const MeshSurface>(std::move(scene.mesh), context, Faces::as_given);
   return {surface, {{"scene", scene.name}, {"volume", nullptr}, {"area", surface->mesh().area()}}, scene.scanner};
 }
 
-Object mesh_object(const ObjectOptions& options, const Parallel& parallel, Progress& progress) {
+Object mesh_object(const ObjectOptions& options, const Context& context) {
   refuse_shape_options(options, "mesh");
-  const auto mesh = std::make_shared<const MeshSurface>(read_surface(options.name), parallel);
+  const auto mesh = std::make_shared<const MeshSurface>(read_surface(options.name), context);
   if (mesh->turned())
-    progress.warn(fmt::format("{}: inside-out (negative volume), its faces are turned", options.name));
+    context.progress().warn(fmt::format("{}: inside-out (negative volume), its faces are turned", options.name));
   return {mesh,
           {{"file", options.name},
            {"turned", mesh->turned()},
@@ -104,20 +104,20 @@ Mesh read_surface(const std::string& path) {
   return mesh;
 }
 
-Object make_object(const char* option, const ObjectOptions& options, const Parallel& parallel, Progress& progress) {
+Object make_object(const char* option, const ObjectOptions& options, const Context& context) {
   std::vector<std::string> names = shape_names();
   const std::vector<std::string> scenes = scene_names();
   const auto among = [&](const std::vector<std::string>& known) {
     return std::find(known.begin(), known.end(), options.name) != known.end();
   };
   if (among(names)) return shape_object(options);
-  if (among(scenes)) return scene_object(options, parallel);
+  if (among(scenes)) return scene_object(options, context);
   names.insert(names.end(), scenes.begin(), scenes.end());
   const std::filesystem::path path(options.name);
   if (!path.has_extension() && !std::filesystem::exists(path))
     throw ParameterError(
         fmt::format("{} = {}, must be one of {}, or a mesh file", option, options.name, fmt::join(names, ", ")));
-  return mesh_object(options, parallel, progress);
+  return mesh_object(options, context);
 }
 
 }  // namespace soapfilm::cli

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/scanner/shape.h"
 #include "soapfilm/scanner/virtual_scan.h"
@@ -41,6 +41,6 @@ struct Object {
 Mesh read_surface(const std::string& path);
 
 /// `option` is how a refusal calls the object. Warns of a closed mesh that is inside-out; its faces are turned.
-Object make_object(const char* option, const ObjectOptions& options, const Parallel& parallel, Progress& progress);
+Object make_object(const char* option, const ObjectOptions& options, const Context& context);
 
 }  // namespace soapfilm::cli

@@ -4,12 +4,12 @@
 
 namespace soapfilm::cli {
 
-PointCloud read_cloud(const std::vector<std::string>& files, const Parallel& parallel, Progress& progress,
-                      ReadReport& read) {
-  PointCloud cloud = read_points(files, &read, parallel);
-  for (const std::string& warning : read.warnings) progress.warn(warning);
+PointCloud read_cloud(const std::vector<std::string>& files, const Context& context, ReadReport& read) {
+  PointCloud cloud = read_points(files, &read, context);
+  for (const std::string& warning : read.warnings) context.progress().warn(warning);
   if (read.dropped() > 0)
-    progress.warn(fmt::format("{} of {} samples dropped: not finite", read.dropped(), read.dropped() + cloud.size()));
+    context.progress().warn(
+        fmt::format("{} of {} samples dropped: not finite", read.dropped(), read.dropped() + cloud.size()));
   return cloud;
 }
 

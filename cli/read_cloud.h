@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/io/io.h"
@@ -12,7 +12,6 @@
 namespace soapfilm::cli {
 
 /// Several files are several scans. What reading them left out is a warning.
-PointCloud read_cloud(const std::vector<std::string>& files, const Parallel& parallel, Progress& progress,
-                      ReadReport& read);
+PointCloud read_cloud(const std::vector<std::string>& files, const Context& context, ReadReport& read);
 
 }  // namespace soapfilm::cli

@@ -83,10 +83,9 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   validate(params);
 }
 
-PointCloud read_input(const ReconstructOptions& options, const Parallel& parallel, Progress& progress,
-                      ReadReport& read) {
-  PointCloud cloud = read_cloud(options.inputs, parallel, progress, read);
-  progress.info(
+PointCloud read_input(const ReconstructOptions& options, const Context& context, ReadReport& read) {
+  PointCloud cloud = read_cloud(options.inputs, context, read);
+  context.progress().info(
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));
   return cloud;
 }
@@ -104,20 +103,20 @@ class LevelFiles {
   }
 
   /// Writes nothing without a folder, which is made when there is a first level.
-  PyramidObserver writer(const std::filesystem::path& folder, double threshold, const Parallel& parallel) {
+  PyramidObserver writer(const std::filesystem::path& folder, double threshold, const Context& context) {
     if (folder.empty()) return {};
     PyramidObserver observer;
-    observer.solved = [this, folder, threshold, &parallel](const Level& level, const Lattice& lattice) {
+    observer.solved = [this, folder, threshold, &context](const Level& level, const Lattice& lattice) {
       std::error_code error;
       std::filesystem::create_directories(folder, error);
       if (error) throw OutputError(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
-      const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), parallel);
+      const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), context);
       const Mesh mesh = extract_isosurface(
           surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice,
-          parallel);
+          context);
       if (mesh.triangles.empty()) return;  // nothing paid for its area on this level
       const std::filesystem::path file = folder / name(level.box.level);
-      write_mesh(file.string(), mesh, {}, parallel);
+      write_mesh(file.string(), mesh, {}, context);
       written_.push_back(file);
     };
     return observer;
@@ -162,26 +161,26 @@ void write_report(const ReconstructOptions& options, const ReconstructReport& re
 
 int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
-  const Parallel parallel(global.threads, &progress);
+  const Context context(global.threads, progress);
   finish_params(app, options);
   check_mesh_output(options.output);
   if (!options.report.empty()) check_output(options.report);
 
-  Stages stages(progress);
+  Stages stages(context);
   ReadReport read;
-  PointCloud cloud = stages.run("read", [&] { return read_input(options, parallel, progress, read); });
+  PointCloud cloud = stages.run("read", [&] { return read_input(options, context, read); });
   check_names(options, read);
   LevelFiles levels;
   const bool checks = options.params.checked = options.check || !options.report.empty();
-  const PyramidObserver observe = levels.writer(options.levels_folder, options.params.surface.threshold, parallel);
+  const PyramidObserver observe = levels.writer(options.levels_folder, options.params.surface.threshold, context);
   Reconstruction result;
   try {
-    result = checks ? reconstruct(cloud, options.params, parallel, progress, observe)
-                    : reconstruct(std::move(cloud), options.params, parallel, progress, observe);
+    result = checks ? reconstruct(cloud, options.params, context, observe)
+                    : reconstruct(std::move(cloud), options.params, context, observe);
   } catch (const SamplesError& error) {
     throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
   }
-  if (checks) stages.run("check", [&] { check_result(result, cloud, parallel); });
+  if (checks) stages.run("check", [&] { check_result(result, cloud, context); });
   ReconstructReport& report = result.report;
   if (report.topology) print_check(report, progress);
 
@@ -190,7 +189,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
     MeshWriteOptions write;
     write.ascii = options.ascii;
     write.coordinate_precision = 1e-3 * report.lattice.voxel;
-    const WriteReport written = write_mesh(options.output, result.mesh, write, parallel);
+    const WriteReport written = write_mesh(options.output, result.mesh, write, context);
     for (const std::string& warning : written.warnings) {
       progress.warn(warning);
       report.warnings.push_back(warning);

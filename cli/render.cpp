@@ -139,7 +139,7 @@ int run(const Request& request, const GlobalOptions& options) {
     std::visit([&](const auto& shape) { items[i].shape = &shape; }, shapes[i]);
     if (i < request.captions.size()) items[i].caption = request.captions[i];
   }
-  const Image image = render(items, params, Parallel(options.threads));
+  const Image image = render(items, params, Context(options.threads));
   write_png(request.output, image);
   if (!options.quiet) fmt::print("{}: {} x {} pixels\n", request.output, image.width, image.height);
   return 0;

@@ -84,11 +84,11 @@ struct Measured {
 };
 
 void remove_missing(Measured& measured, const Surface& surface, MissingParams missing, uint64_t seed,
-                    const Parallel& parallel) {
+                    const Context& context) {
   if (missing.hole == 0.0 && missing.thin_half == 1.0) return;
   missing.seed = seed;
   const size_t before = measured.scans.cloud.size();
-  const std::vector<bool> keep = kept_samples(surface, measured.scans.cloud, missing, parallel);
+  const std::vector<bool> keep = kept_samples(surface, measured.scans.cloud, missing, context);
   measured.scans.poses.empty() ? measured.scans.cloud.filter(keep) : filter(measured.scans, keep);
   measured.missing = {{"hole", missing.hole},
                       {"thin_half", missing.thin_half},
@@ -96,20 +96,20 @@ void remove_missing(Measured& measured, const Surface& surface, MissingParams mi
                       {"seed", seed}};
 }
 
-Measured measure(const ScanOptions& options, const Surface& surface, const Parallel& parallel, Progress& progress) {
+Measured measure(const ScanOptions& options, const Surface& surface, const Context& context) {
   const Box3d box = surface.box();
   Measured measured;
   ordered_json how;
   if (options.even_samples()) {
     const SamplingParams params = sampling_params(options, box);
-    measured.scans.cloud = sample_surface(surface, params, parallel);
+    measured.scans.cloud = sample_surface(surface, params, context);
     how = sampling_facts(params);
   } else {
     const ScannerParams params = scanner_params(options, box);
-    measured.scans = virtual_scan(surface, params, parallel, progress);
+    measured.scans = virtual_scan(surface, params, context);
     how = scanner_facts(params, box);
   }
-  remove_missing(measured, surface, options.missing, options.scanner.seed, parallel);
+  remove_missing(measured, surface, options.missing, options.scanner.seed, context);
   const size_t samples = measured.scans.cloud.size();
   if (options.even_samples()) {
     measured.files = {{"samples", {{"file", samples_file}, {"samples", samples}}}, {"sampling", how}};
@@ -148,7 +148,7 @@ void make_folder(const std::string& folder) {
 }
 
 void write(const ScanOptions& options, const Object& object, const Mesh& truth, const Measured& measured,
-           Progress& progress) {
+           const Context& context) {
   make_folder(options.folder);
   const std::filesystem::path folder(options.folder);
   const Box3d box = object.surface->box();
@@ -166,7 +166,7 @@ void write(const ScanOptions& options, const Object& object, const Mesh& truth, 
   if (options.even_samples()) {
     write_points((folder / samples_file).string(), measured.scans.cloud);
   } else {
-    write_scans(options.folder, conf_file, measured.scans, progress);
+    write_scans(options.folder, conf_file, measured.scans, context);
   }
 }
 
@@ -174,15 +174,14 @@ int run(ScanOptions options, const GlobalOptions& global) {
   check_together(options);
   check_folder(options);
   TerminalProgress progress(global);
-  const Parallel parallel(global.threads, &progress);
-  Stages stages(progress);
-  const Object object =
-      stages.run("prepare", [&] { return make_object("object", options.object, parallel, progress); });
+  const Context context(global.threads, progress);
+  Stages stages(context);
+  const Object object = stages.run("prepare", [&] { return make_object("object", options.object, context); });
   if (object.scanner) take_scanner_of_scene(options, *object.scanner);
-  const Measured measured = stages.run("scan", [&] { return measure(options, *object.surface, parallel, progress); });
+  const Measured measured = stages.run("scan", [&] { return measure(options, *object.surface, context); });
   const Mesh truth = stages.run(
       "truth", [&] { return object.surface->tessellate(truth_tolerance * object.surface->box().longest()); });
-  stages.run("write", [&] { write(options, object, truth, measured, progress); });
+  stages.run("write", [&] { write(options, object, truth, measured, context); });
 
   const size_t scans = measured.scans.poses.size();
   const std::string main_file = options.even_samples() ? samples_file : conf_file;

@@ -9,18 +9,18 @@
 #include "soapfilm/scanner/virtual_scan.h"
 
 int main() try {
-  const soapfilm::Parallel parallel;  // all threads that the process may use
+  soapfilm::Progress progress;                   // derive from it to be told, call cancel() to stop
+  const soapfilm::Context context(0, progress);  // all threads that the process may use
 
   soapfilm::ScannerParams scanner;
   scanner.columns = scanner.rows = 80;
-  const soapfilm::ScanSet scans = virtual_scan(*soapfilm::make_part(), scanner, parallel);
+  const soapfilm::ScanSet scans = virtual_scan(*soapfilm::make_part(), scanner, context);
 
   soapfilm::ReconstructParams params;
   params.place.resolution = 64;
 
-  soapfilm::Progress progress;  // derive from it to be told, call cancel() to stop
-  soapfilm::Reconstruction result = reconstruct(scans.cloud, params, parallel, progress);
-  check_result(result, scans.cloud, parallel);
+  soapfilm::Reconstruction result = reconstruct(scans.cloud, params, context);
+  check_result(result, scans.cloud, context);
 
   std::printf("%zu samples, %zu triangles\n", scans.cloud.size(), result.mesh.triangles.size());
   std::printf("proved within %.3g of the global optimum\n", result.report.certificate.relative_gap_binary());

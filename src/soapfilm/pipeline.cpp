@@ -1,4 +1,5 @@
 #include "soapfilm/pipeline.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -25,12 +26,11 @@ namespace {
 
 /// E(0) = 0 competes: a surface must have a lower energy, or the optimum is empty. (A cut has done so in its own
 /// energy, poisson's surface owes nothing to lambda: theirs only has to be there.)
-void require_surface(const ReconstructReport& report, const SupportField& field, const Parallel& parallel,
-                     Progress& progress) {
+void require_surface(const ReconstructReport& report, const SupportField& field, const Context& context) {
   const double lambda = report.certificate.lambda;
   const bool kept = is_certified(report.params.method) ? report.certificate.binary.primal < 0 : report.inside > 0;
   if (kept) return;
-  const double largest = critical_lambda(report.lattice, field, lambda, parallel, progress, report.params.energy.norm);
+  const double largest = critical_lambda(report.lattice, field, lambda, context, report.params.energy.norm);
   if (largest > lambda)
     throw EmptyResult(
         fmt::format("empty result: method {} found no surface with lambda = {:.4g}, although one pays for "
@@ -44,23 +44,23 @@ void require_surface(const ReconstructReport& report, const SupportField& field,
                     largest);
 }
 
-void judge(const Level& level, double threshold, const Parallel& parallel, ReconstructReport& report) {
+void judge(const Level& level, double threshold, const Context& context, ReconstructReport& report) {
   const auto mu = static_cast<float>(threshold);
   // What tv's solver saw last is this state, and a proof where no rounding left p outside of its ball.
   const bool proved = !report.levels.empty() && report.levels.back().energies.max_dual_norm <= 1;
   report.certificate.relaxed =
-      proved ? report.levels.back().energies : evaluate_energy(level, {.threshold = {}, .certify = true}, parallel);
-  report.certificate.binary = evaluate_energy(level, {.threshold = mu, .certify = true}, parallel);
-  report.inside = count_inside(level, mu, parallel);
+      proved ? report.levels.back().energies : evaluate_energy(level, {.threshold = {}, .certify = true}, context);
+  report.certificate.binary = evaluate_energy(level, {.threshold = mu, .certify = true}, context);
+  report.inside = count_inside(level, mu, context);
 }
 
 /// The views of the samples on the grid, as long as their directions.
 std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& samples, const Lattice& lattice,
-                              const Parallel& parallel) {
+                              const Context& context) {
   std::vector<Vec3f> sorted;
-  reserve_many(sorted, samples.size());
+  reserve_many(sorted, samples.size(), context.pages());
   sorted.resize(samples.size());
-  parallel.for_each(samples.size(), size_t{1} << 14, [&](size_t k) {
+  parallel_for(context, samples.size(), size_t{1} << 14, [&](size_t k) {
     sorted[k] = normalized(lattice.from_world_axes(views[samples.source[k]])) * norm(samples.direction[k]);
   });
   return sorted;
@@ -68,15 +68,15 @@ std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& s
 
 }  // namespace
 
-Pipeline::Pipeline(const ReconstructParams& params, const Parallel& parallel, Progress& progress,
-                   const PyramidObserver& observe)
-    : params_(params), parallel_(parallel, progress), progress_(progress), observe_(observe), stages_(progress) {
+Pipeline::Pipeline(const ReconstructParams& params, const Context& context, const PyramidObserver& observe)
+    : params_(params), context_(context), observe_(observe), stages_(context) {
   validate(params);
+  context_.pages().restart_peak();
   report_.params = params;
 }
 
 void Pipeline::check(const PointCloud& cloud) {
-  box_ = check_samples(cloud, parallel_);
+  box_ = check_samples(cloud, context_);
   if (params_.method == Method::vrip)
     for (const Scan& scan : cloud.scans) require_range_scan(scan, params_.orient.sensor);
   room_ = check_room(cloud, params_);
@@ -88,20 +88,18 @@ std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
     OrientParams how = params_.orient;
     how.from_within = params_.border.outside == Border::solid;
     OrientReport& report = report_.input.directions;
-    auto found = soapfilm::orient(cloud, how, parallel_, progress_, report);
-    const auto measure = [&] {
-      local_surface_ = measure_local_surface(cloud.positions, found, box_, parallel_, progress_);
-    };
+    auto found = soapfilm::orient(cloud, how, context_, report);
+    const auto measure = [&] { local_surface_ = measure_local_surface(cloud.positions, found, box_, context_); };
     measure();
-    if (doubt_signs(cloud, how, local_surface_.sides, parallel_, progress_, found, report)) measure();
+    if (doubt_signs(cloud, how, local_surface_.sides, context_, found, report)) measure();
     // Where each sample has a normal, there is nothing to turn.
     if (params_.orient.source == DirectionSource::automatic && report.from_normals < cloud.size()) {
       if (refines(params_)) views_ = found;
-      turn_to_planes(cloud, local_surface_, parallel_, found, report);
+      turn_to_planes(cloud, local_surface_, context_, found, report);
       if (report.from_planes == 0) views_ = {};
     }
     if (params_.border.outside == Border::automatic && params_.method == Method::tv)
-      scanners_ = look_around(cloud, params_.orient.sensor, parallel_);
+      scanners_ = look_around(cloud, params_.orient.sensor, context_);
     return found;
   });
   report_.warnings = report_.input.directions.warnings;  // which it has shown
@@ -110,31 +108,29 @@ std::vector<Vec3f> Pipeline::orient(const PointCloud& cloud) {
 
 GridSamples Pipeline::place(const PointCloud& cloud, std::span<const Vec3f> directions, AfterPlacing after) {
   auto samples = stages_.run("place", [&] {
-    GridSamples sorted = soapfilm::place(cloud, box_, directions, local_surface_, params_, *room_, parallel_, report_);
-    const size_t support = support_mask(sorted, report_.lattice.box(0), parallel_).count();
+    GridSamples sorted = soapfilm::place(cloud, box_, directions, local_surface_, params_, *room_, context_, report_);
+    const size_t support = support_mask(sorted, report_.lattice.box(0), context_).count();
     plan_ = plan_memory(params_.method, refines(params_), cloud, after, report_.lattice, support);
     plan_again(params_.method == Method::tv);
     return sorted;
   });
-  announce_grid(report_, progress_);
+  announce_grid(report_, context_.progress());
   return samples;
 }
 
 void Pipeline::weigh(const PointCloud& cloud, std::span<const Vec3f> directions, GridSamples& samples) {
-  stages_.run("weigh",
-              [&] { weigh_area(cloud, directions, local_surface_, params_, parallel_, progress_, samples, report_); });
+  stages_.run("weigh", [&] { weigh_area(cloud, directions, local_surface_, params_, context_, samples, report_); });
   local_surface_ = {};
-  if (!views_.empty()) views_ = sort_views(views_, samples, report_.lattice, parallel_);
-  announce_weight(report_, progress_);
+  if (!views_.empty()) views_ = sort_views(views_, samples, report_.lattice, context_);
+  announce_weight(report_, context_.progress());
 }
 
 Mesh Pipeline::fuse(const PointCloud& cloud) {
   const FusedField fused = stages_.run("fuse", [&] {
-    return fuse_scans({cloud, params_.orient.sensor}, report_.lattice, params_.vrip, parallel_, progress_,
-                      report_.vrip.emplace());
+    return fuse_scans({cloud, params_.orient.sensor}, report_.lattice, params_.vrip, context_, report_.vrip.emplace());
   });
   Mesh mesh = stages_.run("extract", [&] {
-    return extract_open_isosurface(fused.grid, fused.distance, fused.weight, 0, report_.lattice, parallel_);
+    return extract_open_isosurface(fused.grid, fused.distance, fused.weight, 0, report_.lattice, context_);
   });
   if (mesh.triangles.empty())
     throw EmptyResult(fmt::format("empty result: the scans saw both sides of their surfaces in no whole cell; a grid "
@@ -155,43 +151,43 @@ void Pipeline::plan_again(bool guessed) {
 }
 
 SupportField Pipeline::field(const GridSamples& samples) {
-  return stages_.run("field", [&] { return divergence_field(samples, report_.lattice.box(0), parallel_); });
+  return stages_.run("field", [&] { return divergence_field(samples, report_.lattice.box(0), context_); });
 }
 
 void Pipeline::border(SupportField& field, GridSamples& samples) {
   const BorderParams& asked = params_.border;
   BorderReport& border = report_.border;
   if (asked.outside == Border::automatic && params_.method != Method::tv) {
-    warn_inward(report_, progress_);
+    warn_inward(report_, context_.progress());
     return;
   }
   stages_.run("border", [&] {
     if (asked.outside == Border::automatic) {
       border = choose_border(
           {report_.lattice, field, report_.certificate.lambda, params_.energy.norm, report_.input.density}, scanners_,
-          asked, params_.solve, parallel_, progress_);
+          asked, params_.solve, context_);
     } else {
       border.chosen = asked.outside;
       border.reason = "as asked for";
     }
     report_.lattice.open = border.chosen == Border::open;
     if (border.chosen != Border::solid) return;
-    negate(field, parallel_);
+    negate(field, context_);
     for (Vec3f& direction : samples.direction) direction = -direction;
     for (Vec3f& view : views_) view = -view;
   });
-  announce_border(report_, progress_);
-  warn_inward(report_, progress_);
+  announce_border(report_, context_.progress());
+  warn_inward(report_, context_.progress());
 }
 
 void Pipeline::plan_mesh(const Level& level, bool checked) {
   if (params_.method != Method::tv) return;
-  plan_.mesh_bytes = mesh_bytes(count_faces(level, params_.surface.threshold, parallel_), checked);
+  plan_.mesh_bytes = mesh_bytes(count_faces(level, params_.surface.threshold, context_), checked);
   plan_again(true);
 }
 
 Segmentation Pipeline::solve(const SupportField& field, const GridSamples& samples) {
-  keep_.emplace();
+  keep_.emplace(context_.pages());
   PyramidObserver observe = observe_;
   size_t most = 0;
   observe.begins = [&, user = observe_.begins](int level, size_t bricks, size_t beside) {
@@ -201,22 +197,21 @@ Segmentation Pipeline::solve(const SupportField& field, const GridSamples& sampl
     if (user) user(level, bricks, beside);
   };
   first_plan_ = plan_.total();
-  auto found = stages_.run("solve", [&] {
-    return segment(report_.lattice, field, samples, params_, observe, parallel_, progress_, report_);
-  });
+  auto found = stages_.run(
+      "solve", [&] { return segment(report_.lattice, field, samples, params_, observe, context_, report_); });
   if (!found.level.box.open) plan_mesh(found.level, params_.checked);
-  warn_unconverged(report_, progress_);
+  warn_unconverged(report_, context_.progress());
   return found;
 }
 
 void Pipeline::certify(Level& level, SupportField& field) {
-  stages_.run("certify", [&] { judge(level, params_.surface.threshold, parallel_, report_); });
-  require_surface(report_, field, parallel_, progress_);
-  announce_energy(report_, progress_);
+  stages_.run("certify", [&] { judge(level, params_.surface.threshold, context_, report_); });
+  require_surface(report_, field, context_);
+  announce_energy(report_, context_.progress());
   level.p = {};
   field.f = {};
   if (!level.box.open) return;
-  level = closed_at_border(level, parallel_);
+  level = closed_at_border(level, context_);
   // What closes it is drawn as well, until it is cut off; what is checked is much smaller.
   plan_mesh(level, false);
 }
@@ -225,9 +220,9 @@ void Pipeline::drop_islands(Level& level, const GridSamples& samples) {
   if (!drops_islands(params_)) return;
   stages_.run("finish", [&] {
     soapfilm::drop_islands(level, static_cast<float>(params_.surface.threshold), samples, report_.input.density,
-                           params_.islands, parallel_, report_.islands.emplace());
+                           params_.islands, context_, report_.islands.emplace());
   });
-  announce_islands(report_, progress_);
+  announce_islands(report_, context_.progress());
 }
 
 void Pipeline::place_scanners(const Level& level) {
@@ -247,15 +242,14 @@ SurfaceField Pipeline::level_set(Segmentation& found, const GridSamples& samples
     RefineParams how = params_.refine;
     how.vanish = drops_islands(params_);
     how.open = report_.lattice.open;
-    Refinement refinement(std::move(found.level), threshold, samples, report_.input.density, how, parallel_,
+    Refinement refinement(std::move(found.level), threshold, samples, report_.input.density, how, context_,
                           report_.refine.emplace());
     plan_.refine_bytes = refine_bytes(refinement.rows(), refinement.tries_coarser(), samples.size());
     plan_again(false);
     return refinement.fit();
   }
-  SurfaceField surface = smoothed_indicator(found.level, threshold, parallel_);
-  report_.isovalue =
-      params_.surface.isovalue ? *params_.surface.isovalue : mean_at_samples(surface, samples, parallel_);
+  SurfaceField surface = smoothed_indicator(found.level, threshold, context_);
+  report_.isovalue = params_.surface.isovalue ? *params_.surface.isovalue : mean_at_samples(surface, samples, context_);
   return surface;
 }
 
@@ -263,8 +257,8 @@ SurfaceField Pipeline::refine(Segmentation& found, GridSamples& samples) {
   // Planes tell of samples that are held out, too: the fit must not believe their normals for serving these well.
   if (!views_.empty()) samples.direction = std::move(views_);
   SurfaceField surface = stages_.run("refine", [&] { return level_set(found, samples); });
-  announce_plan(first_plan_, report_, progress_);
-  announce_refinement(report_, progress_);
+  announce_plan(first_plan_, report_, context_.progress());
+  announce_refinement(report_, context_.progress());
   return surface;
 }
 
@@ -272,7 +266,7 @@ Mesh Pipeline::extract(const SurfaceField& surface) {
   Mesh mesh = stages_.run("extract", [&] {
     return extract_isosurface(
         surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); },
-        static_cast<float>(report_.isovalue), report_.lattice, parallel_);
+        static_cast<float>(report_.isovalue), report_.lattice, context_);
   });
   keep_.reset();
   if (mesh.triangles.empty())
@@ -287,9 +281,9 @@ Mesh Pipeline::extract(const SurfaceField& surface) {
 void Pipeline::bend(Mesh& mesh, const SurfaceField& surface, const GridSamples& samples) {
   if (!report_.refine || report_.refine->strength.yield || !(params_.surface.bend.tolerance > 0)) return;
   stages_.run("bend", [&] {
-    bend_edges(mesh, SmoothField(surface.grid, surface.value, parallel_), samples,
+    bend_edges(mesh, SmoothField(surface.grid, surface.value, context_), samples,
                params_.refine.robust.scale(report_.refine->strength.noise), report_.lattice, params_.surface.bend,
-               parallel_, report_.bend.emplace());
+               context_, report_.bend.emplace());
   });
 }
 
@@ -302,22 +296,22 @@ void Pipeline::finish_border(Mesh& mesh) {
 void Pipeline::trim(Mesh& mesh, const GridSamples& samples) {
   if (!trims(params_, report_.border.chosen)) return;
   stages_.run("trim", [&] {
-    soapfilm::trim(mesh, samples, report_.lattice, report_.input.density, params_.trim, parallel_,
+    soapfilm::trim(mesh, samples, report_.lattice, report_.input.density, params_.trim, context_,
                    report_.trim.emplace());
   });
-  announce_trim(report_, progress_);
+  announce_trim(report_, context_.progress());
 }
 
 void Pipeline::self_check(const Mesh& mesh, const GridSamples& samples) {
   stages_.run("self-check",
-              [&] { report_.self_check = soapfilm::self_check(mesh, samples, report_.lattice, parallel_); });
-  announce_self_check(report_, progress_);
+              [&] { report_.self_check = soapfilm::self_check(mesh, samples, report_.lattice, context_); });
+  announce_self_check(report_, context_.progress());
 }
 
 void Pipeline::attribute(Mesh& mesh, const GridSamples& samples) {
   if (!params_.surface.distance) return;
   stages_.run("distance", [&] {
-    mesh.attributes.push_back({"distance", distances_to_samples(mesh, samples, report_.lattice, parallel_)});
+    mesh.attributes.push_back({"distance", distances_to_samples(mesh, samples, report_.lattice, context_)});
   });
 }
 
@@ -326,6 +320,7 @@ Reconstruction Pipeline::finish(Mesh mesh) {
   report_.mesh_triangles = mesh.triangles.size();
   report_.stages = stages_.times();
   report_.peak_bytes = peak_memory_bytes();
+  report_.array_bytes = context_.pages().peak_bytes();
   return {std::move(mesh), std::move(report_)};
 }
 

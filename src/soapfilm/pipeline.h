@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "soapfilm/core/page_pool.h"
 #include "soapfilm/core/stages.h"
-#include "soapfilm/core/zeroed_memory.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/place.h"
 #include "soapfilm/reconstruct.h"
@@ -19,8 +19,7 @@ namespace soapfilm {
 class Pipeline {
  public:
   /// Keeps references to all of them. Throws ParameterError.
-  Pipeline(const ReconstructParams& params, const Parallel& parallel, Progress& progress,
-           const PyramidObserver& observe);
+  Pipeline(const ReconstructParams& params, const Context& context, const PyramidObserver& observe);
 
   /// Throws SamplesError or MemoryError.
   void check(const PointCloud& cloud);
@@ -66,8 +65,7 @@ class Pipeline {
   void plan_mesh(const Level& level, bool checked);
 
   const ReconstructParams& params_;
-  Parallel parallel_;  ///< stops when the progress is cancelled
-  Progress& progress_;
+  const Context& context_;
   const PyramidObserver& observe_;
   Stages stages_;
   ReconstructReport report_;
@@ -79,7 +77,7 @@ class Pipeline {
   std::optional<Room> room_;
   MemoryPlan plan_;                     ///< as far as it is known
   size_t first_plan_ = 0;               ///< bytes, before the solve
-  std::optional<KeepFreedPages> keep_;  ///< from the solve to the mesh: each stage's arrays take the last one's place
+  std::optional<PagePool::Keep> keep_;  ///< from the solve to the mesh: each stage's arrays take the last one's place
 };
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/place.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -118,7 +119,7 @@ void warn_at_end(const CrossValidationReport& select, std::vector<std::string>& 
 
 }  // namespace
 
-Box3d check_samples(const PointCloud& cloud, const Parallel& parallel) {
+Box3d check_samples(const PointCloud& cloud, const Context& context) {
   if (cloud.size() < fewest_samples)
     throw SamplesError(
         fmt::format("{} sample{}, must be at least {}", cloud.size(), cloud.size() == 1 ? "" : "s", fewest_samples));
@@ -132,7 +133,7 @@ Box3d check_samples(const PointCloud& cloud, const Parallel& parallel) {
     }
     return box;
   };
-  const auto box = join_chunks<Box3d>(cloud.size(), samples_per_task, parallel, box_of,
+  const auto box = join_chunks<Box3d>(cloud.size(), samples_per_task, context, box_of,
                                       [](Box3d& whole, const Box3d& part) { whole.extend(part); });
   if (!(box.longest() > 0))
     throw SamplesError(fmt::format("all {} samples are identical, must span a volume", cloud.size()));
@@ -143,7 +144,7 @@ Box3d check_samples(const PointCloud& cloud, const Parallel& parallel) {
   const Vec3d centre = box.centre();
   const double scale = 1 / box.longest();
   const auto [sum, squares, products] =
-      sum_chunks<Moments>(cloud.size(), samples_per_task, parallel, [&](size_t begin, size_t end) {
+      sum_chunks<Moments>(cloud.size(), samples_per_task, context, [&](size_t begin, size_t end) {
         Moments moments;
         for (size_t i = begin; i < end; ++i) moments.add((cloud.positions[i] - centre) * scale);
         return moments;
@@ -171,8 +172,8 @@ Room check_room(const PointCloud& cloud, const ReconstructParams& params) {
 
 GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions,
                   const LocalSurface& surface, const ReconstructParams& params, const Room& room,
-                  const Parallel& parallel, ReconstructReport& report) {
-  const Sampling sampling = measure_sampling(cloud, box, parallel);
+                  const Context& context, ReconstructReport& report) {
+  const Sampling sampling = measure_sampling(cloud, box, context);
   const AreaCoverage& coverage = surface.coverage;
   const double voxel = choose_voxel(params.place, box, sampling, surface);
   const bool by_resolution = params.place.resolution && !params.place.voxel;
@@ -195,17 +196,17 @@ GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec
   warn_of_repeats(sampling, cloud.size(), report.warnings);
   warn_of_thin_sheets(surface.sides, box.longest(), voxel, report.warnings);
 
-  GridSamples samples = sort_samples(cloud, directions, report.lattice, parallel);
+  GridSamples samples = sort_samples(cloud, directions, report.lattice, context);
   if (samples.size() == 0) throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
   return samples;
 }
 
 void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const LocalSurface& surface,
-                const ReconstructParams& params, const Parallel& parallel, Progress& progress, GridSamples& samples,
+                const ReconstructParams& params, const Context& context, GridSamples& samples,
                 ReconstructReport& report) {
   double per_density = params.energy.lambda_per_density;
   if (params.energy.cross_validate) {
-    report.select = choose_lambda(cloud, directions, report.lattice, params.select, params.solve, parallel, progress);
+    report.select = choose_lambda(cloud, directions, report.lattice, params.select, params.solve, context);
     per_density = report.select->chosen;
     // The same rule on this grid, by the density that counts here.
     for (CrossValidationPoint& point : report.select->curve)
@@ -218,9 +219,9 @@ void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, cons
   if (weighs_area(params.method)) warn_near_empty(lambda, report.input.density, report.warnings);
   if (!weighs_by_area(params)) return;
   constexpr double most_weight = 50;
-  const std::vector<float> weights = weigh_by_area(surface, most_weight, parallel);
-  parallel.for_each(samples.size(), samples_per_task,
-                    [&](size_t k) { samples.direction[k] = samples.direction[k] * weights[samples.source[k]]; });
+  const std::vector<float> weights = weigh_by_area(surface, most_weight, context);
+  parallel_for(context, samples.size(), samples_per_task,
+               [&](size_t k) { samples.direction[k] = samples.direction[k] * weights[samples.source[k]]; });
 }
 
 }  // namespace soapfilm

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/field/samples.h"
@@ -14,7 +14,7 @@
 namespace soapfilm {
 
 /// The samples' box. Throws SamplesError unless there are at least 4 samples, all finite, that span a volume.
-Box3d check_samples(const PointCloud& cloud, const Parallel& parallel);
+Box3d check_samples(const PointCloud& cloud, const Context& context);
 
 /// What the run may take. Throws MemoryError where the samples alone, on any grid, take more.
 Room check_room(const PointCloud& cloud, const ReconstructParams& params);
@@ -24,13 +24,13 @@ Room check_room(const PointCloud& cloud, const ReconstructParams& params);
 /// allocated.
 GridSamples place(const PointCloud& cloud, const Box3d& box, std::span<const Vec3f> directions,
                   const LocalSurface& surface, const ReconstructParams& params, const Room& room,
-                  const Parallel& parallel, ReconstructReport& report);
+                  const Context& context, ReconstructReport& report);
 
 /// Fills certificate.lambda: as given, by the samples' density, or by cross-validation (the report's `select`); warns
 /// when it is near the one where the film vanishes. Where lambda is not given, the samples of parts that it would lose
 /// for their thin sampling are weighed up (the report's `thin`): their directions in `samples` get longer.
 void weigh_area(const PointCloud& cloud, std::span<const Vec3f> directions, const LocalSurface& surface,
-                const ReconstructParams& params, const Parallel& parallel, Progress& progress, GridSamples& samples,
+                const ReconstructParams& params, const Context& context, GridSamples& samples,
                 ReconstructReport& report);
 
 }  // namespace soapfilm

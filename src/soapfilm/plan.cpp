@@ -177,8 +177,8 @@ size_t mesh_bytes(size_t vertices, bool checked) {
   return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
 }
 
-size_t count_faces(const Level& level, double threshold, const Parallel& parallel) {
-  const InsideBits inside(level, static_cast<float>(threshold), parallel);
+size_t count_faces(const Level& level, double threshold, const Context& context) {
+  const InsideBits inside(level, static_cast<float>(threshold), context);
   const auto faces_of = [&](size_t begin, size_t end) {
     size_t faces = 0;
     for (size_t b = begin; b < end; ++b) {
@@ -199,7 +199,7 @@ size_t count_faces(const Level& level, double threshold, const Parallel& paralle
     }
     return faces;
   };
-  return sum_chunks<size_t>(level.grid.size(), 1024, parallel, faces_of);
+  return sum_chunks<size_t>(level.grid.size(), 1024, context, faces_of);
 }
 
 Room::Room(std::optional<size_t> limit, size_t held) : what(limit ? "--memory" : "free memory") {

@@ -56,7 +56,7 @@ size_t refine_bytes(size_t rows, bool tries_coarser, size_t samples);
 size_t mesh_bytes(size_t vertices, bool checked);
 
 /// Faces between vertices of different sides: about as many as the surface's mesh has vertices.
-size_t count_faces(const Level& level, double threshold, const Parallel& parallel);
+size_t count_faces(const Level& level, double threshold, const Context& context);
 
 /// What a run may take: `limit` or, without one, what the machine has free and what this process `held` when the run
 /// began, which the plans count too. `what` names it in messages.

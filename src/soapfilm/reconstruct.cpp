@@ -11,8 +11,8 @@ namespace {
 
 /// `owned`: the cloud, when it may be freed.
 Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const ReconstructParams& params,
-                           const Parallel& parallel, Progress& progress, const PyramidObserver& observe) {
-  Pipeline stage(params, parallel, progress, observe);
+                           const Context& context, const PyramidObserver& observe) {
+  Pipeline stage(params, context, observe);
   stage.check(cloud);
 
   // Each sample gets a weak outward direction: its normal, towards the scanner, or estimated.
@@ -79,20 +79,20 @@ Reconstruction reconstruct(const PointCloud& cloud, PointCloud* owned, const Rec
 
 }  // namespace
 
-Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Parallel& parallel,
-                           Progress& progress, const PyramidObserver& observe) {
-  return reconstruct(cloud, nullptr, params, parallel, progress, observe);
+Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Context& context,
+                           const PyramidObserver& observe) {
+  return reconstruct(cloud, nullptr, params, context, observe);
 }
 
-Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Parallel& parallel,
-                           Progress& progress, const PyramidObserver& observe) {
+Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Context& context,
+                           const PyramidObserver& observe) {
   PointCloud owned = std::move(cloud);
-  return reconstruct(owned, &owned, params, parallel, progress, observe);
+  return reconstruct(owned, &owned, params, context, observe);
 }
 
-void check_result(Reconstruction& result, const PointCloud& cloud, const Parallel& parallel) {
+void check_result(Reconstruction& result, const PointCloud& cloud, const Context& context) {
   result.report.topology = check_topology(result.mesh);
-  result.report.sample_distance = point_to_mesh_distance(cloud.positions, result.mesh, parallel);
+  result.report.sample_distance = point_to_mesh_distance(cloud.positions, result.mesh, context);
 }
 
 }  // namespace soapfilm

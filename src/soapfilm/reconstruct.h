@@ -3,8 +3,8 @@
 
 #include <stdexcept>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/params.h"
@@ -32,14 +32,14 @@ struct EmptyResult : std::runtime_error {
 ///
 /// Throws ParameterError (a parameter out of range, samples that span no volume, coordinates that are not finite),
 /// MemoryError before anything large is allocated, EmptyResult, Cancelled.
-Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Parallel& parallel,
-                           Progress& progress, const PyramidObserver& observe = {});
+Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Context& context,
+                           const PyramidObserver& observe = {});
 
 /// The same, and frees the cloud once its samples are on the grid: a large cloud does not stay beside the solve.
-Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Parallel& parallel,
-                           Progress& progress, const PyramidObserver& observe = {});
+Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Context& context,
+                           const PyramidObserver& observe = {});
 
 /// Fills what costs another look at the result: the report's topology and the samples' distances to the mesh.
-void check_result(Reconstruction& result, const PointCloud& cloud, const Parallel& parallel);
+void check_result(Reconstruction& result, const PointCloud& cloud, const Context& context);
 
 }  // namespace soapfilm

@@ -265,7 +265,7 @@ std::string to_json(const ReconstructReport& report) {
       {"scanners", scanners_json(report.scanners)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},
-      {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}}},
+      {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}, {"array_bytes", report.array_bytes}}},
       {"warnings", report.warnings}};
   return json.dump(2) + "\n";
 }

@@ -75,7 +75,8 @@ struct ReconstructReport {
   std::optional<DistanceSummary> sample_distance;  ///< samples to mesh, input units
   std::vector<StageTime> stages;                   ///< in order
   size_t planned_bytes = 0;
-  size_t peak_bytes = 0;
+  size_t peak_bytes = 0;   ///< of the process, which may do more than this run
+  size_t array_bytes = 0;  ///< the most that this run's large arrays took at once: grids, bands, fields
   std::vector<std::string> warnings;
 };
 

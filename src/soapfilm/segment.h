@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/field/samples.h"
@@ -23,7 +23,7 @@ struct Segmentation {
 /// Runs params.method on the data term; fills the method's part of the report. Not for Method::vrip, which works on
 /// the scans themselves (fuse/vrip.h).
 Segmentation segment(const Lattice& lattice, const SupportField& field, const GridSamples& samples,
-                     const ReconstructParams& params, const PyramidObserver& observe, const Parallel& parallel,
-                     Progress& progress, ReconstructReport& report);
+                     const ReconstructParams& params, const PyramidObserver& observe, const Context& context,
+                     ReconstructReport& report);
 
 }  // namespace soapfilm

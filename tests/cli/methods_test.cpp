@@ -32,7 +32,7 @@ class MethodCommand : public ReconstructRuns {
     ScannerParams scanner;
     scanner.step = 0.03;
     scanner.views = 10;
-    write_points(scans, virtual_scan(*make_sphere(), scanner, Parallel(1)).cloud);
+    write_points(scans, virtual_scan(*make_sphere(), scanner, Context(1)).cloud);
     write_points(even, sample_surface(*make_sphere(), 3000, 1));
   }
 
@@ -182,7 +182,7 @@ TEST_F(MethodCommand, VripTakesTheSensorOfScansThatNameNone) {
   ScannerParams scanner;
   scanner.step = 0.03;
   scanner.views = 1;
-  PointCloud cloud = virtual_scan(*make_sphere(), scanner, Parallel(1)).cloud;
+  PointCloud cloud = virtual_scan(*make_sphere(), scanner, Context(1)).cloud;
   ASSERT_EQ(cloud.scans.size(), 1u);
   const Vec3d centre = cloud.box().centre();
   ASSERT_GT(norm(centre), 0.1) << "one side of a sphere around the origin: the scanner is on that side";

@@ -76,7 +76,7 @@ TEST_F(Reconstruct, TellsWhichIslandsItDropped) {
   SamplingParams scan;
   scan.count = sanitized ? 5500 : 11000;
   scan.outliers = 0.03;
-  write_points(cloud, sample_surface(*make_sphere(), scan, Parallel(1)));
+  write_points(cloud, sample_surface(*make_sphere(), scan, Context(1)));
   const std::string report_file = folder.file("report.json");
   const std::vector<std::string> words{"reconstruct",           cloud,      "-o",     mesh,       "--resolution",
                                        sanitized ? "48" : "64", "--lambda", "0.0013", "--report", report_file};

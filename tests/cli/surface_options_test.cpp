@@ -89,7 +89,7 @@ TEST_F(SurfaceOptions, IslandsAreKeptWhenAsked) {
 TEST_F(SurfaceOptions, WeightsByAreaKeepAThinlySampledHalf) {
   const auto torus = make_torus();
   PointCloud thinned = sample_surface(*torus, 58000, 1);
-  thinned.filter(kept_samples(*torus, thinned, {.thin_half = 50}, Parallel(1)));
+  thinned.filter(kept_samples(*torus, thinned, {.thin_half = 50}, Context(1)));
   write_points(cloud, thinned);
   const std::vector<std::string> words{cloud, "--resolution", "76"};
   std::vector<std::string> off = words;

@@ -18,23 +18,23 @@ namespace TEST_FILE {
 class ParallelLoop : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Threads, ParallelLoop, testing::Values(1, 2, 3, 8), testing::PrintToStringParamName());
 
-TEST_P(ParallelLoop, HasTheThreadsAskedFor) { EXPECT_EQ(Parallel(GetParam()).threads(), GetParam()); }
+TEST_P(ParallelLoop, HasTheThreadsAskedFor) { EXPECT_EQ(Context(GetParam()).threads(), GetParam()); }
 
 TEST_P(ParallelLoop, VisitsEveryIndexOnce) {
-  const Parallel parallel(GetParam());
+  const Context context(GetParam());
   for (size_t count : {1, 2, 7, 64, 1000, 4099})
     for (size_t grain : {1, 3, 64, 5000}) {
       std::vector<int> visits(count);
-      parallel.for_each(count, grain, [&](size_t i) { ++visits[i]; });
+      parallel_for(context, count, grain, [&](size_t i) { ++visits[i]; });
       EXPECT_EQ(visits, std::vector<int>(count, 1)) << count << " by " << grain;
     }
 }
 
 TEST_P(ParallelLoop, CutsByCountAndGrainAlone) {
-  const Parallel parallel(GetParam());
+  const Context context(GetParam());
   std::mutex mutex;
   std::set<std::pair<size_t, size_t>> chunks;
-  parallel.for_chunks(103, 25, [&](size_t begin, size_t end) {
+  parallel_chunks(context, 103, 25, [&](size_t begin, size_t end) {
     const std::lock_guard lock(mutex);
     chunks.emplace(begin, end);
   });
@@ -43,12 +43,12 @@ TEST_P(ParallelLoop, CutsByCountAndGrainAlone) {
 }
 
 TEST_P(ParallelLoop, ZeroCountCallsNothing) {
-  Parallel(GetParam()).for_chunks(0, 8, [](size_t, size_t) { FAIL() << "body called"; });
+  parallel_chunks(Context(GetParam()), 0, 8, [](size_t, size_t) { FAIL() << "body called"; });
 }
 
 TEST_P(ParallelLoop, GrainZeroMeansOne) {
   std::vector<int> visits(5);
-  Parallel(GetParam()).for_chunks(5, 0, [&](size_t begin, size_t end) {
+  parallel_chunks(Context(GetParam()), 5, 0, [&](size_t begin, size_t end) {
     EXPECT_EQ(end, begin + 1);
     ++visits[begin];
   });
@@ -57,15 +57,15 @@ TEST_P(ParallelLoop, GrainZeroMeansOne) {
 
 TEST_P(ParallelLoop, HugeGrainDoesNotOverflow) {
   std::atomic<size_t> last{0};
-  Parallel(GetParam()).for_chunks(10, SIZE_MAX, [&](size_t, size_t end) { last = end; });
+  parallel_chunks(Context(GetParam()), 10, SIZE_MAX, [&](size_t, size_t end) { last = end; });
   EXPECT_EQ(last, 10u);
 }
 
 TEST_P(ParallelLoop, RethrowsTheExceptionOfTheLowestChunk) {
-  const Parallel parallel(GetParam());
+  const Context context(GetParam());
   for (int repeat = 0; repeat < 20; ++repeat) {
     try {
-      parallel.for_each(1000, 1, [](size_t i) {
+      parallel_for(context, 1000, 1, [](size_t i) {
         if (i % 100 == 37) throw std::runtime_error(std::to_string(i));
       });
       FAIL() << "nothing thrown";
@@ -76,59 +76,59 @@ TEST_P(ParallelLoop, RethrowsTheExceptionOfTheLowestChunk) {
 }
 
 TEST_P(ParallelLoop, WorksAgainAfterAnException) {
-  const Parallel parallel(GetParam());
-  EXPECT_THROW(parallel.for_each(50, 1, [](size_t) { throw std::logic_error("x"); }), std::logic_error);
+  const Context context(GetParam());
+  EXPECT_THROW(parallel_for(context, 50, 1, [](size_t) { throw std::logic_error("x"); }), std::logic_error);
   std::atomic<int> calls{0};
-  parallel.for_each(50, 1, [&](size_t) { ++calls; });
+  parallel_for(context, 50, 1, [&](size_t) { ++calls; });
   EXPECT_EQ(calls, 50);
 }
 
 TEST_P(ParallelLoop, ConfinesACallToTheCallingThread) {
   const auto caller = std::this_thread::get_id();
   std::thread::id called;
-  Parallel(GetParam()).confine([&] { called = std::this_thread::get_id(); });
+  confine(Context(GetParam()), [&] { called = std::this_thread::get_id(); });
   EXPECT_EQ(called, caller);
-  EXPECT_THROW(Parallel(GetParam()).confine([] { throw std::logic_error("x"); }), std::logic_error);
+  EXPECT_THROW(confine(Context(GetParam()), [] { throw std::logic_error("x"); }), std::logic_error);
 }
 
 TEST_P(ParallelLoop, NestedLoopsFinish) {
-  const Parallel parallel(GetParam());
+  const Context context(GetParam());
   std::vector<int> visits(20 * 30 * 4);
-  parallel.for_each(20, 1, [&](size_t i) {
-    parallel.for_each(30, 7,
-                      [&](size_t j) { parallel.for_each(4, 1, [&](size_t k) { ++visits[(i * 30 + j) * 4 + k]; }); });
+  parallel_for(context, 20, 1, [&](size_t i) {
+    parallel_for(context, 30, 7,
+                 [&](size_t j) { parallel_for(context, 4, 1, [&](size_t k) { ++visits[(i * 30 + j) * 4 + k]; }); });
   });
   EXPECT_EQ(visits, std::vector<int>(visits.size(), 1));
 }
 
 TEST_P(ParallelLoop, ANestedLoopStartsNoOuterChunkOnTheThreadThatWaits) {
-  const Parallel parallel(GetParam());
+  const Context context(GetParam());
   std::atomic<int> broken{0};
   static thread_local bool inside = false;
-  parallel.for_each(64, 1, [&](size_t) {
+  parallel_for(context, 64, 1, [&](size_t) {
     if (inside) ++broken;
     inside = true;
-    parallel.for_each(64, 1, [](size_t) { std::this_thread::yield(); });
+    parallel_for(context, 64, 1, [](size_t) { std::this_thread::yield(); });
     inside = false;
   });
   EXPECT_EQ(broken, 0);
 }
 
 TEST_P(ParallelLoop, ServesSeveralCallersAtOnce) {
-  const Parallel parallel(GetParam());
+  const Context context(GetParam());
   std::vector<std::vector<int>> visits(3, std::vector<int>(500));
   std::vector<std::jthread> callers;
   for (auto& mine : visits)
-    callers.emplace_back([&] { parallel.for_each(mine.size(), 3, [&](size_t i) { ++mine[i]; }); });
+    callers.emplace_back([&] { parallel_for(context, mine.size(), 3, [&](size_t i) { ++mine[i]; }); });
   callers.clear();
   for (const auto& mine : visits) EXPECT_EQ(mine, std::vector<int>(500, 1));
 }
 
 TEST(Parallel, ALowChunkThatFailsLaterStillWins) {
-  const Parallel parallel(2);
+  const Context context(2);
   std::atomic<bool> high_threw{false};
   try {
-    parallel.for_each(2, 1, [&](size_t i) {
+    parallel_for(context, 2, 1, [&](size_t i) {
       if (i == 1) {
         high_threw = true;
         throw std::runtime_error("high");
@@ -144,16 +144,16 @@ TEST(Parallel, ALowChunkThatFailsLaterStillWins) {
 }
 
 TEST_P(ParallelLoop, ListsAndSumsAreInOrder) {
-  const Parallel parallel(GetParam());
+  const Context context(GetParam());
   for (const size_t count : {0, 1, 99, 1000}) {
-    const auto odd = gather<size_t>(count, 7, parallel, [](size_t i, std::vector<size_t>& found) {
+    const auto odd = gather<size_t>(count, 7, context, [](size_t i, std::vector<size_t>& found) {
       if (i % 2 == 1) found.push_back(i);
     });
     std::vector<size_t> expected;
     for (size_t i = 1; i < count; i += 2) expected.push_back(i);
     EXPECT_EQ(odd, expected);
     // Strings add up in one order alone.
-    const auto text = sum_chunks<std::string>(count, 7, parallel, [](size_t begin, size_t end) {
+    const auto text = sum_chunks<std::string>(count, 7, context, [](size_t begin, size_t end) {
       return std::to_string(begin) + "-" + std::to_string(end) + " ";
     });
     std::string expected_text;
@@ -163,11 +163,11 @@ TEST_P(ParallelLoop, ListsAndSumsAreInOrder) {
   }
 }
 
-TEST(Parallel, ZeroThreadsMeansAllThatTheProcessMayUse) { EXPECT_GE(Parallel(0).threads(), 1); }
+TEST(Parallel, ZeroThreadsMeansAllThatTheProcessMayUse) { EXPECT_GE(Context(0).threads(), 1); }
 
 TEST_P(ParallelLoop, AllThreadsTakePart) {
-  const Parallel parallel(GetParam());
-  const Parallel others(GetParam() + 1);  // Another set must neither limit nor widen this one.
+  const Context context(GetParam());
+  const Context others(GetParam() + 1);  // Another set must neither limit nor widen this one.
   std::mutex mutex;
   std::set<std::thread::id> threads;
   const auto count = [&] {
@@ -177,7 +177,7 @@ TEST_P(ParallelLoop, AllThreadsTakePart) {
   };
   // Chunks wait for the others, so that each comes to a thread of its own; the wait has an end.
   const auto all = static_cast<size_t>(GetParam());
-  parallel.for_each(1000, 1, [&](size_t) {
+  parallel_for(context, 1000, 1, [&](size_t) {
     for (int ms = 0; ms < 2 && count() < all; ++ms) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   });
   EXPECT_EQ(threads.size(), all);

@@ -19,7 +19,7 @@ TEST(RadixSort, OrdersAsAComparisonDoes) {
         for (size_t i = 0; i < count; ++i) keys.push_back(random.next() >> (64 - bits));
         std::vector<uint64_t> expected = keys;
         std::sort(expected.begin(), expected.end());
-        radix_sort(keys, bits, Parallel(threads));
+        radix_sort(keys, bits, Context(threads));
         EXPECT_EQ(keys, expected) << bits << " bits, " << count << " keys, " << threads << " threads";
       }
 }
@@ -32,7 +32,7 @@ TEST(RadixSort, KeepsTheOrderOfKeysThatAgreeInTheirLowestBits) {
     std::vector<uint64_t> expected = keys;
     const uint64_t mask = (uint64_t{1} << bits) - 1;
     std::stable_sort(expected.begin(), expected.end(), [&](uint64_t a, uint64_t b) { return (a & mask) < (b & mask); });
-    radix_sort(keys, bits, Parallel(2));
+    radix_sort(keys, bits, Context(2));
     EXPECT_EQ(keys, expected) << bits;
   }
 }

@@ -18,8 +18,7 @@ namespace TEST_FILE {
 
 Evaluation evaluated(const Mesh& mesh, const Surface& truth, EvaluationOptions options = {}) {
   options.points = std::min<size_t>(options.points, 20000);
-  Progress nobody;
-  return evaluate(mesh, truth, options, Parallel(2), nobody);
+  return evaluate(mesh, truth, options, Context(2));
 }
 
 Mesh sphere_mesh(double size, double tolerance = 1e-4) { return make_sphere({.size = size})->tessellate(tolerance); }
@@ -50,7 +49,7 @@ TEST(Evaluate, ConcentricSpheresAreTheDifferenceOfRadiiApart) {
 }
 
 TEST(Evaluate, ShiftedSheetsAreTheShiftApart) {
-  const Evaluation e = evaluate(sheet(7, 0.125), sheet(4, 0.0), {.points = 5000}, Parallel(1));
+  const Evaluation e = evaluate(sheet(7, 0.125), sheet(4, 0.0), {.points = 5000}, Context(1));
   EXPECT_DOUBLE_EQ(e.truth_to_mesh.distance.mean, 0.125);
   EXPECT_DOUBLE_EQ(e.mesh_to_truth.distance.maximum, 0.125);
   EXPECT_DOUBLE_EQ(e.mesh_to_truth.angle.maximum, 0.0);
@@ -63,7 +62,7 @@ TEST(Evaluate, APartThatIsMissingShowsInOneDirectionOnly) {
   // The left half of the square: the truth's right half is 0 to 1/2 away, 1/8 in the mean.
   Mesh half = sheet(8, 0.0);
   for (Vec3d& v : half.vertices) v.x *= 0.5;
-  const Evaluation e = evaluate(half, sheet(8, 0.0), {.points = 40000, .f_score_distances = {0.25}}, Parallel(2));
+  const Evaluation e = evaluate(half, sheet(8, 0.0), {.points = 40000, .f_score_distances = {0.25}}, Context(2));
   EXPECT_NEAR(e.mesh_to_truth.distance.maximum, 0.0, 1e-15);
   EXPECT_NEAR(e.truth_to_mesh.distance.mean, 0.125, 1e-3);
   EXPECT_NEAR(e.truth_to_mesh.distance.rms, std::sqrt(1.0 / 24.0), 1e-3);
@@ -78,7 +77,7 @@ TEST(Evaluate, TiltedSheetsHaveTheTiltAsTheirAngle) {
   Mesh tilted = sheet(4, 0.0);
   const double angle = 10.0 / 180.0 * std::numbers::pi;
   for (Vec3d& v : tilted.vertices) v = {v.x * std::cos(angle), v.y, v.x * std::sin(angle)};
-  const Evaluation e = evaluate(tilted, sheet(4, 0.0), {.points = 2000}, Parallel(1));
+  const Evaluation e = evaluate(tilted, sheet(4, 0.0), {.points = 2000}, Context(1));
   EXPECT_NEAR(e.truth_to_mesh.angle.mean, 10.0, 1e-9);
   EXPECT_NEAR(e.mesh_to_truth.angle.percentile95, 10.0, 1e-9);
 }
@@ -99,14 +98,14 @@ TEST(Evaluate, ATriangleWithoutAreaIsNoPerfectNormal) {
   const auto line = static_cast<uint32_t>(mesh.vertices.size());  // within 1/4 of it lies half of the truth
   mesh.vertices.insert(mesh.vertices.end(), {{0, 0.5, 0.25}, {0.3, 0.5, 0.25}, {1, 0.5, 0.25}});
   mesh.triangles.insert(mesh.triangles.begin(), {line, line + 1, line + 2});
-  const Evaluation e = evaluate(mesh, truth, {.points = 5000}, Parallel(1));
+  const Evaluation e = evaluate(mesh, truth, {.points = 5000}, Context(1));
   EXPECT_EQ(e.topology.zero_area_triangles, 1u);
   EXPECT_EQ(e.truth_to_mesh.distance.count, 5000u);
   EXPECT_NEAR(static_cast<double>(e.truth_to_mesh.angle.count), 2500.0, 50.0);
   EXPECT_DOUBLE_EQ(e.truth_to_mesh.angle.mean, 180.0);
   EXPECT_EQ(e.mesh_to_truth.angle.count, 5000u);
   EXPECT_DOUBLE_EQ(e.mesh_to_truth.angle.mean, 180.0);
-  const Evaluation swapped = evaluate(truth, mesh, {.points = 5000}, Parallel(1));
+  const Evaluation swapped = evaluate(truth, mesh, {.points = 5000}, Context(1));
   EXPECT_EQ(swapped.mesh_to_truth.angle.count, e.truth_to_mesh.angle.count) << "of the truth neither";
   EXPECT_DOUBLE_EQ(swapped.mesh_to_truth.angle.mean, 180.0);
 }
@@ -116,7 +115,7 @@ TEST(Evaluate, WithoutAnyNormalThereAreNoAngles) {
   const auto line = static_cast<uint32_t>(mesh.vertices.size());  // closer to all of the truth than the sheet
   mesh.vertices.insert(mesh.vertices.end(), {{0, 0.5, 0.9}, {0.3, 0.5, 0.9}, {1, 0.5, 0.9}});
   mesh.triangles.push_back({line, line + 1, line + 2});
-  const Evaluation e = evaluate(mesh, sheet(1, 1.0), {.points = 1000}, Parallel(1));
+  const Evaluation e = evaluate(mesh, sheet(1, 1.0), {.points = 1000}, Context(1));
   EXPECT_EQ(e.truth_to_mesh.angle.count, 0u);
   EXPECT_EQ(e.mesh_to_truth.angle.count, 1000u);
 }
@@ -128,7 +127,7 @@ TEST(Evaluate, AnOpenTruthIsTakenAsItIs) {
   corner.triangles = {{0, 1, 2}};
   for (const bool reversed : {false, true}) {
     if (reversed) std::swap(corner.triangles[0][0], corner.triangles[0][1]);
-    const Evaluation e = evaluate(corner, corner, {.points = 100}, Parallel(1));
+    const Evaluation e = evaluate(corner, corner, {.points = 100}, Context(1));
     EXPECT_EQ(e.truth_to_mesh.angle.maximum, 0.0) << reversed;
     EXPECT_EQ(e.mesh_to_truth.angle.maximum, 0.0) << reversed;
     EXPECT_FALSE(e.volume.truth) << reversed;
@@ -150,9 +149,8 @@ TEST(Evaluate, AShapeAgainstItsOwnTessellationHasTheChordsErrorSlow) {
 
 TEST(Evaluate, SamplesAreMeasuredAgainstTheMesh) {
   const std::vector<Vec3d> samples{{0.5, 0.5, 1.0}, {0.5, 0.5, -3.0}};
-  Progress nobody;
   const Mesh mesh = sheet(2, 0.0);
-  const Evaluation e = evaluate(mesh, MeshSurface(mesh, Parallel(1)), {.points = 10}, Parallel(1), nobody, &samples);
+  const Evaluation e = evaluate(mesh, MeshSurface(mesh, Context(1)), {.points = 10}, Context(1), &samples);
   EXPECT_EQ(e.samples_to_mesh->count, 2u);
   EXPECT_DOUBLE_EQ(e.samples_to_mesh->mean, 2.0);
   EXPECT_DOUBLE_EQ(e.samples_to_mesh->maximum, 3.0);
@@ -174,11 +172,10 @@ TEST(Evaluate, GeoreferencedSurfacesLoseNothing) {
 TEST(Evaluate, TheSameForAnyNumberOfThreads) {
   const Mesh mesh = make_part()->tessellate(1e-3);
   const auto truth = make_torus();
-  Progress nobody;
   const EvaluationOptions options{.points = 6000, .f_score_distances = {0.05}};
-  const Evaluation one = evaluate(mesh, *truth, options, Parallel(1), nobody);
+  const Evaluation one = evaluate(mesh, *truth, options, Context(1));
   for (const int threads : {2, 5}) {
-    const Evaluation many = evaluate(mesh, *truth, options, Parallel(threads), nobody);
+    const Evaluation many = evaluate(mesh, *truth, options, Context(threads));
     EXPECT_EQ(many.truth_to_mesh.distance.mean, one.truth_to_mesh.distance.mean);
     EXPECT_EQ(many.mesh_to_truth.distance.rms, one.mesh_to_truth.distance.rms);
     EXPECT_EQ(many.mesh_to_truth.angle.mean, one.mesh_to_truth.angle.mean);
@@ -192,19 +189,19 @@ TEST(Evaluate, ErrorsAreColoursAndAnAttribute) {
   mesh.vertices[0].z = 0.5;
   mesh.vertices[1].z = 2.0;
   mesh.attributes = {{"distance", {9, 9, 9, 9}}, {"kept", {1, 2, 3, 4}}};
-  const Mesh coloured = color_by_error(mesh, MeshSurface(sheet(9, 0.0), Parallel(1)), 1.0, Parallel(1));
+  const Mesh coloured = color_by_error(mesh, MeshSurface(sheet(9, 0.0), Context(1)), 1.0, Context(1));
   ASSERT_EQ(coloured.attributes.size(), 2u);
   EXPECT_EQ(coloured.attributes[0].name, "kept");
   EXPECT_EQ(coloured.attributes[1].values, (std::vector<float>{0.5f, 2.0f, 0.0f, 0.0f}));
   EXPECT_EQ(coloured.colors[1], map_color(1.0)) << "beyond the range";
   EXPECT_EQ(coloured.colors[2], map_color(0.0));
-  EXPECT_THROW(color_by_error(mesh, *make_sphere(), 0.0, Parallel(1)), ParameterError);
+  EXPECT_THROW(color_by_error(mesh, *make_sphere(), 0.0, Context(1)), ParameterError);
 }
 
 TEST(Evaluate, RefusalsNameTheValueAndItsConstraint) {
   const auto message = [](const Mesh& mesh, const EvaluationOptions& options) -> std::string {
     try {
-      evaluate(mesh, sheet(1, 0.0), options, Parallel(1));
+      evaluate(mesh, sheet(1, 0.0), options, Context(1));
     } catch (const ParameterError& error) {
       return error.what();
     }
@@ -224,7 +221,7 @@ TEST(SampleMesh, EachPartOfTheAreaGetsItsShare) {
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
   size_t small = 0;
   Vec3d mean;
-  for (const MeshPoint& p : sample_mesh(mesh, 10000, 1, Parallel(1))) {
+  for (const MeshPoint& p : sample_mesh(mesh, 10000, 1, Context(1))) {
     ASSERT_EQ(p.triangle, p.position.z > 1 ? 1u : 0u);
     ASSERT_GE(p.position.x, 0.0);
     ASSERT_LE(p.position.x + p.position.y, p.triangle == 1 ? 3.0 + 1e-12 : 1.0 + 1e-12);

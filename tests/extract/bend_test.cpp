@@ -19,11 +19,11 @@ constexpr double scale = 0.1;
 
 Mesh bent(const Solved& solved, const Refined& refined, const BendParams& params = {}, int threads = 1,
           BendReport* report = nullptr) {
-  const Parallel parallel(threads);
+  const Context context(threads);
   Mesh mesh = refined.mesh;
   BendReport own;
-  bend_edges(mesh, SmoothField(refined.field.grid, refined.field.value, parallel), solved.problem.samples, scale,
-             solved.problem.lattice, params, parallel, report ? *report : own);
+  bend_edges(mesh, SmoothField(refined.field.grid, refined.field.value, context), solved.problem.samples, scale,
+             solved.problem.lattice, params, context, report ? *report : own);
   return mesh;
 }
 
@@ -46,7 +46,7 @@ TEST(Bend, FollowsDetailThatTrianglesOfAVoxelLoseSlow) {
     EXPECT_EQ(report.triangles_before, flat.mesh.triangles.size());
     EXPECT_EQ(mesh.vertices.size(), flat.mesh.vertices.size() + report.split_edges);
     EXPECT_EQ(mesh.triangles.size(), flat.mesh.triangles.size() + 2 * report.split_edges);
-    EXPECT_EQ(count_self_intersections(mesh, Parallel(1)), 0u) << shape;
+    EXPECT_EQ(count_self_intersections(mesh, Context(1)), 0u) << shape;
   }
 }
 
@@ -90,9 +90,9 @@ TEST(Bend, LeavesNoTrianglesThatMeetSlow) {
   for (const auto& [shape, disturbance] : {std::pair{"part", normals}, {"part", outliers}, {"plate", outliers}}) {
     const Solved solved(shape, 90, 1, disturbance);
     const Refined flat = refined(solved);
-    ASSERT_EQ(count_self_intersections(flat.mesh, Parallel(1)), 0u);
+    ASSERT_EQ(count_self_intersections(flat.mesh, Context(1)), 0u);
     const Mesh mesh = bent(solved, flat);
-    EXPECT_EQ(count_self_intersections(mesh, Parallel(1)), 0u) << shape;
+    EXPECT_EQ(count_self_intersections(mesh, Context(1)), 0u) << shape;
     expect_same_topology(mesh, flat.mesh);
   }
 }
@@ -100,22 +100,22 @@ TEST(Bend, LeavesNoTrianglesThatMeetSlow) {
 TEST(Bend, NoFieldRunsAMeshThroughItself) {
   const Solved solved("knot", sanitized ? 32 : 40, 2);
   const Refined flat = refined(solved);
-  const Parallel parallel(1);
+  const Context context(1);
   for (const double roughness : {0.1, 0.3, 1.0}) {
     Field<float> value(flat.field.grid);
     Random random(7);
     for (size_t b = 0; b < flat.field.grid.size(); ++b)
       for (int i = 0; i < brick_volume; ++i)
         value.brick(b)[i] = flat.field.value.brick(b)[i] + static_cast<float>(roughness * random.normal());
-    const SmoothField field(flat.field.grid, value, parallel);
+    const SmoothField field(flat.field.grid, value, context);
     uint64_t hash = 0;
     for (const int threads : {1, 3}) {
       Mesh mesh = flat.mesh;
       BendReport report;
-      bend_edges(mesh, field, solved.problem.samples, scale, solved.problem.lattice, {}, Parallel(threads), report);
+      bend_edges(mesh, field, solved.problem.samples, scale, solved.problem.lattice, {}, Context(threads), report);
       if (threads == 1) {
         EXPECT_GT(report.split_edges, 100u);
-        EXPECT_EQ(count_self_intersections(mesh, parallel), 0u) << roughness;
+        EXPECT_EQ(count_self_intersections(mesh, context), 0u) << roughness;
         expect_same_topology(mesh, flat.mesh);
         hash = hash_mesh(mesh);
       }
@@ -139,7 +139,7 @@ TEST(Flip, TakesDiagonalsNearerToTheSurface) {
   const Solved solved("torus", 40);
   const Refined flat = refined(solved);
   Mesh mesh = flat.mesh;
-  const SmoothField field(flat.field.grid, flat.field.value, Parallel(1));
+  const SmoothField field(flat.field.grid, flat.field.value, Context(1));
   std::vector<Vec3f> normals;
   for (const Vec3d& v : mesh.vertices) {
     const auto jet = field.at(solved.problem.lattice.to_lattice(v));
@@ -158,7 +158,7 @@ TEST(Flip, TakesDiagonalsNearerToTheSurface) {
   };
   const double at_first = mean_sag();
   HalfEdges edges(mesh);
-  EXPECT_GT(flip_edges(edges, normals, voxel, 0.002 * voxel, Parallel(2)), 0u);
+  EXPECT_GT(flip_edges(edges, normals, voxel, 0.002 * voxel, Context(2)), 0u);
   EXPECT_LT(mean_sag(), 0.97 * at_first);
   EXPECT_EQ(mesh.triangles.size(), flat.mesh.triangles.size());
   expect_same_topology(mesh, flat.mesh);
@@ -174,7 +174,7 @@ TEST(Flip, KeepsAManifoldWhateverTheNormalsSay) {
     for (size_t v = 0; v < mesh.vertices.size(); ++v)
       normals.push_back(Vec3f(normalized(Vec3d{random.normal(), random.normal(), random.normal()})));
     HalfEdges edges(mesh);
-    EXPECT_GT(flip_edges(edges, normals, solved.problem.lattice.voxel, 0, Parallel(1)), mesh.triangles.size() / 10);
+    EXPECT_GT(flip_edges(edges, normals, solved.problem.lattice.voxel, 0, Context(1)), mesh.triangles.size() / 10);
     expect_same_topology(mesh, before);
   }
 }
@@ -184,7 +184,7 @@ TEST(Flip, LeavesAloneWhatIsNotKnown) {
   Mesh mesh = refined(solved).mesh;
   const std::vector<Vec3f> unknown(mesh.vertices.size());
   HalfEdges edges(mesh);
-  EXPECT_EQ(flip_edges(edges, unknown, 1, 0, Parallel(1)), 0u);
+  EXPECT_EQ(flip_edges(edges, unknown, 1, 0, Context(1)), 0u);
 }
 
 }  // namespace TEST_FILE

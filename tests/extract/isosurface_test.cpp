@@ -30,8 +30,8 @@ struct Band {
 /// The bricks of `mask` with the values of `f` at their lattice vertices.
 template <class Function>
 Band sample(const BrickMask& mask, Function&& f) {
-  const Parallel parallel(1);
-  Band band{BrickGrid(mask, parallel), {}};
+  const Context context(1);
+  Band band{BrickGrid(mask, context), {}};
   band.value = Field<float>(band.grid);
   for (size_t b = 0; b < band.grid.size(); ++b) {
     for (int i = 0; i < brick_volume; ++i) {
@@ -42,7 +42,7 @@ Band sample(const BrickMask& mask, Function&& f) {
 }
 
 Mesh extract(const Band& band, const MissingBrickValue& missing, int threads = 1) {
-  return extract_isosurface(band.grid, band.value, missing, 0.5f, unit_lattice(), Parallel(threads));
+  return extract_isosurface(band.grid, band.value, missing, 0.5f, unit_lattice(), Context(threads));
 }
 
 float zero_everywhere(Vec3i) { return 0.f; }
@@ -183,7 +183,7 @@ TEST(Isosurface, VerticesAreInTheWorldFrameAtFullAccuracy) {
   Lattice lattice;
   lattice.voxel = 1e-3;
   lattice.first_vertex = {5e6, -5e6, 5e6};
-  const Mesh mesh = extract_isosurface(band.grid, band.value, zero_everywhere, 0.5f, lattice, Parallel(1));
+  const Mesh mesh = extract_isosurface(band.grid, band.value, zero_everywhere, 0.5f, lattice, Context(1));
   const Vec3d world_centre = lattice.to_world(centre);
   for (const Vec3d& v : mesh.vertices) EXPECT_NEAR(norm(v - world_centre), 0.01, 3e-5);
   EXPECT_TRUE(check_topology(mesh).watertight());

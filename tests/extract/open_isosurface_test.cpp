@@ -29,7 +29,7 @@ struct Seen {
 
 template <class Value, class Weight>
 Seen sample(const BrickMask& mask, Value&& value, Weight&& weight) {
-  Seen seen{BrickGrid(mask, Parallel(1)), {}, {}};
+  Seen seen{BrickGrid(mask, Context(1)), {}, {}};
   seen.value = Field<float>(seen.grid);
   seen.weight = Field<float>(seen.grid);
   for (size_t b = 0; b < seen.grid.size(); ++b) {
@@ -43,7 +43,7 @@ Seen sample(const BrickMask& mask, Value&& value, Weight&& weight) {
 }
 
 Mesh extract(const Seen& seen, int threads = 1) {
-  return extract_open_isosurface(seen.grid, seen.value, seen.weight, 0.5f, unit_lattice(), Parallel(threads));
+  return extract_open_isosurface(seen.grid, seen.value, seen.weight, 0.5f, unit_lattice(), Context(threads));
 }
 
 /// The corners' coordinates of all triangles, to 1e-9: what two meshes have in common whatever their numbering.
@@ -104,7 +104,7 @@ TEST(OpenIsosurface, WithEverythingKnownItIsTheClosedOne) {
   const Seen seen = sample(mask, ball, [](Vec3i) { return 1.f; });
   const Mesh open = extract(seen);
   const Mesh closed = extract_isosurface(
-      seen.grid, seen.value, [](Vec3i) { return 0.f; }, 0.5f, unit_lattice(), Parallel(1));
+      seen.grid, seen.value, [](Vec3i) { return 0.f; }, 0.5f, unit_lattice(), Context(1));
   EXPECT_EQ(open.vertices, closed.vertices);
   EXPECT_EQ(open.triangles, closed.triangles);
   EXPECT_TRUE(check_topology(open).watertight());

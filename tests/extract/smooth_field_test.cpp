@@ -16,7 +16,7 @@ struct Sampled {
 /// A function at the vertices of 3^3 bricks.
 template <class Function>
 Sampled sampled(Function&& function) {
-  Sampled result{BrickGrid(BrickMask::whole({3, 3, 3}), Parallel(1)), {}};
+  Sampled result{BrickGrid(BrickMask::whole({3, 3, 3}), Context(1)), {}};
   result.value = Field<float>(result.grid);
   for (size_t b = 0; b < result.grid.size(); ++b)
     for (int i = 0; i < brick_volume; ++i)
@@ -32,7 +32,7 @@ TEST(SmoothField, IsExactForQuadraticsButForItsShareOfTheLaplacian) {
   };
   const double laplacian = (2 - 1 + 4) / 100.0;
   const Sampled field = sampled(quadratic);
-  const SmoothField smooth(field.grid, field.value, Parallel(2));
+  const SmoothField smooth(field.grid, field.value, Context(2));
   Random random(3);
   for (int i = 0; i < 200; ++i) {
     const Vec3d p{random.uniform(3, 20), random.uniform(3, 20), random.uniform(3, 20)};
@@ -50,7 +50,7 @@ TEST(SmoothField, IsExactForQuadraticsButForItsShareOfTheLaplacian) {
 
 TEST(SmoothField, IsNotKnownBeyondTheBricks) {
   const Sampled field = sampled([](Vec3d p) { return p.x - 12; });
-  const SmoothField smooth(field.grid, field.value, Parallel(1));
+  const SmoothField smooth(field.grid, field.value, Context(1));
   EXPECT_TRUE(smooth.at({12, 12, 12}));
   EXPECT_FALSE(smooth.at({0.5, 12, 12})) << "needs the vertex before the first";
   EXPECT_FALSE(smooth.at({12, 12, 23.5}));
@@ -62,7 +62,7 @@ TEST(SmoothField, ProjectsOntoASphereNearerThanChordsDo) {
   const Vec3d centre{12, 12, 12};
   const auto distance = [&](Vec3d p) { return radius - norm(p - centre); };
   const Sampled field = sampled(distance);
-  const SmoothField smooth(field.grid, field.value, Parallel(1));
+  const SmoothField smooth(field.grid, field.value, Context(1));
   Random random(4);
   for (int i = 0; i < 100; ++i) {
     const Vec3d direction = normalized(Vec3d{random.normal(), random.normal(), random.normal()});
@@ -78,7 +78,7 @@ TEST(SmoothField, ProjectsOntoASphereNearerThanChordsDo) {
 template <class Shift>
 GridSamples near_plane(Vec3f direction, Shift&& shift) {
   GridSamples samples;
-  samples.bricks = BrickGrid(BrickMask::whole({3, 3, 3}), Parallel(1));
+  samples.bricks = BrickGrid(BrickMask::whole({3, 3, 3}), Context(1));
   samples.begin.push_back(0);
   for (size_t b = 0; b < samples.bricks.size(); ++b) {
     if (samples.bricks.coord(b).x == 1)
@@ -101,11 +101,11 @@ GridSamples on_plane(double shift, Vec3f direction) {
 
 TEST(Leftover, TellsHowFarTheSamplesLieInwards) {
   const Sampled field = sampled([](Vec3d p) { return p.x - 12; });  // inside: larger x
-  const SmoothField smooth(field.grid, field.value, Parallel(1));
+  const SmoothField smooth(field.grid, field.value, Context(1));
   const Vec3d inwards{1, 0, 0}, at{12, 12.3, 11.9};
   const auto mean = [&](double shift, Vec3f direction, double scale) {
     const GridSamples samples = on_plane(shift, direction);
-    return Leftover(samples, smooth, scale, Parallel(2)).mean_at(at, inwards);
+    return Leftover(samples, smooth, scale, Context(2)).mean_at(at, inwards);
   };
   EXPECT_NEAR(mean(0.1, {-1, 0, 0}, 0.1), 0.1, 2e-3);
   EXPECT_NEAR(mean(-0.05, {-1, 0, 0}, 0.1), -0.05, 2e-3);
@@ -113,21 +113,21 @@ TEST(Leftover, TellsHowFarTheSamplesLieInwards) {
   EXPECT_EQ(mean(0.6, {-1, 0, 0}, 0.1), 0) << "outliers";
   EXPECT_NEAR(mean(0.6, {-1, 0, 0}, 1), 0.6, 0.05) << "none at this scale";
   const GridSamples samples = on_plane(0.1, {-1, 0, 0});
-  const Leftover leftover(samples, smooth, 0.1, Parallel(1));
+  const Leftover leftover(samples, smooth, 0.1, Context(1));
   EXPECT_EQ(leftover.mean_at(at, -inwards), 0) << "the other side of a sheet";
   EXPECT_EQ(leftover.mean_at(at + Vec3d{2, 0, 0}, inwards), 0) << "no sample within a voxel";
 }
 
 TEST(Leftover, IsWhatTheSurfaceMissesAndNotNoise) {
   const Sampled field = sampled([](Vec3d p) { return p.x - 12; });
-  const SmoothField smooth(field.grid, field.value, Parallel(1));
+  const SmoothField smooth(field.grid, field.value, Context(1));
   const auto wave = [](double y, double z) { return 0.05 * std::sin(0.8 * y) * std::cos(0.7 * z); };
   for (const double noise : {0.0, 0.005, 0.05}) {
     for (const double height : {0.0, 1.0}) {
       Random random(3);
       const GridSamples samples =
           near_plane({-1, 0, 0}, [&](double y, double z) { return height * wave(y, z) + noise * random.normal(); });
-      const Leftover leftover(samples, smooth, 1, Parallel(2));
+      const Leftover leftover(samples, smooth, 1, Context(2));
       double error = 0, still = 0;
       int count = 0;
       for (double y = 4; y < 20; y += 0.37)

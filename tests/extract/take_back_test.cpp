@@ -44,8 +44,8 @@ std::vector<Vec3d> disturbed(const Drawn& d, double deviation, int every, uint64
 
 std::vector<CrossingSearch::Pair> crossings(const Drawn& d, const std::vector<Vec3d>& places, int threads = 1) {
   const std::vector<uint8_t> all(d.mesh.triangles.size(), 1);
-  const Parallel parallel(threads);
-  const CrossingSearch search({d.mesh.triangles, d.mesh.triangles, d.mesh.vertices, places, all}, d.voxel, parallel);
+  const Context context(threads);
+  const CrossingSearch search({d.mesh.triangles, d.mesh.triangles, d.mesh.vertices, places, all}, d.voxel, context);
   return search.find(places, all);
 }
 
@@ -59,7 +59,7 @@ TEST(Crossings, AreThePairsThatTheJudgeCounts) {
       for (const auto& [a, b] : pairs) EXPECT_LT(a, b);
       std::sort(pairs.begin(), pairs.end());
       pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-      EXPECT_EQ(pairs.size(), count_self_intersections(mesh, Parallel(1))) << every << " " << deviation;
+      EXPECT_EQ(pairs.size(), count_self_intersections(mesh, Context(1))) << every << " " << deviation;
     }
 }
 
@@ -67,13 +67,12 @@ TEST(Crossings, AreThePairsThatTheJudgeCounts) {
 TEST(Crossings, AreThosePairsOnTheWayToo) {
   const Drawn d = drawn("knot", few);
   const std::vector<uint8_t> all(d.mesh.triangles.size(), 1);
-  const Parallel parallel(1);
+  const Context context(1);
   Random random(9);
   for (const int every : {1, 20, 200})
     for (const double deviation : {0.1, 0.5, 2.0}) {
       const auto target = disturbed(d, deviation, every, 5);
-      const CrossingSearch search({d.mesh.triangles, d.mesh.triangles, d.mesh.vertices, target, all}, d.voxel,
-                                  parallel);
+      const CrossingSearch search({d.mesh.triangles, d.mesh.triangles, d.mesh.vertices, target, all}, d.voxel, context);
       Mesh mesh = d.mesh;
       for (size_t v = 0; v < target.size(); ++v) {
         constexpr std::array<double, 4> come = {0, 0.25, 0.5, 1};
@@ -82,7 +81,7 @@ TEST(Crossings, AreThosePairsOnTheWayToo) {
       auto pairs = search.find(mesh.vertices, all);
       std::sort(pairs.begin(), pairs.end());
       pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-      EXPECT_EQ(pairs.size(), count_self_intersections(mesh, parallel)) << every << " " << deviation;
+      EXPECT_EQ(pairs.size(), count_self_intersections(mesh, context)) << every << " " << deviation;
     }
 }
 
@@ -100,8 +99,8 @@ TEST(Crossings, OnlyOfTrianglesThatChanged) {
   const std::vector<uint8_t> all(d.mesh.triangles.size(), 1);
   std::vector<uint8_t> some(all.size());
   for (size_t t = 0; t < some.size(); t += 7) some[t] = 1;
-  const Parallel parallel(1);
-  const CrossingSearch search({d.mesh.triangles, d.mesh.triangles, d.mesh.vertices, places, all}, d.voxel, parallel);
+  const Context context(1);
+  const CrossingSearch search({d.mesh.triangles, d.mesh.triangles, d.mesh.vertices, places, all}, d.voxel, context);
   auto expected = search.find(places, all);
   std::erase_if(expected, [&](const auto& pair) { return !some[pair[0]] && !some[pair[1]]; });
   EXPECT_FALSE(expected.empty());
@@ -114,10 +113,10 @@ TEST(TakeBack, LeavesNothingThatMeetsAndFewMovesUndone) {
     Mesh mesh = d.mesh;
     mesh.vertices = disturbed(d, deviation, every, 3);
     const std::vector<Vec3d> target = mesh.vertices;
-    const size_t before = count_self_intersections(mesh, Parallel(1));
+    const size_t before = count_self_intersections(mesh, Context(1));
     EXPECT_GT(before, 0u);
-    take_back(mesh, d.mesh.vertices, d.voxel, Parallel(1));
-    EXPECT_EQ(count_self_intersections(mesh, Parallel(1)), 0u) << deviation;
+    take_back(mesh, d.mesh.vertices, d.voxel, Context(1));
+    EXPECT_EQ(count_self_intersections(mesh, Context(1)), 0u) << deviation;
     size_t undone = 0;
     for (size_t v = 0; v < target.size(); ++v) undone += !(mesh.vertices[v] == target[v]);
     EXPECT_GT(undone, 0u);
@@ -127,7 +126,7 @@ TEST(TakeBack, LeavesNothingThatMeetsAndFewMovesUndone) {
     for (const int threads : {2, 8}) {
       Mesh again = d.mesh;
       again.vertices = target;
-      take_back(again, d.mesh.vertices, d.voxel, Parallel(threads));
+      take_back(again, d.mesh.vertices, d.voxel, Context(threads));
       EXPECT_EQ(hash_mesh(again), hash_mesh(mesh)) << threads;
     }
   }
@@ -143,9 +142,9 @@ TEST(TakeBack, LetsPartsGrowUntilTheyMeet) {
       normals[v] += cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
   for (size_t v = 0; v < normals.size(); ++v) mesh.vertices[v] += normalized(normals[v]) * (swelling * d.voxel);
   const std::vector<Vec3d> target = mesh.vertices;
-  EXPECT_GT(count_self_intersections(mesh, Parallel(1)), 100u);
-  take_back(mesh, d.mesh.vertices, d.voxel, Parallel(1));
-  EXPECT_EQ(count_self_intersections(mesh, Parallel(1)), 0u);
+  EXPECT_GT(count_self_intersections(mesh, Context(1)), 100u);
+  take_back(mesh, d.mesh.vertices, d.voxel, Context(1));
+  EXPECT_EQ(count_self_intersections(mesh, Context(1)), 0u);
   size_t undone = 0;
   for (size_t v = 0; v < target.size(); ++v) undone += !(mesh.vertices[v] == target[v]);
   EXPECT_GT(undone, 0u);
@@ -157,7 +156,7 @@ TEST(TakeBack, LeavesMovesThatHarmNothing) {
   Mesh mesh = d.mesh;
   for (Vec3d& p : mesh.vertices) p += Vec3d{0.3, -0.2, 0.1} * d.voxel;
   const std::vector<Vec3d> target = mesh.vertices;
-  take_back(mesh, d.mesh.vertices, d.voxel, Parallel(1));
+  take_back(mesh, d.mesh.vertices, d.voxel, Context(1));
   EXPECT_EQ(mesh.vertices, target);
 }
 

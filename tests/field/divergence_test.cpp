@@ -138,7 +138,7 @@ TEST(Divergence, IsPositiveJustInsideAndNegativeJustOutside) {
 TEST(Divergence, SupportHoldsEveryVertexThatASampleReaches) {
   const PointCloud cloud = random_cloud(20, 6);
   const Problem problem = make_problem(cloud, unit_box_lattice());
-  const BrickMask support = support_mask(problem.samples, problem.lattice.box(0), Parallel(1));
+  const BrickMask support = support_mask(problem.samples, problem.lattice.box(0), Context(1));
   EXPECT_EQ(support.count(), problem.support.grid.size());
   const Dense<double> f = brute_force(cloud, problem.lattice);
   size_t missed = 0, reached = 0;

@@ -52,16 +52,16 @@ TEST(Samples, WithoutADirectionOrWeightSayNothing) {
 TEST(Samples, AreSortedAlikeByAnyNumberOfThreads) {
   const PointCloud cloud = sampled("knot", 40, 20);
   const Lattice lattice = lattice_of(cloud, 40);
-  const GridSamples one = sort_samples(cloud, cloud.normals, lattice, Parallel(1));
+  const GridSamples one = sort_samples(cloud, cloud.normals, lattice, Context(1));
   for (size_t s = 0; s < one.size(); ++s) ASSERT_EQ(one.lot[s], lot_of(one.source[s]));
   const auto third = [](size_t i) { return i % 3 == 0; };
   for (const int threads : {2, 3, 8}) {
-    const GridSamples many = sort_samples(cloud, cloud.normals, lattice, Parallel(threads));
+    const GridSamples many = sort_samples(cloud, cloud.normals, lattice, Context(threads));
     EXPECT_EQ(many.begin, one.begin);
     EXPECT_EQ(many.source, one.source);
     EXPECT_EQ(many.local, one.local);
     EXPECT_EQ(many.direction, one.direction);
-    const GridSamples part = sort_samples(cloud, cloud.normals, lattice, Parallel(threads), third);
+    const GridSamples part = sort_samples(cloud, cloud.normals, lattice, Context(threads), third);
     std::vector<uint32_t> expected;
     for (const uint32_t i : one.source)
       if (third(i)) expected.push_back(i);

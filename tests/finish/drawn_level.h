@@ -20,8 +20,8 @@ Level drawn_level(const LevelBox& box, bool sparse, Inside&& inside) {
     else if (count == brick_volume)
       full.set(b);
   });
-  const Parallel parallel(1);
-  Level level = make_level(box, 1, band, BrickGrid(BrickMask(box.bricks), parallel), nothing, parallel);
+  const Context context(1);
+  Level level = make_level(box, 1, band, BrickGrid(BrickMask(box.bricks), context), nothing, context);
   level.inside = full;
   for (size_t b = 0; b < level.grid.size(); ++b)
     for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) { level.u.brick(b)[i] = inside(v) ? 1.0f : 0.0f; });

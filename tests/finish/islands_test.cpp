@@ -47,12 +47,12 @@ struct Drawing {
         cloud.positions.push_back(lattice.to_world(ball.centre + n * (ball.radius - 0.5)));
         cloud.normals.push_back(Vec3f(ball.inside ? n : -n));
       }
-    samples = sort_samples(cloud, cloud.normals, lattice, Parallel(1));
+    samples = sort_samples(cloud, cloud.normals, lattice, Context(1));
   }
 
   IslandReport drop(const IslandParams& params = {}, double density = 1, int threads = 2) {
     IslandReport report;
-    drop_islands(level, 0.5f, samples, density, params, Parallel(threads), report);
+    drop_islands(level, 0.5f, samples, density, params, Context(threads), report);
     return report;
   }
   bool inside(Vec3d v) const { return dense_labels(level)[Vec3i(v)] != 0; }
@@ -126,7 +126,7 @@ TEST(Islands, OfABubbleVanishIntoTheSolid) {
   const IslandReport report = drawing.drop();
   EXPECT_EQ(report.voids.dropped, 1u);
   EXPECT_EQ(report.objects.dropped, 1u);
-  EXPECT_EQ(Parts(drawing.level, 0.5f, Parallel(1)).size(), 2u);
+  EXPECT_EQ(Parts(drawing.level, 0.5f, Context(1)).size(), 2u);
   EXPECT_TRUE(drawing.inside({30, 30, 30}));
   EXPECT_TRUE(drawing.inside({30, 30, 40}));
 }
@@ -137,7 +137,7 @@ TEST(Islands, OneObjectAlwaysStays) {
   EXPECT_EQ(report.objects.kept, 1u);
   EXPECT_TRUE(drawing.inside(big.centre));
   EXPECT_FALSE(drawing.inside({64, 30, 30}));
-  EXPECT_EQ(report.vertices, Parts(Drawing({{{64, 30, 30}, 5, 1}}).level, 0.5f, Parallel(1))[1].vertices);
+  EXPECT_EQ(report.vertices, Parts(Drawing({{{64, 30, 30}, 5, 1}}).level, 0.5f, Context(1))[1].vertices);
 }
 
 /// In noise with thousands of parts and samples at random: what is done is done, and threads do not matter.
@@ -150,7 +150,7 @@ TEST(Islands, DroppingTwiceChangesNothingMore) {
     cloud.positions.push_back(lattice.to_world({random.uniform(3, 57), random.uniform(3, 47), random.uniform(3, 97)}));
     cloud.normals.push_back(random_in_ball(random, 1));
   }
-  const GridSamples samples = sort_samples(cloud, cloud.normals, lattice, Parallel(1));
+  const GridSamples samples = sort_samples(cloud, cloud.normals, lattice, Context(1));
   const auto noise = [&] {
     Random dice(5);
     const LevelBox box = lattice.box(0);
@@ -161,7 +161,7 @@ TEST(Islands, DroppingTwiceChangesNothingMore) {
   for (const int threads : {1, 2, 3, 8}) {
     Level level = noise();
     IslandReport once, twice;
-    drop_islands(level, 0.5f, samples, 0.5, params, Parallel(threads), once);
+    drop_islands(level, 0.5f, samples, 0.5, params, Context(threads), once);
     EXPECT_GT(once.objects.dropped, 100u);
     EXPECT_GT(once.objects.kept, 100u);
     EXPECT_GT(once.voids.dropped, 100u);
@@ -169,7 +169,7 @@ TEST(Islands, DroppingTwiceChangesNothingMore) {
     const Dense<uint8_t> labels = dense_labels(level);
     if (threads == 1) first = labels;
     EXPECT_EQ(count_differences(labels, first), 0u) << threads << " threads";
-    drop_islands(level, 0.5f, samples, 0.5, params, Parallel(threads), twice);
+    drop_islands(level, 0.5f, samples, 0.5, params, Context(threads), twice);
     EXPECT_EQ(twice.objects.dropped + twice.voids.dropped, 0u);
     EXPECT_EQ(count_differences(dense_labels(level), labels), 0u);
   }
@@ -190,8 +190,7 @@ Reconstruction reconstructed(const PointCloud& cloud, bool drop) {
   params.place.resolution = resolution;
   params.energy.lambda_per_density = 0.0003;
   params.surface.drop_islands = drop;
-  Progress progress;
-  return reconstruct(cloud, params, Parallel(2), progress);
+  return reconstruct(cloud, params, Context(2));
 }
 
 TEST(Islands, OfOutliersGoAndTheSphereStays) {
@@ -200,7 +199,7 @@ TEST(Islands, OfOutliersGoAndTheSphereStays) {
   SamplingParams scan;
   scan.count = static_cast<size_t>(4 * area_of(*sphere) / (voxel * voxel));
   scan.outliers = 0.03;
-  const PointCloud cloud = sample_surface(*sphere, scan, Parallel(2));
+  const PointCloud cloud = sample_surface(*sphere, scan, Context(2));
   EXPECT_GT(check_topology(reconstructed(cloud, false).mesh).components.size(), 20u) << "nothing to drop";
   const Reconstruction result = reconstructed(cloud, true);
   const TopologyReport topology = check_topology(result.mesh);

@@ -62,7 +62,7 @@ TEST_P(Labelling, IsThatOfAFlood) {
     RandomLevel random(3, {.band = band, .more_layers = sanitized ? 0 : 170});
     make_noise(random, GetParam(), 5);
     const Level& level = random.level;
-    const Parts parts(level, 0.5f, Parallel(2));
+    const Parts parts(level, 0.5f, Context(2));
     const Dense<uint8_t> labels = dense_labels(level);
     const Dense<int> expected = flooded(labels);
 
@@ -122,7 +122,7 @@ TEST(Labelling, GoesThroughMissingBricks) {
   Level level = drawn_level(box, true, [&](Vec3i v) { return inside(radius2(v)); });
   ASSERT_GT(level.inside.count(), 0u);
 
-  const Parts parts(level, 0.5f, Parallel(3));
+  const Parts parts(level, 0.5f, Context(3));
   ASSERT_EQ(parts.size(), 4u);
   const uint32_t shell = part_at(parts, centre + Vec3i{24, 0, 0}), hollow = part_at(parts, centre + Vec3i{0, 12, 0}),
                  core = part_at(parts, centre);
@@ -133,12 +133,12 @@ TEST(Labelling, GoesThroughMissingBricks) {
   // All of the inside filled, then nothing left.
   std::vector<uint8_t> sides(4, 1);
   sides[0] = 0;
-  parts.write(sides, level, Parallel(2));
+  parts.write(sides, level, Context(2));
   const Dense<uint8_t> filled = dense_labels(level);
   filled.for_each([&](Vec3i v) { ASSERT_EQ(filled[v], radius2(v) < 900); });
-  const Parts solid(level, 0.5f, Parallel(1));
+  const Parts solid(level, 0.5f, Context(1));
   ASSERT_EQ(solid.size(), 2u);
-  solid.write({0, 0}, level, Parallel(1));
+  solid.write({0, 0}, level, Context(1));
   EXPECT_EQ(count_inside(dense_labels(level)), 0u);
 }
 

@@ -21,7 +21,7 @@ TEST(SampleDistance, IsThatOfTheNearestOne) {
   cloud.scans.push_back({"cloud", 0, cloud.size(), {}, {}, {}});
   const std::vector<Vec3f> directions(cloud.size(), Vec3f{0, 0, 1});
   const Lattice lattice = place_lattice(cloud.box(), 0.1, 6);
-  const Parallel one_thread(1), three_threads(3);
+  const Context one_thread(1), three_threads(3);
   const GridSamples samples = sort_samples(cloud, directions, lattice, one_thread);
   Mesh mesh;
   for (int i = 0; i < 3000; ++i)

@@ -41,10 +41,10 @@ struct Scene {
       cloud.positions.push_back(at(x, y, height(x)));
     }
     cloud.normals.assign(count, {0, 0, 1});
-    samples = sort_samples(cloud, cloud.normals, lattice, Parallel(1));
+    samples = sort_samples(cloud, cloud.normals, lattice, Context(1));
   }
   Vec3d at(double x, double y, double z) const { return lattice.to_world({15 + x, 15 + y, 20 + z}); }
-  SelfCheckReport check(int threads = 2) const { return self_check(mesh, samples, lattice, Parallel(threads)); }
+  SelfCheckReport check(int threads = 2) const { return self_check(mesh, samples, lattice, Context(threads)); }
 };
 
 const auto everywhere = [](int) { return true; };
@@ -65,7 +65,7 @@ TEST(SelfCheck, SharesAreThoseOfAllSamplesAndTheWholeSurface) {
         count, [](double x) { return 0.06 * x; }, [](int x) { return x < 20 || x >= 36; });
     const SelfCheckReport report = scene.check();
     size_t lost = 0;
-    for (const double d : distances_to_mesh(scene.cloud.positions, scene.mesh, Parallel(2)))
+    for (const double d : distances_to_mesh(scene.cloud.positions, scene.mesh, Context(2)))
       lost += d > self_check_reach * scene.lattice.voxel;
     const double share = static_cast<double>(lost) / static_cast<double>(count);
     if (count <= 20000)

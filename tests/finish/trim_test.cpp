@@ -53,7 +53,7 @@ GridSamples samples_where(const Lattice& lattice, const std::function<bool(doubl
     if (seen(x, y)) cloud.positions.push_back(lattice.to_world(on_sheet(x, y) + Vec3d{0, 0, 0.1 * random.normal()}));
   }
   cloud.normals.assign(cloud.size(), {0, 0, 1});
-  return sort_samples(cloud, cloud.normals, lattice, Parallel(1));
+  return sort_samples(cloud, cloud.normals, lattice, Context(1));
 }
 
 /// The nearest of all samples, voxels.
@@ -76,7 +76,7 @@ struct Trimmed {
 
   Trimmed(bool open, const std::function<bool(double, double)>& seen, const TrimParams& params = {}, int threads = 2)
       : lattice(lattice_of(open)), before(sheet(lattice)), after(before), samples(samples_where(lattice, seen)) {
-    trim(after, samples, lattice, 4, params, Parallel(threads), report);
+    trim(after, samples, lattice, 4, params, Context(threads), report);
   }
   double voxels(Vec3d vertex) const { return distance_to_samples(samples, lattice.to_lattice(vertex), 0, 20); }
 };
@@ -165,7 +165,7 @@ TEST(Trim, WhereNothingIsNearTheMeshStays) {
   for (Vec3d& v : t.before.vertices) v.z += 10;
   Mesh mesh = t.before;
   TrimReport report;
-  trim(mesh, t.samples, t.lattice, 4, {}, Parallel(1), report);
+  trim(mesh, t.samples, t.lattice, 4, {}, Context(1), report);
   EXPECT_TRUE(report.nothing_near);
   EXPECT_EQ(mesh.vertices, t.before.vertices);
 }
@@ -173,7 +173,7 @@ TEST(Trim, WhereNothingIsNearTheMeshStays) {
 TEST(Trim, SparseSamplesReachFarther) {
   Trimmed t(true, middle);
   TrimReport report;
-  trim(t.before, t.samples, t.lattice, 0.25, {}, Parallel(1), report);
+  trim(t.before, t.samples, t.lattice, 0.25, {}, Context(1), report);
   EXPECT_DOUBLE_EQ(report.distance, 3 * 2 * t.lattice.voxel);
   EXPECT_GT(t.before.area(), t.after.area());
 }

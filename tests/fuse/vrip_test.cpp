@@ -30,12 +30,11 @@ struct Fusion {
 };
 
 Fusion fuse(const PointCloud& cloud, const Lattice& lattice, const VripParams& params = {}, int threads = 2) {
-  Progress progress;
-  const Parallel parallel(threads);
+  const Context context(threads);
   Fusion fusion;
-  fusion.field = fuse_scans({cloud}, lattice, params, parallel, progress, fusion.report);
+  fusion.field = fuse_scans({cloud}, lattice, params, context, fusion.report);
   fusion.mesh =
-      extract_open_isosurface(fusion.field.grid, fusion.field.distance, fusion.field.weight, 0, lattice, parallel);
+      extract_open_isosurface(fusion.field.grid, fusion.field.distance, fusion.field.weight, 0, lattice, context);
   return fusion;
 }
 
@@ -50,7 +49,7 @@ ScannerParams scanner_of(int cells) {
 Lattice lattice_of(int cells) { return place_lattice(make_sphere()->box(), 1.0 / cells, 6); }
 
 PointCloud scans_of_sphere(const ScannerParams& scanner) {
-  return virtual_scan(*make_sphere(), scanner, Parallel(2)).cloud;
+  return virtual_scan(*make_sphere(), scanner, Context(2)).cloud;
 }
 
 /// A plane as a scan sees it: square of side 2 `half` around the origin, sampled evenly along its own axes.
@@ -352,7 +351,7 @@ TEST(Vrip, BunnyIsTheZipperedOneSlow) {
   EXPECT_TRUE(report.manifold()) << summary(report);
   EXPECT_GT(report.boundary_edges, 0u);  // its base was hardly seen
   const PointCloud zippered = read_points(*zipper);
-  const DistanceSummary distance = point_to_mesh_distance(zippered.positions, fusion.mesh, Parallel(2));
+  const DistanceSummary distance = point_to_mesh_distance(zippered.positions, fusion.mesh, Context(2));
   EXPECT_LT(distance.mean, 0.1 * lattice.voxel);
   EXPECT_LT(distance.percentile95, 0.3 * lattice.voxel);
 }

@@ -1,4 +1,5 @@
 #include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/core/parallel.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@
 namespace soapfilm {
 namespace TEST_FILE {
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 BrickMask random_mask(Vec3i bricks, double share, uint64_t seed) {
   Random random(seed);
@@ -29,7 +30,7 @@ TEST(BrickMask, IsSetByManyThreadsAtOnce) {
   for (const int threads : {1, 2, 3, 8}) {
     BrickMask mask(bricks);
     // Neighbouring bricks share a word, and each is set twice.
-    Parallel(threads).for_each(2 * wanted.size(), 1, [&](size_t i) { mask.set_shared(wanted[i / 2]); });
+    parallel_for(Context(threads), 2 * wanted.size(), 1, [&](size_t i) { mask.set_shared(wanted[i / 2]); });
     set.clear();
     mask.for_each([&](Vec3i b) { set.push_back(b); });
     EXPECT_EQ(set, wanted) << threads << " threads";
@@ -66,7 +67,7 @@ TEST(BrickGrid, KnowsTheParentsOfItsBricks) {
   const BrickMask fine = random_mask({32, 30, 28}, 0.1, 1);
   const BrickMask coarse = parents_of(BrickGrid(fine, one_thread), {16, 15, 14}, one_thread);
   for (const int threads : {2, 3, 8})
-    EXPECT_EQ(parents_of(BrickGrid(fine, one_thread), {16, 15, 14}, Parallel(threads)).words(), coarse.words());
+    EXPECT_EQ(parents_of(BrickGrid(fine, one_thread), {16, 15, 14}, Context(threads)).words(), coarse.words());
   std::set<std::tuple<int, int, int>> parents;
   fine.for_each([&](Vec3i b) { parents.insert({b.x / 2, b.y / 2, b.z / 2}); });
   EXPECT_EQ(coarse.count(), parents.size());
@@ -109,7 +110,7 @@ TEST(BrickGrid, OrdersBricksLexicographicallyAndFindsThem) {
 TEST(BrickGrid, KnowsAll27NeighboursForAnyNumberOfThreads) {
   const BrickMask mask = random_mask({20, 19, 18}, 0.5, 3);
   for (const int threads : {1, 3, 8}) {
-    const BrickGrid grid(mask, Parallel(threads));
+    const BrickGrid grid(mask, Context(threads));
     for (size_t b = 0; b < grid.size(); ++b)
       for (int slot = 0; slot < 27; ++slot) {
         const Vec3i next = grid.coord(b) + slot_offset(slot);

@@ -44,7 +44,7 @@ TEST(VertexMask, DilatesByACube) {
     });
     for (const int threads : {1, 3}) {
       VertexMask mask = before;
-      mask.dilate(radius, Parallel(threads));
+      mask.dilate(radius, Context(threads));
       EXPECT_TRUE(mask == expected) << "radius " << radius;
     }
   }

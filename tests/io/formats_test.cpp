@@ -127,9 +127,9 @@ TEST(Files, ReadOnAnyNumberOfThreadsAreTheSameCloudReportAndError) {
   for (const int i : {3, 5})
     broken[static_cast<size_t>(i)] = folder.write("broken" + std::to_string(i) + ".xyz", "1 2 x\n");
   for (const int threads : {2, 3, 8}) {
-    const Parallel parallel(threads);
+    const Context context(threads);
     ReadReport other;
-    expect_same_cloud(read_points(paths, &other, parallel), cloud);
+    expect_same_cloud(read_points(paths, &other, context), cloud);
     EXPECT_EQ(other.warnings, report.warnings);
     ASSERT_EQ(other.files.size(), report.files.size());
     for (size_t i = 0; i < report.files.size(); ++i) {
@@ -137,7 +137,7 @@ TEST(Files, ReadOnAnyNumberOfThreadsAreTheSameCloudReportAndError) {
       EXPECT_EQ(other.files[i].dropped, 1u);
     }
     try {
-      read_points(broken, nullptr, parallel);
+      read_points(broken, nullptr, context);
       ADD_FAILURE() << "read a broken file";
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find("broken3.xyz"), std::string::npos) << error.what();

@@ -23,7 +23,7 @@ TEST(PlyThreads, TextIsReadTheSameOnAnyNumberOfThreads) {
   const auto outcome = [&](const std::string& text, int threads) {
     const std::string file = folder.write("rows.ply", text);
     try {
-      const PointCloud cloud = read_points(file, nullptr, Parallel(threads));
+      const PointCloud cloud = read_points(file, nullptr, Context(threads));
       return std::tuple(cloud.positions, cloud.weights, std::string());
     } catch (const InputError& error) {
       return std::tuple(std::vector<Vec3d>(), std::vector<float>(), std::string(error.what()));
@@ -86,9 +86,9 @@ TEST(PlyThreads, ManyRowsAreTheSameBytesOnAnyNumberOfThreads) {
     EXPECT_EQ(read_mesh(folder / "one.ply").triangles, mesh.triangles);
     expect_same_cloud(read_points(folder / "points.ply"), cloud);
     for (const int threads : {2, 3, 8}) {
-      write_mesh(folder / "many.ply", mesh, mesh_options, Parallel(threads));
+      write_mesh(folder / "many.ply", mesh, mesh_options, Context(threads));
       EXPECT_TRUE(folder.read("many.ply") == folder.read("one.ply")) << threads << " threads";
-      write_points(folder / "many.ply", cloud, point_options, Parallel(threads));
+      write_points(folder / "many.ply", cloud, point_options, Context(threads));
       EXPECT_TRUE(folder.read("many.ply") == folder.read("points.ply")) << threads << " threads";
     }
   }

@@ -52,7 +52,7 @@ std::vector<Vec3d> random_points(size_t count, double extent, uint64_t seed) {
 TEST(Distance, ConcentricSpheresAreTheDifferenceOfRadiiApart) {
   const Mesh inner = sphere(1, 6);
   const Mesh outer = sphere(1.25, 5);
-  const DistanceSummary d = point_to_mesh_distance(outer.vertices, inner, Parallel(2));
+  const DistanceSummary d = point_to_mesh_distance(outer.vertices, inner, Context(2));
   EXPECT_EQ(d.count, outer.vertices.size());
   EXPECT_NEAR(d.mean, 0.25, 2e-4);
   EXPECT_NEAR(d.rms, 0.25, 2e-4);
@@ -64,7 +64,7 @@ TEST(Distance, ConcentricSpheresAreTheDifferenceOfRadiiApart) {
 TEST(Distance, PointsOffAPlaneKnowTheirHeight) {
   const Mesh mesh = test::flat_sheet(10, {0, 0, 0}, 1);
   const auto d =
-      distances_to_mesh({{5.3, 4.4, 0.75}, {2.5, 2.25, -3}, {-3, 5, 4}, {14, 13, 0}, {7, 7, 0}}, mesh, Parallel(1));
+      distances_to_mesh({{5.3, 4.4, 0.75}, {2.5, 2.25, -3}, {-3, 5, 4}, {14, 13, 0}, {7, 7, 0}}, mesh, Context(1));
   EXPECT_DOUBLE_EQ(d[0], 0.75);
   EXPECT_DOUBLE_EQ(d[1], 3);
   EXPECT_DOUBLE_EQ(d[2], 5);  // beyond the side
@@ -83,7 +83,7 @@ TEST(Distance, EqualsBruteForceOnRandomTriangles) {
     soup.triangles.push_back({i, i + 1, i + 2});
   }
   const auto points = random_points(2000, 1.5, 13);
-  const auto found = ClosestPointQuery(soup, Parallel(1))(points, Parallel(1));
+  const auto found = ClosestPointQuery(soup, Context(1))(points, Context(1));
   for (size_t i = 0; i < points.size(); ++i) {
     double best = std::numeric_limits<double>::infinity();
     uint32_t which = 0;
@@ -119,7 +119,7 @@ TEST(Distance, GeoreferencedOffsetsKeepTheirAccuracy) {
   const Mesh mesh = test::flat_sheet(100, far, 0.01);
   std::vector<Vec3d> points;
   for (int i = 0; i < 90; ++i) points.push_back(far + Vec3d{0.013 + 0.01 * i, 0.5, 1e-3 + 1e-5 * i});
-  const auto d = distances_to_mesh(points, mesh, Parallel(1));
+  const auto d = distances_to_mesh(points, mesh, Context(1));
   for (int i = 0; i < 90; ++i) EXPECT_NEAR(d[i], 1e-3 + 1e-5 * i, 2e-9);
 }
 
@@ -127,19 +127,19 @@ TEST(Distance, AnyUnitOfLengthWorks) {
   for (const double unit : {1e-30, 1e-12, 1e12, 1e30}) {
     Mesh mesh = sphere(1, 3);
     for (Vec3d& v : mesh.vertices) v = v * unit;
-    EXPECT_NEAR(ClosestPointQuery(mesh, Parallel(1))({0, 0, 3 * unit}).distance / unit, 2, 1e-12);
+    EXPECT_NEAR(ClosestPointQuery(mesh, Context(1))({0, 0, 3 * unit}).distance / unit, 2, 1e-12);
   }
 }
 
 TEST(Distance, AMeshShrunkToAPointStillHasADistance) {
   Mesh mesh = sphere(1, 0);
   for (Vec3d& v : mesh.vertices) v = {1, 2, 3};
-  EXPECT_DOUBLE_EQ(ClosestPointQuery(mesh, Parallel(1))({1, 2, 5}).distance, 2);
-  EXPECT_DOUBLE_EQ(ClosestPointQuery(mesh, Parallel(1))({1, 2, 3}).distance, 0);
+  EXPECT_DOUBLE_EQ(ClosestPointQuery(mesh, Context(1))({1, 2, 5}).distance, 2);
+  EXPECT_DOUBLE_EQ(ClosestPointQuery(mesh, Context(1))({1, 2, 3}).distance, 0);
 }
 
 TEST(Distance, PointsFarFromTheMeshAreMeasuredToo) {
-  const auto d = distances_to_mesh({{0, 0, 1e7}, {0, 0, 1e7 + 1}}, test::flat_sheet(4, {-2, -2, 0}, 1), Parallel(1));
+  const auto d = distances_to_mesh({{0, 0, 1e7}, {0, 0, 1e7 + 1}}, test::flat_sheet(4, {-2, -2, 0}, 1), Context(1));
   EXPECT_DOUBLE_EQ(d[0], 1e7);
   EXPECT_DOUBLE_EQ(d[1], 1e7 + 1);
 }
@@ -147,9 +147,9 @@ TEST(Distance, PointsFarFromTheMeshAreMeasuredToo) {
 TEST(Distance, TheSameForAnyNumberOfThreads) {
   const Mesh mesh = sphere(1, 4);
   const auto points = random_points(20000, 1.2, 5);
-  const auto one = ClosestPointQuery(mesh, Parallel(1))(points, Parallel(1));
+  const auto one = ClosestPointQuery(mesh, Context(1))(points, Context(1));
   for (const int threads : {2, 3, 8}) {
-    const auto many = ClosestPointQuery(mesh, Parallel(threads))(points, Parallel(threads));
+    const auto many = ClosestPointQuery(mesh, Context(threads))(points, Context(threads));
     for (size_t i = 0; i < points.size(); ++i) {
       ASSERT_EQ(many[i].distance, one[i].distance);
       ASSERT_EQ(many[i].triangle, one[i].triangle);
@@ -158,9 +158,9 @@ TEST(Distance, TheSameForAnyNumberOfThreads) {
 }
 
 TEST(Distance, OnePointAloneAgreesWithManyAtOnce) {
-  const ClosestPointQuery query(sphere(1, 3), Parallel(1));
+  const ClosestPointQuery query(sphere(1, 3), Context(1));
   const auto points = random_points(500, 2, 6);
-  const auto all = query(points, Parallel(1));
+  const auto all = query(points, Context(1));
   for (size_t i = 0; i < points.size(); ++i) EXPECT_EQ(query(points[i]).distance, all[i].distance);
 }
 
@@ -177,15 +177,15 @@ TEST(Distance, SummaryOfKnownNumbers) {
 }
 
 TEST(Distance, RefusesWhatHasNoDistance) {
-  EXPECT_THROW(ClosestPointQuery(Mesh{}, Parallel(1)), ParameterError);
-  EXPECT_THROW(ClosestPointQuery(test::flat_sheet(1, {}, 1e200), Parallel(1)), ParameterError);
+  EXPECT_THROW(ClosestPointQuery(Mesh{}, Context(1)), ParameterError);
+  EXPECT_THROW(ClosestPointQuery(test::flat_sheet(1, {}, 1e200), Context(1)), ParameterError);
   Mesh bad = test::flat_sheet(1, {}, 1);
   bad.triangles[0][0] = 99;
-  EXPECT_THROW(ClosestPointQuery(bad, Parallel(1)), ParameterError);
+  EXPECT_THROW(ClosestPointQuery(bad, Context(1)), ParameterError);
   bad = test::flat_sheet(1, {}, 1);
   bad.vertices[2].y = std::nan("");
-  EXPECT_THROW(ClosestPointQuery(bad, Parallel(1)), ParameterError);
-  EXPECT_THROW(distances_to_mesh({{0, 0, std::nan("")}}, test::flat_sheet(1, {}, 1), Parallel(1)), ParameterError);
+  EXPECT_THROW(ClosestPointQuery(bad, Context(1)), ParameterError);
+  EXPECT_THROW(distances_to_mesh({{0, 0, std::nan("")}}, test::flat_sheet(1, {}, 1), Context(1)), ParameterError);
 }
 
 }  // namespace TEST_FILE

@@ -12,7 +12,7 @@
 namespace soapfilm {
 namespace TEST_FILE {
 
-size_t count(const Mesh& mesh) { return count_self_intersections(mesh, Parallel(1)); }
+size_t count(const Mesh& mesh) { return count_self_intersections(mesh, Context(1)); }
 
 /// Corners of a cube; the tetrahedra of its even and of its odd ones form the stella octangula.
 Mesh tetrahedron(bool odd, Vec3d shift = {}) {
@@ -135,7 +135,7 @@ TEST(SelfIntersection, EqualsBruteForceOnRandomTriangles) {
   }
   EXPECT_GE(expected, 100u);
   EXPECT_EQ(count(soup), expected);
-  for (const int threads : {2, 5}) EXPECT_EQ(count_self_intersections(soup, Parallel(threads)), expected);
+  for (const int threads : {2, 5}) EXPECT_EQ(count_self_intersections(soup, Context(threads)), expected);
   for (Vec3d& v : soup.vertices) v = v * 1e-3 + Vec3d{5e6, -5e6, 5e6};
   EXPECT_NEAR(static_cast<double>(count(soup)), static_cast<double>(expected), 3) << "far from the origin";
 }

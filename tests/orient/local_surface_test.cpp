@@ -17,11 +17,10 @@
 namespace soapfilm::test {
 namespace TEST_FILE {
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
-LocalSurface around(const PointCloud& cloud, const Parallel& parallel = one_thread) {
-  Progress progress;
-  return measure_local_surface(cloud.positions, cloud.normals, cloud.box(), parallel, progress);
+LocalSurface around(const PointCloud& cloud, const Context& context = one_thread) {
+  return measure_local_surface(cloud.positions, cloud.normals, cloud.box(), context);
 }
 
 PointCloud sphere(size_t samples) { return sample_surface(*make_sphere(), samples, 1); }
@@ -119,7 +118,7 @@ TEST(LocalSurface, RodsAreNoPlanesAndCount) {
 
 TEST(LocalSurface, IsTheSameForAnyNumberOfThreads) {
   const PointCloud cloud = sphere(50000);
-  const LocalSurface one = around(cloud), three = around(cloud, Parallel(3));
+  const LocalSurface one = around(cloud), three = around(cloud, Context(3));
   EXPECT_EQ(one.area, three.area);
   EXPECT_EQ(one.spacing, three.spacing);
   EXPECT_EQ(one.normal, three.normal);

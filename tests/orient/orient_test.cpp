@@ -22,8 +22,7 @@ struct Oriented {
 
 Oriented run(const PointCloud& cloud, const OrientParams& params = {}, int threads = 2) {
   Oriented result;
-  Progress progress;
-  result.directions = orient(cloud, params, Parallel(threads), progress, result.report);
+  result.directions = orient(cloud, params, Context(threads), result.report);
   return result;
 }
 
@@ -306,7 +305,7 @@ TEST(Orient, EstimatesAreTurnedToAKnownScanner) {
   scanner.views = 4;
   scanner.columns = scanner.rows = 100;
   scanner.normals = true;
-  PointCloud cloud = virtual_scan(*make_part(), scanner, Parallel(2)).cloud;
+  PointCloud cloud = virtual_scan(*make_part(), scanner, Context(2)).cloud;
   const std::vector<Vec3f> truth = std::exchange(cloud.normals, {});
   const Oriented found = run(cloud, asking_for(DirectionSource::estimate));
   EXPECT_EQ(found.report.estimated, cloud.size());
@@ -383,11 +382,10 @@ TEST(Orient, RepeatedPositionsCountOnce) {
 }
 
 TEST(Orient, CanBeCancelled) {
-  struct Impatient : Progress {
-  } progress;
+  Progress progress;
   progress.cancel();
   OrientReport report;
-  EXPECT_THROW(orient(without_normals(sample_surface(*make_sphere(), 100, 1)), {}, Parallel(1), progress, report),
+  EXPECT_THROW(orient(without_normals(sample_surface(*make_sphere(), 100, 1)), {}, Context(1, progress), report),
                Cancelled);
 }
 

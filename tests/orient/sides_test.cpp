@@ -14,14 +14,13 @@ namespace soapfilm {
 namespace TEST_FILE {
 
 SideTally sides_of(const PointCloud& cloud, int threads = 1) {
-  Progress progress;
-  return measure_local_surface(cloud.positions, cloud.normals, cloud.box(), Parallel(threads), progress).sides;
+  return measure_local_surface(cloud.positions, cloud.normals, cloud.box(), Context(threads)).sides;
 }
 
 PointCloud ring(double outliers = 0) {
   SamplingParams params{.count = 20000};
   params.outliers = outliers;
-  return sample_surface(*make_torus(), params, Parallel(1));
+  return sample_surface(*make_torus(), params, Context(1));
 }
 
 /// Turns normals round: single ones by lot, or all beyond a plane.
@@ -54,7 +53,7 @@ TEST(Sides, SoundNormalsDoNotContradict) {
     SamplingParams params{.count = 20000};
     for (const double noise : {0.0, 0.006}) {
       params.noise = noise;
-      const SideTally sides = sides_of(sample_surface(*make_shape(name), params, Parallel(1)));
+      const SideTally sides = sides_of(sample_surface(*make_shape(name), params, Context(1)));
       EXPECT_FALSE(sides.contradicts()) << name;
       EXPECT_LT(sides.contradicting(), 0.002) << name;
     }
@@ -111,12 +110,10 @@ Doubted doubt(const PointCloud& cloud, DirectionSource source = DirectionSource:
   Doubted result;
   OrientParams params;
   params.source = source;
-  Progress progress;
-  const Parallel parallel(2);
-  result.directions = orient(cloud, params, parallel, progress, result.report);
-  const LocalSurface surface =
-      measure_local_surface(cloud.positions, result.directions, cloud.box(), parallel, progress);
-  result.changed = doubt_signs(cloud, params, surface.sides, parallel, progress, result.directions, result.report);
+  const Context context(2);
+  result.directions = orient(cloud, params, context, result.report);
+  const LocalSurface surface = measure_local_surface(cloud.positions, result.directions, cloud.box(), context);
+  result.changed = doubt_signs(cloud, params, surface.sides, context, result.directions, result.report);
   return result;
 }
 

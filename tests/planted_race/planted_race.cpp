@@ -8,10 +8,10 @@
 #include "soapfilm/core/parallel.h"
 
 int main() {
-  const soapfilm::Parallel parallel(2);
+  const soapfilm::Context context(2);
   std::atomic<int> arrived{0};
   size_t sum = 0;
-  parallel.for_each(2, 1, [&](size_t i) {
+  parallel_for(context, 2, 1, [&](size_t i) {
     sum += i;
     // Hold this thread until the other chunk is on another one. Relaxed, so that the wait orders nothing.
     arrived.fetch_add(1, std::memory_order_relaxed);

@@ -66,10 +66,8 @@ std::vector<std::string> names_of(const std::vector<Canceller::Stage>& stages) {
   return names;
 }
 
-/// Nothing is wired: the library's loops ask the progress object by themselves.
 void run(const PointCloud& cloud, const ReconstructParams& params, Progress& progress, int threads = 1) {
-  const Parallel parallel(threads);
-  reconstruct(cloud, params, parallel, progress);
+  reconstruct(cloud, params, Context(threads, progress));
 }
 
 class CancelledRun : public testing::TestWithParam<Method> {
@@ -136,10 +134,9 @@ TEST_P(CancelledRun, GivesItsMemoryBackSlow) {
   constexpr int threads = 2;
   constexpr double megabyte = 1 << 20;
   const double empty = resident_bytes();
-  Progress progress;
   std::vector<StageTime> stages;
   {
-    const Reconstruction whole = reconstruct(large, params, Parallel(threads), progress);
+    const Reconstruction whole = reconstruct(large, params, Context(threads));
     stages = whole.report.stages;
     EXPECT_GT(static_cast<double>(whole.report.peak_bytes) - empty, 16 * megabyte) << "too small to say anything";
   }

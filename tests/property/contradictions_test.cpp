@@ -27,10 +27,9 @@ TEST_P(Contradictory, ParametersAreRefusedInOneLine) {
   ReconstructParams params;
   params.method = GetParam().method;
   GetParam().set(params);
-  Progress progress;
   std::string message;
   try {
-    reconstruct(sampled("sphere", 40, 0.5), params, Parallel(1), progress);
+    reconstruct(sampled("sphere", 40, 0.5), params, Context(1));
   } catch (const ParameterError& error) {
     message = error.what();
   }

@@ -23,11 +23,10 @@ const PointCloud& cloud() {
   return made;
 }
 
-Reconstruction reconstructed(int threads) {
+Reconstruction reconstructed(const BackEnd& back_end) {
   ReconstructParams params;
   params.place.resolution = resolution;
-  Progress progress;
-  return reconstruct(cloud(), params, Parallel(threads), progress);
+  return reconstruct(cloud(), params, context_on(back_end));
 }
 
 class Determinism : public testing::TestWithParam<std::string> {};
@@ -39,14 +38,10 @@ std::string target_name(const testing::TestParamInfo<std::string>& info) {
 }
 
 TEST_P(Determinism, SameMeshBytesOnAnyNumberOfThreads) {
-  const Reconstruction oracle = [] {
-    const ForcedTarget target(sanitized ? GetParam() : "scalar");
-    return reconstructed(1);
-  }();
+  const Reconstruction oracle = reconstructed({sanitized ? GetParam() : "scalar", 1});
   EXPECT_GT(oracle.mesh.triangles.size(), size_t{resolution * resolution / 3});
-  const ForcedTarget target(GetParam());
   for (const int threads : sanitized ? std::vector{8} : std::vector{1, 2, 3, 8}) {
-    const Reconstruction result = reconstructed(threads);
+    const Reconstruction result = reconstructed({GetParam(), threads});
     EXPECT_EQ(hash_mesh(result.mesh), hash_mesh(oracle.mesh)) << threads << " threads";
     EXPECT_EQ(result.report.isovalue, oracle.report.isovalue);
     EXPECT_EQ(result.report.certificate.binary.primal, oracle.report.certificate.binary.primal);

@@ -24,8 +24,7 @@ inline ReconstructParams params_of(Method method) {
 }
 
 inline Reconstruction reconstructed(const PointCloud& cloud, const ReconstructParams& params, int threads = 1) {
-  Progress progress;
-  return reconstruct(cloud, params, Parallel(threads), progress);
+  return reconstruct(cloud, params, Context(threads));
 }
 
 inline Reconstruction reconstructed(const std::string& shape, Method method) {
@@ -38,7 +37,7 @@ inline PointCloud range_scans(const std::vector<Vec3d>& positions = {}, int vert
   ScannerParams scanner;
   scanner.step = 1.0 / (vertices - 12);
   scanner.positions = positions;
-  return virtual_scan(*make_sphere(), scanner, Parallel(1)).cloud;
+  return virtual_scan(*make_sphere(), scanner, Context(1)).cloud;
 }
 
 inline std::string identifier(std::string name) {

@@ -13,8 +13,7 @@ Reconstruction reconstructed(const PointCloud& cloud, double lambda) {
   ReconstructParams params;
   params.place.resolution = 60;
   params.energy.lambda = lambda;
-  Progress progress;
-  return reconstruct(cloud, params, Parallel(1), progress);
+  return reconstruct(cloud, params, Context(1));
 }
 
 class EmptyOptimumOf : public testing::TestWithParam<std::string> {};

@@ -43,13 +43,13 @@ TEST_P(EveryMethod, IsRefusedBeforeItsWorkWhenThePlanPassesTheLimit) {
   EXPECT_THROW(reconstructed(cloud, params), MemoryError);
   if (GetParam() == Method::tv) params.memory_limit = plan_placing(cloud);
   StageList stages;
-  EXPECT_THROW(reconstruct(cloud, params, Parallel(1), stages), MemoryError);
+  EXPECT_THROW(reconstruct(cloud, params, Context(1, stages)), MemoryError);
   EXPECT_EQ(stages.names, (std::vector<std::string>{"orient", "place"}));
 }
 
 TEST_P(EveryMethod, TellsWhatItDid) {
   Reconstruction result = reconstructed(cloud, params);
-  check_result(result, cloud, Parallel(1));
+  check_result(result, cloud, Context(1));
   const json report = json::parse(to_json(result.report));
   const std::string name = name_of(GetParam());
   EXPECT_EQ(report["method"]["name"], name);

@@ -41,10 +41,9 @@ TEST_P(PlannedMemory, IsAboutThePeakSlow) {
   ReconstructParams params;
   params.place.resolution = p.resolution;
   add_noise(cloud, p.noise * voxel_of_resolution(make_shape(p.shape)->box(), p.resolution, params.place.padding), 1);
-  Progress progress;
-  const Parallel one_thread(1);
-  const Reconstruction result = p.freed ? reconstruct(std::move(cloud), params, one_thread, progress)
-                                        : reconstruct(cloud, params, one_thread, progress);
+  const Context one_thread(1);
+  const Reconstruction result =
+      p.freed ? reconstruct(std::move(cloud), params, one_thread) : reconstruct(cloud, params, one_thread);
   EXPECT_EQ(result.report.refine->spacing > 1, p.noise > 0);
   const auto planned = static_cast<double>(result.report.planned_bytes);
   const auto peak = static_cast<double>(result.report.peak_bytes);
@@ -117,10 +116,9 @@ TEST_P(PlannedScene, IsAboutThePeakSlow) {
   ReconstructParams params;
   params.place.voxel = 1;
   params.checked = s.checked;
-  Progress progress;
-  const Parallel one_thread(1);
-  Reconstruction result = s.checked ? reconstruct(cloud, params, one_thread, progress)
-                                    : reconstruct(std::move(cloud), params, one_thread, progress);
+  const Context one_thread(1);
+  Reconstruction result =
+      s.checked ? reconstruct(cloud, params, one_thread) : reconstruct(std::move(cloud), params, one_thread);
   if (s.checked) check_result(result, cloud, one_thread);
   const auto planned = static_cast<double>(result.report.planned_bytes);
   const auto peak = static_cast<double>(peak_memory_bytes());
@@ -141,23 +139,21 @@ TEST(MemoryPlan, AnOpenSheetRunsWhereItsPlanFits) {
     ReconstructParams params;
     params.place.voxel = 1;
     params.border.outside = outside;
-    Progress progress;
-    const Reconstruction free = reconstruct(cloud, params, Parallel(1), progress);
+    const Reconstruction free = reconstruct(cloud, params, Context(1));
     EXPECT_EQ(free.report.border.chosen, Border::open);
     params.memory_limit = free.report.planned_bytes;
-    const Reconstruction fits = reconstruct(cloud, params, Parallel(1), progress);
+    const Reconstruction fits = reconstruct(cloud, params, Context(1));
     EXPECT_EQ(hash_mesh(fits.mesh), hash_mesh(free.mesh));
     for (const double share : {0.98, 0.7, 0.3}) {
       params.memory_limit = static_cast<size_t>(share * static_cast<double>(free.report.planned_bytes));
-      EXPECT_THROW(reconstruct(cloud, params, Parallel(1), progress), MemoryError) << share;
+      EXPECT_THROW(reconstruct(cloud, params, Context(1)), MemoryError) << share;
     }
   }
 }
 
 std::string refusal(const PointCloud& cloud, const ReconstructParams& params) {
-  Progress progress;
   try {
-    reconstruct(cloud, params, Parallel(1), progress);
+    reconstruct(cloud, params, Context(1));
   } catch (const MemoryError& error) {
     return error.what();
   }
@@ -193,12 +189,11 @@ TEST(MemoryPlan, ACloudThatMayBeFreedGivesTheSameMeshForLess) {
   PointCloud cloud = sampled("torus", 48, 2);
   ReconstructParams params;
   params.place.resolution = 48;
-  Progress progress;
-  const Parallel one_thread(1);
+  const Context one_thread(1);
   const size_t samples = cloud.size();
-  const Reconstruction kept = reconstruct(cloud, params, one_thread, progress);
+  const Reconstruction kept = reconstruct(cloud, params, one_thread);
   EXPECT_EQ(cloud.size(), samples);
-  const Reconstruction freed = reconstruct(std::move(cloud), params, one_thread, progress);
+  const Reconstruction freed = reconstruct(std::move(cloud), params, one_thread);
   EXPECT_EQ(hash_mesh(freed.mesh), hash_mesh(kept.mesh));
   EXPECT_LT(freed.report.planned_bytes, kept.report.planned_bytes);
 }
@@ -208,12 +203,11 @@ TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
   const PointCloud cloud = sampled("torus", resolution, 1);
   ReconstructParams params;
   params.place.resolution = resolution;
-  Progress progress;
-  const Parallel one_thread(1);
+  const Context one_thread(1);
   params.memory_limit = size_t{sanitized ? 16 : 28} << 20;
   std::string message;
   try {
-    reconstruct(cloud, params, one_thread, progress);
+    reconstruct(cloud, params, one_thread);
   } catch (const MemoryError& error) {
     message = error.what();
   }
@@ -225,7 +219,7 @@ TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
   EXPECT_GT(fits, 20);
   EXPECT_LT(fits, resolution);
   params.place.resolution = fits;
-  EXPECT_NO_THROW(reconstruct(cloud, params, one_thread, progress));
+  EXPECT_NO_THROW(reconstruct(cloud, params, one_thread));
 }
 
 TEST(MemoryPlan, OfSamplesThatAloneDoNotFitNamesNoResolution) {
@@ -233,9 +227,8 @@ TEST(MemoryPlan, OfSamplesThatAloneDoNotFitNamesNoResolution) {
   ReconstructParams params;
   params.place.resolution = 40;
   params.memory_limit = size_t{30} << 20;
-  Progress progress;
   try {
-    reconstruct(std::move(cloud), params, Parallel(1), progress);
+    reconstruct(std::move(cloud), params, Context(1));
     FAIL() << "a quarter of a million samples in 30 MiB";
   } catch (const MemoryError& error) {
     EXPECT_NE(std::string(error.what()).find("no resolution would fit"), std::string::npos) << error.what();
@@ -247,8 +240,7 @@ TEST(MemoryPlan, RefusesABoxThatOnlyItsTablesWouldFill) {
   ReconstructParams params;
   params.place.resolution = 16000;
   params.memory_limit = size_t{1} << 30;
-  Progress progress;
-  EXPECT_THROW(reconstruct(cloud, params, Parallel(1), progress), MemoryError);
+  EXPECT_THROW(reconstruct(cloud, params, Context(1)), MemoryError);
 }
 
 }  // namespace TEST_FILE

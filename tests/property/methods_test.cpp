@@ -130,7 +130,7 @@ TEST(Vrip, ScansWithoutAPositionTakeTheOneThatIsGiven) {
 std::string refusal(const PointCloud& cloud, const ReconstructParams& params) {
   StageList stages;
   try {
-    reconstruct(cloud, params, Parallel(1), stages);
+    reconstruct(cloud, params, Context(1, stages));
   } catch (const ParameterError& error) {
     EXPECT_TRUE(stages.names.empty()) << "refused before the work";
     return error.what();
@@ -175,10 +175,9 @@ TEST(Poisson, HasTheSameSurfaceForEveryLambda) {
 TEST(Poisson, SaysSoWhenTheDirectionsPointInward) {
   PointCloud cloud = sampled("sphere", resolution, 1);
   for (Vec3f& n : cloud.normals) n = n * -1.0f;
-  Progress progress;
   std::string message;
   try {
-    reconstruct(cloud, params_of(Method::poisson), Parallel(1), progress);
+    reconstruct(cloud, params_of(Method::poisson), Context(1));
   } catch (const ParameterError& error) {
     message = error.what();
   }

@@ -21,8 +21,7 @@ Reconstruction reconstructed(const PointCloud& cloud, double voxel, double toler
   params.surface.bend.tolerance = bend_tolerance;
   params.place.voxel = voxel;
   params.solve.tolerance = tolerance;
-  Progress progress;
-  Reconstruction result = reconstruct(cloud, params, Parallel(1), progress);
+  Reconstruction result = reconstruct(cloud, params, Context(1));
   EXPECT_TRUE(check_topology(result.mesh).watertight());
   return result;
 }
@@ -101,15 +100,14 @@ INSTANTIATE_TEST_SUITE_P(Planes, PlanarHole, testing::Bool(), [](const auto& p) 
 /// Vertices inside when the lattice's coarsest level is solved on its own.
 size_t inside_on_coarsest_level(const ReconstructReport& report, const PointCloud& cloud) {
   const Problem problem = make_problem(cloud, report.lattice);
-  const Parallel one_thread(1);
+  const Context one_thread(1);
   const auto fields = coarser_fields(problem.support, report.lattice, report.lattice.levels, one_thread);
   const SupportField& data = fields.back();
   const LevelBox box = report.lattice.box(report.lattice.levels - 1);
   const double lambda = report.certificate.lambda * std::pow(4, box.level);
   Level level =
       make_level(box, static_cast<float>(lambda), BrickMask::whole(box.bricks), data.grid, data.f, one_thread);
-  Progress progress;
-  solve_primal_dual(level, {}, one_thread, progress);
+  solve_primal_dual(level, {}, one_thread);
   return count_inside(dense_labels(level));
 }
 
@@ -168,7 +166,7 @@ TEST(Border, IsFarEnoughSlow) {
   for (const int padding : {6, 13}) {
     const Problem problem = make_problem(cloud, place_lattice(cloud.box(), 1.0 / 52, padding));
     const PyramidSolution solution = solve(problem, 0.04, 1e-6);
-    energy[padding == 13] = evaluate_energy(solution.finest, {}, Parallel(1)).primal;
+    energy[padding == 13] = evaluate_energy(solution.finest, {}, Context(1)).primal;
   }
   EXPECT_NEAR(energy[0], energy[1], 2e-6 * std::abs(energy[0]));
 }

@@ -10,7 +10,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 constexpr double lambda = 0.02;
 constexpr double tolerance = 1e-5;
 
@@ -178,8 +178,7 @@ PointCloud scaled(const PointCloud& cloud, double factor) {
 Reconstruction reconstructed(const PointCloud& cloud) {
   ReconstructParams params;
   params.place.resolution = 56;
-  Progress progress;
-  return reconstruct(cloud, params, one_thread, progress);
+  return reconstruct(cloud, params, one_thread);
 }
 
 TEST(Units, PowersOfTwoScaleTheMeshExactly) {

@@ -41,8 +41,7 @@ TEST_P(BuiltInShape, KeepsItsComponentsAndGenus) {
   const auto shape = make_shape(name);
   ReconstructParams params;
   params.place.resolution = resolution;
-  Progress progress;
-  const Reconstruction result = reconstruct(sampled(*shape, resolution, density), params, Parallel(1), progress);
+  const Reconstruction result = reconstruct(sampled(*shape, resolution, density), params, Context(1));
   for (const LevelReport& level : result.report.levels) EXPECT_TRUE(level.converged) << "level " << level.level;
   const TopologyReport topology = check_topology(result.mesh);
   EXPECT_TRUE(topology.watertight());

@@ -14,7 +14,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// A coarse level without data, all bricks active, u = 0 and p = 0.
 struct Blank {
@@ -142,10 +142,10 @@ TEST(Band, GrowsWhereTheInterfaceReachesTheRim) {
   BrickMask band(blank.lattice.box(0).bricks);
   band.set({3, 3, 3});
   Level fine = prolong_level(blank.coarse, blank.lattice.box(0), band, blank.no_data, one_thread);
-  EXPECT_EQ(growth(fine, blank.coarse.grid, Parallel(2)).count(), 0u);
+  EXPECT_EQ(growth(fine, blank.coarse.grid, Context(2)).count(), 0u);
   fine.u.brick(0)[brick_offset(7, 4, 4)] = 0.9f;
   fine.u.brick(0)[brick_offset(4, 4, 0)] = 0.9f;
-  const BrickMask grown = growth(fine, blank.coarse.grid, Parallel(2));
+  const BrickMask grown = growth(fine, blank.coarse.grid, Context(2));
   EXPECT_EQ(grown.count(), 2u);
   EXPECT_TRUE(grown.test({4, 3, 3}));
   EXPECT_TRUE(grown.test({3, 3, 2}));

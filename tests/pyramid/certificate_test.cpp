@@ -18,7 +18,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// What solve_coarse_to_fine() solves, with every level kept as it was solved. data[l] and levels[l] belong to level l.
 struct KeptPyramid {
@@ -59,8 +59,7 @@ KeptPyramid solve_and_keep(const Problem& problem, double lambda, Norm norm) {
     if (kept.levels.empty()) kept.levels.resize(l + 1);
     kept.levels[l] = copy_of(level, kept.data[l]);
   };
-  Progress progress;
-  solve_coarse_to_fine(lattice, kept.data[0], lambda, {}, one_thread, progress, norm, observe);
+  solve_coarse_to_fine(lattice, kept.data[0], lambda, {}, one_thread, norm, observe);
   return kept;
 }
 

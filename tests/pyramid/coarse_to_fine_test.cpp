@@ -19,7 +19,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 constexpr double tolerance = 2e-6;
 
 /// One level without a pyramid: every brick of the finest box is active.
@@ -30,8 +30,7 @@ Level dense_solution(const Problem& problem, double lambda, Norm norm) {
   PrimalDualParams params;
   params.tolerance = tolerance;
   params.max_iterations = 20000;
-  Progress progress;
-  EXPECT_TRUE(solve_primal_dual(level, params, one_thread, progress).converged);
+  EXPECT_TRUE(solve_primal_dual(level, params, one_thread).converged);
   return level;
 }
 
@@ -169,16 +168,14 @@ TEST(CoarseToFine, ShowsItsObserverEveryLevelAndEveryEvaluation) {
     evaluations.back() = iterations;
     last = energies;
   };
-  Progress progress;
-  const PyramidSolution watched = solve_coarse_to_fine(problem.lattice, problem.support, 0.02, params, one_thread,
-                                                       progress, Norm::isotropic, observer);
+  const PyramidSolution watched =
+      solve_coarse_to_fine(problem.lattice, problem.support, 0.02, params, one_thread, Norm::isotropic, observer);
   ASSERT_EQ(levels.size(), watched.reports.size());
   for (size_t k = 0; k < levels.size(); ++k) {
     EXPECT_EQ(levels[k], watched.reports[k].level) << "coarsest first";
     EXPECT_EQ(evaluations[k], watched.reports[k].iterations);
   }
-  const PyramidSolution alone =
-      solve_coarse_to_fine(problem.lattice, problem.support, 0.02, params, one_thread, progress);
+  const PyramidSolution alone = solve_coarse_to_fine(problem.lattice, problem.support, 0.02, params, one_thread);
   EXPECT_EQ(evaluate_energy(alone.finest, {}, one_thread).primal, last.primal) << "watching changes nothing";
 }
 
@@ -189,10 +186,8 @@ TEST(CoarseToFine, ConvergesWhereTheFluxMustTurnSlow) {
   PrimalDualParams params;
   params.tolerance = 3e-4;
   params.max_iterations = 800;
-  Progress progress;
   constexpr double lambda = 0.088;
-  const PyramidSolution solution =
-      solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, one_thread, progress);
+  const PyramidSolution solution = solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, one_thread);
   for (const LevelReport& report : solution.reports) EXPECT_TRUE(report.converged) << "level " << report.level;
   EXPECT_TRUE(std::any_of(solution.reports.begin(), solution.reports.end(), [](const LevelReport& report) {
     return report.band_growths > 0;
@@ -210,7 +205,6 @@ TEST(CoarseToFine, AGrownFinestBandHasTheFluxOfTheCoarseLevel) {
   params.max_iterations = 12;
   params.check_every = 2;
   params.tolerance = 0.05;  // the finest level is there before its iterations run out, and may grow
-  Progress progress;
   Level coarse;
   int solved = 0;
   PyramidObserver observe;
@@ -227,8 +221,8 @@ TEST(CoarseToFine, AGrownFinestBandHasTheFluxOfTheCoarseLevel) {
     coarse.inside = level.inside;
     coarse.outside = level.outside;
   };
-  const PyramidSolution solution = solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, one_thread,
-                                                        progress, Norm::isotropic, observe);
+  const PyramidSolution solution =
+      solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, one_thread, Norm::isotropic, observe);
   ASSERT_GT(solution.reports.back().band_growths, 0);
   EXPECT_EQ(static_cast<size_t>(solved), solution.reports.size()) << "each level is told of once";
   const Level& grown = solution.finest;
@@ -265,9 +259,8 @@ TEST(CoarseToFine, TheLimitHoldsOverTheGrowthsOfABand) {
     params.max_iterations = limit;
     params.tolerance = 1e-7;
     params.settle = false;
-    Progress progress;
     for (const LevelReport& report :
-         solve_coarse_to_fine(problem.lattice, problem.support, 0.04, params, one_thread, progress).reports) {
+         solve_coarse_to_fine(problem.lattice, problem.support, 0.04, params, one_thread).reports) {
       EXPECT_LE(report.iterations, limit) << "level " << report.level;
       EXPECT_EQ(report.converged, report.stop == Stop::converged);
       if (report.stop == Stop::limit) {
@@ -288,8 +281,7 @@ TEST(CoarseToFine, ALevelEndsWhenItsLabelsHaveSettled) {
     params.settle = settle;
     params.tolerance = 1e-5;
     params.max_iterations = 20000;
-    Progress progress;
-    return solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, Parallel(threads), progress);
+    return solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, Context(threads));
   };
   const PyramidSolution settled = solved(true, 1), exact = solved(false, 1);
   const LevelReport &ended = settled.reports.back(), &went_on = exact.reports.back();
@@ -316,20 +308,18 @@ TEST(CoarseToFine, AFilmThatTheRimCannotFeedEndsStalled) {
   const Problem problem = make_problem(without_end(sampled("sphere", 64, 1), 0.4), 64);
   PrimalDualParams params;
   params.max_iterations = 20000;
-  Progress progress;
   constexpr double lambda = 0.05;
   const SupportField field = restrict_field(problem.support, problem.lattice.box(1), one_thread);
   Level coarse = make_level(problem.lattice.box(1), static_cast<float>(4 * lambda),
                             BrickMask::whole(problem.lattice.box(1).bricks), field.grid, field.f, one_thread);
-  ASSERT_TRUE(solve_primal_dual(coarse, params, one_thread, progress).converged);
+  ASSERT_TRUE(solve_primal_dual(coarse, params, one_thread).converged);
   int iterations[2];
   for (const bool faded : {false, true}) {
     if (faded) scale_flux(coarse, 0.6f, one_thread);
     const LevelBox box = problem.lattice.box(0);
     Level level = prolong_level(coarse, box, choose_band(coarse, box, problem.support, 1e9, one_thread),
                                 problem.support, one_thread);
-    const PrimalDualReport report =
-        solve_primal_dual(level, params, one_thread, progress, {.late = true, .stalls = true});
+    const PrimalDualReport report = solve_primal_dual(level, params, one_thread, {.late = true, .stalls = true});
     EXPECT_EQ(report.stop, faded ? Stop::stalled : Stop::converged);
     iterations[faded] = report.iterations;
   }

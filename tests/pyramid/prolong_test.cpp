@@ -15,7 +15,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// Two levels, all bricks active, without data.
 struct TwoLevels {
@@ -155,8 +155,7 @@ TEST(Prolong, OfALevelThatIsGivenUpIsTheSame) {
   for (const int threads : {1, 3}) {
     TwoLevels given_up(lattice);
     given_up.fill_coarse(wave, 7);
-    const Level fine =
-        prolong_level(std::move(given_up.coarse), lattice.box(0), band, large.no_data, Parallel(threads));
+    const Level fine = prolong_level(std::move(given_up.coarse), lattice.box(0), band, large.no_data, Context(threads));
     EXPECT_EQ(fine.outside.dual, kept.outside.dual);
     ASSERT_TRUE(std::equal(fine.u.brick(0), fine.u.brick(0) + fine.grid.vertices(), kept.u.brick(0)));
     ASSERT_TRUE(std::equal(fine.p.brick(0), fine.p.brick(0) + 3 * fine.grid.vertices(), kept.p.brick(0)));

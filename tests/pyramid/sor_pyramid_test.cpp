@@ -15,7 +15,7 @@ namespace TEST_FILE {
 using namespace test;
 
 constexpr double lambda = 0.01;
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 struct Case {
   std::string name, shape;
@@ -36,10 +36,9 @@ TEST_P(SorAndOptimum, NoStateBeatsTheDualBound) {
     SorParams params;
     params.order = order;
     std::vector<SorLevelReport> reports;
-    Progress progress;
     int states = 0;
-    const Level level = solve_sor(
-        problem.lattice, problem.support, lambda, params, one_thread, progress, reports, [&](const SorState& state) {
+    const Level level =
+        solve_sor(problem.lattice, problem.support, lambda, params, one_thread, reports, [&](const SorState& state) {
           if (state.iterations % 10 != 0) return;
           const Level seen = sor_level(state.u, state.box, state.lambda, state.support, params, one_thread);
           const Energies relaxed = evaluate_energy(seen, {.threshold = {}, .certify = true}, one_thread);
@@ -79,8 +78,7 @@ TEST(SorPyramid, SavesIterationsAtTheFinestLevel) {
   const auto run = [&](int levels) {
     params.levels = levels;
     std::vector<SorLevelReport> reports;
-    Progress progress;
-    solve_sor(problem.lattice, problem.support, lambda, params, one_thread, progress, reports);
+    solve_sor(problem.lattice, problem.support, lambda, params, one_thread, reports);
     EXPECT_EQ(reports.size(), static_cast<size_t>(levels));
     return reports.back();
   };
@@ -96,8 +94,7 @@ TEST(SorPyramid, CyclesWithForwardDifferences) {
   SorParams params;
   params.gradient = SorGradient::forward;
   std::vector<SorLevelReport> reports;
-  Progress progress;
-  solve_sor(problem.lattice, problem.support, lambda, params, one_thread, progress, reports);
+  solve_sor(problem.lattice, problem.support, lambda, params, one_thread, reports);
   EXPECT_FALSE(reports.back().converged);
   const std::vector<double>& energy = reports.back().energy;
   const auto [lowest, highest] = std::minmax_element(energy.end() - 20, energy.end());
@@ -117,7 +114,7 @@ TEST(ProlongDense, IsTrilinear) {
         for (int x = box.free_lo.x; x <= box.free_hi.x; ++x) visit(Vec3i{x, y, z});
   };
   for_each(coarse_box, [&](Vec3i v) { coarse.at(v) = static_cast<float>(random.uniform()); });
-  const DenseField<float> fine = prolong_dense(coarse, fine_box, Parallel(3));
+  const DenseField<float> fine = prolong_dense(coarse, fine_box, Context(3));
   for_each(fine_box, [&](Vec3i v) {
     double expected = 0;
     for (int corner = 0; corner < 8; ++corner) {

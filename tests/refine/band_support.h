@@ -16,13 +16,13 @@ namespace soapfilm::test {
 
 /// A random set of vertices in a box of bricks.
 inline NarrowBand random_band(Vec3i bricks, double share, uint64_t seed) {
-  const Parallel parallel(1);
-  BrickGrid grid(BrickMask::whole(bricks), parallel);
+  const Context context(1);
+  BrickGrid grid(BrickMask::whole(bricks), context);
   Random random(seed);
   std::vector<uint8_t> vertices(grid.size() * brick_area);
   for (uint8_t& row : vertices)
     for (int x = 0; x < brick_side; ++x) row |= static_cast<uint8_t>((random.uniform() < share) << x);
-  return NarrowBand(std::move(grid), vertices, parallel);
+  return NarrowBand(std::move(grid), vertices, context);
 }
 
 inline NarrowBand random_band(int bricks, double share, uint64_t seed) {
@@ -48,7 +48,7 @@ inline double dot(const RowArray& a, const RowArray& b) {
 inline GridSamples random_samples(Vec3i bricks, size_t count, uint64_t seed) {
   Random random(seed);
   GridSamples samples;
-  samples.bricks = BrickGrid(BrickMask::whole(bricks), Parallel(1));
+  samples.bricks = BrickGrid(BrickMask::whole(bricks), Context(1));
   samples.begin.push_back(0);
   for (size_t b = 0; b < samples.bricks.size(); ++b) {
     for (size_t s = 0; s < count / samples.bricks.size(); ++s) {
@@ -125,7 +125,7 @@ struct Refined {
 
 inline Mesh mesh_of(const SurfaceField& field, float isovalue, const Lattice& lattice) {
   return extract_isosurface(
-      field.grid, field.value, [&](Vec3i brick) { return field.missing_value(brick); }, isovalue, lattice, Parallel(1));
+      field.grid, field.value, [&](Vec3i brick) { return field.missing_value(brick); }, isovalue, lattice, Context(1));
 }
 
 /// What refine() reads of a level, which it takes over.
@@ -142,7 +142,7 @@ inline Level copy_of(const Level& level) {
 inline Refined refined(const Solved& solved, const RefineParams& params = {}, int threads = 1) {
   Refined result;
   result.field = refine(copy_of(solved.solution.finest), 0.5f, solved.problem.samples, solved.density, params,
-                        Parallel(threads), result.report);
+                        Context(threads), result.report);
   result.mesh = mesh_of(result.field, 0, solved.problem.lattice);
   return result;
 }
@@ -150,7 +150,7 @@ inline Refined refined(const Solved& solved, const RefineParams& params = {}, in
 /// Mean distance from the truth to a mesh, voxels.
 inline double mean_error_vox(const Solved& solved, const Mesh& mesh) {
   const PointCloud truth = sample_surface(*solved.truth, 10000, 77);
-  return point_to_mesh_distance(truth.positions, mesh, Parallel(1)).mean / solved.problem.lattice.voxel;
+  return point_to_mesh_distance(truth.positions, mesh, Context(1)).mean / solved.problem.lattice.voxel;
 }
 
 }  // namespace soapfilm::test

@@ -13,7 +13,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 class Pulled : public testing::Test {
  protected:
@@ -32,9 +32,9 @@ class Pulled : public testing::Test {
   RowArray zero = band.make_array();
   CellSamples data = merged({.normal = 0.3f, .slope = 0.8f}, one_thread);
 
-  CellSamples merged(DataWeights weights, const Parallel& parallel) const {
-    CellSamples cells(samples, band, parallel);
-    merge(zero, samples, band, {}, weights, parallel, cells);
+  CellSamples merged(DataWeights weights, const Context& context) const {
+    CellSamples cells(samples, band, context);
+    merge(zero, samples, band, {}, weights, context, cells);
     return cells;
   }
 
@@ -191,11 +191,10 @@ class PulledOn : public Pulled, public testing::WithParamInterface<BackEnd> {};
 TEST_P(PulledOn, GivesTheSameBits) {
   const RowArray phi = random_array(band, 7);
   const RowArray expected = gradient(phi, true);
-  const ForcedTarget target(GetParam().target);
-  const Parallel parallel(GetParam().threads);
+  const Context context = context_on(GetParam());
   RowArray out = band.make_array();
-  const CellSamples cells = merged({0.3f, 0.8f}, parallel);
-  DataTerm::gradient(band, cells, phi, 1, out).add(parallel);
+  const CellSamples cells = merged({0.3f, 0.8f}, context);
+  DataTerm::gradient(band, cells, phi, 1, out).add(context);
   for (size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out.data()[i], expected.data()[i]);
 }
 
@@ -209,8 +208,7 @@ TEST_P(PulledOn, MergesWhatEachSampleSays) {
     weighted.direction[s] = weighted.direction[s] * static_cast<float>(s % 5);  // some have none
     most[s] = s % 7 != 0;
   }
-  const ForcedTarget target(GetParam().target);
-  const Parallel parallel(GetParam().threads);
+  const Context context = context_on(GetParam());
   for (const Penalty penalty : {Penalty::least_squares, Penalty::huber, Penalty::geman_mcclure, Penalty::tukey})
     for (const bool directions : {false, true}) {
       constexpr float scale = 0.4f;
@@ -236,7 +234,7 @@ TEST_P(PulledOn, MergesWhatEachSampleSays) {
           }
           doubted += weight < 0.25f;
         }
-      merge(phi, weighted, band, {penalty, scale, directions, most}, {}, parallel, data);
+      merge(phi, weighted, band, {penalty, scale, directions, most}, {}, context, data);
       EXPECT_EQ(data.doubted, doubted);
       EXPECT_EQ(data.count,
                 std::count_if(expected.begin(), expected.end(), [](auto& e) { return e.second.weight > 0; }));

@@ -11,7 +11,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// A solved shape's problem on the grid itself and on every second vertex, with the strength that suits the latter.
 struct TwoGrids {

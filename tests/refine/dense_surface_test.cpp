@@ -13,7 +13,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// 30 exp(-(r / 15)^2) around the centre of the box, 0 at fixed vertices: unbounded above, as Poisson's u is.
 DenseField<float> bell(const LevelBox& box) {
@@ -70,7 +70,7 @@ TEST_F(DenseSurfaceTest, MeanAtTheSamplesIsTheMeanOfTheTrilinearInterpolation) {
     }
   const double mean = mean_at_samples(u, problem.samples, one_thread);
   EXPECT_NEAR(mean, sum / static_cast<double>(problem.samples.size()), 1e-9 * mean);
-  EXPECT_EQ(mean, mean_at_samples(u, problem.samples, Parallel(3)));
+  EXPECT_EQ(mean, mean_at_samples(u, problem.samples, Context(3)));
 }
 
 TEST_F(DenseSurfaceTest, RefusesAnIsovalueThatTheOutsideOfTheBoxExceeds) {

@@ -10,7 +10,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// A ball of radius 9 in 4^3 bricks: its distance within 2.5 voxels, displaced, and samples of the true one.
 class BallDisplacement : public testing::Test {
@@ -98,8 +98,8 @@ class BallDisplacementOn : public BallDisplacement, public testing::WithParamInt
 TEST_P(BallDisplacementOn, GivesTheSameBits) {
   displace();
   const CellSamples cells = fitted(0.5f);
-  const auto run = [&](const Parallel& parallel) {
-    Displacement displacement(band, phi0, parallel);
+  const auto run = [&](const Context& context) {
+    Displacement displacement(band, phi0, context);
     displacement.precondition(cells, {0.02f, 0.5f});
     for (int round = 0; round < 2; ++round) {
       displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
@@ -109,8 +109,7 @@ TEST_P(BallDisplacementOn, GivesTheSameBits) {
     return std::vector<float>(displacement.phi().data(), displacement.phi().data() + displacement.phi().size());
   };
   const std::vector<float> expected = run(one_thread);
-  const ForcedTarget target(GetParam().target);
-  EXPECT_EQ(run(Parallel(GetParam().threads)), expected);
+  EXPECT_EQ(run(context_on(GetParam())), expected);
 }
 
 /// Of 26 layers of bricks two threads and three take several slabs through every pass.
@@ -120,10 +119,10 @@ TEST(Displacement, GivesTheSameBitsInSlabsOfLayers) {
   const RowArray phi0 = random_array(band, 2);
   const GridSamples samples = random_samples(bricks, 20000, 3);
   const auto run = [&](int threads) {
-    const Parallel parallel(threads);
-    CellSamples cells(samples, band, parallel);
-    merge(phi0, samples, band, {}, {0.3f, 1}, parallel, cells);
-    Displacement displacement(band, phi0, parallel);
+    const Context context(threads);
+    CellSamples cells(samples, band, context);
+    merge(phi0, samples, band, {}, {0.3f, 1}, context, cells);
+    Displacement displacement(band, phi0, context);
     displacement.precondition(cells, {0.02f, 0.5f});
     displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
     displacement.yield_to_bends(1);

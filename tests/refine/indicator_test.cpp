@@ -12,7 +12,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// The binary indicator smoothed three times with the box filter along each axis, in double; 0 beyond the box.
 Dense<double> brute_force(const Level& level, float threshold) {
@@ -89,7 +89,7 @@ TEST_P(Indicator, MeanAtTheSamplesIsTheMeanOfTheTrilinearInterpolation) {
     }
   const double mean = sum / static_cast<double>(problem.samples.size());
   EXPECT_NEAR(mean_at_samples(field, problem.samples, one_thread), mean, 1e-6);
-  EXPECT_EQ(mean_at_samples(field, problem.samples, Parallel(3)), mean_at_samples(field, problem.samples, one_thread));
+  EXPECT_EQ(mean_at_samples(field, problem.samples, Context(3)), mean_at_samples(field, problem.samples, one_thread));
   EXPECT_NEAR(mean, 0.5, 0.15) << "the samples lie on the surface";
 }
 

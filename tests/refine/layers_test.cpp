@@ -10,7 +10,7 @@
 namespace soapfilm {
 namespace TEST_FILE {
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 using Values = std::vector<uint64_t>;
 
 /// The sum over a layer and those next to it.
@@ -46,16 +46,16 @@ class Pass {
 };
 
 template <size_t... Stage>
-Pass run(int layers, const Parallel& parallel, std::index_sequence<Stage...>) {
+Pass run(int layers, const Context& context, std::index_sequence<Stage...>) {
   Pass pass(layers, sizeof...(Stage));
-  layer_by_layer(layers, parallel, pass.stage(Stage)...);
+  layer_by_layer(layers, context, pass.stage(Stage)...);
   return pass;
 }
 
 template <size_t... Stage>
-Pass run_apart(int layers, const Parallel& parallel, std::index_sequence<Stage...>) {
+Pass run_apart(int layers, const Context& context, std::index_sequence<Stage...>) {
   Pass pass(layers, sizeof...(Stage));
-  layer_by_layer(layers, parallel, pass.stage(Stage)..., Apart{pass.add(sizeof...(Stage))});
+  layer_by_layer(layers, context, pass.stage(Stage)..., Apart{pass.add(sizeof...(Stage))});
   return pass;
 }
 
@@ -76,11 +76,11 @@ TEST(LayerByLayer, StagesFollowOneAnother) {
 
 TEST(LayerByLayer, OnAnyNumberOfThreads) {
   for (const int threads : {2, 3, 8}) {
-    const Parallel parallel(threads);
+    const Context context(threads);
     for (int layers = 0; layers <= 80; ++layers)
       for_each_depth([&](auto stages) {
         if constexpr (stages.size() > 0) {
-          EXPECT_EQ(run(layers, parallel, stages).values, run(layers, one_thread, stages).values) << layers;
+          EXPECT_EQ(run(layers, context, stages).values, run(layers, one_thread, stages).values) << layers;
         }
       });
   }
@@ -88,14 +88,14 @@ TEST(LayerByLayer, OnAnyNumberOfThreads) {
 
 TEST(LayerByLayer, EvenLayersAddBeforeOddOnesOnAnyNumberOfThreads) {
   for (const int threads : {1, 2, 3, 8}) {
-    const Parallel parallel(threads);
+    const Context context(threads);
     for (int layers = 0; layers <= 80; ++layers)
       for_each_depth([&](auto stages) {
         Pass expected(layers, stages.size());
         if constexpr (stages.size() > 0) expected = run(layers, one_thread, stages);
         for (int parity = 0; parity < 2; ++parity)
           for (int layer = parity; layer < layers; layer += 2) expected.add(stages.size())(layer);
-        const Pass pass = run_apart(layers, parallel, stages);
+        const Pass pass = run_apart(layers, context, stages);
         EXPECT_EQ(pass.values, expected.values) << layers;
         EXPECT_EQ(pass.planes, expected.planes) << layers << " layers, " << threads << " threads";
       });
@@ -105,7 +105,7 @@ TEST(LayerByLayer, EvenLayersAddBeforeOddOnesOnAnyNumberOfThreads) {
 TEST(ForLayersApart, TakesEachOnce) {
   for (int layers = 0; layers < 6; ++layers) {
     std::vector<int> visits(static_cast<size_t>(layers));
-    for_layers_apart(layers, Parallel(2), [&](int layer) { ++visits[static_cast<size_t>(layer)]; });
+    for_layers_apart(layers, Context(2), [&](int layer) { ++visits[static_cast<size_t>(layer)]; });
     EXPECT_EQ(visits, std::vector<int>(visits.size(), 1));
   }
 }

@@ -14,7 +14,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 const auto nothing_to_complete = [](int) {};
 
 Dense<double> dense(const NarrowBand& band, const RowArray& array) {
@@ -72,7 +72,7 @@ TEST(NarrowBand, SaddlesAreTheDifferenceOfThePrincipalCurvatures) {
       });
     RowArray out = band.make_array();
     const RowArray weight = members(band);
-    row_kernel().saddles(band.view(), {phi.data(), weight.data(), out.data()}, 1, band.rows() + 1);
+    band.kernel().saddles(band.view(), {phi.data(), weight.data(), out.data()}, 1, band.rows() + 1);
     const Dense<double> result = dense(band, out);
     int known = 0;
     in_band.for_each([&](Vec3i at) {
@@ -142,7 +142,7 @@ TEST(NarrowBand, MultilevelRestrictsTheResidualOfAJacobiStep) {
   for (const float* e : {static_cast<const float*>(nullptr), static_cast<const float*>(extent.data())}) {
     CycleJob job{inverse.data(), e, b.data(), 0.7f, 0.8f, x.data(), out.data(), nullptr};
     job.extended = extended.data();
-    row_kernel().smooth(band.view(), job, 1, band.rows() + 1);
+    band.kernel().smooth(band.view(), job, 1, band.rows() + 1);
     for (size_t i = 0; i < x.size(); ++i)
       residual.data()[i] = inverse.data()[i] > 0 ? (out.data()[i] - x.data()[i]) / inverse.data()[i] : 0.0f;
     coarse.restrict_to(residual, expected, one_thread);
@@ -180,7 +180,7 @@ TEST(NarrowBand, MultilevelTakesEvenSteps) {
   job.step = step;
   job.reaction = reaction;
 
-  const double sum = row_kernel().smooth(band.view(), job, 1, band.rows() + 1);
+  const double sum = band.kernel().smooth(band.view(), job, 1, band.rows() + 1);
   for (size_t i = 0; i < x.size(); ++i)
     ASSERT_NEAR(out.data()[i], x.data()[i] + step * residual.data()[i], 1e-6) << "vertex " << i;
   EXPECT_NEAR(sum, dot(out, b), 1e-5 * std::abs(sum));
@@ -238,18 +238,17 @@ TEST_P(RowsOn, GiveTheSameBits) {
   const RowArray a = random_array(band, 13);
   RowArray weights = band.make_array();
   for (size_t i = 0; i < weights.size(); i += 3) weights.data()[i] = 0.5f;
-  const auto run = [&](const Parallel& parallel, float gamma) {
-    Multilevel multilevel(band, parallel);
-    multilevel.set_operator(weights, 0.01f, gamma, parallel);
+  const auto run = [&](const Context& context, float gamma) {
+    Multilevel multilevel(band, context);
+    multilevel.set_operator(weights, 0.01f, gamma, context);
     RowArray out = band.make_array(), work = band.make_array(), next = band.make_array();
-    const double first = multilevel.apply(nothing_to_complete, a, out, work, parallel);
-    const double second = apply_laplacian(band, out, 0.3f, 2, next, parallel);
+    const double first = multilevel.apply(nothing_to_complete, a, out, work, context);
+    const double second = apply_laplacian(band, out, 0.3f, 2, next, context);
     return std::tuple(std::vector<float>(next.data(), next.data() + next.size()), first, second);
   };
   for (const float gamma : {0.03f, 3.0f}) {  // with the positions on the finest level, and without
     const auto expected = run(one_thread, gamma);
-    const ForcedTarget target(GetParam().target);
-    EXPECT_EQ(run(Parallel(GetParam().threads), gamma), expected) << "gamma " << gamma;
+    EXPECT_EQ(run(context_on(GetParam()), gamma), expected) << "gamma " << gamma;
   }
 }
 

@@ -128,7 +128,7 @@ class Topology : public testing::TestWithParam<std::string> {};
 
 /// Of the binary field itself, as it is.
 TopologyReport topology_of_solve(const Solved& solved) {
-  SurfaceField binary = smoothed_indicator(solved.solution.finest, 0.5f, Parallel(1));
+  SurfaceField binary = smoothed_indicator(solved.solution.finest, 0.5f, Context(1));
   const Dense<double> u = dense_u(solved.solution.finest, 0.5f);
   for (size_t b = 0; b < binary.grid.size(); ++b)
     for_each_vertex(binary.grid.coord(b), [&](Vec3i v, int i) { binary.value.brick(b)[i] = static_cast<float>(u[v]); });
@@ -192,7 +192,7 @@ TEST(Topology, SurvivesAnyWish) {
     });
   const Lattice lattice = place_lattice({{0, 0, 0}, {1, 1, 1}}, 0.1, 6);
   const TopologyReport found = check_topology(extract_isosurface(
-      band.grid(), value, [](Vec3i) { return -1.0f; }, 0, lattice, Parallel(1)));
+      band.grid(), value, [](Vec3i) { return -1.0f; }, 0, lattice, Context(1)));
   EXPECT_EQ(found.components.size(), 1u);
   EXPECT_EQ(found.genus(), 0);
 }

@@ -15,17 +15,17 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 class EverySecondVertex : public testing::TestWithParam<int> {
  protected:
-  const Parallel parallel{GetParam()};
+  const Context context{GetParam()};
 };
 
 TEST_P(EverySecondVertex, HasTheIndicatorOfTheFinerGrid) {
   const Problem problem = make_problem(sampled("knot", 61, 1), 61);
   const Level fine = solve(problem, 0.02, 1e-3).finest;
-  const Level coarse = every_second_vertex(fine, 0.5f, parallel);
+  const Level coarse = every_second_vertex(fine, 0.5f, context);
   const Dense<double> expected = dense_u(fine, 0.5f), found = dense_u(coarse, 0.5f);
   size_t inside = 0;
   found.for_each([&](Vec3i v) {
@@ -44,7 +44,7 @@ TEST_P(EverySecondVertex, KeepsEverySampleInItsPlace) {
   edge.local[edge.begin[static_cast<size_t>(edge.bricks.find({1, 1, 1}))]] =
       Vec3f{1, 1, 1} * std::nextafter(8.0f, 0.0f);
   for (const GridSamples& samples : {fine, edge}) {
-    const GridSamples coarse = on_every_second_vertex(samples, parallel);
+    const GridSamples coarse = on_every_second_vertex(samples, context);
     ASSERT_EQ(coarse.size(), samples.size());
     const auto listed = [](const GridSamples& of, double scale) {
       std::multimap<std::tuple<float, float, float>, std::pair<Vec3d, uint8_t>> list;  // by direction: all differ
@@ -106,7 +106,7 @@ TEST_P(EverySecondVertex, ProlongedDistancesAreExactForCubics) {
   const NarrowBand fine = random_band(4, 0.7, 3), coarse = whole_band(2);
   const auto prolonged = [&](auto&& function) {
     return prolong_distance(coarse, values_of(coarse, [&](Vec3d v) { return function(v * 2.0) / 2; }), fine,
-                            values_of(fine, [](Vec3d) { return 99; }), parallel);
+                            values_of(fine, [](Vec3d) { return 99; }), context);
   };
   size_t cubics = 0, kept = 0;
   const RowArray of_cubic = prolonged(cubic), of_linear = prolonged(linear);
@@ -134,7 +134,7 @@ TEST_P(EverySecondVertex, ProlongationNeedsTheCellsCornersAlone) {
   Dense<double> there({16, 16, 16});
   for_each_value(coarse, values_of(coarse, linear), [&](Vec3i v, double) { there[v] = 1; });
   const RowArray out = prolong_distance(coarse, values_of(coarse, [&](Vec3d v) { return linear(v * 2.0) / 2; }), fine,
-                                        values_of(fine, [](Vec3d) { return 99; }), parallel);
+                                        values_of(fine, [](Vec3d) { return 99; }), context);
   size_t met = 0, kept = 0;
   for_each_value(fine, out, [&](Vec3i v, double value) {
     bool whole = true;

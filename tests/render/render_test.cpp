@@ -51,7 +51,7 @@ RenderParams quick(int size = 100) {
 }
 
 Image draw(const Mesh& mesh, const RenderParams& params, int threads = 1) {
-  return render({{&mesh, ""}}, params, Parallel(threads));
+  return render({{&mesh, ""}}, params, Context(threads));
 }
 
 /// Pixels covered by the item, antialiased ones in part; the background must be transparent.
@@ -160,7 +160,7 @@ TEST(Render, PanelsShareOneScaleUnlessFitted) {
   RenderParams params = quick(100);
   const auto coverage = [&](Framing framing) {
     params.framing = framing;
-    const Image image = render({{&small, ""}, {&large, ""}}, params, Parallel(1));
+    const Image image = render({{&small, ""}, {&large, ""}}, params, Context(1));
     EXPECT_EQ(image.width, 200);
     double left = 0, right = 0;
     for (int y = 0; y < 100; ++y) {
@@ -181,20 +181,20 @@ TEST(Render, PanelsAreLaidOutInRowsWithCaptionsAndLegend) {
   mesh.attributes = {{"height", {0, 1, 2, 3}}};
   std::vector<RenderItem> items(5, {&mesh, ""});
   RenderParams params = quick(64);
-  Image image = render(items, params, Parallel(1));
+  Image image = render(items, params, Context(1));
   EXPECT_EQ(image.width, 3 * 64);
   EXPECT_EQ(image.height, 2 * 64);
   params.columns = 2;
   items[4].caption = "last";
   params.color_by = "height";
-  image = render(items, params, Parallel(1));
+  image = render(items, params, Context(1));
   EXPECT_EQ(image.width, 2 * 64);
   EXPECT_GT(image.height, 3 * 64);
 }
 
 TEST(Render, CaptionsLeaveInkBelowTheirPanel) {
   const Mesh mesh = square(1);
-  const Image with = render({{&mesh, "Soapfilm 512"}, {&mesh, ""}}, quick(100), Parallel(1));
+  const Image with = render({{&mesh, "Soapfilm 512"}, {&mesh, ""}}, quick(100), Context(1));
   const auto ink = [&](int x0) {
     double sum = 0;
     for (int y = 100; y < with.height; ++y) {
@@ -234,9 +234,9 @@ TEST(Render, PointsCloseIntoASurface) {
   }
   RenderParams params = quick(100);
   const double expected = 100.0 * 100 * 0.92 * 0.92;
-  EXPECT_NEAR(covered(render({{&cloud, ""}}, params, Parallel(1))) / expected, 1, 0.06);
+  EXPECT_NEAR(covered(render({{&cloud, ""}}, params, Context(1))) / expected, 1, 0.06);
   cloud.normals.assign(cloud.size(), {0, 0, -1});  // turned away
-  const Image image = render({{&cloud, ""}}, params, Parallel(1));
+  const Image image = render({{&cloud, ""}}, params, Context(1));
   EXPECT_NEAR(covered(image) / expected, 1, 0.06);
   EXPECT_TRUE(is_reddish(image.at(50, 50)));
 }
@@ -244,9 +244,9 @@ TEST(Render, PointsCloseIntoASurface) {
 TEST(Render, OneSampleAndCoincidentSamplesAreDrawn) {
   PointCloud cloud;
   cloud.positions.assign(1, {1, 2, 3});
-  EXPECT_GT(covered(render({{&cloud, ""}}, quick(40), Parallel(1))), 0);
+  EXPECT_GT(covered(render({{&cloud, ""}}, quick(40), Context(1))), 0);
   cloud.positions.assign(9, {1, 2, 3});
-  EXPECT_GT(covered(render({{&cloud, ""}}, quick(40), Parallel(1))), 0);
+  EXPECT_GT(covered(render({{&cloud, ""}}, quick(40), Context(1))), 0);
 }
 
 TEST(Render, ScansHaveDifferentColours) {
@@ -258,7 +258,7 @@ TEST(Render, ScansHaveDifferentColours) {
   cloud.scans[1].end = 2;
   RenderParams params = quick(100);
   params.point_radius = 0.2;
-  const Image image = render({{&cloud, ""}}, params, Parallel(1));
+  const Image image = render({{&cloud, ""}}, params, Context(1));
   EXPECT_NE(image.at(8, 50), image.at(92, 50));
 }
 
@@ -292,7 +292,7 @@ TEST(Render, Refusals) {
   refuses([](RenderParams& p) { p.point_radius = -1; });
   refuses([](RenderParams& p) { p.color_by = "no such attribute"; });
   EXPECT_THROW(view_direction("behind", {0, 1, 0}), ParameterError);
-  EXPECT_THROW(render({}, quick(), Parallel(1)), ParameterError);
+  EXPECT_THROW(render({}, quick(), Context(1)), ParameterError);
   EXPECT_THROW(draw(Mesh{}, quick()), ParameterError);
   Mesh bad = good;
   bad.triangles[0][1] = 4;
@@ -301,7 +301,7 @@ TEST(Render, Refusals) {
   bad.vertices[3].x = std::numeric_limits<double>::infinity();
   EXPECT_THROW(draw(bad, quick()), ParameterError);
   PointCloud empty;
-  EXPECT_THROW(render({{&empty, ""}}, quick(), Parallel(1)), ParameterError);
+  EXPECT_THROW(render({{&empty, ""}}, quick(), Context(1)), ParameterError);
 }
 
 }  // namespace TEST_FILE

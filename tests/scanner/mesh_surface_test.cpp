@@ -16,14 +16,14 @@ namespace TEST_FILE {
 TEST(MeshSurface, AgreesWithTheSphereThatItTessellates) {
   const auto sphere = make_sphere({.size = 2.0});
   const double tolerance = 1e-4;
-  const MeshSurface mesh(sphere->tessellate(tolerance), Parallel(1));
+  const MeshSurface mesh(sphere->tessellate(tolerance), Context(1));
   ScannerParams params;
   params.views = 5;
   params.columns = params.rows = 80;
   params.max_incidence_deg = 70;
-  const Parallel parallel(2);
-  const ScanSet exact = virtual_scan(*sphere, params, parallel);
-  const ScanSet meshed = virtual_scan(mesh, params, parallel);
+  const Context context(2);
+  const ScanSet exact = virtual_scan(*sphere, params, context);
+  const ScanSet meshed = virtual_scan(mesh, params, context);
   ASSERT_EQ(exact.cloud.scans.size(), meshed.cloud.scans.size());
   size_t compared = 0;
   for (size_t k = 0; k < exact.cloud.scans.size(); ++k) {
@@ -43,7 +43,7 @@ TEST(MeshSurface, AgreesWithTheSphereThatItTessellates) {
 
 TEST(MeshSurface, ClosestPointMatchesBruteForce) {
   const auto shape = make_part();
-  const MeshSurface surface(shape->tessellate(3e-4), Parallel(1));
+  const MeshSurface surface(shape->tessellate(3e-4), Context(1));
   const Mesh& mesh = surface.mesh();
   Random random(1);
   for (int i = 0; i < 200; ++i) {
@@ -67,11 +67,11 @@ TEST(MeshSurface, ClosestPointMatchesBruteForce) {
 TEST(MeshSurface, HitsLieOnTheMeshWhateverItsOffset) {
   Mesh mesh = make_knot()->tessellate(1e-3);
   for (Vec3d& v : mesh.vertices) v = v * 1e-1 + Vec3d{5e6, 5e6, 100.0};
-  const MeshSurface surface(mesh, Parallel(1));
+  const MeshSurface surface(mesh, Context(1));
   ScannerParams params;
   params.views = 3;
   params.columns = params.rows = 60;
-  const ScanSet set = virtual_scan(surface, params, Parallel(2));
+  const ScanSet set = virtual_scan(surface, params, Context(2));
   ASSERT_GT(set.cloud.size(), 1000u);
   for (const Vec3d& p : set.cloud.positions)
     ASSERT_LE(surface.distance(p), 2e-9);  // two units in the last place of 5e6
@@ -81,13 +81,13 @@ TEST(MeshSurface, TurnsAnInsideOutMesh) {
   Mesh mesh = make_torus()->tessellate(1e-3);
   for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
   ASSERT_LT(mesh.volume(), 0.0);
-  const MeshSurface surface(mesh, Parallel(1));
+  const MeshSurface surface(mesh, Context(1));
   EXPECT_TRUE(surface.turned());
   EXPECT_GT(surface.mesh().volume(), 0.0);
   const auto hit = surface.intersect({-3.0, 0.01, 0.01}, {1.0, 0.0, 0.0});
   ASSERT_TRUE(hit);
   EXPECT_LT(hit->normal.x, -0.9);
-  EXPECT_FALSE(MeshSurface(surface.mesh(), Parallel(1)).turned());
+  EXPECT_FALSE(MeshSurface(surface.mesh(), Context(1)).turned());
 }
 
 /// Two triangles in a plane that no axis lies in.
@@ -116,7 +116,7 @@ TEST(MeshSurface, AnOpenMeshIsTakenAsItIs) {
       if (reversed)
         for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
       negative += mesh.volume() < 0.0;
-      const MeshSurface surface(mesh, Parallel(1));
+      const MeshSurface surface(mesh, Context(1));
       EXPECT_FALSE(surface.turned());
       EXPECT_FALSE(surface.volume());
       EXPECT_EQ(surface.mesh().triangles, mesh.triangles);
@@ -130,11 +130,11 @@ TEST(MeshSurface, AnOpenMeshIsTakenAsItIs) {
 
 TEST(MeshSurface, AClosedMeshHasItsVolume) {
   const Mesh mesh = make_torus()->tessellate(1e-3);
-  EXPECT_EQ(MeshSurface(mesh, Parallel(1)).volume(), mesh.volume());
+  EXPECT_EQ(MeshSurface(mesh, Context(1)).volume(), mesh.volume());
 }
 
 TEST(MeshSurface, SamplesLieOnTheMesh) {
-  const MeshSurface surface(make_part()->tessellate(1e-3), Parallel(1));
+  const MeshSurface surface(make_part()->tessellate(1e-3), Context(1));
   const PointCloud cloud = sample_surface(surface, 2000, 3);
   for (size_t i = 0; i < cloud.size(); ++i) ASSERT_LE(surface.distance(cloud.positions[i]), 1e-13);
 }
@@ -142,7 +142,7 @@ TEST(MeshSurface, SamplesLieOnTheMesh) {
 TEST(MeshSurface, RefusesWhatIsNoMesh) {
   const auto message = [](const Mesh& mesh) -> std::string {
     try {
-      const MeshSurface surface(mesh, Parallel(1));
+      const MeshSurface surface(mesh, Context(1));
     } catch (const InputError& error) {
       return error.what();
     }

@@ -20,7 +20,7 @@ class EveryShapeWithAHole : public testing::TestWithParam<std::string> {};
 TEST_P(EveryShapeWithAHole, LosesTheShareOfItsArea) {
   const auto shape = make_shape(GetParam());
   PointCloud cloud = sample_surface(*shape, 20000, 99);
-  const std::vector<bool> keep = kept_samples(*shape, cloud, {.hole = 0.1, .seed = 3}, Parallel(2));
+  const std::vector<bool> keep = kept_samples(*shape, cloud, {.hole = 0.1, .seed = 3}, Context(2));
   EXPECT_NEAR(static_cast<double>(std::count(keep.begin(), keep.end(), false)), 2000.0, 200.0);
 }
 
@@ -67,14 +67,14 @@ TEST(Hole, DependsOnTheSeedAlone) {
   EXPECT_EQ(SurfacePatch(*shape, 0.1, 7).centre(), SurfacePatch(*shape, 0.2, 7).centre());
   EXPECT_NE(SurfacePatch(*shape, 0.1, 7).centre(), SurfacePatch(*shape, 0.1, 8).centre());
   const PointCloud cloud = sample_surface(*shape, 2000, 1);
-  EXPECT_EQ(kept_samples(*shape, cloud, {.hole = 0.1}, Parallel(1)),
-            kept_samples(*shape, cloud, {.hole = 0.1}, Parallel(3)));
+  EXPECT_EQ(kept_samples(*shape, cloud, {.hole = 0.1}, Context(1)),
+            kept_samples(*shape, cloud, {.hole = 0.1}, Context(3)));
 }
 
 TEST(ThinHalf, KeepsOneOfFiftyBeyondTheMiddleOfTheLongestSide) {
   const auto shape = make_arch();  // longest along z
   const PointCloud cloud = sample_surface(*shape, 50000, 1);
-  const std::vector<bool> keep = kept_samples(*shape, cloud, {.thin_half = 50}, Parallel(1));
+  const std::vector<bool> keep = kept_samples(*shape, cloud, {.thin_half = 50}, Context(1));
   double upper = 0, kept_upper = 0;
   for (size_t i = 0; i < cloud.size(); ++i) {
     if (cloud.positions[i].z <= 0) {
@@ -92,9 +92,9 @@ TEST(Missing, ScansKeepTheirRangeGridsAndPoses) {
   ScannerParams params;
   params.views = 8;
   params.columns = params.rows = 50;
-  ScanSet set = virtual_scan(*shape, params, Parallel(2));
+  ScanSet set = virtual_scan(*shape, params, Context(2));
   const ScanSet whole = set;
-  std::vector<bool> keep = kept_samples(*shape, set.cloud, {.hole = 0.2, .thin_half = 3}, Parallel(1));
+  std::vector<bool> keep = kept_samples(*shape, set.cloud, {.hole = 0.2, .thin_half = 3}, Context(1));
   const Scan& gone = whole.cloud.scans[2];
   std::fill(keep.begin() + gone.begin, keep.begin() + gone.end, false);
   filter(set, keep);
@@ -123,7 +123,7 @@ TEST(Missing, RefusalsNameTheValueAndItsConstraint) {
   const PointCloud cloud = sample_surface(*shape, 10, 1);
   const auto message = [&](const MissingParams& params) -> std::string {
     try {
-      kept_samples(*shape, cloud, params, Parallel(1));
+      kept_samples(*shape, cloud, params, Context(1));
     } catch (const ParameterError& error) {
       return error.what();
     }
@@ -132,7 +132,7 @@ TEST(Missing, RefusalsNameTheValueAndItsConstraint) {
   EXPECT_EQ(message({.hole = 0.95}), "hole = 0.95, must be in [0, 0.9]");
   EXPECT_EQ(message({.hole = NAN}), "hole = nan, must be in [0, 0.9]");
   EXPECT_EQ(message({.thin_half = 0.5}), "thin_half = 0.5, must be >= 1");
-  EXPECT_THROW(kept_samples(*shape, {}, {.thin_half = 2}, Parallel(1)), ParameterError);
+  EXPECT_THROW(kept_samples(*shape, {}, {.thin_half = 2}, Context(1)), ParameterError);
 }
 
 }  // namespace TEST_FILE

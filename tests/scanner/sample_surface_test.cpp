@@ -14,7 +14,7 @@ namespace TEST_FILE {
 
 TEST(SampleSurface, NoiseIsGaussianAlongTheNormal) {
   const auto shape = make_sphere();
-  const PointCloud cloud = sample_surface(*shape, {.count = 40000, .noise = 0.01}, Parallel(2));
+  const PointCloud cloud = sample_surface(*shape, {.count = 40000, .noise = 0.01}, Context(2));
   double sum = 0, squares = 0;
   for (size_t i = 0; i < cloud.size(); ++i) {
     const double error = shape->signed_distance(cloud.positions[i]);
@@ -28,7 +28,7 @@ TEST(SampleSurface, NoiseIsGaussianAlongTheNormal) {
 
 TEST(SampleSurface, OutliersFillTheirBoxWithRandomDirections) {
   const auto shape = make_plate();
-  const PointCloud cloud = sample_surface(*shape, {.count = 20000, .outliers = 0.25}, Parallel(2));
+  const PointCloud cloud = sample_surface(*shape, {.count = 20000, .outliers = 0.25}, Context(2));
   const Box3d box = outlier_box(shape->box());
   size_t outliers = 0;
   Vec3d mean, mean_normal;
@@ -48,8 +48,8 @@ TEST(SampleSurface, OutliersFillTheirBoxWithRandomDirections) {
 
 TEST(SampleSurface, SwitchingOutliersOnLeavesTheOtherSamplesAsTheyWere) {
   const auto shape = make_torus();
-  const PointCloud clean = sample_surface(*shape, {.count = 5000, .noise = 1e-3}, Parallel(1));
-  const PointCloud some = sample_surface(*shape, {.count = 5000, .noise = 1e-3, .outliers = 0.1}, Parallel(1));
+  const PointCloud clean = sample_surface(*shape, {.count = 5000, .noise = 1e-3}, Context(1));
+  const PointCloud some = sample_surface(*shape, {.count = 5000, .noise = 1e-3, .outliers = 0.1}, Context(1));
   size_t same = 0;
   for (size_t i = 0; i < 5000; ++i) same += clean.positions[i] == some.positions[i] ? 1 : 0;
   EXPECT_NEAR(static_cast<double>(same), 4500.0, 90.0);
@@ -62,7 +62,7 @@ TEST(SampleSurface, EachSampleHasTheSensorThatSeesItMostSquarely) {
   SamplingParams params;
   params.count = 3000;
   params.sensors = scanner_positions(shape->box(), views);
-  const PointCloud cloud = sample_surface(*shape, params, Parallel(2));
+  const PointCloud cloud = sample_surface(*shape, params, Context(2));
   EXPECT_TRUE(cloud.normals.empty());
   ASSERT_EQ(cloud.sensors.size(), cloud.size());
   size_t hidden = 0;
@@ -89,9 +89,9 @@ TEST(SampleSurface, IsTheSameForAnyNumberOfThreads) {
   ScannerParams views;
   const SamplingParams params{
       .count = 3000, .noise = 1e-3, .outliers = 0.1, .sensors = scanner_positions(shape->box(), views), .seed = 5};
-  const PointCloud one = sample_surface(*shape, params, Parallel(1));
+  const PointCloud one = sample_surface(*shape, params, Context(1));
   for (const int threads : {2, 5}) {
-    const PointCloud many = sample_surface(*shape, params, Parallel(threads));
+    const PointCloud many = sample_surface(*shape, params, Context(threads));
     EXPECT_EQ(many.positions, one.positions);
     EXPECT_EQ(many.sensors, one.sensors);
   }
@@ -100,7 +100,7 @@ TEST(SampleSurface, IsTheSameForAnyNumberOfThreads) {
 TEST(SampleSurface, RefusalsNameTheValueAndItsConstraint) {
   const auto message = [](const SamplingParams& params) -> std::string {
     try {
-      sample_surface(*make_sphere(), params, Parallel(1));
+      sample_surface(*make_sphere(), params, Context(1));
     } catch (const ParameterError& error) {
       return error.what();
     }

@@ -25,11 +25,10 @@ TEST_P(WrittenScans, AreReadBackInTheWorldFrame) {
   params.outlier_kind = Outliers::box;
   params.misalignment = 0.01;
   params.misalignment_deg = 5.0;
-  const ScanSet set = virtual_scan(*make_part(shape), params, Parallel(2));
+  const ScanSet set = virtual_scan(*make_part(shape), params, Context(2));
 
   const test::TemporaryFolder folder;
-  Progress progress;
-  write_scans(folder.path().string(), "scans.conf", set, progress);
+  write_scans(folder.path().string(), "scans.conf", set, Context(1));
   const PointCloud back = read_points(folder.file("scans.conf"));
 
   ASSERT_EQ(back.size(), set.cloud.size());
@@ -59,9 +58,8 @@ TEST(WrittenScans, AFolderThatIsNotThereIsRefused) {
   ScannerParams params;
   params.views = 1;
   params.columns = params.rows = 10;
-  const ScanSet set = virtual_scan(*make_sphere(), params, Parallel(1));
-  Progress progress;
-  EXPECT_THROW(write_scans("/no/such/folder", "scans.conf", set, progress), OutputError);
+  const ScanSet set = virtual_scan(*make_sphere(), params, Context(1));
+  EXPECT_THROW(write_scans("/no/such/folder", "scans.conf", set, Context(1)), OutputError);
 }
 
 }  // namespace TEST_FILE

@@ -18,8 +18,8 @@ TEST_P(EveryScene, ShowsItsFacesToItsOwnScanner) {
   params.columns = 120;
   params.rows = 60;
   params.normals = true;
-  const MeshSurface surface(scene.mesh, Parallel(1), Faces::as_given);
-  const ScanSet set = virtual_scan(surface, params, Parallel(1));
+  const MeshSurface surface(scene.mesh, Context(1), Faces::as_given);
+  const ScanSet set = virtual_scan(surface, params, Context(1));
   ASSERT_EQ(set.cloud.scans.size(), scene.scanner.positions.size());
   for (const Scan& scan : set.cloud.scans) {
     ASSERT_GT(scan.size(), 1000u);
@@ -60,8 +60,8 @@ TEST(MeshSurface, ARoomKeepsItsFacesWhereTheyAreTakenAsGiven) {
   box.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   box.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
   ASSERT_LT(box.volume(), 0);
-  EXPECT_TRUE(MeshSurface(box, Parallel(1)).turned());
-  EXPECT_FALSE(MeshSurface(box, Parallel(1), Faces::as_given).turned());
+  EXPECT_TRUE(MeshSurface(box, Context(1)).turned());
+  EXPECT_FALSE(MeshSurface(box, Context(1), Faces::as_given).turned());
 }
 
 }  // namespace TEST_FILE

@@ -81,7 +81,7 @@ TEST_P(EveryShape, WallsGapsAndHolesSpanFiveCellsOfTheCoarsestGrid) {
 TEST_P(EveryShape, DistanceAgreesWithAFineTessellation) {
   // The knot's tessellation cuts across the creases at its posts.
   const double tolerance = GetParam() == "knot" ? 2e-3 : 6e-5;
-  const MeshSurface mesh(fine_mesh(GetParam()), Parallel(1));
+  const MeshSurface mesh(fine_mesh(GetParam()), Context(1));
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
     const Vec3d p = random_point(random, shape->box(), 0.3);
@@ -104,7 +104,7 @@ TEST_P(EveryShape, DistanceChangesNoFasterThanThePoint) {
 
 TEST_P(EveryShape, SignIsNegativeWithinTheSolidOnly) {
   // Crossing parity with the tessellation along a ray, away from the surface.
-  const MeshSurface mesh(fine_mesh(GetParam()), Parallel(1));
+  const MeshSurface mesh(fine_mesh(GetParam()), Context(1));
   Random random(3);
   for (int i = 0; i < 500; ++i) {
     const Vec3d p = random_point(random, shape->box(), 0.1);
@@ -121,7 +121,7 @@ TEST_P(EveryShape, SignIsNegativeWithinTheSolidOnly) {
 }
 
 TEST_P(EveryShape, RaysHitTheSurfaceFirstWhereTheTessellationDoes) {
-  const MeshSurface mesh(fine_mesh(GetParam()), Parallel(1));
+  const MeshSurface mesh(fine_mesh(GetParam()), Context(1));
   Random random(4);
   int hits = 0;
   for (int i = 0; i < 3000; ++i) {

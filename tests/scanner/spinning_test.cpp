@@ -15,7 +15,7 @@ namespace TEST_FILE {
 
 using std::numbers::pi;
 
-MeshSurface surface_of(const Scene& scene) { return {scene.mesh, Parallel(1), Faces::as_given}; }
+MeshSurface surface_of(const Scene& scene) { return {scene.mesh, Context(1), Faces::as_given}; }
 
 ScannerParams small(const Scene& scene) {
   ScannerParams params = scene.scanner;
@@ -29,7 +29,7 @@ TEST(SpinningScanner, EachRowIsARingAndColumnsGoRoundToTheRight) {
   const MeshSurface surface = surface_of(room);
   ScannerParams params = small(room);
   params.rings_deg = {40, 10, -5, -30};
-  const ScanSet set = virtual_scan(surface, params, Parallel(2));
+  const ScanSet set = virtual_scan(surface, params, Context(2));
   ASSERT_EQ(set.cloud.scans.size(), 2u);
   for (size_t k = 0; k < 2; ++k) {
     const Scan& scan = set.cloud.scans[k];
@@ -55,7 +55,7 @@ TEST(SpinningScanner, SweepsOfOnePlaceBeginTheirTurnsAnywhere) {
   const Scene room = make_room();
   ScannerParams params = small(room);
   params.positions = {{1.2, 1.0, 1.4}, {1.2, 1.0, 1.4}};
-  const ScanSet set = virtual_scan(surface_of(room), params, Parallel(1));
+  const ScanSet set = virtual_scan(surface_of(room), params, Context(1));
   EXPECT_NE(set.cloud.positions[0], set.cloud.positions[set.cloud.scans[1].begin]);
 }
 
@@ -66,7 +66,7 @@ TEST(SpinningScanner, TheSameForAnyNumberOfThreads) {
   params.mixed_pixels = 0.5;
   params.noise = 0.02;
   const MeshSurface surface = surface_of(street);
-  const ScanSet one = virtual_scan(surface, params, Parallel(1)), three = virtual_scan(surface, params, Parallel(3));
+  const ScanSet one = virtual_scan(surface, params, Context(1)), three = virtual_scan(surface, params, Context(3));
   EXPECT_EQ(one.cloud.positions, three.cloud.positions);
 }
 
@@ -75,22 +75,22 @@ TEST(SpinningScanner, RefusesRingsAndSpansThatAreNone) {
   const MeshSurface surface = surface_of(room);
   ScannerParams params = small(room);
   params.rings_deg = {91};
-  EXPECT_THROW(virtual_scan(surface, params, Parallel(1)), ParameterError);
+  EXPECT_THROW(virtual_scan(surface, params, Context(1)), ParameterError);
   params = small(room);
   params.lowest_deg = 10, params.highest_deg = -10;
-  EXPECT_THROW(virtual_scan(surface, params, Parallel(1)), ParameterError);
+  EXPECT_THROW(virtual_scan(surface, params, Context(1)), ParameterError);
   params = small(room);
   params.target = room.scanner.positions[0] + Vec3d{0, 0, -1};
-  EXPECT_THROW(virtual_scan(surface, params, Parallel(1)), ParameterError);
+  EXPECT_THROW(virtual_scan(surface, params, Context(1)), ParameterError);
 }
 
 TEST(MaxRange, HitsBeyondItAreLostAndOthersStay) {
   const Scene street = make_street();
   const MeshSurface surface = surface_of(street);
   ScannerParams params = small(street);
-  const ScanSet all = virtual_scan(surface, params, Parallel(1));
+  const ScanSet all = virtual_scan(surface, params, Context(1));
   params.max_range = 20;
-  const ScanSet near = virtual_scan(surface, params, Parallel(1));
+  const ScanSet near = virtual_scan(surface, params, Context(1));
   const auto within = [&](Vec3d p) { return norm(p - street.scanner.positions[0]) <= 20; };
   EXPECT_LT(near.cloud.size(), all.cloud.size());
   EXPECT_EQ(static_cast<ptrdiff_t>(near.cloud.size()),
@@ -101,11 +101,11 @@ TEST(Ghosts, LieBehindTheSurfaceOnTheirRayAndLeaveTheOthersAsTheyWere) {
   const Scene yard = make_yard();
   const MeshSurface surface = surface_of(yard);
   ScannerParams params = small(yard);
-  const ScanSet clean = virtual_scan(surface, params, Parallel(1));
+  const ScanSet clean = virtual_scan(surface, params, Context(1));
   params.ghosts = 0.2;
   params.ghost_lo = 0.5, params.ghost_hi = 1.5;
   params.normals = true;
-  const ScanSet set = virtual_scan(surface, params, Parallel(1));
+  const ScanSet set = virtual_scan(surface, params, Context(1));
   ASSERT_EQ(set.cloud.size(), clean.cloud.size());
   size_t ghosts = 0;
   for (size_t i = 0; i < set.cloud.size(); ++i) {
@@ -129,9 +129,9 @@ TEST(MixedPixels, LieOnTheirRayWithinTheRoomAtStepsInDepthOnly) {
   ScannerParams params = small(room);
   params.columns = 360, params.rows = 120;
   params.positions.resize(1);
-  const ScanSet clean = virtual_scan(surface, params, Parallel(1));
+  const ScanSet clean = virtual_scan(surface, params, Context(1));
   params.mixed_pixels = 1;
-  const ScanSet set = virtual_scan(surface, params, Parallel(1));
+  const ScanSet set = virtual_scan(surface, params, Context(1));
   ASSERT_EQ(set.cloud.size(), clean.cloud.size());
   size_t mixed = 0;
   for (size_t i = 0; i < set.cloud.size(); ++i) {
@@ -151,9 +151,9 @@ TEST(MixedPixels, LieOnTheirRayWithinTheRoomAtStepsInDepthOnly) {
   ScannerParams plane = small(yard);
   plane.max_incidence_deg = 80;
   plane.highest_deg = -10;
-  const ScanSet flat = virtual_scan(surface_of(yard), plane, Parallel(1));
+  const ScanSet flat = virtual_scan(surface_of(yard), plane, Context(1));
   plane.mixed_pixels = 1;
-  EXPECT_EQ(virtual_scan(surface_of(yard), plane, Parallel(1)).cloud.positions, flat.cloud.positions);
+  EXPECT_EQ(virtual_scan(surface_of(yard), plane, Context(1)).cloud.positions, flat.cloud.positions);
 }
 
 }  // namespace TEST_FILE

@@ -42,7 +42,7 @@ TEST_P(EveryShapeScanned, CleanSamplesLieOnTheShape) {
     ScannerParams params = small();
     params.rays = rays;
     params.normals = true;
-    const ScanSet set = virtual_scan(*shape, params, Parallel(2));
+    const ScanSet set = virtual_scan(*shape, params, Context(2));
     ASSERT_EQ(set.cloud.scans.size(), 6u);
     ASSERT_GT(set.cloud.size(), 2000u);
     for (size_t k = 0; k < 6; ++k) {
@@ -86,7 +86,7 @@ TEST(VirtualScan, RangeGridHoldsEachSampleOnceAndAtItsRay) {
     ScannerParams params = small();
     params.rays = rays;
     params.noise = 1e-3;
-    const ScanSet set = virtual_scan(*shape, params, Parallel(2));
+    const ScanSet set = virtual_scan(*shape, params, Context(2));
     for (size_t k = 0; k < set.cloud.scans.size(); ++k) {
       const Scan& scan = set.cloud.scans[k];
       ASSERT_EQ(scan.range_grid->columns, 90);
@@ -123,19 +123,19 @@ TEST(VirtualScan, IsTheSameForAnyNumberOfThreads) {
   params.misalignment = 1e-3;
   params.misalignment_deg = 0.3;
   params.normals = true;
-  const ScanSet one = virtual_scan(*shape, params, Parallel(1));
-  for (const int threads : {2, 3, 8}) EXPECT_TRUE(same(one, virtual_scan(*shape, params, Parallel(threads))));
+  const ScanSet one = virtual_scan(*shape, params, Context(1));
+  for (const int threads : {2, 3, 8}) EXPECT_TRUE(same(one, virtual_scan(*shape, params, Context(threads))));
   params.seed = 2;
-  EXPECT_FALSE(same(one, virtual_scan(*shape, params, Parallel(2))));
+  EXPECT_FALSE(same(one, virtual_scan(*shape, params, Context(2))));
 }
 
 TEST(VirtualScan, NoiseIsGaussianAlongTheRay) {
   const auto shape = make_sphere();
   ScannerParams params = small();
   params.columns = params.rows = 150;
-  const ScanSet clean = virtual_scan(*shape, params, Parallel(2));
+  const ScanSet clean = virtual_scan(*shape, params, Context(2));
   params.noise = 0.01;
-  const ScanSet noisy = virtual_scan(*shape, params, Parallel(2));
+  const ScanSet noisy = virtual_scan(*shape, params, Context(2));
   ASSERT_EQ(clean.cloud.size(), noisy.cloud.size());
   double sum = 0.0, squares = 0.0, fourth = 0.0;
   for (const Scan& scan : clean.cloud.scans) {
@@ -159,17 +159,17 @@ TEST(VirtualScan, OutliersAndDropOutHaveTheirShares) {
   const auto shape = make_sphere();
   ScannerParams params = small();
   params.columns = params.rows = 150;
-  const auto clean = static_cast<double>(virtual_scan(*shape, params, Parallel(2)).cloud.size());
+  const auto clean = static_cast<double>(virtual_scan(*shape, params, Context(2)).cloud.size());
 
   params.drop_out = 0.3;
-  const auto kept = static_cast<double>(virtual_scan(*shape, params, Parallel(2)).cloud.size());
+  const auto kept = static_cast<double>(virtual_scan(*shape, params, Context(2)).cloud.size());
   EXPECT_NEAR(kept / clean, 0.7, 4.0 * std::sqrt(0.21 / clean));
 
   params.drop_out = 0.0;
   params.outliers = 0.1;
   for (const Outliers kind : {Outliers::ray, Outliers::box}) {
     params.outlier_kind = kind;
-    const ScanSet set = virtual_scan(*shape, params, Parallel(2));
+    const ScanSet set = virtual_scan(*shape, params, Context(2));
     ASSERT_EQ(static_cast<double>(set.cloud.size()), clean);
     double off = 0.0, in_grid = 0.0;
     for (const Vec3d& p : set.cloud.positions) off += shape->distance(p) > 1e-9;
@@ -186,7 +186,7 @@ TEST(VirtualScan, GrazingHitsAreLost) {
   ScannerParams params = small();
   params.normals = true;
   params.max_incidence_deg = 40;
-  const ScanSet set = virtual_scan(*shape, params, Parallel(2));
+  const ScanSet set = virtual_scan(*shape, params, Context(2));
   for (const Scan& scan : set.cloud.scans) {
     double least = 1.0;
     for (size_t i = scan.begin; i < scan.end; ++i) {
@@ -204,10 +204,10 @@ TEST(VirtualScan, MisalignmentIsARigidMotionOfEachScanAndItsPose) {
   params.views = 40;
   params.columns = params.rows = 40;
   params.normals = true;
-  const ScanSet clean = virtual_scan(*shape, params, Parallel(2));
+  const ScanSet clean = virtual_scan(*shape, params, Context(2));
   params.misalignment = 0.01;
   params.misalignment_deg = 2.0;
-  const ScanSet moved = virtual_scan(*shape, params, Parallel(2));
+  const ScanSet moved = virtual_scan(*shape, params, Context(2));
   ASSERT_EQ(moved.cloud.size(), clean.cloud.size());
   double shift = 0.0, angle = 0.0;
   for (size_t k = 0; k < clean.poses.size(); ++k) {
@@ -236,7 +236,7 @@ TEST(VirtualScan, StepGivesEvenSpacingAtTheTarget) {
   params.rays = Rays::parallel;
   params.positions = {{0.0, 0.0, 3.0}};
   params.step = 0.01;
-  const ScanSet set = virtual_scan(*shape, params, Parallel(1));
+  const ScanSet set = virtual_scan(*shape, params, Context(1));
   const RangeGrid& grid = *set.cloud.scans[0].range_grid;
   EXPECT_EQ(std::max(grid.columns, grid.rows), 101);
   EXPECT_EQ(std::min(grid.columns, grid.rows), 71);
@@ -271,7 +271,7 @@ TEST(VirtualScan, StanfordQuaternionGivesThePoseBack) {
   params.views = 50;
   params.columns = params.rows = 8;
   params.misalignment_deg = 30.0;
-  for (const Pose& pose : virtual_scan(*shape, params, Parallel(1)).poses) {
+  for (const Pose& pose : virtual_scan(*shape, params, Context(1)).poses) {
     const auto [x, y, z, w] = pose.stanford_quaternion();
     // Textbook matrix of (x, y, z, w); its transpose takes the scan to the world, so its rows are the pose's axes.
     const Vec3d rows[3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
@@ -287,7 +287,7 @@ TEST(VirtualScan, RefusalsNameTheValueAndItsConstraint) {
     ScannerParams params = small();
     change(params);
     try {
-      virtual_scan(*shape, params, Parallel(1));
+      virtual_scan(*shape, params, Context(1));
     } catch (const ParameterError& error) {
       return error.what();
     }

@@ -24,15 +24,15 @@ inline PointCloud scanned(const Scene& scene, int columns, int rows, double nois
   params.columns = columns;
   params.rows = rows;
   params.noise = noise;
-  return virtual_scan(MeshSurface(scene.mesh, Parallel(1), Faces::as_given), params, Parallel(1)).cloud;
+  return virtual_scan(MeshSurface(scene.mesh, Context(1), Faces::as_given), params, Context(1)).cloud;
 }
 
 /// Even samples of a scene, each with the position of the one scanner.
 inline PointCloud even_with_sensor(const Scene& scene, size_t count, Vec3d sensor, double noise) {
-  const MeshSurface surface(scene.mesh, Parallel(1), Faces::as_given);
+  const MeshSurface surface(scene.mesh, Context(1), Faces::as_given);
   SamplingParams params{.count = count, .noise = noise};
   params.sensors = {sensor};
-  return sample_surface(surface, params, Parallel(1));
+  return sample_surface(surface, params, Context(1));
 }
 
 struct SceneRun {
@@ -46,13 +46,12 @@ struct SceneRun {
 /// be lost, by the voxel.
 inline SceneRun run_scene(const PointCloud& cloud, const std::vector<Vec3d>& sides = {},
                           const std::function<bool(size_t, double)>& counts = {}, Border outside = Border::automatic) {
-  Progress progress;
   ReconstructParams params;
   params.border.outside = outside;
-  SceneRun run{reconstruct(cloud, params, Parallel(1), progress), {}};
+  SceneRun run{reconstruct(cloud, params, Context(1)), {}};
   run.topology = check_topology(run.result.mesh);
-  const ClosestPointQuery nearest(run.result.mesh, Parallel(1));
-  const std::vector<ClosestPoint> found = nearest(cloud.positions, Parallel(1));
+  const ClosestPointQuery nearest(run.result.mesh, Context(1));
+  const std::vector<ClosestPoint> found = nearest(cloud.positions, Context(1));
   const double voxel = run.result.report.lattice.voxel;
   double lost = 0, wrong = 0, all = 0;
   for (size_t i = 0; i < found.size(); ++i) {

@@ -66,7 +66,7 @@ TEST(Terrain, FromTheAirLosesNothing) {
   const Scene terrain = make_terrain();
   PointCloud cloud = scanned(terrain, 130, 130, 0.03);
   constexpr uint32_t ground_and_houses = 2 * 250 * 250 + 4 * 6 * 2;  // triangles, the first of the mesh
-  const auto on = ClosestPointQuery(terrain.mesh, Parallel(1))(cloud.positions, Parallel(1));
+  const auto on = ClosestPointQuery(terrain.mesh, Context(1))(cloud.positions, Context(1));
   cloud.scans[0].view_direction.reset();  // a bare cloud in UTM
   cloud.scans[0].range_grid.reset();
   for (Vec3d& p : cloud.positions) p += Vec3d{452310, 5411220, 312};
@@ -118,7 +118,7 @@ TEST_P(Copies, GiveTheSurfaceOfOne) {
   const double voxel = alone.result.report.lattice.voxel;
   EXPECT_NEAR(run.result.report.lattice.voxel, voxel, 0.1 * voxel);
   EXPECT_EQ(run.topology.genus(), 1);
-  const DistanceSummary apart = summarize(distances_to_mesh(run.result.mesh.vertices, alone.result.mesh, Parallel(1)));
+  const DistanceSummary apart = summarize(distances_to_mesh(run.result.mesh.vertices, alone.result.mesh, Context(1)));
   EXPECT_LT(apart.percentile95, 0.05 * voxel);
 }
 
@@ -175,7 +175,7 @@ TEST(MisplacedScanners, AreWarnedOf) {
   EXPECT_TRUE(warns_of(run_scene(room, {}, {}, Border::air), "--outside solid"));
   SamplingParams params{.count = 5000};
   params.sensors = {{3, 0, 0}, {-3, 0, 0}, {0, 3, 0}, {0, -3, 0}, {0, 0, 3}, {0, 0, -3}};
-  const PointCloud ball = sample_surface(*make_sphere(), params, Parallel(1));
+  const PointCloud ball = sample_surface(*make_sphere(), params, Context(1));
   EXPECT_FALSE(warns_of(run_scene(ball), "scanner positions"));
   EXPECT_TRUE(warns_of(run_scene(ball, {}, {}, Border::solid), "--outside air"));
 }
@@ -185,7 +185,7 @@ class Outlying : public testing::TestWithParam<double> {};
 TEST_P(Outlying, SamplesLeaveOneKnot) {
   const auto knot = make_knot();
   SamplingParams params{.count = static_cast<size_t>(12000 / (1 - GetParam())), .outliers = GetParam()};
-  const PointCloud cloud = sample_surface(*knot, params, Parallel(1));
+  const PointCloud cloud = sample_surface(*knot, params, Context(1));
   const SceneRun run =
       run_scene(cloud, {}, [&](size_t i, double) { return knot->distance(cloud.positions[i]) < 1e-3; });
   EXPECT_LE(run.lost, 0.001);

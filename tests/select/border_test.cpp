@@ -14,7 +14,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 constexpr double lambda = 0.02;
 constexpr int resolution = 96;
 
@@ -22,9 +22,8 @@ BorderReport chosen_for(const PointCloud& cloud, int threads = 1, const Surround
                         int resolution = TEST_FILE::resolution) {
   Problem problem = make_problem(cloud, resolution);
   const Problem same = make_problem(cloud, resolution);
-  Progress progress;
-  const BorderReport report = choose_border({problem.lattice, problem.support, lambda, Norm::isotropic, 1}, scanners,
-                                            {}, {}, Parallel(threads), progress);
+  const BorderReport report =
+      choose_border({problem.lattice, problem.support, lambda, Norm::isotropic, 1}, scanners, {}, {}, Context(threads));
   for (size_t b = 0; b < problem.support.grid.size(); ++b)
     EXPECT_TRUE(
         std::equal(same.support.f.brick(b), same.support.f.brick(b) + brick_volume, problem.support.f.brick(b)));

@@ -15,11 +15,9 @@ constexpr double density = 6;  // no gaps by chance, as on coarse levels
 
 double closing_of(const PointCloud& cloud, int threads = 1) {
   const Problem problem = make_problem(cloud, resolution);
-  Progress progress;
-  const Parallel parallel(threads);
-  const PyramidSolution solution =
-      solve_coarse_to_fine(problem.lattice, problem.support, lambda, {}, parallel, progress);
-  return closing_share(solution.finest, density, parallel);
+  const Context context(threads);
+  const PyramidSolution solution = solve_coarse_to_fine(problem.lattice, problem.support, lambda, {}, context);
+  return closing_share(solution.finest, density, context);
 }
 
 /// A ball's samples above a height, -1 to 1.

@@ -43,8 +43,7 @@ PointCloud dirty(const std::string& shape, double density, const Dirt& dirt, uin
 
 CrossValidationReport chosen_for(const PointCloud& cloud, const CrossValidationParams& params = {}, int threads = 1,
                                  int vertices = resolution) {
-  Progress progress;
-  return choose_lambda(cloud, cloud.normals, lattice_of(cloud, vertices), params, {}, Parallel(threads), progress);
+  return choose_lambda(cloud, cloud.normals, lattice_of(cloud, vertices), params, {}, Context(threads));
 }
 
 /// Position among the candidates.
@@ -138,8 +137,7 @@ TEST_P(CrossValidationOf, KeepsTheTopologyAndGrowsWithTheDirt) {
     ReconstructParams params;
     params.place.resolution = resolution;
     params.energy.lambda_per_density = report.chosen;
-    Progress progress;
-    const TopologyReport topology = check_topology(reconstruct(cloud, params, Parallel(1), progress).mesh);
+    const TopologyReport topology = check_topology(reconstruct(cloud, params, Context(1)).mesh);
     const auto where = testing::Message()
                        << dirt.noise_vox << " voxel, " << dirt.outliers << " outliers, " << report.chosen;
     EXPECT_EQ(topology.components.size(), static_cast<size_t>(facts.components)) << where;
@@ -175,8 +173,7 @@ TEST(CrossValidation, KeepsASparseHalfThatTheFixedRuleLoses_Slow) {
     params.place.resolution = resolution;
     params.energy.lambda_per_density = lambda_per_density;
     params.energy.by_area = false;  // it would mend what the fixed rule loses
-    Progress progress;
-    return check_topology(reconstruct(cloud, params, Parallel(1), progress).mesh).genus();
+    return check_topology(reconstruct(cloud, params, Context(1)).mesh).genus();
   };
   const CrossValidationReport report = chosen_for(cloud);
   EXPECT_LT(report.chosen, EnergyParams{}.lambda_per_density);
@@ -227,7 +224,7 @@ TEST(CrossValidation, HoldsOutWholeScansWhenAsked) {
   scanner.views = 12;
   scanner.columns = scanner.rows = 60;
   scanner.normals = true;
-  const PointCloud cloud = virtual_scan(*make_shape("torus"), scanner, Parallel(1)).cloud;
+  const PointCloud cloud = virtual_scan(*make_shape("torus"), scanner, Context(1)).cloud;
   CrossValidationParams params;
   params.folds = 4;
   params.candidates = {0.005, 0.04};
@@ -243,7 +240,7 @@ TEST(CrossValidation, StopsWhenCancelled) {
   const PointCloud cloud = dirty("torus", 0.5, {});
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(choose_lambda(cloud, cloud.normals, lattice_of(cloud, resolution), {}, {}, Parallel(1), progress),
+  EXPECT_THROW(choose_lambda(cloud, cloud.normals, lattice_of(cloud, resolution), {}, {}, Context(1, progress)),
                Cancelled);
 }
 

@@ -16,7 +16,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// The torus cut into `scans` runs of unequal length: run s has s + 1 parts of the samples.
 PointCloud in_scans(size_t scans) {

@@ -8,7 +8,7 @@
 namespace soapfilm {
 namespace TEST_FILE {
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// Samples of a sphere around the origin, radius 1; those below a height.
 PointCloud sphere_below(double height) {

@@ -13,7 +13,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 struct Case {
   std::string shape;
@@ -45,13 +45,12 @@ TEST_P(CoareaFormula, TvAndGraphCutReachTheSameEnergySlow) {
   Level whole =
       make_level(problem.lattice.box(0), static_cast<float>(lambda), BrickMask::whole(problem.lattice.box(0).bricks),
                  problem.support.grid, problem.support.f, one_thread, Norm::anisotropic);
-  Progress progress;
   double last = 1;
   for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
     PrimalDualParams params;
     params.tolerance = tolerance;
     params.max_iterations = 20000;
-    EXPECT_TRUE(solve_primal_dual(whole, params, one_thread, progress).converged);
+    EXPECT_TRUE(solve_primal_dual(whole, params, one_thread).converged);
     const Energies binary = evaluate_energy(whole, {.threshold = 0.5f, .certify = true}, one_thread);
     EXPECT_LE(binary.relative_gap(lambda), last);
     last = binary.relative_gap(lambda);
@@ -77,8 +76,7 @@ TEST(CoareaFormula, HoldsForRandomDataSlow) {
     PrimalDualParams params;
     params.tolerance = 1e-6;
     params.max_iterations = 20000;
-    Progress progress;
-    EXPECT_TRUE(solve_primal_dual(whole, params, one_thread, progress).converged);
+    EXPECT_TRUE(solve_primal_dual(whole, params, one_thread).converged);
     const double binary = evaluate_energy(whole, {.threshold = 0.5f}, one_thread).primal;
     EXPECT_NEAR(binary, best.report.energy, 1e-5 * std::abs(best.report.energy));
     EXPECT_GE(binary, best.report.energy * (1 + 1e-9));
@@ -88,8 +86,7 @@ TEST(CoareaFormula, HoldsForRandomDataSlow) {
 /// Beyond the largest lambda that keeps a surface for tv, the cut is empty too.
 TEST(CoareaFormula, TheCutIsEmptyBeyondTheCriticalLambda) {
   const Problem problem = make_problem(sampled("sphere", 32, 0.5), 32);
-  Progress progress;
-  const double critical = critical_lambda(problem.lattice, problem.support, 1, one_thread, progress, Norm::anisotropic);
+  const double critical = critical_lambda(problem.lattice, problem.support, 1, one_thread, Norm::anisotropic);
   ASSERT_GT(critical, 0);
   const auto inside = [&](double lambda) {
     return count_inside(dense_labels(cut(problem, lambda, {.neighbors = 6, .norm = Norm::anisotropic}).level));

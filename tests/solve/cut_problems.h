@@ -15,10 +15,8 @@ struct Cut {
 };
 
 inline Cut cut(const Problem& problem, double lambda, const GraphCutParams& params, int threads = 1) {
-  Progress progress;
   Cut result;
-  result.level =
-      solve_graph_cut(problem.lattice, problem.support, lambda, params, Parallel(threads), progress, result.report);
+  result.level = solve_graph_cut(problem.lattice, problem.support, lambda, params, Context(threads), result.report);
   return result;
 }
 
@@ -27,7 +25,7 @@ inline Problem tiny_problem(Vec3i free, uint64_t seed) {
   Problem problem;
   problem.lattice.size = free + Vec3i{2, 2, 2};
   const LevelBox box = problem.lattice.box(0);
-  problem.support.grid = BrickGrid(BrickMask::whole(box.bricks), Parallel(1));
+  problem.support.grid = BrickGrid(BrickMask::whole(box.bricks), Context(1));
   problem.support.f = Field<float>(problem.support.grid);
   Random random(seed);
   for (size_t b = 0; b < problem.support.grid.size(); ++b)

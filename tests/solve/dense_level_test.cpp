@@ -15,7 +15,7 @@ using test::sampled;
 
 TEST(DenseLevel, HoldsTheDenseValuesInAndOutsideTheBand) {
   const test::Problem problem = make_problem(sampled("torus", 64, 1), 64);
-  const Parallel parallel(2);
+  const Context context(2);
   const LevelBox box = problem.lattice.box(0);
   DenseField<float> u(box);
   EXPECT_EQ(u.size(), problem.lattice.size);
@@ -31,7 +31,7 @@ TEST(DenseLevel, HoldsTheDenseValuesInAndOutsideTheBand) {
         u.at(v) = inside(v) ? 1.0f : 0.0f;
       }
   const float lambda = 0.01f;
-  const Level level = level_of(u, box, lambda, problem.support.grid, problem.support.f, parallel);
+  const Level level = level_of(u, box, lambda, problem.support.grid, problem.support.f, context);
   EXPECT_LT(level.grid.size(), static_cast<size_t>(box.bricks.x) * box.bricks.y * box.bricks.z);
 
   size_t count = 0;
@@ -56,7 +56,7 @@ TEST(DenseLevel, HoldsTheDenseValuesInAndOutsideTheBand) {
       }
     }
   }
-  const Energies energies = evaluate_energy(level, {}, parallel);
+  const Energies energies = evaluate_energy(level, {}, context);
   EXPECT_GT(count, 10000u);
   EXPECT_NEAR(energies.total_variation, variation, 1e-9 * variation);
   EXPECT_NEAR(energies.data, data, 1e-6 * variation);

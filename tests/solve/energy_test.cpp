@@ -14,7 +14,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// Sets u = 1 in some of the inactive bricks.
 void fill_some_inactive_bricks(RandomLevel& random, uint64_t seed) {
@@ -131,7 +131,7 @@ TEST_P(EnergyOfRandomLevels, DoesNotDependOnThreads) {
   const RandomLevel random(seed, {.norm = norm, .open = open});
   const Energies one = evaluate_energy(random.level, {}, one_thread);
   for (const int threads : {2, 3, 8}) {
-    const Energies many = evaluate_energy(random.level, {}, Parallel(threads));
+    const Energies many = evaluate_energy(random.level, {}, Context(threads));
     EXPECT_EQ(one.primal, many.primal);
     EXPECT_EQ(one.dual, many.dual);
     EXPECT_EQ(one.gap, many.gap);

@@ -18,22 +18,21 @@ bool is_fixed_face(const Level& level, size_t brick, int axis, int i) {
 }
 
 /// p <- p + grad u on the free faces: a dual step of length 1 with a ball too large to matter.
-void apply_gradient(Level& level, const Parallel& parallel) {
+void apply_gradient(Level& level, const Context& context) {
   level.lambda = 1e6f;
-  Sweeper(level, parallel).sweep({.sigma = 1, .tau = 0});
+  Sweeper(level, context).sweep({.sigma = 1, .tau = 0});
 }
 
 /// u <- 1/2 - tau (grad^T p - f) at free vertices: a primal step that the bounds do not clip.
 constexpr float tau = 0.25f;
-void apply_adjoint(Level& level, const Parallel& parallel) {
+void apply_adjoint(Level& level, const Context& context) {
   for (size_t b = 0; b < level.grid.size(); ++b) std::fill_n(level.u.brick(b), brick_volume, 0.5f);
-  Sweeper(level, parallel).sweep({.sigma = 0, .tau = tau});
+  Sweeper(level, context).sweep({.sigma = 0, .tau = tau});
 }
 
 class Gradient : public testing::TestWithParam<BackEnd> {
  protected:
-  ForcedTarget target{GetParam().target};
-  Parallel parallel{GetParam().threads};
+  Context context = context_on(GetParam());
 };
 
 TEST_P(Gradient, IsTheForwardDifferenceAndZeroBeyondTheBand) {
@@ -41,7 +40,7 @@ TEST_P(Gradient, IsTheForwardDifferenceAndZeroBeyondTheBand) {
   Level& level = random.level;
   const Dense<double> u = dense_u(level);
   const DenseVectors before = dense_p(level);
-  apply_gradient(level, parallel);
+  apply_gradient(level, context);
   double worst = 0;
   size_t fixed_moved = 0;
   for (size_t b = 0; b < level.grid.size(); ++b)
@@ -63,7 +62,7 @@ TEST_P(Gradient, AdjointIsTheBackwardDifferenceWithTheRimsFlux) {
     RandomLevel random(2, {.support = 0, .rim = rim});
     Level& level = random.level;
     const DenseVectors p = dense_p(level);
-    apply_adjoint(level, parallel);
+    apply_adjoint(level, context);
     double worst = 0;
     for (size_t b = 0; b < level.grid.size(); ++b)
       for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
@@ -84,8 +83,8 @@ TEST_P(Gradient, AndItsAdjointAreAdjointOnRandomBands) {
       RandomLevel of_gradient(seed, params), of_adjoint(seed, params);
       const Dense<double> u = dense_u(of_gradient.level);
       const DenseVectors p = dense_p(of_gradient.level);
-      apply_gradient(of_gradient.level, parallel);
-      apply_adjoint(of_adjoint.level, parallel);
+      apply_gradient(of_gradient.level, context);
+      apply_adjoint(of_adjoint.level, context);
 
       double left = 0, right = 0, magnitude = 0;
       const Level& level = of_gradient.level;
@@ -116,7 +115,7 @@ TEST_P(Gradient, OfAConstantIsZeroBetweenFreeVertices) {
                     [&](Vec3i v, int i) { level.u.brick(b)[i] = level.box.is_free(v) ? 0.7f : 0.0f; });
     std::fill_n(level.p.brick(b), 3 * brick_volume, 0.0f);
   }
-  apply_gradient(level, parallel);
+  apply_gradient(level, context);
   size_t nonzero = 0, faces = 0;
   for (size_t b = 0; b < level.grid.size(); ++b)
     for (int axis = 0; axis < 3; ++axis)

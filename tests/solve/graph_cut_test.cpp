@@ -17,7 +17,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// The discrete energy of labels on the whole box, link by link.
 double energy_on_links(const Dense<double>& u, const Dense<double>& f, const std::vector<Link>& links) {
@@ -130,7 +130,7 @@ double energy_on_the_whole_box(const Problem& problem, const std::vector<Link>& 
     for (int y = box.free_lo.y; y <= box.free_hi.y; ++y)
       for (int x = box.free_lo.x; x <= box.free_hi.x; ++x) all.set({x, y, z});
   const BandGraph graph(all, box, problem.support, links, one_thread);
-  const MinCut best = min_cut(graph, Progress());
+  const MinCut best = min_cut(graph, one_thread);
   double gains = 0;
   BandGraph::Cursor cursor(graph);
   for (BandVertex v; cursor.next(v);) gains += std::max(0.0, -v.unary);
@@ -314,7 +314,7 @@ TEST(GraphCut, CanBeCancelledWithinTheCut) {
   } progress;
   const Problem problem = make_problem(sampled("torus", 96, 2), 96);
   GraphCutReport report;
-  EXPECT_THROW(solve_graph_cut(problem.lattice, problem.support, 0.02, {}, one_thread, progress, report), Cancelled);
+  EXPECT_THROW(solve_graph_cut(problem.lattice, problem.support, 0.02, {}, Context(1, progress), report), Cancelled);
 }
 
 }  // namespace TEST_FILE

@@ -9,7 +9,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// u at any vertex of the domain, 0 beyond it.
 float u_at(const Level& level, Vec3i v) {

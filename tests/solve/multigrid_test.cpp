@@ -10,7 +10,7 @@
 namespace soapfilm {
 namespace TEST_FILE {
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 template <class Visit>
 void for_each_free(Vec3i free, Visit&& visit) {

@@ -20,7 +20,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 struct Solution {
   DenseField<float> u;
@@ -28,10 +28,9 @@ struct Solution {
 };
 
 Solution solve(const Lattice& lattice, const SupportField& support, double lambda, double tolerance,
-               const Parallel& parallel = one_thread) {
-  Progress progress;
+               const Context& context = one_thread) {
   Solution solution;
-  solution.u = solve_poisson(lattice, support, lambda, {.tolerance = tolerance}, parallel, progress, solution.report);
+  solution.u = solve_poisson(lattice, support, lambda, {.tolerance = tolerance}, context, solution.report);
   return solution;
 }
 
@@ -147,14 +146,13 @@ TEST(Poisson, AnIterationReducesTheResidualFivefoldWhateverTheSize) {
 
 TEST(Poisson, NotConvergingIsToldNotThrown) {
   const auto [lattice, support] = random_data({40, 40, 40}, 1);
-  Progress progress;
   PoissonReport report;
-  solve_poisson(lattice, support, 0.01, {.tolerance = 1e-4, .max_iterations = 2}, one_thread, progress, report);
+  solve_poisson(lattice, support, 0.01, {.tolerance = 1e-4, .max_iterations = 2}, one_thread, report);
   EXPECT_EQ(report.iterations, 2);
   EXPECT_FALSE(report.converged);
   EXPECT_GT(report.residual, 1e-4);
   // Floats end long before this tolerance.
-  solve_poisson(lattice, support, 0.01, {.tolerance = 1e-12, .max_iterations = 30}, one_thread, progress, report);
+  solve_poisson(lattice, support, 0.01, {.tolerance = 1e-12, .max_iterations = 30}, one_thread, report);
   EXPECT_FALSE(report.converged);
   EXPECT_LT(report.residual, 1e-5);
 }
@@ -180,10 +178,9 @@ TEST(Poisson, WithoutDataUIsZero) {
 
 TEST(Poisson, RefusesParametersOutOfRange) {
   const auto data = random_data({12, 12, 12}, 1);
-  Progress progress;
   PoissonReport report;
   const auto refused = [&](double lambda, const PoissonParams& params) {
-    EXPECT_THROW(solve_poisson(data.first, data.second, lambda, params, one_thread, progress, report), ParameterError);
+    EXPECT_THROW(solve_poisson(data.first, data.second, lambda, params, one_thread, report), ParameterError);
   };
   refused(0, {});
   refused(-1, {});
@@ -199,12 +196,12 @@ TEST(Poisson, TheSameBytesForAnyNumberOfThreads) {
   const auto [u, report] = solve(problem.lattice, problem.support, 0.01, 1e-4);
   const double mean = mean_at_samples(u, problem.samples, one_thread);
   for (const int threads : {2, 3, 8}) {
-    const Parallel parallel(threads);
-    const auto [again, again_report] = solve(problem.lattice, problem.support, 0.01, 1e-4, parallel);
+    const Context context(threads);
+    const auto [again, again_report] = solve(problem.lattice, problem.support, 0.01, 1e-4, context);
     EXPECT_EQ(std::memcmp(u.data(), again.data(), u.bytes()), 0) << threads;
     EXPECT_EQ(report.residual, again_report.residual);
     EXPECT_EQ(report.energy, again_report.energy);
-    EXPECT_EQ(mean, mean_at_samples(again, problem.samples, parallel));
+    EXPECT_EQ(mean, mean_at_samples(again, problem.samples, context));
   }
 }
 

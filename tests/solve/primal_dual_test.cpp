@@ -11,7 +11,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// The whole box as one level. `problem` must outlive it.
 Level whole_box(const Problem& problem, double lambda) {
@@ -29,10 +29,9 @@ TEST_P(SmallSphere, GapFallsToAMillionth) {
   params.tolerance = 1e-6;
   params.max_iterations = 20000;
   params.check_every = 100;
-  Progress progress;
   double last_gap = std::numeric_limits<double>::infinity();
-  const PrimalDualReport report = solve_primal_dual(level, params, one_thread, progress,
-                                                    {.evaluated = [&](int, const Energies& e) { last_gap = e.gap; }});
+  const PrimalDualReport report =
+      solve_primal_dual(level, params, one_thread, {.evaluated = [&](int, const Energies& e) { last_gap = e.gap; }});
   EXPECT_TRUE(report.converged);
   EXPECT_LE(report.energies.relative_gap(level.lambda), 1e-6);
   EXPECT_EQ(report.energies.gap, last_gap);
@@ -49,8 +48,7 @@ TEST(PrimalDual, WithoutDataTheOptimumIsEmpty) {
   Problem problem = make_problem(sampled("sphere", 24, 1), 24);
   for (size_t b = 0; b < problem.support.f.bricks(); ++b) std::fill_n(problem.support.f.brick(b), brick_volume, 0.0f);
   Level level = whole_box(problem, 0.01);
-  Progress progress;
-  const PrimalDualReport report = solve_primal_dual(level, {}, one_thread, progress);
+  const PrimalDualReport report = solve_primal_dual(level, {}, one_thread);
   EXPECT_TRUE(report.converged);
   EXPECT_EQ(report.energies.primal, 0);
   EXPECT_EQ(report.energies.dual, 0);
@@ -62,8 +60,7 @@ TEST(PrimalDual, SaysWhenTheIterationsRanOut) {
   PrimalDualParams params;
   params.tolerance = 1e-12;
   params.max_iterations = 40;
-  Progress progress;
-  const PrimalDualReport report = solve_primal_dual(level, params, one_thread, progress);
+  const PrimalDualReport report = solve_primal_dual(level, params, one_thread);
   EXPECT_FALSE(report.converged);
   EXPECT_EQ(report.iterations, 40);
 }
@@ -77,10 +74,9 @@ TEST(PrimalDual, ForeseesWhenTheGapIsSmallEnough) {
         PrimalDualParams params;
         params.tolerance = tolerance;
         params.check_every = check_every;
-        Progress progress;
         looks = 0;
-        const PrimalDualReport report = solve_primal_dual(level, params, one_thread, progress,
-                                                          {.late = late, .checked = [&](int, double) { ++looks; }});
+        const PrimalDualReport report =
+            solve_primal_dual(level, params, one_thread, {.late = late, .checked = [&](int, double) { ++looks; }});
         EXPECT_TRUE(report.converged);
         return report.iterations;
       };
@@ -98,15 +94,14 @@ TEST(PrimalDual, EstimatesTellALargeLevelsGap) {
   const Problem knot = make_problem(sampled("knot", 192, 1), 192), plate = make_problem(sampled("plate", 128, 1), 128);
   PrimalDualParams params;
   params.tolerance = 0.01;
-  Progress progress;
-  Level levels[] = {solve_coarse_to_fine(knot.lattice, knot.support, 0.02, params, one_thread, progress).finest,
+  Level levels[] = {solve_coarse_to_fine(knot.lattice, knot.support, 0.02, params, one_thread).finest,
                     whole_box(plate, 0.02)};
-  solve_primal_dual(levels[1], params, one_thread, progress);
+  solve_primal_dual(levels[1], params, one_thread);
   for (const Level& level : levels) {
     const double gap = evaluate_energy(level, {}, one_thread).relative_gap_band(level.lambda);
     const double estimated = estimate_gap(level, one_thread);
     EXPECT_NEAR(estimated, gap, 0.2 * gap);
-    for (const int threads : {2, 3, 8}) EXPECT_EQ(estimate_gap(level, Parallel(threads)), estimated);
+    for (const int threads : {2, 3, 8}) EXPECT_EQ(estimate_gap(level, Context(threads)), estimated);
   }
 }
 
@@ -114,12 +109,11 @@ TEST(PrimalDual, EstimatesUntilTheGapIsAboutTheTolerance) {
   const Problem problem = make_problem(sampled("knot", 128, 1), 128);
   PrimalDualParams params;
   params.tolerance = 1e-5;
-  Progress progress;
   int looks = 0, evaluations = 0;
   Level estimated = whole_box(problem, 0.02), evaluated = whole_box(problem, 0.02), threaded = whole_box(problem, 0.02);
-  const PrimalDualReport by_estimates = solve_primal_dual(estimated, params, one_thread, progress);
+  const PrimalDualReport by_estimates = solve_primal_dual(estimated, params, one_thread);
   const PrimalDualReport by_evaluations = solve_primal_dual(
-      evaluated, params, one_thread, progress,
+      evaluated, params, one_thread,
       {.checked = [&](int, double) { ++looks; }, .evaluated = [&](int, const Energies&) { ++evaluations; }});
   EXPECT_EQ(looks, evaluations);
   EXPECT_GT(looks, 1);
@@ -131,7 +125,7 @@ TEST(PrimalDual, EstimatesUntilTheGapIsAboutTheTolerance) {
         << "no estimate is reported";
   }
   EXPECT_NEAR(by_estimates.iterations, by_evaluations.iterations, 0.2 * by_evaluations.iterations);
-  solve_primal_dual(threaded, params, Parallel(3), progress);
+  solve_primal_dual(threaded, params, Context(3));
   for (size_t b = 0; b < threaded.grid.size(); ++b)
     ASSERT_TRUE(std::equal(threaded.u.brick(b), threaded.u.brick(b) + brick_volume, estimated.u.brick(b))) << b;
 }
@@ -143,7 +137,7 @@ TEST(PrimalDual, CancelsBeforeTheNextSweeps) {
   PrimalDualParams params;
   params.tolerance = 1e-12;
   EXPECT_THROW(
-      solve_primal_dual(level, params, one_thread, progress, {.checked = [&](int, double) { progress.cancel(); }}),
+      solve_primal_dual(level, params, Context(1, progress), {.checked = [&](int, double) { progress.cancel(); }}),
       Cancelled);
 }
 

@@ -16,7 +16,7 @@ namespace TEST_FILE {
 using namespace test;
 
 constexpr double lambda = 0.01;
-const Parallel one_thread(1);
+const Context one_thread(1);
 
 /// One level, nothing coarser.
 Problem tiny_problem(const std::string& shape, int resolution) {
@@ -154,8 +154,7 @@ TEST_P(SorEquation, IsFollowedVertexByVertex) {
     reference.run(iterations);
 
     DenseField<float> u(box);
-    Progress progress;
-    const SorLevelReport report = relax_sor(u, box, lambda, problem.support, params, one_thread, progress);
+    const SorLevelReport report = relax_sor(u, box, lambda, problem.support, params, one_thread);
     EXPECT_EQ(report.iterations, iterations);
     ASSERT_EQ(report.energy.size(), reference.energies().size());
     ASSERT_EQ(report.seconds.size(), report.energy.size());
@@ -176,13 +175,12 @@ TEST_P(SorEquation, GivesTheSameBytesWhenEmptyRunsAreSkipped) {
   const Problem problem = tiny_problem("torus", 64);
   const LevelBox box = problem.lattice.box(0);
   SorParams params = params_of(GetParam(), 30);
-  Progress progress;
   uint64_t hash[2];
   std::vector<double> energy[2];
   for (const bool skip : {false, true}) {
     params.skip_empty = skip;
     DenseField<float> u(box);
-    energy[skip] = relax_sor(u, box, lambda, problem.support, params, one_thread, progress).energy;
+    energy[skip] = relax_sor(u, box, lambda, problem.support, params, one_thread).energy;
     hash[skip] = hash_bytes(std::span<const float>(u.data(), u.count()));
   }
   EXPECT_EQ(hash[0], hash[1]);
@@ -196,21 +194,19 @@ class SorBackEnds : public testing::TestWithParam<BackEnd> {};
 TEST_P(SorBackEnds, GiveTheSameBytes) {
   const Problem problem = tiny_problem("part", 45);
   const LevelBox box = problem.lattice.box(0);
-  const auto outcome = [&](SorOrder order, const Parallel& parallel) {
+  const auto outcome = [&](SorOrder order, const Context& context) {
     SorParams params;
     params.order = order;
     params.max_iterations = 21;
     DenseField<float> u(box);
-    Progress progress;
-    const SorLevelReport report = relax_sor(u, box, lambda, problem.support, params, parallel, progress);
-    const Level level = sor_level(u, box, lambda, problem.support, params, parallel);
+    const SorLevelReport report = relax_sor(u, box, lambda, problem.support, params, context);
+    const Level level = sor_level(u, box, lambda, problem.support, params, context);
     const uint64_t p = hash_bytes(std::span<const float>(level.p.brick(0), 3 * level.grid.vertices()));
     return std::tuple(hash_bytes(std::span<const float>(u.data(), u.count())), report.energy, p);
   };
   for (const SorOrder order : {SorOrder::lexicographic, SorOrder::red_black}) {
     const auto expected = outcome(order, one_thread);
-    const ForcedTarget target(GetParam().target);
-    EXPECT_EQ(outcome(order, Parallel(GetParam().threads)), expected);
+    EXPECT_EQ(outcome(order, context_on(GetParam())), expected);
   }
 }
 
@@ -222,8 +218,7 @@ TEST(Sor, StopsWhenTheEnergyHoldsStill) {
   DenseField<float> u(box);
   SorParams params;
   params.max_iterations = 2000;
-  Progress progress;
-  const SorLevelReport report = relax_sor(u, box, lambda, problem.support, params, one_thread, progress);
+  const SorLevelReport report = relax_sor(u, box, lambda, problem.support, params, one_thread);
   EXPECT_TRUE(report.converged);
   EXPECT_LT(report.iterations, params.max_iterations);
   const double last = report.energy.back(), before = report.energy[report.energy.size() - 3];
@@ -244,8 +239,7 @@ TEST(Sor, LeavesNothingWhereNothingWasSampled) {
   const LevelBox box = problem.lattice.box(0);
   SupportField nothing{problem.support.grid, Field<float>(problem.support.grid)};
   DenseField<float> u(box);
-  Progress progress;
-  const SorLevelReport report = relax_sor(u, box, lambda, nothing, {}, one_thread, progress);
+  const SorLevelReport report = relax_sor(u, box, lambda, nothing, {}, one_thread);
   EXPECT_TRUE(report.converged);
   EXPECT_EQ(report.energy.back(), 0);
   for (size_t i = 0; i < u.count(); ++i) ASSERT_EQ(u.data()[i], 0);
@@ -269,8 +263,7 @@ TEST(Sor, KeepsTheAxesEqual) {
   params.max_iterations = 40;
   const auto solution = [&](const Problem& p) {
     DenseField<float> u(p.lattice.box(0));
-    Progress progress;
-    relax_sor(u, p.lattice.box(0), lambda, p.support, params, one_thread, progress);
+    relax_sor(u, p.lattice.box(0), lambda, p.support, params, one_thread);
     return u;
   };
   const DenseField<float> u = solution(problem), v = solution(turned_problem);
@@ -307,8 +300,7 @@ TEST(Sor, MirrorsASymmetricSphere) {
   SorParams params;
   params.tolerance = 0;
   params.max_iterations = 1000;
-  Progress progress;
-  relax_sor(u, box, lambda, problem.support, params, one_thread, progress);
+  relax_sor(u, box, lambda, problem.support, params, one_thread);
   const Vec3i last = u.size() - Vec3i{1, 1, 1};
   ASSERT_EQ(u.size().x, u.size().y);
   ASSERT_EQ(u.size().x, u.size().z);

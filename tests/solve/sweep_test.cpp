@@ -66,7 +66,7 @@ class Reference {
   DenseVectors p_;
 };
 
-void sweep(Level& level, int times, const Parallel& parallel) { Sweeper(level, parallel).sweep(steps, times); }
+void sweep(Level& level, int times, const Context& context) { Sweeper(level, context).sweep(steps, times); }
 
 uint64_t hash_state(const Level& level) {
   uint64_t hash = 0;
@@ -81,8 +81,7 @@ constexpr Norm both_norms[] = {Norm::isotropic, Norm::anisotropic};
 
 class Sweep : public testing::TestWithParam<BackEnd> {
  protected:
-  ForcedTarget target{GetParam().target};
-  Parallel parallel{GetParam().threads};
+  Context context = context_on(GetParam());
 };
 
 TEST_P(Sweep, IsTheIterationOfThePaper) {
@@ -91,7 +90,7 @@ TEST_P(Sweep, IsTheIterationOfThePaper) {
       RandomLevel random(11, {.rim = open ? RimFlux::zero : RimFlux::random, .norm = norm, .open = open});
       Reference reference(random.level);
       for (int i = 0; i < 5; ++i) reference.sweep();
-      sweep(random.level, 5, parallel);
+      sweep(random.level, 5, context);
       const Dense<double> u = dense_u(random.level);
       const DenseVectors p = dense_p(random.level);
       double worst = 0;
@@ -108,14 +107,13 @@ TEST_P(Sweep, IsTheIterationOfThePaper) {
 
 /// More sweeps at once than a tile holds, on a band of more rows of bricks than a tile, are sweeps one by one.
 TEST_P(Sweep, GivesTheSameBitsOnEveryBackEnd) {
-  const Parallel one_thread(1);
+  const Context one_thread(1);
+  const Context scalar(1, SimdTarget("scalar"));
   for (const Norm norm : both_norms)
     for (const bool open : {false, true}) {
       RandomLevel random(12, {.norm = norm, .open = open}), oracle(12, {.norm = norm, .open = open});
-      force_simd_target(GetParam().target);
-      sweep(random.level, 10, parallel);
-      force_simd_target("scalar");
-      Sweeper one_by_one(oracle.level, one_thread);
+      sweep(random.level, 10, context);
+      Sweeper one_by_one(oracle.level, scalar);
       for (int i = 0; i < 10; ++i) one_by_one.sweep(steps);
       EXPECT_EQ(hash_state(random.level), hash_state(oracle.level));
     }
@@ -130,12 +128,12 @@ TEST_P(Sweep, RowsThatRestLoseNothing) {
   band.set({0, 0, 0}, false);
   band.set(box.bricks - Vec3i{1, 1, 1}, false);
   for (const Norm norm : both_norms) {
-    Level resting = make_level(box, 0.02f, band, problem.support.grid, problem.support.f, parallel, norm);
-    Level restless = make_level(box, 0.02f, band, problem.support.grid, problem.support.f, parallel, norm);
-    Sweeper sweeper(resting, parallel);
+    Level resting = make_level(box, 0.02f, band, problem.support.grid, problem.support.f, context, norm);
+    Level restless = make_level(box, 0.02f, band, problem.support.grid, problem.support.f, context, norm);
+    Sweeper sweeper(resting, context);
     sweeper.sweep({}, 2);  // steps of no length: every row rests, until other steps wake it
     sweeper.sweep(steps, sweeps);
-    for (int i = 0; i < sweeps; ++i) sweep(restless, 1, parallel);
+    for (int i = 0; i < sweeps; ++i) sweep(restless, 1, context);
     EXPECT_EQ(hash_state(resting), hash_state(restless));
     EXPECT_GT(count_inside(dense_labels(resting)), 1000u) << "the film has moved";
   }
@@ -145,7 +143,7 @@ TEST_P(Sweep, KeepsTheConstraints) {
   for (const Norm norm : both_norms) {
     RandomLevel random(13, {.rim = RimFlux::zero, .norm = norm});
     Level& level = random.level;
-    sweep(level, 10, parallel);
+    sweep(level, 10, context);
     double longest = 0;
     for (size_t b = 0; b < level.grid.size(); ++b)
       for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/simd.h"
+#include "soapfilm/core/context.h"
 
 namespace soapfilm::test {
 
@@ -32,13 +32,6 @@ inline std::string back_end_name(const testing::TestParamInfo<BackEnd>& info) {
   return target + "_threads" + std::to_string(threads) + (fast ? "" : "_Slow");
 }
 
-/// Forces a SIMD target for a scope.
-class ForcedTarget {
- public:
-  explicit ForcedTarget(const std::string& name) { force_simd_target(name); }
-  ~ForcedTarget() { force_simd_target(""); }
-  ForcedTarget(const ForcedTarget&) = delete;
-  ForcedTarget& operator=(const ForcedTarget&) = delete;
-};
+inline Context context_on(const BackEnd& b) { return Context(b.threads, SimdTarget(b.target)); }
 
 }  // namespace soapfilm::test

@@ -33,9 +33,9 @@ inline Lattice unturned(Lattice lattice) {
 }
 
 inline Problem make_problem(const PointCloud& cloud, const Lattice& lattice, int threads = 1) {
-  const Parallel parallel(threads);
-  Problem problem{lattice, sort_samples(cloud, cloud.normals, lattice, parallel), {}};
-  problem.support = divergence_field(problem.samples, lattice.box(0), parallel);
+  const Context context(threads);
+  Problem problem{lattice, sort_samples(cloud, cloud.normals, lattice, context), {}};
+  problem.support = divergence_field(problem.samples, lattice.box(0), context);
   return problem;
 }
 
@@ -74,9 +74,8 @@ inline PyramidSolution solve(const Problem& problem, double lambda, double toler
   PrimalDualParams params;
   params.tolerance = tolerance;
   params.max_iterations = 20000;
-  const Parallel parallel(threads);
-  Progress progress;
-  return solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, parallel, progress, norm);
+  const Context context(threads);
+  return solve_coarse_to_fine(problem.lattice, problem.support, lambda, params, context, norm);
 }
 
 }  // namespace soapfilm::test

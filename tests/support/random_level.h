@@ -41,7 +41,7 @@ struct RandomLevel {
 
   explicit RandomLevel(uint64_t seed, const RandomLevelParams& params = {}) {
     Random random(seed);
-    const Parallel parallel(1);
+    const Context context(1);
     Lattice lattice;
     for (int axis = 0; axis < 3; ++axis) lattice.size[axis] = 36 + static_cast<int>(random.next() % 16);
     lattice.size.z += params.more_layers;
@@ -54,12 +54,12 @@ struct RandomLevel {
       band.set(b);
       if (random.uniform() < params.support) with_data.set(b);
     });
-    support = BrickGrid(with_data, parallel);
+    support = BrickGrid(with_data, context);
     f = Field<float>(support);
     for (size_t b = 0; b < support.size(); ++b)
       for (int i = 0; i < brick_volume; ++i) f.brick(b)[i] = static_cast<float>(0.2 * random.normal());
 
-    level = make_level(box, static_cast<float>(params.lambda), band, support, f, parallel, params.norm);
+    level = make_level(box, static_cast<float>(params.lambda), band, support, f, context, params.norm);
     for (size_t b = 0; b < level.grid.size(); ++b) fill_brick(random, b, params);
   }
 

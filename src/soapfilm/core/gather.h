@@ -11,9 +11,9 @@ namespace soapfilm {
 /// What body(i, found) appends to the vector `found` for each i in [0, count), `grain` of them per task, in the order
 /// of i.
 template <class T, class Body>
-std::vector<T> gather(size_t count, size_t grain, const Parallel& parallel, Body&& body) {
+std::vector<T> gather(size_t count, size_t grain, const Context& context, Body&& body) {
   std::vector<std::vector<T>> found((count + grain - 1) / grain);
-  parallel.for_chunks(count, grain, [&](size_t begin, size_t end) {
+  parallel_chunks(context, count, grain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) body(i, found[begin / grain]);
   });
   size_t total = 0;
@@ -27,9 +27,9 @@ std::vector<T> gather(size_t count, size_t grain, const Parallel& parallel, Body
 /// What part(begin, end) returns for chunks of [0, count), `grain` of it each, joined in their order:
 /// join(whole, part) from T{} on.
 template <class T, class Part, class Join>
-T join_chunks(size_t count, size_t grain, const Parallel& parallel, Part&& part, Join&& join) {
+T join_chunks(size_t count, size_t grain, const Context& context, Part&& part, Join&& join) {
   std::vector<T> parts((count + grain - 1) / grain);
-  parallel.for_chunks(count, grain, [&](size_t begin, size_t end) { parts[begin / grain] = part(begin, end); });
+  parallel_chunks(context, count, grain, [&](size_t begin, size_t end) { parts[begin / grain] = part(begin, end); });
   T whole{};
   for (const T& p : parts) join(whole, p);
   return whole;
@@ -37,8 +37,8 @@ T join_chunks(size_t count, size_t grain, const Parallel& parallel, Part&& part,
 
 /// The same, joined by +=.
 template <class T, class Part>
-T sum_chunks(size_t count, size_t grain, const Parallel& parallel, Part&& part) {
-  return join_chunks<T>(count, grain, parallel, part, [](T& whole, const T& p) { whole += p; });
+T sum_chunks(size_t count, size_t grain, const Context& context, Part&& part) {
+  return join_chunks<T>(count, grain, context, part, [](T& whole, const T& p) { whole += p; });
 }
 
 }  // namespace soapfilm

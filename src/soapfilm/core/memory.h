@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "soapfilm/core/zeroed_memory.h"
+#include "soapfilm/core/page_pool.h"
 
 namespace soapfilm {
 
@@ -35,13 +35,12 @@ constexpr size_t rounded_up(size_t bytes, size_t unit) { return (bytes + unit - 
 /// of the address cache. Advice: where the system does not take it, nothing changes.
 void prefer_large_pages(void* memory, size_t bytes);
 
-/// Room for `count` values in an empty vector, on large pages where there are many, and on such as a KeepFreedPages
-/// has.
+/// Room for `count` values in an empty vector, on large pages where there are many, and on such as the pool has.
 template <class T>
-void reserve_many(std::vector<T>& values, size_t count) {
+void reserve_many(std::vector<T>& values, size_t count, const PagePool& pages = {}) {
   values.reserve(count);
   prefer_large_pages(values.data(), count * sizeof(T));
-  if (count * sizeof(T) >= least_kept_bytes) take_pages(values.data(), count * sizeof(T));
+  if (count * sizeof(T) >= least_kept_bytes) pages.serve(values.data(), count * sizeof(T));
 }
 
 /// Reads "600M", "2G", "1.5GiB", "800 MB" or plain bytes. K, M, G, T and KiB, MiB, GiB, TiB are powers of 1024; KB, MB,

@@ -35,14 +35,14 @@ Box3d PointCloud::box() const {
   return box;
 }
 
-Box3d PointCloud::box(const Parallel& parallel) const {
+Box3d PointCloud::box(const Context& context) const {
   constexpr size_t grain = size_t{1} << 15;
   const auto part = [&](size_t begin, size_t end) {
     Box3d box;
     for (size_t i = begin; i < end; ++i) box.extend(positions[i]);
     return box;
   };
-  return join_chunks<Box3d>(size(), grain, parallel, part, [](Box3d& whole, const Box3d& p) { whole.extend(p); });
+  return join_chunks<Box3d>(size(), grain, context, part, [](Box3d& whole, const Box3d& p) { whole.extend(p); });
 }
 
 void PointCloud::append(PointCloud&& other) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "soapfilm/core/box.h"
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm {
@@ -47,7 +47,7 @@ struct PointCloud {
 
   size_t size() const { return positions.size(); }
   Box3d box() const;
-  Box3d box(const Parallel& parallel) const;  ///< the same
+  Box3d box(const Context& context) const;  ///< the same
 
   /// Appends another cloud as further scans. A column that only one of the two has is filled with its neutral
   /// value: zero normal, not-a-number sensor, weight 1, grey colour.

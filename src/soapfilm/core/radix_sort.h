@@ -18,7 +18,7 @@ namespace soapfilm {
 /// Art of Computer Programming 3, section 5.2.5): they are dealt by their highest digit, each thread a run of them;
 /// then each hand is sorted in the cache, lowest digits first. Takes as much memory again as the items while it works.
 template <class T, class KeyOf>
-void radix_sort(std::vector<T>& items, int bits, const Parallel& parallel, KeyOf&& key_of) {
+void radix_sort(std::vector<T>& items, int bits, const Context& context, KeyOf&& key_of) {
   constexpr int high_bits = 12, low_bits = 8;
   constexpr size_t most_chunks = 16, least_chunk = size_t{1} << 15;
   const size_t count = items.size();
@@ -31,7 +31,7 @@ void radix_sort(std::vector<T>& items, int bits, const Parallel& parallel, KeyOf
   const size_t chunks = std::clamp<size_t>(count / least_chunk, 1, most_chunks), grain = count / chunks + 1;
   std::vector<size_t> next(chunks * hands);  // of each chunk and hand: first how many, then the next place
   const auto for_each_place = [&](auto&& visit) {
-    parallel.for_chunks(count, grain, [&](size_t begin, size_t end) {
+    parallel_chunks(context, count, grain, [&](size_t begin, size_t end) {
       size_t* place = next.data() + begin / grain * hands;
       for (size_t i = begin; i < end; ++i) visit(items[i], place[hand_of(key_of(items[i]))]++);
     });
@@ -44,7 +44,7 @@ void radix_sort(std::vector<T>& items, int bits, const Parallel& parallel, KeyOf
   }
   for_each_place([&](const T& item, size_t place) { other[place] = item; });
 
-  parallel.for_each(hands, 16, [&](size_t hand) {
+  parallel_for(context, hands, 16, [&](size_t hand) {
     const size_t size = hand_begin[hand + 1] - hand_begin[hand];
     T* from = other.get() + hand_begin[hand];
     T* to = items.data() + hand_begin[hand];
@@ -61,8 +61,8 @@ void radix_sort(std::vector<T>& items, int bits, const Parallel& parallel, KeyOf
 }
 
 /// The same of keys.
-inline void radix_sort(std::vector<uint64_t>& keys, int bits, const Parallel& parallel) {
-  radix_sort(keys, bits, parallel, [](uint64_t key) { return key; });
+inline void radix_sort(std::vector<uint64_t>& keys, int bits, const Context& context) {
+  radix_sort(keys, bits, context, [](uint64_t key) { return key; });
 }
 
 }  // namespace soapfilm

@@ -14,7 +14,6 @@ namespace soapfilm {
 namespace {
 
 const std::string scalar_name = "scalar";
-bool only_scalar = false;
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -33,20 +32,15 @@ std::vector<std::string> simd_targets() {
   return names;
 }
 
-bool scalar_forced() { return only_scalar; }
+SimdTarget::SimdTarget() : bits_(hwy::SupportedTargets()) {}
 
-void force_simd_target(const std::string& name) {
-  hwy::SetSupportedTargetsForTest(0);
-  only_scalar = name == scalar_name;
-  if (!name.empty() && !only_scalar) {
-    const std::vector<int64_t> targets = hwy::SupportedAndGeneratedTargets();
-    const auto it = std::find_if(targets.begin(), targets.end(),
-                                 [&](int64_t target) { return lower(hwy::TargetName(target)) == name; });
-    if (it == targets.end())
-      throw ParameterError(fmt::format("SIMD target = {}, not available on this processor", name));
-    hwy::SetSupportedTargetsForTest(*it);
-  }
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+SimdTarget::SimdTarget(const std::string& name) : SimdTarget() {
+  if (name.empty()) return;
+  bits_ = 0;
+  if (name == scalar_name) return;
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets())
+    if (lower(hwy::TargetName(target)) == name) bits_ = target;
+  if (bits_ == 0) throw ParameterError(fmt::format("SIMD target = {}, not available on this processor", name));
 }
 
 }  // namespace soapfilm

@@ -1,6 +1,7 @@
 // Which SIMD instructions the kernels use. They are chosen at run time; results do not depend on the choice.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,11 +10,21 @@ namespace soapfilm {
 /// The targets that this processor can run, best first; the last is always "scalar".
 std::vector<std::string> simd_targets();
 
-/// Whether kernels are to be scalar because force_simd_target() said so.
-bool scalar_forced();
+/// One of them.
+class SimdTarget {
+ public:
+  /// The best.
+  SimdTarget();
+  /// By name, as simd_targets() lists them; empty: the best. Throws ParameterError for one that cannot run here.
+  explicit SimdTarget(const std::string& name);
 
-/// Makes all kernels of this process use a target by name (as simd_targets() lists them; empty: the best). For tests
-/// and benchmarks; not to be called while kernels run. Throws ParameterError for a target that cannot run here.
-void force_simd_target(const std::string& name);
+  /// No kernels but those without SIMD instructions.
+  bool is_scalar() const { return bits_ == 0; }
+  /// Bits of the targets that may serve, as Highway numbers them; the best of these that was compiled does.
+  int64_t bits() const { return bits_; }
+
+ private:
+  int64_t bits_;
+};
 
 }  // namespace soapfilm

@@ -1,15 +1,14 @@
 #pragma once
 
 #include <chrono>
-#include <ctime>
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/progress.h"
+#include "soapfilm/core/context.h"
 
 namespace soapfilm {
 
-/// What a stage took, in seconds: by the clock, and of all threads of the process.
+/// What a stage took, in seconds: by the clock, and of all threads of the run.
 struct StageTime {
   std::string name;
   double elapsed = 0;
@@ -19,12 +18,12 @@ struct StageTime {
 /// Runs the stages of a pipeline one after the other: tells the progress object and keeps the times.
 class Stages {
  public:
-  explicit Stages(Progress& progress) : progress_(progress) {}
+  explicit Stages(const Context& context) : context_(context) {}
 
   template <class Work>
   auto run(const char* name, Work&& work) {
-    progress_.check();
-    progress_.begin_stage(name);
+    context_.check();
+    context_.progress().begin_stage(name);
     const Timer timer{*this, name};
     return work();
   }
@@ -37,16 +36,16 @@ class Stages {
     Stages& stages;
     const char* name;
     Clock::time_point begin = Clock::now();
-    std::clock_t cpu_begin = std::clock();
+    double cpu_begin = stages.context_.cpu_seconds();
     ~Timer() {
       const double elapsed = std::chrono::duration<double>(Clock::now() - begin).count();
-      const double cpu = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
+      const double cpu = stages.context_.cpu_seconds() - cpu_begin;
       stages.times_.push_back({name, elapsed, cpu});
-      stages.progress_.end_stage(elapsed);
+      stages.context_.progress().end_stage(elapsed);
     }
   };
 
-  Progress& progress_;
+  const Context& context_;
   std::vector<StageTime> times_;
 };
 

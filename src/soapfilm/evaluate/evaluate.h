@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/mesh/distance.h"
 #include "soapfilm/mesh/topology.h"
@@ -72,14 +72,14 @@ struct Evaluation {
 /// The result does not depend on the number of threads.
 ///
 /// Throws ParameterError when an option is out of range, the mesh has no area or is broken, or a sample is not finite.
-Evaluation evaluate(const Mesh& mesh, const Surface& truth, const EvaluationOptions& options, const Parallel& parallel,
-                    Progress& progress, const std::vector<Vec3d>* samples = nullptr);
+Evaluation evaluate(const Mesh& mesh, const Surface& truth, const EvaluationOptions& options, const Context& context,
+                    const std::vector<Vec3d>* samples = nullptr);
 
-/// The same against a mesh, without anyone watching. A closed truth that is inside-out is turned.
-Evaluation evaluate(const Mesh& mesh, const Mesh& truth, const EvaluationOptions& options, const Parallel& parallel);
+/// The same against a mesh. A closed truth that is inside-out is turned.
+Evaluation evaluate(const Mesh& mesh, const Mesh& truth, const EvaluationOptions& options, const Context& context);
 
 /// `mesh` with each vertex's distance to the truth as the attribute `distance` (input units) and as colours: dark at 0,
 /// bright at `top` (input units, > 0 and finite) and beyond.
-Mesh color_by_error(Mesh mesh, const Surface& truth, double top, const Parallel& parallel);
+Mesh color_by_error(Mesh mesh, const Surface& truth, double top, const Context& context);
 
 }  // namespace soapfilm

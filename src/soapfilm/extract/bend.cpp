@@ -1,4 +1,5 @@
 #include "soapfilm/extract/bend.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -35,9 +36,9 @@ Vec3d normal_at(const SmoothField& field, Vec3d point) {
 
 /// Along the world's axes.
 std::vector<Vec3f> vertex_normals(const Mesh& mesh, const SmoothField& field, const Lattice& lattice,
-                                  const Parallel& parallel) {
+                                  const Context& context) {
   std::vector<Vec3f> normals(mesh.vertices.size());
-  parallel.for_each(normals.size(), points_per_task, [&](size_t v) {
+  parallel_for(context, normals.size(), points_per_task, [&](size_t v) {
     normals[v] = lattice.to_world_axes(Vec3f(normal_at(field, lattice.to_lattice(mesh.vertices[v]))));
   });
   return normals;
@@ -45,19 +46,19 @@ std::vector<Vec3f> vertex_normals(const Mesh& mesh, const SmoothField& field, co
 
 class Bending {
  public:
-  Bending(Mesh& mesh, const SmoothField& field, const Lattice& lattice, double tolerance, const Parallel& parallel)
-      : mesh_(mesh), field_(field), lattice_(lattice), tolerance_(tolerance), parallel_(parallel) {}
+  Bending(Mesh& mesh, const SmoothField& field, const Lattice& lattice, double tolerance, const Context& context)
+      : mesh_(mesh), field_(field), lattice_(lattice), tolerance_(tolerance), context_(context) {}
 
   size_t run(const Leftover& leftover) {
     const std::vector<Vec3d> start = move_vertices(leftover);
-    take_back(mesh_, start, lattice_.voxel, parallel_);
+    take_back(mesh_, start, lattice_.voxel, context_);
     return start.size() - old_;
   }
 
  private:
   /// Returns where the vertices, new ones too, were before.
   std::vector<Vec3d> move_vertices(const Leftover& leftover) {
-    const std::vector<Vec3f> normals = vertex_normals(mesh_, field_, lattice_, parallel_);
+    const std::vector<Vec3f> normals = vertex_normals(mesh_, field_, lattice_, context_);
     const HalfEdges edges = flipped(normals);
     find_suspects(edges, normals);
     place_ends(edges);
@@ -68,7 +69,7 @@ class Bending {
     start = mesh_.vertices;
     for (const uint32_t h : split_) start.push_back(0.5 * (start[edges.from(h)] + start[edges.to(h)]));
     mesh_.vertices.resize(start.size());
-    parallel_.for_each(start.size(), points_per_task, [&](size_t v) {
+    parallel_for(context_, start.size(), points_per_task, [&](size_t v) {
       const bool stays = v < old_ && !is_end_[v];
       const Vec3d p = v >= old_ ? middles_[v - old_] : stays ? lattice_.to_lattice(start[v]) : ends_[v];
       const Vec3d normal = stays ? Vec3d(lattice_.from_world_axes(normals[v])) : normal_at(field_, p);
@@ -87,12 +88,12 @@ class Bending {
     std::vector<Triangle> failed;  // pairs of these that meet were dealt with
     for (int tries = 0; tries < most_tries; ++tries) {
       HalfEdges edges(mesh_);
-      flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, parallel_);
+      flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, context_);
       const std::vector<Triangle>& known = failed.empty() ? before : failed;
       std::vector<uint8_t> changed(before.size());
       for (size_t t = 0; t < before.size(); ++t) changed[t] = mesh_.triangles[t] != known[t];
       const MeshChange change{before, mesh_.triangles, mesh_.vertices, mesh_.vertices, changed};
-      const auto pairs = CrossingSearch(change, lattice_.voxel, parallel_).find(mesh_.vertices, changed);
+      const auto pairs = CrossingSearch(change, lattice_.voxel, context_).find(mesh_.vertices, changed);
       if (pairs.empty()) return edges;
       for (const auto& pair : pairs)
         for (const uint32_t t : pair)
@@ -105,12 +106,11 @@ class Bending {
   /// Edges that may lie too far off, by the half that runs upwards.
   void find_suspects(const HalfEdges& edges, std::span<const Vec3f> normals) {
     const double limit = suspicion * tolerance_ * lattice_.voxel;
-    split_ =
-        gather<uint32_t>(edges.size(), half_edges_per_task, parallel_, [&](size_t i, std::vector<uint32_t>& found) {
-          const auto h = static_cast<uint32_t>(i);
-          const uint32_t a = edges.from(h), b = edges.to(h);
-          if (a < b && sag(mesh_.vertices[a], mesh_.vertices[b], normals[a], normals[b]) > limit) found.push_back(h);
-        });
+    split_ = gather<uint32_t>(edges.size(), half_edges_per_task, context_, [&](size_t i, std::vector<uint32_t>& found) {
+      const auto h = static_cast<uint32_t>(i);
+      const uint32_t a = edges.from(h), b = edges.to(h);
+      if (a < b && sag(mesh_.vertices[a], mesh_.vertices[b], normals[a], normals[b]) > limit) found.push_back(h);
+    });
   }
 
   void mark_ends(const HalfEdges& edges) {
@@ -121,7 +121,7 @@ class Bending {
   void place_ends(const HalfEdges& edges) {
     mark_ends(edges);
     ends_.resize(mesh_.vertices.size());
-    parallel_.for_each(ends_.size(), points_per_task, [&](size_t v) {
+    parallel_for(context_, ends_.size(), points_per_task, [&](size_t v) {
       if (!is_end_[v]) return;
       ends_[v] = lattice_.to_lattice(mesh_.vertices[v]);
       ends_[v] = field_.project(ends_[v], reach).value_or(ends_[v]);
@@ -134,12 +134,11 @@ class Bending {
       uint32_t half_edge;
       Vec3d place;
     };
-    const auto found =
-        gather<Middle>(split_.size(), points_per_task, parallel_, [&](size_t i, std::vector<Middle>& to) {
-          const Vec3d middle = 0.5 * (ends_[edges.from(split_[i])] + ends_[edges.to(split_[i])]);
-          const auto on_surface = field_.project(middle, reach);
-          if (on_surface && norm(*on_surface - middle) > tolerance_) to.push_back({split_[i], *on_surface});
-        });
+    const auto found = gather<Middle>(split_.size(), points_per_task, context_, [&](size_t i, std::vector<Middle>& to) {
+      const Vec3d middle = 0.5 * (ends_[edges.from(split_[i])] + ends_[edges.to(split_[i])]);
+      const auto on_surface = field_.project(middle, reach);
+      if (on_surface && norm(*on_surface - middle) > tolerance_) to.push_back({split_[i], *on_surface});
+    });
     split_.clear();
     middles_.clear();
     for (const Middle& m : found) {
@@ -189,7 +188,7 @@ class Bending {
   const SmoothField& field_;
   const Lattice& lattice_;
   double tolerance_;
-  const Parallel& parallel_;
+  const Context& context_;
   size_t old_ = 0;               // vertices before any was added
   std::vector<uint32_t> split_;  // half edges: suspects at first, then those that are split
   std::vector<Vec3d> middles_;   // of those, lattice
@@ -205,13 +204,13 @@ void validate(const BendParams& params) {
 }
 
 void bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale, const Lattice& lattice,
-                const BendParams& params, const Parallel& parallel, BendReport& report) {
+                const BendParams& params, const Context& context, BendReport& report) {
   validate(params);
   report.triangles_before = mesh.triangles.size();
   // Half edges, and triangles with the new ones, are counted by 32 bits.
   if (params.tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 4) return;
-  const Leftover leftover(samples, field, scale, parallel);
-  report.split_edges = Bending(mesh, field, lattice, params.tolerance, parallel).run(leftover);
+  const Leftover leftover(samples, field, scale, context);
+  report.split_edges = Bending(mesh, field, lattice, params.tolerance, context).run(leftover);
 }
 
 }  // namespace soapfilm

@@ -1,8 +1,8 @@
 // From flat triangles of one voxel to ones that follow the surface where it bends.
 #pragma once
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/extract/smooth_field.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
@@ -32,6 +32,6 @@ void validate(const BendParams& params);
 /// are found). New vertices come after the old ones and new triangles after the old ones, in an order that
 /// does not depend on the number of threads. `mesh` is closed, and from a field of which `field` was made.
 void bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale, const Lattice& lattice,
-                const BendParams& params, const Parallel& parallel, BendReport& report);
+                const BendParams& params, const Context& context, BendReport& report);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/extract/crossings.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <atomic>
@@ -39,20 +40,20 @@ struct CrossingSearch::Item {
   Box3d box;  // voxels
 };
 
-CrossingSearch::CrossingSearch(const MeshChange& change, double voxel, const Parallel& parallel)
-    : change_(change), parallel_(parallel), per_voxel_(1 / voxel) {
+CrossingSearch::CrossingSearch(const MeshChange& change, double voxel, const Context& context)
+    : change_(change), context_(context), per_voxel_(1 / voxel) {
   place_bins();
   {
     std::vector<Reach> reach(change.after.size());
-    parallel.for_each(reach.size(), triangles_per_task, [&](size_t t) { reach[t] = reach_of(t); });
+    parallel_for(context, reach.size(), triangles_per_task, [&](size_t t) { reach[t] = reach_of(t); });
     const std::vector<uint32_t> common = half_spaces(reach);
-    entries_ = gather<uint64_t>(reach.size(), triangles_per_task, parallel, [&](size_t t, auto& found) {
+    entries_ = gather<uint64_t>(reach.size(), triangles_per_task, context, [&](size_t t, auto& found) {
       for_bins(reach[t], [&](uint64_t bin) {
         if (common[bin & (common.size() - 1)] == 0) found.push_back(t << bin_bits_ | bin);
       });
     });
   }
-  radix_sort(entries_, bin_bits_, parallel);
+  radix_sort(entries_, bin_bits_, context);
   const uint64_t bin_mask = (uint64_t{1} << bin_bits_) - 1;
   for (size_t i = 0, begin = 0; i < entries_.size(); ++i)
     if (i + 1 == entries_.size() || ((entries_[i] ^ entries_[i + 1]) & bin_mask) != 0) {
@@ -108,10 +109,10 @@ std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reac
     for_bins(reach[t], [&](uint64_t bin) { visit(std::atomic_ref<uint32_t>(common[bin & (slots - 1)])); });
   };
   constexpr auto order = std::memory_order_relaxed;
-  parallel_.for_each(reach.size(), triangles_per_task, [&](size_t t) {
+  parallel_for(context_, reach.size(), triangles_per_task, [&](size_t t) {
     if (change_.changing[t]) for_slots(t, [&](auto slot) { slot.store(all_directions, order); });
   });
-  parallel_.for_each(reach.size(), triangles_per_task, [&](size_t t) {
+  parallel_for(context_, reach.size(), triangles_per_task, [&](size_t t) {
     uint32_t own = unchanged;  // not known yet
     for_slots(t, [&](auto slot) {
       const uint32_t now = slot.load(order);
@@ -147,7 +148,7 @@ uint32_t CrossingSearch::half_spaces_of(size_t triangle) const {
 std::vector<CrossingSearch::Pair> CrossingSearch::find(std::span<const Vec3d> vertices,
                                                        std::span<const uint8_t> changed) const {
   const size_t tasks = (by_bin_.size() + bins_per_task - 1) / bins_per_task;
-  return gather<Pair>(tasks, 1, parallel_, [&](size_t task, std::vector<Pair>& found) {
+  return gather<Pair>(tasks, 1, context_, [&](size_t task, std::vector<Pair>& found) {
     std::vector<Item> items;
     for (size_t b = task * bins_per_task; b < std::min((task + 1) * bins_per_task, by_bin_.size()); ++b)
       search(by_bin_[b], vertices, changed, items, found);

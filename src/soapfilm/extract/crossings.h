@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "soapfilm/core/box.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 
@@ -32,7 +32,7 @@ class CrossingSearch {
   using Pair = std::array<uint32_t, 2>;  ///< triangles, the lower first
 
   /// All that `change` names must outlive the search. Fast when triangles are about a voxel long.
-  CrossingSearch(const MeshChange& change, double voxel, const Parallel& parallel);
+  CrossingSearch(const MeshChange& change, double voxel, const Context& context);
 
   /// With every vertex somewhere on its way, the pairs of which at least one triangle is marked by `changed`, some
   /// more than once, in an order that does not depend on the number of threads.
@@ -65,7 +65,7 @@ class CrossingSearch {
               std::vector<Item>& items, std::vector<Pair>& found) const;
 
   MeshChange change_;
-  const Parallel& parallel_;
+  const Context& context_;
   Vec3d origin_;
   double per_voxel_;
   int side_ = 0;  ///< of a bin, log2 of voxels

@@ -36,12 +36,12 @@ double gain_of(const HalfEdges& edges, uint32_t h, std::span<const Vec3f> normal
 
 /// `open`, by triangle: one of its edges may gain. Kept up to date.
 size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel, double least_gain,
-                 std::vector<uint8_t>& open, const Parallel& parallel) {
+                 std::vector<uint8_t>& open, const Context& context) {
   struct Gain {
     float gain;
     uint32_t half_edge;
   };
-  auto order = gather<Gain>(open.size(), triangles_per_task, parallel, [&](size_t t, std::vector<Gain>& found) {
+  auto order = gather<Gain>(open.size(), triangles_per_task, context, [&](size_t t, std::vector<Gain>& found) {
     for (auto h = static_cast<uint32_t>(3 * t); h < 3 * t + 3; ++h) {
       if (!edges.upward(h) || (!open[t] && !open[edges.twin(h) / 3])) continue;
       const auto gain = static_cast<float>(gain_of(edges, h, normals, voxel, least_gain));
@@ -68,11 +68,11 @@ size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel,
 }  // namespace
 
 size_t flip_edges(HalfEdges& edges, std::span<const Vec3f> normals, double voxel, double least_gain,
-                  const Parallel& parallel) {
+                  const Context& context) {
   size_t count = 0;
   std::vector<uint8_t> open(edges.mesh().triangles.size(), 1);
   for (int pass = 0; pass < passes; ++pass) {
-    const size_t flipped = flip_once(edges, normals, voxel, least_gain, open, parallel);
+    const size_t flipped = flip_once(edges, normals, voxel, least_gain, open, context);
     count += flipped;
     if (flipped == 0) break;
   }

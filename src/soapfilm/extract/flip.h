@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/extract/half_edges.h"
 
 namespace soapfilm {
@@ -18,6 +18,6 @@ inline double sag(Vec3d a, Vec3d b, Vec3f normal_a, Vec3f normal_b) {
 /// not known and stays out of it. Never folds two triangles over each other or makes one of less than a hundredth of
 /// voxel^2, and never makes an edge twice: a closed manifold stays one. Returns the number of exchanges.
 size_t flip_edges(HalfEdges& edges, std::span<const Vec3f> normals, double voxel, double least_gain,
-                  const Parallel& parallel);
+                  const Context& context);
 
 }  // namespace soapfilm

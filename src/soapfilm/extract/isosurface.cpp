@@ -1,4 +1,5 @@
 #include "soapfilm/extract/isosurface.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -53,16 +54,16 @@ class Extraction {
  public:
   /// With a `weight` only the cells whose corners all have a positive one are drawn.
   Extraction(const BrickGrid& grid, const Field<float>& value, const Field<float>* weight,
-             const MissingBrickValue& missing_value, float isovalue, const Lattice& lattice, const Parallel& parallel)
+             const MissingBrickValue& missing_value, float isovalue, const Lattice& lattice, const Context& context)
       : grid_(grid),
         value_(value),
         weight_(weight),
         missing_value_(missing_value),
         isovalue_(isovalue),
         lattice_(lattice),
-        parallel_(parallel),
+        context_(context),
         inside_(grid.size()),
-        blocks_(mask_of_blocks(grid), parallel),
+        blocks_(mask_of_blocks(grid), context),
         brick_of_(blocks_.size()),
         points_(blocks_.size()),
         split_(weight ? blocks_.size() : 0),
@@ -71,7 +72,7 @@ class Extraction {
 
   Mesh run() {
     highest_ = join_chunks<double>(
-        grid_.size(), blocks_per_task, parallel_,
+        grid_.size(), blocks_per_task, context_,
         [this](size_t begin, size_t end) {
           double highest = 0;
           for (size_t b = begin; b < end; ++b) {
@@ -81,8 +82,8 @@ class Extraction {
           return highest;
         },
         [](double& highest, double part) { highest = std::max(highest, part); });
-    parallel_.for_each(blocks_.size(), blocks_per_task,
-                       [this](size_t b) { brick_of_[b] = grid_.find(brick_coord(b)); });
+    parallel_for(context_, blocks_.size(), blocks_per_task,
+                 [this](size_t b) { brick_of_[b] = grid_.find(brick_coord(b)); });
     for_blocks([](size_t) { return true; }, [this](size_t block, const CellWindow& window) { count(block, window); });
     for (size_t b = 0; b < blocks_.size(); ++b) {
       first_vertex_[b + 1] += first_vertex_[b];
@@ -91,9 +92,9 @@ class Extraction {
     if (first_vertex_.back() > std::numeric_limits<uint32_t>::max()) {
       throw ParameterError(fmt::format("the surface has {} vertices, must be < 2^32", first_vertex_.back()));
     }
-    reserve_many(mesh_.vertices, first_vertex_.back());
+    reserve_many(mesh_.vertices, first_vertex_.back(), context_.pages());
     mesh_.vertices.resize(first_vertex_.back());
-    reserve_many(mesh_.triangles, first_triangle_.back());
+    reserve_many(mesh_.triangles, first_triangle_.back(), context_.pages());
     mesh_.triangles.resize(first_triangle_.back());
     for_blocks([this](size_t block) { return has_vertices(block) || has_triangles(block); },
                [this](size_t block, CellWindow& window) {
@@ -113,7 +114,7 @@ class Extraction {
   /// work(block, window), without the window's values, for the wanted blocks whose vertices lie on both sides.
   template <class Wanted, class Work>
   void for_blocks(Wanted&& wanted, Work&& work) const {
-    parallel_.for_chunks(blocks_.size(), blocks_per_task, [&](size_t begin, size_t end) {
+    parallel_chunks(context_, blocks_.size(), blocks_per_task, [&](size_t begin, size_t end) {
       CellWindow window;
       for (size_t b = begin; b < end; ++b) {
         if (!wanted(b) || !fill_inside(b, window)) continue;
@@ -324,7 +325,7 @@ class Extraction {
   const MissingBrickValue& missing_value_;
   float isovalue_;
   const Lattice& lattice_;
-  const Parallel& parallel_;
+  const Context& context_;
   double highest_ = 0;             // no vertex of the surface's cells is higher over the isovalue, or deeper below it
   std::vector<BrickBits> inside_;  // by brick of the grid
   BrickGrid blocks_;
@@ -346,17 +347,17 @@ void check_bricks(const BrickGrid& grid, const Field<float>& field, const char* 
 }  // namespace
 
 Mesh extract_isosurface(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value,
-                        float isovalue, const Lattice& lattice, const Parallel& parallel) {
+                        float isovalue, const Lattice& lattice, const Context& context) {
   check_bricks(grid, value, "values");
-  return Extraction(grid, value, nullptr, missing_value, isovalue, lattice, parallel).run();
+  return Extraction(grid, value, nullptr, missing_value, isovalue, lattice, context).run();
 }
 
 Mesh extract_open_isosurface(const BrickGrid& grid, const Field<float>& value, const Field<float>& weight,
-                             float isovalue, const Lattice& lattice, const Parallel& parallel) {
+                             float isovalue, const Lattice& lattice, const Context& context) {
   check_bricks(grid, value, "values");
   check_bricks(grid, weight, "weights");
   const MissingBrickValue outside = [isovalue](Vec3i) { return isovalue; };  // never drawn
-  return Extraction(grid, value, &weight, outside, isovalue, lattice, parallel).run();
+  return Extraction(grid, value, &weight, outside, isovalue, lattice, context).run();
 }
 
 }  // namespace soapfilm

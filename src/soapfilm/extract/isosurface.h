@@ -3,8 +3,8 @@
 
 #include <functional>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/grid/lattice.h"
@@ -28,7 +28,7 @@ using MissingBrickValue = std::function<float(Vec3i brick)>;
 /// Throws ParameterError when `value` belongs to another grid, when touching missing bricks disagree, or when the
 /// surface has 2^32 vertices or more.
 Mesh extract_isosurface(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value,
-                        float isovalue, const Lattice& lattice, const Parallel& parallel);
+                        float isovalue, const Lattice& lattice, const Context& context);
 
 /// The same where it is known: only the cells are drawn whose eight corners have a `weight` > 0, so the surface ends
 /// where nothing was seen (Curless and Levoy 1996, section 4). Bricks that the grid lacks are not known.
@@ -36,6 +36,6 @@ Mesh extract_isosurface(const BrickGrid& grid, const Field<float>& value, const 
 /// The mesh is a manifold with boundary and without unused vertices: where two drawn cells around an edge share no
 /// face, each gets a vertex of its own at the same place. Positions, order, orientation and errors as above.
 Mesh extract_open_isosurface(const BrickGrid& grid, const Field<float>& value, const Field<float>& weight,
-                             float isovalue, const Lattice& lattice, const Parallel& parallel);
+                             float isovalue, const Lattice& lattice, const Context& context);
 
 }  // namespace soapfilm

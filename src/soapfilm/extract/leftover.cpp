@@ -1,4 +1,5 @@
 #include "soapfilm/extract/leftover.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -100,9 +101,9 @@ struct PairSums {
 
 }  // namespace
 
-Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double scale, const Parallel& parallel)
+Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double scale, const Context& context)
     : bricks_(samples.bricks), begin_(samples.bricks.size() + 1), entries_(samples.size()) {
-  parallel.for_each(samples.bricks.size(), 32, [&](size_t b) {
+  parallel_for(context, samples.bricks.size(), 32, [&](size_t b) {
     const Vec3d origin(samples.bricks.first_vertex(b));
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       Entry& entry = entries_[s];
@@ -133,7 +134,7 @@ Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double 
   }
   entries_.resize(begin_.back());
   entries_.shrink_to_fit();
-  const auto share = static_cast<float>(share_of_surface(parallel));
+  const auto share = static_cast<float>(share_of_surface(context));
   if (share == 0) {
     release(entries_);
     std::fill(begin_.begin(), begin_.end(), 0);
@@ -144,7 +145,7 @@ Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double 
   std::vector<float> target(entries_.size()), mean(entries_.size());
   for (size_t s = 0; s < target.size(); ++s) target[s] = entries_[s].distance;
   for (int pass = 1; pass < passes; ++pass) {
-    parallel.for_each(bricks_.size(), 32, [&](size_t b) {
+    parallel_for(context, bricks_.size(), 32, [&](size_t b) {
       const Vec3d origin(bricks_.first_vertex(b));
       for (uint32_t s = begin_[b]; s < begin_[b + 1]; ++s) {
         const Entry& e = entries_[s];
@@ -155,11 +156,11 @@ Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double 
   }
 }
 
-double Leftover::share_of_surface(const Parallel& parallel) const {
+double Leftover::share_of_surface(const Context& context) const {
   constexpr double nearby = 0.7;  // voxels between the samples of a pair
   constexpr double enough = 0.4;  // share of the surface in the distances' square from which they are taken whole
   std::vector<PairSums> parts(bricks_.size());
-  parallel.for_each(bricks_.size(), 32, [&](size_t b) {
+  parallel_for(context, bricks_.size(), 32, [&](size_t b) {
     const Vec3d origin(bricks_.first_vertex(b));
     PairSums& sums = parts[b];
     for (uint32_t s = begin_[b]; s < begin_[b + 1]; ++s) {

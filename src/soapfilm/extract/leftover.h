@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/extract/smooth_field.h"
 #include "soapfilm/field/samples.h"
 
@@ -15,7 +15,7 @@ namespace soapfilm {
 class Leftover {
  public:
   /// `scale` of the robust penalty (Tukey's), voxels. `samples` must outlive it.
-  Leftover(const GridSamples& samples, const SmoothField& field, double scale, const Parallel& parallel);
+  Leftover(const GridSamples& samples, const SmoothField& field, double scale, const Context& context);
 
   /// How far along the unit `normal` (inwards) the surface should move at a lattice point: the mean over the samples
   /// within a voxel, weighted by nearness and by how their normals agree, with `prior` samples of distance 0.
@@ -37,7 +37,7 @@ class Leftover {
   void for_each_near(Vec3d point, Vec3d normal, Visit&& visit) const;
   /// In [0, 1]: 0 where the samples' distances from the surface are noise, as pairs of near ones tell, 1 where they are
   /// what it misses.
-  double share_of_surface(const Parallel& parallel) const;
+  double share_of_surface(const Context& context) const;
 
   const BrickGrid& bricks_;      ///< that samples lie in
   std::vector<uint32_t> begin_;  ///< first entry of each brick; one more at the end

@@ -1,4 +1,5 @@
 #include "soapfilm/extract/smooth_field.h"
+#include "soapfilm/core/parallel.h"
 
 #include <array>
 #include <cmath>
@@ -45,9 +46,9 @@ bool gather(const BrickGrid& grid, const Field<float>& value, Vec3i cell, Around
 
 }  // namespace
 
-SmoothField::SmoothField(const BrickGrid& grid, const Field<float>& value, const Parallel& parallel)
+SmoothField::SmoothField(const BrickGrid& grid, const Field<float>& value, const Context& context)
     : grid_(grid), value_(grid) {
-  parallel.for_chunks(grid.size(), 64, [&](size_t begin, size_t end) {
+  parallel_chunks(context, grid.size(), 64, [&](size_t begin, size_t end) {
     Window<float, 1> window;
     for (size_t b = begin; b < end; ++b) {
       fill_window(

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
@@ -20,7 +20,7 @@ class SmoothField {
   using Jet = FieldJet<double>;
 
   /// `value`: voxels. `grid` must outlive it.
-  SmoothField(const BrickGrid& grid, const Field<float>& value, const Parallel& parallel);
+  SmoothField(const BrickGrid& grid, const Field<float>& value, const Context& context);
 
   /// At a lattice point; none unless the 32 vertices that it depends on are in the grid's bricks.
   std::optional<Jet> at(Vec3d point) const;

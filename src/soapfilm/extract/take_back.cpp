@@ -1,4 +1,5 @@
 #include "soapfilm/extract/take_back.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,15 +22,15 @@ void make_unique(std::vector<uint32_t>& list) {
 
 class Moves {
  public:
-  Moves(Mesh& mesh, std::span<const Vec3d> start, double voxel, const Parallel& parallel)
+  Moves(Mesh& mesh, std::span<const Vec3d> start, double voxel, const Context& context)
       : mesh_(mesh),
         start_(start),
         target_(mesh.vertices),
-        parallel_(parallel),
+        context_(context),
         halvings_(start.size()),
         may_fold_(mesh.triangles.size(), 1),
         may_cross_(mesh.triangles.size(), 1),
-        search_({mesh.triangles, mesh.triangles, start_, target_, may_cross_}, voxel, parallel) {}
+        search_({mesh.triangles, mesh.triangles, start_, target_, may_cross_}, voxel, context) {}
 
   void run() {
     for (;;) {
@@ -59,7 +60,7 @@ class Moves {
       return normalized(cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]));
     };
     return gather<uint32_t>(
-        mesh_.triangles.size(), triangles_per_task, parallel_, [&](size_t i, std::vector<uint32_t>& found) {
+        mesh_.triangles.size(), triangles_per_task, context_, [&](size_t i, std::vector<uint32_t>& found) {
           const Triangle& t = mesh_.triangles[i];
           if (!may_fold_[i] || dot(normal_of(start_, t), normal_of(mesh_.vertices, t)) > least_cosine) return;
           found.insert(found.end(), t.begin(), t.end());
@@ -76,7 +77,7 @@ class Moves {
                               ? start_[v] + (target_[v] - start_[v]) * std::ldexp(1.0, -halvings_[v])
                               : start_[v];
     }
-    parallel_.for_each(mesh_.triangles.size(), triangles_per_task, [&](size_t i) {
+    parallel_for(context_, mesh_.triangles.size(), triangles_per_task, [&](size_t i) {
       const auto [a, b, c] = mesh_.triangles[i];
       if (changed[a] || changed[b] || changed[c]) may_fold_[i] = may_cross_[i] = 1;
     });
@@ -85,7 +86,7 @@ class Moves {
   Mesh& mesh_;
   std::span<const Vec3d> start_;
   const std::vector<Vec3d> target_;
-  const Parallel& parallel_;
+  const Context& context_;
   std::vector<uint8_t> halvings_;              // by vertex
   std::vector<uint8_t> may_fold_, may_cross_;  // by triangle: changed since it was looked at
   const CrossingSearch search_;
@@ -93,8 +94,8 @@ class Moves {
 
 }  // namespace
 
-void take_back(Mesh& mesh, std::span<const Vec3d> start, double voxel, const Parallel& parallel) {
-  Moves(mesh, start, voxel, parallel).run();
+void take_back(Mesh& mesh, std::span<const Vec3d> start, double voxel, const Context& context) {
+  Moves(mesh, start, voxel, context).run();
 }
 
 }  // namespace soapfilm

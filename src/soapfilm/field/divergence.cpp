@@ -1,4 +1,5 @@
 #include "soapfilm/field/divergence.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -101,8 +102,8 @@ std::vector<size_t> layers_of(const BrickGrid& grid, int layers) {
 /// The splats of the three layers of bricks that a layer of the field needs; no more are held.
 class SplatLayers {
  public:
-  SplatLayers(const GridSamples& samples, int layers, const Parallel& parallel)
-      : samples_(samples), parallel_(parallel), begin_(layers_of(samples.bricks, layers)) {
+  SplatLayers(const GridSamples& samples, int layers, const Context& context)
+      : samples_(samples), context_(context), begin_(layers_of(samples.bricks, layers)) {
     for (size_t k = 0; k + 1 < begin_.size(); ++k) widest_ = std::max(widest_, begin_[k + 1] - begin_[k]);
     // Not set to zero: each layer's are when it is splatted.
     splats_ = std::make_unique_for_overwrite<Splat[]>(held * widest_);
@@ -110,8 +111,8 @@ class SplatLayers {
 
   void splat(int layer) {
     const size_t first = begin_[static_cast<size_t>(layer)];
-    parallel_.for_each(begin_[static_cast<size_t>(layer) + 1] - first, bricks_per_task,
-                       [&](size_t i) { splat_brick(samples_, first + i, splats_[slot(layer) * widest_ + i]); });
+    parallel_for(context_, begin_[static_cast<size_t>(layer) + 1] - first, bricks_per_task,
+                 [&](size_t i) { splat_brick(samples_, first + i, splats_[slot(layer) * widest_ + i]); });
   }
 
   const Splat& of(int32_t brick, int layer) const {
@@ -123,7 +124,7 @@ class SplatLayers {
   static size_t slot(int layer) { return static_cast<size_t>(layer) % held; }
 
   const GridSamples& samples_;
-  const Parallel& parallel_;
+  const Context& context_;
   std::vector<size_t> begin_;
   size_t widest_ = 0;
   std::unique_ptr<Splat[]> splats_;
@@ -143,9 +144,9 @@ constexpr auto reached_along = [] {
 
 }  // namespace
 
-BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Parallel& parallel) {
+BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Context& context) {
   BrickMask mask(box.bricks);
-  parallel.for_each(samples.bricks.size(), 64, [&](size_t b) {
+  parallel_for(context, samples.bricks.size(), 64, [&](size_t b) {
     uint32_t reached = 0;  // which of the brick's 27 neighbours, as bits by neighbor_slot()
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f q = samples.local[s];
@@ -161,38 +162,39 @@ BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Pa
   return mask;
 }
 
-SupportField divergence_field(const GridSamples& samples, const LevelBox& box, const Parallel& parallel) {
+SupportField divergence_field(const GridSamples& samples, const LevelBox& box, const Context& context) {
   SupportField field;
-  field.grid = BrickGrid(support_mask(samples, box, parallel), parallel);
-  field.f = Field<float>(field.grid);
+  field.grid = BrickGrid(support_mask(samples, box, context), context);
+  field.f = Field<float>(field.grid, context.pages());
 
   constexpr int32_t none = -1;
   std::vector<int32_t> samples_of(field.grid.size(), none);  // the brick of `samples` that a brick of the field is
-  parallel.for_each(samples.bricks.size(), 1024, [&](size_t b) {
+  parallel_for(context, samples.bricks.size(), 1024, [&](size_t b) {
     samples_of[static_cast<size_t>(field.grid.find(samples.bricks.coord(b)))] = static_cast<int32_t>(b);
   });
 
   const int layers = box.bricks.z;
   const std::vector<size_t> begin = layers_of(field.grid, layers);
-  SplatLayers splats(samples, layers, parallel);
-  const DivergenceKernel divergence = divergence_kernel();
+  SplatLayers splats(samples, layers, context);
+  const DivergenceKernel divergence = divergence_kernel(context.simd());
   splats.splat(0);
   for (int layer = 0; layer < layers; ++layer) {
     if (layer + 1 < layers) splats.splat(layer + 1);
     const size_t first = begin[static_cast<size_t>(layer)];
-    parallel.for_chunks(begin[static_cast<size_t>(layer) + 1] - first, bricks_per_task, [&](size_t from, size_t to) {
-      SplatWindow window;
-      for (size_t b = first + from; b < first + to; ++b) {
-        const BrickGrid::Neighbors& neighbors = field.grid.neighbors(b);
-        for (int slot = 0; slot < 27; ++slot) {
-          const int32_t holder = neighbors[static_cast<size_t>(slot)];
-          const int32_t brick = holder < 0 ? none : samples_of[static_cast<size_t>(holder)];
-          const Vec3i d = slot_offset(slot);
-          if (brick != none) add_splat(splats.of(brick, layer + d.z), d, window);
-        }
-        if (!window.empty()) divergence(window, field.f.brick(b));
-      }
-    });
+    parallel_chunks(context, begin[static_cast<size_t>(layer) + 1] - first, bricks_per_task,
+                    [&](size_t from, size_t to) {
+                      SplatWindow window;
+                      for (size_t b = first + from; b < first + to; ++b) {
+                        const BrickGrid::Neighbors& neighbors = field.grid.neighbors(b);
+                        for (int slot = 0; slot < 27; ++slot) {
+                          const int32_t holder = neighbors[static_cast<size_t>(slot)];
+                          const int32_t brick = holder < 0 ? none : samples_of[static_cast<size_t>(holder)];
+                          const Vec3i d = slot_offset(slot);
+                          if (brick != none) add_splat(splats.of(brick, layer + d.z), d, window);
+                        }
+                        if (!window.empty()) divergence(window, field.f.brick(b));
+                      }
+                    });
   }
   return field;
 }

@@ -1,7 +1,7 @@
 // f = div v (section 4.1): the data term of the energy, from the samples' directions.
 #pragma once
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
@@ -17,9 +17,9 @@ struct SupportField {
 /// Each sample's direction is distributed to its eight nearest vertices (trilinear weights), smoothed with the box
 /// filter convolved three times with itself (taps (1 3 6 7 6 3 1) / 27 along each axis, sum 1), and its divergence
 /// taken by central differences. f > 0 just inside the surface, < 0 just outside; its sum is 0.
-SupportField divergence_field(const GridSamples& samples, const LevelBox& box, const Parallel& parallel);
+SupportField divergence_field(const GridSamples& samples, const LevelBox& box, const Context& context);
 
 /// The bricks where that field can differ from zero: within 4 vertices of a sample's eight.
-BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Parallel& parallel);
+BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Context& context);
 
 }  // namespace soapfilm

@@ -7,15 +7,15 @@
 #include "soapfilm/field/divergence_kernel-inl.h"
 
 #if HWY_ONCE
-#include "soapfilm/core/simd.h"
+#include "soapfilm/core/dispatch-inl.h"
 
 namespace soapfilm {
 
 HWY_EXPORT(kernel);
 DivergenceKernel scalar_divergence_kernel();
 
-DivergenceKernel divergence_kernel() {
-  return scalar_forced() ? scalar_divergence_kernel() : HWY_DYNAMIC_DISPATCH(kernel)();
+DivergenceKernel divergence_kernel(const SimdTarget& simd) {
+  return simd.is_scalar() ? scalar_divergence_kernel() : SOAPFILM_DISPATCH(simd, kernel)();
 }
 
 }  // namespace soapfilm

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "soapfilm/core/simd.h"
 #include "soapfilm/grid/layout.h"
 
 namespace soapfilm {
@@ -33,7 +34,7 @@ struct SplatWindow {
 /// Writes div (k * v) at the brick's 512 vertices and clears the window. f must be zero before.
 using DivergenceKernel = void (*)(SplatWindow& window, float* f);
 
-/// The kernel of the best target of this processor, or of the one that force_simd_target() named.
-DivergenceKernel divergence_kernel();
+/// The kernel of a SIMD target.
+DivergenceKernel divergence_kernel(const SimdTarget& simd);
 
 }  // namespace soapfilm

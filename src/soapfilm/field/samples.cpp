@@ -1,4 +1,5 @@
 #include "soapfilm/field/samples.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <climits>
@@ -23,7 +24,7 @@ uint8_t lot_of(size_t source) {
 }
 
 GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
-                         const Parallel& parallel, const std::function<bool(size_t)>& wanted) {
+                         const Context& context, const std::function<bool(size_t)>& wanted) {
   GridSamples samples;
   samples.turn = lattice.turn;
   // visit(i, brick, is_new, position) for samples [begin, end) that take part. Neighbours in a scan mostly share a
@@ -39,12 +40,12 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
     }
   };
   BrickMask occupied(lattice.box(0).bricks);
-  parallel.for_chunks(cloud.size(), samples_per_task, [&](size_t begin, size_t end) {
+  parallel_chunks(context, cloud.size(), samples_per_task, [&](size_t begin, size_t end) {
     for_each_sample(begin, end, [&](size_t, Vec3i brick, bool is_new, Vec3d) {
       if (is_new) occupied.set_shared(brick);
     });
   });
-  samples.bricks = BrickGrid(occupied, parallel);
+  samples.bricks = BrickGrid(occupied, context);
 
   // A counting sort, so stable: the order within a brick is the cloud's, whatever the number of chunks.
   const size_t bricks = samples.bricks.size();
@@ -52,7 +53,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   const size_t grain = cloud.size() / chunks + 1;
   std::vector<uint32_t> next(chunks * bricks);  // of each chunk and brick: first how many samples, then the next place
   const auto for_each_place = [&](auto&& visit) {
-    parallel.for_each(chunks, 1, [&](size_t c) {
+    parallel_for(context, chunks, 1, [&](size_t c) {
       uint32_t* place = nullptr;
       for_each_sample(std::min(c * grain, cloud.size()), std::min((c + 1) * grain, cloud.size()),
                       [&](size_t i, Vec3i brick, bool is_new, Vec3d position) {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/lattice.h"
@@ -42,6 +42,6 @@ uint8_t lot_of(size_t source);
 /// Sorts the cloud's samples into bricks. `directions` is as long as the cloud; samples with a zero direction say
 /// nothing and are left out, and so are those that are not `wanted`, where that is given.
 GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
-                         const Parallel& parallel, const std::function<bool(size_t)>& wanted = {});
+                         const Context& context, const std::function<bool(size_t)>& wanted = {});
 
 }  // namespace soapfilm

@@ -1,6 +1,7 @@
 // A sample's companions in a cell are the other samples on the piece of surface that the cell cuts out. That piece is
 // chosen by its area, as samples are, so its mean area is that of a plane's section through a uniform point.
 #include "soapfilm/field/sampling.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,16 +29,15 @@ constexpr size_t keys_per_task = size_t{1} << 15;
 constexpr double mean_section = 0.9413;
 
 /// The keys of the cells that hold the samples, sorted.
-std::vector<uint64_t> cells_of(std::span<const Vec3d> positions, const Box3d& box, int depth,
-                               const Parallel& parallel) {
+std::vector<uint64_t> cells_of(std::span<const Vec3d> positions, const Box3d& box, int depth, const Context& context) {
   const double longest = box.longest();
   std::vector<uint64_t> keys;
   reserve_many(keys, positions.size());
   keys.resize(positions.size());
-  parallel.for_each(positions.size(), keys_per_task, [&](size_t i) {
+  parallel_for(context, positions.size(), keys_per_task, [&](size_t i) {
     keys[i] = morton_key((positions[i] - box.lo) / longest, deepest) >> (3 * (deepest - depth));
   });
-  radix_sort(keys, 3 * depth, parallel);
+  radix_sort(keys, 3 * depth, context);
   return keys;
 }
 
@@ -56,9 +56,9 @@ struct Pairs {
 
 /// Cells are `up` depths less deep than the sorted keys say. A run of samples is counted by the chunk that it begins
 /// in.
-Pairs count_pairs(const std::vector<uint64_t>& keys, int up, const Parallel& parallel) {
+Pairs count_pairs(const std::vector<uint64_t>& keys, int up, const Context& context) {
   const auto shares_cell = [&](size_t i) { return keys[i] >> (3 * up) == keys[i - 1] >> (3 * up); };
-  return sum_chunks<Pairs>(keys.size(), keys_per_task, parallel, [&](size_t begin, size_t end) {
+  return sum_chunks<Pairs>(keys.size(), keys_per_task, context, [&](size_t begin, size_t end) {
     while (begin > 0 && begin < end && shares_cell(begin)) ++begin;
     Pairs found;
     uint64_t before = 0;  // in the same cell
@@ -86,20 +86,20 @@ struct Scale {
   double crowded = 0;  ///< those in the fullest cell, as its share of `companions`
 };
 
-Scale find_scale(std::span<const Vec3d> positions, const Box3d& box, const Parallel& parallel) {
+Scale find_scale(std::span<const Vec3d> positions, const Box3d& box, const Context& context) {
   // A surface has about 4^depth cells: at this depth mostly less than one sample for each, so few companions.
   int depth = coarsest;
   while (depth < deepest && size_t{1} << (2 * depth) < positions.size()) ++depth;
-  std::vector<uint64_t> keys = cells_of(positions, box, depth, parallel);
-  Pairs pairs = count_pairs(keys, 0, parallel);
+  std::vector<uint64_t> keys = cells_of(positions, box, depth, context);
+  Pairs pairs = count_pairs(keys, 0, context);
   const auto enough = [&] { return pairs.companions(positions.size()) >= companions_wanted; };
   while (depth < deepest && enough()) {
     release(keys);
-    keys = cells_of(positions, box, depth = std::min(depth + 2, deepest), parallel);
-    pairs = count_pairs(keys, 0, parallel);
+    keys = cells_of(positions, box, depth = std::min(depth + 2, deepest), context);
+    pairs = count_pairs(keys, 0, context);
   }
   int up = 0;
-  while (depth - up > coarsest && !enough()) pairs = count_pairs(keys, ++up, parallel);
+  while (depth - up > coarsest && !enough()) pairs = count_pairs(keys, ++up, context);
   return {depth - up, pairs.companions(positions.size()),
           pairs.all > 0 ? static_cast<double>(pairs.most) / static_cast<double>(pairs.all) : 0};
 }
@@ -131,18 +131,18 @@ std::vector<Vec3d> places_of(std::vector<Vec3d> positions, Sampling& sampling) {
 
 double Sampling::voxel(double density) const { return per_area > 0 ? std::sqrt(density / per_area) : 0; }
 
-Sampling measure_sampling(const PointCloud& cloud, const Parallel& parallel) {
-  return measure_sampling(cloud, cloud.box(parallel), parallel);
+Sampling measure_sampling(const PointCloud& cloud, const Context& context) {
+  return measure_sampling(cloud, cloud.box(context), context);
 }
 
-Sampling measure_sampling(const PointCloud& cloud, const Box3d& box, const Parallel& parallel) {
+Sampling measure_sampling(const PointCloud& cloud, const Box3d& box, const Context& context) {
   const double longest = box.longest();
   Sampling sampling;
   if (!(longest > 0)) return sampling;
-  Scale scale = find_scale(cloud.positions, box, parallel);
+  Scale scale = find_scale(cloud.positions, box, context);
   if (may_repeat(scale)) {
     const std::vector<Vec3d> places = places_of(cloud.positions, sampling);
-    if (sampling.repeats > 0) scale = find_scale(places, box, parallel);
+    if (sampling.repeats > 0) scale = find_scale(places, box, context);
   }
   const double cell = longest / static_cast<double>(1 << scale.depth);
   sampling.per_area = scale.companions / (mean_section * cell * cell);

@@ -1,7 +1,7 @@
 // How densely the samples cover the surface: what the default voxel and the default lambda follow from.
 #pragma once
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/vec.h"
 
@@ -23,9 +23,9 @@ struct Sampling {
 /// the two sides of a thin plate apart; outliers, which share their cells with nobody, hardly count. Samples at one and
 /// the same place, such as the (0, 0, 0) of a camera's pixels without depth, share cells at every scale: where they
 /// matter, each place counts once.
-Sampling measure_sampling(const PointCloud& cloud, const Parallel& parallel);
+Sampling measure_sampling(const PointCloud& cloud, const Context& context);
 /// The same of a cloud whose box is known, all of it.
-Sampling measure_sampling(const PointCloud& cloud, const Box3d& box, const Parallel& parallel);
+Sampling measure_sampling(const PointCloud& cloud, const Box3d& box, const Context& context);
 
 /// A film over even samples of less than lambda / critical_density per voxel^2 costs more than it gains: the optimum
 /// is empty. Measured on spheres and tori (tests/field repeats it); flat parts and edges stand a little more.

@@ -1,4 +1,5 @@
 #include "soapfilm/finish/islands.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -65,9 +66,9 @@ void add_evidence(uint32_t part, double weight, std::vector<PartEvidence>& evide
 
 /// A sample that two surfaces may claim counts for both, so that what happens to one of the parts takes nothing from
 /// the other.
-Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Parallel& parallel) {
+Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Context& context) {
   std::vector<std::vector<PartEvidence>> in_brick(samples.bricks.size());
-  parallel.for_each(samples.bricks.size(), 16, [&](size_t b) {
+  parallel_for(context, samples.bricks.size(), 16, [&](size_t b) {
     const PartsAround around(parts, samples.bricks.coord(b));
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f direction = samples.direction[s];
@@ -132,9 +133,9 @@ void validate(const IslandParams& params) {
 }
 
 void drop_islands(Level& level, float threshold, const GridSamples& samples, double density, const IslandParams& params,
-                  const Parallel& parallel, IslandReport& report) {
-  const Parts parts(level, threshold, parallel);
-  const auto [count, weight] = evidence_of(parts, samples, parallel);
+                  const Context& context, IslandReport& report) {
+  const Parts parts(level, threshold, context);
+  const auto [count, weight] = evidence_of(parts, samples, context);
   std::vector<double> area(parts.size()), support(parts.size());
   for (uint32_t p = 1; p < parts.size(); ++p) {
     area[p] = area_per_face * static_cast<double>(parts[p].faces);
@@ -158,7 +159,7 @@ void drop_islands(Level& level, float threshold, const GridSamples& samples, dou
   const std::vector<uint8_t> side = final_sides(parts, keep);
   for (uint32_t p = 1; p < parts.size(); ++p)
     if (side[p] != parts[p].inside) report.vertices += parts[p].vertices;
-  parts.write(side, level, parallel);
+  parts.write(side, level, context);
 }
 
 }  // namespace soapfilm

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/solve/level.h"
 
@@ -41,6 +41,6 @@ void validate(const IslandParams& params);
 /// that it lies on when it looks across it, from inside to outside, by its weight. Where no object would stay, the one
 /// with most samples does. Doing it twice changes nothing more; the result does not depend on the number of threads.
 void drop_islands(Level& level, float threshold, const GridSamples& samples, double density, const IslandParams& params,
-                  const Parallel& parallel, IslandReport& report);
+                  const Context& context, IslandReport& report);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/finish/parts.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <map>
@@ -58,11 +59,11 @@ uint32_t root_of(std::vector<uint32_t>& parent, uint32_t node) {
 
 }  // namespace
 
-Parts::Parts(const Level& level, float threshold, const Parallel& parallel) : grid_(level.grid) {
-  find_pieces(level, threshold, parallel);
+Parts::Parts(const Level& level, float threshold, const Context& context) : grid_(level.grid) {
+  find_pieces(level, threshold, context);
   find_gaps(level);
   std::vector<std::vector<Contact>> contacts((grid_.size() + grain - 1) / grain + 1);
-  parallel.for_chunks(grid_.size(), grain, [&](size_t begin, size_t end) {
+  parallel_chunks(context, grid_.size(), grain, [&](size_t begin, size_t end) {
     for (size_t b = begin; b < end; ++b) touch_brick(level, b, contacts[begin / grain]);
   });
   touch_gaps(contacts.back());
@@ -70,9 +71,9 @@ Parts::Parts(const Level& level, float threshold, const Parallel& parallel) : gr
   find_surroundings(contacts);
 }
 
-void Parts::find_pieces(const Level& level, float threshold, const Parallel& parallel) {
+void Parts::find_pieces(const Level& level, float threshold, const Context& context) {
   first_piece_.assign(grid_.size() + 1, 0);
-  pieces_ = gather<Piece>(grid_.size(), grain, parallel, [&](size_t b, std::vector<Piece>& pieces) {
+  pieces_ = gather<Piece>(grid_.size(), grain, context, [&](size_t b, std::vector<Piece>& pieces) {
     const BrickBits inside = BrickBits::above(level.u.brick(b), threshold);
     const size_t before = pieces.size();
     for (const bool side : {true, false})
@@ -252,9 +253,9 @@ uint32_t PartsAround::further_part(const Holder& holder, int x, int y, int z) co
   return parts_.part_[parts_.node_of_piece(piece)];
 }
 
-void Parts::write(const std::vector<uint8_t>& inside, Level& level, const Parallel& parallel) const {
+void Parts::write(const std::vector<uint8_t>& inside, Level& level, const Context& context) const {
   const auto turned = [&](uint32_t node) { return parts_[part_[node]].inside != (inside[part_[node]] != 0); };
-  parallel.for_each(grid_.size(), grain, [&](size_t b) {
+  parallel_for(context, grid_.size(), grain, [&](size_t b) {
     float* u = level.u.brick(b);
     for (uint32_t k = first_piece_[b]; k < first_piece_[b + 1]; ++k)
       if (turned(node_of_piece(k)))

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/solve/level.h"
 
@@ -26,13 +26,13 @@ struct Part {
 /// number of threads; part 0 is the outermost, beyond the domain too.
 class Parts {
  public:
-  Parts(const Level& level, float threshold, const Parallel& parallel);
+  Parts(const Level& level, float threshold, const Context& context);
 
   size_t size() const { return parts_.size(); }
   const Part& operator[](uint32_t part) const { return parts_[part]; }
 
   /// Writes 1 or 0, as inside[part] says, where that is another side than the part's; other values of u stay.
-  void write(const std::vector<uint8_t>& inside, Level& level, const Parallel& parallel) const;
+  void write(const std::vector<uint8_t>& inside, Level& level, const Context& context) const;
 
  private:
   friend class PartsAround;
@@ -59,7 +59,7 @@ class Parts {
   }
   uint32_t node_of_missing(int32_t slot, Vec3i brick) const;
 
-  void find_pieces(const Level& level, float threshold, const Parallel& parallel);
+  void find_pieces(const Level& level, float threshold, const Context& context);
   void find_gaps(const Level& level);
   void touch_brick(const Level& level, size_t brick, std::vector<Contact>& contacts) const;
   void touch_gaps(std::vector<Contact>& contacts) const;

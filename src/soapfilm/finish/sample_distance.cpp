@@ -1,4 +1,5 @@
 #include "soapfilm/finish/sample_distance.h"
+#include "soapfilm/core/parallel.h"
 
 #include <cmath>
 
@@ -23,11 +24,11 @@ std::vector<Vec3d> places_of(const GridSamples& samples) {
 }  // namespace
 
 std::vector<float> distances_to_samples(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice,
-                                        const Parallel& parallel) {
+                                        const Context& context) {
   const std::vector<Vec3d> places = places_of(samples);
   const KdTree tree(places);
   std::vector<float> distances(mesh.vertices.size());
-  parallel.for_each(distances.size(), vertices_per_task, [&](size_t v) {
+  parallel_for(context, distances.size(), vertices_per_task, [&](size_t v) {
     const Vec3d at = lattice.to_lattice(mesh.vertices[v]);
     uint32_t nearest = 0;
     double squared = 0;

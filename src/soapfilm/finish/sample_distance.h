@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
 
@@ -13,6 +13,6 @@ namespace soapfilm {
 /// Distance from each vertex to the nearest sample, input units. `samples` must not be empty. Takes 40 bytes per sample
 /// and 4 per vertex while it works (finish/nearest_sample.h takes none, and time where samples are far).
 std::vector<float> distances_to_samples(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice,
-                                        const Parallel& parallel);
+                                        const Context& context);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/finish/self_check.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <atomic>
@@ -137,14 +138,13 @@ class Reached {
 /// eighth triangle: some seven of these lie within 3 voxels of a place on the surface. Whole triangles tell of the
 /// others.
 std::vector<uint32_t> lost_of(const std::vector<Vec3d>& picked, double reach, const Mesh& mesh, const Lattice& lattice,
-                              const Parallel& parallel) {
+                              const Context& context) {
   constexpr size_t step = 8;
   Reached reached(picked, reach);
-  parallel.for_each((mesh.triangles.size() + step - 1) / step, 4096, [&](size_t k) {
-    reached.find_near(lattice.to_lattice(mesh.vertices[mesh.triangles[k * step][0]]));
-  });
+  parallel_for(context, (mesh.triangles.size() + step - 1) / step, 4096,
+               [&](size_t k) { reached.find_near(lattice.to_lattice(mesh.vertices[mesh.triangles[k * step][0]])); });
   if (reached.keep_missed().empty()) return {};
-  parallel.for_each(mesh.triangles.size(), 4096, [&](size_t i) {
+  parallel_for(context, mesh.triangles.size(), 4096, [&](size_t i) {
     const Triangle& t = mesh.triangles[i];
     const auto corner = [&](size_t k) { return lattice.to_lattice(mesh.vertices[t[k]]); };
     reached.find_near(corner(0), corner(1), corner(2));
@@ -175,10 +175,10 @@ double noise_of(double beyond) {
 /// Noise loses samples all around its surface: then about as many lie beyond half the reach as a normal distribution
 /// has there. Where parts of a surface are lost, the other samples are near it.
 double noise_of_lost(const std::vector<Vec3d>& picked, double lost, const Mesh& mesh, const Lattice& lattice,
-                     const Parallel& parallel) {
+                     const Context& context) {
   constexpr double alike = 0.8;
   const double noise = noise_of(lost);
-  const size_t far = lost_of(picked, self_check_reach / 2, mesh, lattice, parallel).size();
+  const size_t far = lost_of(picked, self_check_reach / 2, mesh, lattice, context).size();
   const double expected = std::erfc(1 / (2 * noise * std::sqrt(2.0)));
   return static_cast<double>(far) > alike * expected * static_cast<double>(picked.size()) ? noise * self_check_reach
                                                                                           : 0;
@@ -190,7 +190,7 @@ struct Area {
 };
 
 /// Area around a place on a triangle of each stretch of them, by lot; small meshes have several on each.
-Area invented_area(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const Parallel& parallel,
+Area invented_area(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const Context& context,
                    size_t& places) {
   const size_t triangles = mesh.triangles.size();
   if (triangles == 0) return {};
@@ -199,7 +199,7 @@ Area invented_area(const Mesh& mesh, const GridSamples& samples, const Lattice& 
   places = stretches * repeats;
   // Just beyond the reach, for which the clamped distance is more than it.
   constexpr double limit = self_check_reach + 0.01;
-  return sum_chunks<Area>(places, 256, parallel, [&](size_t begin, size_t end) {
+  return sum_chunks<Area>(places, 256, context, [&](size_t begin, size_t end) {
     Area part;
     for (size_t k = begin; k < end; ++k) {
       Random random(Random(seed + k).next());
@@ -219,18 +219,18 @@ Area invented_area(const Mesh& mesh, const GridSamples& samples, const Lattice& 
 }  // namespace
 
 SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice,
-                           const Parallel& parallel) {
+                           const Context& context) {
   SelfCheckReport report;
   const std::vector<Vec3d> picked = picked_samples(samples);
   report.samples = picked.size();
   if (picked.empty()) return report;
-  const std::vector<uint32_t> lost = lost_of(picked, self_check_reach, mesh, lattice, parallel);
+  const std::vector<uint32_t> lost = lost_of(picked, self_check_reach, mesh, lattice, context);
   report.lost = static_cast<double>(lost.size()) / static_cast<double>(picked.size());
   if (!lost.empty()) report.outliers = outlier_share(picked, lost, samples);
   if (report.lost > self_check_most_lost && report.lost < 0.5)
-    report.noise = noise_of_lost(picked, report.lost, mesh, lattice, parallel);
+    report.noise = noise_of_lost(picked, report.lost, mesh, lattice, context);
   size_t places = 0;
-  const Area area = invented_area(mesh, samples, lattice, parallel, places);
+  const Area area = invented_area(mesh, samples, lattice, context, places);
   if (!(area.all > 0)) return report;
   report.places = places;
   report.invented = area.far / area.all;

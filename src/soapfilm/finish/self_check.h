@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
 
@@ -30,6 +30,6 @@ inline constexpr double self_check_most_lost = 0.01;
 /// places of the surface, each against all samples. The lots are fixed: the same input gives the same figures, for any
 /// number of threads. Standard error of a share s at most sqrt(s / 10 000). All is lost when the mesh has no area.
 SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice,
-                           const Parallel& parallel);
+                           const Context& context);
 
 }  // namespace soapfilm

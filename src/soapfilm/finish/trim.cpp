@@ -1,4 +1,5 @@
 #include "soapfilm/finish/trim.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -33,10 +34,10 @@ double area_of(const Mesh& mesh, const Triangle& t) {
 /// The distance field on the vertices, relative to where it is cut: 1 there, more where surface is to go.
 class Cut {
  public:
-  Cut(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double distance, const Parallel& parallel)
+  Cut(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double distance, const Context& context)
       : mesh_(mesh), distance_(distance), level_(mesh.vertices.size()) {
     const double voxels = distance / lattice.voxel;
-    parallel.for_each(mesh.vertices.size(), 1024, [&](size_t v) {
+    parallel_for(context, mesh.vertices.size(), 1024, [&](size_t v) {
       level_[v] =
           distance_to_samples(samples, lattice.to_lattice(mesh.vertices[v]), voxels / 2, search_share * voxels) /
           voxels;
@@ -237,10 +238,10 @@ void validate(const TrimParams& params) {
 }
 
 void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double density, const TrimParams& params,
-          const Parallel& parallel, TrimReport& report) {
+          const Context& context, TrimReport& report) {
   const double spacing = density > 0 ? 1 / std::sqrt(density) : 1;
   report.distance = params.distance.value_or(spacings * std::max(1.0, spacing) * lattice.voxel);
-  Cut cut(mesh, samples, lattice, report.distance, parallel);
+  Cut cut(mesh, samples, lattice, report.distance, context);
   report.nothing_near = cut.all_far();
   if (report.nothing_near || !cut.choose_regions(lattice.open, params.holes, report)) return;
   const double before = mesh.area();

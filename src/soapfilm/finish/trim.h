@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <optional>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
 
@@ -38,6 +38,6 @@ void validate(const TrimParams& params);
 /// at least a fifth of the edge from its near end. Normals, colors and attributes are dropped where anything is cut.
 /// The result does not depend on the number of threads.
 void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double density, const TrimParams& params,
-          const Parallel& parallel, TrimReport& report);
+          const Context& context, TrimReport& report);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/fuse/vrip.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -167,11 +168,10 @@ struct Sightings {
 
 class Fusion {
  public:
-  Fusion(const RangeScans& scans, const Lattice& lattice, const VripParams& params, const Parallel& parallel,
-         Progress& progress)
-      : scans_(scans), lattice_(lattice), ramp_{params.front, params.behind}, parallel_(parallel), progress_(progress) {
+  Fusion(const RangeScans& scans, const Lattice& lattice, const VripParams& params, const Context& context)
+      : scans_(scans), lattice_(lattice), ramp_{params.front, params.behind}, context_(context) {
     surfaces_.resize(scans_.cloud.scans.size());
-    parallel.for_each(surfaces_.size(), 1, [&](size_t k) {
+    parallel_for(context, surfaces_.size(), 1, [&](size_t k) {
       surfaces_[k] = range_surface(scans_.cloud, scans_.cloud.scans[k], params.surface, scans_.sensor);
     });
   }
@@ -188,13 +188,13 @@ class Fusion {
       throw ParameterError(fmt::format("vrip: the {} scan{} give {} triangles and {} dropped ones, none near the grid",
                                        report.scans, report.scans == 1 ? "" : "s", report.triangles,
                                        report.dropped_triangles));
-    fused_.grid = BrickGrid(near, parallel_);
-    fused_.distance = Field<float>(fused_.grid);
-    fused_.weight = Field<float>(fused_.grid);
+    fused_.grid = BrickGrid(near, context_);
+    fused_.distance = Field<float>(fused_.grid, context_.pages());
+    fused_.weight = Field<float>(fused_.grid, context_.pages());
     for (size_t k = 0; k < surfaces_.size(); ++k) {
       add(place(k));
-      progress_.advance(static_cast<double>(k + 1) / static_cast<double>(surfaces_.size()),
-                        fmt::format("scan {} of {}", k + 1, surfaces_.size()));
+      context_.progress().advance(static_cast<double>(k + 1) / static_cast<double>(surfaces_.size()),
+                                  fmt::format("scan {} of {}", k + 1, surfaces_.size()));
     }
     for (size_t b = 0; b < fused_.grid.size(); ++b) {
       const float* weight = fused_.weight.brick(b);
@@ -211,7 +211,7 @@ class Fusion {
   std::vector<BrickBox> boxes_of(const PlacedScan& scan) const {
     const Vec3i bricks = lattice_.box(0).bricks;
     std::vector<BrickBox> boxes(scan.surface.triangles.size());
-    parallel_.for_each(boxes.size(), triangles_per_task, [&](size_t t) {
+    parallel_for(context_, boxes.size(), triangles_per_task, [&](size_t t) {
       const Box3d box = scan.prism(t, {}, ramp_).box();
       for (int axis = 0; axis < 3; ++axis) {
         // In double: a prism may lie anywhere.
@@ -241,7 +241,7 @@ class Fusion {
     for (size_t t = boxes.size(); t-- > 0;)
       for_each_brick(boxes[t], [&](Vec3i b) { triangles[--begin[index(b)]] = static_cast<uint32_t>(t); });
 
-    parallel_.for_each(touched.size(), bricks_per_task, [&](size_t i) {
+    parallel_for(context_, touched.size(), bricks_per_task, [&](size_t i) {
       const size_t b = touched[i];
       accumulate(
           b, look(scan, fused_.grid.first_vertex(b), std::span(triangles).subspan(begin[b], begin[b + 1] - begin[b])));
@@ -284,16 +284,15 @@ class Fusion {
   RangeScans scans_;
   const Lattice& lattice_;
   Ramp ramp_;
-  const Parallel& parallel_;
-  Progress& progress_;
+  const Context& context_;
   std::vector<RangeSurface> surfaces_;
   FusedField fused_;
 };
 
 }  // namespace
 
-FusedField fuse_scans(const RangeScans& scans, const Lattice& lattice, const VripParams& params,
-                      const Parallel& parallel, Progress& progress, VripReport& report) {
+FusedField fuse_scans(const RangeScans& scans, const Lattice& lattice, const VripParams& params, const Context& context,
+                      VripReport& report) {
   const auto check_ramp = [](const char* name, double value) {
     if (!(value > 0 && value <= 1000))
       throw ParameterError(fmt::format("{} = {}, must be > 0 and <= 1000 voxels", name, value));
@@ -306,7 +305,7 @@ FusedField fuse_scans(const RangeScans& scans, const Lattice& lattice, const Vri
   for (size_t i = 0; i < cloud.size(); ++i)
     if (!is_finite(cloud.positions[i])) throw ParameterError(fmt::format("sample {}: position is not finite", i));
   report = {};
-  return Fusion(scans, lattice, params, parallel, progress).run(report);
+  return Fusion(scans, lattice, params, context).run(report);
 }
 
 }  // namespace soapfilm

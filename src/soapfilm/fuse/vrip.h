@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/fuse/range_surface.h"
@@ -51,7 +51,7 @@ struct FusedField {
 ///
 /// Throws ParameterError when a parameter is out of range, a sample is not finite, a scan lacks its range grid or its
 /// viewpoint, or no triangle of the scans lies in the lattice.
-FusedField fuse_scans(const RangeScans& scans, const Lattice& lattice, const VripParams& params,
-                      const Parallel& parallel, Progress& progress, VripReport& report);
+FusedField fuse_scans(const RangeScans& scans, const Lattice& lattice, const VripParams& params, const Context& context,
+                      VripReport& report);
 
 }  // namespace soapfilm

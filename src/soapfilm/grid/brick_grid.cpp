@@ -1,8 +1,9 @@
 #include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 
-BrickGrid::BrickGrid(const BrickMask& active, const Parallel& parallel) : bricks_(active.bricks()) {
+BrickGrid::BrickGrid(const BrickMask& active, const Context& context) : bricks_(active.bricks()) {
   coords_.reserve(active.count());
   active.for_each([&](Vec3i b) { coords_.push_back(b); });
 
@@ -15,15 +16,15 @@ BrickGrid::BrickGrid(const BrickMask& active, const Parallel& parallel) : bricks
   words_.push_back({0, before});
 
   neighbors_.resize(coords_.size());
-  parallel.for_each(coords_.size(), 1024, [&](size_t i) {
+  parallel_for(context, coords_.size(), 1024, [&](size_t i) {
     for (int slot = 0; slot < 27; ++slot)
       neighbors_[i][static_cast<size_t>(slot)] = find(coords_[i] + slot_offset(slot));
   });
 }
 
-BrickMask parents_of(const BrickGrid& children, Vec3i bricks, const Parallel& parallel) {
+BrickMask parents_of(const BrickGrid& children, Vec3i bricks, const Context& context) {
   BrickMask parents(bricks);
-  parallel.for_each(children.size(), 256, [&](size_t b) { parents.set_shared(parent_of(children.coord(b))); });
+  parallel_for(context, children.size(), 256, [&](size_t b) { parents.set_shared(parent_of(children.coord(b))); });
   return parents;
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/grid/brick_mask.h"
 #include "soapfilm/grid/layout.h"
 
@@ -20,7 +20,7 @@ class BrickGrid {
 
   BrickGrid() = default;
   /// The set bricks of `active`. At most 2^31 - 1 bricks.
-  BrickGrid(const BrickMask& active, const Parallel& parallel);
+  BrickGrid(const BrickMask& active, const Context& context);
 
   size_t size() const { return coords_.size(); }
   size_t vertices() const { return size() * brick_volume; }
@@ -77,6 +77,6 @@ class BrickGrid {
 };
 
 /// The bricks of the next coarser level, in a box of `bricks`, that have any of their 8 children in a grid.
-BrickMask parents_of(const BrickGrid& children, Vec3i bricks, const Parallel& parallel);
+BrickMask parents_of(const BrickGrid& children, Vec3i bricks, const Context& context);
 
 }  // namespace soapfilm

@@ -14,10 +14,10 @@ template <class T>
 class DenseField {
  public:
   DenseField() = default;
-  explicit DenseField(const LevelBox& box)
+  explicit DenseField(const LevelBox& box, const PagePool& pages = {})
       : origin_(box.free_lo - Vec3i{1, 1, 1}),
         size_(box.free_hi - box.free_lo + Vec3i{3, 3, 3}),
-        values_(static_cast<size_t>(size_.x) * static_cast<size_t>(size_.y) * static_cast<size_t>(size_.z)) {}
+        values_(static_cast<size_t>(size_.x) * static_cast<size_t>(size_.y) * static_cast<size_t>(size_.z), pages) {}
 
   /// Lattice coordinates (of this level) of the first value.
   Vec3i origin() const { return origin_; }

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "soapfilm/core/zeroed_memory.h"
+#include "soapfilm/core/page_pool.h"
 #include "soapfilm/grid/brick_grid.h"
 
 namespace soapfilm {
@@ -17,8 +17,8 @@ class AlignedArray {
 
  public:
   AlignedArray() = default;
-  explicit AlignedArray(size_t count) : count_(count) {
-    if (count > 0) memory_ = allocate_zeroed(lead_bytes + count * sizeof(T) + lead_bytes);
+  explicit AlignedArray(size_t count, const PagePool& pages = {}) : count_(count), pages_(pages) {
+    if (count > 0) memory_ = pages.allocate(lead_bytes + count * sizeof(T) + lead_bytes);
   }
 
   size_t size() const { return count_; }
@@ -28,12 +28,13 @@ class AlignedArray {
   /// Values before `end` are not read any more: their memory goes back early.
   void give_back_before(size_t end) { given_back_ = give_back(memory_, given_back_, lead_bytes + end * sizeof(T)); }
   /// Values [begin, end), still zero, will soon be written.
-  void take_pages(size_t begin, size_t end) { soapfilm::take_pages(data() + begin, (end - begin) * sizeof(T)); }
+  void take_pages(size_t begin, size_t end) { pages_.serve(data() + begin, (end - begin) * sizeof(T)); }
 
  private:
   static constexpr size_t lead_bytes = 64;
   size_t count_ = 0;
   size_t given_back_ = 0;  // bytes, lead included
+  PagePool pages_;
   ZeroedMemory memory_;
 };
 
@@ -45,8 +46,8 @@ class Field {
   static constexpr size_t values_per_brick = static_cast<size_t>(components) * brick_volume;
 
   Field() = default;
-  explicit Field(size_t bricks) : values_(bricks * values_per_brick) {}
-  explicit Field(const BrickGrid& grid) : Field(grid.size()) {}
+  explicit Field(size_t bricks, const PagePool& pages = {}) : values_(bricks * values_per_brick, pages) {}
+  explicit Field(const BrickGrid& grid, const PagePool& pages = {}) : Field(grid.size(), pages) {}
 
   size_t bricks() const { return values_.size() / values_per_brick; }
   T* brick(size_t b, int component = 0) { return values_.data() + b * values_per_brick + component * brick_volume; }

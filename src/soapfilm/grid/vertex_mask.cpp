@@ -1,4 +1,5 @@
 #include "soapfilm/grid/vertex_mask.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 
@@ -26,15 +27,15 @@ void dilate_row(uint8_t* bytes, int count, int radius) {
 
 }  // namespace
 
-void VertexMask::dilate(int radius, const Parallel& parallel) {
+void VertexMask::dilate(int radius, const Context& context) {
   const size_t width = static_cast<size_t>(bricks_.x);
   const int ny = brick_side * bricks_.y, nz = brick_side * bricks_.z;
-  parallel.for_each(static_cast<size_t>(ny) * static_cast<size_t>(nz), 64,
-                    [&](size_t r) { dilate_row(&rows_[r * width], bricks_.x, radius); });
+  parallel_for(context, static_cast<size_t>(ny) * static_cast<size_t>(nz), 64,
+               [&](size_t r) { dilate_row(&rows_[r * width], bricks_.x, radius); });
   // Along y a line is `width` bytes in every row of a layer, along z it is a layer.
   const auto along = [&](size_t lines, size_t line_bytes, int count) {
     const std::vector<uint8_t> old = rows_;
-    parallel.for_each(lines * static_cast<size_t>(count), 16, [&](size_t k) {
+    parallel_for(context, lines * static_cast<size_t>(count), 16, [&](size_t k) {
       const size_t first = k / static_cast<size_t>(count) * static_cast<size_t>(count);
       const int at = static_cast<int>(k - first);
       for (int other = std::max(0, at - radius); other <= std::min(count - 1, at + radius); ++other) {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/grid/lattice.h"
 
 namespace soapfilm {
@@ -33,7 +33,7 @@ class VertexMask {
   uint8_t row(int bx, int y, int z) const { return rows_[offset(bx, y, z)]; }
 
   /// Also sets all vertices within `radius` along each axis (a cube).
-  void dilate(int radius, const Parallel& parallel);
+  void dilate(int radius, const Context& context);
   void operator|=(const VertexMask& other) {
     for (size_t i = 0; i < rows_.size(); ++i) rows_[i] |= other.rows_[i];
   }

@@ -59,28 +59,28 @@ size_t ReadReport::dropped() const {
   return sum;
 }
 
-PointCloud read_points(const std::string& path, ReadReport* report, const Parallel& parallel) {
+PointCloud read_points(const std::string& path, ReadReport* report, const Context& context) {
   ReadReport unused;
   ReadReport& to = report != nullptr ? *report : unused;
   io::ByteSource source(path);
   switch (format_of(source)) {
     case Format::ply:
-      return io::read_ply_points(source, to, parallel);
+      return io::read_ply_points(source, to, context);
     case Format::xyz:
       return io::read_xyz(source, to);
     case Format::scan_set:
-      return io::read_scan_set_points(source, to, parallel);
+      return io::read_scan_set_points(source, to, context);
     default:
       refuse_extension<InputError>(path, ".ply, .xyz, .txt, .pts or .conf to be read as points");
   }
 }
 
-PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report, const Parallel& parallel) {
+PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report, const Context& context) {
   if (paths.empty()) throw ParameterError("0 input files, must be > 0");
-  if (paths.size() == 1) return read_points(paths.front(), report, parallel);
+  if (paths.size() == 1) return read_points(paths.front(), report, context);
   ReadReport unused;
-  return io::read_each(paths.size(), report != nullptr ? *report : unused, parallel,
-                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, parallel); });
+  return io::read_each(paths.size(), report != nullptr ? *report : unused, context,
+                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, context); });
 }
 
 Mesh read_mesh(const std::string& path) {
@@ -118,10 +118,10 @@ FileKind file_kind(const std::string& path) {
 }
 
 WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options,
-                       const Parallel& parallel) {
+                       const Context& context) {
   switch (format_of(extension_of(path))) {
     case Format::ply:
-      return io::write_ply_mesh(path, mesh, options, parallel);
+      return io::write_ply_mesh(path, mesh, options, context);
     case Format::obj:
       return io::write_obj(path, mesh, options);
     case Format::stl:
@@ -132,9 +132,9 @@ WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWrit
 }
 
 WriteReport write_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options,
-                         const Parallel& parallel) {
+                         const Context& context) {
   if (format_of(extension_of(path)) != Format::ply) refuse_extension<OutputError>(path, ".ply");
-  return io::write_ply_points(path, cloud, options, parallel);
+  return io::write_ply_points(path, cloud, options, context);
 }
 
 void check_mesh_output(const std::string& path) {

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/point_cloud.h"
 
 namespace soapfilm {
@@ -44,11 +44,11 @@ struct ReadReport {
 /// Reads a point cloud of one or several scans. Samples with a non-finite coordinate are dropped and counted.
 /// The scans of a set are read as many at once as there are threads, the text of a PLY by all of them. Throws
 /// InputError for a file that cannot be read to its end, holds no sample or no finite one.
-PointCloud read_points(const std::string& path, ReadReport* report = nullptr, const Parallel& parallel = Parallel(1));
+PointCloud read_points(const std::string& path, ReadReport* report = nullptr, const Context& context = Context(1));
 
 /// Reads several files, as many at once, and appends them in order as further scans.
 PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report = nullptr,
-                       const Parallel& parallel = Parallel(1));
+                       const Context& context = Context(1));
 
 /// Reads a triangle mesh; polygons become fans of triangles. Throws InputError for a file that cannot be read to its
 /// end, has no faces, an index out of range or a non-finite coordinate.
@@ -77,9 +77,9 @@ struct WriteReport {
 /// the file is whole or absent. Coordinates are float where that keeps `coordinate_precision`, otherwise double.
 /// The rows of a PLY are made on all threads; the bytes are the same for any number of them.
 /// Throws ParameterError for an inconsistent mesh, OutputError for an unknown extension or an unwritable file,
-/// Cancelled where `parallel` has a progress that was.
+/// Cancelled where `context` has a progress that was.
 WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options = {},
-                       const Parallel& parallel = Parallel(1));
+                       const Context& context = Context(1));
 
 struct PointWriteOptions {
   bool ascii = false;
@@ -90,7 +90,7 @@ struct PointWriteOptions {
 /// Writes a cloud (.ply) with all it has: normals, sensor positions, weights, colours, and each scan's name, sensor
 /// position, viewing direction and range grid. read_points() gives the same cloud back. Throws as write_mesh().
 WriteReport write_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options = {},
-                         const Parallel& parallel = Parallel(1));
+                         const Context& context = Context(1));
 
 /// Writes text, whole or not at all. Throws OutputError.
 void write_text_file(const std::string& path, const std::string& text);

@@ -7,7 +7,7 @@
 namespace soapfilm::io {
 
 /// The vertices as samples, with range grids and scans; other elements are passed over.
-PointCloud read_ply_points(ByteSource& source, ReadReport& report, const Parallel& parallel);
+PointCloud read_ply_points(ByteSource& source, ReadReport& report, const Context& context);
 
 /// Vertices and faces (or triangle strips); scalar properties without a meaning here become attributes.
 Mesh read_ply_mesh(ByteSource& source);
@@ -16,8 +16,8 @@ Mesh read_ply_mesh(ByteSource& source);
 bool ply_has_faces(ByteSource& source);
 
 WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options,
-                           const Parallel& parallel);
+                           const Context& context);
 WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options,
-                             const Parallel& parallel);
+                             const Context& context);
 
 }  // namespace soapfilm::io

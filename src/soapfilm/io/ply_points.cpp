@@ -114,7 +114,7 @@ void share_out_range_grids(const std::vector<int32_t>& cells, std::vector<PlySca
 
 }  // namespace
 
-PointCloud read_ply_points(ByteSource& source, ReadReport& report, const Parallel& parallel) {
+PointCloud read_ply_points(ByteSource& source, ReadReport& report, const Context& context) {
   const PlyHeader header = read_ply_header(source);
   const PlyElement& vertex = vertex_element(header, source.path());
   const PlyVertexLayout layout = find_vertex_layout(vertex, source.path());
@@ -123,7 +123,7 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report, const Paralle
   for (const PlyScan& scan : scans) grid_sizes_known = grid_sizes_known || scan.cells() > 0;
 
   PointCloud cloud;
-  PlyRows rows(source, header, &parallel);
+  PlyRows rows(source, header, &context);
   for (const PlyElement& element : header.elements) {
     const bool is_grid = element.name == "range_grid" && element.find_list("vertex_indices") != PlyElement::absent;
     if (element.name == "vertex") {

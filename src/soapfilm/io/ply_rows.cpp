@@ -1,4 +1,5 @@
 #include "soapfilm/io/ply_rows.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -69,8 +70,8 @@ void read_chunk(std::string_view text, size_t columns, TextChunk& chunk) {
 
 }  // namespace
 
-PlyRows::PlyRows(ByteSource& source, const PlyHeader& header, const Parallel* parallel)
-    : source_(source), header_(header), parallel_(parallel) {
+PlyRows::PlyRows(ByteSource& source, const PlyHeader& header, const Context* context)
+    : source_(source), header_(header), context_(context) {
   if (header.format == PlyFormat::ascii)
     text_.emplace(source, header.body_offset, header.body_line);
   else
@@ -87,7 +88,7 @@ void PlyRows::begin(const PlyElement& element) {
   has_lists_ = std::any_of(element.properties.begin(), element.properties.end(),
                            [](const PlyProperty& property) { return property.is_list(); });
   reads_ahead_ =
-      text_ && !has_lists_ && element.count * row_bytes_ > bytes_at_once && parallel_ && parallel_->threads() > 1;
+      text_ && !has_lists_ && element.count * row_bytes_ > bytes_at_once && context_ && context_->threads() > 1;
   ahead_ = {};
   plain_floats_ = binary_ && !binary_->swaps() &&
                   std::all_of(element.properties.begin(), element.properties.end(), [](const PlyProperty& property) {
@@ -134,14 +135,14 @@ void PlyRows::read_ahead() {
   text_->skip_blanks();
   const std::string_view text = source_.bytes();
   std::vector<TextChunk> chunks;
-  const size_t most_chunks = std::min(chunks_at_once, 2 * static_cast<size_t>(parallel_->threads()));
+  const size_t most_chunks = std::min(chunks_at_once, 2 * static_cast<size_t>(context_->threads()));
   for (size_t begin = text_->offset(); begin < text.size() && chunks.size() < most_chunks;) {
     const size_t last = text.find('\n', std::min(begin + bytes_at_once, text.size()) - 1);
     if (last == std::string_view::npos) break;
     chunks.push_back({begin, last + 1, {}, false});
     begin = last + 1;
   }
-  parallel_->for_each(chunks.size(), 1, [&](size_t k) { read_chunk(text, values_.size(), chunks[k]); });
+  parallel_for(*context_, chunks.size(), 1, [&](size_t k) { read_chunk(text, values_.size(), chunks[k]); });
 
   ahead_ = {{}, 0, 0, text_->line()};
   reads_ahead_ = chunks.size() == most_chunks;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/io/byte_source.h"
 #include "soapfilm/io/ply_header.h"
 #include "soapfilm/io/text.h"
@@ -17,8 +17,8 @@ namespace soapfilm::io {
 /// double, which holds every PLY type exactly.
 class PlyRows {
  public:
-  /// Text is read on all threads of `parallel`, where it is given, as far as each row is a line of numbers alone.
-  PlyRows(ByteSource& source, const PlyHeader& header, const Parallel* parallel = nullptr);
+  /// Text is read on all threads of `context`, where it is given, as far as each row is a line of numbers alone.
+  PlyRows(ByteSource& source, const PlyHeader& header, const Context* context = nullptr);
 
   /// Goes on to `element`, the next of the header. Throws InputError when the file is too short for its count, so
   /// that the caller may allocate for it.
@@ -66,7 +66,7 @@ class PlyRows {
 
   ByteSource& source_;
   const PlyHeader& header_;
-  const Parallel* parallel_;
+  const Context* context_;
   std::optional<TextCursor> text_;
   std::optional<ByteCursor> binary_;
   const PlyElement* element_ = nullptr;

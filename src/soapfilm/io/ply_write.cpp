@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/io/atomic_file.h"
 #include "soapfilm/io/encode.h"
 #include "soapfilm/io/ply.h"
@@ -73,15 +74,15 @@ class PlyBody {
 /// The rows that put_row(i, body) makes of at most `values` each, in order: many at once on all threads, written by
 /// one.
 template <class PutRow>
-void write_rows(AtomicFile& file, PlyStyle style, size_t rows, size_t values, const Parallel& parallel,
+void write_rows(AtomicFile& file, PlyStyle style, size_t rows, size_t values, const Context& context,
                 PutRow&& put_row) {
   constexpr size_t rows_at_once = size_t{1} << 13;
   std::vector<PlyBody> bodies;
-  for (int k = 0; k < 2 * parallel.threads(); ++k) bodies.emplace_back(style, std::min(rows, rows_at_once), values);
+  for (int k = 0; k < 2 * context.threads(); ++k) bodies.emplace_back(style, std::min(rows, rows_at_once), values);
   for (size_t first = 0; first < rows; first += bodies.size() * rows_at_once) {
     for (PlyBody& body : bodies) body.clear();
     const size_t count = std::min(rows - first, bodies.size() * rows_at_once);
-    parallel.for_chunks(count, rows_at_once, [&](size_t begin, size_t end) {
+    parallel_chunks(context, count, rows_at_once, [&](size_t begin, size_t end) {
       PlyBody& body = bodies[begin / rows_at_once];
       for (size_t i = first + begin; i < first + end; ++i) {
         put_row(i, body);
@@ -171,11 +172,11 @@ std::string points_header(const PointCloud& cloud, const PointWriteOptions& opti
   return header + "end_header\n";
 }
 
-void put_range_grids(AtomicFile& file, PlyStyle style, const std::vector<Scan>& scans, const Parallel& parallel) {
+void put_range_grids(AtomicFile& file, PlyStyle style, const std::vector<Scan>& scans, const Context& context) {
   for (const Scan& scan : scans) {
     if (!scan.range_grid) continue;
     const std::vector<int32_t>& samples = scan.range_grid->sample;
-    write_rows(file, style, samples.size(), 2, parallel, [&](size_t i, PlyBody& body) {
+    write_rows(file, style, samples.size(), 2, context, [&](size_t i, PlyBody& body) {
       body.put(static_cast<uint8_t>(samples[i] >= 0));
       if (samples[i] >= 0) body.put(static_cast<int32_t>(scan.begin) + samples[i]);
     });
@@ -199,7 +200,7 @@ const char* format_name(bool ascii) { return ascii ? "PLY, ASCII" : "PLY, binary
 }  // namespace
 
 WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options,
-                           const Parallel& parallel) {
+                           const Context& context) {
   check_mesh(mesh);
   WriteReport report;
   report.format = format_name(options.ascii);
@@ -210,13 +211,13 @@ WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const Mesh
   file.append(header);
   const PlyStyle style{options.ascii, report.double_coordinates};
   const size_t vertex_values = 9 + mesh.attributes.size();
-  write_rows(file, style, mesh.vertices.size(), vertex_values, parallel, [&](size_t i, PlyBody& body) {
+  write_rows(file, style, mesh.vertices.size(), vertex_values, context, [&](size_t i, PlyBody& body) {
     body.put_position(mesh.vertices[i]);
     if (!mesh.normals.empty()) body.put(mesh.normals[i]);
     if (!mesh.colors.empty()) body.put_color(mesh.colors[i]);
     for (const Mesh::Attribute& attribute : mesh.attributes) body.put(attribute.values[i]);
   });
-  write_rows(file, style, mesh.triangles.size(), 4, parallel, [&](size_t i, PlyBody& body) {
+  write_rows(file, style, mesh.triangles.size(), 4, context, [&](size_t i, PlyBody& body) {
     body.put(uint8_t{3});
     for (const uint32_t v : mesh.triangles[i]) body.put(v);
   });
@@ -225,7 +226,7 @@ WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const Mesh
 }
 
 WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options,
-                             const Parallel& parallel) {
+                             const Context& context) {
   check_cloud(cloud);
   WriteReport report;
   report.format = format_name(options.ascii);
@@ -237,14 +238,14 @@ WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, c
   file.append(header);
   const PlyStyle style{options.ascii, report.double_coordinates};
   constexpr size_t sample_values = 13;
-  write_rows(file, style, cloud.size(), sample_values, parallel, [&](size_t i, PlyBody& body) {
+  write_rows(file, style, cloud.size(), sample_values, context, [&](size_t i, PlyBody& body) {
     body.put_position(cloud.positions[i]);
     if (!cloud.normals.empty()) body.put(cloud.normals[i]);
     if (!cloud.sensors.empty()) body.put_position(cloud.sensors[i]);
     if (!cloud.weights.empty()) body.put(cloud.weights[i]);
     if (!cloud.colors.empty()) body.put_color(cloud.colors[i]);
   });
-  put_range_grids(file, style, cloud.scans, parallel);
+  put_range_grids(file, style, cloud.scans, context);
   file.commit();
   return report;
 }

@@ -15,14 +15,14 @@ namespace soapfilm::io {
 /// read(i, report) for i in [0, count), as many at once as there are threads, so that no more clouds than that wait to
 /// be appended. Cloud, report and error are those of reading one after the other; after an error the report is short.
 template <class Read>
-PointCloud read_each(size_t count, ReadReport& report, const Parallel& parallel, Read&& read) {
-  const auto at_once = static_cast<size_t>(parallel.threads());
+PointCloud read_each(size_t count, ReadReport& report, const Context& context, Read&& read) {
+  const auto at_once = static_cast<size_t>(context.threads());
   PointCloud all;
   for (size_t first = 0; first < count; first += at_once) {
     const size_t files = std::min(at_once, count - first);
     std::vector<PointCloud> clouds(files);
     std::vector<ReadReport> reports(files);
-    parallel.for_each(files, 1, [&](size_t i) { clouds[i] = read(first + i, reports[i]); });
+    parallel_for(context, files, 1, [&](size_t i) { clouds[i] = read(first + i, reports[i]); });
     for (size_t i = 0; i < files; ++i) {
       all.append(std::move(clouds[i]));
       std::move(reports[i].files.begin(), reports[i].files.end(), std::back_inserter(report.files));

@@ -1,4 +1,5 @@
 #include "soapfilm/mesh/distance.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -95,7 +96,7 @@ struct ClosestPointQuery::Impl {
     return true;
   }
 
-  void build(const Parallel& parallel) {
+  void build(const Context& context) {
     const RTCGeometry geometry = rtcNewGeometry(scene.device(), RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(triangles.size()));
     rtcSetGeometryUserData(geometry, this);
@@ -104,7 +105,7 @@ struct ClosestPointQuery::Impl {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene.get(), geometry);
     rtcReleaseGeometry(geometry);
-    scene.commit(parallel);
+    scene.commit(context);
   }
 
   /// `point` and the result are relative to the centre; nothing farther than `limit` need be looked at.
@@ -122,7 +123,7 @@ struct ClosestPointQuery::Impl {
   }
 };
 
-ClosestPointQuery::ClosestPointQuery(const Mesh& mesh, const Parallel& parallel) : impl_(std::make_unique<Impl>()) {
+ClosestPointQuery::ClosestPointQuery(const Mesh& mesh, const Context& context) : impl_(std::make_unique<Impl>()) {
   if (mesh.triangles.empty()) throw ParameterError("the mesh has 0 triangles, distances to it need at least 1");
   Box3d box;
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -145,7 +146,7 @@ ClosestPointQuery::ClosestPointQuery(const Mesh& mesh, const Parallel& parallel)
       impl_->triangles[i][k] = mesh.vertices[v] - impl_->centre;
     }
   }
-  impl_->build(parallel);
+  impl_->build(context);
 }
 
 ClosestPointQuery::~ClosestPointQuery() = default;
@@ -159,9 +160,9 @@ ClosestPoint ClosestPointQuery::operator()(Vec3d point) const {
 }
 
 std::vector<ClosestPoint> ClosestPointQuery::operator()(const std::vector<Vec3d>& points,
-                                                        const Parallel& parallel) const {
+                                                        const Context& context) const {
   std::vector<ClosestPoint> found(points.size());
-  parallel.for_chunks(points.size(), points_per_task, [&](size_t begin, size_t end) {
+  parallel_chunks(context, points.size(), points_per_task, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (!is_finite(points[i])) throw ParameterError(fmt::format("point {} is not finite", i));
       // The triangle closest to the previous point is no farther than this.
@@ -173,8 +174,8 @@ std::vector<ClosestPoint> ClosestPointQuery::operator()(const std::vector<Vec3d>
   return found;
 }
 
-std::vector<double> distances_to_mesh(const std::vector<Vec3d>& points, const Mesh& mesh, const Parallel& parallel) {
-  const auto found = ClosestPointQuery(mesh, parallel)(points, parallel);
+std::vector<double> distances_to_mesh(const std::vector<Vec3d>& points, const Mesh& mesh, const Context& context) {
+  const auto found = ClosestPointQuery(mesh, context)(points, context);
   std::vector<double> distances(found.size());
   std::transform(found.begin(), found.end(), distances.begin(), [](const ClosestPoint& c) { return c.distance; });
   return distances;
@@ -203,8 +204,8 @@ DistanceSummary summarize(std::vector<double> distances) {
   return out;
 }
 
-DistanceSummary point_to_mesh_distance(const std::vector<Vec3d>& points, const Mesh& mesh, const Parallel& parallel) {
-  return summarize(distances_to_mesh(points, mesh, parallel));
+DistanceSummary point_to_mesh_distance(const std::vector<Vec3d>& points, const Mesh& mesh, const Context& context) {
+  return summarize(distances_to_mesh(points, mesh, context));
 }
 
 }  // namespace soapfilm

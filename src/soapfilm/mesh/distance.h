@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 
@@ -26,7 +26,7 @@ class ClosestPointQuery {
 
   /// Throws ParameterError when the mesh has no triangle, a coordinate that is not finite, a box longer than
   /// longest_side, or a triangle that names a vertex which does not exist.
-  ClosestPointQuery(const Mesh& mesh, const Parallel& parallel);
+  ClosestPointQuery(const Mesh& mesh, const Context& context);
   ~ClosestPointQuery();
   ClosestPointQuery(ClosestPointQuery&&) noexcept;
   ClosestPointQuery& operator=(ClosestPointQuery&&) noexcept;
@@ -36,7 +36,7 @@ class ClosestPointQuery {
 
   /// Of many points, in their order; neighbours in the list should be near each other in space, that makes it fast.
   /// Throws ParameterError when a point is not finite.
-  std::vector<ClosestPoint> operator()(const std::vector<Vec3d>& points, const Parallel& parallel) const;
+  std::vector<ClosestPoint> operator()(const std::vector<Vec3d>& points, const Context& context) const;
 
  private:
   struct Impl;
@@ -44,7 +44,7 @@ class ClosestPointQuery {
 };
 
 /// Distance of each point to the mesh; see ClosestPointQuery.
-std::vector<double> distances_to_mesh(const std::vector<Vec3d>& points, const Mesh& mesh, const Parallel& parallel);
+std::vector<double> distances_to_mesh(const std::vector<Vec3d>& points, const Mesh& mesh, const Context& context);
 
 /// What is said about a set of distances; all zero when the set is empty.
 struct DistanceSummary {
@@ -59,6 +59,6 @@ struct DistanceSummary {
 DistanceSummary summarize(std::vector<double> distances);
 
 /// summarize(distances_to_mesh(...)).
-DistanceSummary point_to_mesh_distance(const std::vector<Vec3d>& points, const Mesh& mesh, const Parallel& parallel);
+DistanceSummary point_to_mesh_distance(const std::vector<Vec3d>& points, const Mesh& mesh, const Context& context);
 
 }  // namespace soapfilm

@@ -23,9 +23,9 @@ class EmbreeScene {
   RTCDevice device() const { return device_.get(); }
   RTCScene get() const { return scene_.get(); }
 
-  /// Builds the tree with the threads of `parallel`. Throws std::runtime_error when Embree cannot (out of memory).
-  void commit(const Parallel& parallel) {
-    parallel.confine([this] { rtcJoinCommitScene(scene_.get()); });
+  /// Builds the tree with the threads of `context`. Throws std::runtime_error when Embree cannot (out of memory).
+  void commit(const Context& context) {
+    confine(context, [this] { rtcJoinCommitScene(scene_.get()); });
     if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE) {
       throw std::runtime_error(fmt::format("Embree cannot build its tree, error {}", int{error}));
     }

@@ -1,4 +1,5 @@
 #include "soapfilm/mesh/sample_mesh.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,14 +32,14 @@ uint32_t TrianglesByArea::at(double area) const {
   return static_cast<uint32_t>(found - up_to_.begin());
 }
 
-std::vector<MeshPoint> sample_mesh(const Mesh& mesh, size_t count, uint64_t seed, const Parallel& parallel) {
+std::vector<MeshPoint> sample_mesh(const Mesh& mesh, size_t count, uint64_t seed, const Context& context) {
   const TrianglesByArea row(mesh);
   const double area = row.total();
   if (!(area > 0.0) || !std::isfinite(area)) throw ParameterError("the mesh has no area, it must have some");
 
   std::vector<MeshPoint> points(count);
   const uint64_t first_stream = Random(seed).next();
-  parallel.for_each(count, samples_per_task, [&](size_t i) {
+  parallel_for(context, count, samples_per_task, [&](size_t i) {
     Random random(Random(first_stream + i).next());
     const double at = (static_cast<double>(i) + random.uniform()) / static_cast<double>(count) * area;
     const uint32_t index = row.at(at);

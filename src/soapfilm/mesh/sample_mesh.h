@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 
@@ -30,6 +30,6 @@ struct MeshPoint {
 
 /// `count` points, one at random in each of `count` equal parts of the area, along the order of the triangles. The
 /// result does not depend on the number of threads. Throws ParameterError when the mesh has no area.
-std::vector<MeshPoint> sample_mesh(const Mesh& mesh, size_t count, uint64_t seed, const Parallel& parallel);
+std::vector<MeshPoint> sample_mesh(const Mesh& mesh, size_t count, uint64_t seed, const Context& context);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/mesh/self_intersection.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -20,7 +21,7 @@ constexpr double lattice_steps = 0x1p38;  // along the longest side
 /// The mesh on the integer lattice, in a tree of boxes. Embree works in float, on boxes widened for its rounding.
 class PairSearch {
  public:
-  PairSearch(const Mesh& mesh, const Parallel& parallel) {
+  PairSearch(const Mesh& mesh, const Context& context) {
     Box3d box;
     for (size_t i = 0; i < mesh.vertices.size(); ++i) {
       if (!is_finite(mesh.vertices[i])) throw ParameterError(fmt::format("vertex {} is not finite", i));
@@ -40,7 +41,7 @@ class PairSearch {
       const LatticeTriangle corners{points[t[0]], points[t[1]], points[t[2]]};
       if (!is_flat(corners)) triangles_.push_back(corners);
     }
-    if (!triangles_.empty()) build(parallel);
+    if (!triangles_.empty()) build(context);
   }
 
   size_t size() const { return triangles_.size(); }
@@ -103,7 +104,7 @@ class PairSearch {
     return false;  // the radius stays
   }
 
-  void build(const Parallel& parallel) {
+  void build(const Context& context) {
     const RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(triangles_.size()));
     rtcSetGeometryUserData(geometry, this);
@@ -112,7 +113,7 @@ class PairSearch {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_.get(), geometry);
     rtcReleaseGeometry(geometry);
-    scene_.commit(parallel);
+    scene_.commit(context);
   }
 
   std::vector<LatticeTriangle> triangles_;
@@ -121,10 +122,10 @@ class PairSearch {
 
 }  // namespace
 
-size_t count_self_intersections(const Mesh& mesh, const Parallel& parallel) {
-  const PairSearch search(mesh, parallel);
+size_t count_self_intersections(const Mesh& mesh, const Context& context) {
+  const PairSearch search(mesh, context);
   std::vector<size_t> met((search.size() + triangles_per_task - 1) / triangles_per_task, 0);
-  parallel.for_chunks(search.size(), triangles_per_task, [&](size_t begin, size_t end) {
+  parallel_chunks(context, search.size(), triangles_per_task, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) met[begin / triangles_per_task] += search.meeting(i);
   });
   size_t pairs = 0;

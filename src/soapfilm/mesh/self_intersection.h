@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 
@@ -16,6 +16,6 @@ namespace soapfilm {
 /// The result does not depend on the number of threads.
 ///
 /// Throws ParameterError when a triangle names a vertex that does not exist or a coordinate is not finite.
-size_t count_self_intersections(const Mesh& mesh, const Parallel& parallel);
+size_t count_self_intersections(const Mesh& mesh, const Context& context);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/orient/area_weights.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,13 +41,13 @@ AreaCoverage cover_area(const LocalSurface& surface) {
   return coverage;
 }
 
-std::vector<float> weigh_by_area(const LocalSurface& surface, double most, const Parallel& parallel) {
+std::vector<float> weigh_by_area(const LocalSurface& surface, double most, const Context& context) {
   const AreaCoverage& coverage = surface.coverage;
   constexpr double scatter = 1.5;
   constexpr double most_of_edges = 16;  // their area is a guess
   std::vector<float> weights(surface.area.size(), 1.0f);
   if (!(coverage.area > 0)) return weights;
-  parallel.for_each(weights.size(), size_t{1} << 14, [&](size_t i) {
+  parallel_for(context, weights.size(), size_t{1} << 14, [&](size_t i) {
     const double ratio = surface.area[i] > 0 ? surface.area[i] * coverage.per_area : 1.0;
     const double weight = ratio > scatter ? ratio / scatter : ratio * scatter < 1 ? ratio * scatter : 1.0;
     if (surface.is_plane(i))

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/orient/local_surface.h"
 
 namespace soapfilm {
@@ -15,6 +15,6 @@ AreaCoverage cover_area(const LocalSurface& surface);
 /// however many samples it has. Within a factor of 1.5 it is 1 (what is measured of even samples scatters by less), and
 /// beyond it changes on from there, up to `most` >= 1. Samples without a plane weigh 1, those on edges and rods up
 /// to 16.
-std::vector<float> weigh_by_area(const LocalSurface& surface, double most, const Parallel& parallel);
+std::vector<float> weigh_by_area(const LocalSurface& surface, double most, const Context& context);
 
 }  // namespace soapfilm

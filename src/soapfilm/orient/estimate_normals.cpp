@@ -1,4 +1,5 @@
 #include "soapfilm/orient/estimate_normals.h"
+#include "soapfilm/core/parallel.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -123,12 +124,8 @@ class SignedSets {
 class Estimator {
  public:
   Estimator(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted, const std::vector<Vec3f>& hints,
-            std::span<const Vec3f> given, const NormalParams& params, const Parallel& parallel, Progress& progress)
-      : sites_(positions),
-        neighbours_(static_cast<size_t>(params.neighbours)),
-        params_(params),
-        parallel_(parallel),
-        progress_(progress) {
+            std::span<const Vec3f> given, const NormalParams& params, const Context& context)
+      : sites_(positions), neighbours_(static_cast<size_t>(params.neighbours)), params_(params), context_(context) {
     hint_.resize(sites_.points.size());
     for (size_t i = 0; i < positions.size(); ++i) hint_[sites_.of_sample[i]] += static_cast<Vec3d>(hints[i]);
     slot_.assign(sites_.points.size(), nobody);
@@ -165,8 +162,8 @@ class Estimator {
     near_.resize(targets_.size() * neighbours_);
     near_count_.resize(targets_.size());
     planes_.resize(targets_.size());
-    parallel_.for_chunks(targets_.size(), samples_per_task, [&](size_t begin, size_t end) {
-      progress_.check();
+    parallel_chunks(context_, targets_.size(), samples_per_task, [&](size_t begin, size_t end) {
+      context_.check();
       std::vector<uint32_t> index(neighbours_ + 1);
       std::vector<double> distance(neighbours_ + 1);
       for (size_t t = begin; t < end; ++t) {
@@ -237,7 +234,7 @@ class Estimator {
     SignedSets sets(targets_.size());
     for (const Edge& e : sorted_edges())
       sets.join(e.a, e.b, dot(planes_[e.a].normal, planes_[e.b].normal) < 0.0 ? -1 : 1);
-    progress_.check();
+    context_.check();
     std::vector<uint32_t> component(targets_.size(), nobody);  // at representatives
     for (uint32_t t = 0; t < targets_.size(); ++t) {
       if (!propagated_[t]) continue;
@@ -320,8 +317,7 @@ class Estimator {
   Sites sites_;
   size_t neighbours_;
   const NormalParams& params_;
-  const Parallel& parallel_;
-  Progress& progress_;
+  const Context& context_;
   std::vector<Vec3d> hint_;        ///< per site: sum of its samples' hints
   std::vector<uint32_t> slot_;     ///< per site: its place among the targets, or nobody
   std::vector<uint32_t> targets_;  ///< sites whose normals are wanted
@@ -337,9 +333,9 @@ class Estimator {
 
 EstimatedNormals estimate_normals(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted,
                                   const std::vector<Vec3f>& hints, std::span<const Vec3f> given,
-                                  const NormalParams& params, const Parallel& parallel, Progress& progress) {
+                                  const NormalParams& params, const Context& context) {
   if (wanted.empty()) return {};
-  return Estimator(positions, wanted, hints, given, params, parallel, progress).take(wanted);
+  return Estimator(positions, wanted, hints, given, params, context).take(wanted);
 }
 
 }  // namespace soapfilm

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/core/vec.h"
 
@@ -32,6 +32,6 @@ struct EstimatedNormals {
 /// and no hint says otherwise, that side is its outer one. See orient() for the method.
 EstimatedNormals estimate_normals(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted,
                                   const std::vector<Vec3f>& hints, std::span<const Vec3f> given,
-                                  const NormalParams& params, const Parallel& parallel, Progress& progress);
+                                  const NormalParams& params, const Context& context);
 
 }  // namespace soapfilm

@@ -35,13 +35,11 @@ Vec3f rounded(Vec3f unit) {
 
 class Survey {
  public:
-  Survey(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Box3d& box,
-         const Parallel& parallel, Progress& progress)
+  Survey(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Box3d& box, const Context& context)
       : positions_(positions),
         directions_(directions),
-        order_(positions, box, parallel),
-        parallel_(parallel),
-        progress_(progress),
+        order_(positions, box, context),
+        context_(context),
         first_filled_(positions.size(), 0),
         state_(positions.size(), State::open) {
     surface_.area.assign(positions.size(), 0);
@@ -51,15 +49,15 @@ class Survey {
 
   LocalSurface run() {
     int depth = first_depth();
-    SampleCells cells(order_, positions_, directions_, depth, parallel_);
+    SampleCells cells(order_, positions_, directions_, depth, context_);
     while (true) {
-      progress_.check();
+      context_.check();
       const Settled settled = settle(cells, depth);
       surface_.sides += settled.sides;
       size_t left = settled.left;
       left += doubt_large_ones();
       if (left == 0 || depth == coarsest) break;
-      cells = std::move(cells).coarser(directions_, parallel_);
+      cells = std::move(cells).coarser(directions_, context_);
       --depth;
     }
     surface_.planes = 0;
@@ -103,14 +101,14 @@ class Survey {
       double area = 0;
       void operator+=(const Sum& other) { planes += other.planes, area += other.area; }
     };
-    const auto sum = sum_chunks<Sum>(positions_.size(), at_once, parallel_, [&](size_t begin, size_t end) {
+    const auto sum = sum_chunks<Sum>(positions_.size(), at_once, context_, [&](size_t begin, size_t end) {
       Sum part;
       for (size_t i = begin; i < end; ++i)
         if (surface_.is_plane(i)) part += {1, surface_.area[i]};
       return part;
     });
     const double per_area = sum.planes > 0 ? static_cast<double>(sum.planes) / sum.area : 0;
-    return sum_chunks<size_t>(positions_.size(), at_once, parallel_, [&](size_t begin, size_t end) {
+    return sum_chunks<size_t>(positions_.size(), at_once, context_, [&](size_t begin, size_t end) {
       size_t doubted = 0;
       for (size_t i = begin; i < end; ++i) {
         if (state_[i] != State::found) continue;
@@ -130,7 +128,7 @@ class Survey {
 
   /// Settles the samples whose surface shows at this depth.
   Settled settle(const SampleCells& cells, int depth) {
-    return sum_chunks<Settled>(cells.size(), 512, parallel_, [&](size_t begin, size_t end) {
+    return sum_chunks<Settled>(cells.size(), 512, context_, [&](size_t begin, size_t end) {
       Settled settled;
       for (size_t c = begin; c < end; ++c) settled.left += settle_cell(cells, c, depth, settled.sides);
       return settled;
@@ -184,8 +182,7 @@ class Survey {
   std::span<const Vec3d> positions_;
   std::span<const Vec3f> directions_;
   SampleOrder order_;
-  const Parallel& parallel_;
-  Progress& progress_;
+  const Context& context_;
   std::vector<uint8_t> first_filled_;  ///< depth of each sample's first filled cells; 0: none yet
   std::vector<State> state_;           ///< of each sample
   LocalSurface surface_;
@@ -194,8 +191,8 @@ class Survey {
 }  // namespace
 
 LocalSurface measure_local_surface(std::span<const Vec3d> positions, std::span<const Vec3f> directions,
-                                   const Box3d& box, const Parallel& parallel, Progress& progress) {
-  return Survey(positions, directions, box, parallel, progress).run();
+                                   const Box3d& box, const Context& context) {
+  return Survey(positions, directions, box, context).run();
 }
 
 }  // namespace soapfilm

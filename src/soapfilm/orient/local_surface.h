@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "soapfilm/core/box.h"
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/orient/sides.h"
@@ -43,6 +43,6 @@ struct LocalSurface {
 /// `positions`, keep the two sides of a sheet apart: samples seen from the other side count neither for the area nor,
 /// where the plane does not show with them, for the plane. Does not depend on the number of threads.
 LocalSurface measure_local_surface(std::span<const Vec3d> positions, std::span<const Vec3f> directions,
-                                   const Box3d& box, const Parallel& parallel, Progress& progress);
+                                   const Box3d& box, const Context& context);
 
 }  // namespace soapfilm

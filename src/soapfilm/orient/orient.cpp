@@ -1,4 +1,5 @@
 #include "soapfilm/orient/orient.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -50,9 +51,9 @@ struct ScanFacts {
 /// What the cloud itself says of its samples' directions, source by source.
 class KnownDirections {
  public:
-  KnownDirections(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel)
+  KnownDirections(const PointCloud& cloud, const OrientParams& params, const Context& context)
       : cloud_(cloud), facts_(cloud.scans.size()), elsewhere_{params.sensor, {}} {
-    parallel.for_each(facts_.size(), 1, [&](size_t k) {
+    parallel_for(context, facts_.size(), 1, [&](size_t k) {
       const Scan& scan = cloud.scans[k];
       ScanFacts& facts = facts_[k];
       facts.sensor = scan.sensor ? scan.sensor : params.sensor;
@@ -114,8 +115,8 @@ void refuse_absent_source(DirectionSource source, const OrientReport& report) {
   require(DirectionSource::scan, report.from_scan, "scan: no scan has a viewing direction or a scanner position");
 }
 
-void warn(Progress& progress, OrientReport& report, std::string line) {
-  progress.warn(line);
+void warn(const Context& context, OrientReport& report, std::string line) {
+  context.progress().warn(line);
   report.warnings.push_back(std::move(line));
 }
 
@@ -126,8 +127,7 @@ Vec3f towards_scanner(const KnownDirections& known, size_t i, const ScanFacts& f
 
 /// Fills directions that are zero. `given`: normals whose signs are in doubt, or none.
 EstimatedNormals estimate_open(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known,
-                               std::span<const Vec3f> given, const Parallel& parallel, Progress& progress,
-                               std::vector<Vec3f>& directions) {
+                               std::span<const Vec3f> given, const Context& context, std::vector<Vec3f>& directions) {
   std::vector<uint32_t> wanted;
   for (size_t i = 0; i < cloud.size(); ++i)
     if (directions[i] == Vec3f{}) wanted.push_back(static_cast<uint32_t>(i));
@@ -136,9 +136,8 @@ EstimatedNormals estimate_open(const PointCloud& cloud, const OrientParams& para
   known.for_each(0, cloud.size(), [&](size_t i, const ScanFacts& facts) {
     if (directions[i] == Vec3f{}) hints[i] = towards_scanner(known, i, facts);
   });
-  EstimatedNormals estimated =
-      estimate_normals(cloud.positions, wanted, hints, given, {params.neighbours, params.radius, params.from_within},
-                       parallel, progress);
+  EstimatedNormals estimated = estimate_normals(cloud.positions, wanted, hints, given,
+                                                {params.neighbours, params.radius, params.from_within}, context);
   for (size_t k = 0; k < wanted.size(); ++k) directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);
   return estimated;
 }
@@ -147,21 +146,21 @@ std::string plural(size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known,
-              const Parallel& parallel, Progress& progress, std::vector<Vec3f>& directions, OrientReport& report) {
-  const EstimatedNormals estimated = estimate_open(cloud, params, known, {}, parallel, progress, directions);
+void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known, const Context& context,
+              std::vector<Vec3f>& directions, OrientReport& report) {
+  const EstimatedNormals estimated = estimate_open(cloud, params, known, {}, context, directions);
   const std::vector<Vec3d>& normals = estimated.normals;
   report.without_direction = static_cast<size_t>(std::count(normals.begin(), normals.end(), Vec3d{}));
   report.estimated = normals.size() - report.without_direction;
   if (estimated.propagated > 0)
-    warn(progress, report,
+    warn(context, report,
          fmt::format("{} of {} samples have no direction: normals were estimated from {} neighbours and turned {} by "
                      "propagation over {}, which is a guess (give normals, or scanner positions with --sensor{})",
                      estimated.propagated, cloud.size(), params.neighbours, params.from_within ? "inward" : "outward",
                      plural(estimated.components, "connected part"),
                      params.from_within ? "" : "; seen from inside: --outside solid"));
   if (report.without_direction > 0)
-    warn(progress, report,
+    warn(context, report,
          fmt::format("{} of {} samples have no direction and no neighbours that span a plane: they "
                      "are left out",
                      report.without_direction, cloud.size()));
@@ -169,9 +168,9 @@ void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDi
 
 /// The flux of x through a closed surface is three times its volume (divergence theorem): outward normals point away
 /// from the samples' middle on the whole, whatever the shape.
-bool point_inward(const PointCloud& cloud, const std::vector<Vec3f>& directions, const Parallel& parallel) {
+bool point_inward(const PointCloud& cloud, const std::vector<Vec3f>& directions, const Context& context) {
   const Vec3d first = cloud.positions[0];
-  const auto sum = sum_chunks<Vec3d>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
+  const auto sum = sum_chunks<Vec3d>(cloud.size(), samples_at_once, context, [&](size_t begin, size_t end) {
     Vec3d part;
     for (size_t i = begin; i < end; ++i) part += cloud.positions[i] - first;
     return part;
@@ -181,7 +180,7 @@ bool point_inward(const PointCloud& cloud, const std::vector<Vec3f>& directions,
     double outward = 0, most = 0;
     void operator+=(const Flux& other) { outward += other.outward, most += other.most; }
   };
-  const auto flux = sum_chunks<Flux>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
+  const auto flux = sum_chunks<Flux>(cloud.size(), samples_at_once, context, [&](size_t begin, size_t end) {
     Flux part;
     for (size_t i = begin; i < end; ++i) {
       const Vec3d from_middle = cloud.positions[i] - middle;
@@ -203,15 +202,15 @@ void validate(const OrientParams& params) {
   if (params.sensor && !is_finite(*params.sensor)) throw ParameterError("sensor: its coordinates must be finite");
 }
 
-std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
-                          Progress& progress, OrientReport& report) {
+std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Context& context,
+                          OrientReport& report) {
   validate(params);
   check(cloud);
   report = {};
   std::vector<Vec3f> directions;
   reserve_many(directions, cloud.size());
   directions.resize(cloud.size());
-  const KnownDirections known(cloud, params, parallel);
+  const KnownDirections known(cloud, params, context);
   const size_t first = params.source == DirectionSource::automatic  ? 0
                        : params.source == DirectionSource::estimate ? known_sources.size()
                                                                     : static_cast<size_t>(params.source) - 1;
@@ -221,7 +220,7 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
       for (size_t s = 0; s < samples.size(); ++s) samples[s] += other.samples[s];
     }
   };
-  const auto found = sum_chunks<Found>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
+  const auto found = sum_chunks<Found>(cloud.size(), samples_at_once, context, [&](size_t begin, size_t end) {
     Found part;
     known.for_each(begin, end, [&](size_t i, const ScanFacts& facts) {
       for (size_t s = first; s < known_sources.size() && directions[i] == Vec3f{}; ++s) {
@@ -236,23 +235,23 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
   report.from_scan = found.samples[2];
   refuse_absent_source(params.source, report);
   // A scanner's side is outside by definition.
-  report.inward = 2 * report.from_normals > cloud.size() && point_inward(cloud, directions, parallel);
-  estimate(cloud, params, known, parallel, progress, directions, report);
+  report.inward = 2 * report.from_normals > cloud.size() && point_inward(cloud, directions, context);
+  estimate(cloud, params, known, context, directions, report);
   return directions;
 }
 
-bool doubt_signs(const PointCloud& cloud, const OrientParams& params, const SideTally& sides, const Parallel& parallel,
-                 Progress& progress, std::vector<Vec3f>& directions, OrientReport& report) {
+bool doubt_signs(const PointCloud& cloud, const OrientParams& params, const SideTally& sides, const Context& context,
+                 std::vector<Vec3f>& directions, OrientReport& report) {
   constexpr double most_on_sheets = 0.05;  // of the pairs
   report.contradicting = sides.contradicting();
   if (report.from_normals == 0 || !sides.contradicts()) return false;
   const std::string found = fmt::format(
       "neighboring normals contradict each other ({:.2g} % of the pairs on one plane)", 100 * report.contradicting);
   if (params.source != DirectionSource::automatic) {
-    warn(progress, report, found + ": taken as given, as asked for; --directions auto does without their signs");
+    warn(context, report, found + ": taken as given, as asked for; --directions auto does without their signs");
     return false;
   }
-  const KnownDirections known(cloud, params, parallel);
+  const KnownDirections known(cloud, params, context);
   std::vector<Vec3f> turned = directions;
   size_t open = 0;
   known.for_each(0, cloud.size(), [&](size_t i, const ScanFacts& facts) {
@@ -263,14 +262,14 @@ bool doubt_signs(const PointCloud& cloud, const OrientParams& params, const Side
     open += view == Vec3f{};
   });
   if (open > 0 && sides.on_sheets() > most_on_sheets) {
-    warn(progress, report,
+    warn(context, report,
          found +
              ": taken as given all the same, for the two sides of thin parts cannot be told apart without signs; "
              "mend them, or give scanner positions with --sensor");
     return false;
   }
-  const EstimatedNormals propagated = estimate_open(cloud, params, known, cloud.normals, parallel, progress, turned);
-  warn(progress, report,
+  const EstimatedNormals propagated = estimate_open(cloud, params, known, cloud.normals, context, turned);
+  warn(context, report,
        found + ": used without their signs, " +
            (open == 0 ? "turned to the scanners"
                       : fmt::format("turned {} by propagation over {}, which is a guess (give scanner positions "
@@ -283,10 +282,10 @@ bool doubt_signs(const PointCloud& cloud, const OrientParams& params, const Side
   return true;
 }
 
-void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Parallel& parallel,
+void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
                     std::vector<Vec3f>& directions, OrientReport& report) {
   constexpr float least_incidence = 0.02f;  // cosine: below it the side is not told
-  report.from_planes = sum_chunks<size_t>(cloud.size(), samples_at_once, parallel, [&](size_t begin, size_t end) {
+  report.from_planes = sum_chunks<size_t>(cloud.size(), samples_at_once, context, [&](size_t begin, size_t end) {
     size_t turned = 0;
     for (size_t i = begin; i < end; ++i) {
       if (!surface.is_plane(i) || (!cloud.normals.empty() && cloud.normals[i] != Vec3f{})) continue;

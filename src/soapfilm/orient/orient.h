@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/orient/local_surface.h"
@@ -58,20 +58,20 @@ struct OrientReport {
 ///
 /// Throws ParameterError when `neighbours`, `radius` or `sensor` is out of range, or when a source that was asked for
 /// has nothing for any sample; SamplesError when scans are not in order.
-std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Parallel& parallel,
-                          Progress& progress, OrientReport& report);
+std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Context& context,
+                          OrientReport& report);
 
 /// Looks whether the signs of the given normals contradict each other (SideTally). Where they do, and `automatic` was
 /// asked for, `directions` of samples with normals become these without their signs: turned to the scanner where one is
 /// known, the others by propagation as estimated normals are. One warning says so. Not where many samples lie on thin
 /// sheets and no scanner is known: propagation cannot tell their two sides apart. Tells whether `directions` changed.
-bool doubt_signs(const PointCloud& cloud, const OrientParams& params, const SideTally& sides, const Parallel& parallel,
-                 Progress& progress, std::vector<Vec3f>& directions, OrientReport& report);
+bool doubt_signs(const PointCloud& cloud, const OrientParams& params, const SideTally& sides, const Context& context,
+                 std::vector<Vec3f>& directions, OrientReport& report);
 
 /// A direction towards the scanner tells the outer side of the surface, but counts by the cosine of its angle to the
 /// normal: a floor that rays graze at 80 degrees weighs a sixth. Where `surface` has a plane around a sample that has
 /// no normal of its own, the plane's normal on the direction's side takes its place.
-void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Parallel& parallel,
+void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
                     std::vector<Vec3f>& directions, OrientReport& report);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/orient/sample_cells.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <bit>
@@ -49,9 +50,9 @@ struct Sides {
 
 /// Of each chunk of `grain` items, how many begin something in the chunks before it; at the end, all of them.
 template <class Begins>
-std::vector<size_t> count_before(size_t size, size_t grain, const Parallel& parallel, Begins&& begins) {
+std::vector<size_t> count_before(size_t size, size_t grain, const Context& context, Begins&& begins) {
   std::vector<size_t> before((size + grain - 1) / grain + 1);
-  parallel.for_chunks(size, grain, [&](size_t begin, size_t end) {
+  parallel_chunks(context, size, grain, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) before[begin / grain] += begins(k);
   });
   size_t count = 0;
@@ -68,27 +69,27 @@ uint64_t parts_in_parent(uint64_t parts, uint64_t octant) {
 
 }  // namespace
 
-SampleOrder::SampleOrder(std::span<const Vec3d> positions, const Box3d& box, const Parallel& parallel)
+SampleOrder::SampleOrder(std::span<const Vec3d> positions, const Box3d& box, const Context& context)
     : low_(box.lo), longest_(box.longest()) {
   reserve_many(items_, positions.size());
   items_.resize(positions.size());
-  parallel.for_each(positions.size(), order_grain, [&](size_t i) {
+  parallel_for(context, positions.size(), order_grain, [&](size_t i) {
     items_[i] = {morton_key((positions[i] - low_) / longest_, deepest), static_cast<uint32_t>(i)};
   });
-  radix_sort(items_, 3 * deepest, parallel, [](const Item& item) { return item.key; });
+  radix_sort(items_, 3 * deepest, context, [](const Item& item) { return item.key; });
 }
 
 SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positions, std::span<const Vec3f> directions,
-                         int depth, const Parallel& parallel)
+                         int depth, const Context& context)
     : depth_(depth), side_(order.longest() / static_cast<double>(1 << depth)), second_(order.size()) {
   const int up = 3 * (SampleOrder::deepest - depth);
   const int up_parts = up - 3 * parts_deeper;
   // A cell belongs to the chunk that its first sample is in.
   const auto begins = [&](size_t k) { return k == 0 || order.key(k) >> up != order.key(k - 1) >> up; };
-  const std::vector<size_t> first_cell = count_before(order.size(), order_grain, parallel, begins);
+  const std::vector<size_t> first_cell = count_before(order.size(), order_grain, context, begins);
   cells_.resize(first_cell.back() + 1);
   facets_.resize(first_cell.back());
-  parallel.for_chunks(order.size(), order_grain, [&](size_t begin, size_t end) {
+  parallel_chunks(context, order.size(), order_grain, [&](size_t begin, size_t end) {
     size_t cell = first_cell[begin / order_grain];
     while (begin < end && !begins(begin)) ++begin;
     for (size_t k = begin; k < end; ++cell) {
@@ -113,16 +114,16 @@ SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positi
   index_cells();
 }
 
-SampleCells SampleCells::coarser(std::span<const Vec3f> directions, const Parallel& parallel) && {
+SampleCells SampleCells::coarser(std::span<const Vec3f> directions, const Context& context) && {
   SampleCells parents;
   parents.depth_ = depth_ - 1;
   parents.side_ = 2 * side_;
   parents.second_ = std::move(second_);
   const auto begins = [&](size_t c) { return c == 0 || cells_[c].key >> 3 != cells_[c - 1].key >> 3; };
-  const std::vector<size_t> first_parent = count_before(size(), cells_grain, parallel, begins);
+  const std::vector<size_t> first_parent = count_before(size(), cells_grain, context, begins);
   parents.cells_.resize(first_parent.back() + 1);
   parents.facets_.resize(first_parent.back());
-  parallel.for_chunks(size(), cells_grain, [&](size_t begin, size_t end) {
+  parallel_chunks(context, size(), cells_grain, [&](size_t begin, size_t end) {
     size_t parent = first_parent[begin / cells_grain];
     while (begin < end && !begins(begin)) ++begin;
     for (size_t c = begin; c < end; ++parent) {

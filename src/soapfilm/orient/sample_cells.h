@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "soapfilm/core/box.h"
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm {
@@ -27,7 +27,7 @@ class SampleOrder {
  public:
   static constexpr int deepest = 18;
 
-  SampleOrder(std::span<const Vec3d> positions, const Box3d& box, const Parallel& parallel);
+  SampleOrder(std::span<const Vec3d> positions, const Box3d& box, const Context& context);
 
   size_t size() const { return items_.size(); }
   uint32_t sample(size_t k) const { return items_[k].sample; }
@@ -50,10 +50,10 @@ class SampleCells {
  public:
   /// `directions` is as long as `positions`; zero ones belong to either side.
   SampleCells(const SampleOrder& order, std::span<const Vec3d> positions, std::span<const Vec3f> directions, int depth,
-              const Parallel& parallel);
+              const Context& context);
 
   /// The cells of the depth above, from what these hold.
-  SampleCells coarser(std::span<const Vec3f> directions, const Parallel& parallel) &&;
+  SampleCells coarser(std::span<const Vec3f> directions, const Context& context) &&;
 
   struct Cell {
     uint64_t key;

@@ -1,4 +1,5 @@
 #include "soapfilm/pyramid/band.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -30,9 +31,9 @@ unsigned octants_of(const BrickBits& bits) {
 
 /// The children within two fine vertices of the interface: room to move for it.
 BrickMask beside_interface(const Level& coarse, const std::vector<BrickBits>& interface, Vec3i fine_bricks,
-                           const Parallel& parallel) {
+                           const Context& context) {
   BrickMask mask(fine_bricks);
-  parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
+  parallel_for(context, coarse.grid.size(), 64, [&](size_t b) {
     uint64_t near = 0;  // of 4 x 4 x 4 octants, one of them below the brick
     interface[b].for_each([&](int vertex) {
       const int x = vertex % brick_side, y = vertex / brick_side % brick_side, z = vertex / brick_area;
@@ -76,9 +77,9 @@ unsigned infeasible_octants(const Level& level, size_t brick) {
 
 /// Those with a part of the interface, or where the prolonged dual might leave the ball.
 BrickMask interface_children(const Level& coarse, const std::vector<BrickBits>& interface, Vec3i fine_bricks,
-                             const Parallel& parallel) {
+                             const Context& context) {
   BrickMask mask(fine_bricks);
-  parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
+  parallel_for(context, coarse.grid.size(), 64, [&](size_t b) {
     unsigned octants = octants_of(interface[b]);
     if (octants != all_octants) octants |= infeasible_octants(coarse, b);
     for (int k = 0; k < 8; ++k)
@@ -102,8 +103,8 @@ void add_upper_border(const LevelBox& box, BrickMask& band) {
 }
 
 /// Of each brick.
-std::vector<BrickBits> interfaces(const Level& level, const Parallel& parallel) {
-  return InsideBits(level, 0.5f, parallel).interfaces(parallel);
+std::vector<BrickBits> interfaces(const Level& level, const Context& context) {
+  return InsideBits(level, 0.5f, context).interfaces(context);
 }
 
 }  // namespace
@@ -119,22 +120,22 @@ BrickMask free_bricks(const LevelBox& box, const BrickGrid& support) {
 }
 
 BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
-                      const Parallel& parallel) {
-  const std::vector<BrickBits> interface = interfaces(coarse, parallel);
-  BrickMask band = interface_children(coarse, interface, box.bricks, parallel);
+                      const Context& context) {
+  const std::vector<BrickBits> interface = interfaces(coarse, context);
+  BrickMask band = interface_children(coarse, interface, box.bricks, context);
   if (box.open && box.level >= same_border_levels) add_upper_border(box, band);
   if (box.level > 0) {
     for (size_t b = 0; b < support.grid.size(); ++b) band.set(support.grid.coord(b));
     return band;
   }
   std::vector<double> gap(support.grid.size());
-  parallel.for_each(gap.size(), 64, [&](size_t b) {
+  parallel_for(context, gap.size(), 64, [&](size_t b) {
     const Vec3i c = support.grid.coord(b);
     if (band.test(c)) return;
     const auto parent = static_cast<size_t>(coarse.grid.find(parent_of(c)));
     gap[b] = outside_child(coarse, parent, octant_in_parent(c), support).gap;
   });
-  const BrickMask beside = beside_interface(coarse, interface, box.bricks, parallel);
+  const BrickMask beside = beside_interface(coarse, interface, box.bricks, context);
   std::vector<size_t> candidates;
   for (size_t b = 0; b < gap.size(); ++b) {
     const Vec3i c = support.grid.coord(b);
@@ -150,9 +151,9 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
   return band;
 }
 
-BrickMask growth(const Level& level, const BrickGrid& coarse, const Parallel& parallel) {
+BrickMask growth(const Level& level, const BrickGrid& coarse, const Context& context) {
   BrickMask grown(level.box.bricks);
-  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
+  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     const float* u = level.u.brick(b);
     const FreeRange range = free_range(level.box, level.grid.coord(b));
     const bool ends = level.box.open && !range.whole();

@@ -1,7 +1,7 @@
 // Which bricks a level works on.
 #pragma once
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/brick_mask.h"
 #include "soapfilm/solve/level.h"
@@ -22,11 +22,11 @@ BrickMask free_bricks(const LevelBox& box, const BrickGrid& support);
 /// The finest level leaves bricks of its data out that lie two vertices and more from the interface and whose data the
 /// prolonged state serves already, as long as this adds no more than `allowed` to the gap.
 BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
-                      const Parallel& parallel);
+                      const Context& context);
 
 /// The bricks just outside the band that its interface has reached (rounded u differs across the rim) and whose parent
 /// the coarse band holds: where the band must grow.
-BrickMask growth(const Level& level, const BrickGrid& coarse, const Parallel& parallel);
+BrickMask growth(const Level& level, const BrickGrid& coarse, const Context& context);
 
 /// `band` and the bricks beside it whose parents the coarse band holds: for a band that does not converge. A rim close
 /// to where the flux must turn may fix a flux that the finer ball cannot carry on.

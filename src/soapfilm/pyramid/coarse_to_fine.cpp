@@ -69,13 +69,12 @@ std::vector<double> lambda_shares(const std::vector<const SupportField*>& data, 
 class Descent {
  public:
   Descent(const Lattice& lattice, const SupportField& support, double lambda, const PrimalDualParams& params,
-          const Parallel& parallel, Progress& progress, Norm norm, const PyramidObserver& observe)
+          const Context& context, Norm norm, const PyramidObserver& observe)
       : lattice_(lattice),
         support_(support),
         lambda_(lambda),
         params_(params),
-        parallel_(parallel),
-        progress_(progress),
+        context_(context),
         norm_(norm),
         observe_(observe) {}
 
@@ -88,7 +87,7 @@ class Descent {
 
   /// Solves the levels down to `last`; returns that one.
   PyramidSolution to(int last) {
-    std::vector<SupportField> coarser = coarser_fields(support_, lattice_, lattice_.levels, parallel_);
+    std::vector<SupportField> coarser = coarser_fields(support_, lattice_, lattice_.levels, context_);
     std::vector<const SupportField*> data = {&support_};
     for (const SupportField& field : coarser) data.push_back(&field);
     const std::vector<double> shares = lambda_shares(data, lambda_, norm_);
@@ -112,7 +111,7 @@ class Descent {
         level = solve_on_band(std::move(level), field, share_left_out * params_.tolerance * scale, report);
       }
       report.active_vertices = level.grid.vertices();
-      if (l > 0) report.binary = evaluate_energy(level, {.threshold = 0.5f, .certify = false}, parallel_);
+      if (l > 0) report.binary = evaluate_energy(level, {.threshold = 0.5f, .certify = false}, context_);
       if (observe_.solved && l <= start_) observe_.solved(level, lattice_.of_level(l));
       solution.reports.push_back(report);
     }
@@ -127,8 +126,8 @@ class Descent {
     const auto lambda = static_cast<float>(lambda_ * report.lambda_share * scale);
     const BrickMask bricks = free_bricks(box, field.grid);
     begin(report.level, bricks, coarse.grid.size());
-    if (report.level == coarsest_) return make_level(box, lambda, bricks, field.grid, field.f, parallel_, norm_);
-    Level level = prolong_level(coarse, box, bricks, field, parallel_);
+    if (report.level == coarsest_) return make_level(box, lambda, bricks, field.grid, field.f, context_, norm_);
+    Level level = prolong_level(coarse, box, bricks, field, context_);
     level.lambda = lambda;
     return level;
   }
@@ -137,15 +136,15 @@ class Descent {
   /// widened once if it does not converge.
   Level solve_on_band(Level coarse, const SupportField& field, double allowed, LevelReport& report) {
     const LevelBox box = lattice_.box(report.level);
-    if (report.level > 0) scale_flux(coarse, flux_kept(report.level), parallel_);
-    BrickMask band = choose_band(coarse, box, field, allowed, parallel_);
+    if (report.level > 0) scale_flux(coarse, flux_kept(report.level), context_);
+    BrickMask band = choose_band(coarse, box, field, allowed, context_);
     // A quarter of the finest level's memory would wait for the rare band that has to grow. It goes; should the band
     // grow after all, the way down to there is taken once more.
     const bool finest = report.level == 0;
     constexpr size_t kept = 10;  // a tenth of the coarser level is left while it goes
     begin(report.level, band, finest ? coarse.grid.size() / kept : coarse.grid.size());
-    Level level = finest ? prolong_level(std::move(coarse), box, band, field, parallel_)
-                         : prolong_level(coarse, box, band, field, parallel_);
+    Level level = finest ? prolong_level(std::move(coarse), box, band, field, context_)
+                         : prolong_level(coarse, box, band, field, context_);
     const BrickGrid held = finest ? std::move(coarse.grid) : coarse.grid;
     if (finest) coarse = {};
     bool tight = !finest && params_.max_iterations > patience;
@@ -155,7 +154,7 @@ class Descent {
       solve(level, report, tight ? std::min(patience, left) : left);
       stalls += report.stop == Stop::stalled;
       if (report.band_growths == max_growths) return level;
-      const BrickMask grown = growth(level, held, parallel_);
+      const BrickMask grown = growth(level, held, context_);
       const bool widen = tight && !report.converged && report.stop != Stop::settled;
       if (grown.count() == 0 && !widen) return level;
       if (report.iterations >= params_.max_iterations || stalls > 1) return level;
@@ -166,8 +165,8 @@ class Descent {
       }
       begin(report.level, band, held.size());
       if (coarse.grid.size() == 0)
-        coarse = Descent(lattice_, support_, lambda_, params_, parallel_, progress_, norm_, {}).to(1).finest;
-      level = prolong_level(coarse, box, band, field, parallel_, std::move(level));
+        coarse = Descent(lattice_, support_, lambda_, params_, context_, norm_, {}).to(1).finest;
+      level = prolong_level(coarse, box, band, field, context_, std::move(level));
       ++report.band_growths;
     }
   }
@@ -189,7 +188,7 @@ class Descent {
     run.stalls = report.level < start_;
     run.settles = run.stalls && report.level <= 1;
     run.checked = [&](int iterations, double gap) {
-      progress_.advance(
+      context_.progress().advance(
           1.0 - static_cast<double>(report.level) / (coarsest_ + 1),
           fmt::format("level {}, {} iterations, gap {:.1e}", report.level, report.iterations + iterations, gap));
     };
@@ -197,7 +196,7 @@ class Descent {
       run.evaluated = [&](int iterations, const Energies& e) {
         observe_.evaluated(level, report.iterations + iterations, e);
       };
-    const PrimalDualReport solved = solve_primal_dual(level, params, parallel_, progress_, run);
+    const PrimalDualReport solved = solve_primal_dual(level, params, context_, run);
     report.iterations += solved.iterations;
     report.converged = solved.converged;
     report.stop = solved.stop;
@@ -208,8 +207,7 @@ class Descent {
   const SupportField& support_;
   double lambda_;
   const PrimalDualParams& params_;
-  const Parallel& parallel_;
-  Progress& progress_;
+  const Context& context_;
   Norm norm_;
   PyramidObserver observe_;
   int last_ = 0;  ///< of roughly_to()
@@ -228,16 +226,14 @@ class Descent {
 float flux_kept(int level) { return level == 0 ? 1.0f : level == 1 ? 0.95f : 0.9f; }
 
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
-                                     const PrimalDualParams& params, const Parallel& parallel, Progress& progress,
-                                     Norm norm, const PyramidObserver& observe) {
-  return Descent(lattice, support, lambda, params, parallel, progress, norm, observe).to(0);
+                                     const PrimalDualParams& params, const Context& context, Norm norm,
+                                     const PyramidObserver& observe) {
+  return Descent(lattice, support, lambda, params, context, norm, observe).to(0);
 }
 
 PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
-                                    const RoughParams& params, const Parallel& parallel, Progress& progress,
-                                    const PyramidObserver& observe) {
-  return Descent(lattice, support, lambda, params.solver, parallel, progress, params.norm, observe)
-      .roughly_to(params.last);
+                                    const RoughParams& params, const Context& context, const PyramidObserver& observe) {
+  return Descent(lattice, support, lambda, params.solver, context, params.norm, observe).roughly_to(params.last);
 }
 
 }  // namespace soapfilm

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/lattice.h"
@@ -51,7 +51,7 @@ struct PyramidObserver {
 /// Solves min lambda TV(u) - <f, u> (equation (4)) on the lattice, TV by `norm`. `support` is the finest level's data
 /// term.
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
-                                     const PrimalDualParams& params, const Parallel& parallel, Progress& progress,
+                                     const PrimalDualParams& params, const Context& context,
                                      Norm norm = Norm::isotropic, const PyramidObserver& observe = {});
 
 /// A rough look at the problem.
@@ -64,7 +64,7 @@ struct RoughParams {
 /// The levels down to one above the finest, for what they tell of it. The data f of the one returned is gone unless it
 /// is level 0: only `observe` sees it.
 PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
-                                    const RoughParams& params, const Parallel& parallel, Progress& progress,
+                                    const RoughParams& params, const Context& context,
                                     const PyramidObserver& observe = {});
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/pyramid/prolong.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -113,8 +114,8 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
 }
 
 /// No flux on faces that an open box lacks: those of a coarser level whose cells reach beyond the border.
-void cut_off_flux(Level& level, const Parallel& parallel) {
-  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
+void cut_off_flux(Level& level, const Context& context) {
+  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     if (!at_border(level.box, level.grid.coord(b))) return;
     for (int axis = 0; axis < 3; ++axis) {
       float* p = level.p.brick(b, axis);
@@ -171,13 +172,13 @@ void take_pages(Level& fine, int coarse_z) {
 /// any more, and of the previous one no child of layer z.
 template <class Used>
 Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                     const Parallel& parallel, const Level* previous, Used&& used) {
-  Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, parallel, coarse.norm);
+                     const Context& context, const Level* previous, Used&& used) {
+  Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, context, coarse.norm);
   std::vector<LeftOut> left_out(coarse.grid.size());
   for (int z = 0; z < coarse.grid.bricks().z; ++z) {
     take_pages(fine, z);
     const auto [begin, end] = coarse.grid.layer(z);
-    parallel.for_each(end - begin, 16, [&, first = begin](size_t i) {
+    parallel_for(context, end - begin, 16, [&, first = begin](size_t i) {
       prolong_children(coarse, first + i, fine, previous);
       left_out[first + i] = left_out_children(coarse, first + i, fine, support);
     });
@@ -187,7 +188,7 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
     for (int k = 0; k < 8; ++k)
       if (!box.open || has_free(box, child_of(b, k))) fine.inside.set(child_of(b, k));
   });
-  if (box.open && box.level >= same_border_levels) cut_off_flux(fine, parallel);
+  if (box.open && box.level >= same_border_levels) cut_off_flux(fine, context);
   fine.outside = coarse.outside;
   for (size_t b = 0; b < coarse.grid.size(); ++b)
     for (int k = 0; k < 8; ++k) {
@@ -200,20 +201,20 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
 }  // namespace
 
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                    const Parallel& parallel) {
-  return prolong_layers(coarse, box, band, support, parallel, nullptr, [](int) {});
+                    const Context& context) {
+  return prolong_layers(coarse, box, band, support, context, nullptr, [](int) {});
 }
 
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                    const Parallel& parallel, Level&& previous) {
-  return prolong_layers(coarse, box, band, support, parallel, &previous,
+                    const Context& context, Level&& previous) {
+  return prolong_layers(coarse, box, band, support, context, &previous,
                         [&](int z) { give_back_below(previous, 2 * z + 2); });
 }
 
 Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                    const Parallel& parallel) {
+                    const Context& context) {
   // The next layer looks at this one through its low faces and windows.
-  return prolong_layers(coarse, box, band, support, parallel, nullptr, [&](int z) { give_back_below(coarse, z); });
+  return prolong_layers(coarse, box, band, support, context, nullptr, [&](int z) { give_back_below(coarse, z); });
 }
 
 }  // namespace soapfilm

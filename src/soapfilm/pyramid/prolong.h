@@ -1,7 +1,7 @@
 // From a solved level to the next finer one. Fine vertex x lies in coarse vertex x >> 1 (a cell of 2 x 2 x 2).
 #pragma once
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/solve/level.h"
 
@@ -14,14 +14,14 @@ namespace soapfilm {
 ///   rim's fluxes, u outside, and what the outside adds to D and to the gap, exactly.
 /// `band` may hold only children of the coarse band's bricks; all children of its support bricks must be among these.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                    const Parallel& parallel);
+                    const Context& context);
 /// The same, but bricks that `previous` (the same level on a smaller band) has keep their state; its u and p go back to
 /// the system as they are copied.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                    const Parallel& parallel, Level&& previous);
+                    const Context& context, Level&& previous);
 /// The same without one, but u and p of `coarse` go back to the system as they are used: beside its grid it may only be
 /// destroyed then.
 Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                    const Parallel& parallel);
+                    const Context& context);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/pyramid/restrict.h"
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 
@@ -15,11 +16,11 @@ void add_child(const float* child, Vec3i octant, float* coarse) {
 
 }  // namespace
 
-SupportField restrict_field(const SupportField& fine, const LevelBox& coarse_box, const Parallel& parallel) {
+SupportField restrict_field(const SupportField& fine, const LevelBox& coarse_box, const Context& context) {
   SupportField coarse;
-  coarse.grid = BrickGrid(parents_of(fine.grid, coarse_box.bricks, parallel), parallel);
-  coarse.f = Field<float>(coarse.grid);
-  parallel.for_each(coarse.grid.size(), 64, [&](size_t b) {
+  coarse.grid = BrickGrid(parents_of(fine.grid, coarse_box.bricks, context), context);
+  coarse.f = Field<float>(coarse.grid, context.pages());
+  parallel_for(context, coarse.grid.size(), 64, [&](size_t b) {
     for (int k = 0; k < 8; ++k) {
       const int32_t child = fine.grid.find(child_of(coarse.grid.coord(b), k));
       if (child >= 0) add_child(fine.f.brick(static_cast<size_t>(child)), octant_of(k), coarse.f.brick(b));
@@ -29,11 +30,11 @@ SupportField restrict_field(const SupportField& fine, const LevelBox& coarse_box
 }
 
 std::vector<SupportField> coarser_fields(const SupportField& finest, const Lattice& lattice, int levels,
-                                         const Parallel& parallel) {
+                                         const Context& context) {
   std::vector<SupportField> fields;
   fields.reserve(static_cast<size_t>(levels));
   for (int l = 1; l < levels; ++l)
-    fields.push_back(restrict_field(l == 1 ? finest : fields.back(), lattice.box(l), parallel));
+    fields.push_back(restrict_field(l == 1 ? finest : fields.back(), lattice.box(l), context));
   return fields;
 }
 

@@ -1,4 +1,5 @@
 #include "soapfilm/pyramid/sor_pyramid.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <utility>
@@ -27,10 +28,10 @@ void add_row(const DenseField<float>& coarse, int Y, int Z, float weight, std::v
 
 }  // namespace
 
-DenseField<float> prolong_dense(const DenseField<float>& coarse, const LevelBox& fine_box, const Parallel& parallel) {
-  DenseField<float> fine(fine_box);
+DenseField<float> prolong_dense(const DenseField<float>& coarse, const LevelBox& fine_box, const Context& context) {
+  DenseField<float> fine(fine_box, context.pages());
   const Vec3i size = fine.size(), origin = fine.origin();
-  parallel.for_each(static_cast<size_t>(size.z - 2), 1, [&](size_t layer) {
+  parallel_for(context, static_cast<size_t>(size.z - 2), 1, [&](size_t layer) {
     const int z = static_cast<int>(layer) + 1;
     std::vector<float> blend(static_cast<size_t>(coarse.size().x));
     const auto blended = [&](int X) {
@@ -55,20 +56,19 @@ DenseField<float> prolong_dense(const DenseField<float>& coarse, const LevelBox&
 }
 
 Level solve_sor(const Lattice& lattice, const SupportField& support, double lambda, const SorParams& params,
-                const Parallel& parallel, Progress& progress, std::vector<SorLevelReport>& reports,
-                const SorObserver& observe) {
+                const Context& context, std::vector<SorLevelReport>& reports, const SorObserver& observe) {
   validate(params);
   const int levels = std::min(params.levels, lattice.levels);
-  const std::vector<SupportField> coarser = coarser_fields(support, lattice, levels, parallel);
-  DenseField<float> u(lattice.box(levels - 1));
+  const std::vector<SupportField> coarser = coarser_fields(support, lattice, levels, context);
+  DenseField<float> u(lattice.box(levels - 1), context.pages());
   for (int l = levels - 1; l >= 0; --l) {
     const LevelBox box = lattice.box(l);
-    if (l < levels - 1) u = prolong_dense(u, box, parallel);
+    if (l < levels - 1) u = prolong_dense(u, box, context);
     const SupportField& data = l == 0 ? support : coarser[static_cast<size_t>(l - 1)];
     const auto area = static_cast<double>(size_t{1} << (2 * l));  // of a face, in fine faces
-    reports.push_back(relax_sor(u, box, lambda * area, data, params, parallel, progress, observe));
+    reports.push_back(relax_sor(u, box, lambda * area, data, params, context, observe));
   }
-  return sor_level(u, lattice.box(0), lambda, support, params, parallel);
+  return sor_level(u, lattice.box(0), lambda, support, params, context);
 }
 
 }  // namespace soapfilm

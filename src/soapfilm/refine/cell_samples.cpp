@@ -1,4 +1,5 @@
 #include "soapfilm/refine/cell_samples.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -142,9 +143,9 @@ struct FoundRow {
 
 }  // namespace
 
-CellSamples::CellSamples(const GridSamples& samples, const NarrowBand& band, const Parallel& parallel) {
+CellSamples::CellSamples(const GridSamples& samples, const NarrowBand& band, const Context& context) {
   const size_t bricks = samples.bricks.size();
-  const auto found = gather<FoundRow>(bricks, bricks_per_task, parallel, [&](size_t b, std::vector<FoundRow>& rows) {
+  const auto found = gather<FoundRow>(bricks, bricks_per_task, context, [&](size_t b, std::vector<FoundRow>& rows) {
     const uint32_t* row = band.rows_of(band.grid().find(samples.bricks.coord(b)));
     std::array<uint8_t, brick_area> held{};
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
@@ -172,7 +173,7 @@ CellSamples::CellSamples(const GridSamples& samples, const NarrowBand& band, con
   }
   for (size_t b = 0; b < bricks; ++b) brick_[b + 1] = std::max(brick_[b], brick_[b + 1]);
   for (size_t z = 1; z < layer_.size(); ++z) layer_[z] = std::max(layer_[z - 1], layer_[z]);
-  values_ = AlignedArray<float>(DataJob::values * size_t{first_.back()});
+  values_ = AlignedArray<float>(DataJob::values * size_t{first_.back()}, context.pages());
 }
 
 MergedCell CellSamples::cell(size_t row, int x) const {
@@ -187,14 +188,14 @@ void CellSamples::set_weight(size_t row, int x, float weight) {
 }
 
 void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band, const Weighing& weighing,
-           DataWeights weights, const Parallel& parallel, CellSamples& cells) {
+           DataWeights weights, const Context& context, CellSamples& cells) {
   constexpr float doubt = 0.25f;
   struct Counts {
     size_t cells = 0, doubted = 0;
   };
   std::vector<Counts> counts(samples.bricks.size());
-  const RowKernel kernel = row_kernel();
-  parallel.for_each(counts.size(), bricks_per_task, [&](size_t b) {
+  const RowKernel& kernel = band.kernel();
+  parallel_for(context, counts.size(), bricks_per_task, [&](size_t b) {
     const size_t begin = samples.begin[b];
     const BrickWindow window(phi, band, cells, samples, b);
     CellSums sums(window.count());
@@ -227,9 +228,9 @@ void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& ba
 
 std::vector<std::optional<Jet>> jets_at_samples(const RowArray& phi, const GridSamples& samples,
                                                 const CellSamples& cells, const NarrowBand& band,
-                                                const Parallel& parallel) {
+                                                const Context& context) {
   std::vector<std::optional<Jet>> jets(samples.size());
-  parallel.for_each(samples.bricks.size(), bricks_per_task, [&](size_t b) {
+  parallel_for(context, samples.bricks.size(), bricks_per_task, [&](size_t b) {
     const BrickWindow window(phi, band, cells, samples, b);
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
       if (const Cell cell = cell_of(samples.local[s]); window.sees(cell)) jets[s] = window.jet(cell);
@@ -265,12 +266,12 @@ DataTerm DataTerm::row_sums(const NarrowBand& band, const CellSamples& data, Row
 
 double DataTerm::add(int layer) const {
   const auto first = data_.layer_.begin() + layer;
-  return row_kernel().data_term(band_.view(), job_, first[0], first[1]);
+  return band_.kernel().data_term(band_.view(), job_, first[0], first[1]);
 }
 
-double DataTerm::add(const Parallel& parallel) const {
+double DataTerm::add(const Context& context) const {
   std::vector<double> energy(static_cast<size_t>(layers_of(band_)));
-  for_layers_apart(layers_of(band_), parallel, [&](int layer) { energy[static_cast<size_t>(layer)] = add(layer); });
+  for_layers_apart(layers_of(band_), context, [&](int layer) { energy[static_cast<size_t>(layer)] = add(layer); });
   return std::accumulate(energy.begin(), energy.end(), 0.0);
 }
 

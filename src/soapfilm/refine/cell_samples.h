@@ -43,7 +43,7 @@ class CellSamples {
  public:
   CellSamples() = default;
   /// The cells that hold samples which the band sees; weightless as yet.
-  CellSamples(const GridSamples& samples, const NarrowBand& band, const Parallel& parallel);
+  CellSamples(const GridSamples& samples, const NarrowBand& band, const Context& context);
 
   /// Rows of cells: those with the same y and z in a brick, in the order of the band's rows.
   size_t rows() const { return row_.size(); }
@@ -60,7 +60,7 @@ class CellSamples {
 
  private:
   friend void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band, const Weighing& weighing,
-                    DataWeights weights, const Parallel& parallel, CellSamples& cells);
+                    DataWeights weights, const Context& context, CellSamples& cells);
   friend class DataTerm;
 
   float* values(size_t row) { return values_.data() + DataJob::values * size_t{first_[row]}; }
@@ -80,12 +80,12 @@ using Jet = FieldJet<float>;
 /// Merges samples into `cells`, in place of what these held: their weights times 1 for the position and `weights` for
 /// the normal.
 void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& band, const Weighing& weighing,
-           DataWeights weights, const Parallel& parallel, CellSamples& cells);
+           DataWeights weights, const Context& context, CellSamples& cells);
 
 /// Of a field on the band, at every sample that it sees.
 std::vector<std::optional<Jet>> jets_at_samples(const RowArray& phi, const GridSamples& samples,
                                                 const CellSamples& cells, const NarrowBand& band,
-                                                const Parallel& parallel);
+                                                const Context& context);
 
 /// What the data term adds to a system of equations: layer of bricks by layer, or all at once. It keeps looking at what
 /// it is given, which merge() must not change meanwhile.
@@ -102,7 +102,7 @@ class DataTerm {
   /// The cells of a layer, in order: they touch vertices of this layer and of the next. A Hessian's <v, H v>.
   double add(int layer) const;
   /// All of them, even layers before odd ones.
-  double add(const Parallel& parallel) const;
+  double add(const Context& context) const;
 
  private:
   DataTerm(const NarrowBand& band, const CellSamples& data, const RowArray* v, bool affine, float scale, RowArray* out);

@@ -36,8 +36,8 @@ void set_with_neighbors(BrickMask& bricks, Vec3i vertex) {
 }  // namespace
 
 CoarseFilm::CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const Strength& strength,
-                       const Parallel& parallel)
-    : fine_(fine), threshold_(threshold), finder_(finder), parallel_(parallel) {
+                       const Context& context)
+    : fine_(fine), threshold_(threshold), finder_(finder), context_(context) {
   // In units of every second vertex, where the surface has a quarter of the vertices.
   strength_.noise = strength.noise / 2;
   strength_.smoothing = strength.noise > noise_to_follow
@@ -55,7 +55,7 @@ float CoarseFilm::distance(Vec3i v) const {
 /// The indicator on the bricks that are wanted now; what bent already stays.
 void CoarseFilm::make_level() {
   const BrickMask wanted = with_neighbors(bricks_);
-  Level next = every_second_vertex(fine_, threshold_, parallel_, &wanted);
+  Level next = every_second_vertex(fine_, threshold_, context_, &wanted);
   for (size_t b = 0; b < level_.grid.size(); ++b)
     if (const int32_t n = next.grid.find(level_.grid.coord(b)); n >= 0)
       std::copy_n(level_.u.brick(b), brick_volume, next.u.brick(static_cast<size_t>(n)));
@@ -65,13 +65,13 @@ void CoarseFilm::make_level() {
 /// Fits, and lets signs follow.
 FlipCount CoarseFilm::step() {
   make_level();
-  start_ = start_from(level_, 0.5f, reach, parallel_, &bricks_);
-  SignBits signs = signs_of(level_, 0.5f, start_, parallel_);
+  start_ = start_from(level_, 0.5f, reach, context_, &bricks_);
+  SignBits signs = signs_of(level_, 0.5f, start_, context_);
   {
-    const GridSamples samples = on_every_second_vertex(finder_.samples(), parallel_, &bricks_);
-    Displacement displacement(start_.band, start_.phi0, parallel_);
-    CellSamples cells(samples, start_.band, parallel_);
-    fit_robustly(displacement, start_.band, samples, cells, {}, strength_, robust_, parallel_);
+    const GridSamples samples = on_every_second_vertex(finder_.samples(), context_, &bricks_);
+    Displacement displacement(start_.band, start_.phi0, context_);
+    CellSamples cells(samples, start_.band, context_);
+    fit_robustly(displacement, start_.band, samples, cells, {}, strength_, robust_, context_);
     phi_ = std::move(displacement.phi());
   }
   // Where samples hold the surface the solve has decided.

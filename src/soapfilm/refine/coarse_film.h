@@ -14,7 +14,7 @@ class CoarseFilm {
  public:
   /// All must outlive it. `strength` is what the samples of the whole grid are fitted with.
   CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const Strength& strength,
-             const Parallel& parallel);
+             const Context& context);
 
   /// Fits, signs that follow at simple points, and again until hardly one does, in 12 rounds at most. Returns false
   /// where more of them turn than in the first round, held by the topology: this ends nowhere.
@@ -31,7 +31,7 @@ class CoarseFilm {
   const Level& fine_;
   float threshold_;
   const HoleFinder& finder_;
-  const Parallel& parallel_;
+  const Context& context_;
   Strength strength_;
   RobustParams robust_;
   BrickMask bricks_;  // of the band: those that hold films, and those next to them

@@ -16,24 +16,24 @@ constexpr double most_cost = 1.03;
 
 }  // namespace
 
-bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robust, const Parallel& parallel) {
+bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robust, const Context& context) {
   const HeldOutParams patches;
   HeldOutParams same = patches;
   same.patch_bricks *= 2;
-  HeldOut on_fine(finer.start, finer.samples, robust, same, parallel);
+  HeldOut on_fine(finer.start, finer.samples, robust, same, context);
   const auto of_coarse = [&] {
-    HeldOut on_coarse(coarse.start, coarse.samples, robust, patches, parallel);
+    HeldOut on_coarse(coarse.start, coarse.samples, robust, patches, context);
     return on_fine.mean_distance(
-        prolong_distance(on_coarse.band(), on_coarse.fit(coarse.strength), on_fine.band(), on_fine.phi0(), parallel));
+        prolong_distance(on_coarse.band(), on_coarse.fit(coarse.strength), on_fine.band(), on_fine.phi0(), context));
   }();
   const auto of_fine = on_fine.mean_distance(on_fine.fit(finer.strength));
   return of_coarse && of_fine && *of_coarse <= most_cost * *of_fine;
 }
 
-bool is_near(const Start& start, const RowArray& phi, double far, const Parallel& parallel) {
+bool is_near(const Start& start, const RowArray& phi, double far, const Context& context) {
   constexpr float at_surface = 1;  // voxels
   constexpr double allowed = 0.002;
-  const double excess = sum_over_rows(all_rows(start.band), parallel, [&](size_t begin, size_t end) {
+  const double excess = sum_over_rows(all_rows(start.band), context, [&](size_t begin, size_t end) {
     double sum = 0;
     for (size_t i = begin * brick_side; i < end * brick_side; ++i) {
       const float before = start.phi0.data()[i], now = phi.data()[i];

@@ -25,11 +25,11 @@ struct Finer {
 
 /// Whether a coarser fit serves as well: samples that neither saw lie at most 3 % farther from it on the mean. Both are
 /// fitted to the same patches, as choose_strength() does. False where no such sample is seen.
-bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robust, const Parallel& parallel);
+bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robust, const Context& context);
 
 /// Whether phi, from a coarser fit, is still about this surface: where a part was too thin for the coarser cells it
 /// lies more than `far` voxels from where it was, or the coarser band is not there and phi is what it was. One in 500
 /// of the vertices within a voxel of the surface may.
-bool is_near(const Start& start, const RowArray& phi, double far, const Parallel& parallel);
+bool is_near(const Start& start, const RowArray& phi, double far, const Context& context);
 
 }  // namespace soapfilm

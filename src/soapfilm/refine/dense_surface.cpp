@@ -1,4 +1,5 @@
 #include "soapfilm/refine/dense_surface.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -10,9 +11,9 @@
 
 namespace soapfilm {
 
-double mean_at_samples(const DenseField<float>& u, const GridSamples& samples, const Parallel& parallel) {
+double mean_at_samples(const DenseField<float>& u, const GridSamples& samples, const Context& context) {
   std::vector<double> sums(samples.bricks.size());
-  parallel.for_each(sums.size(), 16, [&](size_t b) {
+  parallel_for(context, sums.size(), 16, [&](size_t b) {
     const Vec3i first = samples.bricks.first_vertex(b);
     double sum = 0;
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
@@ -31,23 +32,23 @@ double mean_at_samples(const DenseField<float>& u, const GridSamples& samples, c
   return total / static_cast<double>(samples.size());
 }
 
-DenseSurface dense_surface(const DenseField<float>& u, double isovalue, const LevelBox& box, const Parallel& parallel) {
+DenseSurface dense_surface(const DenseField<float>& u, double isovalue, const LevelBox& box, const Context& context) {
   if (!(isovalue > 0))
     throw ParameterError(fmt::format("isovalue = {:.4g}, must be > 0, the value of u outside the box", isovalue));
   const auto scale = static_cast<float>(0.5 / isovalue);
   DenseSurface surface;
-  surface.binary = DenseField<float>(box);
-  parallel.for_chunks(u.count(), size_t{1} << 16, [&](size_t begin, size_t end) {
+  surface.binary = DenseField<float>(box, context.pages());
+  parallel_chunks(context, u.count(), size_t{1} << 16, [&](size_t begin, size_t end) {
     const float* in = u.data();
     float* out = surface.binary.data();
     for (size_t i = begin; i < end; ++i) out[i] = scale * in[i] > 0.5f ? 1.0f : 0.0f;
   });
 
   SurfaceField& field = surface.field;
-  const BrickMask bricks = interface_bricks(surface.binary, box, parallel);
-  field.grid = BrickGrid(bricks, parallel);
-  field.value = Field<float>(field.grid);
-  parallel.for_each(field.grid.size(), 64, [&](size_t b) {
+  const BrickMask bricks = interface_bricks(surface.binary, box, context);
+  field.grid = BrickGrid(bricks, context);
+  field.value = Field<float>(field.grid, context.pages());
+  parallel_for(context, field.grid.size(), 64, [&](size_t b) {
     for_each_run(u, field.grid.coord(b), [&](const float* row, int x, int y, int z, int n) {
       std::transform(row, row + n, field.value.brick(b) + brick_offset(x, y, z), [&](float v) { return scale * v; });
     });

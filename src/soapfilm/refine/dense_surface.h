@@ -1,7 +1,7 @@
 // The level set of a field on the whole box: from solvers that know no band, and no bounds of u, to the stages after.
 #pragma once
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/dense_field.h"
 #include "soapfilm/grid/lattice.h"
@@ -10,7 +10,7 @@
 namespace soapfilm {
 
 /// The mean of u at the samples (trilinear interpolation, every sample counts alike): Kazhdan's isovalue.
-double mean_at_samples(const DenseField<float>& u, const GridSamples& samples, const Parallel& parallel);
+double mean_at_samples(const DenseField<float>& u, const GridSamples& samples, const Context& context);
 
 /// The solid {u > isovalue}, in two forms that agree at every vertex.
 struct DenseSurface {
@@ -21,6 +21,6 @@ struct DenseSurface {
 /// The field's bricks are those in which, or next to which, the solid begins or ends, so extract_isosurface() with the
 /// isovalue 1/2 draws a closed surface. `u` is 0 at the fixed vertices of `box` and outside.
 /// Throws ParameterError unless isovalue > 0: else the outside of the box would be inside the solid.
-DenseSurface dense_surface(const DenseField<float>& u, double isovalue, const LevelBox& box, const Parallel& parallel);
+DenseSurface dense_surface(const DenseField<float>& u, double isovalue, const LevelBox& box, const Context& context);
 
 }  // namespace soapfilm

@@ -22,10 +22,10 @@ void for_values(RowRange rows, Body&& body) {
 
 }  // namespace
 
-Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const Parallel& parallel)
+Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const Context& context)
     : band_(band),
-      parallel_(parallel),
-      multilevel_(band, parallel),
+      context_(context),
+      multilevel_(band, context),
       phi0_(phi0),
       phi_(band.make_array()),
       residual_(band.make_array()),
@@ -48,7 +48,7 @@ void Displacement::yield_to_bends(double medians) {
                   reach = 1;      // voxels from the surface: up to where phi counts in full; a half so far beyond
   constexpr float follow = 0.6f;  // of the mean around that the target takes
   constexpr float faint = 1e-6f;  // positive at the rim too
-  const RowKernel kernel = row_kernel();
+  const RowKernel& kernel = band_.kernel();
   const BandRows rows = band_.view();
   RowArray &curvature = image_, &weight = residual_, &product = direction_, &mean = scratch_;
   const CurvatureJob bends{phi_.data(), target_.data(), reach, faint, curvature.data(), weight.data(), product.data()};
@@ -57,8 +57,8 @@ void Displacement::yield_to_bends(double medians) {
     kernel.curvature(rows, bends, begin, end);
     kernel.saddles(rows, {phi_.data(), weight.data(), product.data()}, begin, end);
   };
-  if (!multilevel_.local_mean(find_bends, product, weight, weight, 1, mean, parallel_)) return;
-  auto squares = gather<float>(telling_rows(band_), rows_per_task, parallel_, [&](size_t k, std::vector<float>& found) {
+  if (!multilevel_.local_mean(find_bends, product, weight, weight, 1, mean, context_)) return;
+  auto squares = gather<float>(telling_rows(band_), rows_per_task, context_, [&](size_t k, std::vector<float>& found) {
     const size_t first = telling_row(band_, k) * brick_side;
     for (size_t i = first; i < first + brick_side; ++i)
       if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach) found.push_back(mean.data()[i]);
@@ -73,18 +73,18 @@ void Displacement::yield_to_bends(double medians) {
     kernel.share(rows, yield, begin, end);
   };
   const RowArray& inside = curvature;  // by then
-  multilevel_.local_mean(find_shares, product, weight, inside, follow, target_, parallel_);
+  multilevel_.local_mean(find_shares, product, weight, inside, follow, target_, context_);
 }
 
 double Displacement::laplacian(const LaplacianJob& job, int layer) const {
-  const RowKernel kernel = row_kernel();
+  const RowKernel& kernel = band_.kernel();
   return sum_over_rows(rows_of_layer(band_, layer),
                        [&](size_t begin, size_t end) { return kernel.laplacian(band_.view(), job, begin, end); });
 }
 
 /// Minus half of the energy's gradient.
 void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
-  const RowKernel kernel = row_kernel();
+  const RowKernel& kernel = band_.kernel();
   // beta delta + gamma (G delta - k)
   const BendJob job{phi_.data(), phi0_.data(), smoothness.slope, smoothness.curvature, share_.data(), scratch_.data()};
   const LaplacianJob outer{scratch_.data(), 0, -1, residual_.data()};
@@ -93,7 +93,7 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
                            gamma = smoothness.curvature](size_t i) { bent[i] += gamma * share[i] * target[i]; };
   const DataTerm pull = DataTerm::gradient(band_, data, phi_, -1, residual_);
   layer_by_layer(
-      layers_of(band_), parallel_,
+      layers_of(band_), context_,
       [&](int layer) {
         const RowRange rows = rows_of_layer(band_, layer);
         kernel.bend(band_.view(), job, rows.begin, rows.end);
@@ -104,8 +104,8 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
 
 void Displacement::precondition(const CellSamples& data, Smoothness smoothness) {
   std::fill_n(scratch_.data(), scratch_.size(), 0.0f);
-  DataTerm::row_sums(band_, data, scratch_).add(parallel_);
-  multilevel_.set_operator(scratch_, smoothness.slope, smoothness.curvature, parallel_);
+  DataTerm::row_sums(band_, data, scratch_).add(context_);
+  multilevel_.set_operator(scratch_, smoothness.slope, smoothness.curvature, context_);
 }
 
 double Displacement::turn(const CellSamples& data, Smoothness smoothness, float ratio, bool last) {
@@ -118,7 +118,7 @@ double Displacement::turn(const CellSamples& data, Smoothness smoothness, float 
   const LaplacianJob outer{scratch_.data(), 0, 1, image_.data()};
   const DataTerm pull = DataTerm::hessian(band_, data, direction_, last ? nullptr : &image_);
   layer_by_layer(
-      layers_of(band_), parallel_,
+      layers_of(band_), context_,
       [&](int layer) {
         if (ratio == 0) return;
         for_values(rows_of_layer(band_, layer),
@@ -148,7 +148,7 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
       add(rows_of_layer(band_, layer), step, direction_, phi_);
       add(rows_of_layer(band_, layer), -step, image_, residual_);
     };
-    const double new_rz = multilevel_.apply(take_step, residual_, scratch_, image_, parallel_);
+    const double new_rz = multilevel_.apply(take_step, residual_, scratch_, image_, context_);
     if (iteration == 0) first = new_rz;
     if (!(new_rz > 0)) break;
     last = new_rz <= limits.tolerance * limits.tolerance * first || iteration + 1 == limits.iterations;
@@ -157,9 +157,7 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
     if (!(curvature > 0)) break;
     step = static_cast<float>(rz / curvature);
     if (last)
-      for_rows(all_rows(band_), parallel_, [&](size_t begin, size_t end) {
-        add({begin, end}, step, direction_, phi_);
-      });
+      for_rows(all_rows(band_), context_, [&](size_t begin, size_t end) { add({begin, end}, step, direction_, phi_); });
   }
   return iteration;
 }

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/refine/cell_samples.h"
 #include "soapfilm/refine/multilevel.h"
 #include "soapfilm/refine/narrow_band.h"
@@ -29,7 +29,7 @@ struct SolveLimits {
 /// do not stay), s = 1 and the target 0 until yield_to_bends(). Conjugate gradients, multigrid preconditioner.
 class Displacement {
  public:
-  Displacement(const NarrowBand& band, const RowArray& phi0, const Parallel& parallel);
+  Displacement(const NarrowBand& band, const RowArray& phi0, const Context& context);
 
   /// Fits the preconditioner to the positions and their weights, which may change a little before it is fitted again.
   void precondition(const CellSamples& data, Smoothness smoothness);
@@ -62,7 +62,7 @@ class Displacement {
   double laplacian(const LaplacianJob& job, int layer) const;
 
   const NarrowBand& band_;
-  const Parallel& parallel_;
+  const Context& context_;
   Multilevel multilevel_;
   const RowArray& phi0_;
   RowArray phi_;

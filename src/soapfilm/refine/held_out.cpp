@@ -40,10 +40,10 @@ BrickMask choose_patches(const GridSamples& samples, const HeldOutParams& params
   return mask;
 }
 
-GridSamples part_of(const GridSamples& samples, const BrickMask& bricks, const Parallel& parallel) {
+GridSamples part_of(const GridSamples& samples, const BrickMask& bricks, const Context& context) {
   GridSamples part;
   part.turn = samples.turn;
-  part.bricks = BrickGrid(bricks, parallel);
+  part.bricks = BrickGrid(bricks, context);
   part.begin.push_back(0);
   for (size_t b = 0; b < part.bricks.size(); ++b) {
     const auto from = static_cast<size_t>(samples.bricks.find(part.bricks.coord(b)));
@@ -59,11 +59,11 @@ GridSamples part_of(const GridSamples& samples, const BrickMask& bricks, const P
 
 /// The part of a band in some bricks, renumbered, and an array on it.
 std::pair<NarrowBand, RowArray> part_of(const NarrowBand& band, const RowArray& values, const BrickMask& bricks,
-                                        const Parallel& parallel) {
+                                        const Context& context) {
   BrickMask mask(band.grid().bricks());
   for (size_t b = 0; b < band.grid().size(); ++b)
     if (const Vec3i c = band.grid().coord(b); bricks.contains(c) && bricks.test(c)) mask.set(c);
-  BrickGrid grid(mask, parallel);
+  BrickGrid grid(mask, context);
   std::vector<uint8_t> vertices(grid.size() * brick_area);
   std::vector<uint32_t> rows{0};
   for (size_t b = 0; b < grid.size(); ++b) {
@@ -73,7 +73,7 @@ std::pair<NarrowBand, RowArray> part_of(const NarrowBand& band, const RowArray& 
       rows.push_back(r);
     }
   }
-  NarrowBand part(std::move(grid), vertices, parallel);
+  NarrowBand part(std::move(grid), vertices, context);
   RowArray array = part.make_array();
   for (size_t r = 1; r < rows.size(); ++r)
     std::copy_n(values.data() + static_cast<size_t>(rows[r]) * brick_side, brick_side, array.data() + r * brick_side);
@@ -87,16 +87,16 @@ double mean_of(const std::vector<float>& values) {
 }  // namespace
 
 HeldOut::HeldOut(const Start& start, const GridSamples& samples, const RobustParams& robust,
-                 const HeldOutParams& params, const Parallel& parallel)
+                 const HeldOutParams& params, const Context& context)
     : robust_(robust),
-      parallel_(parallel),
+      context_(context),
       patches_(choose_patches(samples, params)),
-      samples_(part_of(samples, patches_, parallel)),
-      part_(part_of(start.band, start.phi0, patches_, parallel)),
-      cells_(samples_, part_.first, parallel),
-      displacement_(part_.first, part_.second, parallel),
+      samples_(part_of(samples, patches_, context)),
+      part_(part_of(start.band, start.phi0, patches_, context)),
+      cells_(samples_, part_.first, context),
+      displacement_(part_.first, part_.second, context),
       train_(samples_.size()),
-      first_(jets_at_samples(part_.second, samples_, cells_, part_.first, parallel)) {
+      first_(jets_at_samples(part_.second, samples_, cells_, part_.first, context)) {
   for (size_t s = 0; s < samples_.size(); ++s) train_[s] = (samples_.lot[s] & 3) != 0;  // three quarters
   robust_.rounds = 2;
   robust_.yielding_steps = {3, 3, 8};
@@ -117,7 +117,7 @@ void HeldOut::stiffen() {
 
 const RowArray& HeldOut::fit(const Strength& strength) {
   std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
-  fit_robustly(displacement_, part_.first, samples_, cells_, train_, strength, robust_, parallel_);
+  fit_robustly(displacement_, part_.first, samples_, cells_, train_, strength, robust_, context_);
   return displacement_.phi();
 }
 
@@ -139,7 +139,7 @@ HeldOut::Outcome HeldOut::judge(double smoothing, double normals) {
 /// be near every sample is not near them in that direction.
 std::vector<float> HeldOut::residuals(const RowArray& phi) const {
   constexpr float least_slope = 0.02f, most_distance = 3;
-  const auto jets = jets_at_samples(phi, samples_, cells_, part_.first, parallel_);
+  const auto jets = jets_at_samples(phi, samples_, cells_, part_.first, context_);
   std::vector<float> residuals;
   for (size_t s = 0; s < jets.size(); ++s) {
     if (!jets[s] || train_[s] || !seen_from_outside(samples_.direction[s], first_[s]->gradient)) continue;
@@ -151,7 +151,7 @@ std::vector<float> HeldOut::residuals(const RowArray& phi) const {
 
 /// Median angle between directions and the present surface's normals, degrees.
 double HeldOut::agreement() const {
-  const auto jets = jets_at_samples(displacement_.phi(), samples_, cells_, part_.first, parallel_);
+  const auto jets = jets_at_samples(displacement_.phi(), samples_, cells_, part_.first, context_);
   std::vector<float> angles;
   for (size_t s = 0; s < jets.size(); ++s)
     if (jets[s])

@@ -22,7 +22,7 @@ struct HeldOutParams {
 class HeldOut {
  public:
   HeldOut(const Start& start, const GridSamples& samples, const RobustParams& robust, const HeldOutParams& params,
-          const Parallel& parallel);
+          const Context& context);
   HeldOut(const HeldOut&) = delete;  // the displacement refers to the band
   HeldOut& operator=(const HeldOut&) = delete;
 
@@ -55,7 +55,7 @@ class HeldOut {
   double agreement() const;
 
   RobustParams robust_;
-  const Parallel& parallel_;
+  const Context& context_;
   BrickMask patches_;
   GridSamples samples_;
   std::pair<NarrowBand, RowArray> part_;

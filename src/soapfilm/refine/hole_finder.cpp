@@ -1,4 +1,5 @@
 #include "soapfilm/refine/hole_finder.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,11 +44,11 @@ std::vector<std::vector<Vec3i>> parts_of(const std::vector<Vec3i>& vertices) {
 
 }  // namespace
 
-HoleFinder::HoleFinder(const Level& level, const Start& start, const GridSamples& samples, const Parallel& parallel)
+HoleFinder::HoleFinder(const Level& level, const Start& start, const GridSamples& samples, const Context& context)
     : level_(level), start_(start), samples_(samples), near_(samples.bricks.size()) {
   const float none = 1e30f;
   std::vector<std::pair<Vec3f, Vec3f>> boxes(samples.bricks.size(), {{none, none, none}, {-none, -none, -none}});
-  parallel.for_each(samples.bricks.size(), 16, [&](size_t b) {
+  parallel_for(context, samples.bricks.size(), 16, [&](size_t b) {
     auto& [lo, hi] = boxes[b];
     const Vec3i first = samples.bricks.first_vertex(b);
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {

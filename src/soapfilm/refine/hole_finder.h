@@ -19,7 +19,7 @@ using HoleFilm = std::vector<Vec3i>;
 class HoleFinder {
  public:
   /// All must outlive it. `start` is the level's.
-  HoleFinder(const Level& level, const Start& start, const GridSamples& samples, const Parallel& parallel);
+  HoleFinder(const Level& level, const Start& start, const GridSamples& samples, const Context& context);
 
   /// The films that are to bend: vertices on the surface that lie farther than two voxels from all samples near it, in
   /// parts of at least 24, which is a hole some 14 voxels wide. Not what is more than a fifth of the surface, nor what

@@ -1,4 +1,5 @@
 #include "soapfilm/refine/holes.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -31,8 +32,8 @@ BrickMask in_box(const BrickMask& mask, Vec3i bricks) {
 class FilmToGrid {
  public:
   FilmToGrid(const Level& fine, float threshold, const CoarseFilm& film, const HoleFinder& finder,
-             const Parallel& parallel)
-      : fine_(fine), threshold_(threshold), film_(film), finder_(finder), parallel_(parallel) {}
+             const Context& context)
+      : fine_(fine), threshold_(threshold), film_(film), finder_(finder), context_(context) {}
 
   /// The level's indicator with signs that follow the film, on the bricks near the surface.
   Level bent(const std::vector<HoleFilm>& films, HoleReport& report) const;
@@ -46,7 +47,7 @@ class FilmToGrid {
   float threshold_;
   const CoarseFilm& film_;
   const HoleFinder& finder_;
-  const Parallel& parallel_;
+  const Context& context_;
 };
 
 /// Where a brick of the grid differs from the bent film.
@@ -161,10 +162,10 @@ Level FilmToGrid::bent(const std::vector<HoleFilm>& films, HoleReport& report) c
   Level bent;
   bent.box = fine_.box;
   bent.inside = in_box(start.inside, fine_.box.bricks);
-  bent.grid = BrickGrid(near_surface, parallel_);
+  bent.grid = BrickGrid(near_surface, context_);
   std::vector<uint8_t> vertices(bent.grid.size() * brick_area);
   SignBits signs(bent.grid, bent.inside);
-  parallel_.for_each(bent.grid.size(), 64, [&](size_t b) {
+  parallel_for(context_, bent.grid.size(), 64, [&](size_t b) {
     const Vec3i brick = bent.grid.coord(b);
     const BrickBits inside = inside_of(fine_, threshold_, fine_.grid.find(brick), brick);
     for (int row = 0; row < brick_area; ++row) signs.row(b, row & 7, row >> 3) = inside.row(row & 7, row >> 3);
@@ -172,9 +173,9 @@ Level FilmToGrid::bent(const std::vector<HoleFilm>& films, HoleReport& report) c
     const BrickRows rows = differences(brick);
     std::copy(rows.begin(), rows.end(), vertices.begin() + static_cast<std::ptrdiff_t>(b * brick_area));
   });
-  turn(signs, NarrowBand(bent.grid, vertices, parallel_), films, report);
-  bent.u = Field<float>(bent.grid);
-  parallel_.for_each(bent.grid.size(), 64, [&](size_t b) {
+  turn(signs, NarrowBand(bent.grid, vertices, context_), films, report);
+  bent.u = Field<float>(bent.grid, context_.pages());
+  parallel_for(context_, bent.grid.size(), 64, [&](size_t b) {
     float* u = bent.u.brick(b);
     for (int k = 0; k < brick_volume; ++k) u[k] = signs.test(b, k & 7, k >> 3 & 7, k >> 6) ? 1.0f : 0.0f;
   });
@@ -194,12 +195,12 @@ void make_room(Level& level) {
 }
 
 bool bend_holes(Level& level, float threshold, const std::vector<HoleFilm>& films, const HoleFinder& finder,
-                const Strength& strength, const Parallel& parallel, HoleReport& report) {
+                const Strength& strength, const Context& context, HoleReport& report) {
   Level bent;
   {
-    CoarseFilm film(level, threshold, finder, strength, parallel);
+    CoarseFilm film(level, threshold, finder, strength, context);
     if (film.bend(films, report))
-      bent = FilmToGrid(level, threshold, film, finder, parallel).bent(films, report);
+      bent = FilmToGrid(level, threshold, film, finder, context).bent(films, report);
     else
       report.left += films.size();
   }

@@ -20,6 +20,6 @@ void make_room(Level& level);
 /// it would bulge by much more than half a ball on its area. Bulges end at the border of the box. Results do not depend
 /// on threads.
 bool bend_holes(Level& level, float threshold, const std::vector<HoleFilm>& films, const HoleFinder& finder,
-                const Strength& strength, const Parallel& parallel, HoleReport& report);
+                const Strength& strength, const Context& context, HoleReport& report);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/refine/indicator.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -97,10 +98,10 @@ void smooth_brick(const std::array<const BrickBits*, 27>& around, float* out) {
 
 }  // namespace
 
-SurfaceField smoothed_indicator(const Level& level, float threshold, const Parallel& parallel) {
-  const InsideBits bits(level, threshold, parallel);
+SurfaceField smoothed_indicator(const Level& level, float threshold, const Context& context) {
+  const InsideBits bits(level, threshold, context);
   BrickMask mask(level.box.bricks);
-  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
+  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     const uint32_t near = bricks_near(bits.interface(b));
     for (int slot = 0; slot < 27; ++slot)
       if (const Vec3i brick = level.grid.coord(b) + slot_offset(slot); near >> slot & 1u && mask.contains(brick))
@@ -113,9 +114,9 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Paral
     const Vec3i brick = level.grid.coord(b);
     field.inside.set(brick, bits.of(static_cast<int32_t>(b), brick).test(0, 0, 0));
   }
-  field.grid = BrickGrid(mask, parallel);
-  field.value = Field<float>(field.grid);
-  parallel.for_each(field.grid.size(), 64, [&](size_t b) {
+  field.grid = BrickGrid(mask, context);
+  field.value = Field<float>(field.grid, context.pages());
+  parallel_for(context, field.grid.size(), 64, [&](size_t b) {
     std::array<const BrickBits*, 27> around;
     const Vec3i own = field.grid.coord(b);
     const int32_t here = level.grid.find(own);
@@ -132,9 +133,9 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Paral
   return field;
 }
 
-SurfaceField binary_indicator(const Level& level, float threshold, const Parallel& parallel) {
-  SurfaceField field = smoothed_indicator(level, threshold, parallel);
-  parallel.for_each(field.grid.size(), 64, [&](size_t b) {
+SurfaceField binary_indicator(const Level& level, float threshold, const Context& context) {
+  SurfaceField field = smoothed_indicator(level, threshold, context);
+  parallel_for(context, field.grid.size(), 64, [&](size_t b) {
     const Vec3i brick = field.grid.coord(b);
     float* value = field.value.brick(b);
     std::fill_n(value, brick_volume, 0.0f);
@@ -143,9 +144,9 @@ SurfaceField binary_indicator(const Level& level, float threshold, const Paralle
   return field;
 }
 
-double mean_at_samples(const SurfaceField& field, const GridSamples& samples, const Parallel& parallel) {
+double mean_at_samples(const SurfaceField& field, const GridSamples& samples, const Context& context) {
   std::vector<double> sums(samples.bricks.size());
-  parallel.for_each(sums.size(), 16, [&](size_t b) {
+  parallel_for(context, sums.size(), 16, [&](size_t b) {
     const Vec3i coord = samples.bricks.coord(b);
     // The sample's cell may end in the next brick along each axis.
     const float* values[8];
@@ -178,10 +179,10 @@ double mean_at_samples(const SurfaceField& field, const GridSamples& samples, co
   return total / static_cast<double>(samples.size());
 }
 
-size_t count_inside(const Level& level, float threshold, const Parallel& parallel) {
+size_t count_inside(const Level& level, float threshold, const Context& context) {
   std::vector<size_t> counts(level.grid.size());
-  parallel.for_each(counts.size(), 256,
-                    [&](size_t b) { counts[b] = BrickBits::above(level.u.brick(b), threshold).count(); });
+  parallel_for(context, counts.size(), 256,
+               [&](size_t b) { counts[b] = BrickBits::above(level.u.brick(b), threshold).count(); });
   size_t total = 0;
   for (const size_t count : counts) total += count;
   level.inside.for_each([&](Vec3i b) {

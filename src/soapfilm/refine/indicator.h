@@ -1,7 +1,7 @@
 // Section 4.4: from the relaxed u to the smooth field whose level set is the surface.
 #pragma once
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
@@ -21,15 +21,15 @@ struct SurfaceField {
 
 /// The binary indicator, 1 where u > threshold, smoothed with the filter of section 4.1; values in [0, 1]. Its bricks
 /// are those within 4 vertices of the interface. `threshold` is the paper's mu, in (0, 1).
-SurfaceField smoothed_indicator(const Level& level, float threshold, const Parallel& parallel);
+SurfaceField smoothed_indicator(const Level& level, float threshold, const Context& context);
 
 /// The same without smoothing: 0 and 1 on the same bricks.
-SurfaceField binary_indicator(const Level& level, float threshold, const Parallel& parallel);
+SurfaceField binary_indicator(const Level& level, float threshold, const Context& context);
 
 /// The mean of the field at the samples (trilinear interpolation, every sample counts alike): the paper's isovalue.
-double mean_at_samples(const SurfaceField& field, const GridSamples& samples, const Parallel& parallel);
+double mean_at_samples(const SurfaceField& field, const GridSamples& samples, const Context& context);
 
 /// Vertices of the whole domain with u > threshold.
-size_t count_inside(const Level& level, float threshold, const Parallel& parallel);
+size_t count_inside(const Level& level, float threshold, const Context& context);
 
 }  // namespace soapfilm

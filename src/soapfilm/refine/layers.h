@@ -13,10 +13,10 @@ namespace soapfilm {
 
 /// body(layer) for each: every second layer at the same time, where no two of these touch common data.
 template <class Body>
-void for_layers_apart(int layers, const Parallel& parallel, Body&& body) {
+void for_layers_apart(int layers, const Context& context, Body&& body) {
   for (int parity = 0; parity < 2; ++parity)
-    parallel.for_each(static_cast<size_t>((layers + 1 - parity) / 2), 1,
-                      [&](size_t i) { body(2 * static_cast<int>(i) + parity); });
+    parallel_for(context, static_cast<size_t>((layers + 1 - parity) / 2), 1,
+                 [&](size_t i) { body(2 * static_cast<int>(i) + parity); });
 }
 
 /// The last stage of layer_by_layer() where it adds to what it adds to in the next layer too: sums have one order, even
@@ -79,12 +79,12 @@ struct SlabBorder {
 
 /// All layers of one stage, on all threads.
 template <class Body>
-void run_stage(int layers, const Parallel& parallel, Body& body) {
-  parallel.for_each(static_cast<size_t>(layers), 1, [&](size_t layer) { body(static_cast<int>(layer)); });
+void run_stage(int layers, const Context& context, Body& body) {
+  parallel_for(context, static_cast<size_t>(layers), 1, [&](size_t layer) { body(static_cast<int>(layer)); });
 }
 template <class Body>
-void run_stage(int layers, const Parallel& parallel, Apart<Body>& apart) {
-  for_layers_apart(layers, parallel, apart.body);
+void run_stage(int layers, const Context& context, Apart<Body>& apart) {
+  for_layers_apart(layers, context, apart.body);
 }
 
 /// Calls each of the stages with every layer; the last one may be Apart. What a stage writes in a layer and in those
@@ -93,7 +93,7 @@ void run_stage(int layers, const Parallel& parallel, Apart<Body>& apart) {
 /// both are done. Where there are too few layers for all threads, stages run one after the other. A stage must not
 /// write what an earlier one reads in other layers.
 template <class... Stages>
-void layer_by_layer(int layers, const Parallel& parallel, Stages&&... stages) {
+void layer_by_layer(int layers, const Context& context, Stages&&... stages) {
   constexpr int depth = sizeof...(Stages) - 1;
   constexpr bool apart[] = {is_apart<std::remove_cvref_t<Stages>>...};
   static_assert(std::none_of(apart, apart + depth, [](bool is) { return is; }), "only the last stage may be apart");
@@ -101,25 +101,25 @@ void layer_by_layer(int layers, const Parallel& parallel, Stages&&... stages) {
     int stage = 0;
     ((slab.run(stage, turn - stage, stages), ++stage), ...);
   };
-  const int threads = parallel.threads();
+  const int threads = context.threads();
   if (threads == 1) {
     const Slab all{0, layers, false, false};
-    return parallel.for_each(static_cast<size_t>(layers + depth), 1,
-                             [&](size_t turn) { take_turn(all, static_cast<int>(turn)); });
+    return parallel_for(context, static_cast<size_t>(layers + depth), 1,
+                        [&](size_t turn) { take_turn(all, static_cast<int>(turn)); });
   }
 
   constexpr int thinnest = 2 * depth + 2;  // with an even layer that waits for no border
   constexpr int thick = 2 * thinnest;      // most of its layers wait for none
   constexpr int slabs_per_thread = 6;
   const int most = std::min(layers / thinnest, slabs_per_thread * threads);
-  if (most < threads) return (run_stage(layers, parallel, stages), ...);
+  if (most < threads) return (run_stage(layers, context, stages), ...);
   const int slabs = std::clamp(layers / thick, threads, most);
   const auto slab_at = [&](int k) { return Slab{layers * k / slabs, layers * (k + 1) / slabs, k > 0, k + 1 < slabs}; };
-  parallel.for_each(static_cast<size_t>(slabs), 1, [&](size_t k) {
+  parallel_for(context, static_cast<size_t>(slabs), 1, [&](size_t k) {
     const Slab slab = slab_at(static_cast<int>(k));
     for (int turn = slab.begin; turn < slab.end + depth; ++turn) take_turn(slab, turn);
   });
-  parallel.for_each(static_cast<size_t>(slabs - 1), 1, [&](size_t k) {
+  parallel_for(context, static_cast<size_t>(slabs - 1), 1, [&](size_t k) {
     const Slab below = slab_at(static_cast<int>(k)), above = slab_at(static_cast<int>(k) + 1);
     int stage = 0;
     ((SlabBorder{below, above}.run(stage, stages), ++stage), ...);

@@ -1,4 +1,5 @@
 #include "soapfilm/refine/multilevel.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,24 +32,24 @@ void for_each_parent(int fine, Visit&& visit) {
   if (fine & 1) visit((fine >> 1) + 1);
 }
 
-void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Parallel& parallel) {
-  parallel.for_chunks(a.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
+void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Context& context) {
+  parallel_chunks(context, a.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) out.data()[i] = a.data()[i] * b.data()[i];
   });
 }
 
-void clear(RowArray& array, const Parallel& parallel) {
-  parallel.for_chunks(array.size(), rows_per_task * brick_side,
-                      [&](size_t begin, size_t end) { std::fill(array.data() + begin, array.data() + end, 0.0f); });
+void clear(RowArray& array, const Context& context) {
+  parallel_chunks(context, array.size(), rows_per_task * brick_side,
+                  [&](size_t begin, size_t end) { std::fill(array.data() + begin, array.data() + end, 0.0f); });
 }
 
 /// The coarse bricks that the fine ones interpolate from.
-BrickGrid coarse_bricks(const NarrowBand& fine, const Parallel& parallel) {
+BrickGrid coarse_bricks(const NarrowBand& fine, const Context& context) {
   const BrickGrid& grid = fine.grid();
   const Vec3i box = grid.bricks();
   // A fine brick touches its parent and, where it is the upper half, the parent's upper neighbours.
   BrickMask mask({box.x / 2 + 2, box.y / 2 + 2, box.z / 2 + 2});
-  parallel.for_each(grid.size(), 256, [&](size_t b) {
+  parallel_for(context, grid.size(), 256, [&](size_t b) {
     if (fine.first_row(b) == fine.first_row(b + 1)) return;
     const Vec3i c = grid.coord(b);
     for (int k = 0; k < 8; ++k) {
@@ -56,7 +57,7 @@ BrickGrid coarse_bricks(const NarrowBand& fine, const Parallel& parallel) {
       mask.set_shared(parent_of(c) + up);
     }
   });
-  return BrickGrid(mask, parallel);
+  return BrickGrid(mask, context);
 }
 
 /// Where a fine brick's first vertex lies in its parent: 0 or 4 along each axis.
@@ -88,7 +89,7 @@ void mark_coarse(const NarrowBand& fine, size_t brick, const BrickGrid& coarse, 
 
 }  // namespace
 
-CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
+CoarseBand::CoarseBand(const NarrowBand& fine, const Context& context) {
   const BrickGrid& grid = fine.grid();
   const int layers = layers_of(fine);
   const auto for_bricks = [&](int layer, auto&& body) {
@@ -96,14 +97,14 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
     for (size_t b = begin; b < end; ++b)
       if (fine.first_row(b) < fine.first_row(b + 1)) body(b);
   };
-  BrickGrid coarse = coarse_bricks(fine, parallel);
+  BrickGrid coarse = coarse_bricks(fine, context);
   std::vector<int32_t> parent(grid.size());  // brick that holds a fine brick's first vertex
-  parallel.for_each(grid.size(), 256, [&](size_t b) { parent[b] = coarse.find(parent_of(grid.coord(b))); });
+  parallel_for(context, grid.size(), 256, [&](size_t b) { parent[b] = coarse.find(parent_of(grid.coord(b))); });
   std::vector<uint8_t> vertices(coarse.size() * brick_area);
-  for_layers_apart(layers, parallel, [&](int layer) {
+  for_layers_apart(layers, context, [&](int layer) {
     for_bricks(layer, [&](size_t b) { mark_coarse(fine, b, coarse, parent[b], vertices); });
   });
-  band_ = NarrowBand(std::move(coarse), vertices, parallel);
+  band_ = NarrowBand(std::move(coarse), vertices, context);
 
   first_transfer_.assign(1, 0);
   for (int layer = 0; layer < layers; ++layer) {
@@ -112,7 +113,7 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Parallel& parallel) {
     first_transfer_.push_back(first_transfer_.back() + count);
   }
   transfers_.resize(first_transfer_.back());
-  parallel.for_each(static_cast<size_t>(layers), 1, [&](size_t layer) {
+  parallel_for(context, static_cast<size_t>(layers), 1, [&](size_t layer) {
     size_t next = first_transfer_[layer];
     for_bricks(static_cast<int>(layer), [&](size_t b) { transfers_[next++] = make_transfer(fine, b, parent[b]); });
   });
@@ -141,32 +142,32 @@ BrickTransfer CoarseBand::make_transfer(const NarrowBand& fine, size_t brick, in
   return transfer;
 }
 
-void CoarseBand::restrict_to(const RowArray& from, RowArray& coarse, const Parallel& parallel) const {
-  clear(coarse, parallel);
-  for_layers_apart(static_cast<int>(first_transfer_.size()) - 1, parallel,
+void CoarseBand::restrict_to(const RowArray& from, RowArray& coarse, const Context& context) const {
+  clear(coarse, context);
+  for_layers_apart(static_cast<int>(first_transfer_.size()) - 1, context,
                    [&](int layer) { restrict_layer(layer, from, coarse); });
 }
 
 void CoarseBand::restrict_layer(int layer, const RowArray& from, RowArray& coarse) const {
-  const RowKernel kernel = row_kernel();
+  const RowKernel& kernel = band_.kernel();
   for (const BrickTransfer& transfer : of_layer(layer)) kernel.restrict_brick(transfer, from.data(), coarse.data());
 }
 
 void CoarseBand::restrict_residual(int layer, const NarrowBand& fine, const CycleJob& job, RowArray& coarse) const {
-  const RowKernel kernel = row_kernel();
+  const RowKernel& kernel = band_.kernel();
   for (const BrickTransfer& transfer : of_layer(layer))
     kernel.restrict_residual(fine.view(), job, transfer, coarse.data());
 }
 
 void CoarseBand::prolong_onto(int layer, const NarrowBand& fine, const CycleJob& job) const {
-  const RowKernel kernel = row_kernel();
+  const RowKernel& kernel = band_.kernel();
   for (const BrickTransfer& transfer : of_layer(layer)) kernel.prolong_brick(fine.view(), job, transfer);
 }
 
-Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel)
+Multilevel::Multilevel(const NarrowBand& fine, const Context& context)
     : fine_(fine), inverse_(fine.make_array()), work_(fine.make_array()) {
   RowArray ones = fine.make_array();
-  for_rows(all_rows(fine), parallel, [&](size_t begin, size_t end) {
+  for_rows(all_rows(fine), context, [&](size_t begin, size_t end) {
     for (size_t r = begin; r < end; ++r)
       for (size_t x = 0; x < brick_side; ++x)
         ones.data()[r * brick_side + x] = static_cast<float>(fine.mask(static_cast<uint32_t>(r)) >> x & 1);
@@ -174,23 +175,23 @@ Multilevel::Multilevel(const NarrowBand& fine, const Parallel& parallel)
   while (band(coarse_.size()).rows() > coarsest_rows && coarse_.size() < most_levels) {
     const NarrowBand& finer = band(coarse_.size());
     Coarse next;
-    next.coarse = CoarseBand(finer, parallel);
+    next.coarse = CoarseBand(finer, context);
     const NarrowBand& coarse = next.coarse.band();
     for (RowArray* array : {&next.extent, &next.inverse, &next.b, &next.x, &next.work}) *array = coarse.make_array();
-    next.coarse.restrict_to(coarse_.empty() ? ones : coarse_.back().extent, next.extent, parallel);
+    next.coarse.restrict_to(coarse_.empty() ? ones : coarse_.back().extent, next.extent, context);
     coarse_.push_back(std::move(next));
   }
 }
 
-void Multilevel::set_operator(const RowArray& position_weights, float beta, float gamma, const Parallel& parallel) {
+void Multilevel::set_operator(const RowArray& position_weights, float beta, float gamma, const Context& context) {
   diffusion_ = std::sqrt(gamma);
   reaction_ = 0.5f * beta / diffusion_;
   even_ = !coarse_.empty() && weigh_little(position_weights);
-  if (!even_) set_inverse(0, position_weights, parallel);
+  if (!even_) set_inverse(0, position_weights, context);
   for (size_t l = 1; l <= coarse_.size(); ++l) {
     Coarse& c = coarse_[l - 1];
-    c.coarse.restrict_to(l == 1 ? position_weights : coarse_[l - 2].b, c.b, parallel);
-    set_inverse(l, c.b, parallel);
+    c.coarse.restrict_to(l == 1 ? position_weights : coarse_[l - 2].b, c.b, context);
+    set_inverse(l, c.b, context);
   }
 }
 
@@ -211,23 +212,23 @@ bool Multilevel::weigh_little(const RowArray& position_weights) const {
 }
 
 bool Multilevel::local_mean(const std::function<void(int)>& complete, const RowArray& values, const RowArray& weights,
-                            const RowArray& where, float scale, RowArray& mean, const Parallel& parallel) {
+                            const RowArray& where, float scale, RowArray& mean, const Context& context) {
   constexpr float spread = 0.125f;  // to each neighbour in a pass
   if (coarse_.empty()) return false;
   Coarse& c = coarse_.front();
   const NarrowBand& band = c.coarse.band();
-  clear(c.b, parallel);
-  clear(c.x, parallel);
-  layer_by_layer(layers_of(fine_), parallel, complete, Apart{[&](int layer) {
+  clear(c.b, context);
+  clear(c.x, context);
+  layer_by_layer(layers_of(fine_), context, complete, Apart{[&](int layer) {
                    c.coarse.restrict_layer(layer, values, c.b);
                    c.coarse.restrict_layer(layer, weights, c.x);
                  }});
   // Two passes of diffusion, each one voxel^2; restricting and interpolating are the third.
   for (RowArray* sums : {&c.b, &c.x}) {
-    apply_laplacian(band, *sums, 1, -spread, c.work, parallel);
-    apply_laplacian(band, c.work, 1, -spread, *sums, parallel);
+    apply_laplacian(band, *sums, 1, -spread, c.work, context);
+    apply_laplacian(band, c.work, 1, -spread, *sums, context);
   }
-  parallel.for_chunks(c.b.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
+  parallel_chunks(context, c.b.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       c.b.data()[i] = c.x.data()[i] > 0 ? scale * (c.b.data()[i] / c.x.data()[i]) : 0.0f;
   });
@@ -235,11 +236,11 @@ bool Multilevel::local_mean(const std::function<void(int)>& complete, const RowA
   job.inverse = where.data();
   job.x = c.b.data();
   job.out = mean.data();
-  layer_by_layer(layers_of(fine_), parallel, [&](int layer) { c.coarse.prolong_onto(layer, fine_, job); });
+  layer_by_layer(layers_of(fine_), context, [&](int layer) { c.coarse.prolong_onto(layer, fine_, job); });
   return true;
 }
 
-void Multilevel::set_inverse(size_t level, const RowArray& weights, const Parallel& parallel) {
+void Multilevel::set_inverse(size_t level, const RowArray& weights, const Context& context) {
   const NarrowBand& band = this->band(level);
   const InverseJob job{level == 0 ? nullptr : coarse_[level - 1].extent.data(),
                        weights.data(),
@@ -247,27 +248,27 @@ void Multilevel::set_inverse(size_t level, const RowArray& weights, const Parall
                        reaction_,
                        damping,
                        (level == 0 ? inverse_ : coarse_[level - 1].inverse).data()};
-  const RowKernel kernel = row_kernel();
-  parallel.for_chunks(band.rows(), rows_per_task,
-                      [&](size_t begin, size_t end) { kernel.inverse(band.view(), job, begin + 1, end + 1); });
+  const RowKernel& kernel = band.kernel();
+  parallel_chunks(context, band.rows(), rows_per_task,
+                  [&](size_t begin, size_t end) { kernel.inverse(band.view(), job, begin + 1, end + 1); });
 }
 
 double Multilevel::apply(const std::function<void(int)>& complete, const RowArray& r, RowArray& z, RowArray& work,
-                         const Parallel& parallel) {
+                         const Context& context) {
   const int layers = layers_of(fine_);
   if (coarse_.empty()) {
-    layer_by_layer(layers, parallel, complete);
-    solve_coarsest(r, work_, work, nullptr, parallel);
-    return solve_coarsest(work, work_, z, &r, parallel);
+    layer_by_layer(layers, context, complete);
+    solve_coarsest(r, work_, work, nullptr, context);
+    return solve_coarsest(work, work_, z, &r, context);
   }
   Coarse& next = coarse_.front();
   const auto restricted = [&](const RowArray& b) {
     return Apart{[&](int layer) { next.coarse.restrict_residual(layer, fine_, job(0, b), next.b); }};
   };
-  clear(next.b, parallel);
-  layer_by_layer(layers, parallel, complete, restricted(r));
-  correct(0, r, work_, work, nullptr, parallel, restricted(work));
-  return correct(0, work, work_, z, &r, parallel);
+  clear(next.b, context);
+  layer_by_layer(layers, context, complete, restricted(r));
+  correct(0, r, work_, work, nullptr, context, restricted(work));
+  return correct(0, work, work_, z, &r, context);
 }
 
 CycleJob Multilevel::job(size_t level, const RowArray& b) const {
@@ -285,20 +286,20 @@ CycleJob Multilevel::job(size_t level, const RowArray& b) const {
   return job;
 }
 
-void Multilevel::solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const Parallel& parallel) {
+void Multilevel::solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const Context& context) {
   if (level == coarse_.size()) {
-    solve_coarsest(b, work, x, nullptr, parallel);
+    solve_coarsest(b, work, x, nullptr, context);
     return;
   }
   Coarse& c = coarse_[level];
-  clear(c.b, parallel);
+  clear(c.b, context);
   // The step from zero is written down, for each of its values is read seven times.
   const Coarse& own = coarse_[level - 1];
   CycleJob job = this->job(level, b);
   job.x = x.data();
   job.extended = work.data();
   layer_by_layer(
-      layers_of(band(level)), parallel,
+      layers_of(band(level)), context,
       [&](int layer) {
         const auto [begin, end] = rows_of_layer(band(level), layer);
         for (size_t i = begin * brick_side; i < end * brick_side; ++i) {
@@ -307,21 +308,21 @@ void Multilevel::solve(size_t level, const RowArray& b, RowArray& work, RowArray
         }
       },
       Apart{[&](int layer) { c.coarse.restrict_residual(layer, band(level), job, c.b); }});
-  correct(level, b, work, x, nullptr, parallel);
+  correct(level, b, work, x, nullptr, context);
 }
 
 double Multilevel::solve_coarsest(const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
-                                  const Parallel& parallel) {
+                                  const Context& context) {
   const size_t level = coarse_.size();
   const NarrowBand& band = this->band(level);
-  multiply(level == 0 ? inverse_ : coarse_.back().inverse, b, x, parallel);
+  multiply(level == 0 ? inverse_ : coarse_.back().inverse, b, x, context);
   double sum = 0;
   const auto smooth = [&](const RowArray& from, RowArray& to) {
     CycleJob job = this->job(level, b);
     job.x = from.data();
     job.out = to.data();
     job.weight = weight ? weight->data() : nullptr;
-    const RowKernel kernel = row_kernel();
+    const RowKernel& kernel = band.kernel();
     sum = sum_over_rows(all_rows(band),
                         [&](size_t begin, size_t end) { return kernel.smooth(band.view(), job, begin, end); });
   };
@@ -334,11 +335,11 @@ double Multilevel::solve_coarsest(const RowArray& b, RowArray& work, RowArray& x
 
 template <class... Stages>
 double Multilevel::correct(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
-                           const Parallel& parallel, Stages&&... after) {
+                           const Context& context, Stages&&... after) {
   Coarse& c = coarse_[level];
   const NarrowBand& band = this->band(level);
-  solve(level + 1, c.b, c.work, c.x, parallel);
-  if constexpr (sizeof...(Stages) > 0) clear(c.b, parallel);
+  solve(level + 1, c.b, c.work, c.x, context);
+  if constexpr (sizeof...(Stages) > 0) clear(c.b, context);
   CycleJob prolong = job(level, b), smooth = prolong;
   prolong.x = c.x.data();
   prolong.out = work.data();
@@ -346,9 +347,9 @@ double Multilevel::correct(size_t level, const RowArray& b, RowArray& work, RowA
   smooth.out = x.data();
   smooth.weight = weight ? weight->data() : nullptr;
   std::vector<double> sums(static_cast<size_t>(layers_of(band)));
-  const RowKernel kernel = row_kernel();
+  const RowKernel& kernel = band.kernel();
   layer_by_layer(
-      layers_of(band), parallel, [&](int layer) { c.coarse.prolong_onto(layer, band, prolong); },
+      layers_of(band), context, [&](int layer) { c.coarse.prolong_onto(layer, band, prolong); },
       [&](int layer) {
         sums[static_cast<size_t>(layer)] = sum_over_rows(rows_of_layer(band, layer), [&](size_t begin, size_t end) {
           return kernel.smooth(band.view(), smooth, begin, end);

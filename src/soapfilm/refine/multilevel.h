@@ -16,11 +16,11 @@ class CoarseBand {
  public:
   CoarseBand() = default;
   /// `fine` must outlive this; it may be moved.
-  CoarseBand(const NarrowBand& fine, const Parallel& parallel);
+  CoarseBand(const NarrowBand& fine, const Context& context);
 
   const NarrowBand& band() const { return band_; }
   /// coarse = P^T from, which is 0 outside the fine band.
-  void restrict_to(const RowArray& from, RowArray& coarse, const Parallel& parallel) const;
+  void restrict_to(const RowArray& from, RowArray& coarse, const Context& context) const;
   /// coarse += P^T from of a layer of fine bricks along z. Neighbouring layers add to common rows: see Apart.
   void restrict_layer(int layer, const RowArray& from, RowArray& coarse) const;
   /// The same of the residual that RowKernel::restrict_residual() has, with the same `fine`.
@@ -51,20 +51,20 @@ class CoarseBand {
 /// as much to read, and what positions pull is felt by coarser levels.
 class Multilevel {
  public:
-  Multilevel(const NarrowBand& fine, const Parallel& parallel);
+  Multilevel(const NarrowBand& fine, const Context& context);
 
   /// gamma > 0.
-  void set_operator(const RowArray& position_weights, float beta, float gamma, const Parallel& parallel);
+  void set_operator(const RowArray& position_weights, float beta, float gamma, const Context& context);
   /// mean = `scale` times the weighted mean of values / weights over the vertices around, three voxels^2 of variance
   /// along each axis, where `where` is positive, elsewhere 0; of `values`, which hold weight times value. First calls
   /// complete(layer), a stage of layer_by_layer(), which may still write values, weights and `where`. False, and
   /// nothing done, where the band is too small for a coarse one.
   bool local_mean(const std::function<void(int)>& complete, const RowArray& values, const RowArray& weights,
-                  const RowArray& where, float scale, RowArray& mean, const Parallel& parallel);
+                  const RowArray& where, float scale, RowArray& mean, const Context& context);
   /// Returns <r, z>; `work` is overwritten, which complete(layer), a stage of layer_by_layer() that completes r, may
   /// read.
   double apply(const std::function<void(int)>& complete, const RowArray& r, RowArray& z, RowArray& work,
-               const Parallel& parallel);
+               const Context& context);
 
  private:
   struct Coarse {
@@ -75,17 +75,16 @@ class Multilevel {
   };
   const NarrowBand& band(size_t level) const { return level == 0 ? fine_ : coarse_[level - 1].coarse.band(); }
   bool weigh_little(const RowArray& position_weights) const;
-  void set_inverse(size_t level, const RowArray& weights, const Parallel& parallel);
+  void set_inverse(size_t level, const RowArray& weights, const Context& context);
   CycleJob job(size_t level, const RowArray& b) const;
   /// A V-cycle from level 1 on: x is about K^-1 b.
-  void solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const Parallel& parallel);
-  double solve_coarsest(const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
-                        const Parallel& parallel);
+  void solve(size_t level, const RowArray& b, RowArray& work, RowArray& x, const Context& context);
+  double solve_coarsest(const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight, const Context& context);
   /// The rest of it once the coarser right side is complete. `after`: stages that may read x, and add to that right
   /// side, which is 0 again by then.
   template <class... Stages>
   double correct(size_t level, const RowArray& b, RowArray& work, RowArray& x, const RowArray* weight,
-                 const Parallel& parallel, Stages&&... after);
+                 const Context& context, Stages&&... after);
 
   const NarrowBand& fine_;
   RowArray inverse_, work_;

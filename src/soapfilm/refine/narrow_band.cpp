@@ -1,4 +1,5 @@
 #include "soapfilm/refine/narrow_band.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -25,9 +26,13 @@ constexpr auto bytes_of_bits = [] {
 
 }  // namespace
 
-NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Parallel& parallel)
-    : grid_(std::move(grid)), row_of_(vertices.size()), first_row_(grid_.size() + 1) {
-  parallel.for_each(grid_.size(), 256, [&](size_t b) {
+NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Context& context)
+    : kernel_(row_kernel(context.simd())),
+      pages_(context.pages()),
+      grid_(std::move(grid)),
+      row_of_(vertices.size(), context.pages()),
+      first_row_(grid_.size() + 1) {
+  parallel_for(context, grid_.size(), 256, [&](size_t b) {
     const auto first = vertices.begin() + static_cast<std::ptrdiff_t>(b * brick_area);
     first_row_[b + 1] = static_cast<uint32_t>(brick_area - std::count(first, first + brick_area, uint8_t{0}));
   });
@@ -35,7 +40,7 @@ NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, con
   for (size_t b = 0; b < grid_.size(); ++b) first_row_[b + 1] += first_row_[b];
   mask_.resize(size_t{first_row_.back()} + 1);
   place_.resize(mask_.size());
-  parallel.for_each(grid_.size(), 256, [&](size_t b) {
+  parallel_for(context, grid_.size(), 256, [&](size_t b) {
     uint32_t row = first_row_[b];
     for (size_t k = b * brick_area; k < (b + 1) * brick_area; ++k)
       if (vertices[k] != 0) {
@@ -44,13 +49,13 @@ NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, con
         place_[row++] = static_cast<uint8_t>(k % brick_area);
       }
   });
-  neighbors_ = AlignedArray<std::array<uint32_t, 6>>(mask_.size() + rows_ahead);
-  degree_ = AlignedArray<uint8_t>(slots());
-  count_neighbors(parallel);
+  neighbors_ = AlignedArray<std::array<uint32_t, 6>>(mask_.size() + rows_ahead, pages_);
+  degree_ = AlignedArray<uint8_t>(slots(), pages_);
+  count_neighbors(context);
 }
 
-void NarrowBand::count_neighbors(const Parallel& parallel) {
-  parallel.for_each(grid_.size(), 64, [&](size_t b) {
+void NarrowBand::count_neighbors(const Context& context) {
+  parallel_for(context, grid_.size(), 64, [&](size_t b) {
     const auto& around = grid_.neighbors(b);
     const auto own = static_cast<int32_t>(b);
     for (uint32_t r = first_row_[b]; r < first_row_[b + 1]; ++r) {
@@ -80,9 +85,9 @@ size_t NarrowBand::count() const {
 }
 
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
-                       const Parallel& parallel) {
-  const RowKernel kernel = row_kernel();
-  return sum_over_rows(all_rows(band), parallel, [&](size_t begin, size_t end) {
+                       const Context& context) {
+  const RowKernel& kernel = band.kernel();
+  return sum_over_rows(all_rows(band), context, [&](size_t begin, size_t end) {
     return kernel.laplacian(band.view(), {v.data(), weight_v, weight_g, out.data()}, begin, end);
   });
 }

@@ -26,14 +26,14 @@ class NarrowBand {
  public:
   NarrowBand() = default;
   /// `vertices` tells the band's members: one byte per row of each brick (64 y-fastest rows), bit x for vertex x.
-  NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Parallel& parallel);
+  NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Context& context);
 
   const BrickGrid& grid() const { return grid_; }
   size_t rows() const { return mask_.size() - 2; }
   /// Size of an array; one row more than there are, so that a row's end can be loaded together with what follows.
   size_t slots() const { return mask_.size() * brick_side; }
   size_t count() const;  ///< vertices
-  RowArray make_array() const { return RowArray(slots()); }
+  RowArray make_array() const { return RowArray(slots(), pages_); }
 
   /// Rows of brick b: [first_row(b), first_row(b + 1)).
   uint32_t first_row(size_t brick) const { return first_row_[brick]; }
@@ -53,12 +53,16 @@ class NarrowBand {
   /// How many of a vertex's six neighbours are in the band, eight per row; 0 outside the band.
   const uint8_t* degree(uint32_t row) const { return degree_.data() + static_cast<size_t>(row) * brick_side; }
 
-  /// What kernels see of it.
+  /// What steps on its rows.
+  const RowKernel& kernel() const { return kernel_; }
+  /// What the kernel sees of it.
   BandRows view() const { return {neighbors_.data(), degree_.data(), mask_.data()}; }
 
  private:
-  void count_neighbors(const Parallel& parallel);
+  void count_neighbors(const Context& context);
 
+  RowKernel kernel_{};
+  PagePool pages_;
   BrickGrid grid_;
   AlignedArray<uint32_t> row_of_;
   std::vector<uint32_t> first_row_;
@@ -97,15 +101,15 @@ inline size_t telling_row(const NarrowBand& band, size_t k) {
 
 /// body(begin, end) over rows in chunks.
 template <class Body>
-void for_rows(RowRange rows, const Parallel& parallel, Body&& body) {
-  parallel.for_chunks(rows.end - rows.begin, rows_per_task,
-                      [&](size_t begin, size_t end) { body(rows.begin + begin, rows.begin + end); });
+void for_rows(RowRange rows, const Context& context, Body&& body) {
+  parallel_chunks(context, rows.end - rows.begin, rows_per_task,
+                  [&](size_t begin, size_t end) { body(rows.begin + begin, rows.begin + end); });
 }
 
 /// The sum of body(begin, end) over rows in chunks, in an order that does not depend on threads.
 template <class Body>
-double sum_over_rows(RowRange rows, const Parallel& parallel, Body&& body) {
-  return sum_chunks<double>(rows.end - rows.begin, rows_per_task, parallel,
+double sum_over_rows(RowRange rows, const Context& context, Body&& body) {
+  return sum_chunks<double>(rows.end - rows.begin, rows_per_task, context,
                             [&](size_t begin, size_t end) { return body(rows.begin + begin, rows.begin + end); });
 }
 
@@ -139,6 +143,6 @@ inline float value_at(const NarrowBand& band, const RowArray& values, Vec3i v, f
 /// out = weight_v v + weight_g G v; G is the band's graph Laplacian, positive semi-definite: (G v)_i = sum over
 /// neighbours j in the band of v_i - v_j. Its null space are the constants on connected parts. Returns <G v, out>.
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
-                       const Parallel& parallel);
+                       const Context& context);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/refine/prolong_distance.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -109,9 +110,9 @@ Fine interpolated(const Window& window, const Taps& taps) {
 }  // namespace
 
 RowArray prolong_distance(const NarrowBand& coarse_band, const RowArray& coarse, const NarrowBand& fine_band,
-                          const RowArray& otherwise, const Parallel& parallel) {
+                          const RowArray& otherwise, const Context& context) {
   RowArray fine = fine_band.make_array();
-  parallel.for_each(fine_band.grid().size(), 32, [&](size_t b) {
+  parallel_for(context, fine_band.grid().size(), 32, [&](size_t b) {
     if (fine_band.first_row(b) == fine_band.first_row(b + 1)) return;
     const Window window = window_of(coarse_band, coarse, fine_band.grid().coord(b));
     const Fine smooth = interpolated(window, cubic), plain = interpolated(window, linear);

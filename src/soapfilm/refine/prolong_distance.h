@@ -1,7 +1,7 @@
 // From a fit on every second vertex back to the finer band.
 #pragma once
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/refine/narrow_band.h"
 
 namespace soapfilm {
@@ -10,6 +10,6 @@ namespace soapfilm {
 /// cubic interpolation along each axis gives (weights -1/16, 9/16, 9/16, -1/16 halfway between two vertices), at the
 /// band's edge linear. `otherwise` where the coarse band has not all corners of a vertex's cell.
 RowArray prolong_distance(const NarrowBand& coarse_band, const RowArray& coarse, const NarrowBand& fine_band,
-                          const RowArray& otherwise, const Parallel& parallel);
+                          const RowArray& otherwise, const Context& context);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/refine/refine.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -24,19 +25,19 @@ constexpr size_t speck = 64;       // vertices: a ball of radius 2.5, what outli
 
 /// How much the samples are worth is for the samples to say. `spacing`: of the fit's vertices, voxels.
 Strength choose(const Start& start, const GridSamples& samples, const RefineParams& params, double spacing,
-                const Parallel& parallel, StrengthReport& search) {
+                const Context& context, StrengthReport& search) {
   StrengthParams given;
   if (params.smoothing) given.smoothing = *params.smoothing / (spacing * spacing);
   if (params.normals) given.normals = *params.normals / (spacing * spacing);
-  return choose_strength(start, samples, params.robust, given, parallel, search);
+  return choose_strength(start, samples, params.robust, given, context, search);
 }
 
 /// The level set 0 of phi0, moved.
 RowArray moved_onto(const GridSamples& samples, const Start& start, const Strength& strength,
-                    const RobustParams& params, const Parallel& parallel, RefineReport& report) {
-  Displacement displacement(start.band, start.phi0, parallel);
-  CellSamples cells(samples, start.band, parallel);
-  const RobustFit fit = fit_robustly(displacement, start.band, samples, cells, {}, strength, params, parallel);
+                    const RobustParams& params, const Context& context, RefineReport& report) {
+  Displacement displacement(start.band, start.phi0, context);
+  CellSamples cells(samples, start.band, context);
+  const RobustFit fit = fit_robustly(displacement, start.band, samples, cells, {}, strength, params, context);
   report.iterations = fit.iterations;
   report.down_weighted = fit.down_weighted;
   return std::move(displacement.phi());
@@ -45,21 +46,21 @@ RowArray moved_onto(const GridSamples& samples, const Start& start, const Streng
 /// Grids of every second vertex, of every fourth, ..., while samples are sparse and noisy there and each serves as well
 /// as the one before. `indicator`: that of the first one.
 std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float threshold, const GridSamples& samples,
-                                      double density, const RefineParams& params, const Parallel& parallel) {
+                                      double density, const RefineParams& params, const Context& context) {
   std::vector<Coarser> found;
   for (double spacing = 2; density < params.sparse; density *= 4, spacing *= 2) {
     const Start& finer = found.empty() ? start : found.back().start;
     const GridSamples& finer_samples = found.empty() ? samples : found.back().samples;
-    if (!found.empty()) indicator = every_second_vertex(indicator, threshold, parallel);
-    Coarser next{start_from(indicator, threshold, params.reach, parallel),
-                 on_every_second_vertex(finer_samples, parallel),
+    if (!found.empty()) indicator = every_second_vertex(indicator, threshold, context);
+    Coarser next{start_from(indicator, threshold, params.reach, context),
+                 on_every_second_vertex(finer_samples, context),
                  {},
                  {}};
     if (next.start.band.rows() == 0) break;
-    next.strength = choose(next.start, next.samples, params, spacing, parallel, next.search);
+    next.strength = choose(next.start, next.samples, params, spacing, context, next.search);
     // The grid itself has not chosen yet, and need not where the coarser one serves.
     const Strength of_finer = found.empty() ? on_half_the_voxel(next.strength) : found.back().strength;
-    if (!next.strength.yield || !serves(next, {finer, finer_samples, of_finer}, params.robust, parallel)) break;
+    if (!next.strength.yield || !serves(next, {finer, finer_samples, of_finer}, params.robust, context)) break;
     found.push_back(std::move(next));
   }
   return found;
@@ -67,19 +68,19 @@ std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float
 
 /// phi by a fit on the coarsest of some grids that leaves it near the surface; nothing where none does.
 std::optional<RowArray> fit_coarser(const Start& start, std::vector<Coarser> grids, const RefineParams& params,
-                                    const Parallel& parallel, RefineReport& report) {
+                                    const Context& context, RefineReport& report) {
   constexpr double least_far = 1.5, far_of_noise = 2.5;  // coarse voxels
   for (; !grids.empty(); grids.pop_back()) {
     const Coarser& grid = grids.back();
     const double spacing = std::ldexp(1.0, static_cast<int>(grids.size()));
-    RowArray phi = moved_onto(grid.samples, grid.start, grid.strength, params.robust, parallel, report);
+    RowArray phi = moved_onto(grid.samples, grid.start, grid.strength, params.robust, context, report);
     report.strength = grid.strength;
     for (size_t k = grids.size(); k-- > 0;) {
       const Start& finer = k > 0 ? grids[k - 1].start : start;
-      phi = prolong_distance(grids[k].start.band, phi, finer.band, finer.phi0, parallel);
+      phi = prolong_distance(grids[k].start.band, phi, finer.band, finer.phi0, context);
       report.strength = on_half_the_voxel(report.strength);
     }
-    if (!is_near(start, phi, std::max(least_far, far_of_noise * grid.strength.noise) * spacing, parallel)) continue;
+    if (!is_near(start, phi, std::max(least_far, far_of_noise * grid.strength.noise) * spacing, context)) continue;
     report.search = grid.search;
     report.search.held_out_error *= spacing;
     report.spacing = spacing;
@@ -89,9 +90,9 @@ std::optional<RowArray> fit_coarser(const Start& start, std::vector<Coarser> gri
 }
 
 /// The distance on the band, and its sign alone beyond it; takes the start's grid.
-SurfaceField distance_field(Start& start, const RowArray& distance, const SignBits& signs, const Parallel& parallel) {
-  Field<float> value(start.grid);
-  parallel.for_each(start.grid.size(), 64, [&](size_t b) {
+SurfaceField distance_field(Start& start, const RowArray& distance, const SignBits& signs, const Context& context) {
+  Field<float> value(start.grid, context.pages());
+  parallel_for(context, start.grid.size(), 64, [&](size_t b) {
     float* out = value.brick(b);
     for (int row = 0; row < brick_area; ++row) {
       const unsigned inside = signs.row(b, row & 7, row >> 3);
@@ -133,31 +134,31 @@ void validate(const RefineParams& params) {
 }
 
 Refinement::Refinement(Level level, float threshold, const GridSamples& samples, double density,
-                       const RefineParams& params, const Parallel& parallel, RefineReport& report)
+                       const RefineParams& params, const Context& context, RefineReport& report)
     : params_(params),
-      parallel_(parallel),
+      context_(context),
       samples_(samples),
       density_(density),
       threshold_(threshold),
       sparse_(density > 0 && density < params.sparse),
       report_(report) {
   validate(params);
-  start_ = start_from(level, threshold, params.reach, parallel);
+  start_ = start_from(level, threshold, params.reach, context);
   report.spacing = 1;
   if (params.holes == HoleFill::smooth && !sparse_) fill_holes(level);
-  signs_.emplace(signs_of(level, threshold, start_, parallel));
+  signs_.emplace(signs_of(level, threshold, start_, context));
   report.band_vertices = start_.band.count();
-  if (sparse_) indicator_ = every_second_vertex(level, threshold, parallel);
+  if (sparse_) indicator_ = every_second_vertex(level, threshold, context);
 }
 
 void Refinement::fill_holes(Level& level) {
-  const HoleFinder finder(level, start_, samples_, parallel_);
+  const HoleFinder finder(level, start_, samples_, context_);
   const auto films = finder.films_to_bend(report_.holes);
   if (films.empty()) return;
-  chosen_ = choose(start_, samples_, params_, 1, parallel_, report_.search);
+  chosen_ = choose(start_, samples_, params_, 1, context_, report_.search);
   if (!params_.open) make_room(level);
-  if (bend_holes(level, threshold_, films, finder, *chosen_, parallel_, report_.holes))
-    start_ = start_from(level, threshold_, params_.reach, parallel_);
+  if (bend_holes(level, threshold_, films, finder, *chosen_, context_, report_.holes))
+    start_ = start_from(level, threshold_, params_.reach, context_);
 }
 
 SurfaceField Refinement::fit() {
@@ -165,11 +166,11 @@ SurfaceField Refinement::fit() {
   std::optional<RowArray> phi;
   if (sparse_)
     phi = fit_coarser(
-        start_, grids_that_serve(start_, std::move(indicator_), threshold_, samples_, density_, params_, parallel_),
-        params_, parallel_, report_);
+        start_, grids_that_serve(start_, std::move(indicator_), threshold_, samples_, density_, params_, context_),
+        params_, context_, report_);
   if (!phi) {
-    report_.strength = chosen_ ? *chosen_ : choose(start_, samples_, params_, 1, parallel_, report_.search);
-    phi = moved_onto(samples_, start_, report_.strength, params_.robust, parallel_, report_);
+    report_.strength = chosen_ ? *chosen_ : choose(start_, samples_, params_, 1, context_, report_.search);
+    phi = moved_onto(samples_, start_, report_.strength, params_.robust, context_, report_);
   }
 
   // Signs follow where the topology allows.
@@ -177,12 +178,12 @@ SurfaceField Refinement::fit() {
   report_.flips = flips.wanted - flips.refused;
   report_.refused = flips.refused;
   report_.vanished = flips.vanished;
-  return distance_field(start_, *phi, *signs_, parallel_);
+  return distance_field(start_, *phi, *signs_, context_);
 }
 
 SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,
-                    const RefineParams& params, const Parallel& parallel, RefineReport& report) {
-  Refinement refinement(std::move(level), threshold, samples, density, params, parallel, report);  // frees the level
+                    const RefineParams& params, const Context& context, RefineReport& report) {
+  Refinement refinement(std::move(level), threshold, samples, density, params, context, report);  // frees the level
   return refinement.fit();
 }
 

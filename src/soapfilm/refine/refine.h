@@ -57,9 +57,9 @@ void validate(const RefineParams& params);
 class Refinement {
  public:
   /// The band around the surface, its holes filled; `level` is freed. Keeps references to the samples, the parameters,
-  /// `parallel` and the report. Throws ParameterError.
+  /// `context` and the report. Throws ParameterError.
   Refinement(Level level, float threshold, const GridSamples& samples, double density, const RefineParams& params,
-             const Parallel& parallel, RefineReport& report);
+             const Context& context, RefineReport& report);
 
   /// Rows of eight vertices that the fit works on: what its memory follows.
   size_t rows() const { return start_.band.rows(); }
@@ -72,7 +72,7 @@ class Refinement {
   void fill_holes(Level& level);
 
   const RefineParams& params_;
-  const Parallel& parallel_;
+  const Context& context_;
   const GridSamples& samples_;
   double density_;
   float threshold_;
@@ -86,6 +86,6 @@ class Refinement {
 
 /// Both at once.
 SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,
-                    const RefineParams& params, const Parallel& parallel, RefineReport& report);
+                    const RefineParams& params, const Context& context, RefineReport& report);
 
 }  // namespace soapfilm

@@ -8,7 +8,7 @@ namespace soapfilm {
 
 RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const GridSamples& samples,
                        CellSamples& cells, std::span<const uint8_t> active, const Strength& strength,
-                       const RobustParams& params, const Parallel& parallel) {
+                       const RobustParams& params, const Context& context) {
   RobustFit fit;
   const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(strength.smoothing)),
                               static_cast<float>(strength.smoothing)};
@@ -26,7 +26,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
     merge(displacement.phi(), samples, band, {params.penalty, scale, strength.normals > 0, active},
           {static_cast<float>(strength.normals),
            static_cast<float>(std::max(slope_weight * strength.smoothing, strength.normals))},
-          parallel, cells);
+          context, cells);
     fit.down_weighted = cells.doubted;
     // Weights change little from here on.
     if (round == 0 || !strength.yield) displacement.precondition(cells, smoothness);

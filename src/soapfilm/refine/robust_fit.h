@@ -56,6 +56,6 @@ struct RobustFit {
 /// there is any. `cells` are those of the samples: room to merge them in.
 RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const GridSamples& samples,
                        CellSamples& cells, std::span<const uint8_t> active, const Strength& strength,
-                       const RobustParams& params, const Parallel& parallel);
+                       const RobustParams& params, const Context& context);
 
 }  // namespace soapfilm

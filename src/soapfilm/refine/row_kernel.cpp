@@ -7,14 +7,16 @@
 #include "soapfilm/refine/row_kernel-inl.h"
 
 #if HWY_ONCE
-#include "soapfilm/core/simd.h"
+#include "soapfilm/core/dispatch-inl.h"
 
 namespace soapfilm {
 
 HWY_EXPORT(rows);
 RowKernel scalar_row_kernel();
 
-RowKernel row_kernel() { return scalar_forced() ? scalar_row_kernel() : HWY_DYNAMIC_DISPATCH(rows)(); }
+RowKernel row_kernel(const SimdTarget& simd) {
+  return simd.is_scalar() ? scalar_row_kernel() : SOAPFILM_DISPATCH(simd, rows)();
+}
 
 }  // namespace soapfilm
 #endif  // HWY_ONCE

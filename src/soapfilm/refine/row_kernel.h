@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "soapfilm/core/simd.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/refine/robust.h"
 
@@ -165,7 +166,7 @@ struct RowKernel {
   void (*prolong_brick)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer);
 };
 
-/// The kernel of the best target of this processor, or of the one that force_simd_target() named.
-RowKernel row_kernel();
+/// The kernel of a SIMD target.
+RowKernel row_kernel(const SimdTarget& simd);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/refine/start.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,11 +30,11 @@ float normal_quantile(float p) {
 float distance_of(float smoothed) { return 1.41421356f * normal_quantile(smoothed); }
 
 NarrowBand make_band(const SurfaceField& field, const LevelBox& box, double reach, const BrickMask* where,
-                     const Parallel& parallel) {
+                     const Context& context) {
   const auto limit = static_cast<float>(0.5 * std::erfc(reach / 2));
   const float last = std::nextafter(1 - limit, 0.0f);  // below 1 - limit
   std::vector<uint8_t> vertices(field.grid.size() * brick_area);
-  parallel.for_each(field.grid.size(), bricks_of_a_task, [&](size_t b) {
+  parallel_for(context, field.grid.size(), bricks_of_a_task, [&](size_t b) {
     if (where && !where->test(field.grid.coord(b))) return;
     const float* v = field.value.brick(b);
     const BrickBits near = BrickBits::above(v, limit) & ~BrickBits::above(v, last);
@@ -43,12 +44,12 @@ NarrowBand make_band(const SurfaceField& field, const LevelBox& box, double reac
       for (int y = range.lo.y; y < range.hi.y; ++y)
         vertices[b * brick_area + static_cast<size_t>(y + 8 * z)] = static_cast<uint8_t>(near.row(y, z) & free_x);
   });
-  return NarrowBand(field.grid, vertices, parallel);
+  return NarrowBand(field.grid, vertices, context);
 }
 
-RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Parallel& parallel) {
+RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Context& context) {
   RowArray distance = band.make_array();
-  parallel.for_each(band.grid().size(), bricks_of_a_task, [&](size_t b) {
+  parallel_for(context, band.grid().size(), bricks_of_a_task, [&](size_t b) {
     for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
       const float* smoothed = field.value.brick(b) + band.place(r) * brick_side;
       float* out = distance.data() + static_cast<size_t>(r) * brick_side;
@@ -64,23 +65,23 @@ Vec3i half_of(Vec3i v) { return {v.x >> 1, v.y >> 1, v.z >> 1}; }
 Vec3i half_up(Vec3i v) { return half_of(v + Vec3i{1, 1, 1}); }
 
 /// The bricks of every second vertex that hold vertices of `fine` ones.
-BrickGrid every_second_vertex(const BrickGrid& fine, const Parallel& parallel) {
-  return BrickGrid(parents_of(fine, half_up(fine.bricks()), parallel), parallel);
+BrickGrid every_second_vertex(const BrickGrid& fine, const Context& context) {
+  return BrickGrid(parents_of(fine, half_up(fine.bricks()), context), context);
 }
 
 }  // namespace
 
-Start start_from(const Level& level, float threshold, double reach, const Parallel& parallel, const BrickMask* where) {
+Start start_from(const Level& level, float threshold, double reach, const Context& context, const BrickMask* where) {
   // The smoothed indicator tells roughly how far each vertex is from the surface.
-  SurfaceField field = smoothed_indicator(level, threshold, parallel);
-  NarrowBand band = make_band(field, level.box, reach, where, parallel);
-  RowArray phi0 = distance_on(band, field, parallel);
+  SurfaceField field = smoothed_indicator(level, threshold, context);
+  NarrowBand band = make_band(field, level.box, reach, where, context);
+  RowArray phi0 = distance_on(band, field, context);
   return {std::move(field.grid), std::move(field.inside), std::move(band), std::move(phi0)};
 }
 
-SignBits signs_of(const Level& level, float threshold, const Start& start, const Parallel& parallel) {
+SignBits signs_of(const Level& level, float threshold, const Start& start, const Context& context) {
   SignBits signs(start.grid, start.inside);
-  parallel.for_each(start.grid.size(), bricks_of_a_task, [&](size_t b) {
+  parallel_for(context, start.grid.size(), bricks_of_a_task, [&](size_t b) {
     const Vec3i brick = start.grid.coord(b);
     const BrickBits inside = inside_of(level, threshold, level.grid.find(brick), brick);
     for (int z = 0; z < brick_side; ++z)
@@ -89,16 +90,16 @@ SignBits signs_of(const Level& level, float threshold, const Start& start, const
   return signs;
 }
 
-Level every_second_vertex(const Level& fine, float threshold, const Parallel& parallel, const BrickMask* where) {
+Level every_second_vertex(const Level& fine, float threshold, const Context& context, const BrickMask* where) {
   Level coarse;
   coarse.box = {fine.box.level + 1, half_up(fine.box.free_lo), half_of(fine.box.free_hi), half_up(fine.box.bricks)};
-  coarse.grid = where ? BrickGrid(*where, parallel) : every_second_vertex(fine.grid, parallel);
+  coarse.grid = where ? BrickGrid(*where, context) : every_second_vertex(fine.grid, context);
   coarse.inside = BrickMask(coarse.box.bricks);
   fine.inside.for_each([&](Vec3i b) {
     if (octant_in_parent(b) == Vec3i{}) coarse.inside.set(parent_of(b));
   });
-  coarse.u = Field<float>(coarse.grid);
-  parallel.for_each(coarse.grid.size(), bricks_of_a_task, [&](size_t b) {
+  coarse.u = Field<float>(coarse.grid, context.pages());
+  parallel_for(context, coarse.grid.size(), bricks_of_a_task, [&](size_t b) {
     float* out = coarse.u.brick(b);
     for (int k = 0; k < 8; ++k) {
       const Vec3i child = child_of(coarse.grid.coord(b), k), base = octant_base(octant_of(k));
@@ -116,10 +117,10 @@ Level every_second_vertex(const Level& fine, float threshold, const Parallel& pa
   return coarse;
 }
 
-GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& parallel, const BrickMask* where) {
+GridSamples on_every_second_vertex(const GridSamples& samples, const Context& context, const BrickMask* where) {
   GridSamples coarse;
   coarse.turn = samples.turn;
-  coarse.bricks = where ? BrickGrid(*where, parallel) : every_second_vertex(samples.bricks, parallel);
+  coarse.bricks = where ? BrickGrid(*where, context) : every_second_vertex(samples.bricks, context);
   const auto for_children = [&](size_t b, auto&& visit) {
     for (int k = 0; k < 8; ++k)
       if (const int32_t n = samples.bricks.find(child_of(coarse.bricks.coord(b), k)); n >= 0)
@@ -135,7 +136,7 @@ GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& p
   coarse.lot.resize(coarse.begin.back());
   // Rounding must not carry a sample into the next brick.
   const float last = std::nextafter(static_cast<float>(brick_side), 0.0f);
-  parallel.for_each(coarse.bricks.size(), bricks_of_a_task, [&](size_t b) {
+  parallel_for(context, coarse.bricks.size(), bricks_of_a_task, [&](size_t b) {
     uint32_t next = coarse.begin[b];
     for_children(b, [&](size_t n, Vec3i base) {
       for (uint32_t s = samples.begin[n]; s < samples.begin[n + 1]; ++s, ++next) {

@@ -1,7 +1,7 @@
 // What the sub-voxel fit starts from: a thresholded indicator, and the band around its surface.
 #pragma once
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/narrow_band.h"
@@ -19,21 +19,20 @@ struct Start {
 
 /// Of the surface of u > threshold; the band is `reach` voxels wide on either side.
 /// `where`: the band's bricks, where not all.
-Start start_from(const Level& level, float threshold, double reach, const Parallel& parallel,
+Start start_from(const Level& level, float threshold, double reach, const Context& context,
                  const BrickMask* where = nullptr);
 
 /// u > threshold on the start's bricks. The start must outlive it.
-SignBits signs_of(const Level& level, float threshold, const Start& start, const Parallel& parallel);
+SignBits signs_of(const Level& level, float threshold, const Start& start, const Context& context);
 
 /// The binary indicator u > threshold on every second vertex: coarse vertex I lies on vertex 2 I. Of the level's fields
 /// the box, the grid, u and what is inside are there.
 /// `where`: its bricks, where not all those that hold vertices of the level's.
-Level every_second_vertex(const Level& fine, float threshold, const Parallel& parallel,
-                          const BrickMask* where = nullptr);
+Level every_second_vertex(const Level& fine, float threshold, const Context& context, const BrickMask* where = nullptr);
 
 /// Samples on that grid: nothing but their place in the grid changes, and their order. `where`: those in these bricks
 /// of it, where not all.
-GridSamples on_every_second_vertex(const GridSamples& samples, const Parallel& parallel,
+GridSamples on_every_second_vertex(const GridSamples& samples, const Context& context,
                                    const BrickMask* where = nullptr);
 
 }  // namespace soapfilm

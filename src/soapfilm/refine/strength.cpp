@@ -66,8 +66,8 @@ double largest_within(double x, double step, double most, double allowed, Score&
 }  // namespace
 
 Strength choose_strength(const Start& start, const GridSamples& samples, const RobustParams& robust,
-                         const StrengthParams& params, const Parallel& parallel, StrengthReport& report) {
-  HeldOut held_out(start, samples, robust, {}, parallel);
+                         const StrengthParams& params, const Context& context, StrengthReport& report) {
+  HeldOut held_out(start, samples, robust, {}, context);
   Strength best{params.smoothing.value_or(first_smoothing), params.normals.value_or(0), 0, false};
 
   // A rough fit tells the noise, and that what one must not ask for.

@@ -33,6 +33,6 @@ struct StrengthReport {
 /// times the median of the held-out distances, the standard error that of as many normal deviates. Cost: some ten fits
 /// of some 20,000 samples, whatever their number.
 Strength choose_strength(const Start& start, const GridSamples& samples, const RobustParams& robust,
-                         const StrengthParams& params, const Parallel& parallel, StrengthReport& report);
+                         const StrengthParams& params, const Context& context, StrengthReport& report);
 
 }  // namespace soapfilm

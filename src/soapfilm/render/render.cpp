@@ -1,4 +1,5 @@
 #include "soapfilm/render/render.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -175,11 +176,11 @@ class Framer {
 class Panel {
  public:
   Panel(const RenderItem& item, const RenderParams& params, const ViewFrame& frame, const ViewWindow& window,
-        double aspect, Range range, const Parallel& parallel)
-      : params_(params), scene_(make_scene(item, params, frame, window, aspect, range, parallel)) {}
+        double aspect, Range range, const Context& context)
+      : params_(params), scene_(make_scene(item, params, frame, window, aspect, range, context)) {}
 
-  void draw(Image& image, int left, int top, const Parallel& parallel) const {
-    parallel.for_each(static_cast<size_t>(params_.height), rows_per_task, [&](size_t row) {
+  void draw(Image& image, int left, int top, const Context& context) const {
+    parallel_for(context, static_cast<size_t>(params_.height), rows_per_task, [&](size_t row) {
       const int y = static_cast<int>(row);
       for (int x = 0; x < params_.width; ++x) image.at(left + x, top + y) = pixel(x, y);
     });
@@ -188,7 +189,7 @@ class Panel {
  private:
   /// Scene units: the item's bounding ball around the centre of the window becomes the unit ball.
   Scene make_scene(const RenderItem& item, const RenderParams& params, const ViewFrame& frame, const ViewWindow& window,
-                   double aspect, Range range, const Parallel& parallel) {
+                   double aspect, Range range, const Context& context) {
     Box3d box;
     for (const Vec3d& p : positions_of(item)) box.extend(p);
     const ViewWindow shown = zoomed(window, params.zoom, aspect);
@@ -198,7 +199,7 @@ class Panel {
     for (const Vec3d& p : positions_of(item)) radius = std::max(radius, norm(p - centre));
     const double scale = radius > 0 ? 1 / radius : 1;
     pixel_size_ = 2 * shown.half_height / params.height * scale;
-    return Scene(item, params, frame, centre, scale, range, parallel);
+    return Scene(item, params, frame, centre, scale, range, context);
   }
 
   Rgba8 pixel(int x, int y) const {
@@ -264,7 +265,7 @@ void draw_legend(Image& image, const RenderParams& params, const Layout& layout,
 
 }  // namespace
 
-Image render(const std::vector<RenderItem>& items, const RenderParams& params, const Parallel& parallel) {
+Image render(const std::vector<RenderItem>& items, const RenderParams& params, const Context& context) {
   check_params(params);
   if (items.empty()) throw ParameterError("there are 0 items to render, must be at least 1");
   for (size_t i = 0; i < items.size(); ++i) check_item(items[i], i + 1);
@@ -281,7 +282,7 @@ Image render(const std::vector<RenderItem>& items, const RenderParams& params, c
   for (size_t i = 0; i < items.size(); ++i) {
     const int left = static_cast<int>(i) % layout.columns * params.width;
     const int top = static_cast<int>(i) / layout.columns * (params.height + layout.caption_height);
-    Panel(items[i], params, frame, framer.window(i), framer.aspect(), range, parallel).draw(image, left, top, parallel);
+    Panel(items[i], params, frame, framer.window(i), framer.aspect(), range, context).draw(image, left, top, context);
     draw_centred(image, items[i].caption, left + params.width / 2.0, top + params.height + 1.6 * layout.text_height,
                  layout.text_height, 0.94 * params.width, ink_for(params));
   }

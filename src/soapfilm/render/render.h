@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/mesh.h"
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/render/camera.h"
 #include "soapfilm/render/image.h"
@@ -63,6 +63,6 @@ struct RenderParams {
 ///
 /// Throws ParameterError when there is no item, an item is empty or has a coordinate that is not finite, an attribute
 /// is in none of the items, or a parameter is out of range.
-Image render(const std::vector<RenderItem>& items, const RenderParams& params, const Parallel& parallel);
+Image render(const std::vector<RenderItem>& items, const RenderParams& params, const Context& context);
 
 }  // namespace soapfilm

@@ -132,7 +132,7 @@ struct Scene::Impl {
 };
 
 Scene::Scene(const RenderItem& item, const RenderParams& params, const ViewFrame& frame, Vec3d centre, double scale,
-             std::pair<double, double> range, const Parallel& parallel)
+             std::pair<double, double> range, const Context& context)
     : impl_(std::make_unique<Impl>()) {
   impl_->surface = to_linear(params.surface);
   impl_->back = to_linear(params.back);
@@ -146,7 +146,7 @@ Scene::Scene(const RenderItem& item, const RenderParams& params, const ViewFrame
     impl_->add_points(cloud, params, frame, centre, scale);
     impl_->colors = cloud.colors.empty() && cloud.scans.size() > 1 ? scan_colors(cloud) : linear_colors(cloud.colors);
   }
-  impl_->scene.commit(parallel);
+  impl_->scene.commit(context);
 }
 
 Scene::~Scene() = default;

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/render/render.h"
 
 namespace soapfilm::render_detail {
@@ -33,7 +33,7 @@ class Scene {
  public:
   /// `centre` is the world point at the origin, `scale` scene units per world unit; `range` that of the colour map.
   Scene(const RenderItem& item, const RenderParams& params, const ViewFrame& frame, Vec3d centre, double scale,
-        std::pair<double, double> range, const Parallel& parallel);
+        std::pair<double, double> range, const Context& context);
   ~Scene();
   Scene(Scene&&) noexcept;
 

@@ -181,9 +181,9 @@ Mesh Knot::local_tessellate(double tolerance) const {
       for (b.x = 0; b.x < bricks.x; ++b.x)
         if (std::abs(at_centre(b)) <= brick_radius) active.set(b);
 
-  const Parallel one_thread(1);
+  const Context one_thread(1);
   const BrickGrid grid(active, one_thread);
-  Field<float> value(grid);
+  Field<float> value(grid, one_thread.pages());
   for (size_t b = 0; b < grid.size(); ++b) {
     for (int i = 0; i < brick_volume; ++i) {
       const Vec3i v = grid.first_vertex(b) + Vec3i{i % brick_side, i / brick_side % brick_side, i / brick_area};

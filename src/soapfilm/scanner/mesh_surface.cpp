@@ -54,7 +54,7 @@ struct MeshSurface::Rays {
   double scale;   ///< input units per unit of that frame
   double radius;  ///< of a ball around the mesh, input units
 
-  Rays(const Mesh& mesh, const Box3d& box, const Parallel& parallel)
+  Rays(const Mesh& mesh, const Box3d& box, const Context& context)
       : centre(box.centre()), scale(box.longest() > 0.0 ? 0.5 * box.longest() : 1.0), radius(0.5 * box.diagonal()) {
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(scene.device(), RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -69,13 +69,13 @@ struct MeshSurface::Rays {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene.get(), geometry);
     rtcReleaseGeometry(geometry);
-    scene.commit(parallel);
+    scene.commit(context);
   }
 
   Vec3f to_local(Vec3d p) const { return static_cast<Vec3f>((p - centre) / scale); }
 };
 
-MeshSurface::MeshSurface(Mesh mesh, const Parallel& parallel, Faces faces) : mesh_(std::move(mesh)) {
+MeshSurface::MeshSurface(Mesh mesh, const Context& context, Faces faces) : mesh_(std::move(mesh)) {
   check(mesh_);
   for (const Triangle& t : mesh_.triangles)  // unused vertices are no part of the surface
     for (const uint32_t v : t) box_.extend(mesh_.vertices[v]);
@@ -85,8 +85,8 @@ MeshSurface::MeshSurface(Mesh mesh, const Parallel& parallel, Faces faces) : mes
     for (Triangle& t : mesh_.triangles) std::swap(t[1], t[2]);
     for (Vec3f& n : mesh_.normals) n = -n;
   }
-  rays_ = std::make_unique<Rays>(mesh_, box_, parallel);
-  closest_point_ = std::make_unique<ClosestPointQuery>(mesh_, parallel);
+  rays_ = std::make_unique<Rays>(mesh_, box_, context);
+  closest_point_ = std::make_unique<ClosestPointQuery>(mesh_, context);
 }
 
 MeshSurface::~MeshSurface() = default;
@@ -123,9 +123,8 @@ SurfacePoint MeshSurface::closest(Vec3d p) const {
   return {found.position, triangle_normal(mesh_, found.triangle), found.distance};
 }
 
-std::vector<SurfacePoint> MeshSurface::closest_points(const std::vector<Vec3d>& points,
-                                                      const Parallel& parallel) const {
-  const std::vector<ClosestPoint> found = (*closest_point_)(points, parallel);
+std::vector<SurfacePoint> MeshSurface::closest_points(const std::vector<Vec3d>& points, const Context& context) const {
+  const std::vector<ClosestPoint> found = (*closest_point_)(points, context);
   std::vector<SurfacePoint> answer;
   answer.reserve(found.size());
   for (const ClosestPoint& c : found) answer.push_back({c.position, triangle_normal(mesh_, c.triangle), c.distance});

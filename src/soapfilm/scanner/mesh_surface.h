@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/mesh/distance.h"
 #include "soapfilm/scanner/surface.h"
 
@@ -19,7 +19,7 @@ enum class Faces { outward, as_given };
 class MeshSurface final : public Surface {
  public:
   /// Throws InputError when the mesh has no triangle, a vertex index out of range, or a coordinate that is not finite.
-  MeshSurface(Mesh mesh, const Parallel& parallel, Faces faces = Faces::outward);
+  MeshSurface(Mesh mesh, const Context& context, Faces faces = Faces::outward);
   ~MeshSurface() override;
 
   /// Seen from its inner side a triangle is met all the same; the normal stays outward. It is zero
@@ -30,7 +30,7 @@ class MeshSurface final : public Surface {
   Mesh tessellate(double tolerance) const override;
   std::optional<double> volume() const override { return closed_ ? std::optional(mesh_.volume()) : std::nullopt; }
   std::optional<double> area() const override { return mesh_.area(); }
-  std::vector<SurfacePoint> closest_points(const std::vector<Vec3d>& points, const Parallel& parallel) const override;
+  std::vector<SurfacePoint> closest_points(const std::vector<Vec3d>& points, const Context& context) const override;
 
   const Mesh& mesh() const { return mesh_; }
   bool turned() const { return turned_; }

@@ -1,4 +1,5 @@
 #include "soapfilm/scanner/missing.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -31,14 +32,14 @@ int longest_axis(const Box3d& box) {
 }  // namespace
 
 std::vector<bool> kept_samples(const Surface& surface, const PointCloud& cloud, const MissingParams& params,
-                               const Parallel& parallel) {
+                               const Context& context) {
   check(params);
   std::vector<bool> keep(cloud.size(), true);
   if (params.hole > 0.0) {
     const SurfacePatch patch(surface, params.hole, params.seed);
     std::vector<uint8_t> lost(cloud.size());  // bytes: threads write them
-    parallel.for_each(cloud.size(), samples_per_task,
-                      [&](size_t i) { lost[i] = patch.contains(surface.closest(cloud.positions[i])) ? 1 : 0; });
+    parallel_for(context, cloud.size(), samples_per_task,
+                 [&](size_t i) { lost[i] = patch.contains(surface.closest(cloud.positions[i])) ? 1 : 0; });
     for (size_t i = 0; i < cloud.size(); ++i) keep[i] = lost[i] == 0;
   }
   if (params.thin_half > 1.0) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/scanner/surface.h"
 #include "soapfilm/scanner/virtual_scan.h"
@@ -20,7 +20,7 @@ struct MissingParams {
 /// What PointCloud::filter() is to keep of samples taken from `surface`. A sample is in the hole when the point of the
 /// surface closest to it is. Throws ParameterError when a parameter is out of range or no sample would stay.
 std::vector<bool> kept_samples(const Surface& surface, const PointCloud& cloud, const MissingParams& params,
-                               const Parallel& parallel);
+                               const Context& context);
 
 /// PointCloud::filter() for scans with poses: a scan that lost all of its samples takes its pose along.
 void filter(ScanSet& set, const std::vector<bool>& keep);

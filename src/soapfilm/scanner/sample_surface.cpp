@@ -1,4 +1,5 @@
 #include "soapfilm/scanner/sample_surface.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -49,7 +50,7 @@ Vec3d random_direction(Random& random) {
 }
 
 /// Even samples with their true normals.
-PointCloud undisturbed(const Surface& surface, size_t count, uint64_t seed, const Parallel& parallel) {
+PointCloud undisturbed(const Surface& surface, size_t count, uint64_t seed, const Context& context) {
   const Mesh mesh = surface.tessellate(1e-4 * surface.box().longest());
   const TrianglesByArea row(mesh);
   std::vector<Vec3d> near(count);
@@ -65,7 +66,7 @@ PointCloud undisturbed(const Surface& surface, size_t count, uint64_t seed, cons
   PointCloud cloud;
   cloud.positions.reserve(count);
   cloud.normals.reserve(count);
-  for (const SurfacePoint& p : surface.closest_points(near, parallel)) {
+  for (const SurfacePoint& p : surface.closest_points(near, context)) {
     cloud.positions.push_back(p.position);
     cloud.normals.push_back(static_cast<Vec3f>(p.normal));
   }
@@ -76,17 +77,17 @@ PointCloud undisturbed(const Surface& surface, size_t count, uint64_t seed, cons
 }  // namespace
 
 PointCloud sample_surface(const Surface& surface, size_t count, uint64_t seed) {
-  return undisturbed(surface, count, seed, Parallel(1));
+  return undisturbed(surface, count, seed, Context(1));
 }
 
-PointCloud sample_surface(const Surface& surface, const SamplingParams& params, const Parallel& parallel) {
+PointCloud sample_surface(const Surface& surface, const SamplingParams& params, const Context& context) {
   check(params);
-  PointCloud cloud = undisturbed(surface, params.count, params.seed, parallel);
+  PointCloud cloud = undisturbed(surface, params.count, params.seed, context);
   if (!params.sensors.empty()) cloud.sensors.resize(cloud.size());
   const Box3d wide = outlier_box(surface.box());
   const double lift = 1e-6 * surface.box().longest();
   const uint64_t first_stream = Random(params.seed).next();
-  parallel.for_each(cloud.size(), draws_per_task, [&](size_t i) {
+  parallel_for(context, cloud.size(), draws_per_task, [&](size_t i) {
     // Numbers of its own for each sample, drawn whether they are used or not: switching an effect on leaves the rest.
     Random random(Random(first_stream + i).next());
     const double outlying = random.uniform();

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/scanner/surface.h"
 
@@ -26,6 +26,6 @@ struct SamplingParams {
 /// has instead a scanner position, the weak orientation that scans give: of those that see its undisturbed place the
 /// one that looks at it most squarely, where none does the one that would; an outlier has any.
 /// The result does not depend on the number of threads. Throws ParameterError when a parameter is out of range.
-PointCloud sample_surface(const Surface& surface, const SamplingParams& params, const Parallel& parallel);
+PointCloud sample_surface(const Surface& surface, const SamplingParams& params, const Context& context);
 
 }  // namespace soapfilm

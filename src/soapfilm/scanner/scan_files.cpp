@@ -32,15 +32,15 @@ PointCloud scan_in_own_frame(const ScanSet& set, size_t scan) {
 
 }  // namespace
 
-void write_scans(const std::string& folder, const std::string& conf_name, const ScanSet& set, Progress& progress) {
+void write_scans(const std::string& folder, const std::string& conf_name, const ScanSet& set, const Context& context) {
   const std::filesystem::path base(folder);
   std::vector<ScanSetEntry> entries;
   for (size_t k = 0; k < set.poses.size(); ++k) {
-    progress.check();
+    context.check();
     const std::string file = set.cloud.scans[k].name + ".ply";
     write_points((base / file).string(), scan_in_own_frame(set, k));
     entries.push_back({file, {set.poses[k].origin, set.poses[k].stanford_quaternion()}});
-    progress.advance(static_cast<double>(k + 1) / static_cast<double>(set.poses.size()), file);
+    context.progress().advance(static_cast<double>(k + 1) / static_cast<double>(set.poses.size()), file);
   }
   write_scan_set((base / conf_name).string(), entries);
 }

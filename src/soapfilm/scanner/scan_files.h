@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "soapfilm/core/progress.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/scanner/virtual_scan.h"
 
 namespace soapfilm {
@@ -12,6 +12,6 @@ namespace soapfilm {
 /// sensor position (0, 0, 0), a parallel one with the viewing direction (0, 0, 1). Then `conf_name` that lists them:
 /// who finds it finds all of its scans. The folder must exist; files of the same names are replaced. Coordinates are
 /// doubles: reading the set gives the scans back to rounding. Throws OutputError.
-void write_scans(const std::string& folder, const std::string& conf_name, const ScanSet& set, Progress& progress);
+void write_scans(const std::string& folder, const std::string& conf_name, const ScanSet& set, const Context& context);
 
 }  // namespace soapfilm

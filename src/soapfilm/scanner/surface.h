@@ -36,9 +36,9 @@ class Surface {
   virtual std::optional<double> area() const { return std::nullopt; }
 
   /// closest() of many points, in their order.
-  virtual std::vector<SurfacePoint> closest_points(const std::vector<Vec3d>& points, const Parallel& parallel) const {
+  virtual std::vector<SurfacePoint> closest_points(const std::vector<Vec3d>& points, const Context& context) const {
     std::vector<SurfacePoint> found(points.size());
-    parallel.for_each(points.size(), 256, [&](size_t i) { found[i] = closest(points[i]); });
+    parallel_for(context, points.size(), 256, [&](size_t i) { found[i] = closest(points[i]); });
     return found;
   }
   double distance(Vec3d p) const { return closest(p).distance; }

@@ -1,4 +1,5 @@
 #include "soapfilm/scanner/virtual_scan.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -149,11 +150,11 @@ void misalign(std::vector<Vec3d>& positions, std::vector<Vec3f>& normals, Pose& 
 
 /// One view as a cloud of one scan; its pose moves with the misalignment.
 PointCloud scan_view(const Surface& surface, const ScannerParams& params, RangeCamera& camera, size_t index,
-                     const Parallel& parallel) {
+                     const Context& context) {
   const size_t pixels = static_cast<size_t>(camera.columns) * camera.rows;
   std::vector<Measurement> image(pixels);
   const Box3d box = surface.box();
-  parallel.for_each(pixels, 256, [&](size_t i) {
+  parallel_for(context, pixels, 256, [&](size_t i) {
     const auto column = static_cast<int>(i % camera.columns);
     const auto row = static_cast<int>(i / camera.columns);
     image[i] = measure(surface, box, params, camera, column, row, pixel_random(params.seed, index, i));
@@ -208,16 +209,15 @@ std::vector<Vec3d> scanner_positions(const Box3d& box, const ScannerParams& para
   return positions;
 }
 
-ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Parallel& parallel,
-                     Progress& progress) {
+ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Context& context) {
   check(params);
   ScanSet set;
   std::vector<RangeCamera> cameras = place_cameras(surface.box(), params);
   for (size_t k = 0; k < cameras.size(); ++k) {
-    progress.check();
-    PointCloud cloud = scan_view(surface, params, cameras[k], k, parallel);
-    progress.advance(static_cast<double>(k + 1) / static_cast<double>(cameras.size()),
-                     fmt::format("view {} of {}", k + 1, cameras.size()));
+    context.check();
+    PointCloud cloud = scan_view(surface, params, cameras[k], k, context);
+    context.progress().advance(static_cast<double>(k + 1) / static_cast<double>(cameras.size()),
+                               fmt::format("view {} of {}", k + 1, cameras.size()));
     if (cloud.size() == 0) continue;
     set.cloud.append(std::move(cloud));
     set.poses.push_back(cameras[k].pose);

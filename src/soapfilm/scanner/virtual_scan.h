@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/scanner/pose.h"
@@ -68,13 +68,7 @@ struct ScanSet {
 /// give no scan. The result depends on nothing but the surface and the parameters, not on the number of threads.
 ///
 /// Throws ParameterError when a parameter is out of range, or when no ray of any view meets the surface.
-ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Parallel& parallel, Progress& progress);
-
-/// The same without anyone watching.
-inline ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Parallel& parallel) {
-  Progress nobody;
-  return virtual_scan(surface, params, parallel, nobody);
-}
+ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Context& context);
 
 /// Where outliers lie: the surface's box, a quarter of its diagonal wider on every side.
 Box3d outlier_box(const Box3d& box);

@@ -1,4 +1,5 @@
 #include "soapfilm/select/border.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -107,8 +108,7 @@ struct Trial {
   double bound_of_any() const { return bound - flux; }
 };
 
-Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParams solver, const Parallel& parallel,
-            Progress& progress) {
+Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParams solver, const Context& context) {
   solver.tolerance = std::max(solver.tolerance, trial_tolerance);
   Lattice lattice = problem.lattice;
   lattice.open = border == Border::open;
@@ -119,11 +119,11 @@ Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParam
     observe.solved = [&](const Level& level, const Lattice&) {
       flux.add(level);
       // Now, as the level's data does not outlive the solve.
-      closing = closing_share(level, std::ldexp(problem.density, 2 * level.box.level), parallel);
+      closing = closing_share(level, std::ldexp(problem.density, 2 * level.box.level), context);
     };
-  const PyramidSolution solution = solve_coarse_levels(lattice, problem.field, problem.lambda,
-                                                       {at, solver, problem.norm}, parallel, progress, observe);
-  progress.check();
+  const PyramidSolution solution =
+      solve_coarse_levels(lattice, problem.field, problem.lambda, {at, solver, problem.norm}, context, observe);
+  context.check();
   const Energies& energies = solution.reports.back().energies;
   const double lambda = solution.finest.lambda;
   Trial trial;
@@ -211,13 +211,12 @@ class Choice {
 
 /// As the trials of one level tell.
 BorderReport choose_at(int level, const BorderProblem& problem, const Surroundings& scanners,
-                       const BorderParams& params, PrimalDualParams solver, const Parallel& parallel,
-                       Progress& progress) {
+                       const BorderParams& params, PrimalDualParams solver, const Context& context) {
   const int asked_iterations = solver.max_iterations;
   solver.max_iterations = std::min(asked_iterations, trial_iterations);
   BorderReport report;
   report.scanners = scanners;
-  const Trial air = solve(problem, Border::air, level, solver, parallel, progress);
+  const Trial air = solve(problem, Border::air, level, solver, context);
   report.level = air.level;
   report.air = air.energy;
   report.area_cost = air.area_cost;
@@ -228,9 +227,9 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
     report.reason = fmt::format("anything else could spare no more than {} of the surface's area", percent(most));
     return report;
   }
-  negate(problem.field, parallel);
-  const Trial solid = solve(problem, Border::solid, level, solver, parallel, progress);
-  negate(problem.field, parallel);
+  negate(problem.field, context);
+  const Trial solid = solve(problem, Border::solid, level, solver, context);
+  negate(problem.field, context);
   const Choice choice(params, air, solid, report.scanners);
   // A closed surface is an open one, too.
   const double closed = std::min(air.energy, solid.energy);
@@ -241,7 +240,7 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
   for (const int iterations : {trial_iterations, more_iterations}) {
     if (!choice.undecided(spared) && iterations == more_iterations) break;
     solver.max_iterations = std::min(asked_iterations, iterations);
-    const Trial open = solve(problem, Border::open, level, solver, parallel, progress);
+    const Trial open = solve(problem, Border::open, level, solver, context);
     report.open = std::min(*report.open, open.energy);
     report.open_bound = std::max(*report.open_bound, open.bound);
     spared = choice.spared_by(*report.open, *report.open_bound);
@@ -267,21 +266,21 @@ void validate(const BorderParams& params) {
     throw ParameterError(fmt::format("open_gain = {:g}, must be > 0 and <= 1", params.open_gain));
 }
 
-void negate(SupportField& field, const Parallel& parallel) {
-  parallel.for_each(field.grid.size(), 256, [&](size_t b) {
+void negate(SupportField& field, const Context& context) {
+  parallel_for(context, field.grid.size(), 256, [&](size_t b) {
     float* f = field.f.brick(b);
     for (int i = 0; i < brick_volume; ++i) f[i] = -f[i];
   });
 }
 
 BorderReport choose_border(const BorderProblem& problem, const Surroundings& scanners, const BorderParams& params,
-                           PrimalDualParams solver, const Parallel& parallel, Progress& progress) {
+                           PrimalDualParams solver, const Context& context) {
   const int level = trial_level(problem.lattice, problem.density);
   if (has_coarser_trial(problem.lattice, level)) {
-    BorderReport coarser = choose_at(level + 1, problem, scanners, params, solver, parallel, progress);
+    BorderReport coarser = choose_at(level + 1, problem, scanners, params, solver, context);
     if (is_clear(coarser)) return coarser;
   }
-  return choose_at(level, problem, scanners, params, solver, parallel, progress);
+  return choose_at(level, problem, scanners, params, solver, context);
 }
 
 }  // namespace soapfilm

@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
@@ -58,7 +58,7 @@ struct BorderProblem {
 void validate(const BorderParams& params);
 
 /// f of the complement: minus f.
-void negate(SupportField& field, const Parallel& parallel);
+void negate(SupportField& field, const Context& context);
 
 /// Which border the data asks for. Solves a coarse level, whose cells are as wide as four voxels or the samples'
 /// spacing, with air beyond the box; its dual, whatever it sends through the border set to 0, bounds the energy that
@@ -71,6 +71,6 @@ void negate(SupportField& field, const Parallel& parallel);
 ///   from
 ///     a small sheet that lies askew the way to the border costs much of what it spares.
 BorderReport choose_border(const BorderProblem& problem, const Surroundings& scanners, const BorderParams& params,
-                           PrimalDualParams solver, const Parallel& parallel, Progress& progress);
+                           PrimalDualParams solver, const Context& context);
 
 }  // namespace soapfilm

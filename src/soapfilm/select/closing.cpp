@@ -59,8 +59,8 @@ Area area_of(const Level& level, size_t b, double flux) {
 
 }  // namespace
 
-double closing_share(const Level& level, double flux, const Parallel& parallel) {
-  const auto area = sum_chunks<Area>(level.grid.size(), 64, parallel, [&](size_t begin, size_t end) {
+double closing_share(const Level& level, double flux, const Context& context) {
+  const auto area = sum_chunks<Area>(level.grid.size(), 64, context, [&](size_t begin, size_t end) {
     Area part;
     for (size_t b = begin; b < end; ++b) part += area_of(level, b, flux);
     return part;

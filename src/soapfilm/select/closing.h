@@ -1,7 +1,7 @@
 // How much of a closed surface is there only to close it.
 #pragma once
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
@@ -9,6 +9,6 @@ namespace soapfilm {
 /// Share of the relaxed surface's area, [0, 1], that the data does not ask for: within five vertices beyond it, along
 /// an axis, f takes less than a tenth of `flux`. A sheet's back is half of its closed surface. `flux`: that of the
 /// samples' directions through a face of this level on the mean, as f measures it.
-double closing_share(const Level& level, double flux, const Parallel& parallel);
+double closing_share(const Level& level, double flux, const Context& context);
 
 }  // namespace soapfilm

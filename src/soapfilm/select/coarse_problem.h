@@ -1,7 +1,7 @@
 // Questions to the samples that a coarse grid answers: solved often and roughly.
 #pragma once
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
@@ -9,11 +9,11 @@
 namespace soapfilm {
 
 /// A lattice of at most `max_resolution` vertices along the cloud's longest axis, never finer than `finest`.
-Lattice coarse_lattice(const PointCloud& cloud, const Lattice& finest, int max_resolution, const Parallel& parallel);
+Lattice coarse_lattice(const PointCloud& cloud, const Lattice& finest, int max_resolution, const Context& context);
 
 /// solve_coarse_to_fine() to a tolerance of 1e-3, or `solver`'s where that is larger, in at most 400 iterations per
 /// level. Shows no progress.
 PyramidSolution solve_coarse(const Lattice& lattice, const SupportField& field, double lambda, PrimalDualParams solver,
-                             const Parallel& parallel);
+                             const Context& context);
 
 }  // namespace soapfilm

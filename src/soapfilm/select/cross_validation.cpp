@@ -1,4 +1,5 @@
 #include "soapfilm/select/cross_validation.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -17,9 +18,9 @@ namespace {
 
 constexpr float threshold = 0.5f;
 /// <f, u> of the thresholded u: what the samples of f gain through the surface.
-double flux_through(const Level& level, const SupportField& field, const Parallel& parallel) {
+double flux_through(const Level& level, const SupportField& field, const Context& context) {
   std::vector<double> sums(field.grid.size());
-  parallel.for_each(sums.size(), 64, [&](size_t b) {
+  parallel_for(context, sums.size(), 64, [&](size_t b) {
     const Vec3i brick = field.grid.coord(b);
     const int32_t n = level.grid.find(brick);
     const float* u = n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr;
@@ -35,11 +36,11 @@ double flux_through(const Level& level, const SupportField& field, const Paralle
 
 /// The held-out flux of one candidate; absent when the optimum is empty.
 std::optional<double> held_out_flux(const Lattice& lattice, const FoldFields& fold, double lambda,
-                                    const PrimalDualParams& solver, const Parallel& parallel) {
-  const PyramidSolution solution = solve_coarse(lattice, fold.training, lambda, solver, parallel);
-  const Energies energies = evaluate_energy(solution.finest, {.threshold = threshold, .certify = false}, parallel);
+                                    const PrimalDualParams& solver, const Context& context) {
+  const PyramidSolution solution = solve_coarse(lattice, fold.training, lambda, solver, context);
+  const Energies energies = evaluate_energy(solution.finest, {.threshold = threshold, .certify = false}, context);
   if (!(energies.primal < 0)) return {};
-  return flux_through(solution.finest, fold.held_out, parallel);
+  return flux_through(solution.finest, fold.held_out, context);
 }
 
 double mean_of(const std::vector<double>& values) {
@@ -106,27 +107,27 @@ size_t one_standard_error(const std::vector<CrossValidationPoint>& curve, double
 
 CrossValidationReport choose_lambda(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& finest,
                                     const CrossValidationParams& params, const PrimalDualParams& solver,
-                                    const Parallel& parallel, Progress& progress) {
+                                    const Context& context) {
   validate(params);
   const Folds folds = make_folds(cloud, directions, params.folds, params.source, params.seed);
-  const Lattice lattice = coarse_lattice(cloud, finest, params.max_resolution, parallel);
-  const Sampling sampling = measure_sampling(cloud, parallel);
+  const Lattice lattice = coarse_lattice(cloud, finest, params.max_resolution, context);
+  const Sampling sampling = measure_sampling(cloud, context);
   const double density = sampling.density(lattice.voxel);
 
   const size_t count = params.candidates.size();
   std::vector<std::vector<double>> flux(count, std::vector<double>(static_cast<size_t>(folds.count), 0.0));
   std::vector<int> empty_folds(count, 0);
   for (int k = 0; k < folds.count; ++k) {
-    const FoldFields fold = hold_out(cloud, directions, folds, k, lattice, parallel);
+    const FoldFields fold = hold_out(cloud, directions, folds, k, lattice, context);
     bool empty = false;
     for (size_t c = 0; c < count; ++c) {
-      progress.check();
+      context.check();
       const double done = (k + static_cast<double>(c) / static_cast<double>(count)) / folds.count;
-      progress.advance(done,
-                       fmt::format("fold {} of {}, lambda {:g} per density", k + 1, folds.count, params.candidates[c]));
+      context.progress().advance(
+          done, fmt::format("fold {} of {}, lambda {:g} per density", k + 1, folds.count, params.candidates[c]));
       // E(u) grows with lambda for every u: once the empty surface wins, it wins for all larger ones.
       const double lambda = params.candidates[c] * density * fold.training_share;
-      const auto found = empty ? std::nullopt : held_out_flux(lattice, fold, lambda, solver, parallel);
+      const auto found = empty ? std::nullopt : held_out_flux(lattice, fold, lambda, solver, context);
       empty = !found;
       empty_folds[c] += empty;
       flux[c][static_cast<size_t>(k)] = found.value_or(0);

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/grid/lattice.h"
@@ -71,6 +71,6 @@ size_t one_standard_error(const std::vector<CrossValidationPoint>& curve, double
 /// Throws ParameterError as validate() and make_folds() do, and when no candidate keeps a surface in any fold.
 CrossValidationReport choose_lambda(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& finest,
                                     const CrossValidationParams& params, const PrimalDualParams& solver,
-                                    const Parallel& parallel, Progress& progress);
+                                    const Context& context);
 
 }  // namespace soapfilm

@@ -80,12 +80,12 @@ Folds make_folds(const PointCloud& cloud, std::span<const Vec3f> directions, int
 }
 
 FoldFields hold_out(const PointCloud& cloud, std::span<const Vec3f> directions, const Folds& folds, int fold,
-                    const Lattice& lattice, const Parallel& parallel) {
+                    const Lattice& lattice, const Context& context) {
   if (fold < 0 || fold >= folds.count)
     throw ParameterError(fmt::format("fold = {}, must be between 0 and {}", fold, folds.count - 1));
   const auto field_of = [&](bool held_out) {
     const auto wanted = [&](size_t i) { return (folds.of_sample[i] == fold) == held_out; };
-    return divergence_field(sort_samples(cloud, directions, lattice, parallel, wanted), lattice.box(0), parallel);
+    return divergence_field(sort_samples(cloud, directions, lattice, context, wanted), lattice.box(0), context);
   };
   const auto all = std::accumulate(folds.sizes.begin(), folds.sizes.end(), size_t{0});
   FoldFields fields{field_of(false), field_of(true), 0};

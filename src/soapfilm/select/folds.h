@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/lattice.h"
@@ -47,6 +47,6 @@ struct FoldFields {
 
 /// Throws ParameterError unless `fold` is in [0, folds.count).
 FoldFields hold_out(const PointCloud& cloud, std::span<const Vec3f> directions, const Folds& folds, int fold,
-                    const Lattice& lattice, const Parallel& parallel);
+                    const Lattice& lattice, const Context& context);
 
 }  // namespace soapfilm

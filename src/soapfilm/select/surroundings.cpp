@@ -1,4 +1,5 @@
 #include "soapfilm/select/surroundings.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -81,10 +82,10 @@ View look_from(Vec3d place, const PointCloud& cloud) {
 
 }  // namespace
 
-Surroundings look_around(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Parallel& parallel) {
+Surroundings look_around(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Context& context) {
   const std::vector<Vec3d> places = places_of_scanners(cloud, sensor);
   std::vector<View> views(places.size());
-  parallel.for_each(places.size(), 1, [&](size_t k) { views[k] = look_from(places[k], cloud); });
+  parallel_for(context, places.size(), 1, [&](size_t k) { views[k] = look_from(places[k], cloud); });
   Surroundings around;
   around.scanners = places.size();
   for (const View& view : views) {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/point_cloud.h"
 
 namespace soapfilm {
@@ -20,6 +20,6 @@ struct Surroundings {
 
 /// Looks from some of the scanners' places, spread evenly over the samples, at some of the samples, likewise. `sensor`
 /// is where scanners stand whose scans do not say it.
-Surroundings look_around(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Parallel& parallel);
+Surroundings look_around(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Context& context);
 
 }  // namespace soapfilm

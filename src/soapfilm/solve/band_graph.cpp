@@ -25,11 +25,11 @@ BrickMask bricks_of(const VertexMask& band) {
 }  // namespace
 
 BandGraph::BandGraph(const VertexMask& band, const LevelBox& box, const SupportField& support,
-                     const std::vector<Link>& links, const Parallel& parallel)
+                     const std::vector<Link>& links, const Context& context)
     : box_(box),
       support_(support),
       links_(links),
-      grid_(bricks_of(band), parallel),
+      grid_(bricks_of(band), context),
       rows_(grid_.size() * rows_per_brick),
       f_brick_(grid_.size()) {
   uint64_t count = 0;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/vertex_mask.h"
 
@@ -33,7 +33,7 @@ class BandGraph {
   /// `band` may hold free vertices only. `links` has the opposite of direction d at size() - 1 - d; it and `support`
   /// must outlive the graph. Links to free vertices outside the band are left out.
   BandGraph(const VertexMask& band, const LevelBox& box, const SupportField& support, const std::vector<Link>& links,
-            const Parallel& parallel);
+            const Context& context);
 
   uint32_t vertices() const { return vertices_; }
   const std::vector<Link>& links() const { return links_; }

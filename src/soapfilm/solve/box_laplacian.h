@@ -60,10 +60,10 @@ DenseField<float> box_field(Vec3i free);
 
 /// Calls body(z) for the layers 1 .. free.z, in chunks that depend on the box alone.
 template <class Body>
-void for_layers(Vec3i free, const Parallel& parallel, Body&& body) {
+void for_layers(Vec3i free, const Context& context, Body&& body) {
   constexpr size_t vertices_per_task = size_t{1} << 16;
   const size_t layer = static_cast<size_t>(free.x) * static_cast<size_t>(free.y);
-  parallel.for_chunks(static_cast<size_t>(free.z), vertices_per_task / layer + 1, [&](size_t begin, size_t end) {
+  parallel_chunks(context, static_cast<size_t>(free.z), vertices_per_task / layer + 1, [&](size_t begin, size_t end) {
     for (size_t z = begin + 1; z <= end; ++z) body(static_cast<int>(z));
   });
 }

@@ -1,10 +1,11 @@
 #include "soapfilm/solve/closed_border.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 
 namespace soapfilm {
 
-Level closed_at_border(const Level& level, const Parallel& parallel) {
+Level closed_at_border(const Level& level, const Context& context) {
   BrickMask band(level.box.bricks);
   for (size_t b = 0; b < level.grid.size(); ++b) band.set(level.grid.coord(b));
   level.inside.for_each([&](Vec3i brick) {
@@ -15,10 +16,10 @@ Level closed_at_border(const Level& level, const Parallel& parallel) {
   closed.box.open = false;
   closed.lambda = level.lambda;
   closed.norm = level.norm;
-  closed.grid = BrickGrid(band, parallel);
+  closed.grid = BrickGrid(band, context);
   closed.inside = level.inside;
-  closed.u = Field<float>(closed.grid);
-  parallel.for_each(closed.grid.size(), 64, [&](size_t b) {
+  closed.u = Field<float>(closed.grid, context.pages());
+  parallel_for(context, closed.grid.size(), 64, [&](size_t b) {
     const Vec3i brick = closed.grid.coord(b);
     float* u = closed.u.brick(b);
     if (const int32_t old = level.grid.find(brick); old >= 0) {

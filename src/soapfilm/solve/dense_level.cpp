@@ -1,4 +1,5 @@
 #include "soapfilm/solve/dense_level.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <vector>
@@ -21,11 +22,11 @@ BrickContent content_of(const DenseField<float>& u, Vec3i brick) {
 }
 
 /// Per brick of the box.
-std::vector<BrickContent> classify(const DenseField<float>& u, Vec3i bricks, const Parallel& parallel) {
+std::vector<BrickContent> classify(const DenseField<float>& u, Vec3i bricks, const Context& context) {
   const size_t row = static_cast<size_t>(bricks.x),
                rows = static_cast<size_t>(bricks.y) * static_cast<size_t>(bricks.z);
   std::vector<BrickContent> content(row * rows);
-  parallel.for_each(rows, 1, [&](size_t r) {
+  parallel_for(context, rows, 1, [&](size_t r) {
     const int y = static_cast<int>(r % static_cast<size_t>(bricks.y)),
               z = static_cast<int>(r / static_cast<size_t>(bricks.y));
     for (int x = 0; x < bricks.x; ++x) content[r * row + static_cast<size_t>(x)] = content_of(u, {x, y, z});
@@ -55,16 +56,16 @@ BrickMask interface_bricks(const std::vector<BrickContent>& content, Vec3i brick
   return mask;
 }
 
-BrickMask interface_bricks(const DenseField<float>& u, const LevelBox& box, const Parallel& parallel) {
-  return interface_bricks(classify(u, box.bricks, parallel), box.bricks);
+BrickMask interface_bricks(const DenseField<float>& u, const LevelBox& box, const Context& context) {
+  return interface_bricks(classify(u, box.bricks, context), box.bricks);
 }
 
 Level level_of(const DenseField<float>& u, const LevelBox& box, float lambda, const BrickGrid& support,
-               const Field<float>& f, const Parallel& parallel, Norm norm) {
-  BrickMask band = interface_bricks(u, box, parallel);
+               const Field<float>& f, const Context& context, Norm norm) {
+  BrickMask band = interface_bricks(u, box, context);
   for (size_t b = 0; b < support.size(); ++b) band.set(support.coord(b));
-  Level level = make_level(box, lambda, band, support, f, parallel, norm);
-  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
+  Level level = make_level(box, lambda, band, support, f, context, norm);
+  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     for_each_run(u, level.grid.coord(b), [&](const float* row, int x, int y, int z, int n) {
       std::copy(row, row + n, level.u.brick(b) + brick_offset(x, y, z));
     });

@@ -1,4 +1,5 @@
 #include "soapfilm/solve/energy.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +15,8 @@ namespace {
 struct Evaluator {
   const Level& level;
   std::optional<float> threshold;
-  double p_scale = 1;
-  EnergyKernel kernel = energy_kernel(level.norm);
+  double p_scale;
+  EnergyKernel kernel;
 
   double norm(double x, double y, double z) const {
     return level.norm == Norm::isotropic ? std::sqrt(x * x + y * y + z * z) : std::abs(x) + std::abs(y) + std::abs(z);
@@ -138,9 +139,9 @@ struct Evaluator {
 };
 
 /// Inactive bricks of the domain with an active upper neighbour, in order.
-std::vector<Vec3i> bricks_below_band(const Level& level, const Parallel& parallel) {
+std::vector<Vec3i> bricks_below_band(const Level& level, const Context& context) {
   BrickMask below(level.box.bricks);
-  parallel.for_each(level.grid.size(), 1024, [&](size_t b) {
+  parallel_for(context, level.grid.size(), 1024, [&](size_t b) {
     for (int axis = 0; axis < 3; ++axis)
       if (level.grid.neighbors(b)[static_cast<size_t>(slot_down[axis])] == outside_band) {
         Vec3i coord = level.grid.coord(b);
@@ -154,9 +155,9 @@ std::vector<Vec3i> bricks_below_band(const Level& level, const Parallel& paralle
 }
 
 /// A bound on the variation between inactive bricks of different constant u: none, unless a band is too thin.
-double outside_variation(const Level& level, const Parallel& parallel) {
+double outside_variation(const Level& level, const Context& context) {
   BrickMask band(level.box.bricks);
-  parallel.for_each(level.grid.size(), 1024, [&](size_t b) { band.set_shared(level.grid.coord(b)); });
+  parallel_for(context, level.grid.size(), 1024, [&](size_t b) { band.set_shared(level.grid.coord(b)); });
   double faces = 0;
   level.inside.for_each([&](Vec3i b) {
     if (band.test(b) || (level.box.open && !has_free(level.box, b))) return;
@@ -173,9 +174,9 @@ double outside_variation(const Level& level, const Parallel& parallel) {
 
 /// term(i) for one of every `stride` i < count.
 template <class Term>
-std::vector<EnergyTerms> terms_of_every(size_t stride, size_t count, const Parallel& parallel, Term&& term) {
+std::vector<EnergyTerms> terms_of_every(size_t stride, size_t count, const Context& context, Term&& term) {
   std::vector<EnergyTerms> terms((count + stride - 1) / stride);
-  parallel.for_each(terms.size(), 256, [&](size_t k) { terms[k] = term(one_of_stretch(k, stride, count)); });
+  parallel_for(context, terms.size(), 256, [&](size_t k) { terms[k] = term(one_of_stretch(k, stride, count)); });
   return terms;
 }
 
@@ -194,8 +195,8 @@ EnergyTerms sum_from(const std::vector<EnergyTerms>& some, size_t count) {
 }
 
 /// Of the sum over the band and the rim below it.
-Energies energies_of(const Level& level, const EnergyTerms& sum, double p_scale, const Parallel& parallel) {
-  const double outside = outside_variation(level, parallel);
+Energies energies_of(const Level& level, const EnergyTerms& sum, double p_scale, const Context& context) {
+  const double outside = outside_variation(level, context);
   Energies e;
   e.total_variation = sum.variation + outside;
   e.data = sum.data + level.outside.data;
@@ -213,10 +214,10 @@ double Energies::relative(double amount, double lambda) const {
   return amount / std::max(std::abs(dual), 1000 * lambda);
 }
 
-Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Parallel& parallel) {
-  Evaluator evaluator{level, options.threshold, 1.0};
+Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Context& context) {
+  Evaluator evaluator{level, options.threshold, 1.0, energy_kernel(context.simd(), level.norm)};
   const auto evaluate_band = [&] {
-    return sum_of(terms_of_every(1, level.grid.size(), parallel, [&](size_t b) { return evaluator.brick_terms(b); }));
+    return sum_of(terms_of_every(1, level.grid.size(), context, [&](size_t b) { return evaluator.brick_terms(b); }));
   };
   EnergyTerms sum = evaluate_band();
   const double max_norm = std::sqrt(sum.max_norm_squared) / level.lambda;
@@ -224,26 +225,26 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
     evaluator.p_scale = 1 / max_norm;
     sum = evaluate_band();
   }
-  const std::vector<Vec3i> below = bricks_below_band(level, parallel);
+  const std::vector<Vec3i> below = bricks_below_band(level, context);
   for (const EnergyTerms& t :
-       terms_of_every(1, below.size(), parallel, [&](size_t b) { return evaluator.rim_terms(below[b]); }))
+       terms_of_every(1, below.size(), context, [&](size_t b) { return evaluator.rim_terms(below[b]); }))
     sum += t;
-  Energies e = energies_of(level, sum, evaluator.p_scale, parallel);
+  Energies e = energies_of(level, sum, evaluator.p_scale, context);
   e.max_dual_norm = max_norm;
   return e;
 }
 
-double estimate_gap(const Level& level, const Parallel& parallel) {
+double estimate_gap(const Level& level, const Context& context) {
   constexpr size_t stride = 7;
-  const Evaluator evaluator{level, {}, 1.0};
+  const Evaluator evaluator{level, {}, 1.0, energy_kernel(context.simd(), level.norm)};
   const size_t bricks = level.grid.size();
   EnergyTerms sum =
-      sum_from(terms_of_every(stride, bricks, parallel, [&](size_t b) { return evaluator.brick_terms(b); }), bricks);
-  const std::vector<Vec3i> below = bricks_below_band(level, parallel);
+      sum_from(terms_of_every(stride, bricks, context, [&](size_t b) { return evaluator.brick_terms(b); }), bricks);
+  const std::vector<Vec3i> below = bricks_below_band(level, context);
   sum +=
-      sum_from(terms_of_every(stride, below.size(), parallel, [&](size_t b) { return evaluator.rim_terms(below[b]); }),
+      sum_from(terms_of_every(stride, below.size(), context, [&](size_t b) { return evaluator.rim_terms(below[b]); }),
                below.size());
-  return energies_of(level, sum, evaluator.p_scale, parallel).relative_gap_band(level.lambda);
+  return energies_of(level, sum, evaluator.p_scale, context).relative_gap_band(level.lambda);
 }
 
 }  // namespace soapfilm

@@ -10,7 +10,7 @@
 
 #include <optional>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
@@ -40,9 +40,9 @@ struct EnergyOptions {
 };
 
 /// Energies of a level's state.
-Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Parallel& parallel);
+Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Context& context);
 
 /// About relative_gap_band(), from every seventh brick: tells a solver when to look at all of them.
-double estimate_gap(const Level& level, const Parallel& parallel);
+double estimate_gap(const Level& level, const Context& context);
 
 }  // namespace soapfilm

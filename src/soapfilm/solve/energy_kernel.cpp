@@ -7,15 +7,15 @@
 #include "soapfilm/solve/energy_kernel-inl.h"
 
 #if HWY_ONCE
-#include "soapfilm/core/simd.h"
+#include "soapfilm/core/dispatch-inl.h"
 
 namespace soapfilm {
 
 HWY_EXPORT(energy_kernel);
 EnergyKernel scalar_energy_kernel(Norm norm);
 
-EnergyKernel energy_kernel(Norm norm) {
-  return scalar_forced() ? scalar_energy_kernel(norm) : HWY_DYNAMIC_DISPATCH(energy_kernel)(norm);
+EnergyKernel energy_kernel(const SimdTarget& simd, Norm norm) {
+  return simd.is_scalar() ? scalar_energy_kernel(norm) : SOAPFILM_DISPATCH(simd, energy_kernel)(norm);
 }
 
 }  // namespace soapfilm

@@ -2,6 +2,7 @@
 // once per SIMD target and knows nothing of grids or threads.
 #pragma once
 
+#include "soapfilm/core/simd.h"
 #include "soapfilm/grid/layout.h"
 #include "soapfilm/solve/low_face.h"
 #include "soapfilm/solve/norm.h"
@@ -47,7 +48,7 @@ struct EnergyTerms {
 
 using EnergyKernel = EnergyTerms (*)(const EnergyJob& job, const UpperWindow& u);
 
-/// The kernel of the best target of this processor, or of the one that force_simd_target() named.
-EnergyKernel energy_kernel(Norm norm);
+/// The kernel of a SIMD target.
+EnergyKernel energy_kernel(const SimdTarget& simd, Norm norm);
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/solve/graph_cut.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -101,7 +102,7 @@ void grow(VertexMask& band, const RimVotes& votes, const LevelBox& box, const st
 }
 
 Level level_of_labels(const VertexMask& inside, const LevelBox& box, const SupportField& support, double lambda,
-                      Norm norm, const Parallel& parallel) {
+                      Norm norm, const Context& context) {
   const Vec3i n = box.bricks;
   std::vector<BrickContent> content;
   content.reserve(static_cast<size_t>(n.x) * static_cast<size_t>(n.y) * static_cast<size_t>(n.z));
@@ -118,8 +119,8 @@ Level level_of_labels(const VertexMask& inside, const LevelBox& box, const Suppo
   BrickMask band = interface_bricks(content, n);
   for (size_t b = 0; b < support.grid.size(); ++b) band.set(support.grid.coord(b));
 
-  Level level = make_level(box, static_cast<float>(lambda), band, support.grid, support.f, parallel, norm);
-  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
+  Level level = make_level(box, static_cast<float>(lambda), band, support.grid, support.f, context, norm);
+  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     const Vec3i brick = level.grid.coord(b);
     for_each_brick_row(brick, [&](int y, int z, int r) {
       for (int x = 0; x < brick_side; ++x)
@@ -157,22 +158,22 @@ std::vector<Link> graph_links(const GraphCutParams& params, double lambda) {
 }
 
 Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutParams& params,
-                      const Parallel& parallel, Progress& progress, GraphCutReport& report) {
+                      const Context& context, GraphCutReport& report) {
   const auto start = std::chrono::steady_clock::now();
   const std::vector<Link> links = graph_links(params, lambda);
   const LevelBox box = lattice.box(0);
   VertexMask band = vertices_with_data(support, box);
-  band.dilate(first_dilation, parallel);
+  band.dilate(first_dilation, context);
   band &= free_vertices(box);
 
   report = {};
   VertexMask inside;
   for (int reach = first_growth;; reach *= 2) {
-    progress.check();
+    context.check();
     {
-      const BandGraph graph(band, box, support, links, parallel);
-      progress.detail(fmt::format("graph cut {}: {} vertices", report.growths + 1, graph.vertices()));
-      const MinCut cut = min_cut(graph, progress);
+      const BandGraph graph(band, box, support, links, context);
+      context.progress().detail(fmt::format("graph cut {}: {} vertices", report.growths + 1, graph.vertices()));
+      const MinCut cut = min_cut(graph, context);
       report.vertices = graph.vertices();
       report.links = cut.links;
       report.flow = cut.flow;
@@ -190,7 +191,7 @@ Level solve_graph_cut(const Lattice& lattice, const SupportField& support, doubl
     grow(band, votes, box, links, reach);
     ++report.growths;
   }
-  Level level = level_of_labels(inside, box, support, lambda, params.norm, parallel);
+  Level level = level_of_labels(inside, box, support, lambda, params.norm, context);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return level;
 }

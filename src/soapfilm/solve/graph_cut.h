@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/solve/band_graph.h"
@@ -51,6 +51,6 @@ std::vector<Link> graph_links(const GraphCutParams& params, double lambda);
 /// The level returned has u binary, p = 0 and the norm of the parameters. `support` must outlive it.
 /// One thread cuts. Throws ParameterError as above and where the graph passes 2^32 edges.
 Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutParams& params,
-                      const Parallel& parallel, Progress& progress, GraphCutReport& report);
+                      const Context& context, GraphCutReport& report);
 
 }  // namespace soapfilm

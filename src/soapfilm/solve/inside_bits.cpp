@@ -1,4 +1,5 @@
 #include "soapfilm/solve/inside_bits.h"
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 
@@ -17,9 +18,9 @@ BrickBits inside_of(const Level& level, float threshold, int32_t n, Vec3i brick)
                 : constant_bits(level, threshold, n, brick);
 }
 
-InsideBits::InsideBits(const Level& level, float threshold, const Parallel& parallel)
+InsideBits::InsideBits(const Level& level, float threshold, const Context& context)
     : level_(level), threshold_(threshold), bits_(level.grid.size()) {
-  parallel.for_each(bits_.size(), 64, [&](size_t b) { bits_[b] = BrickBits::above(level.u.brick(b), threshold); });
+  parallel_for(context, bits_.size(), 64, [&](size_t b) { bits_[b] = BrickBits::above(level.u.brick(b), threshold); });
 }
 
 const BrickBits& InsideBits::of(int32_t n, Vec3i brick) const {
@@ -52,9 +53,9 @@ BrickBits InsideBits::joined_to(size_t b, int axis, int step) const {
   return found;
 }
 
-std::vector<BrickBits> InsideBits::interfaces(const Parallel& parallel) const {
+std::vector<BrickBits> InsideBits::interfaces(const Context& context) const {
   std::vector<BrickBits> found(bits_.size());
-  parallel.for_each(found.size(), 64, [&](size_t b) { found[b] = interface(b); });
+  parallel_for(context, found.size(), 64, [&](size_t b) { found[b] = interface(b); });
   return found;
 }
 

@@ -14,14 +14,14 @@ BrickBits inside_of(const Level& level, float threshold, int32_t n, Vec3i brick)
 /// u > threshold in the level's bricks and in the constant ones of its domain. The level must outlive it.
 class InsideBits {
  public:
-  InsideBits(const Level& level, float threshold, const Parallel& parallel);
+  InsideBits(const Level& level, float threshold, const Context& context);
 
   /// As inside_of().
   const BrickBits& of(int32_t n, Vec3i brick) const;
   /// The vertices of brick b of the level with one of their six neighbours on the other side; an open border has no
   /// sides.
   BrickBits interface(size_t b) const;
-  std::vector<BrickBits> interfaces(const Parallel& parallel) const;  ///< of all bricks
+  std::vector<BrickBits> interfaces(const Context& context) const;  ///< of all bricks
 
  private:
   /// Free vertices whose neighbour along an axis, up (step 1) or down (-1), is free too.

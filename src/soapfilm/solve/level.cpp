@@ -1,4 +1,5 @@
 #include "soapfilm/solve/level.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 
@@ -10,12 +11,12 @@ alignas(64) constexpr float zeros[brick_volume] = {};
 
 }  // namespace
 
-Rim::Rim(const BrickGrid& grid) : plane_(grid.size()) {
+Rim::Rim(const BrickGrid& grid, const PagePool& pages) : plane_(grid.size()) {
   int32_t planes = 0;
   for (size_t b = 0; b < grid.size(); ++b)
     for (size_t axis = 0; axis < 3; ++axis)
       plane_[b][axis] = grid.neighbors(b)[slot_down[axis]] == outside_band ? planes++ : no_plane;
-  flux_ = AlignedArray<float>(static_cast<size_t>(planes) * brick_area);
+  flux_ = AlignedArray<float>(static_cast<size_t>(planes) * brick_area, pages);
 }
 
 const float* Level::data(size_t brick) const {
@@ -24,25 +25,25 @@ const float* Level::data(size_t brick) const {
 }
 
 Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
-                 const Field<float>& f, const Parallel& parallel, Norm norm) {
+                 const Field<float>& f, const Context& context, Norm norm) {
   Level level;
   level.box = box;
   level.lambda = lambda;
   level.norm = norm;
-  level.grid = BrickGrid(band, parallel);
+  level.grid = BrickGrid(band, context);
   level.inside = BrickMask(box.bricks);
-  level.u = Field<float>(level.grid);
-  level.p = Field<float, 3>(level.grid);
-  level.rim = Rim(level.grid);
+  level.u = Field<float>(level.grid, context.pages());
+  level.p = Field<float, 3>(level.grid, context.pages());
+  level.rim = Rim(level.grid, context.pages());
   level.f = &f;
   level.f_brick.resize(level.grid.size());
-  parallel.for_each(level.grid.size(), 1024,
-                    [&](size_t b) { level.f_brick[b] = std::max(-1, support.find(level.grid.coord(b))); });
+  parallel_for(context, level.grid.size(), 1024,
+               [&](size_t b) { level.f_brick[b] = std::max(-1, support.find(level.grid.coord(b))); });
   return level;
 }
 
-void scale_flux(Level& level, float share, const Parallel& parallel) {
-  parallel.for_each(level.grid.size(), 64, [&](size_t b) {
+void scale_flux(Level& level, float share, const Context& context) {
+  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     for (int axis = 0; axis < 3; ++axis) {
       float* p = level.p.brick(b, axis);
       for (int i = 0; i < brick_volume; ++i) p[i] *= share;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/grid/lattice.h"
@@ -23,7 +23,7 @@ class Rim {
   static constexpr int32_t no_plane = -1;
 
   Rim() = default;
-  explicit Rim(const BrickGrid& grid);
+  explicit Rim(const BrickGrid& grid, const PagePool& pages = {});
 
   /// 64 fluxes, the lower of the two remaining coordinates fastest; null where the face is not on the rim.
   float* plane(size_t brick, int axis) {
@@ -91,10 +91,10 @@ struct Level {
 
 /// A level whose u and p are zero and whose rim fluxes are zero.
 Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
-                 const Field<float>& f, const Parallel& parallel, Norm norm = Norm::isotropic);
+                 const Field<float>& f, const Context& context, Norm norm = Norm::isotropic);
 
 /// p *= share on the band, its rim and outside, 0 <= share <= 1: it stays feasible, and the certificate one.
-void scale_flux(Level& level, float share, const Parallel& parallel);
+void scale_flux(Level& level, float share, const Context& context);
 
 /// See solve/low_face.h.
 LowFace low_face(const Level& level, size_t brick, int axis);

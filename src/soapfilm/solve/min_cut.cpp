@@ -176,7 +176,7 @@ struct ParentMap {
   static constexpr uint8_t sinks_tree = 0x80;
   uint8_t* codes;
   Reverse reverse;
-  const Progress* progress;
+  const Context* context;
   size_t* writes;
 };
 Edge get(const ParentMap& map, uint32_t vertex) {
@@ -186,7 +186,7 @@ Edge get(const ParentMap& map, uint32_t vertex) {
 }
 void put(const ParentMap& map, uint32_t vertex, Edge edge) {
   constexpr size_t writes_between_checks = 1 << 16;
-  if (++*map.writes % writes_between_checks == 0) map.progress->check();
+  if (++*map.writes % writes_between_checks == 0) map.context->check();
   const bool sinks = edge.src == vertex;
   const Edge own = sinks ? edge : map.reverse(edge);
   map.codes[vertex] =
@@ -222,7 +222,7 @@ constexpr double own_bytes_per_vertex = sizeof(long) + 2.0 / 8;
 
 }  // namespace
 
-MinCut min_cut(const BandGraph& band, const Progress& progress) {
+MinCut min_cut(const BandGraph& band, const Context& context) {
   Nodes nodes(band);
   const uint32_t n = band.vertices();
   const Graph graph = make_graph(band, nodes);
@@ -241,7 +241,7 @@ MinCut min_cut(const BandGraph& band, const Progress& progress) {
   MinCut cut;
   cut.flow = boost::boykov_kolmogorov_max_flow(
       graph, ResidualMap{residual.data()}, ResidualMap{residual.data()}, ReverseMap{reverse},
-      ParentMap{parent.data(), reverse, &progress, &writes}, color,
+      ParentMap{parent.data(), reverse, &context, &writes}, color,
       boost::make_iterator_property_map(distance.begin(), index), index, n, n + 1);
   cut.inside.resize(n);
   for (uint32_t v = 0; v < n; ++v) cut.inside[v] = get(color, v) == boost::two_bit_black;

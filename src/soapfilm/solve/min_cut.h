@@ -17,6 +17,6 @@ struct MinCut {
 };
 
 /// Minimises sum of unary u + sum over links of weight |u_i - u_j|, in double. One thread.
-MinCut min_cut(const BandGraph& graph, const Progress& progress);
+MinCut min_cut(const BandGraph& graph, const Context& context);
 
 }  // namespace soapfilm

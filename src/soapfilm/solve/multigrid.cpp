@@ -1,4 +1,5 @@
 #include "soapfilm/solve/multigrid.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 
@@ -21,9 +22,9 @@ enum class Colour { red = 0, black = 1 };
 
 /// Solves the equations of one colour, x + y + z even (red) or odd (black); the other colour's x stays.
 void relax(const BoxLaplacian& matrix, const DenseField<float>& b, Colour colour, DenseField<float>& x,
-           const Parallel& parallel) {
+           const Context& context) {
   const Vec3i free = matrix.free();
-  for_layers(free, parallel, [&](int z) {
+  for_layers(free, context, [&](int z) {
     for (int y = 1; y <= free.y; ++y) {
       const int first = (1 + y + z) % 2 == static_cast<int>(colour) ? 1 : 2;
       relax_row(matrix.row(y, z), rows_around(x, y, z), b.row(y, z), first, free.x, x.row(y, z));
@@ -33,9 +34,9 @@ void relax(const BoxLaplacian& matrix, const DenseField<float>& b, Colour colour
 
 /// The red half of a sweep that starts from x = 0. Black vertices are filled alike: their turn comes next.
 void relax_red_from_zero(const BoxLaplacian& matrix, const DenseField<float>& b, DenseField<float>& x,
-                         const Parallel& parallel) {
+                         const Context& context) {
   const Vec3i free = matrix.free();
-  for_layers(free, parallel, [&](int z) {
+  for_layers(free, context, [&](int z) {
     for (int y = 1; y <= free.y; ++y) {
       const RowStencils stencils = matrix.row(y, z);
       const float inverse = 1.0f / stencils.inner.sum();
@@ -95,30 +96,30 @@ size_t Multigrid::bytes() const {
   return sum;
 }
 
-void Multigrid::precondition(const DenseField<float>& r, DenseField<float>& z, const Parallel& parallel) {
-  cycle(0, r, z, parallel);
+void Multigrid::precondition(const DenseField<float>& r, DenseField<float>& z, const Context& context) {
+  cycle(0, r, z, context);
 }
 
-void Multigrid::cycle(size_t l, const DenseField<float>& b, DenseField<float>& x, const Parallel& parallel) {
+void Multigrid::cycle(size_t l, const DenseField<float>& b, DenseField<float>& x, const Context& context) {
   const BoxLaplacian& matrix = levels_[l].matrix;
-  relax_red_from_zero(matrix, b, x, parallel);
-  relax(matrix, b, Colour::black, x, parallel);
+  relax_red_from_zero(matrix, b, x, context);
+  relax(matrix, b, Colour::black, x, context);
   if (l + 1 < levels_.size()) {
-    restrict_residual(l, b, x, parallel);
-    cycle(l + 1, levels_[l + 1].b, levels_[l + 1].x, parallel);
-    add_correction(l, x, parallel);
+    restrict_residual(l, b, x, context);
+    cycle(l + 1, levels_[l + 1].b, levels_[l + 1].x, context);
+    add_correction(l, x, context);
   } else {
     for (int sweep = 1; sweep < coarsest_sweeps; ++sweep)
-      for (const Colour colour : {Colour::red, Colour::black}) relax(matrix, b, colour, x, parallel);
+      for (const Colour colour : {Colour::red, Colour::black}) relax(matrix, b, colour, x, context);
     for (int sweep = 1; sweep < coarsest_sweeps; ++sweep)
-      for (const Colour colour : {Colour::black, Colour::red}) relax(matrix, b, colour, x, parallel);
+      for (const Colour colour : {Colour::black, Colour::red}) relax(matrix, b, colour, x, context);
   }
-  relax(matrix, b, Colour::black, x, parallel);
-  relax(matrix, b, Colour::red, x, parallel);
+  relax(matrix, b, Colour::black, x, context);
+  relax(matrix, b, Colour::red, x, context);
 }
 
 void Multigrid::restrict_residual(size_t l, const DenseField<float>& b, const DenseField<float>& x,
-                                  const Parallel& parallel) {
+                                  const Context& context) {
   const Level& fine = levels_[l];
   DenseField<float>& out = levels_[l + 1].b;
   const AxisTransfer along_x(fine.matrix.axis(0)), along_y(fine.matrix.axis(1)), along_z(fine.matrix.axis(2));
@@ -126,7 +127,7 @@ void Multigrid::restrict_residual(size_t l, const DenseField<float>& b, const De
   const Vec3i coarse = levels_[l + 1].matrix.free();
   // A chunk owns its coarse layers and recomputes the one residual layer that it shares with the next chunk.
   constexpr size_t layers_per_task = 8;
-  parallel.for_chunks(static_cast<size_t>(coarse.z), layers_per_task, [&](size_t begin, size_t end) {
+  parallel_chunks(context, static_cast<size_t>(coarse.z), layers_per_task, [&](size_t begin, size_t end) {
     const int first = static_cast<int>(begin) + 1, last = static_cast<int>(end);
     std::fill(out.row(0, first), out.row(0, last + 1), 0.0f);
     std::vector<float> residual(static_cast<size_t>(free.x) + 1);
@@ -144,13 +145,13 @@ void Multigrid::restrict_residual(size_t l, const DenseField<float>& b, const De
   });
 }
 
-void Multigrid::add_correction(size_t l, DenseField<float>& x, const Parallel& parallel) const {
+void Multigrid::add_correction(size_t l, DenseField<float>& x, const Context& context) const {
   const Level& fine = levels_[l];
   const DenseField<float>& correction = levels_[l + 1].x;
   const AxisTransfer along_x(fine.matrix.axis(0)), along_y(fine.matrix.axis(1)), along_z(fine.matrix.axis(2));
   const Vec3i free = fine.matrix.free();
   const size_t width = static_cast<size_t>(correction.size().x);
-  for_layers(free, parallel, [&](int z) {
+  for_layers(free, context, [&](int z) {
     std::vector<float> sum(width);
     for (int y = 1; y <= free.y; ++y) {
       std::fill(sum.begin(), sum.end(), 0.0f);

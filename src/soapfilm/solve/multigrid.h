@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/grid/dense_field.h"
 #include "soapfilm/solve/box_laplacian.h"
 
@@ -37,7 +37,7 @@ class Multigrid {
   explicit Multigrid(Vec3i free);
 
   /// z = B r. Both are fields of free + 2 vertices; the border of r is not read, that of z must be zero and stays so.
-  void precondition(const DenseField<float>& r, DenseField<float>& z, const Parallel& parallel);
+  void precondition(const DenseField<float>& r, DenseField<float>& z, const Context& context);
 
   /// A itself.
   const BoxLaplacian& matrix() const { return levels_.front().matrix; }
@@ -51,9 +51,9 @@ class Multigrid {
     DenseField<float> b, x;  ///< the coarse levels' own; empty at the finest
   };
 
-  void cycle(size_t level, const DenseField<float>& b, DenseField<float>& x, const Parallel& parallel);
-  void restrict_residual(size_t fine, const DenseField<float>& b, const DenseField<float>& x, const Parallel& parallel);
-  void add_correction(size_t fine, DenseField<float>& x, const Parallel& parallel) const;
+  void cycle(size_t level, const DenseField<float>& b, DenseField<float>& x, const Context& context);
+  void restrict_residual(size_t fine, const DenseField<float>& b, const DenseField<float>& x, const Context& context);
+  void add_correction(size_t fine, DenseField<float>& x, const Context& context) const;
 
   std::vector<Level> levels_;  ///< fine to coarse
 };

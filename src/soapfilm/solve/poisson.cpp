@@ -1,4 +1,5 @@
 #include "soapfilm/solve/poisson.h"
+#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -37,8 +38,8 @@ double dot_row(const float* a, const float* b, int free) {
 /// The steps of conjugate gradients on whole fields; every sum runs over rows, then layers, in fixed order.
 class FieldAlgebra {
  public:
-  FieldAlgebra(const BoxLaplacian& matrix, const Parallel& parallel)
-      : matrix_(matrix), free_(matrix.free()), parallel_(parallel), layer_sums_(static_cast<size_t>(free_.z)) {}
+  FieldAlgebra(const BoxLaplacian& matrix, const Context& context)
+      : matrix_(matrix), free_(matrix.free()), context_(context), layer_sums_(static_cast<size_t>(free_.z)) {}
 
   double dot(const DenseField<float>& a, const DenseField<float>& b) {
     return sum_rows([&](int y, int z) { return dot_row(a.row(y, z), b.row(y, z), free_.x); });
@@ -88,14 +89,14 @@ class FieldAlgebra {
 
   template <class Row>
   void for_rows(Row&& row) {
-    for_layers(free_, parallel_, [&](int z) {
+    for_layers(free_, context_, [&](int z) {
       for (int y = 1; y <= free_.y; ++y) row(y, z);
     });
   }
 
   template <class Row>
   double sum_rows(Row&& row) {
-    for_layers(free_, parallel_, [&](int z) {
+    for_layers(free_, context_, [&](int z) {
       double sum = 0;
       for (int y = 1; y <= free_.y; ++y) sum += row(y, z);
       layer_sums_[static_cast<size_t>(z) - 1] = sum;
@@ -107,15 +108,15 @@ class FieldAlgebra {
 
   const BoxLaplacian& matrix_;
   Vec3i free_;
-  const Parallel& parallel_;
+  const Context& context_;
   std::vector<double> layer_sums_;
 };
 
 /// b = f / (2 lambda): the matrix is then the plain 7-point stencil.
-void fill_data(const SupportField& support, double lambda, DenseField<float>& b, const Parallel& parallel) {
+void fill_data(const SupportField& support, double lambda, DenseField<float>& b, const Context& context) {
   std::fill(b.data(), b.data() + b.count(), 0.0f);
   const auto scale = static_cast<float>(1 / (2 * lambda));
-  parallel.for_each(support.grid.size(), 64, [&](size_t brick) {
+  parallel_for(context, support.grid.size(), 64, [&](size_t brick) {
     for_each_run(b, support.grid.coord(brick), [&](float* row, int x, int y, int z, int n) {
       const float* f = support.f.brick(brick) + brick_offset(x, y, z);
       for (int i = 0; i < n; ++i) row[i] = scale * f[i];
@@ -126,25 +127,25 @@ void fill_data(const SupportField& support, double lambda, DenseField<float>& b,
 }  // namespace
 
 DenseField<float> solve_poisson(const Lattice& lattice, const SupportField& support, double lambda,
-                                const PoissonParams& params, const Parallel& parallel, Progress& progress,
-                                PoissonReport& report) {
+                                const PoissonParams& params, const Context& context, PoissonReport& report) {
   validate(lambda, params);
   const LevelBox box = lattice.box(0);
   const Vec3i free = box.free_hi - box.free_lo + Vec3i{1, 1, 1};
   Multigrid multigrid(free);
-  FieldAlgebra fields(multigrid.matrix(), parallel);
-  DenseField<float> u(box), r(box), p(box), z(box);
+  FieldAlgebra fields(multigrid.matrix(), context);
+  const PagePool& pages = context.pages();
+  DenseField<float> u(box, pages), r(box, pages), p(box, pages), z(box, pages);
   report = {};
   report.unknowns = static_cast<size_t>(free.x) * static_cast<size_t>(free.y) * static_cast<size_t>(free.z);
   report.bytes = u.bytes() + r.bytes() + p.bytes() + z.bytes() + multigrid.bytes();
 
-  fill_data(support, lambda, r, parallel);
+  fill_data(support, lambda, r, context);
   const double b_b = fields.dot(r, r);
   double r_r = b_b, r_z = 0;
   const auto relative = [&] { return b_b > 0 ? std::sqrt(r_r / b_b) : 0.0; };
   while (report.iterations < params.max_iterations && relative() > params.tolerance) {
-    progress.check();
-    multigrid.precondition(r, z, parallel);
+    context.check();
+    multigrid.precondition(r, z, context);
     const double previous = std::exchange(r_z, fields.dot(r, z));
     fields.renew_direction(z, previous > 0 ? r_z / previous : 0.0, p);
     DenseField<float>& q = z;  // z has done its work: one field less
@@ -152,12 +153,12 @@ DenseField<float> solve_poisson(const Lattice& lattice, const SupportField& supp
     r_r = fields.step(alpha, p, q, u, r);
     ++report.iterations;
     report.residuals.push_back(relative());
-    progress.advance(std::min(1.0, std::log(relative()) / std::log(params.tolerance)),
-                     fmt::format("{} iterations, residual {:.1e}", report.iterations, relative()));
+    context.progress().advance(std::min(1.0, std::log(relative()) / std::log(params.tolerance)),
+                               fmt::format("{} iterations, residual {:.1e}", report.iterations, relative()));
   }
 
   // The recurrence's r drifts away from u's by rounding: what is reported is computed anew.
-  fill_data(support, lambda, r, parallel);
+  fill_data(support, lambda, r, context);
   const double b_u = fields.dot(r, u);
   r_r = fields.residual(u, r);
   report.residual = relative();

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/dense_field.h"
@@ -36,7 +36,6 @@ struct PoissonReport {
 /// 512 vertices, and a tolerance below that is reported as not reached.
 /// Throws ParameterError for a lambda, tolerance or number of iterations out of range, Cancelled.
 DenseField<float> solve_poisson(const Lattice& lattice, const SupportField& support, double lambda,
-                                const PoissonParams& params, const Parallel& parallel, Progress& progress,
-                                PoissonReport& report);
+                                const PoissonParams& params, const Context& context, PoissonReport& report);
 
 }  // namespace soapfilm

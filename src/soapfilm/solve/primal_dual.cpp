@@ -69,22 +69,22 @@ StepSizes steps_of(double sigma) { return {static_cast<float>(sigma), static_cas
 
 }  // namespace
 
-PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params, const Parallel& parallel,
-                                   Progress& progress, const PrimalDualRun& run) {
+PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params, const Context& context,
+                                   const PrimalDualRun& run) {
   const double sigma = params.step_balance * level.lambda;
   const int estimates = run.evaluated || level.grid.size() < least_bricks_to_estimate ? 1 : most_estimates;
-  Sweeper sweeper(level, parallel);
+  Sweeper sweeper(level, context);
   PrimalDualReport report;
   Forecast forecast(params.tolerance);
   Stall stall;
-  Settling settling(level, parallel);
+  Settling settling(level, context);
   const bool settles = run.settles && params.settle;
   bool late = run.late, ended = false;
   int check_after = (params.check_every + 1) / 2;
   for (int check = 1; report.iterations < params.max_iterations && !ended; ++check) {
     const int sweeps = std::min(check_after, params.max_iterations - report.iterations);
     for (int done = 0; done < sweeps; done += Sweeper::tile_sweeps) {
-      progress.check();
+      context.check();
       sweeper.sweep(steps_of(late ? late_balance * sigma : sigma), std::min(Sweeper::tile_sweeps, sweeps - done));
     }
     report.iterations += sweeps;
@@ -96,12 +96,12 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
     };
     bool stalled = false;
     if (!whole) {
-      gap = estimate_gap(level, parallel);
+      gap = estimate_gap(level, context);
       stalled = run.stalls && stall.found(report.iterations, gap, false);
       whole = stalled || gap <= params.tolerance || (settles && settling.due(report.iterations, gap, params.tolerance));
     }
     if (whole) {
-      report.energies = evaluate_energy(level, {}, parallel);
+      report.energies = evaluate_energy(level, {}, context);
       gap = report.energies.relative_gap_band(level.lambda);
       report.converged = gap <= params.tolerance;
       if (run.evaluated) run.evaluated(report.iterations, report.energies);

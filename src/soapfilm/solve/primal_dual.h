@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/level.h"
@@ -40,7 +40,7 @@ struct PrimalDualRun {
 };
 
 /// Moves level.u and level.p.
-PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params, const Parallel& parallel,
-                                   Progress& progress, const PrimalDualRun& run = {});
+PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params, const Context& context,
+                                   const PrimalDualRun& run = {});
 
 }  // namespace soapfilm

@@ -1,4 +1,5 @@
 #include "soapfilm/solve/profit.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -45,7 +46,7 @@ bool Settling::due(int iterations, double gap, double tolerance) const {
 }
 
 bool Settling::found(int iterations, const Energies& relaxed) {
-  const Energies binary = evaluate_energy(level_, {.threshold = 0.5f, .certify = false}, parallel_);
+  const Energies binary = evaluate_energy(level_, {.threshold = 0.5f, .certify = false}, context_);
   const bool first = iterations_ == 0;
   const double allowed = labels_per_area * binary.total_variation * (iterations - iterations_) / label_look_every;
   const bool same_labels = static_cast<double>(changed_labels()) <= allowed;
@@ -58,7 +59,7 @@ bool Settling::found(int iterations, const Energies& relaxed) {
 size_t Settling::changed_labels() {
   inside_.resize(level_.grid.size());
   std::vector<size_t> changed(inside_.size());
-  parallel_.for_each(inside_.size(), 64, [&](size_t b) {
+  parallel_for(context_, inside_.size(), 64, [&](size_t b) {
     const BrickBits now = BrickBits::above(level_.u.brick(b), 0.5f);
     for (size_t z = 0; z < now.layer.size(); ++z)
       changed[b] += static_cast<size_t>(count_bits(now.layer[z] ^ inside_[b].layer[z]));

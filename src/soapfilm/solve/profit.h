@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/level.h"
@@ -40,7 +40,7 @@ class Stall {
 /// Finds that the thresholded u has settled.
 class Settling {
  public:
-  Settling(const Level& level, const Parallel& parallel) : level_(level), parallel_(parallel) {}
+  Settling(const Level& level, const Context& context) : level_(level), context_(context) {}
 
   /// Is it time to look at the labels? The relaxed gap is within ten times the tolerance.
   bool due(int iterations, double gap, double tolerance) const;
@@ -53,7 +53,7 @@ class Settling {
   size_t changed_labels();
 
   const Level& level_;
-  const Parallel& parallel_;
+  const Context& context_;
   int iterations_ = 0;  ///< at the last look, 0: there was none
   double gap_ = 0;      ///< thresholded
   std::vector<BrickBits> inside_;

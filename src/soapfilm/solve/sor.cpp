@@ -40,10 +40,9 @@ void validate(const SorParams& params) {
 }
 
 SorLevelReport relax_sor(DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
-                         const SorParams& params, const Parallel& parallel, Progress& progress,
-                         const SorObserver& observe) {
+                         const SorParams& params, const Context& context, const SorObserver& observe) {
   validate(params);
-  SorPass pass(u, lambda, support, params, parallel);
+  SorPass pass(u, lambda, support, params, context);
   SorLevelReport report;
   report.level = box.level;
   report.bytes = pass.bytes();
@@ -52,13 +51,13 @@ SorLevelReport relax_sor(DenseField<float>& u, const LevelBox& box, double lambd
     const auto start = Clock::now();
     const int iterations = std::min(params.renew_every, params.max_iterations - report.iterations);
     const size_t pass_begin = report.energy.size();
-    pass.run(iterations, progress, report.energy);
+    pass.run(iterations, report.energy);
     report.iterations += iterations;
     report.converged = settled(report.energy, pass_begin, params.tolerance);
     elapsed += std::chrono::duration<double>(Clock::now() - start).count();
     report.seconds.resize(report.energy.size(), elapsed);
     if (observe) observe({box, lambda, support, u, report.iterations, elapsed});
-    progress.advance(
+    context.progress().advance(
         static_cast<double>(report.iterations) / params.max_iterations,
         fmt::format("level {}, {} iterations, energy {:.6g}", box.level, report.iterations, report.energy.back()));
   }

@@ -13,7 +13,7 @@
 #include <functional>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/core/progress.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/dense_field.h"
@@ -71,13 +71,12 @@ using SorObserver = std::function<void(const SorState&)>;
 /// Moves u, which is 0 on the box's outermost layer, until every iteration of a pass changes E by less than the
 /// tolerance, or to the limit. `lambda` is this level's. The result does not depend on threads or SIMD target.
 SorLevelReport relax_sor(DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
-                         const SorParams& params, const Parallel& parallel, Progress& progress,
-                         const SorObserver& observe = {});
+                         const SorParams& params, const Context& context, const SorObserver& observe = {});
 
 /// The whole-box u as a level whose p is the dual that equation (8) implies, p = lambda g_ij (u_j - u_i) on the face
 /// between i and j, scaled to |p| <= lambda where it is longer. Outside the band u is constant and p = 0. `support`
 /// must outlive the level.
 Level sor_level(const DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
-                const SorParams& params, const Parallel& parallel);
+                const SorParams& params, const Context& context);
 
 }  // namespace soapfilm

@@ -7,14 +7,16 @@
 #include "soapfilm/solve/sor_kernel-inl.h"
 
 #if HWY_ONCE
-#include "soapfilm/core/simd.h"
+#include "soapfilm/core/dispatch-inl.h"
 
 namespace soapfilm {
 
 HWY_EXPORT(sor_row_kernel);
 SorKernel scalar_sor_kernel();
 
-SorKernel sor_kernel() { return scalar_forced() ? scalar_sor_kernel() : HWY_DYNAMIC_DISPATCH(sor_row_kernel)(); }
+SorKernel sor_kernel(const SimdTarget& simd) {
+  return simd.is_scalar() ? scalar_sor_kernel() : SOAPFILM_DISPATCH(simd, sor_row_kernel)();
+}
 
 }  // namespace soapfilm
 #endif  // HWY_ONCE

@@ -5,6 +5,8 @@
 // cut into runs of 8 values from its first one; only the runs marked active are touched.
 #pragma once
 
+#include "soapfilm/core/simd.h"
+
 #include <cstddef>
 #include <cstdint>
 
@@ -66,7 +68,7 @@ struct SorKernel {
   void (*relax_colour)(const RelaxJob& job, const SorRow& row, int parity, const uint8_t* active);
 };
 
-/// The kernel of the best target of this processor, or of the one that force_simd_target() named.
-SorKernel sor_kernel();
+/// The kernel of a SIMD target.
+SorKernel sor_kernel(const SimdTarget& simd);
 
 }  // namespace soapfilm

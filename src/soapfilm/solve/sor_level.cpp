@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/solve/dense_level.h"
 #include "soapfilm/solve/sor.h"
 
@@ -63,9 +64,9 @@ void imply_dual(const Values& u, const Diffusivity& g, float lambda, float* px, 
 }  // namespace
 
 Level sor_level(const DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
-                const SorParams& params, const Parallel& parallel) {
-  Level level = level_of(u, box, static_cast<float>(lambda), support.grid, support.f, parallel);
-  parallel.for_each(level.grid.size(), 16, [&](size_t b) {
+                const SorParams& params, const Context& context) {
+  Level level = level_of(u, box, static_cast<float>(lambda), support.grid, support.f, context);
+  parallel_for(context, level.grid.size(), 16, [&](size_t b) {
     const Values values = values_around(u, level.grid.first_vertex(b));
     const Diffusivity g = diffusivity_of(values, params);
     imply_dual(values, g, level.lambda, level.p.brick(b, 0), level.p.brick(b, 1), level.p.brick(b, 2));

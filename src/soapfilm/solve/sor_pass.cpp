@@ -1,4 +1,5 @@
 #include "soapfilm/solve/sor_pass.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,13 +31,13 @@ size_t padded(int size) { return static_cast<size_t>(size) + 2 * row_begin; }
 }  // namespace
 
 SorPass::SorPass(DenseField<float>& u, double lambda, const SupportField& support, const SorParams& params,
-                 const Parallel& parallel)
+                 const Context& context)
     : u_(u),
       params_(params),
-      parallel_(parallel),
+      context_(context),
       lambda_(lambda),
-      kernel_(sor_kernel()),
-      kinds_(u, params.skip_empty, parallel),
+      kernel_(sor_kernel(context.simd())),
+      kinds_(u, params.skip_empty, context),
       data_(u, support, 2 / lambda),
       zeros_(padded(u.size().x), 0.0f),
       slab_(slab_of(params.order)) {
@@ -51,7 +52,7 @@ SorPass::SorPass(DenseField<float>& u, double lambda, const SupportField& suppor
   // From the lowest layer that the last stage reads to the highest one that the first stage writes.
   const int stage_count = static_cast<int>(stages(params.renew_every).size());
   ring_ = std::min(u.size().z, (slab_ + 1) * stage_count + 1);
-  g_ = AlignedArray<float>(static_cast<size_t>(ring_) * u.stride(2));
+  g_ = AlignedArray<float>(static_cast<size_t>(ring_) * u.stride(2), context.pages());
 }
 
 std::vector<SorPass::Stage> SorPass::stages(int iterations) const {
@@ -91,12 +92,12 @@ double SorPass::sum_energy(int iteration) const {
 
 double SorPass::energy() {
   clear_sums(1);
-  parallel_.for_each(static_cast<size_t>(u_.size().z), 1,
-                     [&](size_t z) { measure_layer(static_cast<int>(z), 0, false); });
+  parallel_for(context_, static_cast<size_t>(u_.size().z), 1,
+               [&](size_t z) { measure_layer(static_cast<int>(z), 0, false); });
   return sum_energy(0);
 }
 
-void SorPass::run(int iterations, const Progress& progress, std::vector<double>& energy) {
+void SorPass::run(int iterations, std::vector<double>& energy) {
   const std::vector<Stage> list = stages(iterations);
   const int layers = u_.size().z, last_stage = static_cast<int>(list.size()) - 1;
   clear_sums(iterations);
@@ -105,7 +106,7 @@ void SorPass::run(int iterations, const Progress& progress, std::vector<double>&
   // second one waits.
   std::vector<Task> tasks, waiting;
   for (int t = 0; t < steps; ++t) {
-    progress.check();
+    context_.check();
     tasks.clear();
     waiting.clear();
     for (int s = last_stage; s >= 0; --s) {
@@ -118,7 +119,7 @@ void SorPass::run(int iterations, const Progress& progress, std::vector<double>&
             .push_back({&stage, z, std::min(z + grain, end)});
     }
     for (const std::vector<Task>* ready : {&tasks, &waiting})
-      parallel_.for_each(ready->size(), 1, [&](size_t k) {
+      parallel_for(context_, ready->size(), 1, [&](size_t k) {
         const Task& task = (*ready)[k];
         run_task(*task.stage, task.begin, task.end);
       });

@@ -23,10 +23,10 @@ class SorPass {
  public:
   /// `lambda` is this level's. What is referred to must outlive the pass.
   SorPass(DenseField<float>& u, double lambda, const SupportField& support, const SorParams& params,
-          const Parallel& parallel);
+          const Context& context);
 
   /// Renews g once, then iterates. Appends E(u) before each of the iterations to `energy`.
-  void run(int iterations, const Progress& progress, std::vector<double>& energy);
+  void run(int iterations, std::vector<double>& energy);
   /// E(u) = lambda TV(u) - <f, u> of the u as it is.
   double energy();
   /// Of u, g, the kinds of runs and the data term.
@@ -59,7 +59,7 @@ class SorPass {
 
   DenseField<float>& u_;
   const SorParams& params_;
-  const Parallel& parallel_;
+  const Context& context_;
   const double lambda_;
   const SorKernel kernel_;
   RunKinds kinds_;

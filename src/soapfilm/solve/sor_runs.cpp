@@ -1,16 +1,17 @@
 #include "soapfilm/solve/sor_runs.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <numeric>
 
 namespace soapfilm {
 
-RunKinds::RunKinds(const DenseField<float>& u, bool skip_empty, const Parallel& parallel)
+RunKinds::RunKinds(const DenseField<float>& u, bool skip_empty, const Context& context)
     : runs_((u.size().x + sor_run - 1) / sor_run), rows_(u.size().y), layers_(u.size().z) {
   if (!skip_empty) return;
   beyond_.assign(static_cast<size_t>(runs_), RunKind::zero);
   kinds_.resize(offset(0, u.size().z));
-  parallel.for_each(static_cast<size_t>(u.size().z), 1, [&](size_t layer) {
+  parallel_for(context, static_cast<size_t>(u.size().z), 1, [&](size_t layer) {
     const int z = static_cast<int>(layer);
     for (int y = 0; y < rows_; ++y) {
       const float* values = u.row(y, z);

@@ -15,7 +15,7 @@ namespace soapfilm {
 class RunKinds {
  public:
   /// With `skip_empty` false every run counts as mixed and nothing is kept.
-  RunKinds(const DenseField<float>& u, bool skip_empty, const Parallel& parallel);
+  RunKinds(const DenseField<float>& u, bool skip_empty, const Context& context);
 
   int runs() const { return runs_; }
   /// Null when nothing is kept.

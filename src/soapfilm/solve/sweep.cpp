@@ -1,4 +1,5 @@
 #include "soapfilm/solve/sweep.h"
+#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <bit>
@@ -100,11 +101,11 @@ void fetch_neighbors(const BrickGrid& grid, size_t brick) {
 
 }  // namespace
 
-Sweeper::Sweeper(Level& level, const Parallel& parallel)
+Sweeper::Sweeper(Level& level, const Context& context)
     : level_(level),
-      parallel_(parallel),
-      kernel_(sweep_kernel(level.norm)),
-      faces_(level.grid.size() * faces_per_brick),
+      context_(context),
+      kernel_(sweep_kernel(context.simd(), level.norm)),
+      faces_(level.grid.size() * faces_per_brick, context.pages()),
       u_moved_(level.grid.size()),
       p_moved_(level.grid.size()),
       u_bar_moved_(level.grid.size()) {}
@@ -123,8 +124,8 @@ void Sweeper::sweep_tiles(StepSizes steps, int sweeps) {
   const auto tiles = [&](int bricks, int side) { return (bricks + sweeps - 1 + side - 1) / side; };
   const Vec3i bricks = level_.grid.bricks();
   const int ny = tiles(bricks.y, tile_y), nz = tiles(bricks.z, tile_z);
-  if (parallel_.threads() == 1) {  // along z, where the next tile reads what is still in the cache
-    parallel_.for_each(static_cast<size_t>(ny) * nz, 1, [&](size_t k) {
+  if (context_.threads() == 1) {  // along z, where the next tile reads what is still in the cache
+    parallel_for(context_, static_cast<size_t>(ny) * nz, 1, [&](size_t k) {
       const auto tile = static_cast<int>(k);
       sweep_tile({tile / nz, tile % nz, sweeps}, steps);
     });
@@ -132,7 +133,7 @@ void Sweeper::sweep_tiles(StepSizes steps, int sweeps) {
   }
   for (int diagonal = 0; diagonal < ny + nz - 1; ++diagonal) {
     const int first = std::max(0, diagonal - nz + 1), end = std::min(ny, diagonal + 1);
-    parallel_.for_each(static_cast<size_t>(end - first), 1, [&](size_t k) {
+    parallel_for(context_, static_cast<size_t>(end - first), 1, [&](size_t k) {
       const int y = first + static_cast<int>(k);
       sweep_tile({y, diagonal - y, sweeps}, steps);
     });

@@ -24,7 +24,7 @@
 #include <optional>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/context.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/solve/level.h"
 #include "soapfilm/solve/sweep_kernel.h"
@@ -41,7 +41,7 @@ struct StepSizes {
 /// Owns what the sweeps of one level keep between bricks.
 class Sweeper {
  public:
-  Sweeper(Level& level, const Parallel& parallel);
+  Sweeper(Level& level, const Context& context);
 
   /// Most sweeps that are done while a tile is in the cache.
   static constexpr int tile_sweeps = 8;
@@ -68,7 +68,7 @@ class Sweeper {
   void sweep_brick(size_t brick, StepSizes steps);
 
   Level& level_;
-  const Parallel& parallel_;
+  const Context& context_;
   SweepKernel kernel_;
   std::optional<StepSizes> last_steps_;
   AlignedArray<float> faces_;         ///< u_bar of each brick's first layers: 3 x 64

@@ -7,15 +7,15 @@
 #include "soapfilm/solve/sweep_kernel-inl.h"
 
 #if HWY_ONCE
-#include "soapfilm/core/simd.h"
+#include "soapfilm/core/dispatch-inl.h"
 
 namespace soapfilm {
 
 HWY_EXPORT(kernel);
 SweepKernel scalar_sweep_kernel(Norm norm);
 
-SweepKernel sweep_kernel(Norm norm) {
-  return scalar_forced() ? scalar_sweep_kernel(norm) : HWY_DYNAMIC_DISPATCH(kernel)(norm);
+SweepKernel sweep_kernel(const SimdTarget& simd, Norm norm) {
+  return simd.is_scalar() ? scalar_sweep_kernel(norm) : SOAPFILM_DISPATCH(simd, kernel)(norm);
 }
 
 }  // namespace soapfilm

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "soapfilm/core/simd.h"
 #include "soapfilm/grid/layout.h"
 #include "soapfilm/solve/low_face.h"
 #include "soapfilm/solve/norm.h"
@@ -54,7 +55,7 @@ struct SweepKernel {
   RowMask (*dual)(const DualJob& job);
 };
 
-/// The kernel of the best target of this processor, or of the one that force_simd_target() named.
-SweepKernel sweep_kernel(Norm norm);
+/// The kernel of a SIMD target.
+SweepKernel sweep_kernel(const SimdTarget& simd, Norm norm);
 
 }  // namespace soapfilm

@@ -1,10 +1,11 @@
-#include "soapfilm/core/zeroed_memory.h"
+#include "soapfilm/core/page_pool.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
@@ -60,9 +61,24 @@ std::byte* next_block(void* memory) {
   return reinterpret_cast<std::byte*>(rounded_up(reinterpret_cast<uintptr_t>(memory), block_bytes));
 }
 
+}  // namespace
+
 /// Blocks of freed arrays, a list that lies in the blocks themselves: freeing needs no memory.
 class SpareBlocks {
  public:
+  SpareBlocks() = default;
+  SpareBlocks(const SpareBlocks&) = delete;
+  SpareBlocks& operator=(const SpareBlocks&) = delete;
+
+  void count(size_t bytes) {
+    const size_t now = taken_.fetch_add(bytes) + bytes;
+    for (size_t most = most_.load(); most < now && !most_.compare_exchange_weak(most, now);) {
+    }
+  }
+  void count_freed(size_t bytes) { taken_ -= bytes; }
+  size_t most() const { return most_; }
+  void restart_peak() { most_ = taken_.load(); }
+
   void keep() {
     const std::lock_guard lock(mutex_);
     ++keepers_;
@@ -151,58 +167,76 @@ class SpareBlocks {
   std::mutex mutex_;
   int keepers_ = 0;
   Block* first_ = nullptr;
+  std::atomic<size_t> taken_{0};  // by arrays that live
+  std::atomic<size_t> most_{0};   // of taken_ so far
 };
 
-SpareBlocks& spare_blocks() {
-  static SpareBlocks blocks;
-  return blocks;
-}
-
-}  // namespace
-
-ZeroedMemory allocate_zeroed(size_t bytes) {
+ZeroedMemory PagePool::allocate(size_t bytes) const {
+  std::byte* address = nullptr;
   if (bytes >= block_bytes) {
-    std::byte* address = map_blocks(bytes);
-    if (!address) {
-      spare_blocks().clear();  // the address space may be what is short
+    address = map_blocks(bytes);
+    if (!address && spare_) {
+      spare_->clear();  // the address space may be what is short
       address = map_blocks(bytes);
-      if (!address) throw std::bad_alloc();
     }
-    ZeroedMemory memory(address, {bytes});
-    spare_blocks().fill(address, address + bytes, true);
-    return memory;
+    if (!address) throw std::bad_alloc();
+  } else {
+    address = static_cast<std::byte*>(std::aligned_alloc(alignment, rounded_up(bytes, alignment)));
+    if (!address) throw std::bad_alloc();
+    std::memset(address, 0, bytes);
   }
-  void* memory = std::aligned_alloc(alignment, rounded_up(bytes, alignment));
-  if (!memory) throw std::bad_alloc();
-  std::memset(memory, 0, bytes);
-  return ZeroedMemory(static_cast<std::byte*>(memory), {bytes});
+  ZeroedMemory memory(address, {bytes, spare_});
+  if (!spare_) return memory;
+  spare_->count(bytes);
+  if (bytes >= block_bytes) spare_->fill(address, address + bytes, true);
+  return memory;
 }
 
 void FreeZeroed::operator()(std::byte* memory) const {
   if (bytes < block_bytes)
     std::free(memory);
+  else if (spare)
+    spare->take_over(memory, bytes);
   else
-    spare_blocks().take_over(memory, bytes);
+    munmap(memory, bytes);
+  if (spare) spare->count_freed(bytes);
 }
 
 size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end) {
-  if (memory.get_deleter().bytes < block_bytes) return gone;  // the allocator's
+  const auto& [bytes, spare] = memory.get_deleter();
+  if (bytes < block_bytes) return gone;  // the allocator's
   // Arrays that fill a block begin at one.
   const size_t blocks_end = end / block_bytes * block_bytes, pages_end = end / page_bytes() * page_bytes();
   if (gone >= blocks_end) return gone;
-  if (spare_blocks().take_over_early(memory.get() + gone / block_bytes * block_bytes, memory.get() + blocks_end))
+  if (spare && spare->take_over_early(memory.get() + gone / block_bytes * block_bytes, memory.get() + blocks_end))
     return blocks_end;
   // Advice: where the system does not take it, the pages stay.
   static_cast<void>(madvise(memory.get() + gone, pages_end - gone, MADV_DONTNEED));
   return pages_end;
 }
 
-void take_pages(void* begin, size_t bytes) {
-  auto* const first = static_cast<std::byte*>(begin);
-  spare_blocks().fill(first, first + bytes, false);
+PagePool PagePool::make() {
+  PagePool pool;
+  pool.spare_ = std::make_shared<SpareBlocks>();
+  return pool;
 }
 
-KeepFreedPages::KeepFreedPages() { spare_blocks().keep(); }
-KeepFreedPages::~KeepFreedPages() { spare_blocks().let_go(); }
+void PagePool::serve(void* begin, size_t bytes) const {
+  auto* const first = static_cast<std::byte*>(begin);
+  if (spare_) spare_->fill(first, first + bytes, false);
+}
+
+size_t PagePool::peak_bytes() const { return spare_ ? spare_->most() : 0; }
+
+void PagePool::restart_peak() const {
+  if (spare_) spare_->restart_peak();
+}
+
+PagePool::Keep::Keep(const PagePool& pool) : spare_(pool.spare_) {
+  if (spare_) spare_->keep();
+}
+PagePool::Keep::~Keep() {
+  if (spare_) spare_->let_go();
+}
 
 }  // namespace soapfilm

@@ -1,4 +1,4 @@
-#include "soapfilm/core/zeroed_memory.h"
+#include "soapfilm/core/page_pool.h"
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -20,10 +20,11 @@
 namespace soapfilm {
 namespace TEST_FILE {
 
-TEST(ZeroedMemory, IsZeroAlignedAndWritable) {
+TEST(PagePool, IsZeroAlignedAndWritable) {
+  const PagePool pool = PagePool::make();
   for (const size_t bytes : {size_t{1}, size_t{100}, size_t{1} << 20, (size_t{1} << 21) - 1, (size_t{1} << 22) + 5}) {
     for (int again = 0; again < 2; ++again) {  // memory that was used before, too
-      const ZeroedMemory memory = allocate_zeroed(bytes);
+      const ZeroedMemory memory = pool.allocate(bytes);
       EXPECT_EQ(reinterpret_cast<uintptr_t>(memory.get()) % 64, 0u);
       EXPECT_EQ(std::count(memory.get(), memory.get() + bytes, std::byte{0}), static_cast<ptrdiff_t>(bytes));
       std::memset(memory.get(), 0xFF, bytes);
@@ -31,9 +32,10 @@ TEST(ZeroedMemory, IsZeroAlignedAndWritable) {
   }
 }
 
-TEST(ZeroedMemory, WhatIsNotGivenBackStays) {
+TEST(PagePool, WhatIsNotGivenBackStays) {
+  const PagePool pool = PagePool::make();
   constexpr size_t bytes = size_t{5} << 20;
-  const ZeroedMemory memory = allocate_zeroed(bytes);
+  const ZeroedMemory memory = pool.allocate(bytes);
   std::memset(memory.get(), 0x5A, bytes);
   size_t gone = 0;
   for (const size_t end : {size_t{5}, size_t{1'000'000}, size_t{999'999}, size_t{3'000'001}}) {
@@ -56,53 +58,56 @@ constexpr size_t large = 20 * block + 12345;
 // The sanitizers' shadow comes on top: some kernels count it in large pages. Release builds judge.
 constexpr double slack = test::sanitized ? 0.75 * large : 3 * block;
 
-TEST(KeepFreedPages, ServeTheNextArraysAndThenGoBack) {
+TEST(PagePool, ServeTheNextArraysAndThenGoBack) {
+  const PagePool pool = PagePool::make();
   const double before = test::resident_bytes();
   {
-    const KeepFreedPages keep;
+    const PagePool::Keep keep(pool);
     {
-      const KeepFreedPages also;
-      const ZeroedMemory memory = allocate_zeroed(large);
+      const PagePool::Keep also(pool);
+      const ZeroedMemory memory = pool.allocate(large);
       std::memset(memory.get(), 2, large);
     }
     EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     // In pieces, large and small, all of them zero.
     std::vector<ZeroedMemory> pieces;
     for (const size_t size : {3 * block + 1, size_t{1000}, 6 * block, block, large - 10 * block}) {
-      pieces.push_back(allocate_zeroed(size));
+      pieces.push_back(pool.allocate(size));
       EXPECT_EQ(reinterpret_cast<uintptr_t>(pieces.back().get()) % 64, 0u);
       EXPECT_TRUE(is_zero(pieces.back(), size)) << size;
       std::memset(pieces.back().get(), 3, size);
     }
     EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     pieces.erase(pieces.begin() + 2);
-    const ZeroedMemory more = allocate_zeroed(2 * large);  // more than there is
+    const ZeroedMemory more = pool.allocate(2 * large);  // more than there is
     EXPECT_TRUE(is_zero(more, 2 * large));
   }
   EXPECT_NEAR(test::resident_bytes(), before, slack);
 }
 
-TEST(KeepFreedPages, AreNoneThatNobodyTouched) {
+TEST(PagePool, AreNoneThatNobodyTouched) {
+  const PagePool pool = PagePool::make();
   const double before = test::resident_bytes();
-  const KeepFreedPages keep;
-  { const ZeroedMemory untouched = allocate_zeroed(large); }
+  const PagePool::Keep keep(pool);
+  { const ZeroedMemory untouched = pool.allocate(large); }
   EXPECT_NEAR(test::resident_bytes(), before, slack);
   {
-    const ZeroedMemory memory = allocate_zeroed(large);
+    const ZeroedMemory memory = pool.allocate(large);
     std::memset(memory.get(), 2, large / 2);
   }
   EXPECT_NEAR(test::resident_bytes(), before + large / 2, slack);
-  const ZeroedMemory memory = allocate_zeroed(large);
+  const ZeroedMemory memory = pool.allocate(large);
   EXPECT_TRUE(is_zero(memory, large));
   std::memset(memory.get(), 3, large);
   EXPECT_NEAR(test::resident_bytes(), before + large, slack);
 }
 
-TEST(KeepFreedPages, ServeOthersBeforeTheirArrayEnds) {
+TEST(PagePool, ServeOthersBeforeTheirArrayEnds) {
+  const PagePool pool = PagePool::make();
   const double before = test::resident_bytes();
   {
-    const KeepFreedPages keep;
-    const ZeroedMemory old = allocate_zeroed(large), next = allocate_zeroed(large);
+    const PagePool::Keep keep(pool);
+    const ZeroedMemory old = pool.allocate(large), next = pool.allocate(large);
     std::memset(old.get(), 2, large);
     const auto page = static_cast<size_t>(sysconf(_SC_PAGESIZE));
     madvise(old.get() + 8 * block, page, MADV_DONTNEED);  // a block without its first page: the rest goes too
@@ -114,7 +119,7 @@ TEST(KeepFreedPages, ServeOthersBeforeTheirArrayEnds) {
     }
     EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     std::byte* const from = next.get() + 100;
-    take_pages(from, large - 100);  // whole large pages after the first
+    pool.serve(from, large - 100);  // whole large pages after the first
     EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     // Only what is there: some kernels count the zero page that reading maps elsewhere as resident.
     for (size_t i = 0; i < 12 * block; ++i) ASSERT_EQ(next.get()[i], i / block == 5 ? std::byte{3} : std::byte{0}) << i;
@@ -129,16 +134,17 @@ TEST(KeepFreedPages, ServeOthersBeforeTheirArrayEnds) {
   EXPECT_NEAR(test::resident_bytes(), before, slack);
 }
 
-TEST(KeepFreedPages, ServeVectors) {
+TEST(PagePool, ServeVectors) {
+  const PagePool pool = PagePool::make();
   const double before = test::resident_bytes();
   {
-    const KeepFreedPages keep;
+    const PagePool::Keep keep(pool);
     {
-      const ZeroedMemory memory = allocate_zeroed(large);
+      const ZeroedMemory memory = pool.allocate(large);
       std::memset(memory.get(), 2, large);
     }
     std::vector<int> values;
-    reserve_many(values, large / sizeof(int));
+    reserve_many(values, large / sizeof(int), pool);
     EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     values.resize(large / sizeof(int));
     EXPECT_EQ(std::count(values.begin(), values.end(), 0), static_cast<ptrdiff_t>(values.size()));
@@ -149,16 +155,17 @@ TEST(KeepFreedPages, ServeVectors) {
   }
 }
 
-TEST(KeepFreedPages, GoFromThreadToThread) {
-  const KeepFreedPages keep;
+TEST(PagePool, GoFromThreadToThread) {
+  const PagePool pool = PagePool::make();
+  const PagePool::Keep keep(pool);
   std::atomic<int> wrong = 0;
   std::vector<std::thread> threads;
   for (int t = 0; t < 3; ++t)
     threads.emplace_back([&, t] {
-      const KeepFreedPages also;
+      const PagePool::Keep also(pool);
       for (const size_t blocks : {3, 17, 1, 20, 5}) {
         const size_t bytes = blocks * block + 100;
-        const ZeroedMemory memory = allocate_zeroed(bytes);
+        const ZeroedMemory memory = pool.allocate(bytes);
         wrong += !is_zero(memory, bytes);
         std::memset(memory.get(), t + 1, bytes);
       }
@@ -167,9 +174,43 @@ TEST(KeepFreedPages, GoFromThreadToThread) {
   EXPECT_EQ(wrong, 0);
 }
 
-TEST(ZeroedMemory, TooMuchIsRefused) {
+TEST(PagePool, TooMuchIsRefused) {
+  const PagePool pool = PagePool::make();
   for (const size_t bytes : {SIZE_MAX / 4, SIZE_MAX / 2, SIZE_MAX - 10, SIZE_MAX})
-    EXPECT_THROW(allocate_zeroed(bytes), std::bad_alloc) << bytes;
+    EXPECT_THROW(pool.allocate(bytes), std::bad_alloc) << bytes;
+}
+
+TEST(PagePool, KeepsNoneForAnotherPool) {
+  const double before = test::resident_bytes();
+  const PagePool pool = PagePool::make(), other = PagePool::make();
+  const PagePool::Keep keep(pool);
+  {
+    const ZeroedMemory memory = other.allocate(large);
+    std::memset(memory.get(), 2, large);
+  }
+  EXPECT_NEAR(test::resident_bytes(), before, slack);
+}
+
+TEST(PagePool, OutlivesItsContextByItsArrays) {
+  ZeroedMemory memory;
+  {
+    const PagePool pool = PagePool::make();
+    memory = pool.allocate(large);
+  }
+  std::memset(memory.get(), 2, large);
+  memory.reset();
+}
+
+TEST(PagePool, KnowsTheMostThatItsArraysTookAtOnce) {
+  const PagePool pool = PagePool::make(), copy = pool;
+  EXPECT_EQ(pool.peak_bytes(), 0u);
+  {
+    const ZeroedMemory first = pool.allocate(1000);
+    { const ZeroedMemory second = copy.allocate(large); }
+    const ZeroedMemory third = pool.allocate(500);
+  }
+  EXPECT_EQ(pool.peak_bytes(), 1000 + large);
+  EXPECT_EQ(copy.peak_bytes(), 1000 + large);
 }
 
 }  // namespace TEST_FILE

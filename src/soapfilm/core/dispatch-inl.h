@@ -1,0 +1,23 @@
+// Which function of a HWY_EXPORT() table serves a SIMD target. Highway's own HWY_DYNAMIC_DISPATCH asks the process,
+// which runs of other targets share. Included once, after <hwy/foreach_target.h>, by the file that exports.
+#include <hwy/highway.h>
+#include <hwy/targets.h>
+
+#include "soapfilm/core/simd.h"
+
+namespace soapfilm {
+
+/// The index in this file's tables.
+inline size_t table_index([[maybe_unused]] const SimdTarget& simd) {
+#if HWY_IDE || ((HWY_TARGETS & (HWY_TARGETS - 1)) == 0)
+  return 0;  // one target was compiled
+#else
+  hwy::ChosenTarget chosen;
+  chosen.Update(simd.bits());
+  return chosen.GetIndex();
+#endif
+}
+
+}  // namespace soapfilm
+
+#define SOAPFILM_DISPATCH(simd, function) (*HWY_DISPATCH_TABLE(function)[table_index(simd)])

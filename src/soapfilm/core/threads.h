@@ -1,0 +1,130 @@
+// The one place that knows the thread library: oneTBB, or std::thread when built with SOAPFILM_STD_THREADS (the build
+// for ThreadSanitizer).
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+
+#include "soapfilm/core/cpu_time.h"
+
+#ifdef SOAPFILM_STD_THREADS
+#include <thread>
+#include <vector>
+#else
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_scheduler_observer.h>
+
+#include <memory>
+#endif
+
+namespace soapfilm {
+
+#ifdef SOAPFILM_STD_THREADS
+
+/// Threads made for each loop: nested loops make their own and cannot wait for one another.
+class Threads {
+ public:
+  /// 0: all that this process may use.
+  explicit Threads(int count) : count_(count > 0 ? count : all()) {}
+
+  int count() const { return count_; }
+  /// CPU time of all but the threads that call each().
+  double helpers_cpu_seconds() const { return cpu_.seconds(); }
+
+  /// run(k) for each k below `chunks`, in any order.
+  template <class Run>
+  void each(size_t chunks, const Run& run) {
+    std::atomic<size_t> next{0};
+    // Relaxed: handing out chunks must not order them, or ThreadSanitizer would miss races between chunks.
+    const auto work = [&] {
+      for (size_t k; (k = next.fetch_add(1, std::memory_order_relaxed)) < chunks;) run(k);
+    };
+    std::vector<std::jthread> helpers;
+    const size_t wanted = std::min(static_cast<size_t>(count_), chunks) - 1;
+    helpers.reserve(wanted);
+    for (size_t t = 0; t < wanted; ++t)
+      helpers.emplace_back([&] {
+        cpu_.enter();
+        work();
+        cpu_.leave();
+      });
+    work();
+  }
+
+  /// oneTBB's threads are not ours here: who brings oneTBB along must keep it to one thread.
+  template <class Body>
+  void confine(const Body& body) const {
+    body();
+  }
+
+ private:
+  static int all() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
+  int count_;
+  CpuTime cpu_;
+};
+
+#else
+
+/// An arena of its own; it sets no process-wide limit.
+class Threads {
+ public:
+  /// 0: all that this process may use.
+  explicit Threads(int count)
+      : count_(count > 0 ? count : all()), allow_more_(more_than_cores(count_)), arena_(count_), helpers_(arena_) {}
+
+  int count() const { return count_; }
+  /// CPU time of all but the threads that call each().
+  double helpers_cpu_seconds() const { return helpers_.cpu.seconds(); }
+
+  /// run(k) for each k below `chunks`, in any order.
+  template <class Run>
+  void each(size_t chunks, const Run& run) {
+    arena_.execute([&] {
+      // Isolated: a thread that waits for a nested loop must not start an outer chunk meanwhile, whose locks or
+      // thread-local state the waiting chunk may hold.
+      tbb::this_task_arena::isolate([&] { tbb::parallel_for(size_t{0}, chunks, run); });
+    });
+  }
+
+  /// body() on the calling thread; loops of oneTBB inside keep to these threads.
+  template <class Body>
+  void confine(const Body& body) {
+    arena_.execute(body);
+  }
+
+ private:
+  /// Told when one of oneTBB's own threads joins the arena and leaves it.
+  struct Helpers : tbb::task_scheduler_observer {
+    explicit Helpers(tbb::task_arena& arena) : tbb::task_scheduler_observer(arena) { observe(true); }
+    ~Helpers() override { observe(false); }
+    Helpers(const Helpers&) = delete;
+    Helpers& operator=(const Helpers&) = delete;
+    void on_scheduler_entry(bool helps) override {
+      if (helps) cpu.enter();
+    }
+    void on_scheduler_exit(bool helps) override {
+      if (helps) cpu.leave();
+    }
+    CpuTime cpu;
+  };
+
+  static int all() { return tbb::this_task_arena::max_concurrency(); }
+  /// oneTBB starts no more workers than there are cores (and says so on stderr) unless allowed before the arena begins.
+  /// The value only permits: no loop takes more than its arena's threads. It is one for all, since the least of those
+  /// alive counts.
+  static std::unique_ptr<tbb::global_control> more_than_cores(int count) {
+    if (count <= all()) return nullptr;
+    return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, 1024);
+  }
+  int count_;
+  std::unique_ptr<tbb::global_control> allow_more_;
+  tbb::task_arena arena_;
+  Helpers helpers_;
+};
+
+#endif
+
+}  // namespace soapfilm
