@@ -18,7 +18,7 @@
 #include "soapfilm/field/sampling.h"
 #include "soapfilm/io/io.h"
 #include "soapfilm/orient/orient.h"
-#include "soapfilm/place.h"
+#include "soapfilm/place/place.h"
 #include "soapfilm/scanner/sample_surface.h"
 #include "soapfilm/scanner/shape.h"
 

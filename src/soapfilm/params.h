@@ -12,9 +12,11 @@
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/method.h"
 #include "soapfilm/orient/orient.h"
+#include "soapfilm/place/place.h"
 #include "soapfilm/refine/refine.h"
-#include "soapfilm/select/border.h"
-#include "soapfilm/select/cross_validation.h"
+#include "soapfilm/border/border.h"
+#include "soapfilm/lambda/choose.h"
+#include "soapfilm/lambda/cross_validation.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/norm.h"
 #include "soapfilm/solve/poisson.h"
@@ -22,24 +24,6 @@
 #include "soapfilm/solve/sor.h"
 
 namespace soapfilm {
-
-/// Where the grid lies and how fine it is. At most one of `voxel` and `resolution` may be given.
-struct PlaceParams {
-  std::optional<double> voxel;    ///< edge of a cell, input units, > 0 and <= the samples' box
-  std::optional<int> resolution;  ///< grid vertices along the longest axis, padding included, > 2 padding
-  double samples_per_voxel2 = 1;  ///< without both: the voxel that holds this many samples per voxel^2 of surface, > 0
-  int padding = 6;                ///< cells between the samples and the border, 2..4096
-  int levels = 0;                 ///< of the pyramid, 1..12; 0: until the coarsest has at most 24 vertices per axis
-};
-
-/// What the energy weighs.
-struct EnergyParams {
-  std::optional<double> lambda;      ///< the paper's: weight of a voxel face of area against one unit vector, > 0
-  double lambda_per_density = 0.02;  ///< without it: lambda is this times the samples per voxel^2 of surface, > 0
-  bool cross_validate = false;       ///< choose lambda_per_density from the samples; `lambda` must be absent
-  bool by_area = true;               ///< a sample weighs by the area it stands for, where `lambda` is absent; else 1
-  Norm norm = Norm::isotropic;       ///< of the gradient; anisotropic for Method::tv and graph cuts alone
-};
 
 /// From the relaxed indicator to the surface (section 4.4).
 struct SurfaceParams {

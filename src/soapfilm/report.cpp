@@ -34,7 +34,7 @@ ordered_json input_json(const InputFacts& input) {
 ordered_json grid_json(const ReconstructReport& report) {
   const Lattice& lattice = report.lattice;
   ordered_json levels = ordered_json::array();
-  for (const LevelReport& l : report.levels) {
+  for (const LevelReport& l : report.solve.levels) {
     const double lambda = l.lambda_share * report.certificate.lambda * static_cast<double>(size_t{1} << (2 * l.level));
     levels.push_back({{"level", l.level},
                       {"lambda_share", l.lambda_share},
@@ -53,7 +53,7 @@ ordered_json grid_json(const ReconstructReport& report) {
           {"voxel", lattice.voxel},
           {"first_vertex", vector_json(lattice.first_vertex)},
           {"padding", lattice.padding},
-          {"inside", report.inside},
+          {"inside", report.certificate.inside},
           {"levels", levels}};
 }
 
@@ -85,15 +85,15 @@ ordered_json certificate_json(const Certificate& c, Method method) {
 /// What only the chosen method has to tell.
 ordered_json method_json(const ReconstructReport& report) {
   ordered_json json = {{"name", name_of(report.params.method)}};
-  if (!report.sor.empty()) json["levels"] = ordered_json::array();
-  for (const SorLevelReport& l : report.sor)
+  if (!report.solve.sor.empty()) json["levels"] = ordered_json::array();
+  for (const SorLevelReport& l : report.solve.sor)
     json["levels"].push_back({{"level", l.level},
                               {"iterations", l.iterations},
                               {"converged", l.converged},
                               {"bytes", l.bytes},
                               {"energy", l.energy},
                               {"seconds", l.seconds}});
-  if (const auto& p = report.poisson)
+  if (const auto& p = report.solve.poisson)
     json.update({{"iterations", p->iterations},
                  {"converged", p->converged},
                  {"residual", p->residual},
@@ -101,7 +101,7 @@ ordered_json method_json(const ReconstructReport& report) {
                  {"energy", p->energy},
                  {"unknowns", p->unknowns},
                  {"bytes", p->bytes}});
-  if (const auto& g = report.graph_cut)
+  if (const auto& g = report.solve.graph_cut)
     json.update({{"vertices", g->vertices},
                  {"links", g->links},
                  {"growths", g->growths},
@@ -265,7 +265,10 @@ std::string to_json(const ReconstructReport& report) {
       {"scanners", scanners_json(report.scanners)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},
-      {"memory", {{"planned_bytes", report.planned_bytes}, {"peak_bytes", report.peak_bytes}, {"array_bytes", report.array_bytes}}},
+      {"memory",
+       {{"planned_bytes", report.planned_bytes},
+        {"peak_bytes", report.peak_bytes},
+        {"array_bytes", report.array_bytes}}},
       {"warnings", report.warnings}};
   return json.dump(2) + "\n";
 }

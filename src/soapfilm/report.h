@@ -12,11 +12,11 @@
 #include "soapfilm/finish/scanners.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/fuse/vrip.h"
+#include "soapfilm/lambda/cross_validation.h"
 #include "soapfilm/mesh/distance.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
-#include "soapfilm/select/cross_validation.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/poisson.h"
 #include "soapfilm/solve/sor.h"
@@ -26,8 +26,9 @@ namespace soapfilm {
 /// Energies and bounds on the finest grid, valid for the whole domain.
 struct Certificate {
   double lambda = 0;
-  Energies relaxed;  ///< of the relaxed u and of p
-  Energies binary;   ///< of the thresholded u, the one that the mesh comes from, and the same p
+  Energies relaxed;   ///< of the relaxed u and of p
+  Energies binary;    ///< of the thresholded u, the one that the mesh comes from, and the same p
+  size_t inside = 0;  ///< thresholded vertices inside, whole domain
 
   double relative_gap() const { return relaxed.relative_gap(lambda); }
   double relative_gap_binary() const { return binary.relative_gap(lambda); }
@@ -45,6 +46,14 @@ struct InputFacts {
   OrientReport directions;
 };
 
+/// What the method tells of its work.
+struct SolveReport {
+  std::vector<LevelReport> levels;  ///< Method::tv; coarsest first
+  std::vector<SorLevelReport> sor;  ///< Method::tv_sor; coarsest first
+  std::optional<PoissonReport> poisson;
+  std::optional<GraphCutReport> graph_cut;
+};
+
 /// Version of the layout of report.json; a new key keeps it, a changed meaning does not.
 inline constexpr int report_version = 1;
 
@@ -55,12 +64,8 @@ struct ReconstructReport {
   Lattice lattice;
   std::optional<CrossValidationReport> select;  ///< when lambda was chosen by cross-validation
   BorderReport border;
-  std::vector<LevelReport> levels;  ///< Method::tv; coarsest first
-  std::vector<SorLevelReport> sor;  ///< Method::tv_sor; coarsest first
-  std::optional<PoissonReport> poisson;
-  std::optional<GraphCutReport> graph_cut;
+  SolveReport solve;
   std::optional<VripReport> vrip;
-  size_t inside = 0;                    ///< thresholded vertices inside, whole domain
   Certificate certificate;              ///< but for Method::vrip, which has no energy: lambda alone
   std::optional<IslandReport> islands;  ///< when parts that few samples support were dropped
   std::optional<RefineReport> refine;   ///< when the surface was moved onto the samples

@@ -1,11 +1,11 @@
 #include "soapfilm/grid/brick_grid.h"
-#include "soapfilm/core/parallel.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 #include <tuple>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/grid/window.h"

@@ -8,8 +8,8 @@
 
 #include "property/each_method.h"
 #include "soapfilm/core/error.h"
-#include "soapfilm/plan.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/memory_plan.h"
 #include "support/hash.h"
 #include "support/sanitized.h"
 
@@ -88,13 +88,13 @@ TEST(MethodReport, WarnsOfTheLevelsThatStoppedTooEarly) {
   params.surface.refine = false;
   const ReconstructReport report = reconstructed(sampled("sphere", 64, 1), params).report;
   std::vector<std::string> expected;
-  for (const LevelReport& level : report.levels) {
+  for (const LevelReport& level : report.solve.levels) {
     EXPECT_FALSE(level.converged) << level.level;
     if (level.lambda_share == 1)
       expected.push_back(fmt::format("level {}: not converged after 1 iterations", level.level));
   }
   ASSERT_GE(expected.size(), 2u);
-  ASSERT_LT(expected.size(), report.levels.size());
+  ASSERT_LT(expected.size(), report.solve.levels.size());
   // What a single iteration leaves is mostly far from the samples, which is told last.
   ASSERT_EQ(report.warnings.size(), expected.size() + 1);
   EXPECT_NE(report.warnings.back().find("it closes what nobody saw"), std::string::npos) << report.warnings.back();
@@ -141,7 +141,8 @@ TEST(MethodReport, VripHasItsRangeSurfaces) {
   EXPECT_EQ(report.vrip->scans, cloud.scans.size());
   EXPECT_GT(report.vrip->triangles, cloud.size());
   EXPECT_GT(report.vrip->vertices_seen, 1000u);
-  EXPECT_FALSE(report.poisson || report.graph_cut || !report.sor.empty() || !report.levels.empty());
+  EXPECT_FALSE(report.solve.poisson || report.solve.graph_cut || !report.solve.sor.empty() ||
+               !report.solve.levels.empty());
 }
 
 }  // namespace TEST_FILE

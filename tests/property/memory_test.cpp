@@ -9,8 +9,8 @@
 
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/memory.h"
-#include "soapfilm/plan.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/memory_plan.h"
 #include "support/hash.h"
 #include "support/problem.h"
 #include "support/sanitized.h"

@@ -91,10 +91,10 @@ TEST_P(OneJudge, AnisotropicTvAndTheCutReachTheSameEnergy) {
   const ReconstructReport tv = reconstructed(cloud, params).report;
   params.method = Method::graph_cut_6;
   const ReconstructReport cut = reconstructed(cloud, params).report;
-  ASSERT_TRUE(cut.graph_cut->globally_optimal);
+  ASSERT_TRUE(cut.solve.graph_cut->globally_optimal);
   const double energy = cut.certificate.binary.primal;
   EXPECT_NEAR(tv.certificate.binary.primal, energy, 1e-5 * std::abs(energy));
-  EXPECT_NEAR(cut.graph_cut->energy, energy, 1e-5 * std::abs(energy)) << "the cut's own sum and the judge's";
+  EXPECT_NEAR(cut.solve.graph_cut->energy, energy, 1e-5 * std::abs(energy)) << "the cut's own sum and the judge's";
   EXPECT_LE(tv.certificate.relaxed.dual, energy + 1e-12 * std::abs(energy)) << "a bound, to the rounding of double";
 }
 

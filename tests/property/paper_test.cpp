@@ -25,7 +25,7 @@ TEST(Paper, BunnyHasTheCountsOfTable1) {
     params.surface.threshold = mu;
     const Reconstruction result = reconstruct(cloud, params, Context());
     EXPECT_EQ(result.report.lattice.to_world_axes(result.report.lattice.size), (Vec3i{212, 200, 159}));
-    EXPECT_NEAR(static_cast<double>(result.report.inside), inside, 0.002 * inside) << "mu = " << mu;
+    EXPECT_NEAR(static_cast<double>(result.report.certificate.inside), inside, 0.002 * inside) << "mu = " << mu;
   }
 }
 

@@ -186,7 +186,7 @@ TEST(Units, PowersOfTwoScaleTheMeshExactly) {
   const Reconstruction original = reconstructed(cloud);
   for (const double factor : {0x1p-10, 0x1p10, 0x1p30}) {
     const Reconstruction other = reconstructed(scaled(cloud, factor));
-    EXPECT_EQ(other.report.inside, original.report.inside);
+    EXPECT_EQ(other.report.certificate.inside, original.report.certificate.inside);
     EXPECT_EQ(other.report.certificate.lambda, original.report.certificate.lambda);
     ASSERT_EQ(other.mesh.vertices.size(), original.mesh.vertices.size());
     EXPECT_EQ(other.mesh.triangles, original.mesh.triangles);
@@ -218,8 +218,8 @@ TEST(Units, MillimetresOrMetresGiveTheSameSurfaceButForTies) {
   const Reconstruction original = reconstructed(cloud);
   for (const double factor : {1000.0, 1e-3, 25.4}) {
     const Reconstruction other = reconstructed(scaled(cloud, factor));
-    const double inside = static_cast<double>(original.report.inside);
-    EXPECT_NEAR(static_cast<double>(other.report.inside), inside, 1e-4 * inside);
+    const double inside = static_cast<double>(original.report.certificate.inside);
+    EXPECT_NEAR(static_cast<double>(other.report.certificate.inside), inside, 1e-4 * inside);
     EXPECT_NEAR(other.mesh.volume(), original.mesh.volume() * factor * factor * factor, 1e-4 * other.mesh.volume());
     EXPECT_NEAR(other.report.certificate.lambda, original.report.certificate.lambda, 1e-3 * lambda);
   }

@@ -9,7 +9,7 @@
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/pyramid/prolong.h"
 #include "soapfilm/pyramid/restrict.h"
-#include "soapfilm/select/border.h"
+#include "soapfilm/border/border.h"
 #include "support/dense.h"
 #include "support/problem.h"
 

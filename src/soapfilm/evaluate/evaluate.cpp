@@ -1,5 +1,4 @@
 #include "soapfilm/evaluate/evaluate.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/mesh/sample_mesh.h"
 #include "soapfilm/mesh/self_intersection.h"

@@ -1,10 +1,10 @@
 #include "soapfilm/extract/crossings.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <atomic>
 #include <bit>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/radix_sort.h"
 #include "soapfilm/core/triangle_pair.h"

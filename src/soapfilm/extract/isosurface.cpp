@@ -1,5 +1,4 @@
 #include "soapfilm/extract/isosurface.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/bits.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"

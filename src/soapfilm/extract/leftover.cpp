@@ -1,11 +1,11 @@
 #include "soapfilm/extract/leftover.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/refine/robust.h"
 

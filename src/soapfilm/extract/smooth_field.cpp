@@ -1,9 +1,9 @@
 #include "soapfilm/extract/smooth_field.h"
-#include "soapfilm/core/parallel.h"
 
 #include <array>
 #include <cmath>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/window.h"
 
 namespace soapfilm {

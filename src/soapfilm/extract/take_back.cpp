@@ -1,9 +1,9 @@
 #include "soapfilm/extract/take_back.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/extract/crossings.h"
 

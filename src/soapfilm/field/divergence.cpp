@@ -1,5 +1,4 @@
 #include "soapfilm/field/divergence.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/field/divergence_kernel.h"
 
 namespace soapfilm {

@@ -1,11 +1,11 @@
 #include "soapfilm/field/samples.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <climits>
 #include <cmath>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/random.h"
 

@@ -1,5 +1,4 @@
 #include "soapfilm/finish/islands.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -8,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/finish/parts.h"
 

@@ -1,10 +1,10 @@
 #include "soapfilm/finish/parts.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/gather.h"
 
 namespace soapfilm {

@@ -1,8 +1,8 @@
 #include "soapfilm/finish/sample_distance.h"
-#include "soapfilm/core/parallel.h"
 
 #include <cmath>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/kd_tree.h"
 
 namespace soapfilm {

@@ -1,5 +1,4 @@
 #include "soapfilm/finish/self_check.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <atomic>
@@ -7,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/finish/nearest_sample.h"

@@ -1,5 +1,4 @@
 #include "soapfilm/finish/trim.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/extract/cut.h"

@@ -1,5 +1,4 @@
 #include "soapfilm/fuse/vrip.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 
 namespace soapfilm {

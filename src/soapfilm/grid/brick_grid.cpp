@@ -1,4 +1,5 @@
 #include "soapfilm/grid/brick_grid.h"
+
 #include "soapfilm/core/parallel.h"
 
 namespace soapfilm {

@@ -1,7 +1,8 @@
 #include "soapfilm/grid/vertex_mask.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
+
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

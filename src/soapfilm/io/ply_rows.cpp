@@ -1,11 +1,11 @@
 #include "soapfilm/io/ply_rows.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 
 namespace soapfilm::io {

@@ -1,5 +1,4 @@
 #include "soapfilm/mesh/distance.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/mesh/embree_scene.h"
 #include "soapfilm/mesh/triangle_normal.h"

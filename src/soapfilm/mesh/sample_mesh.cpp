@@ -1,9 +1,9 @@
 #include "soapfilm/mesh/sample_mesh.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
 

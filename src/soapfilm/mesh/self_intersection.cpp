@@ -1,5 +1,4 @@
 #include "soapfilm/mesh/self_intersection.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/triangle_pair.h"
 #include "soapfilm/mesh/embree_scene.h"

@@ -1,10 +1,11 @@
 #include "soapfilm/orient/area_weights.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
+
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

@@ -1,5 +1,4 @@
 #include "soapfilm/orient/estimate_normals.h"
-#include "soapfilm/core/parallel.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/kd_tree.h"
 
 namespace soapfilm {

@@ -1,10 +1,10 @@
 #include "soapfilm/orient/sample_cells.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <bit>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/morton.h"
 #include "soapfilm/core/radix_sort.h"

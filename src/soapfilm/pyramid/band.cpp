@@ -1,5 +1,4 @@
 #include "soapfilm/pyramid/band.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/pyramid/children.h"
 #include "soapfilm/solve/inside_bits.h"
 

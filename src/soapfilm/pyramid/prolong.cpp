@@ -1,9 +1,9 @@
 #include "soapfilm/pyramid/prolong.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/window.h"
 #include "soapfilm/pyramid/children.h"
 

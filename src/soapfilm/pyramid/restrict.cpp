@@ -1,4 +1,5 @@
 #include "soapfilm/pyramid/restrict.h"
+
 #include "soapfilm/core/parallel.h"
 
 namespace soapfilm {

@@ -1,9 +1,9 @@
 #include "soapfilm/pyramid/sor_pyramid.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/pyramid/restrict.h"
 
 namespace soapfilm {

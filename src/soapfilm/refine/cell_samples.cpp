@@ -1,5 +1,4 @@
 #include "soapfilm/refine/cell_samples.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/bits.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/refine/layers.h"

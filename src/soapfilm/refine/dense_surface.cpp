@@ -1,11 +1,11 @@
 #include "soapfilm/refine/dense_surface.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/solve/dense_level.h"
 

@@ -1,10 +1,11 @@
 #include "soapfilm/refine/hole_finder.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
+
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

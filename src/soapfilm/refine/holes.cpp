@@ -1,11 +1,11 @@
 #include "soapfilm/refine/holes.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/refine/coarse_film.h"
 #include "soapfilm/solve/inside_bits.h"

@@ -1,5 +1,4 @@
 #include "soapfilm/refine/indicator.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/smoothing.h"
 #include "soapfilm/solve/inside_bits.h"
 

@@ -1,11 +1,11 @@
 #include "soapfilm/refine/multilevel.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/refine/layers.h"
 
 namespace soapfilm {

@@ -1,5 +1,4 @@
 #include "soapfilm/refine/narrow_band.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/bits.h"
 
 namespace soapfilm {

@@ -1,8 +1,9 @@
 #include "soapfilm/refine/prolong_distance.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
+
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

@@ -1,5 +1,4 @@
 #include "soapfilm/refine/refine.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -9,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/refine/coarser.h"
 #include "soapfilm/refine/holes.h"

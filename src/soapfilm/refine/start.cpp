@@ -1,11 +1,11 @@
 #include "soapfilm/refine/start.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/solve/inside_bits.h"
 

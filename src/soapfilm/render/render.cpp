@@ -1,5 +1,4 @@
 #include "soapfilm/render/render.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/render/colormap.h"
 #include "soapfilm/render/font.h"

@@ -1,5 +1,4 @@
 #include "soapfilm/scanner/missing.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/scanner/surface_patch.h"

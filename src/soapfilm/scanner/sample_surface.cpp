@@ -1,5 +1,4 @@
 #include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/mesh/sample_mesh.h"

@@ -1,5 +1,4 @@
 #include "soapfilm/scanner/virtual_scan.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/scanner/range_camera.h"

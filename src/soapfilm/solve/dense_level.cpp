@@ -1,8 +1,9 @@
 #include "soapfilm/solve/dense_level.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <vector>
+
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

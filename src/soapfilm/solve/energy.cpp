@@ -1,10 +1,10 @@
 #include "soapfilm/solve/energy.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/solve/energy_kernel.h"
 

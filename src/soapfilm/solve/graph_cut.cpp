@@ -1,5 +1,4 @@
 #include "soapfilm/solve/graph_cut.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -7,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/solve/dense_level.h"
 #include "soapfilm/solve/min_cut.h"

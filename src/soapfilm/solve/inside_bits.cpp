@@ -1,4 +1,5 @@
 #include "soapfilm/solve/inside_bits.h"
+
 #include "soapfilm/core/parallel.h"
 
 namespace soapfilm {

@@ -1,7 +1,8 @@
 #include "soapfilm/solve/level.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
+
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

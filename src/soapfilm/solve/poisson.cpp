@@ -1,5 +1,4 @@
 #include "soapfilm/solve/poisson.h"
-#include "soapfilm/core/parallel.h"
 
 #include <fmt/core.h>
 
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/solve/multigrid.h"
 

@@ -1,9 +1,10 @@
 #include "soapfilm/solve/profit.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <array>
 #include <numeric>
+
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

@@ -1,8 +1,9 @@
 #include "soapfilm/solve/sor_pass.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

@@ -1,8 +1,9 @@
 #include "soapfilm/solve/sor_runs.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <numeric>
+
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

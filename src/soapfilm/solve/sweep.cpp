@@ -1,9 +1,10 @@
 #include "soapfilm/solve/sweep.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
+
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

@@ -1,0 +1,41 @@
+// The stage that chooses lambda: what area weighs against the samples.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "soapfilm/core/context.h"
+#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/grid/lattice.h"
+#include "soapfilm/lambda/cross_validation.h"
+#include "soapfilm/solve/norm.h"
+
+namespace soapfilm {
+
+/// What the energy weighs.
+struct EnergyParams {
+  std::optional<double> lambda;      ///< the paper's: weight of a voxel face of area against one unit vector, > 0
+  double lambda_per_density = 0.02;  ///< without it: lambda is this times the samples per voxel^2 of surface, > 0
+  bool cross_validate = false;       ///< choose lambda_per_density from the samples; `lambda` must be absent
+  bool by_area = true;               ///< a sample weighs by the area it stands for, where `lambda` is absent; else 1
+  Norm norm = Norm::isotropic;       ///< of the gradient; anisotropic for Method::tv and graph cuts alone
+};
+
+struct Lambda {
+  double value = 0;                             ///< on the finest grid, > 0
+  std::optional<CrossValidationReport> select;  ///< where it was chosen by cross-validation
+  std::vector<std::string> warnings;
+};
+
+/// As given, by `density` (samples per voxel^2 of surface), or by cross-validation. Throws SamplesError where there is
+/// no density to go by, and as choose_lambda() does.
+Lambda choose(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice, double density,
+              const EnergyParams& params, const CrossValidationParams& select, const PrimalDualParams& solver,
+              const Context& context);
+
+/// A warning, where lambda is near the one at which a film over samples of that density vanishes.
+std::optional<std::string> near_empty(double lambda, double density);
+
+}  // namespace soapfilm

@@ -1,0 +1,76 @@
+// The choice of lambda by k-fold cross-validation (section 5 names it): the weight whose surface, found without some of
+// the samples, agrees best with those. Judge is the data term itself: a held-out field f_h gives an indicator u the
+// flux <f_h, u>, what the held-out directions gain through the surface. A sample far from the surface gains nothing, so
+// outliers hardly count; a lost part loses its samples' flux, a surface bent to the noise loses some everywhere.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "soapfilm/core/context.h"
+#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/core/progress.h"
+#include "soapfilm/grid/lattice.h"
+#include "soapfilm/lambda/folds.h"
+#include "soapfilm/solve/primal_dual.h"
+
+namespace soapfilm {
+
+struct CrossValidationParams {
+  int folds = 5;                              ///< parts, each held out once; in [2, 100]
+  FoldSource source = FoldSource::automatic;  ///< what they are made of
+  int max_resolution = 64;                    ///< vertices of the coarse grid along its longest axis; in [32, 512]
+  double indifference = 0.002;                ///< an error this much above the best one's is no difference; in [0, 1)
+  uint64_t seed = 1;                          ///< deals the samples
+  std::vector<double> candidates = {0.0025, 0.005, 0.01, 0.02,
+                                    0.04,   0.08,  0.16, 0.32};  ///< lambda per sample and voxel^2, > 0, increasing
+};
+
+/// What one candidate did. A fold's error is the part of the held-out flux that the candidate misses and the fold's own
+/// best candidate has, in [0, 1]: so it does not matter that one fold is harder than another for all of them. An empty
+/// (or opposing) result misses all.
+struct CrossValidationPoint {
+  double lambda_per_density = 0;  ///< lambda per sample and voxel^2
+  double lambda = 0;              ///< the same on the finest grid
+  double error = 0;               ///< mean over the folds
+  double standard_error = 0;      ///< of that mean
+  int empty_folds = 0;            ///< where no surface paid for its area
+};
+
+struct CrossValidationReport {
+  int folds = 0;
+  bool whole_scans = false;
+  Vec3i grid;                               ///< reported vertices of the coarse grid
+  double voxel = 0;                         ///< its edge of a cell, input units
+  double indifference = 0;                  ///< as given
+  std::vector<CrossValidationPoint> curve;  ///< by increasing lambda
+  double best = 0;                          ///< lambda per sample and voxel^2 with the least error
+  double chosen = 0;                        ///< and by the one-standard-error rule: EnergyParams::lambda_per_density
+};
+
+/// Throws ParameterError naming the first value that is out of its range, and the range.
+void validate(const CrossValidationParams& params);
+
+/// The curve of candidates from the flux that candidate c has through the held-out samples of fold k: flux[c][k].
+/// `lambda` is left 0. All folds see the same candidates; at least two folds.
+std::vector<CrossValidationPoint> error_curve(std::span<const double> candidates,
+                                              const std::vector<std::vector<double>>& flux);
+
+/// Index of the least error; of several, the largest lambda.
+size_t least_error(const std::vector<CrossValidationPoint>& curve);
+/// The one-standard-error rule (Breiman et al. 1984): index of the largest lambda whose error is at most the least one
+/// plus its standard error, or plus `indifference` where that is more.
+size_t one_standard_error(const std::vector<CrossValidationPoint>& curve, double indifference);
+
+/// Chooses lambda per sample and voxel^2 for the cloud, to be used on the `finest` lattice. Every candidate is solved
+/// without each fold on a grid of at most max_resolution vertices along its longest axis, never finer than `finest`;
+/// lambda there follows the density of the training samples, so that the training energy is, on the mean, the whole
+/// one's in proportion. `directions` is as long as the cloud. The result does not depend on the number of threads.
+///
+/// Throws ParameterError as validate() and make_folds() do, and when no candidate keeps a surface in any fold.
+CrossValidationReport choose_lambda(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& finest,
+                                    const CrossValidationParams& params, const PrimalDualParams& solver,
+                                    const Context& context);
+
+}  // namespace soapfilm

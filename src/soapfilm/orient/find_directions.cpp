@@ -1,0 +1,22 @@
+#include "soapfilm/orient/find_directions.h"
+
+#include "soapfilm/core/memory.h"
+
+namespace soapfilm {
+
+Orientation find_directions(const PointCloud& cloud, const Box3d& box, const OrientParams& params,
+                            const Context& context) {
+  Orientation found;
+  found.directions = orient(cloud, params, context, found.report);
+  const auto measure = [&] { found.surface = measure_local_surface(cloud.positions, found.directions, box, context); };
+  measure();
+  if (doubt_signs(cloud, params, found.surface.sides, context, found.directions, found.report)) measure();
+  // Where each sample has a normal, there is nothing to turn.
+  if (params.source != DirectionSource::automatic || found.report.from_normals == cloud.size()) return found;
+  found.views = found.directions;
+  turn_to_planes(cloud, found.surface, context, found.directions, found.report);
+  if (found.report.from_planes == 0) release(found.views);
+  return found;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,189 @@
+#include "soapfilm/run/announce.h"
+
+#include <fmt/core.h>
+
+#include <string>
+#include <utility>
+
+#include "soapfilm/core/memory.h"
+
+namespace soapfilm {
+
+void announce_grid(const Grid& grid, const MemoryBudget& memory, Trace& trace) {
+  const Vec3i n = grid.lattice.to_world_axes(grid.lattice.size);
+  trace.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, memory {}", n.x, n.y, n.z,
+                         grid.lattice.voxel, grid.density, format_bytes(memory.planned_bytes())));
+  trace.warn(grid.warnings);
+}
+
+void announce_lambda(const Lambda& lambda, const Grid& grid, const ReconstructParams& params, Trace& trace) {
+  if (weighs_area(params.method)) trace.info(fmt::format("lambda {:.3g}", lambda.value));
+  trace.warn(lambda.warnings);
+  if (!weighs_area(params.method)) return;
+  if (std::optional<std::string> warning = near_empty(lambda.value, grid.density)) trace.warn(std::move(*warning));
+}
+
+void announce_border(const BorderReport& border, bool inward, Trace& trace) {
+  if (!border.reason.empty())  // of methods that know but one
+    trace.info(fmt::format("outside: {}, {}", name_of(border.chosen), border.reason));
+  if (inward && border.chosen == Border::air)
+    trace.warn(
+        "the normals point towards the samples' middle on the whole, as those of a hollow seen from within do: turn "
+        "them outward, or try --outside solid");
+}
+
+void warn_unconverged(const SolveReport& report, double lambda, const ReconstructParams& params, Trace& trace) {
+  const auto warn_level = [&](int level, int iterations, double tolerance) {
+    trace.warn(
+        fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate below holds all "
+                    "the same",
+                    level, iterations, tolerance));
+  };
+  for (const LevelReport& level : report.levels) {
+    if (level.lambda_share < 1) continue;
+    // A level whose labels have settled has given all that the mesh takes. A coarser one that stalls only starts
+    // others.
+    if (level.stop == Stop::limit) warn_level(level.level, level.iterations, level.tolerance);
+    if (level.stop == Stop::stalled && level.level == 0)
+      trace.warn(fmt::format(
+          "level 0: the gap has stayed at {:.2g} (tolerance {:g}) and more iterations would not help: likely "
+          "a large part without samples; the certificate below holds all the same, --resolution or "
+          "--lambda may change it",
+          level.energies.relative_gap_band(lambda), level.tolerance));
+  }
+  for (const SorLevelReport& level : report.sor)
+    if (!level.converged) warn_level(level.level, level.iterations, params.sor.tolerance);
+  if (report.poisson && !report.poisson->converged)
+    trace.warn(fmt::format("poisson: not converged after {} iterations, relative residual {:.2g}",
+                           report.poisson->iterations, report.poisson->residual));
+  if (report.graph_cut && !report.graph_cut->globally_optimal)
+    trace.warn(fmt::format("{}: the band's rim disagrees, the cut is not proved to be the global minimum of its energy",
+                           name_of(params.method)));
+}
+
+void announce_energy(const Certificate& c, const ReconstructParams& params, Trace& trace) {
+  if (is_certified(params.method))
+    trace.info(fmt::format("segmentation proved within {:.2g} % of the global optimum", 100 * c.relative_gap_binary()));
+  else
+    trace.info(fmt::format("energy {:.6g} (method {} proves no bound of it)", c.binary.primal, name_of(params.method)));
+}
+
+void announce_islands(const IslandReport& islands, const ReconstructParams& params, Trace& trace) {
+  if (islands.objects.dropped + islands.voids.dropped == 0) return;
+  const auto counted = [](size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
+  trace.info(fmt::format("{} and {} dropped: only {} on their {:.3g} voxel^2 (min-support {:g})",
+                         counted(islands.objects.dropped, "island"), counted(islands.voids.dropped, "bubble"),
+                         counted(islands.samples, "sample"), islands.area, params.islands.min_support));
+}
+
+namespace {
+
+void announce_plan(const MemoryBudget& memory, Trace& trace) {
+  constexpr double much = 1.1;
+  const auto first = static_cast<double>(memory.first_bytes()), now = static_cast<double>(memory.planned_bytes());
+  if (now > much * first || first > much * now)
+    trace.info(fmt::format("memory {}, now that the surface is known", format_bytes(memory.planned_bytes())));
+}
+
+}  // namespace
+
+void announce_refinement(const std::optional<RefineReport>& report, const MemoryBudget& memory,
+                         const ReconstructParams& params, Trace& trace) {
+  announce_plan(memory, trace);
+  if (!report) return;
+  const RefineReport& refine = *report;
+  const Strength& strength = refine.strength;
+  trace.info(fmt::format(
+      "refined: noise {:.2g} voxel, smoothing {:.2g}{}, directions {}{}", strength.noise, strength.smoothing,
+      params.refine.smoothing ? " (--smoothing)" : "", strength.normals > 0 ? "count as normals" : "tell sides only",
+      refine.spacing > 1 ? fmt::format(", on every {:g}{} vertex", refine.spacing, refine.spacing == 2 ? "nd" : "th")
+                         : ""));
+  if (const size_t n = refine.vanished; n > 0)
+    trace.info(fmt::format("{} island{} or bubble{} dropped: refining left nothing of {}", n, n == 1 ? "" : "s",
+                           n == 1 ? "" : "s", n == 1 ? "it" : "them"));
+}
+
+void announce_trim(const TrimReport& trim, Trace& trace) {
+  if (trim.nothing_near) {
+    trace.warn(fmt::format("not trimmed: no surface is within {:.3g} of a sample; try a larger --trim", trim.distance));
+  }
+  if (trim.removed + trim.filled == 0) return;
+  trace.info(fmt::format("trimmed: {:.2g} % of the area, farther than {:.3g} from any sample{}",
+                         100 * trim.removed_area, trim.distance,
+                         trim.filled == 0 ? std::string()
+                                          : fmt::format("; {} hole{} stay{} filled (--trim-holes)", trim.filled,
+                                                        trim.filled == 1 ? "" : "s", trim.filled == 1 ? "s" : "")));
+}
+
+namespace {
+
+/// Why samples were lost, most likely, and what to try; half a line.
+std::string cause_of_loss(const ReconstructReport& report) {
+  constexpr double mostly = 0.6;
+  const double lost = report.self_check.lost * static_cast<double>(report.input.samples);
+  if (report.params.method == Method::vrip) return "seen at grazing angles or by one ray alone; try --method tv";
+  if (report.self_check.noise > 0)
+    return fmt::format("their noise, about {:.2g}, is larger than a voxel; the mesh goes through their middle",
+                       report.self_check.noise * report.lattice.voxel);
+  if (report.self_check.outliers > mostly)
+    return fmt::format(
+        "mostly outliers ({:.0f} % of these), around which others show no surface; if a part is missing, "
+        "try a smaller --voxel or --lambda",
+        100 * report.self_check.outliers);
+  if (report.trim && report.trim->leftovers > 0 && report.trim->removed_area > 0.1)
+    return "pieces around a few samples were trimmed; try a larger --trim";
+  if (report.islands && 2.0 * static_cast<double>(report.islands->samples) > lost)
+    return "parts that few samples support were dropped; try --islands keep";
+  return "parts too thin or too thinly sampled for this grid and lambda; try a smaller --voxel or "
+         "--lambda";
+}
+
+/// Empty where all is well.
+std::string misplaced_scanners(const ReconstructReport& report) {
+  constexpr double some = 0.1;    // share of the scanners
+  constexpr double unseen = 0.2;  // share of the surface
+  const ScannerReport& s = report.scanners;
+  const auto all = static_cast<double>(s.scanners);
+  const Border border = report.border.chosen;
+  if (static_cast<double>(s.in_solid) > some * all)
+    return fmt::format(
+        "{} of {} scanner positions lie inside of solid matter: the side of the samples is wrong, or what "
+        "lies beyond them; try --outside {}",
+        s.in_solid, s.scanners, border == Border::solid ? "air" : "solid");
+  if (border == Border::air && static_cast<double>(s.enclosed) > some * all && report.self_check.invented > unseen)
+    return fmt::format(
+        "{} of {} scanner positions lie in a closed shell, {:.0f} % of whose surface no sample is near: "
+        "its outer side was made up; try --outside solid",
+        s.enclosed, s.scanners, 100 * report.self_check.invented);
+  return {};
+}
+
+/// Empty where all is well.
+std::string made_up_surface(const ReconstructReport& report) {
+  constexpr double much = 0.3;  // of the surface
+  const double invented = report.self_check.invented;
+  const Method method = report.params.method;
+  // vrip's surface closes nothing, and no method but tv can end at the box.
+  if (method == Method::vrip || report.border.chosen == Border::open || report.trim || !(invented > much)) return {};
+  return fmt::format(
+      "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what nobody saw; try --trim auto{}",
+      100 * invented, self_check_reach, method == Method::tv ? ", or --outside open" : "");
+}
+
+}  // namespace
+
+void announce_self_check(const ReconstructReport& report, Trace& trace) {
+  const SelfCheckReport& check = report.self_check;
+  trace.info(
+      fmt::format("self-check: {:.2g} % of the samples are farther than {:g} voxels from the mesh, {:.2g} % of "
+                  "the mesh from all samples",
+                  100 * check.lost, self_check_reach, 100 * check.invented));
+  if (check.lost > self_check_most_lost)
+    trace.warn(fmt::format("{:.2g} % of the samples are farther than {:g} voxels from the mesh: {}", 100 * check.lost,
+                           self_check_reach, cause_of_loss(report)));
+  std::string text = misplaced_scanners(report);
+  if (text.empty()) text = made_up_surface(report);
+  if (!text.empty()) trace.warn(std::move(text));
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,50 @@
+#include "soapfilm/run/certify.h"
+
+#include <fmt/core.h>
+
+#include "soapfilm/pyramid/critical_lambda.h"
+#include "soapfilm/reconstruct.h"
+#include "soapfilm/solve/energy.h"
+
+namespace soapfilm {
+
+namespace {
+
+Certificate judge(const Segmentation& found, double lambda, double threshold, const Context& context) {
+  const Level& level = found.level;
+  const auto mu = static_cast<float>(threshold);
+  Certificate certificate;
+  certificate.lambda = lambda;
+  // What tv's solver saw last is this state, and a proof where no rounding left p outside of its ball.
+  const std::vector<LevelReport>& levels = found.report.levels;
+  const bool proved = !levels.empty() && levels.back().energies.max_dual_norm <= 1;
+  certificate.relaxed =
+      proved ? levels.back().energies : evaluate_energy(level, {.threshold = {}, .certify = true}, context);
+  certificate.binary = evaluate_energy(level, {.threshold = mu, .certify = true}, context);
+  certificate.inside = count_inside(level, mu, context);
+  return certificate;
+}
+
+}  // namespace
+
+Certificate certify(const Segmentation& found, const Grid& grid, const SupportField& field, double lambda,
+                    const ReconstructParams& params, const Context& context) {
+  const Certificate certificate = judge(found, lambda, params.surface.threshold, context);
+  // E(0) = 0 competes: a surface must have a lower energy, or the optimum is empty. (A cut has done so in its own
+  // energy, poisson's surface owes nothing to lambda: theirs only has to be there.)
+  if (is_certified(params.method) ? certificate.binary.primal < 0 : certificate.inside > 0) return certificate;
+  const double largest = critical_lambda(grid.lattice, field, lambda, context, params.energy.norm);
+  if (largest > lambda)
+    throw EmptyResult(
+        fmt::format("empty result: method {} found no surface with lambda = {:.4g}, although one pays for "
+                    "its area up to about {:.3g}: a smaller lambda may help, or {}",
+                    name_of(params.method), lambda, largest,
+                    params.method == Method::tv ? "more iterations" : "method tv"),
+        largest);
+  throw EmptyResult(fmt::format("empty result: with lambda = {:.4g} no surface pays for its area at {:.2g} samples per "
+                                "voxel^2; the largest lambda that keeps a surface is about {:.3g}",
+                                lambda, grid.density, largest),
+                    largest);
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,15 @@
+// How far a solution is from the global optimum, at most.
+#pragma once
+
+#include "soapfilm/core/context.h"
+#include "soapfilm/place/place.h"
+#include "soapfilm/report.h"
+#include "soapfilm/run/segment.h"
+
+namespace soapfilm {
+
+/// Judges the relaxed and the thresholded solution. Throws EmptyResult where no surface is better than none.
+Certificate certify(const Segmentation& found, const Grid& grid, const SupportField& field, double lambda,
+                    const ReconstructParams& params, const Context& context);
+
+}  // namespace soapfilm

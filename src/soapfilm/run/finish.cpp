@@ -1,0 +1,41 @@
+#include "soapfilm/run/finish.h"
+
+#include <utility>
+
+#include "soapfilm/core/memory.h"
+#include "soapfilm/finish/sample_distance.h"
+#include "soapfilm/finish/self_check.h"
+#include "soapfilm/run/announce.h"
+
+namespace soapfilm {
+
+ReconstructReport facts_of(const PointCloud& cloud, const Box3d& box, const ReconstructParams& params,
+                           const OrientReport& directions, const Grid& grid, const Lambda& lambda) {
+  ReconstructReport report;
+  report.params = params;
+  report.input = {cloud.size(), 0, cloud.scans.size(), box, grid.density, directions};
+  report.lattice = grid.lattice;
+  report.select = lambda.select;
+  report.certificate.lambda = lambda.value;
+  return report;
+}
+
+Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const MemoryBudget& memory,
+                      Trace& trace, const Context& context) {
+  report.self_check = trace.stage("self-check", [&] { return self_check(mesh, samples, report.lattice, context); });
+  announce_self_check(report, trace);
+  if (report.params.surface.distance)
+    trace.stage("distance", [&] {
+      mesh.attributes.push_back({"distance", distances_to_samples(mesh, samples, report.lattice, context)});
+    });
+  report.mesh_vertices = mesh.vertices.size();
+  report.mesh_triangles = mesh.triangles.size();
+  report.stages = trace.times();
+  report.warnings = trace.warnings();
+  report.planned_bytes = memory.planned_bytes();
+  report.peak_bytes = peak_memory_bytes();
+  report.array_bytes = context.pages().peak_bytes();
+  return {std::move(mesh), std::move(report)};
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,297 @@
+#include "soapfilm/run/memory_plan.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/core/gather.h"
+#include "soapfilm/core/memory.h"
+#include "soapfilm/place/place.h"
+#include "soapfilm/solve/inside_bits.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// The program itself with its libraries, threads and file buffers.
+constexpr size_t base_bytes = size_t{12} << 20;
+
+/// A brick of a level: u and p, the layers that a sweep leaves behind, rim fluxes (about one face in three), topology
+/// twice (band and support).
+constexpr size_t level_brick_bytes = brick_volume * 4 * sizeof(float) + 3 * brick_area * sizeof(float) +
+                                     brick_area * sizeof(float) + 2 * (sizeof(Vec3i) + sizeof(BrickGrid::Neighbors)) +
+                                     128;
+constexpr size_t data_brick_bytes = brick_volume * sizeof(float);
+
+/// Beyond the support bricks a band holds what closes holes: measured 1.02 to 1.15 times as many.
+constexpr double band_over_support = 1.1;
+/// tv's finest band leaves out support that needs no more work: measured 0.70 to 0.75 with a sample per voxel^2, 0.80
+/// to 0.82 with an eighth, 0.94 with 0.03.
+constexpr double finest_over_support = 0.8;
+/// Shares of guesses that a run is refused by: of the solve's, until it begins; of the refinement's, until its band is
+/// known.
+constexpr double certain_of_solve = 0.9, certain_of_refine = 0.75;
+/// What is left of the coarser level and its data term while they go back, as a share of a whole band.
+constexpr double coarser_share = 0.1;
+
+/// Refinement: the narrow band and the fit's arrays, bytes per support brick;
+/// and of each cell with samples, of which a brick has about as many as given here where samples are dense. (What
+/// sparse samples spare by a fit on coarser vertices is known too late.)
+constexpr size_t refined_brick_bytes = 11400;
+constexpr size_t refined_cell_bytes = 33;
+constexpr size_t refined_cells_per_brick = 32;
+
+/// Arrays on every vertex of the box while the solver works, bytes per vertex (docs/methods.md has what they hold).
+double dense_bytes_per_vertex(Method method) {
+  if (method == Method::tv_sor) return 7;
+  if (method == Method::poisson) return 17.2;
+  return 0;
+}
+
+/// Samples on a surface reach a brick per so many voxel^2 of it.
+constexpr double area_per_brick = 20;
+
+/// Two digits, not below the value.
+double two_digits_above(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::ceil(value / unit) * unit;
+}
+
+/// What spans the whole box: bits per brick in masks and grids, and the arrays of methods that know no band.
+size_t box_bytes(Method method, const Lattice& lattice) {
+  const Vec3i bricks = lattice.box(0).bricks;
+  const double count = static_cast<double>(bricks.x) * bricks.y * bricks.z;
+  constexpr double masks = 6;      // support, band, inside; each beside its coarser or older one
+  constexpr double ranks = 3 * 2;  // BrickGrid's two bits: samples, data, level
+  constexpr double most = 0x1p60;  // what size_t holds; no machine has it
+  return static_cast<size_t>(
+      std::min(most, (masks + ranks) * count / 8 + dense_bytes_per_vertex(method) * lattice.vertices()));
+}
+
+/// The peak beside the box's arrays and the data term, bytes per support brick.
+double band_bytes_per_brick(Method method) {
+  const double level = band_over_support * level_brick_bytes;
+  // Vertices with f != 0 and those around them fill more than half of the support's bricks.
+  const double graph_vertices = 0.58 * brick_volume;
+  switch (method) {
+    case Method::tv:
+      return finest_over_support * level_brick_bytes + coarser_share * level;
+    case Method::graph_cut_6:
+      return level + 117 * graph_vertices;
+    case Method::graph_cut_26:
+      return level + 345 * graph_vertices;
+    case Method::vrip:
+      return 4.4 * data_brick_bytes;  // in place of f: distances, weights, and the scan being fused
+    case Method::poisson:
+      return 0;  // the level is made when most of the box's arrays are gone
+    case Method::tv_sor:
+      break;
+  }
+  return level;
+}
+
+size_t cloud_bytes(const PointCloud& cloud) {
+  size_t each = sizeof(Vec3d);
+  if (!cloud.normals.empty()) each += sizeof(Vec3f);
+  if (!cloud.sensors.empty()) each += sizeof(Vec3d);
+  if (!cloud.weights.empty()) each += sizeof(float);
+  if (!cloud.colors.empty()) each += sizeof(Rgb8);
+  size_t bytes = each * cloud.size();
+  for (const Scan& scan : cloud.scans)
+    if (scan.range_grid) bytes += scan.range_grid->sample.size() * sizeof(int32_t);
+  return bytes;
+}
+
+/// Sorted: position, direction and lot; where there are no normals, the view beside the normal of a plane.
+size_t kept_bytes(const PointCloud& cloud) {
+  return ((cloud.normals.empty() ? 3 : 2) * sizeof(Vec3f) + sizeof(uint8_t)) * cloud.size();
+}
+
+/// Vertices of a brick's lowest layer along an axis that are inside.
+size_t inside_lowest(const BrickBits& bits, int axis) {
+  constexpr uint64_t lowest_x = 0x0101010101010101, lowest_y = 0xff;
+  if (axis == 2) return static_cast<size_t>(count_bits(bits.layer[0]));
+  size_t count = 0;
+  for (const uint64_t layer : bits.layer)
+    count += static_cast<size_t>(count_bits(layer & (axis == 0 ? lowest_x : lowest_y)));
+  return count;
+}
+
+}  // namespace
+
+size_t plan_placing(const PointCloud& cloud) {
+  // While the cloud is there also the direction as found and where sorted samples came from.
+  const size_t sorted_bytes = kept_bytes(cloud) + sizeof(uint32_t) * cloud.size();
+  // The surface around each: area, spacing, normal; with it either the cells that found it or the sorted samples.
+  const size_t around_bytes = (2 * sizeof(float) + sizeof(Vec3f)) * cloud.size();
+  const size_t cells_bytes = (3 * sizeof(uint64_t) + 3 * sizeof(uint8_t)) * cloud.size();
+  return base_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + around_bytes +
+         std::max(sorted_bytes, cells_bytes);
+}
+
+size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after) {
+  const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
+  return base_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
+}
+
+MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
+                       const Lattice& lattice, size_t support_bricks) {
+  MemoryPlan plan;
+  plan.placing_bytes = plan_placing(cloud);
+  plan.fixed_bytes = plan_fixed(method, cloud, after);
+  const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
+  plan.tables_bytes = box_bytes(method, lattice);
+  // tv's band is known level by level only.
+  const bool guessed = method == Method::tv;
+  plan.solve = {plan.tables_bytes + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick),
+                guessed ? certain_of_solve : 1};
+  if (!is_refined) return plan;
+
+  const size_t cells = std::min(cloud.size(), refined_cells_per_brick * support_bricks);
+  plan.refine = {refined_brick_bytes * support_bricks + refined_cell_bytes * cells, guessed ? certain_of_refine : 1};
+  return plan;
+}
+
+MemoryPlan plan_tables(Method method, const Lattice& lattice) {
+  const size_t tables = box_bytes(method, lattice);
+  MemoryPlan plan;
+  plan.fixed_bytes = base_bytes;
+  plan.solve.bytes = plan.tables_bytes = tables;
+  return plan;
+}
+
+size_t solve_bytes(size_t data_bricks, size_t level_bricks) {
+  return data_brick_bytes * data_bricks + level_brick_bytes * level_bricks;
+}
+
+size_t guess_refine_bytes(size_t level_bricks) {
+  constexpr size_t bytes_per_brick = 15000;  // of closed surfaces 13,800 to 15,900
+  return bytes_per_brick * level_bricks;
+}
+
+size_t refine_bytes(size_t rows, bool tries_coarser, size_t samples) {
+  // The peaks of bench/scenes: within 10 %.
+  constexpr size_t row_bytes = 410, of_two_grids = 500, sample_bytes = 48;
+  return (tries_coarser ? of_two_grids : row_bytes) * rows + sample_bytes * samples;
+}
+
+size_t mesh_bytes(size_t vertices, bool checked) {
+  // Measured per vertex: bent 286 to 358; checked 423 to 518.
+  constexpr size_t bent_vertex_bytes = 320, checked_vertex_bytes = 470;
+  return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
+}
+
+size_t count_faces(const Level& level, double threshold, const Context& context) {
+  const InsideBits inside(level, static_cast<float>(threshold), context);
+  const auto faces_of = [&](size_t begin, size_t end) {
+    size_t faces = 0;
+    for (size_t b = begin; b < end; ++b) {
+      const Vec3i coord = level.grid.coord(b);
+      const BrickBits& own = inside.of(static_cast<int32_t>(b), coord);
+      for (int axis = 0; axis < 3; ++axis) {
+        const int slot = slot_up[axis];
+        const int32_t n = level.grid.neighbors(b)[static_cast<size_t>(slot)];
+        const BrickBits& above = inside.of(n, coord + slot_offset(slot));
+        faces += (own ^ (moved(own, axis, -1) | carried(above, axis, -1))).count();
+        Vec3i below = coord;
+        --below[axis];
+        if (below[axis] >= 0 && level.grid.find(below) >= 0) continue;
+        // Nobody else counts the faces below; what lies there is constant.
+        const bool in = below[axis] >= 0 && level.inside.test(below);
+        faces += in ? brick_area - inside_lowest(own, axis) : inside_lowest(own, axis);
+      }
+    }
+    return faces;
+  };
+  return sum_chunks<size_t>(level.grid.size(), 1024, context, faces_of);
+}
+
+Room::Room(std::optional<size_t> limit, size_t held) : what(limit ? "--memory" : "free memory") {
+  const size_t available = available_memory_bytes();
+  bytes = limit ? *limit : available > SIZE_MAX - held ? SIZE_MAX : available + held;
+}
+
+void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice, double area, bool by_resolution) {
+  if (plan.least() <= room.bytes) return;
+  const double left = room.bytes > plan.fixed_bytes ? static_cast<double>(room.bytes - plan.fixed_bytes) : 0;
+  const auto tables = static_cast<double>(plan.tables_bytes);
+  // Before the samples are sorted the bricks are not known.
+  const double bands =
+      std::max(static_cast<double>(plan.grid_bytes()) - tables, area / area_per_brick * refined_brick_bytes);
+  constexpr double most_times_coarser = 1e9;
+  double coarser = 1;
+  while (tables / (coarser * coarser * coarser) + bands / (coarser * coarser) > 0.7 * left &&
+         coarser < most_times_coarser)
+    coarser *= 1.01;
+  const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z}), around = 2 * lattice.padding;
+  const int fits = around + static_cast<int>((longest - around) / coarser);
+  const std::string fit = fits <= around || coarser >= most_times_coarser ? "no resolution would fit"
+                          : by_resolution
+                              ? fmt::format("a resolution of about {} would fit", fits)
+                              : fmt::format("--voxel {:.2g} would fit", two_digits_above(coarser * lattice.voxel));
+  throw MemoryError(
+      fmt::format("memory: {} needs about {}, {} is {}; {}",
+                  by_resolution ? fmt::format("resolution {}", longest) : fmt::format("voxel {:.4g}", lattice.voxel),
+                  format_bytes(plan.total()), room.what, format_bytes(room.bytes), fit));
+}
+
+void check_placing(size_t placing_bytes, const Room& room, size_t samples) {
+  if (placing_bytes > room.bytes)
+    throw MemoryError(fmt::format("memory: {} samples need about {}, {} is {}; no resolution would fit", samples,
+                                  format_bytes(placing_bytes), room.what, format_bytes(room.bytes)));
+}
+
+MemoryBudget::MemoryBudget(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after)
+    : params_(params), after_(after), room_(params.memory_limit, held_memory_bytes()) {
+  check_placing(plan_placing(cloud), room_, cloud.size());
+}
+
+void MemoryBudget::check(double area) const {
+  check_memory(plan_, room_, lattice_, area, params_.place.resolution && !params_.place.voxel);
+}
+
+void MemoryBudget::plan_tables(const PointCloud& cloud, const Box3d& box, const Lattice& lattice, double area) try {
+  lattice_ = lattice;
+  plan_ = soapfilm::plan_tables(params_.method, lattice);
+  check(area);
+} catch (const MemoryError& error) {
+  throw MemoryError(error.what() + far_samples(cloud, box));
+}
+
+void MemoryBudget::plan_grid(const PointCloud& cloud, size_t support_bricks) {
+  plan_ = plan_memory(params_.method, refines(params_), cloud, after_, lattice_, support_bricks);
+  check();
+  first_ = plan_.total();
+}
+
+PyramidObserver MemoryBudget::watch(PyramidObserver user, size_t data_bricks) {
+  user.begins = [this, data_bricks, begins = user.begins](int level, size_t bricks, size_t beside) {
+    plan_level(level, data_bricks, bricks, beside);
+    if (begins) begins(level, bricks, beside);
+  };
+  return user;
+}
+
+void MemoryBudget::plan_level(int level, size_t data_bricks, size_t bricks, size_t beside) {
+  // The largest level counts, instead of what was guessed before the first one.
+  const size_t before = plan_.solve.certain < 1 ? 0 : plan_.solve.bytes;
+  plan_.solve = {std::max(before, solve_bytes(data_bricks, bricks + beside)), 1};
+  if (level == 0 && refines(params_)) plan_.refine = {guess_refine_bytes(bricks), certain_of_refine};
+  check();
+}
+
+void MemoryBudget::plan_mesh(const Level& level, bool checked, const Context& context) {
+  if (params_.method != Method::tv) return;
+  plan_.mesh_bytes = mesh_bytes(count_faces(level, params_.surface.threshold, context), checked);
+  check();
+}
+
+void MemoryBudget::plan_refinement(size_t rows, bool tries_coarser, size_t samples) {
+  plan_.refine = {refine_bytes(rows, tries_coarser, samples), 1};
+  check();
+}
+
+}  // namespace soapfilm

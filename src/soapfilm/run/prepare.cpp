@@ -1,0 +1,112 @@
+#include "soapfilm/run/prepare.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/core/memory.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/finish/scanners.h"
+#include "soapfilm/fuse/range_surface.h"
+#include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/orient/area_weights.h"
+#include "soapfilm/place/check_samples.h"
+#include "soapfilm/pyramid/band.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr size_t samples_per_task = size_t{1} << 15;
+
+bool counts_by_area(const ReconstructParams& params) {
+  return params.method != Method::vrip && params.energy.by_area && !params.energy.lambda;
+}
+
+}  // namespace
+
+Box3d check_cloud(const PointCloud& cloud, const ReconstructParams& params, const Context& context) {
+  const Box3d box = check_samples(cloud, context);
+  if (params.method == Method::vrip)
+    for (const Scan& scan : cloud.scans) require_range_scan(scan, params.orient.sensor);
+  return box;
+}
+
+Scanners find_scanners(const PointCloud& cloud, const ReconstructParams& params, const Context& context) {
+  Scanners found{scanner_positions(cloud, params.orient.sensor), {}};
+  if (params.border.outside == Border::automatic && params.method == Method::tv)
+    found.surroundings = look_around(cloud, params.orient.sensor, context);
+  return found;
+}
+
+Orientation find_directions(const PointCloud& cloud, const Box3d& box, const ReconstructParams& params,
+                            const Context& context) {
+  OrientParams how = params.orient;
+  how.from_within = params.border.outside == Border::solid;
+  Orientation found = find_directions(cloud, box, how, context);
+  if (!refines(params)) release(found.views);
+  return found;
+}
+
+Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& oriented, const ReconstructParams& params,
+             MemoryBudget& memory, const Context& context) {
+  Placed placed;
+  placed.grid = place_grid(cloud, box, oriented.surface, params.place, counts_by_area(params), context);
+  const Lattice& lattice = placed.grid.lattice;
+  memory.plan_tables(cloud, box, lattice, placed.grid.area);
+  placed.samples = sort_samples(cloud, oriented.directions, lattice, context);
+  if (placed.samples.size() == 0)
+    throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
+  memory.plan_grid(cloud, support_mask(placed.samples, lattice.box(0), context).count());
+  return placed;
+}
+
+Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const Grid& grid,
+                     const ReconstructParams& params, const Context& context, GridSamples& samples) {
+  Lambda lambda = choose(cloud, oriented.directions, grid.lattice, grid.density, params.energy, params.select,
+                         params.solve, context);
+  if (!counts_by_area(params)) return lambda;
+  constexpr double most_weight = 50;
+  const std::vector<float> weights = weigh_by_area(oriented.surface, most_weight, context);
+  parallel_for(context, samples.size(), samples_per_task,
+               [&](size_t k) { samples.direction[k] = samples.direction[k] * weights[samples.source[k]]; });
+  return lambda;
+}
+
+std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& samples, const Lattice& lattice,
+                              const Context& context) {
+  std::vector<Vec3f> sorted;
+  if (views.empty()) return sorted;
+  reserve_many(sorted, samples.size(), context.pages());
+  sorted.resize(samples.size());
+  parallel_for(context, samples.size(), samples_per_task, [&](size_t k) {
+    sorted[k] = normalized(lattice.from_world_axes(views[samples.source[k]])) * norm(samples.direction[k]);
+  });
+  return sorted;
+}
+
+BorderReport find_border(SupportField& field, const Grid& grid, double lambda, const Surroundings& surroundings,
+                         const ReconstructParams& params, const Context& context, Trace& trace) {
+  const Border asked = params.border.outside;
+  BorderReport border;
+  if (asked == Border::automatic && params.method != Method::tv) return border;
+  trace.stage("border", [&] {
+    if (asked == Border::automatic) {
+      border = choose_border({grid.lattice, field, lambda, params.energy.norm, grid.density}, surroundings,
+                             params.border, params.solve, context);
+    } else {
+      border.chosen = asked;
+      border.reason = "as asked for";
+    }
+  });
+  return border;
+}
+
+void turn_inside_out(SupportField& field, GridSamples& samples, std::vector<Vec3f>& views, const Context& context) {
+  negate(field, context);
+  for (Vec3f& direction : samples.direction) direction = -direction;
+  for (Vec3f& view : views) view = -view;
+}
+
+}  // namespace soapfilm

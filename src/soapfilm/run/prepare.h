@@ -1,0 +1,58 @@
+// The stages before the solve: from a cloud to samples with directions on a grid, and lambda. What each of them does is
+// in the folder of its name; here each gets its share of the parameters.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "soapfilm/border/border.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/field/samples.h"
+#include "soapfilm/lambda/choose.h"
+#include "soapfilm/orient/find_directions.h"
+#include "soapfilm/params.h"
+#include "soapfilm/place/place.h"
+#include "soapfilm/run/memory_plan.h"
+#include "soapfilm/run/trace.h"
+
+namespace soapfilm {
+
+/// The samples' box. Throws SamplesError where there are too few to span a volume; ParameterError where Method::vrip
+/// gets what is no range scan.
+Box3d check_cloud(const PointCloud& cloud, const ReconstructParams& params, const Context& context);
+
+struct Scanners {
+  std::vector<Vec3d> positions;  ///< input frame
+  Surroundings surroundings;     ///< where the border follows from them
+};
+Scanners find_scanners(const PointCloud& cloud, const ReconstructParams& params, const Context& context);
+
+/// Directions before planes took their place are kept where the refinement asks for them.
+Orientation find_directions(const PointCloud& cloud, const Box3d& box, const ReconstructParams& params,
+                            const Context& context);
+
+struct Placed {
+  Grid grid;
+  GridSamples samples;
+};
+/// The grid, and the samples sorted into it. Throws MemoryError before what is large beside the samples is allocated.
+Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& oriented, const ReconstructParams& params,
+             MemoryBudget& memory, const Context& context);
+
+/// Lambda on the grid. Where it is not given, each sample counts by the area that it stands for: its direction gets as
+/// long. (Where it is given, it is the paper's: against one unit vector for each sample.)
+Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const Grid& grid,
+                     const ReconstructParams& params, const Context& context, GridSamples& samples);
+
+/// A column of the cloud's directions in the order of the samples, each as long as the sample's own.
+std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& samples, const Lattice& lattice,
+                              const Context& context);
+
+/// What lies beyond the samples' box. `field` comes back as it was.
+BorderReport find_border(SupportField& field, const Grid& grid, double lambda, const Surroundings& surroundings,
+                         const ReconstructParams& params, const Context& context, Trace& trace);
+
+/// The data term and all directions of the complement: of the solid matter around a hollow.
+void turn_inside_out(SupportField& field, GridSamples& samples, std::vector<Vec3f>& views, const Context& context);
+
+}  // namespace soapfilm

@@ -1,0 +1,116 @@
+// The page to read first: from a cloud to its mesh. Each stage takes what it needs and returns a value that keeps its
+// meaning; what nobody needs any more is freed here. docs/architecture.md says in which folder each stage is.
+#include "soapfilm/run/run.h"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "soapfilm/core/memory.h"
+#include "soapfilm/run/announce.h"
+#include "soapfilm/run/certify.h"
+#include "soapfilm/run/finish.h"
+#include "soapfilm/run/prepare.h"
+#include "soapfilm/run/segment.h"
+#include "soapfilm/run/surface.h"
+
+namespace soapfilm {
+
+Reconstruction run(const PointCloud& cloud, PointCloud* owned, const ReconstructParams& params, const Context& context,
+                   const PyramidObserver& observe) {
+  validate(params);
+  context.pages().restart_peak();
+  Trace trace(context);
+  const Box3d box = check_cloud(cloud, params, context);
+  MemoryBudget memory(params, cloud, owned ? AfterPlacing::freed : AfterPlacing::kept);
+
+  // Each sample gets a weak outward direction: its normal, towards the scanner, or estimated.
+  const Scanners scanners = find_scanners(cloud, params, context);
+  Orientation oriented = trace.stage("orient", [&] { return find_directions(cloud, box, params, context); });
+  trace.keep(oriented.report.warnings);
+
+  // The grid: how fine, where, and what it will cost.
+  Placed placed = trace.stage("place", [&] { return place(cloud, box, oriented, params, memory, context); });
+  Grid& grid = placed.grid;
+  GridSamples& samples = placed.samples;
+  announce_grid(grid, memory, trace);
+
+  // Lambda, what area weighs against the samples; and what these weigh, by the area that they stand for.
+  const char* weights = weighs_area(params.method) ? "lambda" : "weights";
+  const Lambda lambda =
+      trace.stage(weights, [&] { return choose_lambda(cloud, oriented, grid, params, context, samples); });
+  announce_lambda(lambda, grid, params, trace);
+  ReconstructReport report = facts_of(cloud, box, params, oriented.report, grid, lambda);
+
+  // Curless and Levoy's surface needs neither field nor solve: its scans say what is known.
+  if (params.method == Method::vrip) {
+    Mesh mesh = fuse(cloud, grid.lattice, params, report.vrip.emplace(), trace, context);
+    return finish(std::move(mesh), std::move(report), samples, memory, trace, context);
+  }
+  std::vector<Vec3f> views = sort_views(oriented.views, samples, grid.lattice, context);
+  oriented = {};
+  release(samples.source);
+  if (owned) *owned = {};
+
+  // The data term f = div v (section 4.1).
+  SupportField field = trace.stage("field", [&] { return divergence_field(samples, grid.lattice.box(0), context); });
+
+  // What lies beyond the samples' box: air, solid matter, or neither. Around solid matter all that follows works on the
+  // complement, its directions turned.
+  const BorderReport border = find_border(field, grid, lambda.value, scanners.surroundings, params, context, trace);
+  grid.lattice.open = border.chosen == Border::open;
+  if (border.chosen == Border::solid) turn_inside_out(field, samples, views, context);
+  announce_border(border, report.input.directions.inward, trace);
+
+  // Inside or outside: the convex problem (4), coarse to fine, on a thin band; or what it is compared with.
+  std::optional<PagePool::Keep> pages(context.pages());
+  Segmentation found = trace.stage("solve", [&] {
+    return segment(grid.lattice, field, samples, lambda.value, params, memory.watch(observe, field.grid.size()),
+                   context);
+  });
+  if (border.chosen != Border::open) memory.plan_mesh(found.level, params.checked, context);
+  warn_unconverged(found.report, lambda.value, params, trace);
+  report.solve = found.report;
+
+  // How far from the global optimum, at most.
+  report.certificate =
+      trace.stage("certify", [&] { return certify(found, grid, field, lambda.value, params, context); });
+  announce_energy(report.certificate, params, trace);
+  found.level.p = {};
+  field = {};
+  if (border.chosen == Border::open) found.level = closed_along_box(found.level, memory, context);
+
+  // Components and cavities that hardly a sample supports, such as outliers leave, go. (The certificate is of the
+  // solution with them.)
+  report.islands = drop_unsupported(found.level, samples, grid, params, trace, context);
+
+  // Scanners stand in the air, and a hollow around one has been seen.
+  report.scanners = stand_scanners(found.level, scanners, grid, border, params);
+
+  // The level set moves onto the samples; components and genus stay, but for what it leaves nothing of. From here on
+  // directions are those that were found, not those of planes: these know of held-out samples, too.
+  if (!views.empty()) samples.direction = std::move(views);
+  Surface surface =
+      trace.stage("refine", [&] { return find_surface(std::move(found), samples, grid, params, memory, context); });
+  announce_refinement(surface.refine, memory, params, trace);
+
+  // The level set as a closed, manifold mesh.
+  Mesh mesh = trace.stage("extract", [&] { return triangles_of(surface, grid.lattice, lambda.value, context); });
+  pages.reset();
+
+  // Where the surface bends, triangles of a voxel are too coarse for what the samples tell.
+  report.bend = bend(mesh, surface, samples, grid, params, trace, context);
+  report.isovalue = surface.isovalue;
+  report.refine = std::move(surface.refine);
+  surface.field = {};
+
+  // A complement's faces turn back. What closed an open surface along the box goes, and what no sample is near.
+  undo_border(mesh, border, grid.lattice);
+  report.trim = trim(mesh, samples, grid, border, params, trace, context);
+
+  report.border = border;
+  report.lattice = grid.lattice;
+  return finish(std::move(mesh), std::move(report), samples, memory, trace, context);
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,27 @@
+// Which side of the surface each vertex is on: the stage that the methods differ in.
+#pragma once
+
+#include <optional>
+
+#include "soapfilm/core/context.h"
+#include "soapfilm/field/divergence.h"
+#include "soapfilm/field/samples.h"
+#include "soapfilm/params.h"
+#include "soapfilm/refine/indicator.h"
+#include "soapfilm/report.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+/// What a method found, in the form that the one judge and the stages after it take.
+struct Segmentation {
+  Level level;  ///< u in [0, 1] and, where the method has one, its dual p (else 0); refers to the support field
+  std::optional<SurfaceField> surface;  ///< of a method that finds a smooth field itself (poisson): its level set 1/2
+  SolveReport report;
+};
+
+/// Runs params.method on the data term. Not for Method::vrip, which works on the scans themselves (fuse/vrip.h).
+Segmentation segment(const Lattice& lattice, const SupportField& field, const GridSamples& samples, double lambda,
+                     const ReconstructParams& params, const PyramidObserver& observe, const Context& context);
+
+}  // namespace soapfilm

@@ -1,0 +1,124 @@
+#include "soapfilm/run/surface.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "soapfilm/extract/bend.h"
+#include "soapfilm/extract/cut.h"
+#include "soapfilm/extract/isosurface.h"
+#include "soapfilm/finish/islands.h"
+#include "soapfilm/finish/scanners.h"
+#include "soapfilm/finish/trim.h"
+#include "soapfilm/fuse/vrip.h"
+#include "soapfilm/reconstruct.h"
+#include "soapfilm/run/announce.h"
+#include "soapfilm/solve/closed_border.h"
+
+namespace soapfilm {
+
+Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& context) {
+  Level closed = closed_at_border(level, context);
+  // What closes it is drawn as well, until it is cut off; what is checked is much smaller.
+  memory.plan_mesh(closed, false, context);
+  return closed;
+}
+
+std::optional<IslandReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
+                                             const ReconstructParams& params, Trace& trace, const Context& context) {
+  if (!drops_islands(params)) return {};
+  IslandReport report;
+  trace.stage("finish", [&] {
+    drop_islands(level, static_cast<float>(params.surface.threshold), samples, grid.density, params.islands, context,
+                 report);
+  });
+  announce_islands(report, params, trace);
+  return report;
+}
+
+ScannerReport stand_scanners(const Level& level, const Scanners& scanners, const Grid& grid, const BorderReport& border,
+                             const ReconstructParams& params) {
+  std::vector<Vec3d> positions = scanners.positions;
+  for (Vec3d& p : positions) p = grid.lattice.to_lattice(p);
+  return place_scanners(level, static_cast<float>(params.surface.threshold), border.chosen == Border::solid, positions);
+}
+
+Surface find_surface(Segmentation found, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
+                     MemoryBudget& memory, const Context& context) {
+  if (found.surface) return {std::move(*found.surface), 0.5, {}};
+  const auto threshold = static_cast<float>(params.surface.threshold);
+  Surface surface;
+  if (refines(params)) {
+    RefineParams how = params.refine;
+    how.vanish = drops_islands(params);
+    how.open = grid.lattice.open;
+    Refinement refinement(std::move(found.level), threshold, samples, grid.density, how, context,
+                          surface.refine.emplace());
+    memory.plan_refinement(refinement.rows(), refinement.tries_coarser(), samples.size());
+    surface.field = refinement.fit();
+    return surface;
+  }
+  surface.field = smoothed_indicator(found.level, threshold, context);
+  surface.isovalue =
+      params.surface.isovalue ? *params.surface.isovalue : mean_at_samples(surface.field, samples, context);
+  return surface;
+}
+
+Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda, const Context& context) {
+  const SurfaceField& field = surface.field;
+  Mesh mesh = extract_isosurface(
+      field.grid, field.value, [&](Vec3i brick) { return field.missing_value(brick); },
+      static_cast<float>(surface.isovalue), lattice, context);
+  if (mesh.triangles.empty())
+    throw EmptyResult(
+        fmt::format("empty result: the smoothed indicator stays on one side of the isovalue {:.3g}; parts "
+                    "thinner than two voxels need a smaller voxel than {:.4g}",
+                    surface.isovalue, lattice.voxel),
+        lambda);
+  return mesh;
+}
+
+std::optional<BendReport> bend(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
+                               const ReconstructParams& params, Trace& trace, const Context& context) {
+  if (!surface.refine || surface.refine->strength.yield || !(params.surface.bend.tolerance > 0)) return {};
+  BendReport report;
+  trace.stage("bend", [&] {
+    bend_edges(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples,
+               params.refine.robust.scale(surface.refine->strength.noise), grid.lattice, params.surface.bend, context,
+               report);
+  });
+  return report;
+}
+
+void undo_border(Mesh& mesh, const BorderReport& border, const Lattice& lattice) {
+  if (border.chosen == Border::solid)
+    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  if (border.chosen == Border::open) cut_at_border(mesh, lattice);
+}
+
+std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, const Grid& grid, const BorderReport& border,
+                               const ReconstructParams& params, Trace& trace, const Context& context) {
+  if (!trims(params, border.chosen)) return {};
+  TrimReport report;
+  trace.stage("trim", [&] { trim(mesh, samples, grid.lattice, grid.density, params.trim, context, report); });
+  announce_trim(report, trace);
+  return report;
+}
+
+Mesh fuse(const PointCloud& cloud, const Lattice& lattice, const ReconstructParams& params, VripReport& report,
+          Trace& trace, const Context& context) {
+  const FusedField fused = trace.stage("fuse", [&] {
+    return fuse_scans({cloud, params.orient.sensor}, lattice, params.vrip, context, report);
+  });
+  Mesh mesh = trace.stage("extract", [&] {
+    return extract_open_isosurface(fused.grid, fused.distance, fused.weight, 0, lattice, context);
+  });
+  if (mesh.triangles.empty())
+    throw EmptyResult(fmt::format("empty result: the scans saw both sides of their surfaces in no whole cell; a grid "
+                                  "nearer to their own spacing than voxel {:.4g} may",
+                                  lattice.voxel),
+                      0);
+  return mesh;
+}
+
+}  // namespace soapfilm
