@@ -46,7 +46,7 @@ double cpu_seconds(const ReconstructReport& report) {
   return sum;
 }
 
-TEST(Contexts, RunsAtOnceGiveWhatEachGivesAlone) {
+TEST(Contexts, RunsOnThreadsOfTheirOwnGiveWhatEachGivesAlone) {
   const std::vector<Task> runs = different_runs();
   std::vector<Reconstruction> alone, at_once(runs.size());
   for (const Task& run : runs) alone.push_back(result_of(run));
@@ -70,7 +70,7 @@ TEST(Contexts, RunsAtOnceGiveWhatEachGivesAlone) {
   EXPECT_LE(sum, 1.05 * process + 0.02);
 }
 
-TEST(Contexts, ALimitAndACancelledRunLeaveTheOthersAlone) {
+TEST(Contexts, ALimitAndACancelledRunLeaveOtherThreadsAlone) {
   std::vector<Task> runs = different_runs();
   const Reconstruction alone = result_of(runs[0]);
   runs[1].params.memory_limit = size_t{1} << 20;

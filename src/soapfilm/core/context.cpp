@@ -29,7 +29,9 @@ Context::~Context() = default;
 
 Context Context::silent() const { return Context(this); }
 
-double Context::cpu_seconds() const { return threads_->helpers_cpu_seconds() + ThreadClock().seconds(); }
+double Context::cpu_seconds() const {
+  return threads_->helpers_time().seconds() + 1e-9 * static_cast<double>(thread_cpu_time());
+}
 
 int Context::threads() const { return threads_->count(); }
 

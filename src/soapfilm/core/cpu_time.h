@@ -1,67 +1,47 @@
 // The CPU time of a run's own threads, whatever else the process does.
 #pragma once
 
-#include <pthread.h>
-
+#include <atomic>
+#include <cstdint>
 #include <ctime>
-#include <mutex>
-#include <vector>
 
 namespace soapfilm {
 
-/// The CPU time that a thread has taken so far; any thread may ask while it lives.
-class ThreadClock {
+/// What the calling thread has taken so far, nanoseconds.
+inline int64_t thread_cpu_time() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return int64_t{1'000'000'000} * time.tv_sec + time.tv_nsec;
+}
+
+/// The time that helping threads spend on a run's work, added up.
+class HelpersTime {
  public:
-  /// Of the calling thread.
-  ThreadClock() { pthread_getcpuclockid(pthread_self(), &clock_); }
+  double seconds() const { return 1e-9 * static_cast<double>(nanoseconds_); }
 
-  double seconds() const {
-    timespec time{};
-    clock_gettime(clock_, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-  }
-  bool operator==(const ThreadClock& other) const { return clock_ == other.clock_; }
+  /// Counts the calling thread's time from here to its end; not within another one on the same thread, which counts it
+  /// already, or, null, stands for a thread whose time counts otherwise.
+  class Share {
+   public:
+    explicit Share(HelpersTime* time) : time_(depth()++ == 0 ? time : nullptr), begin_(time_ ? thread_cpu_time() : 0) {}
+    ~Share() {
+      --depth();
+      if (time_) time_->nanoseconds_ += thread_cpu_time() - begin_;
+    }
+    Share(const Share&) = delete;
+    Share& operator=(const Share&) = delete;
 
- private:
-  clockid_t clock_{};
-};
-
-/// The CPU time of threads that come and go, while they are there.
-class CpuTime {
- public:
-  /// The calling thread comes; and goes.
-  void enter() {
-    const ThreadClock own;
-    const std::lock_guard lock(mutex_);
-    there_.push_back({own, own.seconds()});
-  }
-  void leave() {
-    const ThreadClock own;
-    const std::lock_guard lock(mutex_);
-    for (auto t = there_.begin(); t != there_.end(); ++t)
-      if (t->clock == own) {
-        gone_ += own.seconds() - t->begin;
-        there_.erase(t);
-        return;
-      }
-  }
-
-  /// Of all so far.
-  double seconds() const {
-    const std::lock_guard lock(mutex_);
-    double sum = gone_;
-    for (const Thread& t : there_) sum += t.clock.seconds() - t.begin;
-    return sum;
-  }
-
- private:
-  struct Thread {
-    ThreadClock clock;
-    double begin;
+   private:
+    static int& depth() {
+      static thread_local int shares = 0;
+      return shares;
+    }
+    HelpersTime* time_;
+    int64_t begin_;
   };
-  mutable std::mutex mutex_;
-  std::vector<Thread> there_;
-  double gone_ = 0;
+
+ private:
+  std::atomic<int64_t> nanoseconds_{0};
 };
 
 }  // namespace soapfilm

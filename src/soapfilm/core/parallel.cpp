@@ -13,8 +13,8 @@ namespace {
 /// One loop as the threads see it: chunks by number, each to be run once, in any order, by any thread.
 class Loop {
  public:
-  Loop(const Context& context, size_t count, size_t grain, void* body, ChunkLoop::Call call)
-      : context_(context), count_(count), grain_(grain), body_(body), call_(call) {}
+  Loop(const Context& context, HelpersTime& helpers_time, size_t count, size_t grain, void* body, ChunkLoop::Call call)
+      : context_(context), helpers_time_(helpers_time), count_(count), grain_(grain), body_(body), call_(call) {}
 
   size_t chunks() const { return count_ / grain_ + (count_ % grain_ != 0); }
 
@@ -28,6 +28,7 @@ class Loop {
   /// it still run, so which exception is kept does not depend on the threads.
   void run_guarded(size_t chunk) noexcept {
     if (chunk > lowest_failed_.load(std::memory_order_relaxed)) return;
+    const HelpersTime::Share share(&helpers_time_);
     try {
       run(chunk);
     } catch (...) {
@@ -44,6 +45,7 @@ class Loop {
 
  private:
   const Context& context_;
+  HelpersTime& helpers_time_;
   size_t count_;
   size_t grain_;
   void* body_;
@@ -56,12 +58,13 @@ class Loop {
 }  // namespace
 
 void ChunkLoop::run(const Context& context, size_t count, size_t grain, void* body, Call call) {
-  Loop loop(context, count, grain, body, call);
+  Loop loop(context, context.threads_->helpers_time(), count, grain, body, call);
   const size_t chunks = loop.chunks();
   if (context.threads() == 1 || chunks <= 1) {
     for (size_t k = 0; k < chunks; ++k) loop.run(k);
     return;
   }
+  const HelpersTime::Share own(nullptr);  // by the calling thread's clock
   context.threads_->each(chunks, [&](size_t k) { loop.run_guarded(k); });
   loop.rethrow();
 }

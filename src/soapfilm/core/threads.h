@@ -15,7 +15,6 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <tbb/task_scheduler_observer.h>
 
 #include <memory>
 #endif
@@ -31,12 +30,11 @@ class Threads {
   explicit Threads(int count) : count_(count > 0 ? count : all()) {}
 
   int count() const { return count_; }
-  /// CPU time of all but the threads that call each().
-  double helpers_cpu_seconds() const { return cpu_.seconds(); }
+  HelpersTime& helpers_time() { return helpers_time_; }
 
   /// run(k) for each k below `chunks`, in any order.
   template <class Run>
-  void each(size_t chunks, const Run& run) {
+  void each(size_t chunks, const Run& run) const {
     std::atomic<size_t> next{0};
     // Relaxed: handing out chunks must not order them, or ThreadSanitizer would miss races between chunks.
     const auto work = [&] {
@@ -63,7 +61,7 @@ class Threads {
  private:
   static int all() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
   int count_;
-  CpuTime cpu_;
+  HelpersTime helpers_time_;
 };
 
 #else
@@ -73,11 +71,10 @@ class Threads {
  public:
   /// 0: all that this process may use.
   explicit Threads(int count)
-      : count_(count > 0 ? count : all()), allow_more_(more_than_cores(count_)), arena_(count_), helpers_(arena_) {}
+      : count_(count > 0 ? count : all()), allow_more_(more_than_cores(count_)), arena_(count_) {}
 
   int count() const { return count_; }
-  /// CPU time of all but the threads that call each().
-  double helpers_cpu_seconds() const { return helpers_.cpu.seconds(); }
+  HelpersTime& helpers_time() { return helpers_time_; }
 
   /// run(k) for each k below `chunks`, in any order.
   template <class Run>
@@ -96,21 +93,6 @@ class Threads {
   }
 
  private:
-  /// Told when one of oneTBB's own threads joins the arena and leaves it.
-  struct Helpers : tbb::task_scheduler_observer {
-    explicit Helpers(tbb::task_arena& arena) : tbb::task_scheduler_observer(arena) { observe(true); }
-    ~Helpers() override { observe(false); }
-    Helpers(const Helpers&) = delete;
-    Helpers& operator=(const Helpers&) = delete;
-    void on_scheduler_entry(bool helps) override {
-      if (helps) cpu.enter();
-    }
-    void on_scheduler_exit(bool helps) override {
-      if (helps) cpu.leave();
-    }
-    CpuTime cpu;
-  };
-
   static int all() { return tbb::this_task_arena::max_concurrency(); }
   /// oneTBB starts no more workers than there are cores (and says so on stderr) unless allowed before the arena begins.
   /// The value only permits: no loop takes more than its arena's threads. It is one for all, since the least of those
@@ -122,7 +104,7 @@ class Threads {
   int count_;
   std::unique_ptr<tbb::global_control> allow_more_;
   tbb::task_arena arena_;
-  Helpers helpers_;
+  HelpersTime helpers_time_;
 };
 
 #endif
