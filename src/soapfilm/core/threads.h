@@ -44,11 +44,7 @@ class Threads {
     const size_t wanted = std::min(static_cast<size_t>(count_), chunks) - 1;
     helpers.reserve(wanted);
     for (size_t t = 0; t < wanted; ++t)
-      helpers.emplace_back([&] {
-        cpu_.enter();
-        work();
-        cpu_.leave();
-      });
+      helpers.emplace_back(work);
     work();
   }
 
