@@ -293,6 +293,7 @@ ReconstructParams params_from_json(const std::string& text) {
     throw ParameterError(fmt::format("parameters: not JSON: {}", error.what()));
   }
   if (!json.is_object()) throw ParameterError("parameters: must be a JSON object");
+  if (json.contains("parameters")) json = ordered_json(std::move(json["parameters"]));  // of a report
   refuse_unknown_keys(json);
   ReconstructParams params;
   for_each_param(params, [&](const char* group, const char* name, auto& value) {

@@ -6,17 +6,17 @@
 #include <optional>
 #include <string>
 
+#include "soapfilm/border/border.h"
 #include "soapfilm/extract/bend.h"
 #include "soapfilm/finish/islands.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
+#include "soapfilm/lambda/choose.h"
+#include "soapfilm/lambda/cross_validation.h"
 #include "soapfilm/method.h"
 #include "soapfilm/orient/orient.h"
 #include "soapfilm/place/place.h"
 #include "soapfilm/refine/refine.h"
-#include "soapfilm/border/border.h"
-#include "soapfilm/lambda/choose.h"
-#include "soapfilm/lambda/cross_validation.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/norm.h"
 #include "soapfilm/solve/poisson.h"
@@ -77,8 +77,8 @@ void validate(const ReconstructParams& params);
 /// All parameters by name, but for refine.robust, which measurement fixed, refine.vanish, which drops_islands()
 /// decides, and orient.from_within, which border.outside says; absent ones as null.
 std::string to_json(const ReconstructParams& params);
-/// The inverse; a key that is absent keeps its default. Throws ParameterError for text that is not JSON, an unknown
-/// key, a value of the wrong type or out of range.
+/// The inverse, also of a whole report (to_json() of report.h); a key that is absent keeps its default. Throws
+/// ParameterError for text that is not JSON, an unknown key, a value of the wrong type or out of range.
 ReconstructParams params_from_json(const std::string& text);
 
 }  // namespace soapfilm

@@ -66,8 +66,8 @@ TEST_F(ParamsFile, WhatIsWrongIsNamedWithTheFile) {
     refused({cloud, "--params", file}, file + ": " + what);
   };
   refuses("", "is empty");
-  refuses(" ", "not JSON");
-  refuses("{", "not JSON");
+  refuses(" ", "parameters: not JSON");
+  refuses("{", "parameters: not JSON");
   refuses("[1]", "parameters: must be a JSON object");
   refuses(R"({"place": {"voxels": 1}})", "parameters: unknown key 'place.voxels'");
   refuses(R"({"parameters": {"place": {"voxel": -1}}})", "voxel = -1, must be > 0");

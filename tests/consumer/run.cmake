@@ -1,5 +1,5 @@
-# cmake -D BUILD= -D WORK= -D GENERATOR= -D COMPILER= -D VERSION= -P run.cmake
-# Installs BUILD into an empty prefix under WORK, then configures, builds and runs the outside project beside this file.
+# cmake -D BUILD= -D WORK= -D GENERATOR= -D C_COMPILER= -D CXX_COMPILER= -D VERSION= -P run.cmake
+# Installs BUILD into an empty prefix under WORK, then configures, builds and runs the outside projects beside this file.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT result EQUAL 0)
@@ -11,13 +11,16 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build -G ${GENERATOR} -D CMAKE_CXX_COMPILER=${COMPILER}
-  -D CMAKE_PREFIX_PATH=${WORK}/prefix -D EXPECTED_VERSION=${VERSION})
-run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${WORK}/build/consumer)
-if(NOT output MATCHES "soapfilm ${VERSION}")
-  message(FATAL_ERROR "the consumer printed '${output}', expected soapfilm ${VERSION}")
-endif()
+foreach(project cpp c)
+  run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/${project} -B ${WORK}/${project} -G ${GENERATOR}
+    -D CMAKE_C_COMPILER=${C_COMPILER} -D CMAKE_CXX_COMPILER=${CXX_COMPILER} -D CMAKE_BUILD_TYPE=Release
+    -D CMAKE_PREFIX_PATH=${WORK}/prefix -D EXPECTED_VERSION=${VERSION})
+  run(${CMAKE_COMMAND} --build ${WORK}/${project})
+  run(${CMAKE_COMMAND} -E chdir ${WORK}/${project} ./consumer)
+  if(NOT output MATCHES "soapfilm ${VERSION}")
+    message(FATAL_ERROR "the ${project} consumer printed '${output}', expected soapfilm ${VERSION}")
+  endif()
+endforeach()
 
 # Our warnings, sanitizers and private libraries must not reach the consumer.
 file(GLOB_RECURSE export ${WORK}/prefix/soapfilm-targets.cmake)

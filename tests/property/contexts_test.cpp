@@ -20,7 +20,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-constexpr int vertices = sanitized ? 48 : 96;
+constexpr int vertices = sanitized ? 24 : 96;
 
 struct Task {
   PointCloud cloud;

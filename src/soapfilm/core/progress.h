@@ -26,6 +26,8 @@ class Progress {
 
   /// May be called from any thread and from a signal handler.
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+  /// After a run was cancelled: another one may begin.
+  void resume() noexcept { cancelled_.store(false, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
   /// Throws Cancelled once cancel() was called. Called between the library's units of work (milliseconds).
   void check() const {

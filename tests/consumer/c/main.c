@@ -1,0 +1,109 @@
+/* Reconstructs a sphere from C arrays through the installed package alone, and checks what comes back. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "soapfilm/soapfilm.h"
+
+struct row { /* a table of a caller: more than we need, float beside double */
+  double position[3];
+  int other;
+  float normal[3];
+};
+
+static int failed(const char* what) {
+  printf("failed: %s\n", what);
+  return 1;
+}
+
+struct watch {
+  soapfilm_context* context;
+  int stages, cancels;
+};
+
+static void on_event(void* user, soapfilm_event event, double fraction, const char* text) {
+  struct watch* watch = user;
+  (void)fraction;
+  if (event != SOAPFILM_STAGE) return;
+  ++watch->stages;
+  if (watch->cancels && strcmp(text, "solve") == 0) soapfilm_cancel(watch->context);
+}
+
+int main(void) {
+  enum { count = 6000 };
+  struct row* rows = calloc(count, sizeof *rows);
+  const double golden = 2.399963229728653;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2.0 * i + 1) / count, r = sqrt(1 - z * z);
+    const double at[3] = {r * cos(golden * i), r * sin(golden * i), z};
+    for (int k = 0; k < 3; ++k) {
+      rows[i].position[k] = 5 + 2 * at[k];
+      rows[i].normal[k] = (float)at[k];
+    }
+  }
+  soapfilm_samples samples = {0};
+  samples.count = count;
+  samples.position.data = rows[0].position;
+  samples.position.type = SOAPFILM_FLOAT64;
+  samples.position.stride = sizeof *rows;
+  samples.normal.data = rows[0].normal;
+  samples.normal.type = SOAPFILM_FLOAT32;
+  samples.normal.stride = sizeof *rows;
+
+  soapfilm_context* context = soapfilm_context_create(2);
+  soapfilm_cloud* cloud = soapfilm_cloud_create();
+  soapfilm_result *result = NULL, *again = NULL;
+  struct watch watch = {context, 0, 0};
+  soapfilm_on_event(context, on_event, &watch);
+
+  if (soapfilm_cloud_append(context, cloud, &samples)) return failed(soapfilm_error(context));
+  free(rows);
+  if (soapfilm_cloud_size(cloud) != count) return failed("the cloud's size");
+  if (soapfilm_reconstruct(context, cloud, "{\"place\": {\"resolution\": 64}, \"surface\": {\"distance\": true}}", &result))
+    return failed(soapfilm_error(context));
+  if (watch.stages < 8) return failed("stages were not told");
+
+  /* A closed surface of genus 0, on the sphere. */
+  const size_t vertices = soapfilm_vertex_count(result), triangles = soapfilm_triangle_count(result);
+  if (triangles < 5000 || 2 * vertices != triangles + 4) return failed("the mesh is no closed surface of genus 0");
+  const double* at = soapfilm_vertices(result);
+  const float* distance = soapfilm_attribute(result, "distance");
+  if (!distance || soapfilm_attribute(result, "no such")) return failed("attributes");
+  for (size_t v = 0; v < vertices; ++v) {
+    const double x = at[3 * v] - 5, y = at[3 * v + 1] - 5, z = at[3 * v + 2] - 5;
+    if (fabs(sqrt(x * x + y * y + z * z) - 2) > 0.02) return failed("a vertex lies off the sphere");
+    if (!(distance[v] >= 0 && distance[v] < 0.2f)) return failed("a vertex' distance");
+  }
+  const uint32_t* corner = soapfilm_triangles(result);
+  for (size_t i = 0; i < 3 * triangles; ++i)
+    if (corner[i] >= vertices) return failed("an index");
+
+  /* The report has a proof, and as parameters it gives the same bytes. */
+  if (!strstr(soapfilm_report(result), "\"certificate\"")) return failed("no certificate");
+  if (soapfilm_reconstruct(context, cloud, soapfilm_report(result), &again)) return failed(soapfilm_error(context));
+  if (soapfilm_vertex_count(again) != vertices ||
+      memcmp(soapfilm_vertices(again), at, 3 * vertices * sizeof *at) != 0 ||
+      memcmp(soapfilm_triangles(again), corner, 3 * triangles * sizeof *corner) != 0)
+    return failed("the report gave another mesh");
+  soapfilm_result_destroy(again);
+
+  /* Refusals are a status and a line; a cancelled run does not spoil the next one. */
+  if (soapfilm_reconstruct(context, cloud, "{\"place\": {\"voxel\": -1}}", &again) != SOAPFILM_REFUSED || again ||
+      !strstr(soapfilm_error(context), "voxel = -1"))
+    return failed("a bad voxel was not refused");
+  if (soapfilm_cloud_read(context, cloud, "/no/such/file.ply") != SOAPFILM_UNREADABLE) return failed("an absent file");
+  if (soapfilm_write_mesh(context, result, "/no/such/folder/mesh.ply") != SOAPFILM_UNWRITABLE)
+    return failed("an absent folder");
+  watch.cancels = 1;
+  if (soapfilm_reconstruct(context, cloud, NULL, &again) != SOAPFILM_CANCELLED) return failed("it was not cancelled");
+  watch.cancels = 0;
+  if (soapfilm_reconstruct(context, cloud, NULL, &again)) return failed(soapfilm_error(context));
+  soapfilm_result_destroy(again);
+
+  soapfilm_result_destroy(result);
+  soapfilm_cloud_destroy(cloud);
+  soapfilm_context_destroy(context);
+  printf("soapfilm %s\n", soapfilm_version());
+  return 0;
+}
