@@ -43,7 +43,7 @@ typedef enum soapfilm_status {
   SOAPFILM_OUT_OF_MEMORY = 4, /* the run would pass its limit or what the machine has free; nothing large was taken */
   SOAPFILM_EMPTY = 5,         /* the optimum is the empty surface */
   SOAPFILM_CANCELLED = 6,
-  SOAPFILM_FAILED = 7         /* a fault of the library */
+  SOAPFILM_FAILED = 7 /* a fault of the library */
 } soapfilm_status;
 
 SOAPFILM_API const char* soapfilm_version(void); /* such as "0.1.0" */
@@ -115,7 +115,8 @@ SOAPFILM_API size_t soapfilm_vertex_count(const soapfilm_result* result);
 SOAPFILM_API const double* soapfilm_vertices(const soapfilm_result* result); /* 3 a vertex, input units */
 SOAPFILM_API size_t soapfilm_triangle_count(const soapfilm_result* result);
 SOAPFILM_API const uint32_t* soapfilm_triangles(const soapfilm_result* result); /* 3 indices a triangle */
-/* One value a vertex, such as "distance" where {"surface": {"distance": true}} asked for it; null: no such attribute. */
+/* One value a vertex, such as "distance" where {"surface": {"distance": true}} asked for it; null: no such attribute.
+ */
 SOAPFILM_API const float* soapfilm_attribute(const soapfilm_result* result, const char* name);
 /* The report as JSON. */
 SOAPFILM_API const char* soapfilm_report(const soapfilm_result* result);
