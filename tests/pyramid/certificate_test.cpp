@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/border/border.h"
 #include "soapfilm/pyramid/band.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/pyramid/prolong.h"
 #include "soapfilm/pyramid/restrict.h"
-#include "soapfilm/border/border.h"
 #include "support/dense.h"
 #include "support/problem.h"
 

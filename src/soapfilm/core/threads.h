@@ -43,8 +43,7 @@ class Threads {
     std::vector<std::jthread> helpers;
     const size_t wanted = std::min(static_cast<size_t>(count_), chunks) - 1;
     helpers.reserve(wanted);
-    for (size_t t = 0; t < wanted; ++t)
-      helpers.emplace_back(work);
+    for (size_t t = 0; t < wanted; ++t) helpers.emplace_back(work);
     work();
   }
 

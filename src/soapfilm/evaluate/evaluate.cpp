@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/mesh/sample_mesh.h"
 #include "soapfilm/mesh/self_intersection.h"
 #include "soapfilm/mesh/triangle_normal.h"

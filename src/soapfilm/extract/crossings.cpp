@@ -4,8 +4,8 @@
 #include <atomic>
 #include <bit>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/radix_sort.h"
 #include "soapfilm/core/triangle_pair.h"
 

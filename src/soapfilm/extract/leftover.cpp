@@ -5,8 +5,8 @@
 #include <span>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/refine/robust.h"
 
 namespace soapfilm {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/extract/crossings.h"
 
 namespace soapfilm {

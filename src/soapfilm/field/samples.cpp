@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {

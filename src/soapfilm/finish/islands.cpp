@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/finish/parts.h"
 
 namespace soapfilm {

@@ -4,8 +4,8 @@
 #include <map>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/kd_tree.h"
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

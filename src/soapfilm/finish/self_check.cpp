@@ -6,8 +6,8 @@
 #include <numeric>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/finish/nearest_sample.h"
 #include "soapfilm/finish/on_surface.h"

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/extract/cut.h"
 #include "soapfilm/finish/nearest_sample.h"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/mesh/embree_scene.h"
 #include "soapfilm/mesh/triangle_normal.h"
 

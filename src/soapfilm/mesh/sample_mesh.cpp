@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {

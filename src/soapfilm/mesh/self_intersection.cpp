@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/triangle_pair.h"
 #include "soapfilm/mesh/embree_scene.h"
 

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/kd_tree.h"
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

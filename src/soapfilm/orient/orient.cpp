@@ -7,10 +7,10 @@
 #include <cmath>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/orient/estimate_normals.h"
 #include "soapfilm/orient/local_surface.h"
 

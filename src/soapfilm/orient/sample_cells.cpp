@@ -4,9 +4,9 @@
 #include <bit>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/morton.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/radix_sort.h"
 
 namespace soapfilm {

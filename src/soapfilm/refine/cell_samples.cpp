@@ -6,9 +6,9 @@
 #include <numeric>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/bits.h"
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/refine/layers.h"
 
 namespace soapfilm {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/disjoint_sets.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/refine/coarse_film.h"
 #include "soapfilm/solve/inside_bits.h"
 

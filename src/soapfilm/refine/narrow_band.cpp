@@ -6,8 +6,8 @@
 #include <cstring>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/bits.h"
+#include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/refine/coarser.h"
 #include "soapfilm/refine/holes.h"
 #include "soapfilm/refine/prolong_distance.h"

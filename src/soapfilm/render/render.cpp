@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/render/colormap.h"
 #include "soapfilm/render/font.h"
 #include "soapfilm/render/light.h"

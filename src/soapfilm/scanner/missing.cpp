@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/scanner/surface_patch.h"
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/mesh/sample_mesh.h"
 #include "soapfilm/scanner/virtual_scan.h"

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/scanner/range_camera.h"
 

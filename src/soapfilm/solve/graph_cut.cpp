@@ -6,8 +6,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/solve/dense_level.h"
 #include "soapfilm/solve/min_cut.h"
 #include "soapfilm/solve/outside_parts.h"
