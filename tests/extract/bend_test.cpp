@@ -21,9 +21,9 @@ Mesh bent(const Solved& solved, const Refined& refined, const BendParams& params
           BendReport* report = nullptr) {
   const Context context(threads);
   Mesh mesh = refined.mesh;
-  BendReport own;
-  bend_edges(mesh, SmoothField(refined.field.grid, refined.field.value, context), solved.problem.samples, scale,
-             solved.problem.lattice, params, context, report ? *report : own);
+  const BendReport found = bend_edges(mesh, SmoothField(refined.field.grid, refined.field.value, context),
+                                      solved.problem.samples, scale, solved.problem.lattice, params, context);
+  if (report) *report = found;
   return mesh;
 }
 
@@ -111,8 +111,8 @@ TEST(Bend, NoFieldRunsAMeshThroughItself) {
     uint64_t hash = 0;
     for (const int threads : {1, 3}) {
       Mesh mesh = flat.mesh;
-      BendReport report;
-      bend_edges(mesh, field, solved.problem.samples, scale, solved.problem.lattice, {}, Context(threads), report);
+      const BendReport report =
+          bend_edges(mesh, field, solved.problem.samples, scale, solved.problem.lattice, {}, Context(threads));
       if (threads == 1) {
         EXPECT_GT(report.split_edges, 100u);
         EXPECT_EQ(count_self_intersections(mesh, context), 0u) << roughness;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <map>
 #include <set>
 #include <string>
 #include <thread>
@@ -105,6 +106,27 @@ TEST_P(CancelledRun, EndsWithinTheStageAtWork) {
   const std::vector<std::string> names = names_of(whole);
   for (const char* name : {GetParam() == Method::vrip ? "fuse" : "solve", "extract"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+}
+
+/// The bar of every stage that may take long moves, and never back.
+TEST(ProgressOfStages, RisesFromStageToStage) {
+  struct Bars : Progress {
+    void begin_stage(std::string_view name) override { stage = name; }
+    void advance(double fraction, std::string_view) override {
+      std::vector<double>& told = fractions[stage];
+      EXPECT_GE(fraction, told.empty() ? 0 : told.back()) << stage;
+      EXPECT_LE(fraction, 1) << stage;
+      told.push_back(fraction);
+    }
+    std::string stage;
+    std::map<std::string, std::vector<double>> fractions;
+  } bars;
+  PointCloud cloud = sampled("torus", 48, 2);
+  add_noise(cloud, 0.003, 1);
+  ReconstructParams params;
+  params.place.resolution = 48;
+  reconstruct(cloud, params, Context(1, bars));
+  for (const char* stage : {"orient", "field", "solve", "refine"}) EXPECT_GE(bars.fractions[stage].size(), 3u) << stage;
 }
 
 /// Cancels some time after a stage began, from a thread of its own.

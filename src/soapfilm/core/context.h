@@ -25,9 +25,12 @@ class Context {
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  /// The same threads, kernels and pages, stopped by the same progress object, but nothing is reported: for small
-  /// solves inside a stage. Must not outlive this context's progress object.
+  /// The same threads, kernels and pages, stopped by the same progress object; must not outlive this context. For small
+  /// solves inside a stage: nothing is reported.
   Context silent() const;
+  /// Likewise for a part of a stage, which reports fractions of itself: they become fractions from `begin` to `end` of
+  /// what this context reports, in [0, 1].
+  Context part(double begin, double end) const;
 
   int threads() const;
   Progress& progress() const { return *reports_; }
@@ -41,9 +44,25 @@ class Context {
 
  private:
   friend class ChunkLoop;
-  explicit Context(const Context* loud);
+  struct Part : Progress {
+    void advance(double fraction, std::string_view detail) override {
+      if (whole) whole->advance(begin + fraction * (end - begin), detail);
+    }
+    void info(const std::string& line) override {
+      if (whole) whole->info(line);
+    }
+    void detail(const std::string& line) override {
+      if (whole) whole->detail(line);
+    }
+    void warn(const std::string& line) override {
+      if (whole) whole->warn(line);
+    }
+    Progress* whole = nullptr;  ///< null: nobody is told
+    double begin = 0, end = 1;
+  };
+  Context(const Context& parent, Progress* whole, double begin, double end);
 
-  mutable Progress nobody_;
+  mutable Part part_;
   Progress* reports_;
   const Progress* stopped_by_;
   SimdTarget simd_;

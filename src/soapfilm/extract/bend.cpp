@@ -51,6 +51,7 @@ class Bending {
 
   size_t run(const Leftover& leftover) {
     const std::vector<Vec3d> start = move_vertices(leftover);
+    context_.progress().advance(0.8, "vertices moved");
     take_back(mesh_, start, lattice_.voxel, context_);
     return start.size() - old_;
   }
@@ -60,9 +61,11 @@ class Bending {
   std::vector<Vec3d> move_vertices(const Leftover& leftover) {
     const std::vector<Vec3f> normals = vertex_normals(mesh_, field_, lattice_, context_);
     const HalfEdges edges = flipped(normals);
+    context_.progress().advance(0.5, "diagonals exchanged");
     find_suspects(edges, normals);
     place_ends(edges);
     place_middles(edges);
+    context_.progress().advance(0.7, "edges split");
     old_ = mesh_.vertices.size();
     std::vector<Vec3d> start;
     start.reserve(old_ + split_.size());
@@ -203,14 +206,16 @@ void validate(const BendParams& params) {
     throw ParameterError(fmt::format("bend_tolerance = {}, must be in [0, 1]", params.tolerance));
 }
 
-void bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale, const Lattice& lattice,
-                const BendParams& params, const Context& context, BendReport& report) {
+BendReport bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale,
+                      const Lattice& lattice, const BendParams& params, const Context& context) {
   validate(params);
+  BendReport report;
   report.triangles_before = mesh.triangles.size();
   // Half edges, and triangles with the new ones, are counted by 32 bits.
-  if (params.tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 4) return;
+  if (params.tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 4) return report;
   const Leftover leftover(samples, field, scale, context);
   report.split_edges = Bending(mesh, field, lattice, params.tolerance, context).run(leftover);
+  return report;
 }
 
 }  // namespace soapfilm

@@ -31,7 +31,7 @@ void validate(const BendParams& params);
 /// components and genus. Diagonals and moves that would run the mesh through itself are left (crossings.h says how they
 /// are found). New vertices come after the old ones and new triangles after the old ones, in an order that
 /// does not depend on the number of threads. `mesh` is closed, and from a field of which `field` was made.
-void bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale, const Lattice& lattice,
-                const BendParams& params, const Context& context, BendReport& report);
+BendReport bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale,
+                      const Lattice& lattice, const BendParams& params, const Context& context);
 
 }  // namespace soapfilm

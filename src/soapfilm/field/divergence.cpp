@@ -180,6 +180,7 @@ SupportField divergence_field(const GridSamples& samples, const LevelBox& box, c
   splats.splat(0);
   for (int layer = 0; layer < layers; ++layer) {
     if (layer + 1 < layers) splats.splat(layer + 1);
+    context.progress().advance(static_cast<double>(layer) / layers, {});
     const size_t first = begin[static_cast<size_t>(layer)];
     parallel_chunks(context, begin[static_cast<size_t>(layer) + 1] - first, bricks_per_task,
                     [&](size_t from, size_t to) {

@@ -22,18 +22,17 @@ void warn_at_end(const CrossValidationReport& select, std::vector<std::string>& 
 }  // namespace
 
 Lambda choose(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice, double density,
-              const EnergyParams& params, const CrossValidationParams& select, const PrimalDualParams& solver,
-              const Context& context) {
+              const LambdaParams& params, const Context& context) {
   Lambda lambda;
-  double per_density = params.lambda_per_density;
-  if (params.cross_validate) {
-    lambda.select = choose_lambda(cloud, directions, lattice, select, solver, context);
+  double per_density = params.energy.lambda_per_density;
+  if (params.energy.cross_validate) {
+    lambda.select = choose_lambda(cloud, directions, lattice, params.select, params.solver, context);
     per_density = lambda.select->chosen;
     // The same rule on this grid, by the density that counts here.
     for (CrossValidationPoint& point : lambda.select->curve) point.lambda = point.lambda_per_density * density;
     warn_at_end(*lambda.select, lambda.warnings);
   }
-  lambda.value = params.lambda.value_or(per_density * density);
+  lambda.value = params.energy.lambda.value_or(per_density * density);
   if (!(lambda.value > 0)) throw SamplesError("too few samples to measure their density by: lambda must be given");
   return lambda;
 }

@@ -29,11 +29,16 @@ struct Lambda {
   std::vector<std::string> warnings;
 };
 
+struct LambdaParams {
+  const EnergyParams& energy;
+  const CrossValidationParams& select;
+  const PrimalDualParams& solver;
+};
+
 /// As given, by `density` (samples per voxel^2 of surface), or by cross-validation. Throws SamplesError where there is
 /// no density to go by, and as choose_lambda() does.
 Lambda choose(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice, double density,
-              const EnergyParams& params, const CrossValidationParams& select, const PrimalDualParams& solver,
-              const Context& context);
+              const LambdaParams& params, const Context& context);
 
 /// A warning, where lambda is near the one at which a film over samples of that density vanishes.
 std::optional<std::string> near_empty(double lambda, double density);

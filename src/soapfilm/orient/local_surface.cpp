@@ -53,6 +53,8 @@ class Survey {
     while (true) {
       context_.check();
       const Settled settled = settle(cells, depth);
+      context_.progress().advance(1 - static_cast<double>(settled.left) / static_cast<double>(positions_.size()),
+                                  "surface around the samples");
       surface_.sides += settled.sides;
       size_t left = settled.left;
       left += doubt_large_ones();

@@ -1,5 +1,7 @@
 #include "soapfilm/refine/coarse_film.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -71,7 +73,7 @@ FlipCount CoarseFilm::step() {
     const GridSamples samples = on_every_second_vertex(finder_.samples(), context_, &bricks_);
     Displacement displacement(start_.band, start_.phi0, context_);
     CellSamples cells(samples, start_.band, context_);
-    fit_robustly(displacement, start_.band, samples, cells, {}, strength_, robust_, context_);
+    fit_robustly(displacement, samples, cells, {}, strength_, robust_, context_.silent());
     phi_ = std::move(displacement.phi());
   }
   // Where samples hold the surface the solve has decided.
@@ -101,6 +103,8 @@ bool CoarseFilm::bend(const std::vector<HoleFilm>& films, HoleReport& report) {
   size_t first = 0;
   for (report.rounds = 1; report.rounds <= most_rounds; ++report.rounds) {
     const FlipCount flips = step();
+    context_.progress().advance(static_cast<double>(report.rounds) / most_rounds,
+                                fmt::format("bending over holes, round {}", report.rounds));
     const size_t turned = flips.wanted - flips.refused;
     if (report.rounds == 1) first = turned;
     if (turned > first && static_cast<double>(flips.refused) > most_held * static_cast<double>(turned)) return false;

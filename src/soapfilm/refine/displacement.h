@@ -49,6 +49,7 @@ class Displacement {
   /// Keeps what yields and drops the target.
   void drop_target() { std::fill_n(target_.data(), target_.size(), 0.0f); }
 
+  const NarrowBand& band() const { return band_; }
   const RowArray& phi() const { return phi_; }
   RowArray& phi() { return phi_; }
 

@@ -1,5 +1,7 @@
 #include "soapfilm/refine/held_out.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -106,7 +108,14 @@ HeldOut::HeldOut(const Start& start, const GridSamples& samples, const RobustPar
 
 const HeldOut::Outcome& HeldOut::outcome(double smoothing, double normals) {
   const auto [it, fresh] = outcomes_.try_emplace({smoothing, normals});
-  return fresh ? it->second = judge(smoothing, normals) : it->second;
+  if (!fresh) return it->second;
+  it->second = judge(smoothing, normals);
+  // Searches try 6 to 14.
+  constexpr double about = 12;
+  context_.progress().advance(
+      std::min(1.0, static_cast<double>(outcomes_.size()) / about),
+      fmt::format("smoothing {:.2g}, held-out error {:.2g} voxel", smoothing, it->second.score));
+  return it->second;
 }
 
 void HeldOut::stiffen() {
@@ -117,7 +126,8 @@ void HeldOut::stiffen() {
 
 const RowArray& HeldOut::fit(const Strength& strength) {
   std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
-  fit_robustly(displacement_, part_.first, samples_, cells_, train_, strength, robust_, context_);
+  // Its rounds are not told: a search makes several such fits.
+  fit_robustly(displacement_, samples_, cells_, train_, strength, robust_, context_.silent());
   return displacement_.phi();
 }
 

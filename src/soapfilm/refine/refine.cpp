@@ -21,7 +21,9 @@ namespace soapfilm {
 namespace {
 
 constexpr float far_distance = 3;  // voxels, of vertices beyond the band
-constexpr size_t speck = 64;       // vertices: a ball of radius 2.5, what outliers that support each other make
+/// Shares of the time after which the smoothing is chosen, and holes bend.
+constexpr double until_chosen = 0.3, until_bent = 0.6;
+constexpr size_t speck = 64;  // vertices: a ball of radius 2.5, what outliers that support each other make
 
 /// How much the samples are worth is for the samples to say. `spacing`: of the fit's vertices, voxels.
 Strength choose(const Start& start, const GridSamples& samples, const RefineParams& params, double spacing,
@@ -37,7 +39,7 @@ RowArray moved_onto(const GridSamples& samples, const Start& start, const Streng
                     const RobustParams& params, const Context& context, RefineReport& report) {
   Displacement displacement(start.band, start.phi0, context);
   CellSamples cells(samples, start.band, context);
-  const RobustFit fit = fit_robustly(displacement, start.band, samples, cells, {}, strength, params, context);
+  const RobustFit fit = fit_robustly(displacement, samples, cells, {}, strength, params, context);
   report.iterations = fit.iterations;
   report.down_weighted = fit.down_weighted;
   return std::move(displacement.phi());
@@ -155,9 +157,10 @@ void Refinement::fill_holes(Level& level) {
   const HoleFinder finder(level, start_, samples_, context_);
   const auto films = finder.films_to_bend(report_.holes);
   if (films.empty()) return;
-  chosen_ = choose(start_, samples_, params_, 1, context_, report_.search);
+  chosen_ = choose(start_, samples_, params_, 1, context_.part(0, until_chosen), report_.search);
   if (!params_.open) make_room(level);
-  if (bend_holes(level, threshold_, films, finder, *chosen_, context_, report_.holes))
+  const Context bending = context_.part(until_chosen, until_bent);
+  if (bend_holes(level, threshold_, films, finder, *chosen_, bending, report_.holes))
     start_ = start_from(level, threshold_, params_.reach, context_);
 }
 
@@ -165,12 +168,14 @@ SurfaceField Refinement::fit() {
   // The surface moves onto the samples, on a grid as fine as these can tell.
   std::optional<RowArray> phi;
   if (sparse_)
-    phi = fit_coarser(
-        start_, grids_that_serve(start_, std::move(indicator_), threshold_, samples_, density_, params_, context_),
-        params_, context_, report_);
+    phi = fit_coarser(start_,
+                      grids_that_serve(start_, std::move(indicator_), threshold_, samples_, density_, params_,
+                                       context_.part(0, until_bent)),
+                      params_, context_.part(until_bent, 1), report_);
   if (!phi) {
-    report_.strength = chosen_ ? *chosen_ : choose(start_, samples_, params_, 1, context_, report_.search);
-    phi = moved_onto(samples_, start_, report_.strength, params_.robust, context_, report_);
+    if (!chosen_) chosen_ = choose(start_, samples_, params_, 1, context_.part(0, until_bent), report_.search);
+    report_.strength = *chosen_;
+    phi = moved_onto(samples_, start_, report_.strength, params_.robust, context_.part(until_bent, 1), report_);
   }
 
   // Signs follow where the topology allows.

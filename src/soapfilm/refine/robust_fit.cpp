@@ -1,14 +1,16 @@
 #include "soapfilm/refine/robust_fit.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace soapfilm {
 
-RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const GridSamples& samples,
-                       CellSamples& cells, std::span<const uint8_t> active, const Strength& strength,
-                       const RobustParams& params, const Context& context) {
+RobustFit fit_robustly(Displacement& displacement, const GridSamples& samples, CellSamples& cells,
+                       std::span<const uint8_t> active, const Strength& strength, const RobustParams& params,
+                       const Context& context) {
   RobustFit fit;
   const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(strength.smoothing)),
                               static_cast<float>(strength.smoothing)};
@@ -23,7 +25,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
     const double first_scale = params.first_scale * std::pow(0.5, round);
     const auto scale = static_cast<float>(std::max(least_scale, first_scale));
     last = round + 1 >= rounds || (!strength.yield && round > 0 && first_scale <= least_scale);
-    merge(displacement.phi(), samples, band, {params.penalty, scale, strength.normals > 0, active},
+    merge(displacement.phi(), samples, displacement.band(), {params.penalty, scale, strength.normals > 0, active},
           {static_cast<float>(strength.normals),
            static_cast<float>(std::max(slope_weight * strength.smoothing, strength.normals))},
           context, cells);
@@ -36,6 +38,7 @@ RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const
     else if (!last)  // weights need no more than a rough surface
       limits.iterations = std::max(1, limits.iterations / (round == 0 ? 4 : 6));
     fit.iterations += displacement.minimize(cells, smoothness, limits);
+    context.progress().advance((round + 1.0) / rounds, fmt::format("round {} of {}", round + 1, rounds));
   }
   return fit;
 }

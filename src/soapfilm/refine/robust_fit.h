@@ -54,8 +54,8 @@ struct RobustFit {
 
 /// Moves `displacement` onto the samples, from what it yields to at present; `active[s]` 0 leaves a sample out, where
 /// there is any. `cells` are those of the samples: room to merge them in.
-RobustFit fit_robustly(Displacement& displacement, const NarrowBand& band, const GridSamples& samples,
-                       CellSamples& cells, std::span<const uint8_t> active, const Strength& strength,
-                       const RobustParams& params, const Context& context);
+RobustFit fit_robustly(Displacement& displacement, const GridSamples& samples, CellSamples& cells,
+                       std::span<const uint8_t> active, const Strength& strength, const RobustParams& params,
+                       const Context& context);
 
 }  // namespace soapfilm

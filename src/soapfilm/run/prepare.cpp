@@ -64,8 +64,8 @@ Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& orien
 
 Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const Grid& grid,
                      const ReconstructParams& params, const Context& context, GridSamples& samples) {
-  Lambda lambda = choose(cloud, oriented.directions, grid.lattice, grid.density, params.energy, params.select,
-                         params.solve, context);
+  Lambda lambda = choose(cloud, oriented.directions, grid.lattice, grid.density,
+                         {params.energy, params.select, params.solve}, context);
   if (!counts_by_area(params)) return lambda;
   constexpr double most_weight = 50;
   const std::vector<float> weights = weigh_by_area(oriented.surface, most_weight, context);

@@ -81,13 +81,11 @@ Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda,
 std::optional<BendReport> bend(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
                                const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!surface.refine || surface.refine->strength.yield || !(params.surface.bend.tolerance > 0)) return {};
-  BendReport report;
-  trace.stage("bend", [&] {
-    bend_edges(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples,
-               params.refine.robust.scale(surface.refine->strength.noise), grid.lattice, params.surface.bend, context,
-               report);
+  return trace.stage("bend", [&] {
+    return bend_edges(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples,
+                      params.refine.robust.scale(surface.refine->strength.noise), grid.lattice, params.surface.bend,
+                      context);
   });
-  return report;
 }
 
 void undo_border(Mesh& mesh, const BorderReport& border, const Lattice& lattice) {

@@ -1,0 +1,63 @@
+#include "soapfilm/core/context.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "soapfilm/core/error.h"
+#include "soapfilm/core/parallel.h"
+
+namespace soapfilm {
+namespace TEST_FILE {
+
+struct Heard : Progress {
+  void advance(double fraction, std::string_view) override { fractions.push_back(fraction); }
+  void warn(const std::string& line) override { warnings.push_back(line); }
+  std::vector<double> fractions;
+  std::vector<std::string> warnings;
+};
+
+TEST(Context, PartsReportTheirShareOfTheWhole) {
+  Heard heard;
+  const Context whole(1, heard);
+  const Context part = whole.part(0.2, 0.6);
+  part.progress().advance(0, {});
+  part.progress().advance(0.5, {});
+  part.part(0.5, 1).progress().advance(1, {});
+  part.silent().progress().advance(0.9, {});
+  part.progress().warn("a line");
+  whole.silent().progress().warn("nobody is told");
+  ASSERT_EQ(heard.fractions.size(), 3u);
+  EXPECT_DOUBLE_EQ(heard.fractions[0], 0.2);
+  EXPECT_DOUBLE_EQ(heard.fractions[1], 0.4);
+  EXPECT_DOUBLE_EQ(heard.fractions[2], 0.6);
+  EXPECT_EQ(heard.warnings, std::vector<std::string>{"a line"});
+}
+
+TEST(Context, PartsAndSilentOnesStopWithTheWhole) {
+  Progress progress;
+  const Context whole(2, progress);
+  const Context part = whole.part(0, 0.5), silent = part.silent();
+  for (const Context* context : {&whole, &part, &silent}) EXPECT_NO_THROW(context->check());
+  progress.cancel();
+  for (const Context* context : {&whole, &part, &silent}) {
+    EXPECT_THROW(context->check(), Cancelled);
+    EXPECT_THROW(parallel_for(*context, 10, 1, [](size_t) {}), Cancelled);
+  }
+  progress.resume();
+  EXPECT_NO_THROW(silent.check());
+}
+
+TEST(Context, PartsShareThreadsTargetAndPages) {
+  Progress progress;
+  const Context whole(3, progress, SimdTarget("scalar"));
+  const Context part = whole.part(0, 1);
+  EXPECT_EQ(part.threads(), 3);
+  EXPECT_TRUE(part.simd().is_scalar());
+  { const ZeroedMemory memory = part.silent().pages().allocate(12345); }
+  EXPECT_EQ(whole.pages().peak_bytes(), 12345u);
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm
