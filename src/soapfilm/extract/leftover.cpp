@@ -117,7 +117,7 @@ Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double 
       if (!seen_from_outside(samples.direction[s], gradient)) continue;
       entry.normal = normalized(gradient);
       entry.distance = static_cast<float>(jet->value / slope);
-      entry.weight = robust_weight(Penalty::tukey, entry.distance, static_cast<float>(scale));
+      entry.weight = samples.weight_of(s) * robust_weight(Penalty::tukey, entry.distance, static_cast<float>(scale));
     }
     Entry* const begin = entries_.data() + samples.begin[b];
     Entry* const end = std::remove_if(begin, entries_.data() + samples.begin[b + 1],

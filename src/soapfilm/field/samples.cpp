@@ -76,12 +76,17 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   };
   make_room(samples.local);
   make_room(samples.direction);
+  if (!cloud.weights.empty()) make_room(samples.weight);
   make_room(samples.source);
   make_room(samples.lot);
   for_each_place([&](size_t i, size_t k, Vec3f local) {
     samples.local[k] = local;
     const Vec3f direction = lattice.from_world_axes(directions[i]);
-    samples.direction[k] = cloud.weights.empty() ? direction : direction * cloud.weights[i];
+    samples.direction[k] = direction;
+    if (!cloud.weights.empty()) {
+      samples.weight[k] = cloud.weights[i];
+      samples.direction[k] = direction * cloud.weights[i];
+    }
     samples.source[k] = static_cast<uint32_t>(i);
     samples.lot[k] = lot_of(i);
   });

@@ -21,11 +21,14 @@ struct GridSamples {
   int turn = 0;                  ///< of the lattice's axes
   std::vector<uint32_t> begin;   ///< brick b holds samples [begin[b], begin[b + 1])
   std::vector<Vec3f> local;      ///< position relative to the brick's first vertex, voxels, each in [0, 8)
-  std::vector<Vec3f> direction;  ///< weak outward direction along the lattice's axes, times the sample's weight
+  std::vector<Vec3f> direction;  ///< weak outward direction along the lattice's axes, as long as the sample counts in
+                                 ///< the data term: its weight, times that of the area it stands for
+  std::vector<float> weight;     ///< as the cloud gives it, > 0; empty: all are 1
   std::vector<uint32_t> source;  ///< index of the sample in the cloud; dropped once nobody asks the cloud any more
   std::vector<uint8_t> lot;      ///< random bits for each, the same wherever the grid lies: lot_of(source)
 
   size_t size() const { return local.size(); }
+  float weight_of(size_t s) const { return weight.empty() ? 1.0f : weight[s]; }
 };
 
 /// Samples of a cloud: their indices have 32 bits.

@@ -46,21 +46,21 @@ Supported supported_parts(const Parts& parts, const PartsAround& around, Vec3f l
 
 /// Samples on the surface of each part, and what they weigh.
 struct Evidence {
-  std::vector<size_t> count;
+  std::vector<double> count;  ///< each by its weight in the cloud
   std::vector<double> weight;
 };
 
 /// The same of some samples, for the few parts that these lie on.
 struct PartEvidence {
   uint32_t part;
-  size_t count;
+  double count;
   double weight;
 };
 
-void add_evidence(uint32_t part, double weight, std::vector<PartEvidence>& evidence) {
+void add_evidence(uint32_t part, double count, double weight, std::vector<PartEvidence>& evidence) {
   auto at = std::find_if(evidence.begin(), evidence.end(), [&](const PartEvidence& e) { return e.part == part; });
   if (at == evidence.end()) at = evidence.insert(at, {part, 0, 0});
-  ++at->count;
+  at->count += count;
   at->weight += weight;
 }
 
@@ -75,10 +75,10 @@ Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Conte
       const Supported by = supported_parts(parts, around, samples.local[s], normalized(direction));
       const double weight = norm(direction);
       for (size_t k = 0; k < by.size(); ++k)
-        if (k == 0 || by[k] != by[0]) add_evidence(by[k], weight, in_brick[b]);
+        if (k == 0 || by[k] != by[0]) add_evidence(by[k], samples.weight_of(s), weight, in_brick[b]);
     }
   });
-  Evidence evidence{std::vector<size_t>(parts.size()), std::vector<double>(parts.size())};
+  Evidence evidence{std::vector<double>(parts.size()), std::vector<double>(parts.size())};
   for (const auto& found : in_brick)
     for (const PartEvidence& e : found) {
       evidence.count[e.part] += e.count;
@@ -88,9 +88,9 @@ Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Conte
 }
 
 /// Which parts stay. Where no object would, the one with most samples does.
-std::vector<uint8_t> parts_to_keep(const Parts& parts, const std::vector<size_t>& count,
+std::vector<uint8_t> parts_to_keep(const Parts& parts, const std::vector<double>& count,
                                    const std::vector<double>& support, const IslandParams& params) {
-  const auto few = static_cast<size_t>(params.few_samples), many = static_cast<size_t>(params.many_samples);
+  const double few = params.few_samples, many = params.many_samples;
   std::vector<uint8_t> keep(parts.size(), 1);
   bool an_object = false;
   uint32_t best = 0;
@@ -151,7 +151,7 @@ void drop_islands(Level& level, float threshold, const GridSamples& samples, dou
       first_kept = false;
     } else {
       report.highest_dropped = std::max(report.highest_dropped, support[p]);
-      report.samples += count[p];
+      report.samples += static_cast<size_t>(std::lround(count[p]));
       report.area += area[p];
     }
   }

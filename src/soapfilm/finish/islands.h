@@ -24,10 +24,11 @@ struct IslandCount {
 };
 
 struct IslandReport {
-  IslandCount objects;         ///< parts of the inside
-  IslandCount voids;           ///< parts of the outside but the outermost
-  size_t samples = 0;          ///< on the surfaces of dropped parts; one that lies on two of them counts twice
-  double area = 0;             ///< of these surfaces, voxel^2
+  IslandCount objects;  ///< parts of the inside
+  IslandCount voids;    ///< parts of the outside but the outermost
+  size_t samples =
+      0;            ///< by their weights, on the surfaces of dropped parts; one that lies on two of them counts twice
+  double area = 0;  ///< of these surfaces, voxel^2
   size_t vertices = 0;         ///< that changed sides
   double highest_dropped = 0;  ///< support of the dropped part that has most; 0 without one
   double lowest_kept = 0;      ///< and of the kept part that has least

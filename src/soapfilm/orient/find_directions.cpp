@@ -8,9 +8,12 @@ Orientation find_directions(const PointCloud& cloud, const Box3d& box, const Ori
                             const Context& context) {
   Orientation found;
   found.directions = orient(cloud, params, context, found.report);
-  const auto measure = [&] { found.surface = measure_local_surface(cloud.positions, found.directions, box, context); };
-  measure();
-  if (doubt_signs(cloud, params, found.surface.sides, context, found.directions, found.report)) measure();
+  context.progress().advance(0.3, "directions");
+  const auto measure = [&](double begin, double end) {
+    found.surface = measure_local_surface(cloud.positions, found.directions, box, context.part(begin, end));
+  };
+  measure(0.3, 0.8);
+  if (doubt_signs(cloud, params, found.surface.sides, context, found.directions, found.report)) measure(0.8, 1);
   // Where each sample has a normal, there is nothing to turn.
   if (params.source != DirectionSource::automatic || found.report.from_normals == cloud.size()) return found;
   found.views = found.directions;

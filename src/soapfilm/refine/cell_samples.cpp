@@ -202,6 +202,7 @@ void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& ba
     SampleJob job = window.job();
     job.local = samples.local.data() + begin;
     job.direction = samples.direction.data() + begin;
+    job.sample_weight = samples.weight.empty() ? nullptr : samples.weight.data() + begin;
     job.active = weighing.active.empty() ? nullptr : weighing.active.data() + begin;
     job.count = samples.begin[b + 1] - begin;
     job.penalty = weighing.penalty;

@@ -52,6 +52,7 @@ GridSamples part_of(const GridSamples& samples, const BrickMask& bricks, const C
     for (uint32_t s = samples.begin[from]; s < samples.begin[from + 1]; ++s) {
       part.local.push_back(samples.local[s]);
       part.direction.push_back(samples.direction[s]);
+      if (!samples.weight.empty()) part.weight.push_back(samples.weight[s]);
       part.lot.push_back(samples.lot[s]);
     }
     part.begin.push_back(static_cast<uint32_t>(part.local.size()));

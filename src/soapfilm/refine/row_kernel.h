@@ -119,7 +119,8 @@ struct SampleJob {
   static constexpr size_t sums = 8;  ///< of a cell: weight times place in it, weight times normal, weight, 0
 
   const Vec3f *local, *direction;
-  const uint8_t* active;  ///< may be null: all are
+  const float* sample_weight;  ///< may be null: all are 1
+  const uint8_t* active;       ///< may be null: all are
   size_t count;
   const float* phi;     ///< at the corners, x fastest
   const int32_t* cell;  ///< number of each of the 8^3 cells, x fastest; 0 is for those that the band does not see

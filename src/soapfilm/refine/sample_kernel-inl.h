@@ -42,8 +42,8 @@ HWY_INLINE Vectors load_vectors(const Vec3f* from) {
 
 /// Weighs as many samples as there are lanes, the first `count` of them there, and adds them to their cells; returns
 /// how many of them are in doubt.
-HWY_INLINE size_t add_batch(const SampleJob& job, const Vec3f* local, const Vec3f* direction, const uint8_t* active,
-                            size_t count) {
+HWY_INLINE size_t add_batch(const SampleJob& job, const Vec3f* local, const Vec3f* direction,
+                            const float* sample_weight, const uint8_t* active, size_t count) {
   const D d;
   const hn::Rebind<int32_t, D> integers;
   const hn::Rebind<uint8_t, D> bytes;
@@ -79,7 +79,8 @@ HWY_INLINE size_t add_batch(const SampleJob& job, const Vec3f* local, const Vec3
     speaks = hn::And(speaks,
                      hn::RebindMask(d, hn::Gt(hn::PromoteTo(integers, hn::LoadU(bytes, active)), hn::Zero(integers))));
   const V distance = hn::Div(jet.value, hn::Max(slope, hn::Set(d, least_slope_of_distance)));
-  const V weight = hn::IfThenElseZero(speaks, robust_weights(job.penalty, distance, hn::Set(d, job.scale)));
+  const V trust = hn::IfThenElseZero(speaks, robust_weights(job.penalty, distance, hn::Set(d, job.scale)));
+  const V weight = sample_weight ? hn::Mul(trust, hn::LoadU(d, sample_weight)) : trust;
 
   // The normal.
   const Vectors& along = job.directions ? toward : gradient;
@@ -102,21 +103,25 @@ HWY_INLINE size_t add_batch(const SampleJob& job, const Vec3f* local, const Vec3
         hn::Store(hn::Add(hn::Load(four, sum), hn::Load(four, added[half] + 4 * s + k)), four, sum);
       }
   }
-  return hn::CountTrue(d, hn::And(there, hn::Lt(weight, hn::Set(d, job.doubt))));
+  return hn::CountTrue(d, hn::And(there, hn::Lt(trust, hn::Set(d, job.doubt))));
 }
 
 size_t add_samples(const SampleJob& job) {
   const auto lanes = static_cast<size_t>(lane_count());
   size_t doubted = 0, s = 0;
   for (; s + lanes <= job.count; s += lanes)
-    doubted += add_batch(job, job.local + s, job.direction + s, job.active ? job.active + s : nullptr, lanes);
+    doubted += add_batch(job, job.local + s, job.direction + s, job.sample_weight ? job.sample_weight + s : nullptr,
+                         job.active ? job.active + s : nullptr, lanes);
   if (const size_t rest = job.count - s; rest > 0) {
     Vec3f local[brick_side], direction[brick_side];
+    float weight[brick_side] = {};
     uint8_t active[brick_side] = {};
     std::copy_n(job.local + s, rest, local);
     std::copy_n(job.direction + s, rest, direction);
+    if (job.sample_weight) std::copy_n(job.sample_weight + s, rest, weight);
     if (job.active) std::copy_n(job.active + s, rest, active);
-    doubted += add_batch(job, local, direction, job.active ? active : nullptr, rest);
+    doubted +=
+        add_batch(job, local, direction, job.sample_weight ? weight : nullptr, job.active ? active : nullptr, rest);
   }
   return doubted;
 }

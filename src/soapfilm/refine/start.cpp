@@ -133,6 +133,7 @@ GridSamples on_every_second_vertex(const GridSamples& samples, const Context& co
   }
   coarse.local.resize(coarse.begin.back());
   coarse.direction.resize(coarse.begin.back());
+  if (!samples.weight.empty()) coarse.weight.resize(coarse.begin.back());
   coarse.lot.resize(coarse.begin.back());
   // Rounding must not carry a sample into the next brick.
   const float last = std::nextafter(static_cast<float>(brick_side), 0.0f);
@@ -143,6 +144,7 @@ GridSamples on_every_second_vertex(const GridSamples& samples, const Context& co
         const Vec3f local = samples.local[s] * 0.5f + Vec3f(base);
         coarse.local[next] = {std::min(local.x, last), std::min(local.y, last), std::min(local.z, last)};
         coarse.direction[next] = samples.direction[s];
+        if (!samples.weight.empty()) coarse.weight[next] = samples.weight[s];
         coarse.lot[next] = samples.lot[s];
       }
     });

@@ -107,7 +107,8 @@ size_t cloud_bytes(const PointCloud& cloud) {
 
 /// Sorted: position, direction and lot; where there are no normals, the view beside the normal of a plane.
 size_t kept_bytes(const PointCloud& cloud) {
-  return ((cloud.normals.empty() ? 3 : 2) * sizeof(Vec3f) + sizeof(uint8_t)) * cloud.size();
+  const size_t weight = cloud.weights.empty() ? 0 : sizeof(float);
+  return ((cloud.normals.empty() ? 3 : 2) * sizeof(Vec3f) + weight + sizeof(uint8_t)) * cloud.size();
 }
 
 /// Vertices of a brick's lowest layer along an axis that are inside.

@@ -1,0 +1,119 @@
+// The weights of samples: one of weight k counts like k of weight 1, in the data term, the fit, the removal of
+// components and the last moves of vertices; one of weight 0 is not there.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "property/each_method.h"
+#include "soapfilm/core/random.h"
+#include "soapfilm/mesh/distance.h"
+#include "soapfilm/reconstruct.h"
+#include "soapfilm/scanner/sample_surface.h"
+#include "soapfilm/scanner/shape.h"
+#include "support/hash.h"
+#include "support/problem.h"
+#include "support/sanitized.h"
+
+namespace soapfilm {
+namespace TEST_FILE {
+
+using namespace test;
+
+constexpr int vertices = sanitized ? 40 : 64;
+constexpr int copies = 4;
+
+/// A torus under noise, of which a half is told `copies` times: as copies, or by weights.
+PointCloud told_often(bool by_weight) {
+  PointCloud cloud = sampled("torus", vertices, 2);
+  add_noise(cloud, 0.3 / (vertices - 12), 1);
+  PointCloud often;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const int times = cloud.positions[i].x > 0 ? copies : 1;
+    for (int k = 0; k < (by_weight ? 1 : times); ++k) {
+      often.positions.push_back(cloud.positions[i]);
+      often.normals.push_back(cloud.normals[i]);
+      if (by_weight) often.weights.push_back(static_cast<float>(times));
+    }
+  }
+  often.scans.push_back({"often", 0, often.size(), {}, {}, {}});
+  return often;
+}
+
+/// The paper's lambda, against one vector for each sample: copies are not to count as one sample seen again and again.
+/// The fit's weights are given, as they are chosen by holding samples out: from copies they cannot be held out.
+ReconstructParams params_for_weights() {
+  ReconstructParams params;
+  params.place.resolution = vertices;
+  params.energy.lambda = 0.04;
+  params.refine.smoothing = 2;
+  params.refine.normals = 0.01;
+  return params;
+}
+
+double farthest_apart(const Mesh& a, const Mesh& b) {
+  const Context context(1);
+  const double there = point_to_mesh_distance(a.vertices, b, context).maximum;
+  return std::max(there, point_to_mesh_distance(b.vertices, a, context).maximum);
+}
+
+TEST(Weights, OneOfWeightKIsKOfWeightOne) {
+  const ReconstructParams params = params_for_weights();
+  const Reconstruction by_copies = reconstructed(told_often(false), params);
+  const Reconstruction by_weights = reconstructed(told_often(true), params);
+  const double voxel = by_copies.report.lattice.voxel;
+  EXPECT_EQ(by_weights.report.lattice.voxel, voxel);
+  EXPECT_NEAR(by_weights.report.certificate.binary.primal, by_copies.report.certificate.binary.primal,
+              1e-5 * std::abs(by_copies.report.certificate.binary.primal));
+  EXPECT_LT(farthest_apart(by_copies.mesh, by_weights.mesh), 0.02 * voxel);
+  // And they count for something: without them the surface lies elsewhere.
+  PointCloud plain = told_often(true);
+  plain.weights.clear();
+  EXPECT_GT(farthest_apart(by_copies.mesh, reconstructed(plain, params).mesh), 0.04 * voxel);
+}
+
+TEST(Weights, ZeroIsAbsent) {
+  const ReconstructParams params = params_for_weights();
+  PointCloud cloud = sampled("torus", vertices, 2);
+  add_noise(cloud, 0.3 / (vertices - 12), 1);
+  const Reconstruction without = reconstructed(cloud, params);
+  cloud.weights.assign(cloud.size(), 1);
+  // Outliers inside of the box.
+  Random random(3);
+  const Box3d box = cloud.box();
+  for (int i = 0; i < 500; ++i) {
+    cloud.positions.push_back(box.lo + Vec3d{random.uniform() * box.size().x, random.uniform() * box.size().y,
+                                             random.uniform() * box.size().z});
+    cloud.normals.push_back({0, 0, 1});
+    cloud.weights.push_back(0);
+  }
+  cloud.scans.back().end = cloud.size();
+  EXPECT_EQ(hash_mesh(reconstructed(cloud, params).mesh), hash_mesh(without.mesh));
+}
+
+/// A second torus of few samples goes; where these weigh as much as many, it stays.
+TEST(Weights, CountInTheRemovalOfComponents) {
+  PointCloud cloud = sampled("torus", vertices, 2);
+  const size_t large = cloud.size();
+  const PointCloud small = sample_surface(*make_sphere(), 150, 1);
+  const double scale = 8.0 / (vertices - 12);
+  const Box3d box = cloud.box();
+  for (size_t i = 0; i < small.size(); ++i) {
+    cloud.positions.push_back(box.hi + Vec3d{0.3, 0.3, 0.3} + small.positions[i] * scale);
+    cloud.normals.push_back(small.normals[i]);
+  }
+  cloud.scans.back().end = cloud.size();
+  cloud.weights.assign(cloud.size(), 1);
+  ReconstructParams params = params_for_weights();
+  params.energy.lambda = 0.01;
+  params.islands.few_samples = static_cast<int>(3 * small.size());
+  params.islands.min_support = 0;
+  const Reconstruction without = reconstructed(cloud, params);
+  EXPECT_EQ(without.report.islands->objects.dropped, 1u);
+  for (size_t i = large; i < cloud.size(); ++i) cloud.weights[i] = 4;
+  const Reconstruction with = reconstructed(cloud, params);
+  EXPECT_EQ(with.report.islands->objects.dropped, 0u);
+  EXPECT_EQ(with.report.islands->objects.kept, 2u);
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm
