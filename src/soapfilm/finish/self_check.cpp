@@ -19,15 +19,29 @@ namespace {
 constexpr size_t most_picked = 20000;
 constexpr uint64_t seed = 20000;
 
-/// Lattice coordinates of samples picked by lot: one of each stretch of them.
-std::vector<Vec3d> picked_samples(const GridSamples& samples) {
+/// Samples picked by lot: one of each stretch of them.
+struct Picked {
+  std::vector<Vec3d> places;  ///< lattice coordinates
+  std::vector<float> weights;
+
+  /// The share of some of them, by weight.
+  double share_of(const std::vector<uint32_t>& some) const {
+    double part = 0, all = 0;
+    for (const uint32_t i : some) part += weights[i];
+    for (const float weight : weights) all += weight;
+    return part / all;
+  }
+};
+
+Picked picked_samples(const GridSamples& samples) {
   const size_t stretch = (samples.size() + most_picked - 1) / most_picked;
-  std::vector<Vec3d> picked;
+  Picked picked;
   size_t brick = 0;
   for (size_t k = 0; k * stretch < samples.size(); ++k) {
     const size_t s = one_of_stretch(k, stretch, samples.size());
     while (samples.begin[brick + 1] <= s) ++brick;
-    picked.push_back(Vec3d(samples.bricks.first_vertex(brick)) + Vec3d(samples.local[s]));
+    picked.places.push_back(Vec3d(samples.bricks.first_vertex(brick)) + Vec3d(samples.local[s]));
+    picked.weights.push_back(samples.weight_of(s));
   }
   return picked;
 }
@@ -174,14 +188,13 @@ double noise_of(double beyond) {
 
 /// Noise loses samples all around its surface: then about as many lie beyond half the reach as a normal distribution
 /// has there. Where parts of a surface are lost, the other samples are near it.
-double noise_of_lost(const std::vector<Vec3d>& picked, double lost, const Mesh& mesh, const Lattice& lattice,
+double noise_of_lost(const Picked& picked, double lost, const Mesh& mesh, const Lattice& lattice,
                      const Context& context) {
   constexpr double alike = 0.8;
   const double noise = noise_of(lost);
-  const size_t far = lost_of(picked, self_check_reach / 2, mesh, lattice, context).size();
+  const double far = picked.share_of(lost_of(picked.places, self_check_reach / 2, mesh, lattice, context));
   const double expected = std::erfc(1 / (2 * noise * std::sqrt(2.0)));
-  return static_cast<double>(far) > alike * expected * static_cast<double>(picked.size()) ? noise * self_check_reach
-                                                                                          : 0;
+  return far > alike * expected ? noise * self_check_reach : 0;
 }
 
 struct Area {
@@ -221,12 +234,12 @@ Area invented_area(const Mesh& mesh, const GridSamples& samples, const Lattice& 
 SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice,
                            const Context& context) {
   SelfCheckReport report;
-  const std::vector<Vec3d> picked = picked_samples(samples);
-  report.samples = picked.size();
-  if (picked.empty()) return report;
-  const std::vector<uint32_t> lost = lost_of(picked, self_check_reach, mesh, lattice, context);
-  report.lost = static_cast<double>(lost.size()) / static_cast<double>(picked.size());
-  if (!lost.empty()) report.outliers = outlier_share(picked, lost, samples);
+  const Picked picked = picked_samples(samples);
+  report.samples = picked.places.size();
+  if (picked.places.empty()) return report;
+  const std::vector<uint32_t> lost = lost_of(picked.places, self_check_reach, mesh, lattice, context);
+  report.lost = picked.share_of(lost);
+  if (!lost.empty()) report.outliers = outlier_share(picked.places, lost, samples);
   if (report.lost > self_check_most_lost && report.lost < 0.5)
     report.noise = noise_of_lost(picked, report.lost, mesh, lattice, context);
   size_t places = 0;
