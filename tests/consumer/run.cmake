@@ -1,5 +1,6 @@
 # cmake -D BUILD= -D WORK= -D GENERATOR= -D C_COMPILER= -D CXX_COMPILER= -D VERSION= -P run.cmake
-# Installs BUILD into an empty prefix under WORK, then configures, builds and runs the outside projects beside this file.
+# Installs BUILD into an empty prefix under WORK, then configures, builds and runs the outside projects beside this
+# file.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT result EQUAL 0)

@@ -51,6 +51,8 @@ std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float
                                       double density, const RefineParams& params, const Context& context) {
   std::vector<Coarser> found;
   for (double spacing = 2; density < params.sparse; density *= 4, spacing *= 2) {
+    // Each grid takes half of what is left of the bar.
+    const Context half = context.part(1 - 2 / spacing, 1 - 1 / spacing);
     const Start& finer = found.empty() ? start : found.back().start;
     const GridSamples& finer_samples = found.empty() ? samples : found.back().samples;
     if (!found.empty()) indicator = every_second_vertex(indicator, threshold, context);
@@ -59,10 +61,10 @@ std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float
                  {},
                  {}};
     if (next.start.band.rows() == 0) break;
-    next.strength = choose(next.start, next.samples, params, spacing, context, next.search);
+    next.strength = choose(next.start, next.samples, params, spacing, half, next.search);
     // The grid itself has not chosen yet, and need not where the coarser one serves.
     const Strength of_finer = found.empty() ? on_half_the_voxel(next.strength) : found.back().strength;
-    if (!next.strength.yield || !serves(next, {finer, finer_samples, of_finer}, params.robust, context)) break;
+    if (!next.strength.yield || !serves(next, {finer, finer_samples, of_finer}, params.robust, context.silent())) break;
     found.push_back(std::move(next));
   }
   return found;

@@ -60,7 +60,8 @@ int main(void) {
   if (soapfilm_cloud_append(context, cloud, &samples)) return failed(soapfilm_error(context));
   free(rows);
   if (soapfilm_cloud_size(cloud) != count) return failed("the cloud's size");
-  if (soapfilm_reconstruct(context, cloud, "{\"place\": {\"resolution\": 64}, \"surface\": {\"distance\": true}}", &result))
+  const char* parameters = "{\"place\": {\"resolution\": 64}, \"surface\": {\"distance\": true}}";
+  if (soapfilm_reconstruct(context, cloud, parameters, &result))
     return failed(soapfilm_error(context));
   if (watch.stages < 8) return failed("stages were not told");
 
