@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
 #include "soapfilm/orient/orient.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/pyramid/sor_pyramid.h"

@@ -16,11 +16,11 @@
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/field/sampling.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
 #include "soapfilm/orient/orient.h"
 #include "soapfilm/place/place.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace {
 

@@ -14,13 +14,14 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/evaluate/evaluate.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
 #include "soapfilm/reconstruct.h"
-#include "soapfilm/scanner/mesh_surface.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
-#include "soapfilm/scanner/virtual_scan.h"
+#include "soapfilm/run/run.h"
+#include "tools/evaluate/evaluate.h"
+#include "tools/scanner/mesh_surface.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace {
 
@@ -79,9 +80,10 @@ double error(const PointCloud& cloud, const Surface& truth, double voxel, const 
              const Context& context) {
   ReconstructParams params;
   params.place.voxel = voxel;
-  params.refine.robust.penalty = candidate.penalty;
-  params.refine.robust.scale_of_noise = candidate.scale_of_noise;
-  const Mesh mesh = reconstruct(cloud, params, context).mesh;
+  Experiment experiment;
+  experiment.robust.penalty = candidate.penalty;
+  experiment.robust.scale_of_noise = candidate.scale_of_noise;
+  const Mesh mesh = run(cloud, nullptr, params, context, experiment).mesh;
   EvaluationOptions options;
   options.points = points;
   return evaluate(mesh, truth, options, context).truth_to_mesh.distance.mean / voxel;

@@ -13,7 +13,7 @@
 
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/dense_field.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
 #include "soapfilm/orient/orient.h"
 #include "soapfilm/solve/sor.h"
 

@@ -13,7 +13,7 @@
 
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/field/sampling.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
 #include "soapfilm/orient/orient.h"
 #include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"

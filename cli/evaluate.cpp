@@ -15,10 +15,11 @@
 #include "cli/overwrite.h"
 #include "cli/read_cloud.h"
 #include "cli/terminal.h"
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/stages.h"
-#include "soapfilm/evaluate/evaluate.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io.h"
+#include "soapfilm/io/files.h"
+#include "tools/evaluate/evaluate.h"
 
 namespace soapfilm::cli {
 
@@ -62,7 +63,7 @@ void write_errors(const EvaluateOptions& options, Mesh mesh, const Surface& trut
   const double found = evaluation.mesh_to_truth.distance.percentile99;
   // A mesh that lies on the truth has no error to scale by; any range shows it dark.
   const double top = options.error_range > 0 ? options.error_range : found > 0 ? found : truth.box().longest();
-  MeshWriteOptions write;
+  WriteOptions write;
   write.comments = {fmt::format("colours: distance to the truth from 0 to {:.6g}", top)};
   write_mesh(options.error_ply, color_by_error(std::move(mesh), truth, top, context), write, context);
 }

@@ -1,10 +1,10 @@
-// An evaluation as a table for people and as JSON for programs (docs/evaluate.md lists the keys).
+// An evaluation as a table for people and as JSON for programs (docs/reference/evaluate.md lists the keys).
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "soapfilm/evaluate/evaluate.h"
+#include "tools/evaluate/evaluate.h"
 
 namespace soapfilm::cli {
 

@@ -11,7 +11,8 @@
 
 #include "cli/command.h"
 #include "cli/json.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
+#include "soapfilm/io/files.h"
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/summary.h"
 #include "soapfilm/mesh/topology.h"

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "soapfilm/core/box.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm::cli {

@@ -9,11 +9,11 @@
 
 #include "cli/json.h"
 #include "cli/parse.h"
-#include "soapfilm/core/error.h"
-#include "soapfilm/io/io.h"
-#include "soapfilm/mesh/distance.h"
-#include "soapfilm/scanner/mesh_surface.h"
-#include "soapfilm/scanner/scene.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io.h"
+#include "tools/mesh/distance.h"
+#include "tools/scanner/mesh_surface.h"
+#include "tools/scanner/scene.h"
 
 namespace soapfilm::cli {
 

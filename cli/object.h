@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/progress.h"
-#include "soapfilm/scanner/shape.h"
-#include "soapfilm/scanner/virtual_scan.h"
+#include "soapfilm/context.h"
+#include "soapfilm/progress.h"
+#include "tools/scanner/shape.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm::cli {
 

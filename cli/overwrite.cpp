@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm::cli {
 

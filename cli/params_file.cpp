@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/io/byte_source.h"
 
 namespace soapfilm::cli {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <exception>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm::cli {
 

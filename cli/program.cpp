@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "cli/command.h"
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/version.h"
 

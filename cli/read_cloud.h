@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
-#include "soapfilm/core/progress.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
+#include "soapfilm/io.h"
+#include "soapfilm/progress.h"
 
 namespace soapfilm::cli {
 

@@ -1,5 +1,9 @@
 // soapfilm reconstruct: scans in, watertight mesh out.
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/core/names.h"
+#include "soapfilm/finish/self_check.h"
+#include "soapfilm/io/files.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
 
 #include <fmt/format.h>
 
@@ -21,8 +25,10 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
 #include "soapfilm/extract/isosurface.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
 #include "soapfilm/refine/indicator.h"
+#include "soapfilm/run/run.h"
+#include "tools/evaluate/check_result.h"
 
 namespace soapfilm::cli {
 
@@ -142,7 +148,7 @@ void check_names(const ReconstructOptions& options, const ReadReport& read) {
 void print_check(const ReconstructReport& report, Progress& progress) {
   progress.info(summary(*report.topology));
   const DistanceSummary& d = *report.sample_distance;
-  const double voxel = report.lattice.voxel;
+  const double voxel = report.grid.voxel;
   progress.info(
       fmt::format("samples to surface: mean {:.3g}, RMS {:.3g}, 95 % {:.3g}, maximum {:.3g} ({:.2f}, {:.2f}, "
                   "{:.2f}, {:.1f} voxels)",
@@ -172,11 +178,10 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   check_names(options, read);
   LevelFiles levels;
   const bool checks = options.params.checked = options.check || !options.report.empty();
-  const PyramidObserver observe = levels.writer(options.levels_folder, options.params.surface.threshold, context);
+  const Experiment levels_written{levels.writer(options.levels_folder, options.params.surface.threshold, context), {}};
   Reconstruction result;
   try {
-    result = checks ? reconstruct(cloud, options.params, context, observe)
-                    : reconstruct(std::move(cloud), options.params, context, observe);
+    result = run(cloud, checks ? nullptr : &cloud, options.params, context, levels_written);
   } catch (const SamplesError& error) {
     throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
   }
@@ -186,9 +191,9 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
 
   stages.run("write", [&] {
     progress.check();
-    MeshWriteOptions write;
+    WriteOptions write;
     write.ascii = options.ascii;
-    write.coordinate_precision = 1e-3 * report.lattice.voxel;
+    write.coordinate_precision = 1e-3 * report.grid.voxel;
     const WriteReport written = write_mesh(options.output, result.mesh, write, context);
     for (const std::string& warning : written.warnings) {
       progress.warn(warning);
@@ -261,7 +266,8 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->option_text("R");
 
   std::vector<std::pair<std::string, Border>> borders;
-  for (size_t i = 0; i < border_names.size(); ++i) borders.emplace_back(border_names[i], static_cast<Border>(i));
+  for (size_t i = 0; i < names_of<Border>.size(); ++i)
+    borders.emplace_back(names_of<Border>[i], static_cast<Border>(i));
   grid(app.add_option(
            "--outside", p.border.outside,
            "What lies beyond the samples' box: air, around an object; solid, around a\nroom seen from inside; "
@@ -298,10 +304,11 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
 void add_method_options(CLI::App& app, ReconstructOptions& o) {
   ReconstructParams& p = o.params;
   std::vector<std::pair<std::string, Method>> methods;
-  for (size_t i = 0; i < method_names.size(); ++i) methods.emplace_back(method_names[i], static_cast<Method>(i));
+  for (size_t i = 0; i < names_of<Method>.size(); ++i)
+    methods.emplace_back(names_of<Method>[i], static_cast<Method>(i));
   const auto method = [&](auto* option) { return option->group("Method"); };
-  method(
-      app.add_option("--method", p.method, fmt::format("One of {}\n(docs/methods.md)", fmt::join(method_names, ", "))))
+  method(app.add_option("--method", p.method,
+                        fmt::format("One of {}\n(docs/reference/methods.md)", fmt::join(names_of<Method>, ", "))))
       ->transform(named<Method>(methods))
       ->option_text("NAME [tv]");
   method(app.add_option("--link-weights", p.graph_cut.weights,

@@ -10,9 +10,10 @@
 #include <vector>
 
 #include "command.h"
-#include "soapfilm/core/error.h"
-#include "soapfilm/io/io.h"
-#include "soapfilm/render/render.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io.h"
+#include "soapfilm/io/files.h"
+#include "tools/render/render.h"
 
 namespace soapfilm::cli {
 

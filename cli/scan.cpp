@@ -13,11 +13,12 @@
 #include "cli/overwrite.h"
 #include "cli/scan_options.h"
 #include "cli/terminal.h"
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/stages.h"
-#include "soapfilm/io/io.h"
-#include "soapfilm/scanner/scan_files.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io.h"
+#include "soapfilm/io/files.h"
 #include "soapfilm/version.h"
+#include "tools/scanner/scan_files.h"
 
 namespace soapfilm::cli {
 
@@ -46,7 +47,7 @@ ordered_json elevations_of(const ScannerParams& p) {
 
 ordered_json scanner_facts(const ScannerParams& p, const Box3d& box) {
   return {{"positions", positions_of(scanner_positions(box, p))},
-          {"target", json_of(p.target.value_or(box.centre()))},
+          {"target", json_of(p.target.value_or(box.center()))},
           {"rays", p.rays == Rays::central    ? "central"
                    : p.rays == Rays::parallel ? "parallel"
                                               : "spinning"},
@@ -152,7 +153,7 @@ void write(const ScanOptions& options, const Object& object, const Mesh& truth, 
   make_folder(options.folder);
   const std::filesystem::path folder(options.folder);
   const Box3d box = object.surface->box();
-  MeshWriteOptions mesh_options;
+  WriteOptions mesh_options;
   mesh_options.coordinate_precision = 1e-9 * box.longest();
   write_mesh((folder / truth_mesh_file).string(), truth, mesh_options);
   ordered_json report = {{"format", "soapfilm truth"},

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "cli/parse.h"
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm::cli {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "cli/object.h"
-#include "soapfilm/core/box.h"
-#include "soapfilm/scanner/missing.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/virtual_scan.h"
+#include "soapfilm/core/vec.h"
+#include "tools/scanner/missing.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm::cli {
 

@@ -13,7 +13,8 @@
 #include <utility>
 
 #include "cli/command.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
+#include "soapfilm/io/files.h"
 
 namespace soapfilm::cli {
 

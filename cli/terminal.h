@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "soapfilm/core/progress.h"
+#include "soapfilm/progress.h"
 
 namespace soapfilm::cli {
 

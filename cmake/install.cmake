@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 set(SOAPFILM_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/soapfilm)
 install(TARGETS soapfilm EXPORT soapfilm-targets)
 install(EXPORT soapfilm-targets NAMESPACE soapfilm:: DESTINATION ${SOAPFILM_PACKAGE_DIR})
-install(DIRECTORY include/soapfilm src/soapfilm ${PROJECT_BINARY_DIR}/generated/soapfilm DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+install(DIRECTORY include/soapfilm ${PROJECT_BINARY_DIR}/generated/soapfilm DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h")
 if(SOAPFILM_BUILD_CLI)
   install(TARGETS soapfilm_cli)

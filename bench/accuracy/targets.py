@@ -15,7 +15,7 @@ BY_DEFAULT = "order of the error in the voxel, by default"
 REASONS = {
     SHARE: "The solve has become some 15 times faster since half of its time was asked for, the refinement by less: "
            "it takes 0.15 of what the solve took then and, in several benchmarks, 1.5 to 2.4 times what it takes now. "
-           "Fewer steps or rounds cost accuracy; what was tried is in [its history](../performance-history.md).",
+           "Fewer steps or rounds cost accuracy; what was tried is in [its history](../notes/performance-history.md).",
     BY_DEFAULT: "By default edges are split where the surface bends, which gains more the coarser the voxel is: the "
                 "line of errors begins lower and so falls less. Triangles of one voxel at every size show the order of "
                 "the method, and the row after this one what the default's errors are beside theirs.",

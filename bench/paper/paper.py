@@ -20,7 +20,7 @@ HEAD = """# The paper, made again
 
 Pan and Skala, *Continuous Global Optimization in Surface Reconstruction from an Oriented Point Cloud* (2011):
 every table and figure, with the paper's figures, ours, and the ratios between methods on one machine. `make paper`
-writes this page{data}. What each method is: [methods](../methods.md).
+writes this page{data}. What each method is: [methods](../reference/methods.md).
 
 {machine}
 """

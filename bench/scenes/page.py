@@ -7,7 +7,8 @@ from verdicts import MISSED, percent
 HEAD = """# Scenes
 
 `make scenes` writes this page; [scenes.csv](scenes.csv) holds every figure. {count} scenes as people scan them, made by
-seeded generators (`bench/scenes/catalog.py`; scans by the [virtual scanner](../scanner.md)). Every run of ours has no
+seeded generators (`bench/scenes/catalog.py`; scans by the [virtual scanner](../reference/scanner.md)).
+Every run of ours has no
 option at all. Beside it {peer} at the same voxel (ours, but at most {factor} times the scene's spacing and at least a
 {factor}rd of it), with the normals of the file or its own best ones: estimated from 30 neighbors and turned to the
 scanner where the file says where it stood. *Trimmed*: what its octree was thinly filled by is cut off, as much as

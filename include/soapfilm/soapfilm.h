@@ -1,6 +1,6 @@
 /* Soapfilm in C: reconstruct a watertight surface from arrays of samples, or from files, with a proof of its energy. On
  * this interface bindings of other languages sit; everything that the program can do is reached through parameters and
- * report, both JSON (docs/report.md has their keys).
+ * report, both JSON (docs/reference/report.md has their keys).
  *
  *   soapfilm_context* context = soapfilm_context_create(0);
  *   soapfilm_cloud* cloud = soapfilm_cloud_create();
@@ -21,11 +21,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(_WIN32)
-#define SOAPFILM_API
-#else
-#define SOAPFILM_API __attribute__((visibility("default")))
-#endif
+#include "soapfilm/export.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -65,7 +61,7 @@ typedef enum soapfilm_event {
   SOAPFILM_WARNING = 3  /* text: a line that ought to be shown; they are in the report, too */
 } soapfilm_event;
 
-/* `callback` is told of each event on the thread that called; null: nobody. It must not throw. */
+/* `callback` gets each event on the thread that called; null: nobody. It must not throw. */
 SOAPFILM_API void soapfilm_on_event(soapfilm_context* context,
                                     void (*callback)(void* user, soapfilm_event event, double fraction,
                                                      const char* text),
@@ -100,7 +96,7 @@ typedef struct soapfilm_samples {
 /* Appends a copy of the samples as a further scan. Leaves the cloud as it was where it fails. */
 SOAPFILM_API soapfilm_status soapfilm_cloud_append(soapfilm_context* context, soapfilm_cloud* cloud,
                                                    const soapfilm_samples* samples);
-/* Appends what a file holds: .ply, .xyz, .txt, .pts or .conf (docs/formats.md). */
+/* Appends what a file holds: .ply, .xyz, .txt, .pts or .conf (docs/reference/formats.md). */
 SOAPFILM_API soapfilm_status soapfilm_cloud_read(soapfilm_context* context, soapfilm_cloud* cloud, const char* path);
 
 /* Reconstructs the surface. `parameters`: JSON, such as {"place": {"voxel": 0.002}} or the whole report of an earlier
@@ -115,8 +111,7 @@ SOAPFILM_API size_t soapfilm_vertex_count(const soapfilm_result* result);
 SOAPFILM_API const double* soapfilm_vertices(const soapfilm_result* result); /* 3 a vertex, input units */
 SOAPFILM_API size_t soapfilm_triangle_count(const soapfilm_result* result);
 SOAPFILM_API const uint32_t* soapfilm_triangles(const soapfilm_result* result); /* 3 indices a triangle */
-/* One value a vertex, such as "distance" where {"surface": {"distance": true}} asked for it; null: no such attribute.
- */
+/* One value a vertex, such as "distance" after {"surface": {"distance": true}}; null: no such attribute. */
 SOAPFILM_API const float* soapfilm_attribute(const soapfilm_result* result, const char* name);
 /* The report as JSON. */
 SOAPFILM_API const char* soapfilm_report(const soapfilm_result* result);

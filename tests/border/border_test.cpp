@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "support/problem.h"
 
 namespace soapfilm {

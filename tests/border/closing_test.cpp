@@ -26,7 +26,7 @@ PointCloud above(double height) {
   const Box3d box = cloud.box();
   std::vector<bool> keep(cloud.size());
   for (size_t i = 0; i < keep.size(); ++i)
-    keep[i] = (cloud.positions[i].z - box.centre().z) / (box.size().z / 2) > height;
+    keep[i] = (cloud.positions[i].z - box.center().z) / (box.size().z / 2) > height;
   cloud.filter(keep);
   return cloud;
 }

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/io/io.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
+#include "soapfilm/io.h"
 #include "support/program.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm::test {
 namespace TEST_FILE {
@@ -256,7 +256,7 @@ TEST_F(EvaluateCommand, RefusesInOneLine) {
     Mesh odd;
     odd.vertices = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}};
     odd.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-    MeshWriteOptions exact;
+    WriteOptions exact;
     exact.coordinate_precision = 1e-9;
     write_mesh(folder.file("odd.ply"), odd, exact);
     expect_refused({"evaluate", folder.file("odd.ply"), "--truth", "sphere", "-q"}, "odd.ply: a mesh of area");

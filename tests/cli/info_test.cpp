@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
 #include "support/process.h"
 
 namespace soapfilm::test {

@@ -10,13 +10,14 @@
 #include <vector>
 
 #include "cli/reconstruct_runs.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/core/method.h"
+#include "soapfilm/core/names.h"
+#include "soapfilm/io.h"
 #include "soapfilm/mesh/topology.h"
-#include "soapfilm/method.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
-#include "soapfilm/scanner/virtual_scan.h"
 #include "support/sanitized.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm::test {
 namespace TEST_FILE {
@@ -41,7 +42,7 @@ class MethodCommand : public ReconstructRuns {
 };
 
 TEST_F(MethodCommand, EveryNameRunsAndReports) {
-  for (const std::string name : method_names) {
+  for (const std::string name : names_of<Method>) {
     const json report = reported({scans, "--method", name, "--resolution", "44"});
     ASSERT_FALSE(report.is_null()) << name;
     EXPECT_EQ(report["method"]["name"], name);
@@ -146,7 +147,7 @@ TEST_F(MethodCommand, WritesTheSurfaceOfEveryLevel) {
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(surface.box().lo[axis], box.lo[axis], 1.5 * cell) << file;
       EXPECT_NEAR(surface.box().hi[axis], box.hi[axis], 1.5 * cell) << file;
-      EXPECT_NEAR(surface.box().centre()[axis], box.centre()[axis], 0.6 * cell) << file;
+      EXPECT_NEAR(surface.box().center()[axis], box.center()[axis], 0.6 * cell) << file;
     }
   }
   EXPECT_FALSE(std::filesystem::exists(levels + "/level_" + std::to_string(count) + ".ply"));
@@ -184,7 +185,7 @@ TEST_F(MethodCommand, VripTakesTheSensorOfScansThatNameNone) {
   scanner.views = 1;
   PointCloud cloud = virtual_scan(*make_sphere(), scanner, Context(1)).cloud;
   ASSERT_EQ(cloud.scans.size(), 1u);
-  const Vec3d centre = cloud.box().centre();
+  const Vec3d centre = cloud.box().center();
   ASSERT_GT(norm(centre), 0.1) << "one side of a sphere around the origin: the scanner is on that side";
   cloud.scans[0].sensor.reset();
   cloud.scans[0].view_direction.reset();

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "cli/reconstruct_runs.h"
-#include "soapfilm/io/io.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
+#include "soapfilm/io.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm::test {
 namespace TEST_FILE {

@@ -11,12 +11,12 @@
 #include <string>
 #include <thread>
 
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
 #include "soapfilm/mesh/topology.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
 #include "support/program.h"
 #include "support/sanitized.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm::test {
 namespace TEST_FILE {

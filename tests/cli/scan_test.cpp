@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/io/io.h"
-#include "soapfilm/scanner/mesh_surface.h"
-#include "soapfilm/scanner/shape.h"
+#include "soapfilm/io.h"
+#include "soapfilm/io/files.h"
 #include "support/process.h"
+#include "tools/scanner/mesh_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm::test {
 namespace TEST_FILE {

@@ -1,12 +1,14 @@
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/core/page_pool.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/simd.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -51,7 +53,7 @@ TEST(Context, PartsAndSilentOnesStopWithTheWhole) {
 
 TEST(Context, PartsShareThreadsTargetAndPages) {
   Progress progress;
-  const Context whole(3, progress, SimdTarget("scalar"));
+  const Context whole(3, progress, "scalar");
   const Context part = whole.part(0, 1);
   EXPECT_EQ(part.threads(), 3);
   EXPECT_TRUE(part.simd().is_scalar());

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <vector>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

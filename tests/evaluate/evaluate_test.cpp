@@ -1,4 +1,4 @@
-#include "soapfilm/evaluate/evaluate.h"
+#include "tools/evaluate/evaluate.h"
 
 #include <gtest/gtest.h>
 
@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "soapfilm/core/error.h"
-#include "soapfilm/mesh/sample_mesh.h"
-#include "soapfilm/render/colormap.h"
-#include "soapfilm/scanner/mesh_surface.h"
-#include "soapfilm/scanner/shape.h"
+#include "soapfilm/error.h"
 #include "support/flat_sheet.h"
+#include "tools/mesh/sample_mesh.h"
+#include "tools/render/colormap.h"
+#include "tools/scanner/mesh_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

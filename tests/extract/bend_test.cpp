@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "refine/band_support.h"
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/extract/flip.h"
-#include "soapfilm/mesh/self_intersection.h"
 #include "soapfilm/mesh/topology.h"
 #include "support/hash.h"
 #include "support/sanitized.h"
+#include "tools/mesh/self_intersection.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

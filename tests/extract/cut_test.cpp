@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "soapfilm/mesh/topology.h"
-#include "soapfilm/scanner/shape.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -17,7 +17,7 @@ TEST(Cut, HalfASphereHasOneBorder) {
   Mesh mesh = sphere();
   const double area = mesh.area();
   const std::vector<Vec3d> places = mesh.vertices;
-  const Vec3d middle = mesh.box().centre();
+  const Vec3d middle = mesh.box().center();
   keep_triangles(mesh, [&](uint32_t v) { return places[v].x > middle.x; });
   const TopologyReport topology = check_topology(mesh);
   EXPECT_TRUE(topology.manifold());

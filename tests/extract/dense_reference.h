@@ -8,8 +8,8 @@
 #include <map>
 #include <vector>
 
-#include "soapfilm/core/mesh.h"
 #include "soapfilm/extract/marching_cubes_table.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm::test {
 

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "dense_reference.h"
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/error.h"
 #include "soapfilm/mesh/topology.h"
 #include "support/sanitized.h"
 

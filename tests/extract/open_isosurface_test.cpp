@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "dense_reference.h"
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/error.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/mesh/topology.h"
 

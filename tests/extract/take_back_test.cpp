@@ -8,9 +8,9 @@
 #include "refine/band_support.h"
 #include "soapfilm/extract/crossings.h"
 #include "soapfilm/extract/half_edges.h"
-#include "soapfilm/mesh/self_intersection.h"
 #include "support/hash.h"
 #include "support/sanitized.h"
+#include "tools/mesh/self_intersection.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

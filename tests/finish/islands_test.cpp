@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "finish/drawn_level.h"
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/error.h"
 #include "soapfilm/finish/parts.h"
 #include "soapfilm/reconstruct.h"
 #include "support/problem.h"

@@ -8,7 +8,7 @@
 
 #include "soapfilm/core/random.h"
 #include "soapfilm/finish/nearest_sample.h"
-#include "soapfilm/mesh/distance.h"
+#include "tools/mesh/distance.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/error.h"
 #include "soapfilm/finish/nearest_sample.h"
 #include "soapfilm/mesh/topology.h"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

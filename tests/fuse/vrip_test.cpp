@@ -8,15 +8,15 @@
 #include <map>
 #include <numbers>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/error.h"
 #include "soapfilm/extract/isosurface.h"
-#include "soapfilm/io/io.h"
-#include "soapfilm/mesh/distance.h"
+#include "soapfilm/io.h"
 #include "soapfilm/mesh/topology.h"
-#include "soapfilm/scanner/shape.h"
-#include "soapfilm/scanner/virtual_scan.h"
 #include "support/real_data.h"
+#include "tools/mesh/distance.h"
+#include "tools/scanner/shape.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -6,7 +6,8 @@
 #include "../io/files.h"
 #include "../io/samples.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/io.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -122,7 +123,7 @@ TEST(Fuzz, PlyPoints) {
   Outcome all;
   for (const bool ascii : {false, true})
     for (const int scans : {1, 2}) {
-      PointWriteOptions options;
+      WriteOptions options;
       options.ascii = ascii;
       write_points(folder / "cloud.ply", rich_cloud(scans, 4, 3, 2), options);
       const Outcome outcome = fuzz(folder, "cloud.ply", static_cast<uint64_t>(100 + 2 * scans + ascii),
@@ -138,7 +139,7 @@ TEST(Fuzz, Meshes) {
   uint64_t seed = 200;
   for (const char* name : {"m.ply", "m.obj", "m.stl"})
     for (const bool ascii : {false, true}) {
-      MeshWriteOptions options;
+      WriteOptions options;
       options.ascii = ascii;
       write_mesh(folder / name, torus_mesh(4, 1), options);
       all.read += fuzz(folder, name, ++seed, [](const std::string& path) { check_mesh(read_mesh(path)); }).read;
@@ -170,7 +171,7 @@ TEST(Fuzz, ScanSets) {
 TEST(Fuzz, EveryTruncation) {
   const TemporaryFolder folder;
   for (const bool ascii : {false, true}) {
-    PointWriteOptions options;
+    WriteOptions options;
     options.ascii = ascii;
     write_points(folder / "cloud.ply", rich_cloud(1, 3, 2, 2), options);
     const std::string whole = folder.read("cloud.ply");

@@ -5,8 +5,9 @@
 
 #include "files.h"
 #include "samples.h"
+#include "soapfilm/io.h"
 #include "soapfilm/io/atomic_file.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io/files.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -31,7 +32,7 @@ TEST(AtomicFile, AFailureLeavesTheOldFile) {
   const TemporaryFolder folder;
   folder.write("m.ply", "precious");
   Mesh mesh = torus_mesh(4, 1);
-  MeshWriteOptions options;
+  WriteOptions options;
   options.comments = {"two\nlines"};
   EXPECT_THROW(write_mesh(folder / "m.ply", mesh, options), ParameterError);
   EXPECT_THROW(write_mesh(folder / "m.obj", mesh, options), ParameterError);

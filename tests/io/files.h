@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 

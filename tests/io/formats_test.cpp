@@ -1,7 +1,8 @@
 // XYZ text, OBJ, OFF, STL: what is read, and round trips of what is written.
 #include "files.h"
 #include "samples.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/io.h"
 #include "soapfilm/io/text.h"
 
 namespace soapfilm {
@@ -188,7 +189,7 @@ TEST(Stl, WrittenMeshComesBackMerged) {
   const TemporaryFolder folder;
   const Mesh mesh = torus_mesh(40, 1.0);
   for (const bool ascii : {false, true}) {
-    MeshWriteOptions options;
+    WriteOptions options;
     options.ascii = ascii;
     write_mesh(folder / "m.stl", mesh, options);
     const Mesh read = read_mesh(folder / "m.stl");
@@ -226,14 +227,14 @@ TEST(Georeferenced, MeshLosesNothing) {
   const double edge = 6.28 * 0.003 / 16;
   for (const char* name : {"m.ply", "m.obj"}) {
     for (const bool ascii : {false, true}) {
-      MeshWriteOptions options;
+      WriteOptions options;
       options.ascii = ascii;
       const WriteReport report = write_mesh(folder / name, mesh, options);
       EXPECT_TRUE(report.double_coordinates);
       EXPECT_EQ(largest_move(read_mesh(folder / name), mesh), 0) << name;
     }
   }
-  MeshWriteOptions coarse;
+  WriteOptions coarse;
   coarse.coordinate_precision = 1;
   EXPECT_FALSE(write_mesh(folder / "m.ply", mesh, coarse).double_coordinates);
   EXPECT_GT(largest_move(read_mesh(folder / "m.ply"), mesh), edge);
@@ -257,7 +258,7 @@ TEST(Georeferenced, CloudLosesNothing) {
   const TemporaryFolder folder;
   const PointCloud cloud = rich_cloud(2, 5, 4, 3, {5e6, 4.5e6, 312.5});
   for (const bool ascii : {false, true}) {
-    PointWriteOptions options;
+    WriteOptions options;
     options.ascii = ascii;
     options.coordinate_precision = 1e-6;
     EXPECT_TRUE(write_points(folder / "c.ply", cloud, options).double_coordinates);

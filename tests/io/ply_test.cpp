@@ -7,8 +7,10 @@
 
 #include "files.h"
 #include "samples.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/io.h"
 #include "soapfilm/io/byte_source.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io/files.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -231,7 +233,7 @@ TEST(PlyPoints, WrittenCloudComesBackWithAllItHas) {
   for (const bool ascii : {false, true})
     for (const int scans : {1, 3}) {
       const PointCloud cloud = rich_cloud(scans, 7, 5, 11);
-      PointWriteOptions options;
+      WriteOptions options;
       options.ascii = ascii;
       options.comments = {"written by a test"};
       const WriteReport report = write_points(folder / "cloud.ply", cloud, options);
@@ -244,7 +246,7 @@ TEST(PlyPoints, CoordinatesAreFloatWhereThatKeepsThePrecision) {
   const TemporaryFolder folder;
   PointCloud cloud;
   cloud.positions = {{1.0 / 3, 0, 0}, {0, 2, 0}};
-  PointWriteOptions options;
+  WriteOptions options;
   EXPECT_TRUE(write_points(folder / "p.ply", cloud, options).double_coordinates);
   options.coordinate_precision = 1e-7;
   EXPECT_FALSE(write_points(folder / "p.ply", cloud, options).double_coordinates);
@@ -292,7 +294,7 @@ TEST(PlyPoints, NonFiniteSamplesAreDroppedAndCounted) {
   cloud.normals[3].x = std::numeric_limits<float>::quiet_NaN();
   cloud.sensors[4].x = nan_value;
   for (const bool ascii : {false, true}) {
-    PointWriteOptions options;
+    WriteOptions options;
     options.ascii = ascii;
     write_points(folder / "nan.ply", cloud, options);
     ReadReport report;
@@ -341,7 +343,7 @@ TEST(PlyMesh, WrittenMeshComesBackWithAllItHas) {
   const TemporaryFolder folder;
   const Mesh mesh = torus_mesh(20, 1.0);
   for (const bool ascii : {false, true}) {
-    MeshWriteOptions options;
+    WriteOptions options;
     options.ascii = ascii;
     EXPECT_FALSE(write_mesh(folder / "m.ply", mesh, options).double_coordinates);
     const Mesh read = read_mesh(folder / "m.ply");

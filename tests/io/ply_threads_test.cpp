@@ -5,7 +5,7 @@
 
 #include "files.h"
 #include "samples.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
 #include "support/sanitized.h"
 
 namespace soapfilm {
@@ -76,10 +76,10 @@ TEST(PlyThreads, ManyRowsAreTheSameBytesOnAnyNumberOfThreads) {
   const PointCloud cloud = rich_cloud(2, 200, 120, 3);
   ASSERT_GT(mesh.triangles.size(), 50000u);
   for (const bool ascii : {false, true}) {
-    MeshWriteOptions mesh_options;
+    WriteOptions mesh_options;
     mesh_options.ascii = ascii;
     mesh_options.coordinate_precision = 1e-320;  // doubles
-    PointWriteOptions point_options;
+    WriteOptions point_options;
     point_options.ascii = ascii;
     write_mesh(folder / "one.ply", mesh, mesh_options);
     write_points(folder / "points.ply", cloud, point_options);

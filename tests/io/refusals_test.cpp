@@ -1,7 +1,8 @@
 // What is refused, and that the message names file, place, value and constraint.
 #include "files.h"
 #include "samples.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
+#include "soapfilm/io/files.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

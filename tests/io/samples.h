@@ -5,9 +5,10 @@
 #include <cstring>
 #include <limits>
 
-#include "soapfilm/core/mesh.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm {
 

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/reconstruct.h"
-#include "soapfilm/scanner/virtual_scan.h"
 #include "support/problem.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(ThinParts, CrossValidationOf,
 TEST(CrossValidation, KeepsASparseHalfThatTheFixedRuleLoses_Slow) {
   PointCloud cloud = dirty("knot", 10, {0, 0.05});
   Random random(3);
-  const double middle = cloud.box().centre().x;
+  const double middle = cloud.box().center().x;
   std::vector<bool> keep(cloud.size());
   for (size_t i = 0; i < cloud.size(); ++i) keep[i] = cloud.positions[i].x < middle || random.uniform() < 0.02;
   cloud.filter(keep);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <functional>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "support/dense.h"
 #include "support/problem.h"
 
@@ -111,7 +111,7 @@ TEST(HoldOut, MovingHeldOutSamplesLeavesTheTrainingFieldAsItWas) {
   const Lattice lattice = lattice_of(cloud, 48);
   const Folds folds = folds_of(cloud, 5, FoldSource::samples);
   const FoldFields before = hold_out(cloud, cloud.normals, folds, 2, lattice, one_thread);
-  const Vec3d centre = cloud.box().centre();
+  const Vec3d centre = cloud.box().center();
   for (size_t i = 0; i < cloud.size(); ++i)
     if (folds.of_sample[i] == 2) cloud.positions[i] = centre + (cloud.positions[i] - centre) * 0.5;
   const FoldFields after = hold_out(cloud, cloud.normals, folds, 2, lattice, one_thread);

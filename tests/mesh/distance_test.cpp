@@ -1,4 +1,4 @@
-#include "soapfilm/mesh/distance.h"
+#include "tools/mesh/distance.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,9 @@
 #include <limits>
 #include <map>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/error.h"
 #include "support/flat_sheet.h"
 
 namespace soapfilm {

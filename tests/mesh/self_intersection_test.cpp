@@ -1,13 +1,13 @@
-#include "soapfilm/mesh/self_intersection.h"
+#include "tools/mesh/self_intersection.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/scanner/shape.h"
+#include "soapfilm/error.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

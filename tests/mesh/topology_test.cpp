@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

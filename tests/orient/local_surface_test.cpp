@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/orient/area_weights.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm::test {
 namespace TEST_FILE {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
-#include "soapfilm/scanner/virtual_scan.h"
+#include "soapfilm/error.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -20,14 +20,14 @@ struct Oriented {
   OrientReport report;
 };
 
-Oriented run(const PointCloud& cloud, const OrientParams& params = {}, int threads = 2) {
+Oriented run(const PointCloud& cloud, const OrientSetup& params = {}, int threads = 2) {
   Oriented result;
   result.directions = orient(cloud, params, Context(threads), result.report);
   return result;
 }
 
-OrientParams asking_for(DirectionSource source) {
-  OrientParams params;
+OrientSetup asking_for(DirectionSource source) {
+  OrientSetup params;
   params.source = source;
   return params;
 }
@@ -61,7 +61,7 @@ Agreement compare(const std::vector<Vec3f>& directions, const std::vector<Vec3f>
   return a;
 }
 
-std::string refusal(const PointCloud& cloud, const OrientParams& params) {
+std::string refusal(const PointCloud& cloud, const OrientSetup& params) {
   try {
     run(cloud, params);
   } catch (const ParameterError& error) {
@@ -122,7 +122,7 @@ TEST(Orient, MoreNeighboursSmoothNoise) {
   Random random(2);
   for (size_t i = 0; i < cloud.size(); ++i)
     cloud.positions[i] += static_cast<Vec3d>(truth.normals[i]) * (0.005 * random.normal());
-  OrientParams params;
+  OrientSetup params;
   params.neighbours = 12;
   const double few = compare(run(cloud, params).directions, truth.normals).mean_degrees;
   params.neighbours = 60;
@@ -169,7 +169,7 @@ TEST(Orient, NormalsComeFirstAndAreMadeUnit) {
 /// A radius that holds fewer than the nearest ones changes nothing; one that holds all makes one plane of them.
 TEST(Orient, ARadiusAddsToTheNearest) {
   const PointCloud cloud = without_normals(sample_surface(*make_part(), 3000, 1));
-  OrientParams params;
+  OrientSetup params;
   const std::vector<Vec3f> nearest = run(cloud, params).directions;
   params.radius = 1e-6;
   EXPECT_EQ(run(cloud, params).directions, nearest);
@@ -184,7 +184,7 @@ TEST(Orient, ARadiusAddsToTheNearest) {
 
 TEST(Orient, SeenFromWithinPropagatedSignsAreTurned) {
   const PointCloud cloud = without_normals(sample_surface(*make_part(), 5000, 1));
-  OrientParams params;
+  OrientSetup params;
   const std::vector<Vec3f> outward = run(cloud, params).directions;
   params.from_within = true;
   const Oriented inward = run(cloud, params);
@@ -224,7 +224,7 @@ TEST(Orient, SensorIsTheSamplesOwnThenItsScansThenTheCallers) {
   EXPECT_EQ(found.directions[1], (Vec3f{0, 1, 0}));
   EXPECT_EQ(found.directions[2], (Vec3f{0, 0, -1}));
 
-  OrientParams params;
+  OrientSetup params;
   params.sensor = Vec3d{0, 0, 7};
   found = run(cloud, params);
   EXPECT_EQ(found.report.from_sensor, 4u);
@@ -331,7 +331,7 @@ TEST(Orient, AnAbsentSourceIsRefusedByName) {
             "directions = sensor: no sample or scan has a scanner position, give one with --sensor");
   EXPECT_EQ(refusal(bare, asking_for(DirectionSource::scan)),
             "directions = scan: no scan has a viewing direction or a scanner position");
-  OrientParams params;
+  OrientSetup params;
   params.neighbours = 2;
   EXPECT_EQ(refusal(bare, params), "neighbours = 2, must be in [3, 1000]");
   params = {};

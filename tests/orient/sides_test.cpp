@@ -7,8 +7,8 @@
 #include "soapfilm/core/random.h"
 #include "soapfilm/orient/local_surface.h"
 #include "soapfilm/orient/orient.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -108,7 +108,7 @@ struct Doubted {
 
 Doubted doubt(const PointCloud& cloud, DirectionSource source = DirectionSource::automatic) {
   Doubted result;
-  OrientParams params;
+  OrientSetup params;
   params.source = source;
   const Context context(2);
   result.directions = orient(cloud, params, context, result.report);

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "property/each_method.h"
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
 #include "support/resident.h"
 #include "support/sanitized.h"

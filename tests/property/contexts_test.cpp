@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "property/each_method.h"
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
 #include "support/back_ends.h"
 #include "support/hash.h"

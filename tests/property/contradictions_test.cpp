@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
 #include "support/problem.h"
 

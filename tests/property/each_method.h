@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "soapfilm/core/names.h"
 #include "soapfilm/reconstruct.h"
-#include "soapfilm/scanner/virtual_scan.h"
 #include "support/problem.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm::test {
 

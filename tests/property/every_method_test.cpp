@@ -7,11 +7,14 @@
 #include <vector>
 
 #include "property/each_method.h"
-#include "soapfilm/core/error.h"
+#include "soapfilm/core/names.h"
+#include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/details.h"
 #include "soapfilm/run/memory_plan.h"
 #include "support/hash.h"
 #include "support/sanitized.h"
+#include "tools/evaluate/check_result.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -88,13 +91,13 @@ TEST(MethodReport, WarnsOfTheLevelsThatStoppedTooEarly) {
   params.surface.refine = false;
   const ReconstructReport report = reconstructed(sampled("sphere", 64, 1), params).report;
   std::vector<std::string> expected;
-  for (const LevelReport& level : report.solve.levels) {
+  for (const LevelReport& level : report.details->solve.levels) {
     EXPECT_FALSE(level.converged) << level.level;
     if (level.lambda_share == 1)
       expected.push_back(fmt::format("level {}: not converged after 1 iterations", level.level));
   }
   ASSERT_GE(expected.size(), 2u);
-  ASSERT_LT(expected.size(), report.solve.levels.size());
+  ASSERT_LT(expected.size(), report.details->solve.levels.size());
   // What a single iteration leaves is mostly far from the samples, which is told last.
   ASSERT_EQ(report.warnings.size(), expected.size() + 1);
   EXPECT_NE(report.warnings.back().find("it closes what nobody saw"), std::string::npos) << report.warnings.back();
@@ -137,12 +140,12 @@ TEST(MethodReport, GraphCutHasItsGraph) {
 TEST(MethodReport, VripHasItsRangeSurfaces) {
   const PointCloud cloud = range_scans();
   const ReconstructReport report = reconstructed(cloud, params_of(Method::vrip)).report;
-  ASSERT_TRUE(report.vrip);
-  EXPECT_EQ(report.vrip->scans, cloud.scans.size());
-  EXPECT_GT(report.vrip->triangles, cloud.size());
-  EXPECT_GT(report.vrip->vertices_seen, 1000u);
-  EXPECT_FALSE(report.solve.poisson || report.solve.graph_cut || !report.solve.sor.empty() ||
-               !report.solve.levels.empty());
+  ASSERT_TRUE(report.details->vrip);
+  EXPECT_EQ(report.details->vrip->scans, cloud.scans.size());
+  EXPECT_GT(report.details->vrip->triangles, cloud.size());
+  EXPECT_GT(report.details->vrip->vertices_seen, 1000u);
+  EXPECT_FALSE(report.details->solve.poisson || report.details->solve.graph_cut || !report.details->solve.sor.empty() ||
+               !report.details->solve.levels.empty());
 }
 
 }  // namespace TEST_FILE

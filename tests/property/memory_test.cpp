@@ -7,13 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/run/memory_plan.h"
 #include "support/hash.h"
 #include "support/problem.h"
 #include "support/sanitized.h"
+#include "tools/evaluate/check_result.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -140,7 +141,7 @@ TEST(MemoryPlan, AnOpenSheetRunsWhereItsPlanFits) {
     params.place.voxel = 1;
     params.border.outside = outside;
     const Reconstruction free = reconstruct(cloud, params, Context(1));
-    EXPECT_EQ(free.report.border.chosen, Border::open);
+    EXPECT_EQ(free.report.outside, Border::open);
     params.memory_limit = free.report.planned_bytes;
     const Reconstruction fits = reconstruct(cloud, params, Context(1));
     EXPECT_EQ(hash_mesh(fits.mesh), hash_mesh(free.mesh));

@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "property/each_method.h"
-#include "soapfilm/core/error.h"
+#include "soapfilm/core/names.h"
+#include "soapfilm/error.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/details.h"
 #include "support/problem.h"
 
 namespace soapfilm {
@@ -91,10 +93,11 @@ TEST_P(OneJudge, AnisotropicTvAndTheCutReachTheSameEnergy) {
   const ReconstructReport tv = reconstructed(cloud, params).report;
   params.method = Method::graph_cut_6;
   const ReconstructReport cut = reconstructed(cloud, params).report;
-  ASSERT_TRUE(cut.solve.graph_cut->globally_optimal);
+  ASSERT_TRUE(cut.details->solve.graph_cut->globally_optimal);
   const double energy = cut.certificate.binary.primal;
   EXPECT_NEAR(tv.certificate.binary.primal, energy, 1e-5 * std::abs(energy));
-  EXPECT_NEAR(cut.solve.graph_cut->energy, energy, 1e-5 * std::abs(energy)) << "the cut's own sum and the judge's";
+  EXPECT_NEAR(cut.details->solve.graph_cut->energy, energy, 1e-5 * std::abs(energy))
+      << "the cut's own sum and the judge's";
   EXPECT_LE(tv.certificate.relaxed.dual, energy + 1e-12 * std::abs(energy)) << "a bound, to the rounding of double";
 }
 
@@ -266,8 +269,8 @@ TEST(AutomaticLambda, WarnsWhenTheBestMayLieBeyondTheCandidates) {
   const auto warnings_with = [&](std::vector<double> candidates) {
     params.select.candidates = std::move(candidates);
     const ReconstructReport report = reconstructed(cloud, params).report;
-    EXPECT_DOUBLE_EQ(report.certificate.lambda, report.select->chosen * report.input.density);
-    for (const CrossValidationPoint& point : report.select->curve)
+    EXPECT_DOUBLE_EQ(report.certificate.lambda, report.details->select->chosen * report.input.density);
+    for (const CrossValidationPoint& point : report.details->select->curve)
       EXPECT_DOUBLE_EQ(point.lambda, point.lambda_per_density * report.input.density);
     return fmt::format("{}", fmt::join(report.warnings, "\n"));
   };

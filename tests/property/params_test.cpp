@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

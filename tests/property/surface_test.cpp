@@ -99,11 +99,12 @@ INSTANTIATE_TEST_SUITE_P(Planes, PlanarHole, testing::Bool(), [](const auto& p) 
 
 /// Vertices inside when the lattice's coarsest level is solved on its own.
 size_t inside_on_coarsest_level(const ReconstructReport& report, const PointCloud& cloud) {
-  const Problem problem = make_problem(cloud, report.lattice);
+  const Lattice lattice{report.grid};
+  const Problem problem = make_problem(cloud, lattice);
   const Context one_thread(1);
-  const auto fields = coarser_fields(problem.support, report.lattice, report.lattice.levels, one_thread);
+  const auto fields = coarser_fields(problem.support, lattice, lattice.levels, one_thread);
   const SupportField& data = fields.back();
-  const LevelBox box = report.lattice.box(report.lattice.levels - 1);
+  const LevelBox box = lattice.box(lattice.levels - 1);
   const double lambda = report.certificate.lambda * std::pow(4, box.level);
   Level level =
       make_level(box, static_cast<float>(lambda), BrickMask::whole(box.bricks), data.grid, data.f, one_thread);
@@ -141,7 +142,7 @@ TEST_P(HalfSphere, ClosesAndTouchesNoBorderVertex) {
   EXPECT_EQ(topology.genus(), 0);
 
   // No inside vertex has a neighbour in the fixed layer.
-  const Lattice& lattice = result.report.lattice;
+  const Lattice lattice{result.report.grid};
   const LevelBox box = lattice.box(0);
   for (const Vec3d& v : result.mesh.vertices) {
     const Vec3d p = lattice.to_lattice(v);

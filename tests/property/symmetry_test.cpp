@@ -203,7 +203,7 @@ TEST(Axes, TurningThemTurnsTheMeshExactly) {
     for (const int turn : {1, 2}) {
       const Reconstruction other = reconstructed(transformed(
           cloud, [&](Vec3d p) { return turned(p, turn); }, [&](Vec3f n) { return turned(n, turn); }));
-      EXPECT_NE(other.report.lattice.turn, original.report.lattice.turn);
+      EXPECT_NE(other.report.grid.turn, original.report.grid.turn);
       EXPECT_EQ(other.report.certificate.binary.primal, original.report.certificate.binary.primal);
       EXPECT_EQ(other.mesh.triangles, original.mesh.triangles);
       ASSERT_EQ(other.mesh.vertices.size(), original.mesh.vertices.size());

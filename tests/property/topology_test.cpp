@@ -9,6 +9,7 @@
 
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/details.h"
 #include "support/problem.h"
 
 namespace soapfilm {
@@ -42,7 +43,8 @@ TEST_P(BuiltInShape, KeepsItsComponentsAndGenus) {
   ReconstructParams params;
   params.place.resolution = resolution;
   const Reconstruction result = reconstruct(sampled(*shape, resolution, density), params, Context(1));
-  for (const LevelReport& level : result.report.solve.levels) EXPECT_TRUE(level.converged) << "level " << level.level;
+  for (const LevelReport& level : result.report.details->solve.levels)
+    EXPECT_TRUE(level.converged) << "level " << level.level;
   const TopologyReport topology = check_topology(result.mesh);
   EXPECT_TRUE(topology.watertight());
   EXPECT_EQ(topology.components.size(), static_cast<size_t>(shape->facts().components));

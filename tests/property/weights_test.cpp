@@ -6,13 +6,13 @@
 
 #include "property/each_method.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/mesh/distance.h"
 #include "soapfilm/reconstruct.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
 #include "support/hash.h"
 #include "support/problem.h"
 #include "support/sanitized.h"
+#include "tools/mesh/distance.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -60,8 +60,8 @@ TEST(Weights, OneOfWeightKIsKOfWeightOne) {
   const ReconstructParams params = params_for_weights();
   const Reconstruction by_copies = reconstructed(told_often(false), params);
   const Reconstruction by_weights = reconstructed(told_often(true), params);
-  const double voxel = by_copies.report.lattice.voxel;
-  EXPECT_EQ(by_weights.report.lattice.voxel, voxel);
+  const double voxel = by_copies.report.grid.voxel;
+  EXPECT_EQ(by_weights.report.grid.voxel, voxel);
   EXPECT_NEAR(by_weights.report.certificate.binary.primal, by_copies.report.certificate.binary.primal,
               1e-5 * std::abs(by_copies.report.certificate.binary.primal));
   EXPECT_LT(farthest_apart(by_copies.mesh, by_weights.mesh), 0.02 * voxel);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "soapfilm/border/border.h"
+#include "soapfilm/core/names.h"
 #include "soapfilm/pyramid/band.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/pyramid/prolong.h"
@@ -134,7 +135,7 @@ void PrintTo(const Case& c, std::ostream* out) {
 
 /// A sheet that ends where the box does.
 void cut_in_half(PointCloud& cloud) {
-  const Vec3d middle = cloud.box().centre();
+  const Vec3d middle = cloud.box().center();
   std::vector<bool> keep(cloud.size());
   for (size_t i = 0; i < keep.size(); ++i) keep[i] = cloud.positions[i].x > middle.x;
   cloud.filter(keep);

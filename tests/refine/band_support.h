@@ -7,10 +7,10 @@
 
 #include "soapfilm/core/random.h"
 #include "soapfilm/extract/isosurface.h"
-#include "soapfilm/mesh/distance.h"
 #include "soapfilm/refine/refine.h"
 #include "support/dense.h"
 #include "support/problem.h"
+#include "tools/mesh/distance.h"
 
 namespace soapfilm::test {
 
@@ -119,7 +119,7 @@ struct Solved {
 
 struct Refined {
   SurfaceField field;
-  RefineReport report;
+  FitReport report;
   Mesh mesh;
 };
 
@@ -139,7 +139,7 @@ inline Level copy_of(const Level& level) {
   return copy;
 }
 
-inline Refined refined(const Solved& solved, const RefineParams& params = {}, int threads = 1) {
+inline Refined refined(const Solved& solved, const RefineSetup& params = {}, int threads = 1) {
   Refined result;
   result.field = refine(copy_of(solved.solution.finest), 0.5f, solved.problem.samples, solved.density, params,
                         Context(threads), result.report);

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "support/dense.h"
 #include "support/problem.h"
 

@@ -25,7 +25,7 @@ Solved with_hole(const std::string& shape, int resolution, Gone&& gone) {
 }
 
 Refined filled(const Solved& solved, HoleFill holes, int threads = 1) {
-  RefineParams params;
+  RefineSetup params;
   params.holes = holes;
   return refined(solved, params, threads);
 }
@@ -84,7 +84,7 @@ double reach_along_x(bool open, size_t& bent) {
   cloud.filter(keep);
   solved.problem = make_problem(cloud, place_lattice(box, voxel, 3));
   solved.solution = solve(solved.problem, 0.02, 1e-3);
-  RefineParams params;
+  RefineSetup params;
   params.open = open;
   const Refined result = refined(solved, params);
   EXPECT_TRUE(check_topology(result.mesh).watertight());

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "refine/band_support.h"
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/refine/topology.h"
 #include "support/hash.h"
@@ -82,7 +82,7 @@ TEST(Refine, StaysModestWhereNoSampleTellsTheStrength) {
 TEST(Refine, TrueNormalsAreRecognisedAndHelpSlow) {
   const Disturbance normals{.noise_vox = 1.0 / 3, .viewing = false};
   const Solved solved("torus", 70, 1, normals);
-  const Refined with = refined(solved), without = refined(solved, {.normals = 0.0});
+  const Refined with = refined(solved), without = refined(solved, {{.normals = 0.0}});
   EXPECT_GT(with.report.strength.normals, 0);
   EXPECT_LT(with.report.search.agreement_deg, 20);
   EXPECT_LT(mean_error_vox(solved, with.mesh), 0.85 * mean_error_vox(solved, without.mesh));
@@ -140,7 +140,7 @@ TEST_P(Topology, IsThatOfTheThresholdedSolve) {
     for (const bool vanish : {false, true}) {
       const Solved solved(GetParam(), 60, 1, {.noise_vox = noise});
       const Refined result =
-          refined(solved, {.smoothing = noise > 0 ? std::optional(1e-4) : std::nullopt, .vanish = vanish});
+          refined(solved, {{.smoothing = noise > 0 ? std::optional(1e-4) : std::nullopt}, {}, vanish});
       const TopologyReport expected = topology_of_solve(solved);
       const TopologyReport found = check_topology(result.mesh);
       EXPECT_TRUE(found.watertight());
@@ -158,7 +158,7 @@ TEST_P(Topology, IsThatOfTheThresholdedSolve) {
 
 TEST_P(Topology, SurvivesSmoothingThatWouldFlattenIt) {
   const Solved solved(GetParam(), 60);
-  const Refined result = refined(solved, {.smoothing = 1e6});
+  const Refined result = refined(solved, {{.smoothing = 1e6}});
   const TopologyReport expected = topology_of_solve(solved), found = check_topology(result.mesh);
   EXPECT_EQ(found.components.size(), expected.components.size());
   EXPECT_EQ(found.genus(), expected.genus());
@@ -297,7 +297,7 @@ TEST_P(SparseSamples, OfNoiseAreFittedOnCoarserVerticesSlow) {
   // A grid 2.5 times as fine as the samples: on the grid itself the sphere is off by 1.4 times as much.
   constexpr double finer = 2.5;
   const Solved solved(GetParam(), 12 + static_cast<int>(76 * finer), 1 / (finer * finer), {.noise_vox = finer / 3});
-  const Refined coarse = refined(solved), fine = refined(solved, {.sparse = 0});
+  const Refined coarse = refined(solved), fine = refined(solved, {{.sparse = 0}});
   EXPECT_EQ(coarse.report.spacing, 2);
   EXPECT_EQ(fine.report.spacing, 1);
   EXPECT_LT(mean_error_vox(solved, coarse.mesh), 0.95 * mean_error_vox(solved, fine.mesh));
@@ -314,7 +314,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, SparseSamples, testing::Values("sphere", "torus
 
 TEST(Refine, SparseSamplesTakeTheStrengthThatIsAskedFor) {
   const Solved solved("sphere", 72, 0.06, {.noise_vox = 0.9});
-  const Refined result = refined(solved, {.smoothing = 50.0, .normals = 0.25});
+  const Refined result = refined(solved, {{.smoothing = 50.0, .normals = 0.25}});
   EXPECT_GT(result.report.spacing, 1);
   EXPECT_EQ(result.report.strength.smoothing, 50);
   EXPECT_EQ(result.report.strength.normals, 0.25);
@@ -340,11 +340,11 @@ TEST(Refine, SparseSamplesWithoutNoiseAreFittedOnTheGridItself) {
   const Solved solved("torus", 60, 0.2);
   const Refined result = refined(solved);
   EXPECT_EQ(result.report.spacing, 1);
-  EXPECT_EQ(hash_mesh(result.mesh), hash_mesh(refined(solved, {.sparse = 0}).mesh));
+  EXPECT_EQ(hash_mesh(result.mesh), hash_mesh(refined(solved, {{.sparse = 0}}).mesh));
 }
 
 TEST(Refine, RefusesParametersOutOfRange) {
-  const auto message = [](const RefineParams& params) -> std::string {
+  const auto message = [](const RefineSetup& params) -> std::string {
     try {
       validate(params);
     } catch (const ParameterError& error) {
@@ -353,10 +353,10 @@ TEST(Refine, RefusesParametersOutOfRange) {
     return "accepted";
   };
   EXPECT_EQ(message({}), "accepted");
-  EXPECT_EQ(message({.smoothing = -1.0}), "smoothing = -1, must be in [1e-06, 1e+06]");
-  EXPECT_NE(message({.reach = 9}).find("refine reach = 9"), std::string::npos);
-  EXPECT_NE(message({.sparse = -1}).find("refine sparse = -1"), std::string::npos);
-  RefineParams hasty;
+  EXPECT_EQ(message({{.smoothing = -1.0}}), "smoothing = -1, must be in [1e-06, 1e+06]");
+  EXPECT_NE(message({{.reach = 9}}).find("refine reach = 9"), std::string::npos);
+  EXPECT_NE(message({{.sparse = -1}}).find("refine sparse = -1"), std::string::npos);
+  RefineSetup hasty;
   hasty.robust.yielding_steps = {2, 0};
   EXPECT_EQ(message(hasty), "refine yielding_steps = 0, must be in [1, 10000]");
   hasty.robust.yielding_steps = {};

@@ -1,4 +1,4 @@
-#include "soapfilm/render/image.h"
+#include "tools/render/image.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/error.h"
-#include "soapfilm/render/font.h"
+#include "soapfilm/error.h"
+#include "tools/render/font.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

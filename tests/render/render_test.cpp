@@ -1,4 +1,4 @@
-#include "soapfilm/render/render.h"
+#include "tools/render/render.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
-#include "soapfilm/core/error.h"
-#include "soapfilm/render/colormap.h"
+#include "soapfilm/error.h"
+#include "tools/render/colormap.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -1,14 +1,14 @@
-#include "soapfilm/scanner/mesh_surface.h"
+#include "tools/scanner/mesh_surface.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
-#include "soapfilm/scanner/virtual_scan.h"
+#include "soapfilm/error.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

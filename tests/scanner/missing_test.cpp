@@ -1,4 +1,4 @@
-#include "soapfilm/scanner/missing.h"
+#include "tools/scanner/missing.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <numbers>
 #include <set>
 
-#include "soapfilm/core/error.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
-#include "soapfilm/scanner/surface_patch.h"
+#include "soapfilm/error.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
+#include "tools/scanner/surface_patch.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -31,7 +31,7 @@ TEST(Hole, IsACapOfASphere) {
   const auto shape = make_sphere();
   const double share = 0.1;
   const SurfacePatch patch(*shape, share, 4);
-  const Vec3d pole = normalized(patch.centre());
+  const Vec3d pole = normalized(patch.center());
   const double least_cosine = 1.0 - 2.0 * share;  // Archimedes: a cap's area goes with its height
   const PointCloud cloud = sample_surface(*shape, 5000, 1);
   for (size_t i = 0; i < cloud.size(); ++i) {
@@ -45,7 +45,7 @@ TEST(Hole, TakesOneSideOfAThinPlate) {
   const auto plate = make_plate({.thickness = 0.01});
   const double share = 0.03;
   const SurfacePatch patch(*plate, share, 8);  // a disc that does not reach the rim
-  const double side = patch.centre().z > 0 ? 1.0 : -1.0;
+  const double side = patch.center().z > 0 ? 1.0 : -1.0;
   const PointCloud cloud = sample_surface(*plate, 20000, 1);
   size_t lost = 0;
   for (const Vec3d& p : cloud.positions) {
@@ -57,15 +57,15 @@ TEST(Hole, TakesOneSideOfAThinPlate) {
   // On the side itself it is a disc: no sample within its radius stays but for its border.
   const double radius = std::sqrt(share * *plate->facts().area / std::numbers::pi);
   for (const Vec3d& p : cloud.positions) {
-    if (p.z * side < 0.00499 || std::hypot(p.x - patch.centre().x, p.y - patch.centre().y) > 0.9 * radius) continue;
+    if (p.z * side < 0.00499 || std::hypot(p.x - patch.center().x, p.y - patch.center().y) > 0.9 * radius) continue;
     ASSERT_TRUE(patch.contains(plate->closest(p)));
   }
 }
 
 TEST(Hole, DependsOnTheSeedAlone) {
   const auto shape = make_torus();
-  EXPECT_EQ(SurfacePatch(*shape, 0.1, 7).centre(), SurfacePatch(*shape, 0.2, 7).centre());
-  EXPECT_NE(SurfacePatch(*shape, 0.1, 7).centre(), SurfacePatch(*shape, 0.1, 8).centre());
+  EXPECT_EQ(SurfacePatch(*shape, 0.1, 7).center(), SurfacePatch(*shape, 0.2, 7).center());
+  EXPECT_NE(SurfacePatch(*shape, 0.1, 7).center(), SurfacePatch(*shape, 0.1, 8).center());
   const PointCloud cloud = sample_surface(*shape, 2000, 1);
   EXPECT_EQ(kept_samples(*shape, cloud, {.hole = 0.1}, Context(1)),
             kept_samples(*shape, cloud, {.hole = 0.1}, Context(3)));

@@ -1,13 +1,13 @@
-#include "soapfilm/scanner/sample_surface.h"
+#include "tools/scanner/sample_surface.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "soapfilm/core/error.h"
-#include "soapfilm/scanner/shape.h"
-#include "soapfilm/scanner/virtual_scan.h"
+#include "soapfilm/error.h"
+#include "tools/scanner/shape.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -1,11 +1,11 @@
-#include "soapfilm/scanner/scan_files.h"
+#include "tools/scanner/scan_files.h"
 
 #include <gtest/gtest.h>
 
-#include "soapfilm/core/error.h"
-#include "soapfilm/io/io.h"
-#include "soapfilm/scanner/shape.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io.h"
 #include "support/process.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

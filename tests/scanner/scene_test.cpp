@@ -1,10 +1,10 @@
-#include "soapfilm/scanner/scene.h"
+#include "tools/scanner/scene.h"
 
 #include <gtest/gtest.h>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/mesh/topology.h"
-#include "soapfilm/scanner/mesh_surface.h"
+#include "tools/scanner/mesh_surface.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

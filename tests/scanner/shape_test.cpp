@@ -1,4 +1,4 @@
-#include "soapfilm/scanner/shape.h"
+#include "tools/scanner/shape.h"
 
 #include <gtest/gtest.h>
 
@@ -6,12 +6,12 @@
 #include <cmath>
 #include <map>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/error.h"
 #include "soapfilm/mesh/topology.h"
-#include "soapfilm/scanner/mesh_surface.h"
-#include "soapfilm/scanner/sample_surface.h"
 #include "support/sanitized.h"
+#include "tools/scanner/mesh_surface.h"
+#include "tools/scanner/sample_surface.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -125,7 +125,7 @@ TEST_P(EveryShape, RaysHitTheSurfaceFirstWhereTheTessellationDoes) {
   Random random(4);
   int hits = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Vec3d origin = shape->box().centre() + random_direction(random) * 2.0;
+    const Vec3d origin = shape->box().center() + random_direction(random) * 2.0;
     const Vec3d direction = normalized(random_point(random, shape->box(), 0.0) - origin);
     const std::optional<SurfacePoint> hit = shape->intersect(origin, direction);
     const std::optional<SurfacePoint> meshed = mesh.intersect(origin, direction);
@@ -193,7 +193,7 @@ TEST_P(EveryShape, SurfaceSamplesAreUniformAndOnTheSurface) {
   // Each octant of the box gets its share of the area.
   const Mesh& mesh = fine_mesh(GetParam());
   const auto octant = [&](Vec3d p) {
-    const Vec3d c = shape->box().centre() + Vec3d{0.013, 0.017, 0.011};
+    const Vec3d c = shape->box().center() + Vec3d{0.013, 0.017, 0.011};
     return (p.x > c.x ? 1 : 0) + (p.y > c.y ? 2 : 0) + (p.z > c.z ? 4 : 0);
   };
   double area[8] = {};

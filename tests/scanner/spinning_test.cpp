@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "soapfilm/core/error.h"
-#include "soapfilm/scanner/mesh_surface.h"
-#include "soapfilm/scanner/scene.h"
-#include "soapfilm/scanner/virtual_scan.h"
+#include "soapfilm/error.h"
+#include "tools/scanner/mesh_surface.h"
+#include "tools/scanner/scene.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -1,4 +1,4 @@
-#include "soapfilm/scanner/virtual_scan.h"
+#include "tools/scanner/virtual_scan.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <set>
 
-#include "soapfilm/core/error.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
+#include "soapfilm/error.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -7,14 +7,14 @@
 #include <functional>
 #include <vector>
 
-#include "soapfilm/mesh/distance.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/mesh/triangle_normal.h"
 #include "soapfilm/reconstruct.h"
-#include "soapfilm/scanner/mesh_surface.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/scene.h"
-#include "soapfilm/scanner/virtual_scan.h"
+#include "tools/mesh/distance.h"
+#include "tools/scanner/mesh_surface.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/scene.h"
+#include "tools/scanner/virtual_scan.h"
 
 namespace soapfilm::test {
 
@@ -52,7 +52,7 @@ inline SceneRun run_scene(const PointCloud& cloud, const std::vector<Vec3d>& sid
   run.topology = check_topology(run.result.mesh);
   const ClosestPointQuery nearest(run.result.mesh, Context(1));
   const std::vector<ClosestPoint> found = nearest(cloud.positions, Context(1));
-  const double voxel = run.result.report.lattice.voxel;
+  const double voxel = run.result.report.grid.voxel;
   double lost = 0, wrong = 0, all = 0;
   for (size_t i = 0; i < found.size(); ++i) {
     if (counts && !counts(i, voxel)) continue;

@@ -8,9 +8,9 @@
 
 #include "scene_runs.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
 #include "support/problem.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -86,7 +86,7 @@ TEST(DensityFalloff, TheThinRimIsKeptAndTheVoxelFollowsTheArea) {
   EXPECT_LE(run.lost, 0.005);
   EXPECT_EQ(run.topology.components.size(), 1u);
   const double spacing = std::sqrt(pi * 12 * 12 / 20000);  // were they even
-  EXPECT_GT(run.result.report.lattice.voxel, 0.4 * spacing);
+  EXPECT_GT(run.result.report.grid.voxel, 0.4 * spacing);
 }
 
 /// A plane's 16 rings from one place twenty times, then from ten places along it.
@@ -98,7 +98,7 @@ TEST(Standstill, ManySweepsFromOnePlaceChangeNeitherVoxelNorSurface) {
   const PointCloud cloud = scanned(tunnel, 240, 16, 0.01);
   const SceneRun run = run_scene(cloud);
   EXPECT_LE(run.lost, 0.005);
-  EXPECT_GT(run.result.report.lattice.voxel, 0.02);
+  EXPECT_GT(run.result.report.grid.voxel, 0.02);
 }
 
 class Copies : public testing::TestWithParam<double> {};
@@ -115,8 +115,8 @@ TEST_P(Copies, GiveTheSurfaceOfOne) {
       many.normals.push_back(one.normals[i]);
     }
   const SceneRun alone = run_scene(one), run = run_scene(one_scan(many));
-  const double voxel = alone.result.report.lattice.voxel;
-  EXPECT_NEAR(run.result.report.lattice.voxel, voxel, 0.1 * voxel);
+  const double voxel = alone.result.report.grid.voxel;
+  EXPECT_NEAR(run.result.report.grid.voxel, voxel, 0.1 * voxel);
   EXPECT_EQ(run.topology.genus(), 1);
   const DistanceSummary apart = summarize(distances_to_mesh(run.result.mesh.vertices, alone.result.mesh, Context(1)));
   EXPECT_LT(apart.percentile95, 0.05 * voxel);

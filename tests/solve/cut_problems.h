@@ -14,7 +14,7 @@ struct Cut {
   Level level;
 };
 
-inline Cut cut(const Problem& problem, double lambda, const GraphCutParams& params, int threads = 1) {
+inline Cut cut(const Problem& problem, double lambda, const GraphCutSetup& params, int threads = 1) {
   Cut result;
   result.level = solve_graph_cut(problem.lattice, problem.support, lambda, params, Context(threads), result.report);
   return result;

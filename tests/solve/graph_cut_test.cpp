@@ -31,21 +31,21 @@ double energy_on_links(const Dense<double>& u, const Dense<double>& f, const std
   return energy;
 }
 
-std::vector<GraphCutParams> all_kinds() {
-  std::vector<GraphCutParams> all;
+std::vector<GraphCutSetup> all_kinds() {
+  std::vector<GraphCutSetup> all;
   for (const int neighbors : {6, 26})
     for (const LinkWeights weights : {LinkWeights::edge_length, LinkWeights::cauchy_crofton})
       for (const Norm norm : {Norm::isotropic, Norm::anisotropic}) all.push_back({neighbors, weights, norm});
   return all;
 }
 
-std::string name_of(const GraphCutParams& p) {
+std::string name_of(const GraphCutSetup& p) {
   return "neighbors" + std::to_string(p.neighbors) +
          (p.weights == LinkWeights::edge_length ? "_edge_length" : "_cauchy_crofton") +
          (p.norm == Norm::isotropic ? "_isotropic" : "_anisotropic");
 }
 
-class EveryKind : public testing::TestWithParam<GraphCutParams> {};
+class EveryKind : public testing::TestWithParam<GraphCutSetup> {};
 INSTANTIATE_TEST_SUITE_P(GraphCut, EveryKind, testing::ValuesIn(all_kinds()),
                          [](const auto& c) { return name_of(c.param); });
 
@@ -222,7 +222,7 @@ struct Spread {
   double deviation = 0;  ///< root mean square, relative to the mean
 };
 
-Spread spread_over_directions(const GraphCutParams& params, double lambda) {
+Spread spread_over_directions(const GraphCutSetup& params, double lambda) {
   const std::vector<Link> links = graph_links(params, lambda);
   Random random(1);
   Spread spread;
@@ -292,7 +292,7 @@ TEST(LinkWeights, OfCauchyCroftonAreSolidAngles) {
 }
 
 TEST(LinkWeights, ComeWithTheOppositeAtTheOtherEnd) {
-  for (const GraphCutParams& params : all_kinds()) {
+  for (const GraphCutSetup& params : all_kinds()) {
     const std::vector<Link> links = graph_links(params, 1);
     ASSERT_EQ(links.size(), static_cast<size_t>(params.neighbors));
     for (size_t d = 0; d < links.size(); ++d) {

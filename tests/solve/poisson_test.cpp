@@ -7,7 +7,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/refine/dense_surface.h"

@@ -1,4 +1,5 @@
 #include "soapfilm/solve/profit.h"
+#include "soapfilm/core/names.h"
 
 #include <gtest/gtest.h>
 

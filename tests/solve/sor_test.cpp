@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/solve/energy.h"
 #include "support/back_ends.h"
 #include "support/dense.h"
@@ -32,7 +32,7 @@ std::vector<Problem> narrow_problems() {
       PointCloud cloud = sampled("part", 24, 2);
       Box3d box = cloud.box();
       for (Vec3d& p : cloud.positions)
-        p[axis] = box.centre()[axis] + (p - box.centre())[axis] * width / 12 / box.size()[axis] * box.longest();
+        p[axis] = box.center()[axis] + (p - box.center())[axis] * width / 12 / box.size()[axis] * box.longest();
       problems.push_back(make_problem(cloud, place_lattice(cloud.box(), box.longest() / 12, 2, 1)));
     }
   return problems;
@@ -279,7 +279,7 @@ TEST(Sor, KeepsTheAxesEqual) {
 TEST(Sor, MirrorsASymmetricSphere) {
   // A few samples and their images under all symmetries of the cube; the grid's centre is the cube's.
   const PointCloud seed = sample_surface(*make_shape("sphere"), 60, 3);
-  const Vec3d centre = make_shape("sphere")->box().centre();
+  const Vec3d centre = make_shape("sphere")->box().center();
   PointCloud cloud;
   constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
   for (size_t i = 0; i < seed.size(); ++i)

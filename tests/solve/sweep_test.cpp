@@ -108,7 +108,7 @@ TEST_P(Sweep, IsTheIterationOfThePaper) {
 /// More sweeps at once than a tile holds, on a band of more rows of bricks than a tile, are sweeps one by one.
 TEST_P(Sweep, GivesTheSameBitsOnEveryBackEnd) {
   const Context one_thread(1);
-  const Context scalar(1, SimdTarget("scalar"));
+  const Context scalar(1, "scalar");
   for (const Norm norm : both_norms)
     for (const bool open : {false, true}) {
       RandomLevel random(12, {.norm = norm, .open = open}), oracle(12, {.norm = norm, .open = open});

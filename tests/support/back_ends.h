@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 
 namespace soapfilm::test {
 
@@ -32,6 +32,6 @@ inline std::string back_end_name(const testing::TestParamInfo<BackEnd>& info) {
   return target + "_threads" + std::to_string(threads) + (fast ? "" : "_Slow");
 }
 
-inline Context context_on(const BackEnd& b) { return Context(b.threads, SimdTarget(b.target)); }
+inline Context context_on(const BackEnd& b) { return Context(b.threads, b.target); }
 
 }  // namespace soapfilm::test

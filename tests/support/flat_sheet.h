@@ -3,7 +3,8 @@
 
 #include <cstdint>
 
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm::test {
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <span>
 
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm::test {
 

@@ -7,8 +7,8 @@
 #include "soapfilm/core/random.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
-#include "soapfilm/scanner/sample_surface.h"
-#include "soapfilm/scanner/shape.h"
+#include "tools/scanner/sample_surface.h"
+#include "tools/scanner/shape.h"
 
 namespace soapfilm::test {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "soapfilm/border/closing.h"
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 

@@ -9,30 +9,16 @@
 #include <string>
 
 #include "soapfilm/border/surroundings.h"
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
 
-enum class Border : uint8_t {
-  automatic,
-  air,    ///< u = 0 beyond the box: a closed surface that looks outward
-  solid,  ///< u = 1 there: a closed surface that looks inward; solved as its complement, all directions turned
-  open    ///< the surface may end at the box, at no cost
-};
-/// As --outside and report.json call them, in the order of the enumeration.
-inline constexpr std::array<const char*, 4> border_names = {"auto", "air", "solid", "open"};
-inline const char* name_of(Border border) { return border_names[static_cast<size_t>(border)]; }
-
-struct BorderParams {
-  Border outside = Border::automatic;
-  double open_gain = 0.35;  ///< automatic: open where that spares more than this share of the closed surface's cost of
-                            ///< area, (0, 1]; closing a sheet doubles it
-};
-
-/// Energies are those of a coarse level, costs of area lambda TV(u) there.
+/// What lies beyond the box, and why. Energies are those of a coarse level, costs of area lambda TV(u) there.
 struct BorderReport {
   Border chosen = Border::air;
   std::string reason;  ///< half a line

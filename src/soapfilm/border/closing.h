@@ -1,7 +1,7 @@
 // How much of a closed surface is there only to close it.
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/vec.h"
 
 namespace soapfilm {
 

@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <optional>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
 
+/// How the samples lie around the scanners: in front of them, as an object does, or on all sides.
 struct Surroundings {
   size_t scanners = 0;  ///< places looked from; 0: no scanner's place is known
   size_t among = 0;     ///< of them, how many stand among the samples: some lie beyond them whichever way one looks

@@ -1,5 +1,6 @@
 // The C interface on the library's own: every exception ends here as a status and a line.
 #include "soapfilm/soapfilm.h"
+#include "soapfilm/core/vec.h"
 
 #include <fmt/core.h>
 
@@ -10,8 +11,8 @@
 #include <string>
 #include <utility>
 
-#include "soapfilm/core/error.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/version.h"
 
@@ -183,7 +184,7 @@ void append(PointCloud&& scan, PointCloud& cloud) {
 
 }  // namespace
 
-const char* soapfilm_version(void) { return version.data(); }
+const char* soapfilm_version(void) { return version; }
 
 soapfilm_context* soapfilm_context_create(int threads) try { return new soapfilm_context(threads); } catch (...) {
   return nullptr;

@@ -1,44 +1,59 @@
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 
-#include "soapfilm/core/threads.h"
+#include <string_view>
+#include <utility>
+
+#include "soapfilm/core/context_state.h"
 
 namespace soapfilm {
 
-Context::Context(int threads, SimdTarget simd)
-    : reports_(&part_),
-      stopped_by_(&part_),
-      simd_(simd),
-      threads_(std::make_shared<Threads>(threads)),
-      pages_(PagePool::make()) {}
-
-Context::Context(int threads, Progress& progress, SimdTarget simd)
-    : reports_(&progress),
-      stopped_by_(&progress),
-      simd_(simd),
-      threads_(std::make_shared<Threads>(threads)),
-      pages_(PagePool::make()) {}
-
-Context::Context(const Context& parent, Progress* whole, double begin, double end)
-    : reports_(&part_),
-      stopped_by_(parent.stopped_by_),
-      simd_(parent.simd_),
-      threads_(parent.threads_),
-      pages_(parent.pages_) {
-  part_.whole = whole;
-  part_.begin = begin;
-  part_.end = end;
+void Context::Part::advance(double fraction, std::string_view detail) {
+  if (whole) whole->advance(begin + fraction * (end - begin), detail);
+}
+void Context::Part::info(const std::string& line) {
+  if (whole) whole->info(line);
+}
+void Context::Part::detail(const std::string& line) {
+  if (whole) whole->detail(line);
+}
+void Context::Part::warn(const std::string& line) {
+  if (whole) whole->warn(line);
 }
 
+Context::State::State(int thread_count, const std::string& simd_target, Progress* progress)
+    : reports(progress ? progress : &part),
+      stopped_by(reports),
+      simd(simd_target),
+      threads(std::make_shared<Threads>(thread_count)),
+      pages(PagePool::make()) {}
+
+Context::State::State(const State& parent, Progress* whole, double begin, double end)
+    : reports(&part), stopped_by(parent.stopped_by), simd(parent.simd), threads(parent.threads), pages(parent.pages) {
+  part.whole = whole;
+  part.begin = begin;
+  part.end = end;
+}
+
+Context::Context(int threads, const std::string& simd) : state_(std::make_unique<State>(threads, simd, nullptr)) {}
+Context::Context(int threads, Progress& progress, const std::string& simd)
+    : state_(std::make_unique<State>(threads, simd, &progress)) {}
+Context::Context(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Context::~Context() = default;
 
-Context Context::silent() const { return Context(*this, nullptr, 0, 1); }
+Context Context::silent() const { return Context(std::make_unique<State>(*state_, nullptr, 0, 1)); }
 
-Context Context::part(double begin, double end) const { return Context(*this, reports_, begin, end); }
-
-double Context::cpu_seconds() const {
-  return threads_->helpers_time().seconds() + 1e-9 * static_cast<double>(thread_cpu_time());
+Context Context::part(double begin, double end) const {
+  return Context(std::make_unique<State>(*state_, state_->reports, begin, end));
 }
 
-int Context::threads() const { return threads_->count(); }
+double Context::cpu_seconds() const {
+  return state_->threads->helpers_time().seconds() + 1e-9 * static_cast<double>(thread_cpu_time());
+}
+
+int Context::threads() const { return state_->threads->count(); }
+Progress& Context::progress() const { return *state_->reports; }
+void Context::check() const { state_->stopped_by->check(); }
+const SimdTarget& Context::simd() const { return state_->simd; }
+const PagePool& Context::pages() const { return state_->pages; }
 
 }  // namespace soapfilm

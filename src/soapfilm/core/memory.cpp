@@ -14,7 +14,7 @@
 #include <limits>
 #include <optional>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 

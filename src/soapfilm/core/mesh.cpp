@@ -1,4 +1,5 @@
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/mesh.h"
+#include "soapfilm/core/vec.h"
 
 namespace soapfilm {
 
@@ -17,7 +18,7 @@ double Mesh::area() const {
 
 double Mesh::volume() const {
   // Relative to the box centre, so that georeferenced coordinates do not cancel.
-  const Vec3d centre = box().centre();
+  const Vec3d centre = box().center();
   double six = 0;
   for (const Triangle& t : triangles)
     six += dot(vertices[t[0]] - centre, cross(vertices[t[1]] - centre, vertices[t[2]] - centre));

@@ -4,7 +4,7 @@
 #include <exception>
 #include <mutex>
 
-#include "soapfilm/core/threads.h"
+#include "soapfilm/core/context_state.h"
 
 namespace soapfilm {
 
@@ -58,19 +58,19 @@ class Loop {
 }  // namespace
 
 void ChunkLoop::run(const Context& context, size_t count, size_t grain, void* body, Call call) {
-  Loop loop(context, context.threads_->helpers_time(), count, grain, body, call);
+  Loop loop(context, context.state_->threads->helpers_time(), count, grain, body, call);
   const size_t chunks = loop.chunks();
   if (context.threads() == 1 || chunks <= 1) {
     for (size_t k = 0; k < chunks; ++k) loop.run(k);
     return;
   }
   const HelpersTime::Share own(nullptr);  // by the calling thread's clock
-  context.threads_->each(chunks, [&](size_t k) { loop.run_guarded(k); });
+  context.state_->threads->each(chunks, [&](size_t k) { loop.run_guarded(k); });
   loop.rethrow();
 }
 
 void ChunkLoop::confine(const Context& context, void* body, Call call) {
-  context.threads_->confine([&] { call(body, 0, 1); });
+  context.state_->threads->confine([&] { call(body, 0, 1); });
 }
 
 }  // namespace soapfilm

@@ -7,7 +7,7 @@
 #include <memory>
 #include <type_traits>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 
 namespace soapfilm {
 

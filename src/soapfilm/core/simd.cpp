@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/context.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 
@@ -32,9 +33,7 @@ std::vector<std::string> simd_targets() {
   return names;
 }
 
-SimdTarget::SimdTarget() : bits_(hwy::SupportedTargets()) {}
-
-SimdTarget::SimdTarget(const std::string& name) : SimdTarget() {
+SimdTarget::SimdTarget(const std::string& name) : bits_(hwy::SupportedTargets()) {
   if (name.empty()) return;
   bits_ = 0;
   if (name == scalar_name) return;

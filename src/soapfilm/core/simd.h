@@ -3,20 +3,14 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace soapfilm {
 
-/// The targets that this processor can run, best first; the last is always "scalar".
-std::vector<std::string> simd_targets();
-
-/// One of them.
+/// One of simd_targets().
 class SimdTarget {
  public:
-  /// The best.
-  SimdTarget();
-  /// By name, as simd_targets() lists them; empty: the best. Throws ParameterError for one that cannot run here.
-  explicit SimdTarget(const std::string& name);
+  /// By name; empty: the best. Throws ParameterError for one that cannot run here.
+  explicit SimdTarget(const std::string& name = {});
 
   /// No kernels but those without SIMD instructions.
   bool is_scalar() const { return bits_ == 0; }

@@ -4,16 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
-
-/// What a stage took, in seconds: by the clock, and of all threads of the run.
-struct StageTime {
-  std::string name;
-  double elapsed = 0;
-  double cpu = 0;
-};
 
 /// Runs the stages of a pipeline one after the other: tells the progress object and keeps the times.
 class Stages {

@@ -1,34 +1,17 @@
-// Small fixed-size vectors: the only geometry types in public headers.
+// Arithmetic of vectors.
 #pragma once
 
 #include <cmath>
-#include <cstdint>
+
+#include "soapfilm/vec.h"
 
 namespace soapfilm {
-
-template <class T>
-struct Vec3 {
-  T x{}, y{}, z{};
-
-  constexpr T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
-  constexpr const T& operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
-  constexpr bool operator==(const Vec3&) const = default;
-
-  template <class U>
-  constexpr explicit operator Vec3<U>() const {
-    return {static_cast<U>(x), static_cast<U>(y), static_cast<U>(z)};
-  }
-};
 
 /// The axes' values moved along by `turn` places: axis k has the value of axis (k + turn) % 3. `turn` in [0, 3].
 template <class T>
 constexpr Vec3<T> turned(Vec3<T> v, int turn) {
   return turn == 1 ? Vec3<T>{v.y, v.z, v.x} : turn == 2 ? Vec3<T>{v.z, v.x, v.y} : v;
 }
-
-using Vec3d = Vec3<double>;
-using Vec3f = Vec3<float>;
-using Vec3i = Vec3<int32_t>;
 
 template <class T>
 constexpr Vec3<T> operator+(Vec3<T> a, Vec3<T> b) {

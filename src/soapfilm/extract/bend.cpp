@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/extract/crossings.h"
 #include "soapfilm/extract/flip.h"
 #include "soapfilm/extract/half_edges.h"

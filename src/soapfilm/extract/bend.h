@@ -1,23 +1,15 @@
 // From flat triangles of one voxel to ones that follow the surface where it bends.
 #pragma once
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/context.h"
 #include "soapfilm/extract/smooth_field.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/mesh.h"
+#include "soapfilm/params.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
-
-struct BendParams {
-  double tolerance =
-      0.018;  ///< split edges whose middle lies further from the smooth surface, voxels; [0, 1], 0: leave the mesh
-};
-
-struct BendReport {
-  size_t split_edges = 0;
-  size_t triangles_before = 0;
-};
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.
 void validate(const BendParams& params);

@@ -8,6 +8,7 @@
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/radix_sort.h"
 #include "soapfilm/core/triangle_pair.h"
+#include "soapfilm/core/vec.h"
 
 namespace soapfilm {
 

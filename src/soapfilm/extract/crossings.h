@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/box.h"
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/context.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm {
 

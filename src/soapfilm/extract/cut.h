@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "soapfilm/core/mesh.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm {
 

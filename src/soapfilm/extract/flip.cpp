@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/vec.h"
 
 namespace soapfilm {
 

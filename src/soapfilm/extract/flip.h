@@ -3,7 +3,8 @@
 
 #include <span>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
+#include "soapfilm/core/vec.h"
 #include "soapfilm/extract/half_edges.h"
 
 namespace soapfilm {

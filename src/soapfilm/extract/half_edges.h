@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm {
 

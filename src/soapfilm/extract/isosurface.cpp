@@ -10,10 +10,10 @@
 #include <optional>
 
 #include "soapfilm/core/bits.h"
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/extract/cell_window.h"
 #include "soapfilm/extract/marching_cubes_table.h"
 #include "soapfilm/grid/brick_bits.h"

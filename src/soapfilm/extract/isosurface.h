@@ -3,11 +3,11 @@
 
 #include <functional>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm {
 

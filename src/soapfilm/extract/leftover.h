@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/extract/smooth_field.h"
 #include "soapfilm/field/samples.h"
 

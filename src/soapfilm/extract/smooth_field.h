@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"

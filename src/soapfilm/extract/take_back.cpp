@@ -5,6 +5,7 @@
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/vec.h"
 #include "soapfilm/extract/crossings.h"
 
 namespace soapfilm {

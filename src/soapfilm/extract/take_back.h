@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/context.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm {
 

@@ -1,7 +1,7 @@
 // f = div v (section 4.1): the data term of the energy, from the samples' directions.
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/lattice.h"
 

@@ -1,8 +1,8 @@
 // How densely the samples cover the surface: what the default voxel and the default lambda follow from.
 #pragma once
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/finish/parts.h"
 
 namespace soapfilm {
@@ -144,7 +144,7 @@ void drop_islands(Level& level, float threshold, const GridSamples& samples, dou
   const std::vector<uint8_t> keep = parts_to_keep(parts, count, support, params);
   bool first_kept = true;
   for (uint32_t p = 1; p < parts.size(); ++p) {
-    IslandCount& counted = parts[p].inside ? report.objects : report.voids;
+    IslandReport::Count& counted = parts[p].inside ? report.objects : report.voids;
     ++(keep[p] ? counted.kept : counted.dropped);
     if (keep[p]) {
       report.lowest_kept = first_kept ? support[p] : std::min(report.lowest_kept, support[p]);

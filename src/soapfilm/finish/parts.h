@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/solve/level.h"
 
@@ -21,9 +21,9 @@ struct Part {
 };
 
 /// The connected parts of u > threshold, in which six neighbours are connected, and of the rest, in which 26 are, as
-/// the extracted surface has it (docs/topology.md). So the parts form a tree: each but the outermost lies in one other
-/// part of the opposite side (Rosenfeld 1974). They are numbered in the order of their first bricks, whatever the
-/// number of threads; part 0 is the outermost, beyond the domain too.
+/// the extracted surface has it (docs/reference/topology.md). So the parts form a tree: each but the outermost lies in
+/// one other part of the opposite side (Rosenfeld 1974). They are numbered in the order of their first bricks, whatever
+/// the number of threads; part 0 is the outermost, beyond the domain too.
 class Parts {
  public:
   Parts(const Level& level, float threshold, const Context& context);

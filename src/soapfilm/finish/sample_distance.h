@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm {
 

@@ -5,16 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/report.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
-
-struct ScannerReport {
-  size_t scanners = 0;  ///< looked at
-  size_t in_solid = 0;  ///< stand inside of solid matter
-  size_t enclosed = 0;  ///< stand in the air, with solid matter all around: along both ways of each axis
-};
 
 /// Different positions of scanners, at most some 64 of them: of scans (`sensor` of those that name none) and of
 /// samples.

@@ -3,22 +3,13 @@
 
 #include <cstddef>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/mesh.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
-
-struct SelfCheckReport {
-  size_t samples = 0;   ///< looked at
-  size_t places = 0;    ///< on the surface, one on each of some triangles; each counts by the triangle's area
-  double lost = 0;      ///< share of these samples, by weight, that lie farther than self_check_reach from the mesh
-  double outliers = 0;  ///< share of the lost ones around which others show no surface, [0, 1]; a guess
-  double noise = 0;     ///< standard deviation of the samples' noise, voxels, if it is what loses more than
-                        ///< self_check_most_lost of them; else 0; a guess
-  double invented = 0;  ///< share of the surface that lies farther than that from every sample, [0, 1]
-};
 
 /// Voxels: far more than noise and rounding move a surface by.
 inline constexpr double self_check_reach = 3;

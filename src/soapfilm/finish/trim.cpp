@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "soapfilm/core/disjoint_sets.h"
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/extract/cut.h"
 #include "soapfilm/finish/nearest_sample.h"
 

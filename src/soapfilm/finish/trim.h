@@ -4,27 +4,14 @@
 #include <cstddef>
 #include <optional>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/mesh.h"
+#include "soapfilm/params.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
-
-struct TrimParams {
-  std::optional<bool> on{};          ///< without it: where the surface may end at the border (Border::open)
-  std::optional<double> distance{};  ///< input units, > 0; without it: 3 voxels, or 3 times a larger spacing of samples
-  bool holes = false;                ///< cut out also the regions that would stay filled
-};
-
-struct TrimReport {
-  double distance = 0;        ///< in use, input units
-  size_t removed = 0;         ///< regions farther than that from all samples that were cut away
-  size_t filled = 0;          ///< and those that stay
-  double removed_area = 0;    ///< of all that was cut away, share of the mesh's area, [0, 1]
-  size_t leftovers = 0;       ///< small pieces that the cuts left, and that were dropped
-  bool nothing_near = false;  ///< no surface is within the distance: the mesh stays as it was
-};
 
 /// Throws ParameterError.
 void validate(const TrimParams& params);

@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/median.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 

@@ -5,22 +5,17 @@
 #include <optional>
 #include <vector>
 
-#include "soapfilm/core/mesh.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/mesh.h"
+#include "soapfilm/params.h"
 
 namespace soapfilm {
 
-struct RangeSurfaceParams {
-  /// Longest edge of a triangle, in distances between neighbouring samples of the scan (the median along rows or along
-  /// columns, whichever is larger); > 1. Longer ones bridge a step in depth (Turk and Levoy 1994, section 3.1).
-  double max_edge = 4;
-  /// Largest angle between a triangle's normal and the ray to the scanner, degrees, (0, 90). Steeper triangles, and
-  /// those that show their back, are steps in depth too.
-  double max_incidence_deg = 75;
-  /// Samples over which the weight falls towards the border of the surface, where triangulation scanners extend edges
-  /// falsely; >= 0. The border itself keeps 1 / (taper + 1).
-  int taper = 4;
-};
+// RangeSurfaceParams: a longer edge than max_edge distances between neighboring samples (the median along rows or along
+// columns, whichever is larger) bridges a step in depth (Turk and Levoy 1994, section 3.1); triangles steeper than
+// max_incidence_deg, and those that show their back, are steps in depth too. Towards the border triangulation scanners
+// extend edges falsely: the border itself keeps a weight of 1 / (taper + 1).
 
 /// Throws ParameterError when a parameter is out of range.
 void validate(const RangeSurfaceParams& params);

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 

@@ -4,36 +4,34 @@
 
 #include <cstddef>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
-#include "soapfilm/core/progress.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
 #include "soapfilm/fuse/range_surface.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/params.h"
+#include "soapfilm/progress.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
 
-struct VripParams {
-  /// How far in front of its surface and behind it a scan says something, voxels, (0, 1000] (Curless and Levoy's Dmin
-  /// and Dmax); its weight falls linearly over the outer half. Measured at right angles to the surface: so 2 voxels
-  /// reach all corners of the cells that the surface crosses, however obliquely it was seen.
-  double front = 6;   ///< a long one lets other scans outvote false edge extensions that hover over the surface
-  double behind = 2;  ///< a short one keeps the two sides of thin parts from pushing each other apart
-  RangeSurfaceParams surface;
-};
-
-/// The scans that are fused, and where the scanner stood of those that do not say it.
-struct RangeScans {
-  const PointCloud& cloud;
-  std::optional<Vec3d> sensor = {};
-};
+// VripParams (Curless and Levoy's Dmin and Dmax): a long `front` lets other scans outvote false edge extensions that
+// hover over the surface, a short `behind` keeps the two sides of thin parts from pushing each other apart. The weight
+// falls linearly over the outer half. Measured at right angles to the surface: so 2 voxels reach all corners of the
+// cells that the surface crosses, however obliquely it was seen.
 
 struct VripReport {
   size_t scans = 0;
   size_t triangles = 0;          ///< of all range surfaces
   size_t dropped_triangles = 0;  ///< across steps in depth
   size_t vertices_seen = 0;      ///< of the grid, with a weight > 0
+};
+
+/// The scans that are fused, and where the scanner stood of those that do not say it.
+struct RangeScans {
+  const PointCloud& cloud;
+  std::optional<Vec3d> sensor = {};
 };
 
 /// D and W of Curless and Levoy, equations (3) and (4), on the bricks near the range surfaces.

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/brick_mask.h"
 #include "soapfilm/grid/layout.h"
 

@@ -13,9 +13,9 @@
 // layer by layer, and the smaller these are, the more of what one pass leaves is still in the cache for the next.
 #pragma once
 
-#include "soapfilm/core/box.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/grid/layout.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
 
@@ -39,17 +39,9 @@ struct LevelBox {
 /// The coarsest level whose open border is the finest one's.
 inline constexpr int same_border_levels = 3;
 
-struct Lattice {
-  Vec3i size;          ///< reported vertices along each of its axes, padding included
-  int turn = 0;        ///< its axis k is the world's axis (k + turn) % 3
-  int levels = 1;      ///< of the pyramid; level 0 is the finest
-  int padding = 6;     ///< cells between the samples' box and the border
-  double voxel = 1;    ///< edge of a cell, input units
-  Vec3d first_vertex;  ///< world position of reported vertex (0, 0, 0)
-  /// A surface may end at the border, at no cost. Free vertices then go on to the ends of whole cells of level 3, so
-  /// that the levels down from there have the same border; coarser ones have whole cells around it.
-  bool open = false;
-
+/// A surface that may end at the border (`open`): free vertices then go on to the ends of whole cells of level 3, so
+/// that the levels down from there have the same border; coarser ones have whole cells around it.
+struct Lattice : GridFacts {
   /// A vector along the world's axes, along the lattice's; and back.
   template <class T>
   Vec3<T> from_world_axes(Vec3<T> v) const {

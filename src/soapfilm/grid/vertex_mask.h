@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/lattice.h"
 
 namespace soapfilm {

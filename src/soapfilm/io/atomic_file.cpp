@@ -7,8 +7,8 @@
 #include <climits>
 #include <filesystem>
 
-#include "soapfilm/core/error.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io.h"
 
 namespace soapfilm::io {
 

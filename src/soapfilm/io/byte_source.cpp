@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <sys/mman.h>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/io/file_descriptor.h"
 
 namespace soapfilm::io {

@@ -1,8 +1,20 @@
-#include "soapfilm/io/io.h"
+// The table of formats and the facade of include/soapfilm/io.h.
+//
+//   extension        read_points  read_mesh  write_points  write_mesh   file
+//   .ply                  x           x           x             x       ply_points, ply_mesh
+//   .xyz .txt .pts        x                                             xyz
+//   .conf                 x                                             scan_set
+//   .obj                              x                         x       obj
+//   .off                              x                                 off
+//   .stl                              x                         x       stl
+//
+// Extensions are compared without case; a file that begins like a PLY is read as one whatever it is called.
+#include "soapfilm/io.h"
 
 #include <filesystem>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io/files.h"
 #include "soapfilm/io/obj.h"
 #include "soapfilm/io/off.h"
 #include "soapfilm/io/ply.h"
@@ -117,8 +129,7 @@ FileKind file_kind(const std::string& path) {
   refuse_extension<InputError>(path, ".ply, .xyz, .txt, .pts, .conf, .obj, .off or .stl");
 }
 
-WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options,
-                       const Context& context) {
+WriteReport write_mesh(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context) {
   switch (format_of(extension_of(path))) {
     case Format::ply:
       return io::write_ply_mesh(path, mesh, options, context);
@@ -131,7 +142,7 @@ WriteReport write_mesh(const std::string& path, const Mesh& mesh, const MeshWrit
   }
 }
 
-WriteReport write_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options,
+WriteReport write_points(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
                          const Context& context) {
   if (format_of(extension_of(path)) != Format::ply) refuse_extension<OutputError>(path, ".ply");
   return io::write_ply_points(path, cloud, options, context);

@@ -5,7 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/error.h"
 #include "soapfilm/io/atomic_file.h"
 #include "soapfilm/io/polygon.h"
 #include "soapfilm/io/precision.h"
@@ -164,7 +165,7 @@ class ObjWriter {
 
 Mesh read_obj(ByteSource& source) { return ObjReader(source).read(); }
 
-WriteReport write_obj(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options) {
+WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOptions& options) {
   check_mesh(mesh);
   WriteReport report;
   report.format = "OBJ";

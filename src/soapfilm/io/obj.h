@@ -1,12 +1,12 @@
 // Wavefront OBJ meshes: v, vn and f lines; all others are passed over.
 #pragma once
 
+#include "soapfilm/io.h"
 #include "soapfilm/io/byte_source.h"
-#include "soapfilm/io/io.h"
 
 namespace soapfilm::io {
 
 Mesh read_obj(ByteSource& source);
-WriteReport write_obj(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options);
+WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOptions& options);
 
 }  // namespace soapfilm::io

@@ -4,7 +4,8 @@
 
 #include <cmath>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/error.h"
 #include "soapfilm/io/polygon.h"
 #include "soapfilm/io/text.h"
 

@@ -1,8 +1,8 @@
 // Object File Format meshes (Geomview): OFF with the vertex prefixes ST, C and N, as text.
 #pragma once
 
-#include "soapfilm/core/mesh.h"
 #include "soapfilm/io/byte_source.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm::io {
 

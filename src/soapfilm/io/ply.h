@@ -1,8 +1,8 @@
-// PLY files in and out; docs/formats.md describes what is read and written.
+// PLY files in and out; docs/reference/formats.md describes what is read and written.
 #pragma once
 
+#include "soapfilm/io.h"
 #include "soapfilm/io/byte_source.h"
-#include "soapfilm/io/io.h"
 
 namespace soapfilm::io {
 
@@ -15,9 +15,9 @@ Mesh read_ply_mesh(ByteSource& source);
 /// True when the header announces faces or triangle strips.
 bool ply_has_faces(ByteSource& source);
 
-WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options,
+WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const WriteOptions& options,
                            const Context& context);
-WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options,
+WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
                              const Context& context);
 
 }  // namespace soapfilm::io

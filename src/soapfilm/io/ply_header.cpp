@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/io/text.h"
 
 namespace soapfilm::io {

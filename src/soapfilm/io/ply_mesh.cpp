@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/error.h"
 #include "soapfilm/io/ply.h"
 #include "soapfilm/io/ply_rows.h"
 #include "soapfilm/io/ply_vertex.h"

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/error.h"
 #include "soapfilm/io/ply.h"
 #include "soapfilm/io/ply_rows.h"
 #include "soapfilm/io/ply_scans.h"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm::io {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/io/byte_source.h"
 #include "soapfilm/io/ply_header.h"
 #include "soapfilm/io/text.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
 #include "soapfilm/io/ply_header.h"
 
 namespace soapfilm::io {

@@ -1,11 +1,11 @@
-// Which properties of a PLY's vertices mean what; docs/formats.md has the table.
+// Which properties of a PLY's vertices mean what; docs/reference/formats.md has the table.
 #pragma once
 
 #include <array>
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
 #include "soapfilm/io/ply_rows.h"
 
 namespace soapfilm::io {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <unordered_set>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/io/atomic_file.h"
 #include "soapfilm/io/encode.h"
 #include "soapfilm/io/ply.h"
@@ -156,7 +156,7 @@ void add_scans(std::string& header, const std::vector<Scan>& scans) {
   }
 }
 
-std::string points_header(const PointCloud& cloud, const PointWriteOptions& options, const char* coordinate) {
+std::string points_header(const PointCloud& cloud, const WriteOptions& options, const char* coordinate) {
   std::string header = header_begin(options.ascii, options.comments);
   add_scans(header, cloud.scans);
   header += fmt::format("element vertex {}\n", cloud.size());
@@ -183,7 +183,7 @@ void put_range_grids(AtomicFile& file, PlyStyle style, const std::vector<Scan>& 
   }
 }
 
-std::string mesh_header(const Mesh& mesh, const MeshWriteOptions& options, const char* coordinate) {
+std::string mesh_header(const Mesh& mesh, const WriteOptions& options, const char* coordinate) {
   std::string header = header_begin(options.ascii, options.comments);
   header += fmt::format("element vertex {}\n", mesh.vertices.size());
   add_properties(header, coordinate, {"x", "y", "z"});
@@ -199,7 +199,7 @@ const char* format_name(bool ascii) { return ascii ? "PLY, ASCII" : "PLY, binary
 
 }  // namespace
 
-WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options,
+WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const WriteOptions& options,
                            const Context& context) {
   check_mesh(mesh);
   WriteReport report;
@@ -225,7 +225,7 @@ WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const Mesh
   return report;
 }
 
-WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const PointWriteOptions& options,
+WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
                              const Context& context) {
   check_cloud(cloud);
   WriteReport report;

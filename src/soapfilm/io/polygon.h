@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm::io {
 

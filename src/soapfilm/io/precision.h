@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm::io {
 
@@ -13,7 +13,7 @@ double float_rounding_error(const std::vector<Vec3d>& points);
 /// Mean length of the triangles' edges, input units; an edge counts once for each of its triangles.
 double mean_edge(const Mesh& mesh);
 
-/// The precision that MeshWriteOptions::coordinate_precision = `wanted` asks for: 0 means 1e-3 of the mean edge.
+/// The precision that WriteOptions::coordinate_precision = `wanted` asks for: 0 means 1e-3 of the mean edge.
 double mesh_precision(const Mesh& mesh, double wanted);
 
 /// Throws ParameterError for a mesh that no file can hold: columns of different lengths, an index out of range, a

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/cloud.h"
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/core/point_cloud.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/io.h"
 
 namespace soapfilm::io {
 

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm::io {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "soapfilm/core/point_cloud.h"
-#include "soapfilm/io/io.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/io.h"
 
 namespace soapfilm::io {
 

@@ -4,7 +4,8 @@
 
 #include <filesystem>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io/files.h"
 #include "soapfilm/io/read_each.h"
 #include "soapfilm/io/text.h"
 

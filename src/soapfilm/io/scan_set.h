@@ -1,13 +1,14 @@
-// Stanford scan sets (.conf): a text file that names scans and their poses. Conventions: docs/formats.md.
+// Stanford scan sets (.conf): a text file that names scans and their poses. Conventions: docs/reference/formats.md.
 #pragma once
 
 #include <array>
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/io.h"
 #include "soapfilm/io/byte_source.h"
-#include "soapfilm/io/io.h"
 
 namespace soapfilm {
 

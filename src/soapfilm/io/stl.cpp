@@ -4,7 +4,8 @@
 
 #include <bit>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/error.h"
 #include "soapfilm/io/atomic_file.h"
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/text.h"
@@ -207,7 +208,7 @@ Mesh read_stl(ByteSource& source) {
   return is_binary(source) ? read_binary_stl(source) : AsciiStlReader(source).read();
 }
 
-WriteReport write_stl(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options) {
+WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOptions& options) {
   check_mesh(mesh);
   if (mesh.triangles.size() > UINT32_MAX)
     throw ParameterError(fmt::format("mesh: {} triangles, STL holds at most {}", mesh.triangles.size(), UINT32_MAX));

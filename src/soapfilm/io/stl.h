@@ -1,14 +1,14 @@
 // STL meshes, binary and text. A file holds loose triangles: corners with the same coordinates become one vertex.
 #pragma once
 
+#include "soapfilm/io.h"
 #include "soapfilm/io/byte_source.h"
-#include "soapfilm/io/io.h"
 
 namespace soapfilm::io {
 
 Mesh read_stl(ByteSource& source);
 
 /// Warns when float coordinates, all that the format has, lose more than the precision that the options ask for.
-WriteReport write_stl(const std::string& path, const Mesh& mesh, const MeshWriteOptions& options);
+WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOptions& options);
 
 }  // namespace soapfilm::io

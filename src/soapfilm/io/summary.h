@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
 
 namespace soapfilm {
 

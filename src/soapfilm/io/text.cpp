@@ -5,7 +5,7 @@
 #include <charconv>
 #include <limits>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm::io {
 

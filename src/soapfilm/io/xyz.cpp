@@ -6,8 +6,8 @@
 #include <array>
 #include <filesystem>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/error.h"
 #include "soapfilm/io/sanitize.h"
 #include "soapfilm/io/text.h"
 

@@ -1,8 +1,8 @@
-// Samples as lines of numbers (.xyz, .txt, .pts); docs/formats.md has the table of columns.
+// Samples as lines of numbers (.xyz, .txt, .pts); docs/reference/formats.md has the table of columns.
 #pragma once
 
+#include "soapfilm/io.h"
 #include "soapfilm/io/byte_source.h"
-#include "soapfilm/io/io.h"
 
 namespace soapfilm::io {
 

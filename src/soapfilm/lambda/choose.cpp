@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/field/sampling.h"
 
 namespace soapfilm {

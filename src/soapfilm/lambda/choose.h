@@ -6,22 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/lambda/cross_validation.h"
+#include "soapfilm/params.h"
 #include "soapfilm/solve/norm.h"
 
 namespace soapfilm {
-
-/// What the energy weighs.
-struct EnergyParams {
-  std::optional<double> lambda;      ///< the paper's: weight of a voxel face of area against one unit vector, > 0
-  double lambda_per_density = 0.02;  ///< without it: lambda is this times the samples per voxel^2 of surface, > 0
-  bool cross_validate = false;       ///< choose lambda_per_density from the samples; `lambda` must be absent
-  bool by_area = true;               ///< a sample weighs by the area it stands for, where `lambda` is absent; else 1
-  Norm norm = Norm::isotropic;       ///< of the gradient; anisotropic for Method::tv and graph cuts alone
-};
 
 struct Lambda {
   double value = 0;                             ///< on the finest grid, > 0

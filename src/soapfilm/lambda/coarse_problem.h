@@ -1,8 +1,8 @@
 // Questions to the samples that a coarse grid answers: solved often and roughly.
 #pragma once
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/field/sampling.h"
 #include "soapfilm/lambda/coarse_problem.h"
 #include "soapfilm/solve/energy.h"

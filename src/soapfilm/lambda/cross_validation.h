@@ -8,28 +8,20 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
-#include "soapfilm/core/progress.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/lambda/folds.h"
+#include "soapfilm/params.h"
+#include "soapfilm/progress.h"
+#include "soapfilm/report.h"
 #include "soapfilm/solve/primal_dual.h"
 
 namespace soapfilm {
 
-struct CrossValidationParams {
-  int folds = 5;                              ///< parts, each held out once; in [2, 100]
-  FoldSource source = FoldSource::automatic;  ///< what they are made of
-  int max_resolution = 64;                    ///< vertices of the coarse grid along its longest axis; in [32, 512]
-  double indifference = 0.002;                ///< an error this much above the best one's is no difference; in [0, 1)
-  uint64_t seed = 1;                          ///< deals the samples
-  std::vector<double> candidates = {0.0025, 0.005, 0.01, 0.02,
-                                    0.04,   0.08,  0.16, 0.32};  ///< lambda per sample and voxel^2, > 0, increasing
-};
-
-/// What one candidate did. A fold's error is the part of the held-out flux that the candidate misses and the fold's own
-/// best candidate has, in [0, 1]: so it does not matter that one fold is harder than another for all of them. An empty
-/// (or opposing) result misses all.
+/// What one candidate of the cross-validation did. A fold's error is the part of the held-out flux that the candidate
+/// misses and the fold's own best candidate has, in [0, 1]: so it does not matter that one fold is harder than another
+/// for all of them. An empty (or opposing) result misses all.
 struct CrossValidationPoint {
   double lambda_per_density = 0;  ///< lambda per sample and voxel^2
   double lambda = 0;              ///< the same on the finest grid

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/error.h"
 #include "soapfilm/field/samples.h"
 
 namespace soapfilm {

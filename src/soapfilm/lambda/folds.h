@@ -6,21 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/params.h"
 
 namespace soapfilm {
-
-/// What a fold is made of. Whole scans hold out what one scan alone has wrong (misalignment, false edges), but also the
-/// regions and viewing directions that only it had: what is asked then is how well the film guesses, and the larger
-/// lambda that answers best has merged and split parts where single samples kept them (docs/methods.md).
-enum class FoldSource {
-  automatic,  ///< single samples, also where there are scans
-  samples,    ///< single samples, dealt at random
-  scans       ///< whole scans
-};
 
 /// Fewer held-out samples say nothing about a surface.
 inline constexpr size_t fewest_held_out = 20;

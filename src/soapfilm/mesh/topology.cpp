@@ -7,7 +7,8 @@
 #include <limits>
 
 #include "soapfilm/core/disjoint_sets.h"
-#include "soapfilm/core/error.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/error.h"
 #include "soapfilm/mesh/triangle_normal.h"
 
 namespace soapfilm {
@@ -216,6 +217,15 @@ class Checker {
 };
 
 }  // namespace
+
+int64_t MeshComponent::euler_characteristic() const {
+  return static_cast<int64_t>(vertices) - static_cast<int64_t>(edges) + static_cast<int64_t>(triangles);
+}
+
+std::optional<int64_t> MeshComponent::genus() const {
+  if (!closed_manifold) return std::nullopt;
+  return (2 - euler_characteristic()) / 2;
+}
 
 int64_t TopologyReport::euler_characteristic() const {
   int64_t sum = 0;

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/mesh.h"
 
 namespace soapfilm {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/orient/local_surface.h"
 
 namespace soapfilm {

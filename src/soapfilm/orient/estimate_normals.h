@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/progress.h"
+#include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
+#include "soapfilm/progress.h"
 
 namespace soapfilm {
 

@@ -4,7 +4,7 @@
 
 namespace soapfilm {
 
-Orientation find_directions(const PointCloud& cloud, const Box3d& box, const OrientParams& params,
+Orientation find_directions(const PointCloud& cloud, const Box3d& box, const OrientSetup& params,
                             const Context& context) {
   Orientation found;
   found.directions = orient(cloud, params, context, found.report);

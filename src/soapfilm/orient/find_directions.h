@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "soapfilm/core/box.h"
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
+#include "soapfilm/core/vec.h"
 #include "soapfilm/orient/local_surface.h"
 #include "soapfilm/orient/orient.h"
 
@@ -21,7 +21,7 @@ struct Orientation {
 
 /// Directions as orient() finds them, without the signs of normals that contradict each other, turned to the planes
 /// around the samples (DirectionSource::automatic). `box` is the cloud's. Throws as orient() does.
-Orientation find_directions(const PointCloud& cloud, const Box3d& box, const OrientParams& params,
+Orientation find_directions(const PointCloud& cloud, const Box3d& box, const OrientSetup& params,
                             const Context& context);
 
 }  // namespace soapfilm

@@ -6,11 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/box.h"
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/progress.h"
+#include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/orient/sides.h"
+#include "soapfilm/progress.h"
 
 namespace soapfilm {
 

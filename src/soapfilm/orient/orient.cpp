@@ -7,10 +7,10 @@
 #include <cmath>
 #include <utility>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/orient/estimate_normals.h"
 #include "soapfilm/orient/local_surface.h"
 
@@ -51,7 +51,7 @@ struct ScanFacts {
 /// What the cloud itself says of its samples' directions, source by source.
 class KnownDirections {
  public:
-  KnownDirections(const PointCloud& cloud, const OrientParams& params, const Context& context)
+  KnownDirections(const PointCloud& cloud, const OrientSetup& params, const Context& context)
       : cloud_(cloud), facts_(cloud.scans.size()), elsewhere_{params.sensor, {}} {
     parallel_for(context, facts_.size(), 1, [&](size_t k) {
       const Scan& scan = cloud.scans[k];
@@ -126,7 +126,7 @@ Vec3f towards_scanner(const KnownDirections& known, size_t i, const ScanFacts& f
 }
 
 /// Fills directions that are zero. `given`: normals whose signs are in doubt, or none.
-EstimatedNormals estimate_open(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known,
+EstimatedNormals estimate_open(const PointCloud& cloud, const OrientSetup& params, const KnownDirections& known,
                                std::span<const Vec3f> given, const Context& context, std::vector<Vec3f>& directions) {
   std::vector<uint32_t> wanted;
   for (size_t i = 0; i < cloud.size(); ++i)
@@ -146,7 +146,7 @@ std::string plural(size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-void estimate(const PointCloud& cloud, const OrientParams& params, const KnownDirections& known, const Context& context,
+void estimate(const PointCloud& cloud, const OrientSetup& params, const KnownDirections& known, const Context& context,
               std::vector<Vec3f>& directions, OrientReport& report) {
   const EstimatedNormals estimated = estimate_open(cloud, params, known, {}, context, directions);
   const std::vector<Vec3d>& normals = estimated.normals;
@@ -202,7 +202,7 @@ void validate(const OrientParams& params) {
   if (params.sensor && !is_finite(*params.sensor)) throw ParameterError("sensor: its coordinates must be finite");
 }
 
-std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, const Context& context,
+std::vector<Vec3f> orient(const PointCloud& cloud, const OrientSetup& params, const Context& context,
                           OrientReport& report) {
   validate(params);
   check(cloud);
@@ -240,7 +240,7 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientParams& params, c
   return directions;
 }
 
-bool doubt_signs(const PointCloud& cloud, const OrientParams& params, const SideTally& sides, const Context& context,
+bool doubt_signs(const PointCloud& cloud, const OrientSetup& params, const SideTally& sides, const Context& context,
                  std::vector<Vec3f>& directions, OrientReport& report) {
   constexpr double most_on_sheets = 0.05;  // of the pairs
   report.contradicting = sides.contradicting();

@@ -7,8 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "soapfilm/core/box.h"
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm {

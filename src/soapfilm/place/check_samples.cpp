@@ -5,8 +5,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
+#include "soapfilm/error.h"
 #include "soapfilm/field/samples.h"
 
 namespace soapfilm {
@@ -60,7 +60,7 @@ Box3d check_samples(const PointCloud& cloud, const Context& context) {
     throw SamplesError(fmt::format("the longest side of the samples' box = {:g}, must be in [{:g}, {:g}]",
                                    box.longest(), shortest_box, longest_box));
 
-  const Vec3d centre = box.centre();
+  const Vec3d centre = box.center();
   const double scale = 1 / box.longest();
   const auto [sum, squares, products] =
       sum_chunks<Moments>(cloud.size(), samples_per_task, context, [&](size_t begin, size_t end) {

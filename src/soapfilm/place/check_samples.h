@@ -1,9 +1,9 @@
 // Whether a cloud can be reconstructed at all.
 #pragma once
 
-#include "soapfilm/core/box.h"
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
+#include "soapfilm/core/vec.h"
 
 namespace soapfilm {
 

@@ -5,22 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/box.h"
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
+#include "soapfilm/core/vec.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/orient/local_surface.h"
+#include "soapfilm/params.h"
 
 namespace soapfilm {
-
-/// Where the grid lies and how fine it is. At most one of `voxel` and `resolution` may be given.
-struct PlaceParams {
-  std::optional<double> voxel;    ///< edge of a cell, input units, > 0 and <= the samples' box
-  std::optional<int> resolution;  ///< grid vertices along the longest axis, padding included, > 2 padding
-  double samples_per_voxel2 = 1;  ///< without both: the voxel that holds this many samples per voxel^2 of surface, > 0
-  int padding = 6;                ///< cells between the samples and the border, 2..4096
-  int levels = 0;                 ///< of the pyramid, 1..12; 0: until the coarsest has at most 24 vertices per axis
-};
 
 struct Grid {
   Lattice lattice;

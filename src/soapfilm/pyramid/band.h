@@ -1,7 +1,7 @@
 // Which bricks a level works on.
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/brick_mask.h"
 #include "soapfilm/solve/level.h"

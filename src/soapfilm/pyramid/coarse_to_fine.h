@@ -6,17 +6,18 @@
 #include <functional>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/progress.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/progress.h"
+#include "soapfilm/report.h"
 #include "soapfilm/solve/primal_dual.h"
 
 namespace soapfilm {
 
 struct LevelReport {
   int level = 0;
-  double lambda_share = 1;  ///< of lambda that it took; below 1 it only told the next finer level where to start
+  double lambda_share = 1;  ///< of lambda that it took; below 1 the next finer level only started from it
   size_t active_vertices = 0;
   int iterations = 0;
   double tolerance = 0;  ///< that it was solved to: twice that of the finest at level 1, at most 3e-4 at coarser ones,
@@ -25,7 +26,7 @@ struct LevelReport {
   bool converged = false;
   Stop stop = Stop::limit;
   Energies energies;  ///< of the relaxed u, whole domain
-  Energies binary;    ///< of u thresholded at 1/2; of the finest level its certificate tells
+  Energies binary;    ///< of u thresholded at 1/2; the finest level's is in the certificate
 };
 
 struct PyramidSolution {

@@ -1,7 +1,7 @@
 // From a solved level to the next finer one. Fine vertex x lies in coarse vertex x >> 1 (a cell of 2 x 2 x 2).
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/solve/level.h"
 

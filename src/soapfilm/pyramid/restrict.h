@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/lattice.h"
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/solve/dense_level.h"
 
 namespace soapfilm {

@@ -1,7 +1,7 @@
 // The level set of a field on the whole box: from solvers that know no band, and no bounds of u, to the stages after.
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/dense_field.h"
 #include "soapfilm/grid/lattice.h"

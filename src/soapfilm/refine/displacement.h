@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/refine/cell_samples.h"
 #include "soapfilm/refine/multilevel.h"
 #include "soapfilm/refine/narrow_band.h"

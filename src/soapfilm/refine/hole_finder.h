@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "soapfilm/field/samples.h"
-#include "soapfilm/refine/hole_fill.h"
+#include "soapfilm/refine/hole_report.h"
 #include "soapfilm/refine/start.h"
+#include "soapfilm/report.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {

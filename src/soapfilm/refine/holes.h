@@ -5,6 +5,7 @@
 #pragma once
 
 #include "soapfilm/refine/hole_finder.h"
+#include "soapfilm/refine/hole_report.h"
 #include "soapfilm/refine/strength.h"
 
 namespace soapfilm {

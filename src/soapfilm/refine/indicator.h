@@ -1,7 +1,7 @@
 // Section 4.4: from the relaxed u to the smooth field whose level set is the surface.
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"

@@ -1,7 +1,7 @@
 // From a fit on every second vertex back to the finer band.
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/refine/narrow_band.h"
 
 namespace soapfilm {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/refine/coarser.h"
 #include "soapfilm/refine/holes.h"
 #include "soapfilm/refine/prolong_distance.h"
@@ -26,7 +26,7 @@ constexpr double until_chosen = 0.3, until_bent = 0.6;
 constexpr size_t speck = 64;  // vertices: a ball of radius 2.5, what outliers that support each other make
 
 /// How much the samples are worth is for the samples to say. `spacing`: of the fit's vertices, voxels.
-Strength choose(const Start& start, const GridSamples& samples, const RefineParams& params, double spacing,
+Strength choose(const Start& start, const GridSamples& samples, const RefineSetup& params, double spacing,
                 const Context& context, StrengthReport& search) {
   StrengthParams given;
   if (params.smoothing) given.smoothing = *params.smoothing / (spacing * spacing);
@@ -36,7 +36,7 @@ Strength choose(const Start& start, const GridSamples& samples, const RefinePara
 
 /// The level set 0 of phi0, moved.
 RowArray moved_onto(const GridSamples& samples, const Start& start, const Strength& strength,
-                    const RobustParams& params, const Context& context, RefineReport& report) {
+                    const RobustParams& params, const Context& context, FitReport& report) {
   Displacement displacement(start.band, start.phi0, context);
   CellSamples cells(samples, start.band, context);
   const RobustFit fit = fit_robustly(displacement, samples, cells, {}, strength, params, context);
@@ -48,7 +48,7 @@ RowArray moved_onto(const GridSamples& samples, const Start& start, const Streng
 /// Grids of every second vertex, of every fourth, ..., while samples are sparse and noisy there and each serves as well
 /// as the one before. `indicator`: that of the first one.
 std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float threshold, const GridSamples& samples,
-                                      double density, const RefineParams& params, const Context& context) {
+                                      double density, const RefineSetup& params, const Context& context) {
   std::vector<Coarser> found;
   for (double spacing = 2; density < params.sparse; density *= 4, spacing *= 2) {
     // Each grid takes half of what is left of the bar.
@@ -71,8 +71,8 @@ std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float
 }
 
 /// phi by a fit on the coarsest of some grids that leaves it near the surface; nothing where none does.
-std::optional<RowArray> fit_coarser(const Start& start, std::vector<Coarser> grids, const RefineParams& params,
-                                    const Context& context, RefineReport& report) {
+std::optional<RowArray> fit_coarser(const Start& start, std::vector<Coarser> grids, const RefineSetup& params,
+                                    const Context& context, FitReport& report) {
   constexpr double least_far = 1.5, far_of_noise = 2.5;  // coarse voxels
   for (; !grids.empty(); grids.pop_back()) {
     const Coarser& grid = grids.back();
@@ -114,7 +114,7 @@ SurfaceField distance_field(Start& start, const RowArray& distance, const SignBi
 
 }  // namespace
 
-void validate(const RefineParams& params) {
+void validate(const RefineSetup& params) {
   const auto require = [](const char* name, double value, double least, double most) {
     if (!(value >= least && value <= most))
       throw ParameterError(fmt::format("{} = {}, must be in [{:g}, {:g}]", name, value, least, most));
@@ -138,7 +138,7 @@ void validate(const RefineParams& params) {
 }
 
 Refinement::Refinement(Level level, float threshold, const GridSamples& samples, double density,
-                       const RefineParams& params, const Context& context, RefineReport& report)
+                       const RefineSetup& params, const Context& context, FitReport& report)
     : params_(params),
       context_(context),
       samples_(samples),
@@ -188,8 +188,8 @@ SurfaceField Refinement::fit() {
   return distance_field(start_, *phi, *signs_, context_);
 }
 
-SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,
-                    const RefineParams& params, const Context& context, RefineReport& report) {
+SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density, const RefineSetup& params,
+                    const Context& context, FitReport& report) {
   Refinement refinement(std::move(level), threshold, samples, density, params, context, report);  // frees the level
   return refinement.fit();
 }

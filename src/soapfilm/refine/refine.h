@@ -5,34 +5,29 @@
 #include <optional>
 
 #include "soapfilm/field/samples.h"
-#include "soapfilm/refine/hole_fill.h"
+#include "soapfilm/refine/hole_report.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/robust_fit.h"
 #include "soapfilm/refine/start.h"
 #include "soapfilm/refine/strength.h"
 #include "soapfilm/refine/topology.h"
+#include "soapfilm/report.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
 
-/// See docs/methods.md. `smoothing` is what users turn; the rest is fixed by measurement.
-struct RefineParams {
-  std::optional<double> smoothing{};  ///< gamma, weight of curvature against one sample, lattice units; [1e-6, 1e6].
-                                      ///< Without it: chosen by held-out samples
-  std::optional<double> normals{};    ///< weight of a unit normal against one voxel; [0, 1e6], 0: viewing directions
-                                      ///< only. Without it: chosen by held-out samples
+/// What users set, and what follows from other parameters or was fixed by measurement.
+struct RefineSetup : RefineParams {
   RobustParams robust{};
-  double reach = 3;     ///< half width of the band, voxels; [1, 3]
-  double sparse = 0.5;  ///< samples per voxel^2, [0, 1e3]: where there are fewer, a fit on every second vertex, or
-                        ///< every fourth, ..., takes its place if that serves as well
-  HoleFill holes = HoleFill::smooth;  ///< how the surface spans what no sample covers
   bool vanish = true;  ///< specks, objects and voids of at most 64 vertices, that the fit shrinks to their last one go:
-                       ///< no surface fits their samples. (reconstruct() sets it by drops_islands().)
-  bool open = false;   ///< may the surface end at the border of the box? Then holes do not bulge beyond it.
-                       ///< (reconstruct() sets it.)
+                       ///< no surface fits their samples
+  bool open = false;   ///< may the surface end at the border of the box? Then holes do not bulge beyond it
 };
 
-struct RefineReport {
+/// Throws ParameterError naming the first value that is out of its range, and the range.
+void validate(const RefineSetup& params);
+
+struct FitReport {
   Strength strength;         ///< in use
   StrengthReport search;     ///< how it was found
   HoleReport holes;          ///< what no sample covers
@@ -41,12 +36,9 @@ struct RefineReport {
   size_t down_weighted = 0;  ///< samples of weight < 1/4, those that the band does not see included
   size_t flips = 0;          ///< vertices that changed sides
   size_t refused = 0;        ///< vertices that would have changed the topology and were held
-  size_t vanished = 0;       ///< objects and voids that the fit shrank to their last vertex, which turned too
+  size_t vanished = 0;       ///< objects and voids that the fit shrank to their last vertex, which changed sides too
   int iterations = 0;        ///< conjugate-gradient steps on the whole band
 };
-
-/// Throws ParameterError naming the first value that is out of its range, and the range.
-void validate(const RefineParams& params);
 
 /// Moves the level set of the binary indicator u > threshold onto the samples (design note in displacement.h): the
 /// level set 0 of the result is the surface; it is positive inside and about the signed distance in voxels near it. Its
@@ -58,8 +50,8 @@ class Refinement {
  public:
   /// The band around the surface, its holes filled; `level` is freed. Keeps references to the samples, the parameters,
   /// `context` and the report. Throws ParameterError.
-  Refinement(Level level, float threshold, const GridSamples& samples, double density, const RefineParams& params,
-             const Context& context, RefineReport& report);
+  Refinement(Level level, float threshold, const GridSamples& samples, double density, const RefineSetup& params,
+             const Context& context, FitReport& report);
 
   /// Rows of eight vertices that the fit works on: what its memory follows.
   size_t rows() const { return start_.band.rows(); }
@@ -71,13 +63,13 @@ class Refinement {
  private:
   void fill_holes(Level& level);
 
-  const RefineParams& params_;
+  const RefineSetup& params_;
   const Context& context_;
   const GridSamples& samples_;
   double density_;
   float threshold_;
   bool sparse_;
-  RefineReport& report_;
+  FitReport& report_;
   Start start_;
   std::optional<SignBits> signs_;   ///< on the start's bricks
   Level indicator_;                 ///< where sparse: on every second vertex
@@ -85,7 +77,7 @@ class Refinement {
 };
 
 /// Both at once.
-SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density,
-                    const RefineParams& params, const Context& context, RefineReport& report);
+SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density, const RefineSetup& params,
+                    const Context& context, FitReport& report);
 
 }  // namespace soapfilm

@@ -8,15 +8,16 @@
 
 #include "soapfilm/refine/displacement.h"
 #include "soapfilm/refine/robust.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
 
-/// What the fit trusts: chosen from the data by choose_strength().
+/// What the fit trusts.
 struct Strength {
   double smoothing = 0;  ///< gamma: weight of curvature against one sample, lattice units
   double normals = 0;    ///< weight of a direction's error (as a vector of unit length) against a voxel
   double noise = 0;      ///< standard deviation of the samples along the surface's normal, voxels
-  bool yield = false;    ///< whether curvature yields where the surface bends most: under noise
+  bool yield = false;    ///< whether curvature counts less where the surface bends most: under noise
 };
 
 /// The same on a grid of half the voxel, where phi is twice as large and the surface has four times the vertices.

@@ -1,7 +1,7 @@
 // What the sub-voxel fit starts from: a thresholded indicator, and the band around its surface.
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/narrow_band.h"

@@ -5,19 +5,20 @@
 
 #include "soapfilm/refine/robust_fit.h"
 #include "soapfilm/refine/start.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
-
-struct StrengthParams {
-  std::optional<double> smoothing{};  ///< gamma; without it: chosen
-  std::optional<double> normals{};    ///< weight of directions; without it: chosen
-};
 
 struct StrengthReport {
   double agreement_deg = 0;   ///< median angle between the directions and the fitted surface's normals
   double held_out_error = 0;  ///< mean distance of held-out samples, voxels
   size_t samples = 0;         ///< that were looked at
   int candidates = 0;
+};
+
+struct StrengthParams {
+  std::optional<double> smoothing{};  ///< gamma; without it: chosen
+  std::optional<double> normals{};    ///< weight of directions; without it: chosen
 };
 
 /// Fits patches of the surface to three quarters of their samples and looks how near the others come to lie: the score

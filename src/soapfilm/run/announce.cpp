@@ -6,6 +6,9 @@
 #include <utility>
 
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/method.h"
+#include "soapfilm/core/names.h"
+#include "soapfilm/finish/self_check.h"
 
 namespace soapfilm {
 
@@ -87,11 +90,11 @@ void announce_plan(const MemoryBudget& memory, Trace& trace) {
 
 }  // namespace
 
-void announce_refinement(const std::optional<RefineReport>& report, const MemoryBudget& memory,
+void announce_refinement(const std::optional<FitReport>& report, const MemoryBudget& memory,
                          const ReconstructParams& params, Trace& trace) {
   announce_plan(memory, trace);
   if (!report) return;
-  const RefineReport& refine = *report;
+  const FitReport& refine = *report;
   const Strength& strength = refine.strength;
   trace.info(fmt::format(
       "refined: noise {:.2g} voxel, smoothing {:.2g}{}, directions {}{}", strength.noise, strength.smoothing,
@@ -124,7 +127,7 @@ std::string cause_of_loss(const ReconstructReport& report) {
   if (report.params.method == Method::vrip) return "seen at grazing angles or by one ray alone; try --method tv";
   if (report.self_check.noise > 0)
     return fmt::format("their noise, about {:.2g}, is larger than a voxel; the mesh goes through their middle",
-                       report.self_check.noise * report.lattice.voxel);
+                       report.self_check.noise * report.grid.voxel);
   if (report.self_check.outliers > mostly)
     return fmt::format(
         "mostly outliers ({:.0f} % of these), around which others show no surface; if a part is missing, "
@@ -144,7 +147,7 @@ std::string misplaced_scanners(const ReconstructReport& report) {
   constexpr double unseen = 0.2;  // share of the surface
   const ScannerReport& s = report.scanners;
   const auto all = static_cast<double>(s.scanners);
-  const Border border = report.border.chosen;
+  const Border border = report.outside;
   if (static_cast<double>(s.in_solid) > some * all)
     return fmt::format(
         "{} of {} scanner positions lie inside of solid matter: the side of the samples is wrong, or what "
@@ -164,7 +167,7 @@ std::string made_up_surface(const ReconstructReport& report) {
   const double invented = report.self_check.invented;
   const Method method = report.params.method;
   // vrip's surface closes nothing, and no method but tv can end at the box.
-  if (method == Method::vrip || report.border.chosen == Border::open || report.trim || !(invented > much)) return {};
+  if (method == Method::vrip || report.outside == Border::open || report.trim || !(invented > much)) return {};
   return fmt::format(
       "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what nobody saw; try --trim auto{}",
       100 * invented, self_check_reach, method == Method::tv ? ", or --outside open" : "");

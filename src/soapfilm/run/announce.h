@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "soapfilm/report.h"
+#include "soapfilm/run/details.h"
 #include "soapfilm/run/memory_plan.h"
 #include "soapfilm/run/prepare.h"
 #include "soapfilm/run/trace.h"
@@ -30,7 +31,7 @@ void announce_islands(const IslandReport& report, const ReconstructParams& param
 
 /// The plan of memory, where the solve found much more or less surface than the samples told. How much the samples are
 /// trusted, by the data or as asked for; of how many parts refining left nothing, if any.
-void announce_refinement(const std::optional<RefineReport>& report, const MemoryBudget& memory,
+void announce_refinement(const std::optional<FitReport>& report, const MemoryBudget& memory,
                          const ReconstructParams& params, Trace& trace);
 
 /// What trim() took away, if anything; warns where it would have taken all.

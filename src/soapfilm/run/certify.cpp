@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include "soapfilm/core/method.h"
+#include "soapfilm/core/names.h"
 #include "soapfilm/pyramid/critical_lambda.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/solve/energy.h"

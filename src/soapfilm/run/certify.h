@@ -1,7 +1,7 @@
 // How far a solution is from the global optimum, at most.
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/place/place.h"
 #include "soapfilm/report.h"
 #include "soapfilm/run/segment.h"

@@ -14,19 +14,18 @@ ReconstructReport facts_of(const PointCloud& cloud, const Box3d& box, const Reco
   ReconstructReport report;
   report.params = params;
   report.input = {cloud.size(), 0, cloud.scans.size(), box, grid.density, directions};
-  report.lattice = grid.lattice;
-  report.select = lambda.select;
+  report.grid = grid.lattice;
   report.certificate.lambda = lambda.value;
   return report;
 }
 
-Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const MemoryBudget& memory,
-                      Trace& trace, const Context& context) {
-  report.self_check = trace.stage("self-check", [&] { return self_check(mesh, samples, report.lattice, context); });
+Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const Lattice& lattice,
+                      const MemoryBudget& memory, Trace& trace, const Context& context) {
+  report.self_check = trace.stage("self-check", [&] { return self_check(mesh, samples, lattice, context); });
   announce_self_check(report, trace);
   if (report.params.surface.distance)
     trace.stage("distance", [&] {
-      mesh.attributes.push_back({"distance", distances_to_samples(mesh, samples, report.lattice, context)});
+      mesh.attributes.push_back({"distance", distances_to_samples(mesh, samples, lattice, context)});
     });
   report.mesh_vertices = mesh.vertices.size();
   report.mesh_triangles = mesh.triangles.size();

@@ -1,9 +1,10 @@
 // The end of a run: a look at what came out, and the report.
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/details.h"
 #include "soapfilm/run/memory_plan.h"
 #include "soapfilm/run/prepare.h"
 #include "soapfilm/run/trace.h"
@@ -15,7 +16,7 @@ ReconstructReport facts_of(const PointCloud& cloud, const Box3d& box, const Reco
                            const OrientReport& directions, const Grid& grid, const Lambda& lambda);
 
 /// How much the mesh holds of the samples, its attributes, and the rest of the report: mesh, times, memory, warnings.
-Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const MemoryBudget& memory,
-                      Trace& trace, const Context& context);
+Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const Lattice& lattice,
+                      const MemoryBudget& memory, Trace& trace, const Context& context);
 
 }  // namespace soapfilm

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <vector>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/error.h"
 #include "soapfilm/place/place.h"
+#include "soapfilm/run/defaults.h"
 #include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
@@ -44,7 +45,8 @@ constexpr size_t refined_brick_bytes = 11400;
 constexpr size_t refined_cell_bytes = 33;
 constexpr size_t refined_cells_per_brick = 32;
 
-/// Arrays on every vertex of the box while the solver works, bytes per vertex (docs/methods.md has what they hold).
+/// Arrays on every vertex of the box while the solver works, bytes per vertex (docs/notes/methods.md has what they
+/// hold).
 double dense_bytes_per_vertex(Method method) {
   if (method == Method::tv_sor) return 7;
   if (method == Method::poisson) return 17.2;

@@ -6,10 +6,11 @@
 #include <optional>
 #include <string>
 
-#include "soapfilm/core/point_cloud.h"
+#include "soapfilm/cloud.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/params.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {

@@ -4,15 +4,16 @@
 
 #include <utility>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/finish/scanners.h"
 #include "soapfilm/fuse/range_surface.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/orient/area_weights.h"
 #include "soapfilm/place/check_samples.h"
 #include "soapfilm/pyramid/band.h"
+#include "soapfilm/run/defaults.h"
 
 namespace soapfilm {
 
@@ -42,8 +43,7 @@ Scanners find_scanners(const PointCloud& cloud, const ReconstructParams& params,
 
 Orientation find_directions(const PointCloud& cloud, const Box3d& box, const ReconstructParams& params,
                             const Context& context) {
-  OrientParams how = params.orient;
-  how.from_within = params.border.outside == Border::solid;
+  const OrientSetup how{params.orient, params.border.outside == Border::solid};
   Orientation found = find_directions(cloud, box, how, context);
   if (!refines(params)) release(found.views);
   return found;

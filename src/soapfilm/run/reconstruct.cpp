@@ -1,5 +1,6 @@
 // The page to read first: from a cloud to its mesh. Each stage takes what it needs and returns a value that keeps its
 // meaning; what nobody needs any more is freed here. docs/architecture.md says in which folder each stage is.
+#include "soapfilm/core/method.h"
 #include "soapfilm/run/run.h"
 
 #include <optional>
@@ -17,7 +18,7 @@
 namespace soapfilm {
 
 Reconstruction run(const PointCloud& cloud, PointCloud* owned, const ReconstructParams& params, const Context& context,
-                   const PyramidObserver& observe) {
+                   const Experiment& experiment) {
   validate(params);
   context.pages().restart_peak();
   Trace trace(context);
@@ -41,11 +42,14 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
       trace.stage(weights, [&] { return choose_lambda(cloud, oriented, grid, params, context, samples); });
   announce_lambda(lambda, grid, params, trace);
   ReconstructReport report = facts_of(cloud, box, params, oriented.report, grid, lambda);
+  const auto details = std::make_shared<ReportDetails>();
+  details->select = lambda.select;
+  report.details = details;
 
   // Curless and Levoy's surface needs neither field nor solve: its scans say what is known.
   if (params.method == Method::vrip) {
-    Mesh mesh = fuse(cloud, grid.lattice, params, report.vrip.emplace(), trace, context);
-    return finish(std::move(mesh), std::move(report), samples, memory, trace, context);
+    Mesh mesh = fuse(cloud, grid.lattice, params, details->vrip.emplace(), trace, context);
+    return finish(std::move(mesh), std::move(report), samples, grid.lattice, memory, trace, context);
   }
   std::vector<Vec3f> views = sort_views(oriented.views, samples, grid.lattice, context);
   oriented = {};
@@ -61,16 +65,18 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   grid.lattice.open = border.chosen == Border::open;
   if (border.chosen == Border::solid) turn_inside_out(field, samples, views, context);
   announce_border(border, report.input.directions.inward, trace);
+  report.outside = border.chosen, report.outside_reason = border.reason;
+  details->border = border;
 
   // Inside or outside: the convex problem (4), coarse to fine, on a thin band; or what it is compared with.
   std::optional<PagePool::Keep> pages(context.pages());
   Segmentation found = trace.stage("solve", [&] {
-    return segment(grid.lattice, field, samples, lambda.value, params, memory.watch(observe, field.grid.size()),
-                   context);
+    return segment(grid.lattice, field, samples, lambda.value, params,
+                   memory.watch(experiment.observe, field.grid.size()), context);
   });
   if (border.chosen != Border::open) memory.plan_mesh(found.level, params.checked, context);
   warn_unconverged(found.report, lambda.value, params, trace);
-  report.solve = found.report;
+  details->solve = found.report;
 
   // How far from the global optimum, at most.
   report.certificate =
@@ -90,8 +96,9 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // The level set moves onto the samples; components and genus stay, but for what it leaves nothing of. From here on
   // directions are those that were found, not those of planes: these know of held-out samples, too.
   if (!views.empty()) samples.direction = std::move(views);
-  Surface surface =
-      trace.stage("refine", [&] { return find_surface(std::move(found), samples, grid, params, memory, context); });
+  Surface surface = trace.stage("refine", [&] {
+    return find_surface(std::move(found), samples, grid, params, experiment.robust, memory, context);
+  });
   announce_refinement(surface.refine, memory, params, trace);
 
   // The level set as a closed, manifold mesh.
@@ -101,16 +108,16 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // Where the surface bends, triangles of a voxel are too coarse for what the samples tell.
   report.bend = bend(mesh, surface, samples, grid, params, trace, context);
   report.isovalue = surface.isovalue;
-  report.refine = std::move(surface.refine);
+  report.refine = summary_of(surface);
+  details->refine = std::move(surface.refine);
   surface.field = {};
 
   // A complement's faces turn back. What closed an open surface along the box goes, and what no sample is near.
   undo_border(mesh, border, grid.lattice);
   report.trim = trim(mesh, samples, grid, border, params, trace, context);
 
-  report.border = border;
-  report.lattice = grid.lattice;
-  return finish(std::move(mesh), std::move(report), samples, memory, trace, context);
+  report.grid = grid.lattice;
+  return finish(std::move(mesh), std::move(report), samples, grid.lattice, memory, trace, context);
 }
 
 }  // namespace soapfilm

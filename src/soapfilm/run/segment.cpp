@@ -2,10 +2,13 @@
 
 #include <fmt/core.h>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/pyramid/sor_pyramid.h"
 #include "soapfilm/refine/dense_surface.h"
 #include "soapfilm/solve/dense_level.h"
+#include "soapfilm/solve/graph_cut.h"
+#include "soapfilm/solve/poisson.h"
 
 namespace soapfilm {
 
@@ -36,11 +39,9 @@ Segmentation by_sor(const Task& t) {
 }
 
 Segmentation by_graph_cut(const Task& t, int neighbors) {
-  GraphCutParams params = t.params.graph_cut;
-  params.neighbors = neighbors;
-  params.norm = t.params.energy.norm;
+  const GraphCutSetup setup{neighbors, t.params.graph_cut.weights, t.params.energy.norm};
   Segmentation found;
-  found.level = solve_graph_cut(t.lattice, t.field, t.lambda, params, t.context, found.report.graph_cut.emplace());
+  found.level = solve_graph_cut(t.lattice, t.field, t.lambda, setup, t.context, found.report.graph_cut.emplace());
   return found;
 }
 

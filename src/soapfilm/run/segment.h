@@ -3,12 +3,14 @@
 
 #include <optional>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/params.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/report.h"
+#include "soapfilm/run/details.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {

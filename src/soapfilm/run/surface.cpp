@@ -13,6 +13,7 @@
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/run/announce.h"
+#include "soapfilm/run/defaults.h"
 #include "soapfilm/solve/closed_border.h"
 
 namespace soapfilm {
@@ -43,19 +44,24 @@ ScannerReport stand_scanners(const Level& level, const Scanners& scanners, const
   return place_scanners(level, static_cast<float>(params.surface.threshold), border.chosen == Border::solid, positions);
 }
 
+std::optional<RefineReport> summary_of(const Surface& surface) {
+  if (!surface.refine) return {};
+  const Strength& in_use = surface.refine->strength;
+  return RefineReport{in_use.smoothing, in_use.normals, in_use.noise, surface.refine->spacing};
+}
+
 Surface find_surface(Segmentation found, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
-                     MemoryBudget& memory, const Context& context) {
+                     const RobustParams& robust, MemoryBudget& memory, const Context& context) {
   if (found.surface) return {std::move(*found.surface), 0.5, {}};
   const auto threshold = static_cast<float>(params.surface.threshold);
   Surface surface;
   if (refines(params)) {
-    RefineParams how = params.refine;
-    how.vanish = drops_islands(params);
-    how.open = grid.lattice.open;
+    const RefineSetup how{params.refine, robust, drops_islands(params), grid.lattice.open};
     Refinement refinement(std::move(found.level), threshold, samples, grid.density, how, context,
                           surface.refine.emplace());
     memory.plan_refinement(refinement.rows(), refinement.tries_coarser(), samples.size());
     surface.field = refinement.fit();
+    surface.scale = robust.scale(surface.refine->strength.noise);
     return surface;
   }
   surface.field = smoothed_indicator(found.level, threshold, context);
@@ -82,9 +88,8 @@ std::optional<BendReport> bend(Mesh& mesh, const Surface& surface, const GridSam
                                const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!surface.refine || surface.refine->strength.yield || !(params.surface.bend.tolerance > 0)) return {};
   return trace.stage("bend", [&] {
-    return bend_edges(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples,
-                      params.refine.robust.scale(surface.refine->strength.noise), grid.lattice, params.surface.bend,
-                      context);
+    return bend_edges(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples, surface.scale,
+                      grid.lattice, params.surface.bend, context);
   });
 }
 

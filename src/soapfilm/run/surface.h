@@ -3,10 +3,11 @@
 
 #include <optional>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/mesh.h"
+#include "soapfilm/context.h"
+#include "soapfilm/mesh.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/refine.h"
+#include "soapfilm/refine/robust_fit.h"
 #include "soapfilm/run/memory_plan.h"
 #include "soapfilm/run/prepare.h"
 #include "soapfilm/run/segment.h"
@@ -29,13 +30,17 @@ ScannerReport stand_scanners(const Level& level, const Scanners& scanners, const
 struct Surface {
   SurfaceField field;
   double isovalue = 0;
-  std::optional<RefineReport> refine;  ///< when it was moved onto the samples
+  std::optional<FitReport> refine;  ///< when it was moved onto the samples
+  double scale = 0;                 ///< of what samples may still lie off it, voxels
 };
+
+/// What users read of it.
+std::optional<RefineReport> summary_of(const Surface& surface);
 
 /// The level set on the samples, sub-voxel accurate, or the paper's (section 4.4); or the one that the method has found
 /// itself. Throws MemoryError.
 Surface find_surface(Segmentation found, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
-                     MemoryBudget& memory, const Context& context);
+                     const RobustParams& robust, MemoryBudget& memory, const Context& context);
 
 /// Throws EmptyResult where the level set is empty.
 Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda, const Context& context);

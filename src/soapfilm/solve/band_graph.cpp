@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "soapfilm/core/bits.h"
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 

@@ -1,7 +1,7 @@
 // An open solution as a closed one: for stages that know closed surfaces alone.
 #pragma once
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {

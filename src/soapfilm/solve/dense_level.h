@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/dense_field.h"
 #include "soapfilm/solve/level.h"
 

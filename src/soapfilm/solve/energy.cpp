@@ -210,9 +210,9 @@ Energies energies_of(const Level& level, const EnergyTerms& sum, double p_scale,
 
 }  // namespace
 
-double Energies::relative(double amount, double lambda) const {
-  return amount / std::max(std::abs(dual), 1000 * lambda);
-}
+double Energies::relative_gap(double lambda) const { return gap / std::max(std::abs(dual), 1000 * lambda); }
+
+double Energies::relative_gap_band(double lambda) const { return gap_band / std::max(std::abs(dual), 1000 * lambda); }
 
 Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Context& context) {
   Evaluator evaluator{level, options.threshold, 1.0, energy_kernel(context.simd(), level.norm)};

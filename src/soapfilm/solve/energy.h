@@ -10,27 +10,11 @@
 
 #include <optional>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
+#include "soapfilm/report.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
-
-struct Energies {
-  double total_variation = 0;  ///< TV(u), whole domain
-  double data = 0;             ///< <f, u>
-  double primal = 0;           ///< lambda TV(u) - <f, u>
-  double dual = 0;             ///< D(p), whole domain
-  double gap = 0;              ///< sum of the local terms, each >= 0; equals primal - dual but for rounding
-  double gap_band = 0;         ///< the part of it that the band can still reduce
-  double max_dual_norm = 0;    ///< max |p| / lambda over the band, before any rescaling
-
-  /// Relative to max(|D|, 1000 lambda): see relative().
-  double relative_gap(double lambda) const { return relative(gap, lambda); }
-  double relative_gap_band(double lambda) const { return relative(gap_band, lambda); }
-
- private:
-  double relative(double amount, double lambda) const;
-};
 
 struct EnergyOptions {
   /// Judge the thresholded u (1 where u > mu) instead of the relaxed one.

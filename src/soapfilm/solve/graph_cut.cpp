@@ -6,8 +6,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/solve/dense_level.h"
 #include "soapfilm/solve/min_cut.h"
 #include "soapfilm/solve/outside_parts.h"
@@ -137,7 +137,7 @@ Level level_of_labels(const VertexMask& inside, const LevelBox& box, const Suppo
 
 }  // namespace
 
-std::vector<Link> graph_links(const GraphCutParams& params, double lambda) {
+std::vector<Link> graph_links(const GraphCutSetup& params, double lambda) {
   if (params.neighbors != 6 && params.neighbors != 26)
     throw ParameterError(fmt::format("neighbors = {}, must be 6 or 26", params.neighbors));
   if (!(lambda > 0)) throw ParameterError(fmt::format("lambda = {:g}, must be > 0", lambda));
@@ -157,7 +157,7 @@ std::vector<Link> graph_links(const GraphCutParams& params, double lambda) {
   return links;
 }
 
-Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutParams& params,
+Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutSetup& params,
                       const Context& context, GraphCutReport& report) {
   const auto start = std::chrono::steady_clock::now();
   const std::vector<Link> links = graph_links(params, lambda);

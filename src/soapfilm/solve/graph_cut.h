@@ -8,49 +8,48 @@
 #include <cstddef>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/progress.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
+#include "soapfilm/params.h"
+#include "soapfilm/progress.h"
+#include "soapfilm/report.h"
 #include "soapfilm/solve/band_graph.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
-
-/// edge_length: w proportional to 1 / length of the link, as in Lempitsky and Boykov's program.
-/// cauchy_crofton: to the solid angle of the directions nearest to the link over its length (Boykov and Kolmogorov
-///                 2003), so that the cost of a plane depends less on its direction: with 26 neighbours it deviates
-///                 from its mean by 1.6 % (root mean square; 1.8 % by length), with 6 by 10 % whatever the weights.
-enum class LinkWeights { edge_length, cauchy_crofton };
-
-struct GraphCutParams {
-  int neighbors = 6;  ///< 6 or 26
-  LinkWeights weights = LinkWeights::edge_length;
-  /// Sets the scale: the mean cost of a unit area over its directions is lambda times mean_area(norm). So with the
-  /// anisotropic norm and 6 neighbours a link costs lambda, and the energy is that of `tv` with that norm.
-  Norm norm = Norm::isotropic;
-};
 
 struct GraphCutReport {
   size_t vertices = 0;  ///< of the last cut's graph
   size_t links = 0;     ///< between them, each counted once
   int growths = 0;      ///< of the band, each followed by another cut
   double flow = 0;
-  double energy = 0;       ///< of the labels, by the sum above: the minimum
+  double energy = 0;       ///< of the labels: the minimum
   size_t graph_bytes = 0;  ///< of the largest graph, search trees included
   double seconds = 0;
-  bool globally_optimal = false;  ///< all rim labels of each outside part agree
+  bool globally_optimal = false;  ///< all labels at the band's boundary agree, for each outside part
+};
+
+/// A graph's links and their weights. cauchy_crofton: to the solid angle of the directions nearest to the link over its
+/// length, so that with 26 neighbors the cost of a plane deviates from its mean by 1.6 % (root mean square; 1.8 % by
+/// edge_length), with 6 by 10 % whatever the weights.
+struct GraphCutSetup {
+  int neighbors = 6;  ///< 6 or 26
+  LinkWeights weights = LinkWeights::edge_length;
+  /// Sets the scale: the mean cost of a unit area over its directions is lambda times mean_area(norm). So with the
+  /// anisotropic norm and 6 neighbors a link costs lambda, and the energy is that of `tv` with that norm.
+  Norm norm = Norm::isotropic;
 };
 
 /// All links of a vertex, in an order in which the opposite of link d is link size() - 1 - d.
 /// Throws ParameterError when neighbors is neither 6 nor 26 or lambda <= 0.
-std::vector<Link> graph_links(const GraphCutParams& params, double lambda);
+std::vector<Link> graph_links(const GraphCutSetup& params, double lambda);
 
 /// The global optimum on the whole finest level. The graph holds the vertices with f != 0 and one around them, without
 /// links to what it leaves out: a lower bound, which the labels reach when each outside part can take the label of its
 /// whole rim. Where a part's rim disagrees the graph grows between its two labels and is cut again.
 /// The level returned has u binary, p = 0 and the norm of the parameters. `support` must outlive it.
 /// One thread cuts. Throws ParameterError as above and where the graph passes 2^32 edges.
-Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutParams& params,
+Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutSetup& params,
                       const Context& context, GraphCutReport& report);
 
 }  // namespace soapfilm

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/grid/lattice.h"

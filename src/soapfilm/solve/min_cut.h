@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/progress.h"
+#include "soapfilm/progress.h"
 #include "soapfilm/solve/band_graph.h"
 
 namespace soapfilm {

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/dense_field.h"
 #include "soapfilm/solve/box_laplacian.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "soapfilm/core/error.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/error.h"
 #include "soapfilm/solve/multigrid.h"
 
 namespace soapfilm {

@@ -8,18 +8,15 @@
 #include <cstddef>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/progress.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/dense_field.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/params.h"
+#include "soapfilm/progress.h"
+#include "soapfilm/report.h"
 
 namespace soapfilm {
-
-struct PoissonParams {
-  double tolerance = 1e-4;  ///< of the residual |f + 2 lambda Laplace(u)| / |f|, in (0, 1)
-  int max_iterations = 50;  ///< of conjugate gradients, >= 1
-};
 
 struct PoissonReport {
   int iterations = 0;

@@ -3,21 +3,14 @@
 
 #include <functional>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/progress.h"
+#include "soapfilm/context.h"
+#include "soapfilm/params.h"
+#include "soapfilm/progress.h"
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/level.h"
 #include "soapfilm/solve/profit.h"
 
 namespace soapfilm {
-
-struct PrimalDualParams {
-  double tolerance = 1e-3;    ///< of the band's relative gap, > 0 (chosen by bench/results/tolerance.md)
-  int max_iterations = 2000;  ///< per level, its band's growths counted, >= 1
-  bool settle = true;         ///< end a level on a band where the thresholded u has settled, whatever the relaxed gap
-  int check_every = 32;  ///< most iterations between two evaluations of the gap, 1 to 1000; the first comes after half
-  double step_balance = 1.4;  ///< sigma in units of lambda at first, half of it near the end; tau = 1.3 / (12 sigma)
-};
 
 struct PrimalDualReport {
   int iterations = 0;

@@ -5,15 +5,16 @@
 #include <string_view>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/brick_bits.h"
+#include "soapfilm/report.h"
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
 
-/// Why a level's solver ended.
-enum class Stop {
+/// Why a level ended.
+enum class Stop : uint8_t {
   converged,  ///< the gap is within the tolerance
   settled,    ///< the thresholded u and its gap no longer change, and the dual cannot make that gap much smaller
   stalled,    ///< the gap no longer falls

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "soapfilm/core/error.h"
+#include "soapfilm/error.h"
 #include "soapfilm/solve/sor_pass.h"
 
 namespace soapfilm {

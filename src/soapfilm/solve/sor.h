@@ -13,40 +13,18 @@
 #include <functional>
 #include <vector>
 
-#include "soapfilm/core/context.h"
-#include "soapfilm/core/progress.h"
+#include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/dense_field.h"
+#include "soapfilm/params.h"
+#include "soapfilm/progress.h"
+#include "soapfilm/report.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
 
-enum class SorOrder {
-  lexicographic,  ///< the paper's: x fastest; two threads at most find work
-  red_black,      ///< first the vertices with even x + y + z, then the odd ones; for any number of threads
-};
-
-/// How |grad u| is taken for the diffusivity.
-enum class SorGradient {
-  central,  ///< (u(x + 1) - u(x - 1)) / 2, as usual where g_ij is the mean of two vertices
-  forward,  ///< as the total variation takes it: a jump's upper vertex sees none of it, and the iteration cycles
-};
-
-struct SorParams {
-  double epsilon = 0.001;     ///< bounds the diffusivity where u is constant, > 0
-  double omega = 1.85;        ///< relaxation, > 0 and < 2
-  int renew_every = 2;        ///< iterations with the same diffusivity, >= 1
-  int levels = 3;             ///< of the pyramid, >= 1; at most the lattice's
-  double tolerance = 1.2e-7;  ///< of the relative change of E between two iterations: float's resolution; >= 0
-  int max_iterations = 400;   ///< per level, >= 1
-  SorOrder order = SorOrder::lexicographic;
-  SorGradient gradient = SorGradient::central;
-  bool skip_empty = true;  ///< leave out runs of vertices that cannot change; the result is the same
-  double snap = 1e-6;      ///< u closer to 0 or 1 than this becomes 0 or 1; >= 0 and < 0.5, 0: the paper's
-};
-
-/// Throws ParameterError for a value out of its range.
-void validate(const SorParams& params);
+// SorGradient: central, (u(x + 1) - u(x - 1)) / 2, as usual where g_ij is the mean of two vertices; forward, as the
+// total variation takes it: a jump's upper vertex sees none of it, and the iteration cycles.
 
 struct SorLevelReport {
   int level = 0;
@@ -56,6 +34,9 @@ struct SorLevelReport {
   std::vector<double> seconds;  ///< since the level began, when energy[k]'s pass was done; without the observer's time
   size_t bytes = 0;             ///< u, diffusivity, kinds of runs and data term
 };
+
+/// Throws ParameterError for a value out of its range.
+void validate(const SorParams& params);
 
 /// A state between two passes of renew_every iterations.
 struct SorState {

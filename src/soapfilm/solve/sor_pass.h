@@ -13,7 +13,7 @@
 
 #include <vector>
 
-#include "soapfilm/core/progress.h"
+#include "soapfilm/progress.h"
 #include "soapfilm/solve/sor.h"
 #include "soapfilm/solve/sor_runs.h"
 

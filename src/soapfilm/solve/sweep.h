@@ -24,7 +24,7 @@
 #include <optional>
 #include <vector>
 
-#include "soapfilm/core/context.h"
+#include "soapfilm/context.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/solve/level.h"
 #include "soapfilm/solve/sweep_kernel.h"

@@ -1,0 +1,70 @@
+#!/bin/sh
+# pictures.sh PROGRAM FOLDER: makes the pictures of the guide anew, by the commands of its pages. Scans and meshes go to
+# FOLDER; copy FOLDER/*.jpg into docs/guide/ after looking at them. Takes half a minute; needs python3-pil.
+set -eu
+program=$(realpath "$1")
+here=$(realpath "$(dirname "$0")")
+mkdir -p "$2"
+cd "$2"
+soapfilm() { "$program" --quiet "$@"; }
+
+# turntable.md
+soapfilm scan part -o turn --size 80 --orbit ring --elevations 10,45 --views 12 --image 120x120 --noise 0.05
+soapfilm scan part -o both --size 80 --orbit ring --elevations 10,45,-45 --views 12 --image 120x120 --noise 0.05
+soapfilm reconstruct turn/scans.conf -o turn.ply --voxel 0.6
+soapfilm reconstruct both/scans.conf -o both.ply --voxel 0.6
+soapfilm render turn/scans.conf turn.ply both.ply -o turntable.png --up z --view 1,-1,-0.8 --size 210x180 \
+  --caption "scans, from below" --caption "never seen from below" --caption "also scanned upside down"
+
+# room.md: the picture has no ceiling
+python3 "$here/room.py" room.ply
+soapfilm reconstruct room.ply -o inside.obj --voxel 0.06
+soapfilm reconstruct room.ply -o closed.obj --voxel 0.06 --outside air 2>closed.txt
+for mesh in inside closed; do
+  awk '/^v /{z[++n]=$4} /^f /{if(z[$2+0]>2.3||z[$3+0]>2.3||z[$4+0]>2.3)next} {print}' $mesh.obj >open-$mesh.obj
+done
+soapfilm render open-inside.obj open-closed.obj -o room.png --up z --view 0.7,-1,1.3 --size 310x240 \
+  --caption "--outside solid (chosen)" --caption "--outside air: an outer shell is made up"
+
+# open-surface.md
+python3 "$here/terrain.py" terrain.xyz
+soapfilm reconstruct terrain.xyz -o terrain.ply --voxel 2 2>terrain.txt
+soapfilm reconstruct terrain.xyz -o block.ply --voxel 2 --outside air 2>block.txt
+soapfilm scan facade -o facade --image 300x100 --noise 0.003
+soapfilm reconstruct facade/scans.conf -o facade.ply
+soapfilm render terrain.ply block.ply -o terrain.png --up z --view 1,-1,0.5 --size 310x160 \
+  --caption "--outside open (chosen)" --caption "--outside air: sides and bottom are made up"
+soapfilm render facade/scans.conf facade.ply -o facade.png --up z --view -0.4,-1,0.3 --framing shared --size 310x200 \
+  --caption "three scans" --caption "mesh"
+
+# noisy-cloud.md
+soapfilm scan knot -o noisy --samples 30000 --noise 0.7% --outliers 0.1
+soapfilm reconstruct noisy/samples.ply --directions estimate -o noisy.ply 2>noisy.txt
+soapfilm reconstruct noisy/samples.ply --directions estimate -o debris.ply --lambda 0.002 --drop-components off \
+  2>debris.txt
+soapfilm render noisy/samples.ply noisy.ply debris.ply -o noisy-cloud.png --size 210x190 --view 0.3,-0.4,1 \
+  --caption "cloud" --caption "mesh" --caption "--lambda 0.002, nothing dropped"
+
+# methods.md
+soapfilm scan part -o views --image 120x120 --noise 0.3%
+for method in tv tv-sor poisson graph-cut-6 graph-cut-26 vrip; do
+  soapfilm reconstruct views/scans.conf -o $method.ply --resolution 128 --method $method
+  soapfilm evaluate $method.ply --truth part --points 20000 --error-ply error-$method.ply >$method.txt
+done
+soapfilm render error-tv.ply error-tv-sor.ply error-poisson.ply error-graph-cut-6.ply error-graph-cut-26.ply \
+  error-vrip.ply -o methods.png --columns 3 --size 210x165 --up z --view iso --color-by distance --range 0,0.006 \
+  --caption tv --caption tv-sor --caption poisson --caption graph-cut-6 --caption graph-cut-26 --caption vrip
+
+# trust.md
+soapfilm scan torus -o hole --samples 20000 --noise 0.2% --hole 0.15
+soapfilm reconstruct hole/samples.ply -o hole.ply --distance
+soapfilm reconstruct hole/samples.ply -o cut.ply --distance --trim auto
+soapfilm render hole/samples.ply hole.ply cut.ply -o trust.png --size 210x170 --up z --view 0.2,0.3,1 \
+  --color-by distance --caption "samples" --caption "distance to the samples" --caption "--trim auto"
+
+/usr/bin/python3 - *.png <<'END'
+import sys
+from PIL import Image
+for name in sys.argv[1:]:
+    Image.open(name).convert("RGB").save(name[:-3] + "jpg", quality=85)
+END

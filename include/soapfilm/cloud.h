@@ -1,0 +1,58 @@
+// A point cloud made of one or several scans: the input.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "soapfilm/context.h"
+#include "soapfilm/vec.h"
+
+namespace SOAPFILM_API soapfilm {
+
+using Rgb8 = std::array<uint8_t, 3>;
+
+/// Connectivity of a range image: `sample[row * columns + column]` is an index relative to the scan's first sample,
+/// -1 where the scanner saw nothing.
+struct RangeGrid {
+  int columns = 0;
+  int rows = 0;
+  std::vector<int32_t> sample;
+};
+
+/// A contiguous run [begin, end) of a cloud's samples that one scanner position recorded.
+struct Scan {
+  std::string name;
+  size_t begin = 0;
+  size_t end = 0;
+  std::optional<Vec3d> sensor;          ///< scanner position, input units and frame
+  std::optional<Vec3d> view_direction;  ///< unit vector from the surface towards the scanner (parallel rays)
+  std::optional<RangeGrid> range_grid;
+
+  size_t size() const { return end - begin; }
+};
+
+/// Samples in input units and frame. Optional columns are either empty or as long as `positions`.
+struct PointCloud {
+  std::vector<Vec3d> positions;
+  std::vector<Vec3f> normals;  ///< outward, any length; zero means absent for that sample
+  std::vector<Vec3d> sensors;  ///< scanner position of each sample
+  std::vector<float> weights;  ///< >= 0
+  std::vector<Rgb8> colors;
+  std::vector<Scan> scans;  ///< in order, without gaps: together they cover all samples
+
+  size_t size() const { return positions.size(); }
+  Box3d box(const Context& context = Context(1)) const;
+
+  /// Appends another cloud as further scans. A column that only one of the two has is filled with its neutral
+  /// value: zero normal, not-a-number sensor, weight 1, gray color.
+  void append(PointCloud&& other);
+
+  /// Drops the samples where keep[i] is false, from every column, range grid and scan; empty scans disappear.
+  void filter(const std::vector<bool>& keep);
+};
+
+}  // namespace soapfilm

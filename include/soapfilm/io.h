@@ -1,0 +1,73 @@
+// Reading and writing files, by their extension (docs/reference/formats.md): clouds from .ply, .xyz, .txt, .pts and
+// .conf, to .ply; meshes from .ply, .obj, .off and .stl, to .ply, .obj and .stl.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "soapfilm/cloud.h"
+#include "soapfilm/context.h"
+#include "soapfilm/mesh.h"
+
+namespace SOAPFILM_API soapfilm {
+
+/// What reading one file found.
+struct FileReport {
+  std::string path;
+  std::string format;                   ///< such as "PLY, binary little-endian"
+  size_t samples = 0;                   ///< kept
+  size_t dropped = 0;                   ///< dropped because a coordinate was not finite
+  size_t ignored_normals = 0;           ///< normals with a non-finite part, set to zero (absent)
+  std::vector<std::string> properties;  ///< names of what each sample carries in the file, used or not
+};
+
+/// What reading a list of files found; a scan set has one entry for each of its scans.
+struct ReadReport {
+  std::vector<FileReport> files;
+  std::vector<std::string> warnings;  ///< one line each, naming the file
+
+  size_t samples() const;
+  size_t dropped() const;
+};
+
+/// Reads a point cloud of one or several scans. Samples with a non-finite coordinate are dropped and counted.
+/// The scans of a set are read as many at once as there are threads, the text of a PLY by all of them. Throws
+/// InputError for a file that cannot be read to its end, holds no sample or no finite one.
+PointCloud read_points(const std::string& path, ReadReport* report = nullptr, const Context& context = Context(1));
+
+/// Reads several files, as many at once, and appends them in order as further scans.
+PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report = nullptr,
+                       const Context& context = Context(1));
+
+/// Reads a triangle mesh; polygons become fans of triangles. Throws InputError for a file that cannot be read to its
+/// end, has no faces, an index out of range or a non-finite coordinate.
+Mesh read_mesh(const std::string& path);
+
+struct WriteOptions {
+  bool ascii = false;                 ///< PLY and STL as text; OBJ always is
+  double coordinate_precision = 0;    ///< largest rounding error allowed, input units; 0: 1e-3 of a mesh's mean edge,
+                                      ///< none for a cloud
+  std::vector<std::string> comments;  ///< lines for the head of a PLY or OBJ file
+};
+
+/// What was written.
+struct WriteReport {
+  std::string format;                 ///< such as "PLY, binary little-endian"
+  bool double_coordinates = false;    ///< float would have passed coordinate_precision
+  std::vector<std::string> warnings;  ///< STL alone: the detail that its float coordinates lose
+};
+
+/// Writes a mesh: first under a temporary name in the same folder, then renamed, so the file is whole or absent.
+/// Coordinates are float where that keeps `coordinate_precision`, otherwise double. The bytes are the same for any
+/// number of threads. Throws ParameterError for an inconsistent mesh, OutputError for an unknown extension or an
+/// unwritable file, Cancelled.
+WriteReport write_mesh(const std::string& path, const Mesh& mesh, const WriteOptions& options = {},
+                       const Context& context = Context(1));
+
+/// Likewise a cloud with all it has: normals, sensor positions, weights, colors, and each scan's name, sensor position,
+/// viewing direction and range grid. read_points() gives the same cloud back.
+WriteReport write_points(const std::string& path, const PointCloud& cloud, const WriteOptions& options = {},
+                         const Context& context = Context(1));
+
+}  // namespace soapfilm

@@ -1,0 +1,231 @@
+// All parameters of a reconstruction, one struct per stage, with their defaults (by option: docs/reference/options.md).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "soapfilm/vec.h"
+
+namespace SOAPFILM_API soapfilm {
+
+enum class Method : uint8_t {
+  tv,            ///< total variation (4), primal-dual, coarse to fine on a band, certified
+  tv_sor,        ///< the same energy by the paper's numerics, section 4.2
+  poisson,       ///< the quadratic regularizer (6)
+  graph_cut_6,   ///< the discrete optimum, 6 neighbors (Lempitsky and Boykov 2007)
+  graph_cut_26,  ///< the same with 26 neighbors
+  vrip,          ///< weighted signed distance of range scans (Curless and Levoy 1996)
+};
+
+/// Where directions come from. A sample for which the chosen source has nothing takes the next one of normals,
+/// sensor, scan, estimate; `automatic` begins with normals.
+enum class DirectionSource : uint8_t {
+  automatic,  ///< normals first; without their signs where these contradict each other
+  normals,    ///< the given normal as it is, unless it is zero
+  sensor,     ///< towards the scanner's position: the sample's own, its scan's, or OrientParams::sensor
+  scan,       ///< one direction for a whole scan: its viewing direction, or from its mean towards its scanner
+  estimate    ///< normal of a plane through the neighbors, on the scanner's side where one is known
+};
+
+struct OrientParams {
+  DirectionSource source = DirectionSource::automatic;
+  std::optional<Vec3d> sensor;   ///< scanner position of the scans that name none, input units and frame
+  int neighbours = 16;           ///< of a sample, for estimated normals; in [3, 1000]
+  std::optional<double> radius;  ///< estimated normals: all samples as near as this count, too; > 0, input units
+};
+
+/// Where the grid lies and how fine it is. At most one of `voxel` and `resolution` may be given.
+struct PlaceParams {
+  std::optional<double> voxel;    ///< edge of a cell, input units, > 0 and <= the samples' box
+  std::optional<int> resolution;  ///< grid vertices along the longest axis, padding included, > 2 padding
+  double samples_per_voxel2 = 1;  ///< without both: the voxel that holds this many samples per voxel^2 of surface, > 0
+  int padding = 6;                ///< cells between the samples and the border, 2..4096
+  int levels = 0;                 ///< of the pyramid, 1..12; 0: until the coarsest has at most 24 vertices per axis
+};
+
+/// How the area of the surface is measured: the norm in TV(u) = sum over vertices of |grad u|.
+enum class Norm : uint8_t {
+  isotropic,   ///< |g| = sqrt(gx^2 + gy^2 + gz^2), area as it is
+  anisotropic  ///< |g| = |gx| + |gy| + |gz|, area seen along the axes: what graph-cut-6 minimizes
+};
+
+/// What the energy (4) weighs.
+struct EnergyParams {
+  std::optional<double> lambda;      ///< the paper's: weight of a voxel face of area against one unit vector, > 0
+  double lambda_per_density = 0.02;  ///< without it: lambda is this times the samples per voxel^2 of surface, > 0
+  bool cross_validate = false;       ///< choose lambda_per_density from the samples; `lambda` must be absent
+  bool by_area = true;               ///< a sample weighs by the area it stands for, where `lambda` is absent; else 1
+  Norm norm = Norm::isotropic;       ///< of the gradient; anisotropic for Method::tv and graph cuts alone
+};
+
+enum class Border : uint8_t {
+  automatic,
+  air,    ///< u = 0 beyond the box: a closed surface that looks outward
+  solid,  ///< u = 1 there: a closed surface that looks inward; solved as its complement, all directions reversed
+  open    ///< the surface may end at the box, at no cost
+};
+
+/// What lies beyond the box of the samples. open: Method::tv alone; automatic: other methods take air.
+struct BorderParams {
+  Border outside = Border::automatic;
+  double open_gain = 0.35;  ///< automatic: open where that spares more than this share of the closed surface's cost of
+                            ///< area, (0, 1]; closing a sheet doubles it
+};
+
+/// What is held out together in cross-validation.
+enum class FoldSource : uint8_t {
+  automatic,  ///< single samples, also where there are scans
+  samples,    ///< single samples, dealt at random
+  scans       ///< whole scans
+};
+
+/// Of EnergyParams::cross_validate.
+struct CrossValidationParams {
+  int folds = 5;                              ///< parts, each held out once; in [2, 100]
+  FoldSource source = FoldSource::automatic;  ///< what they are made of
+  int max_resolution = 64;                    ///< vertices of the coarse grid along its longest axis; in [32, 512]
+  double indifference = 0.002;                ///< an error this much above the best one's is no difference; in [0, 1)
+  uint64_t seed = 1;                          ///< deals the samples
+  std::vector<double> candidates = {0.0025, 0.005, 0.01, 0.02,
+                                    0.04,   0.08,  0.16, 0.32};  ///< lambda per sample and voxel^2, > 0, increasing
+};
+
+/// Method::tv.
+struct PrimalDualParams {
+  double tolerance = 1e-3;    ///< of the band's relative gap, > 0 (chosen by bench/results/tolerance.md)
+  int max_iterations = 2000;  ///< per level, its band's growths counted, >= 1
+  bool settle = true;         ///< end a level on a band where the thresholded u has settled, whatever the relaxed gap
+  int check_every = 32;  ///< most iterations between two evaluations of the gap, 1 to 1000; the first comes after half
+  double step_balance = 1.4;  ///< sigma in units of lambda at first, half of it near the end; tau = 1.3 / (12 sigma)
+};
+
+enum class SorOrder : uint8_t {
+  lexicographic,  ///< the paper's: x fastest; two threads at most find work
+  red_black,      ///< first the vertices with even x + y + z, then the odd ones; for any number of threads
+};
+enum class SorGradient : uint8_t { central, forward };
+
+/// Method::tv_sor: the paper's section 4.2 (solve/sor.h).
+struct SorParams {
+  double epsilon = 0.001;     ///< bounds the diffusivity where u is constant, > 0
+  double omega = 1.85;        ///< relaxation, > 0 and < 2
+  int renew_every = 2;        ///< iterations with the same diffusivity, >= 1
+  int levels = 3;             ///< of the pyramid, >= 1; at most the lattice's
+  double tolerance = 1.2e-7;  ///< of the relative change of E between two iterations: float's resolution; >= 0
+  int max_iterations = 400;   ///< per level, >= 1
+  SorOrder order = SorOrder::lexicographic;
+  SorGradient gradient = SorGradient::central;  ///< how |grad u| is taken for the diffusivity
+  bool skip_empty = true;  ///< leave out runs of vertices that cannot change; the result is the same
+  double snap = 1e-6;      ///< u closer to 0 or 1 than this becomes 0 or 1; >= 0 and < 0.5, 0: the paper's
+};
+
+/// Method::poisson.
+struct PoissonParams {
+  double tolerance = 1e-4;  ///< of the residual |f + 2 lambda Laplace(u)| / |f|, in (0, 1)
+  int max_iterations = 50;  ///< of conjugate gradients, >= 1
+};
+
+/// edge_length: 1 / length of the link, as in Lempitsky and Boykov's program; cauchy_crofton: by solid angles (Boykov
+/// and Kolmogorov 2003), so that the cost of a plane depends less on its direction.
+enum class LinkWeights : uint8_t { edge_length, cauchy_crofton };
+
+/// Method::graph_cut_6 and _26.
+struct GraphCutParams {
+  LinkWeights weights = LinkWeights::edge_length;
+};
+
+/// A range scan as the surface that its scanner saw (fuse/range_surface.h).
+struct RangeSurfaceParams {
+  double max_edge = 4;            ///< longest edge of a triangle, in distances between the scan's samples, > 1
+  double max_incidence_deg = 75;  ///< largest angle between a triangle's normal and its ray, degrees, (0, 90)
+  int taper = 4;                  ///< samples over which the weight falls towards the scan's border, >= 0
+};
+
+/// Method::vrip: how far in front of its surface and behind it, at right angles, a scan counts, voxels, (0, 1000].
+struct VripParams {
+  double front = 6;
+  double behind = 2;
+  RangeSurfaceParams surface;
+};
+
+/// From flat triangles of one voxel to ones that follow the surface: where it was refined.
+struct BendParams {
+  double tolerance = 0.018;  ///< split edges whose middle lies further from the smooth surface, voxels; [0, 1];
+                             ///< 0: leave the mesh as marching cubes made it
+};
+
+/// From the relaxed indicator to the surface (section 4.4).
+struct SurfaceParams {
+  double threshold = 0.5;            ///< mu, in (0, 1)
+  std::optional<bool> refine;        ///< move the level set onto the samples; without it: by Method::tv alone
+  std::optional<bool> drop_islands;  ///< drop parts that few samples support; without it: where the surface is refined
+  std::optional<double> isovalue;    ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the
+                                     ///< samples
+  BendParams bend;
+  bool distance = false;  ///< the mesh's vertices get the attribute "distance": to the nearest sample, input units
+};
+
+/// A part's surface is the one between it and the part around it. Its support is the share of the samples that such an
+/// area has in the mean of the whole surface.
+struct IslandParams {
+  double min_support = 0.2;    ///< parts with less support are dropped, >= 0; 1 is a surface sampled like the whole
+  int few_samples = 5;         ///< parts of fewer samples are dropped whatever their support, >= 0
+  int many_samples = 100;      ///< parts of so many samples stay down to thin_support, >= 0
+  double thin_support = 0.01;  ///< a surface sampled a hundred times less than the whole, >= 0
+};
+
+/// How the surface spans what no sample covers: bent as the surface around, or as the surface of least area.
+enum class HoleFill : uint8_t { smooth, flat };
+
+/// How the surface is moved onto the samples.
+struct RefineParams {
+  std::optional<double> smoothing{};  ///< gamma, weight of curvature against one sample, lattice units; [1e-6, 1e6].
+                                      ///< Without it: chosen by held-out samples
+  std::optional<double> normals{};    ///< weight of a unit normal against one voxel; [0, 1e6], 0: viewing directions
+                                      ///< only. Without it: chosen by held-out samples
+  double reach = 3;                   ///< half width of the band, voxels; [1, 3]
+  double sparse = 0.5;  ///< samples per voxel^2, [0, 1e3]: where there are fewer, a fit on every second vertex, or
+                        ///< every fourth, ..., takes its place if that serves as well
+  HoleFill holes = HoleFill::smooth;
+};
+
+/// Surface that no sample is near.
+struct TrimParams {
+  std::optional<bool> on{};          ///< without it: where the surface may end at the border (Border::open)
+  std::optional<double> distance{};  ///< input units, > 0; without it: 3 voxels, or 3 times a larger spacing of samples
+  bool holes = false;                ///< cut out also the regions that would stay filled
+};
+
+struct ReconstructParams {
+  Method method = Method::tv;
+  OrientParams orient;
+  PlaceParams place;
+  EnergyParams energy;
+  BorderParams border;
+  CrossValidationParams select;
+  PrimalDualParams solve;
+  SorParams sor;
+  PoissonParams poisson;
+  GraphCutParams graph_cut;
+  VripParams vrip;
+  SurfaceParams surface;
+  IslandParams islands;
+  RefineParams refine;
+  TrimParams trim;                     ///< all but Method::vrip, whose surface ends where nothing was seen
+  std::optional<size_t> memory_limit;  ///< bytes; without it: what the machine has free
+  bool checked = false;                ///< the mesh's distance to the samples is asked for next: plan its memory, too
+};
+
+/// Throws ParameterError naming the first value that is out of its range, and the range.
+void validate(const ReconstructParams& params);
+
+/// All parameters by name; absent ones as null.
+std::string to_json(const ReconstructParams& params);
+/// The inverse, also of a whole report (to_json() of report.h); a key that is absent keeps its default. Throws
+/// ParameterError for text that is not JSON, an unknown key, a value of the wrong type or out of range.
+ReconstructParams params_from_json(const std::string& text);
+
+}  // namespace soapfilm

@@ -1,0 +1,38 @@
+// What a context holds.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "soapfilm/context.h"
+#include "soapfilm/core/page_pool.h"
+#include "soapfilm/core/simd.h"
+#include "soapfilm/core/threads.h"
+
+namespace soapfilm {
+
+/// Reports fractions of itself as those from `begin` to `end` of a whole.
+struct Context::Part : Progress {
+  void advance(double fraction, std::string_view detail) override;
+  void info(const std::string& line) override;
+  void detail(const std::string& line) override;
+  void warn(const std::string& line) override;
+
+  Progress* whole = nullptr;  ///< null: nothing is reported
+  double begin = 0, end = 1;
+};
+
+struct Context::State {
+  State(int thread_count, const std::string& simd_target, Progress* progress);
+  State(const State& parent, Progress* whole, double begin, double end);
+
+  Part part;
+  Progress* reports;
+  const Progress* stopped_by;
+  SimdTarget simd;
+  std::shared_ptr<Threads> threads;
+  PagePool pages;
+};
+
+}  // namespace soapfilm

@@ -1,0 +1,16 @@
+// What came of the holes: where no sample covers the surface.
+#pragma once
+
+#include <cstddef>
+
+namespace soapfilm {
+
+struct HoleReport {
+  size_t bent = 0;     ///< holes
+  size_t left = 0;     ///< left flat: the unseen base of an object, or a surface that ends at the grid's border
+  size_t flips = 0;    ///< vertices of the grid that changed sides
+  size_t refused = 0;  ///< that would have changed the topology and were held
+  int rounds = 0;      ///< of fits and flips; 12 are the most
+};
+
+}  // namespace soapfilm

@@ -1,0 +1,23 @@
+// What is decided by other parameters where a parameter is left open.
+#pragma once
+
+#include "soapfilm/params.h"
+
+namespace soapfilm {
+
+/// Is the surface moved onto the samples (refine/refine.h), or is it the paper's?
+inline bool refines(const ReconstructParams& params) {
+  return params.surface.refine.value_or(params.method == Method::tv && !params.surface.isovalue);
+}
+
+/// Are parts that few samples support dropped (finish/islands.h)? The paper's surface keeps them.
+inline bool drops_islands(const ReconstructParams& params) {
+  return params.surface.drop_islands.value_or(refines(params));
+}
+
+/// Is surface taken away that no sample is near (finish/trim.h)? `border` is the one that was chosen.
+inline bool trims(const ReconstructParams& params, Border border) {
+  return params.method != Method::vrip && params.trim.on.value_or(params.trim.distance || border == Border::open);
+}
+
+}  // namespace soapfilm

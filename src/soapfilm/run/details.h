@@ -1,0 +1,34 @@
+// What report.json says beyond include/soapfilm/report.h.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "soapfilm/border/border.h"
+#include "soapfilm/fuse/vrip.h"
+#include "soapfilm/lambda/cross_validation.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
+#include "soapfilm/refine/refine.h"
+#include "soapfilm/solve/graph_cut.h"
+#include "soapfilm/solve/poisson.h"
+#include "soapfilm/solve/sor.h"
+
+namespace soapfilm {
+
+/// What the method reports of its work.
+struct SolveReport {
+  std::vector<LevelReport> levels;  ///< Method::tv; coarsest first
+  std::vector<SorLevelReport> sor;  ///< Method::tv_sor; coarsest first
+  std::optional<PoissonReport> poisson;
+  std::optional<GraphCutReport> graph_cut;
+};
+
+struct ReportDetails {
+  std::optional<CrossValidationReport> select;  ///< when lambda was chosen by cross-validation
+  SolveReport solve;
+  std::optional<VripReport> vrip;
+  BorderReport border;
+  std::optional<FitReport> refine;  ///< when the surface was moved onto the samples
+};
+
+}  // namespace soapfilm

@@ -1,0 +1,54 @@
+// How far points lie from a mesh: closest points by Embree's tree, distances in double.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "soapfilm/context.h"
+#include "soapfilm/mesh.h"
+
+namespace soapfilm {
+
+struct ClosestPoint {
+  Vec3d position;
+  uint32_t triangle = 0;  ///< the lowest of several at the same distance
+  double distance = 0;    ///< >= 0, units of the mesh
+};
+
+/// A mesh prepared for closest-point queries. It keeps its own copy of the triangles. The tree is built in float with
+/// boxes rounded outward, every candidate is measured in double relative to the mesh's centre: georeferenced meshes
+/// (offsets of 1e6 with millimetre detail) lose nothing, and the result does not depend on the shape of the tree.
+class ClosestPointQuery {
+ public:
+  static constexpr double longest_side = 1e100;  ///< of the mesh's box, at most: a double holds its square
+
+  /// Throws ParameterError when the mesh has no triangle, a coordinate that is not finite, a box longer than
+  /// longest_side, or a triangle that names a vertex which does not exist.
+  ClosestPointQuery(const Mesh& mesh, const Context& context);
+  ~ClosestPointQuery();
+  ClosestPointQuery(ClosestPointQuery&&) noexcept;
+  ClosestPointQuery& operator=(ClosestPointQuery&&) noexcept;
+
+  /// Of one finite point. Safe to call from several threads.
+  ClosestPoint operator()(Vec3d point) const;
+
+  /// Of many points, in their order; neighbours in the list should be near each other in space, that makes it fast.
+  /// Throws ParameterError when a point is not finite.
+  std::vector<ClosestPoint> operator()(const std::vector<Vec3d>& points, const Context& context) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Distance of each point to the mesh; see ClosestPointQuery.
+std::vector<double> distances_to_mesh(const std::vector<Vec3d>& points, const Mesh& mesh, const Context& context);
+
+DistanceSummary summarize(std::vector<double> distances);
+
+/// summarize(distances_to_mesh(...)).
+DistanceSummary point_to_mesh_distance(const std::vector<Vec3d>& points, const Mesh& mesh, const Context& context);
+
+}  // namespace soapfilm
