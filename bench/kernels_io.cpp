@@ -48,7 +48,7 @@ struct Case {
     mesh = extract_isosurface(
         field.grid, field.f, [](Vec3i) { return 0.0f; }, 0.05f, lattice, context);
   }
-  /// Samples of a torus, neighbours one after the other as a scanner gives them.
+  /// Samples of a torus, neighbors one after the other as a scanner gives them.
   void make_cloud() {
     const PointCloud random = sample_surface(*make_shape("torus"), samples, 1);
     constexpr int cells = 128;

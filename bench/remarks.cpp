@@ -107,7 +107,7 @@ struct Mapped {
   float value(int x, int y, int z) const { return u[at(x, y, z)]; }
 };
 
-/// The same array with constant neighbour offsets, N(i) written out.
+/// The same array with constant neighbor offsets, N(i) written out.
 struct Offsets : Mapped {
   using Mapped::Mapped;
   void renew() {
@@ -157,7 +157,7 @@ struct Divided : Offsets {
   }
 };
 
-/// Cubes of 8^3 vertices with a bit each: those that are 0 with all their neighbours and have no data stay so.
+/// Cubes of 8^3 vertices with a bit each: those that are 0 with all their neighbors and have no data stay so.
 struct Skipping : Divided {
   std::vector<bool> active;
   Vec3i cubes;
@@ -175,7 +175,7 @@ struct Skipping : Divided {
                static_cast<size_t>(cubes.x) +
            static_cast<size_t>(x);
   }
-  /// u can have crept at most into the neighbours of active cubes: they join.
+  /// u can have crept at most into the neighbors of active cubes: they join.
   void spread() {
     const std::vector<bool> before = active;
     for (int z = 0; z < cubes.z; ++z)
@@ -266,9 +266,9 @@ int main(int argc, char** argv) {
     std::function<Measured()> run;
   };
   const std::vector<Row> rows = {
-      {"3D array of arrays, neighbours from a list", [&] { return measure(Nested(data), lambda); }},
+      {"3D array of arrays, neighbors from a list", [&] { return measure(Nested(data), lambda); }},
       {"one-dimensional array, (x, y, z) mapped at each access", [&] { return measure(Mapped(data), lambda); }},
-      {"constant neighbour offsets", [&] { return measure(Offsets(data), lambda); }},
+      {"constant neighbor offsets", [&] { return measure(Offsets(data), lambda); }},
       {"lambda divided out", [&] { return measure(Divided(data, lambda), lambda); }},
       {"empty cubes skipped by a bitmap", [&] { return measure(Skipping(data, lambda), lambda); }},
       {"all of it and vectors, two iterations in one pass: tv-sor",

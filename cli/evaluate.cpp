@@ -64,7 +64,7 @@ void write_errors(const EvaluateOptions& options, Mesh mesh, const Surface& trut
   // A mesh that lies on the truth has no error to scale by; any range shows it dark.
   const double top = options.error_range > 0 ? options.error_range : found > 0 ? found : truth.box().longest();
   WriteOptions write;
-  write.comments = {fmt::format("colours: distance to the truth from 0 to {:.6g}", top)};
+  write.comments = {fmt::format("colors: distance to the truth from 0 to {:.6g}", top)};
   write_mesh(options.error_ply, color_by_error(std::move(mesh), truth, top, context), write, context);
 }
 
@@ -123,7 +123,7 @@ void add_options(CLI::App& app, EvaluateOptions& o) {
   const auto output = [&](auto* option) { return option->group("Output"); };
   output(app.add_option("--json", o.json, "Write everything as JSON"))->option_text("FILE.json");
   output(app.add_option("--error-ply", o.error_ply,
-                        "Write the mesh coloured by its distance to the truth, with the vertex attribute 'distance'"))
+                        "Write the mesh colored by its distance to the truth, with the vertex attribute 'distance'"))
       ->option_text("FILE.ply");
   o.error_range_option = output(app.add_option("--error-range", o.error_range,
                                                "Distance at the bright end (default: 99 % of the mesh is below)"))

@@ -187,10 +187,10 @@ void print_points(const ordered_json& facts) {
   lines.emplace_back("properties",
                      fmt::format("{}", fmt::join(facts["properties"].get<std::vector<std::string>>(), " ")));
   add_box(lines, facts, 0.1 * spacing);
-  lines.emplace_back("spacing", fmt::format("{:.3g} (estimated distance of neighbouring samples)", spacing));
+  lines.emplace_back("spacing", fmt::format("{:.3g} (estimated distance of neighboring samples)", spacing));
   lines.emplace_back("directions", direction_sources(facts));
   lines.emplace_back("weights", facts["weights"].get<bool>() ? "yes" : "no");
-  lines.emplace_back("colours", facts["colors"].get<bool>() ? "yes" : "no");
+  lines.emplace_back("colors", facts["colors"].get<bool>() ? "yes" : "no");
   lines.emplace_back("scans", grouped(facts["scans"].size()));
   print_lines(lines);
   print_scans(facts["scans"], 0.1 * spacing);
@@ -218,7 +218,7 @@ void print_mesh(const ordered_json& facts) {
     lines.emplace_back("volume", fmt::format("{:.6g}{}", facts["volume"].get<double>(),
                                              facts["volume"] < 0 ? " (the surface is inside out)" : ""));
   lines.emplace_back("normals", facts["normals"].get<bool>() ? "yes" : "no");
-  lines.emplace_back("colours", facts["colors"].get<bool>() ? "yes" : "no");
+  lines.emplace_back("colors", facts["colors"].get<bool>() ? "yes" : "no");
   for (const ordered_json& attribute : facts["attributes"])
     lines.emplace_back("attribute", fmt::format("{} from {:.4g} to {:.4g}", attribute["name"].get<std::string>(),
                                                 attribute["lo"].get<float>(), attribute["hi"].get<float>()));

@@ -23,7 +23,7 @@ using nlohmann::ordered_json;
 
 Object shape_object(const ObjectOptions& options) {
   ShapeParams params = options.shape;
-  if (!options.centre.empty()) params.centre = parse_point("centre", options.centre);
+  if (!options.center.empty()) params.center = parse_point("center", options.center);
   const std::shared_ptr<const Shape> shape = make_shape(options.name, params);
   const ShapeFacts& facts = shape->facts();
   for (const CLI::Option* option : options.of_some_shapes) {
@@ -33,7 +33,7 @@ Object shape_object(const ObjectOptions& options) {
   }
   ordered_json json = {{"shape", facts.name}, {"parameters", ordered_json::object()}};
   for (const auto& [name, value] : facts.parameters) json["parameters"][name] = value;
-  json["centre"] = json_of(params.centre);
+  json["center"] = json_of(params.center);
   json["components"] = facts.components;
   json["genus"] = facts.genus;
   json["narrowest"] = facts.narrowest;
@@ -82,7 +82,7 @@ void add_shape_options(CLI::App& app, ObjectOptions& o) {
   };
   shape(app.add_option("--size", o.shape.size, "Longest side of a built-in shape"))
       ->option_text(fmt::format("V [{:g}]", o.shape.size));
-  shape(app.add_option("--centre", o.centre, "Centre of its box"))->option_text("X,Y,Z [0,0,0]");
+  shape(app.add_option("--center", o.center, "Center of its box"))->option_text("X,Y,Z [0,0,0]");
   const auto some = [&](auto* option) {
     o.of_some_shapes.push_back(option);
     return shape(option);

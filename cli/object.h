@@ -18,7 +18,7 @@ namespace soapfilm::cli {
 /// What the options say, before it is checked.
 struct ObjectOptions {
   std::string name;  ///< shape, scene or file
-  std::string centre;
+  std::string center;
   ShapeParams shape;
   std::vector<const CLI::Option*> shape_only;      ///< options that a mesh has no use for
   std::vector<const CLI::Option*> of_some_shapes;  ///< those that are named as the parameter of a few shapes
@@ -27,7 +27,7 @@ struct ObjectOptions {
 /// "A built-in shape (sphere, ...), a scene (room, ...) or a mesh (...)", for the option that names the object.
 std::string object_description();
 
-/// --size, --centre, --thickness, --gap.
+/// --size, --center, --thickness, --gap.
 void add_shape_options(CLI::App& app, ObjectOptions& options);
 
 /// The surface, and what is known about it.

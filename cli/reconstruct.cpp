@@ -258,9 +258,9 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->delimiter(',')
       ->expected(3)
       ->option_text("X,Y,Z");
-  directions(app.add_option("--neighbors", p.orient.neighbours,
+  directions(app.add_option("--neighbors", p.orient.neighbors,
                             "Of estimated directions: nearest samples whose plane it is, 3 to 1000"))
-      ->option_text(fmt::format("N [{}]", p.orient.neighbours));
+      ->option_text(fmt::format("N [{}]", p.orient.neighbors));
   directions(app.add_option("--radius", p.orient.radius,
                             "Of estimated directions: all samples as near as this count too, in the\ninput's units"))
       ->option_text("R");
@@ -320,9 +320,9 @@ void add_method_options(CLI::App& app, ReconstructOptions& o) {
       ->option_text(fmt::format("V [{:g}]", p.vrip.front));
   method(app.add_option("--behind", p.vrip.behind, "Of vrip: reach behind it, voxels"))
       ->option_text(fmt::format("V [{:g}]", p.vrip.behind));
-  method(app.add_option("--folds", p.select.folds, "Of --lambda auto: parts of the samples, each held out once"))
-      ->option_text(fmt::format("N [{}]", p.select.folds));
-  method(app.add_option("--fold-source", p.select.source, "Of --lambda auto: auto, samples, or whole scans"))
+  method(app.add_option("--folds", p.cross_validation.folds, "Of --lambda auto: parts of the samples, each held out once"))
+      ->option_text(fmt::format("N [{}]", p.cross_validation.folds));
+  method(app.add_option("--fold-source", p.cross_validation.source, "Of --lambda auto: auto, samples, or whole scans"))
       ->transform(named<FoldSource>(
           {{"auto", FoldSource::automatic}, {"samples", FoldSource::samples}, {"scans", FoldSource::scans}}))
       ->option_text("SOURCE [auto]");
@@ -342,14 +342,14 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
                          "Move the surface onto the samples, or leave the paper's: on or off\n(default: on for tv)"))
       ->transform(named<bool>({{"on", true}, {"off", false}}))
       ->option_text("on|off");
-  surface(app.add_option("--islands", p.surface.drop_islands,
-                         "Specks and bubbles that few samples support, or that refining\nshrinks to nothing: drop or "
-                         "keep\n(default: drop where the surface is refined)"))
-      ->transform(named<bool>({{"drop", true}, {"keep", false}}))
-      ->option_text("drop|keep");
-  surface(app.add_option("--min-support", p.islands.min_support,
-                         "Of --islands: samples on a part over what its area has in the mean"))
-      ->option_text(fmt::format("V [{:g}]", p.islands.min_support));
+  surface(app.add_option("--drop-components", p.surface.drop_components,
+                         "Remove components and cavities that too few samples support, or that\nrefining shrinks to "
+                         "nothing: on or off\n(default: on where the surface is refined)"))
+      ->transform(named<bool>({{"on", true}, {"off", false}}))
+      ->option_text("on|off");
+  surface(app.add_option("--min-support", p.components.min_support,
+                         "Of --drop-components: samples on a component over those that its area\nhas on average"))
+      ->option_text(fmt::format("V [{:g}]", p.components.min_support));
   surface(app.add_option("--smoothing", p.refine.smoothing,
                          "Of the refined surface: weight of curvature against one sample\n(default: chosen by held-out "
                          "samples)"))
@@ -359,10 +359,10 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
                          "flat, of least area; unseen bases are flat"))
       ->transform(named<HoleFill>({{"smooth", HoleFill::smooth}, {"flat", HoleFill::flat}}))
       ->option_text("smooth|flat [smooth]");
-  surface(app.add_option("--bend-tolerance", p.surface.bend.tolerance,
+  surface(app.add_option("--split-tolerance", p.surface.relax.split_tolerance,
                          "Of the refined surface: split edges whose middle lies further from it,\nvoxels; 0: leave the "
                          "triangles of marching cubes"))
-      ->option_text(fmt::format("V [{:g}]", p.surface.bend.tolerance));
+      ->option_text(fmt::format("V [{:g}]", p.surface.relax.split_tolerance));
 
   surface(app.add_option("--trim", o.trim,
                          "Take away surface farther than this from all samples, in the input's\nunits; auto: 3 voxels, "

@@ -96,7 +96,7 @@ RenderParams params_of(const Request& request) {
   params.background = parse_background(request.background);
   params.shading = request.shading == "smooth" ? Shading::smooth : Shading::flat;
   params.framing = request.framing == "fitted"    ? Framing::fitted
-                   : request.framing == "centred" ? Framing::centred
+                   : request.framing == "centerd" ? Framing::centerd
                                                   : Framing::shared;
   if (!request.size.empty()) {
     const auto v = required_numbers("--size", request.size, 'x', 2, "two whole numbers WxH");
@@ -174,9 +174,9 @@ void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner) {
   camera(command->add_option("--up", request->up, "Upright axis: x, y, z, -x, -y, -z or X,Y,Z"))
       ->option_text(fmt::format("AXIS [{}]", request->up));
   camera(command->add_option("--framing", request->framing,
-                             "shared: one window of space for all; centred: one scale, a centre each; fitted: a scale "
+                             "shared: one window of space for all; centerd: one scale, a center each; fitted: a scale "
                              "each"))
-      ->check(CLI::IsMember({"shared", "centred", "fitted"}))
+      ->check(CLI::IsMember({"shared", "centerd", "fitted"}))
       ->option_text(fmt::format("HOW [{}]", request->framing));
   camera(command->add_option("--zoom", request->zoom,
                              "Only this part, in fractions of the panel from its upper left corner"))
@@ -186,10 +186,10 @@ void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner) {
   look(command->add_option("--shading", request->shading, "flat: as the triangles are; smooth: interpolated normals"))
       ->check(CLI::IsMember({"flat", "smooth"}))
       ->option_text(fmt::format("HOW [{}]", request->shading));
-  look(command->add_option("--color-by", params.color_by, "Colour by this vertex attribute, with a legend"))
+  look(command->add_option("--color-by", params.color_by, "Color by this vertex attribute, with a legend"))
       ->option_text("ATTRIBUTE");
   look(command->add_option("--range", request->range,
-                           "Of --color-by: attribute values at the ends of the colours (default: their own)"))
+                           "Of --color-by: attribute values at the ends of the colors (default: their own)"))
       ->option_text("LOW,HIGH");
   look(command->add_flag("--points", request->as_points, "Draw a mesh's vertices as points"));
   look(command->add_option("--point-radius", params.point_radius, "Of points, input units (default: their spacing's)"))

@@ -86,13 +86,13 @@ struct Measured {
 
 void remove_missing(Measured& measured, const Surface& surface, MissingParams missing, uint64_t seed,
                     const Context& context) {
-  if (missing.hole == 0.0 && missing.thin_half == 1.0) return;
+  if (missing.hole == 0.0 && missing.sparse_half == 1.0) return;
   missing.seed = seed;
   const size_t before = measured.scans.cloud.size();
   const std::vector<bool> keep = kept_samples(surface, measured.scans.cloud, missing, context);
   measured.scans.poses.empty() ? measured.scans.cloud.filter(keep) : filter(measured.scans, keep);
   measured.missing = {{"hole", missing.hole},
-                      {"thin_half", missing.thin_half},
+                      {"sparse_half", missing.sparse_half},
                       {"samples", before - measured.scans.cloud.size()},
                       {"seed", seed}};
 }

@@ -38,7 +38,7 @@ void add_view_options(CLI::App& app, ScanOptions& o) {
   views(app.add_option("--position", o.positions, "A scanner position instead of an orbit; may be repeated"))
       ->allow_extra_args(false)
       ->option_text("X,Y,Z");
-  views(app.add_option("--target", o.target, "What every view looks at (default: the box's centre)"))
+  views(app.add_option("--target", o.target, "What every view looks at (default: the box's center)"))
       ->option_text("X,Y,Z");
 }
 
@@ -56,7 +56,7 @@ void add_ray_options(CLI::App& app, ScanOptions& o) {
                ->option_text("KIND [central]");
   CLI::Option* image = rays(app.add_option("--image", o.image, "Columns and rows of each range image"))
                            ->option_text(fmt::format("CxR [{}x{}]", p.columns, p.rows));
-  rays(app.add_option("--step", o.step, "Distance of neighbouring rays at the target, instead of --image"))
+  rays(app.add_option("--step", o.step, "Distance of neighboring rays at the target, instead of --image"))
       ->excludes(image)
       ->option_text("LENGTH");
   CLI::Option* span = rays(app.add_option("--span", o.span,
@@ -112,12 +112,12 @@ void add_error_options(CLI::App& app, ScanOptions& o) {
       ->option_text(fmt::format("V [{:g}]", p.mixed_pixels));
   errors(app.add_option("--hole", o.missing.hole, "Share of the surface, one patch of it, without samples, 0 to 0.9"))
       ->option_text(fmt::format("V [{:g}]", o.missing.hole));
-  errors(app.add_option("--thin-half", o.missing.thin_half,
+  errors(app.add_option("--sparse-half", o.missing.sparse_half,
                         "Only one of this many samples beyond the middle of the longest side"))
-      ->option_text(fmt::format("V [{:g}]", o.missing.thin_half));
+      ->option_text(fmt::format("V [{:g}]", o.missing.sparse_half));
   of_scans(app.add_option("--misalignment", o.misalignment, "Standard deviation of each scan's shift along an axis"))
       ->option_text("LENGTH [0]");
-  of_scans(app.add_option("--misalignment-angle", p.misalignment_deg, "The same of its rotation about its centre"))
+  of_scans(app.add_option("--misalignment-angle", p.misalignment_deg, "The same of its rotation about its center"))
       ->option_text(fmt::format("DEGREES [{:g}]", p.misalignment_deg));
   errors(app.add_option("--seed", p.seed, "Of all random numbers"))
       ->check(CLI::Range(int64_t{0}, std::numeric_limits<int64_t>::max()))

@@ -13,7 +13,7 @@ foreach(test
     Reconstruct.TheSameBytesForAnyNumberOfThreads
     Georeferenced.CoordinatesLoseNothing
     Plate.OfThreeVoxelsStaysWholeThoughCoarseLevelsLoseIt
-    Units.MillimetresOrMetresGiveTheSameSurfaceButForTies)
+    Units.MillimetersOrMetersGiveTheSameSurfaceButForTies)
   set_tests_properties(${test} PROPERTIES LABELS repeated)
 endforeach()
 
@@ -57,7 +57,7 @@ foreach(neighbors 6 26)
   endforeach()
 endforeach()
 
-repeated(Shares/Labelling.IsThatOfAFlood 10 97)
+repeated(Shares/Labeling.IsThatOfAFlood 10 97)
 repeated(Shapes/BandAndWholeGrid.HaveTheSameSolution sphere1 sphere7 torus2 part3 part4 knot5 knot9 sheets6)
 foreach(law DualBoundIsTheOneOfTheWholeGrid EnergiesAreThoseOfTheWholeGrid DualIsFeasibleOnTheWholeGrid
     CertifiedBoundHoldsForTheRescaledDual DataLeftOutCostNoMoreThanIsAllowed)

@@ -44,7 +44,7 @@ class Condition:
     noise: float = 0             # standard deviation, voxels
     outliers: float = 0          # share of the samples
     hole: float = 0              # share of the surface
-    thin_half: float = 1         # one of so many samples stays on one half
+    sparse_half: float = 1         # one of so many samples stays on one half
     misalignment: float = 0      # standard deviation of each scan's shift along an axis, voxels
     density: float = 1           # of even samples, per voxel^2
     scans: bool = False
@@ -57,12 +57,12 @@ class Condition:
         for option, value in (("--noise", self.noise * voxel), ("--misalignment", self.misalignment * voxel),
                               ("--outliers", self.outliers), ("--hole", self.hole)):
             words += [option, f"{value:.9g}"] if value else []
-        return words + (["--thin-half", f"{self.thin_half:g}"] if self.thin_half > 1 else [])
+        return words + (["--sparse-half", f"{self.sparse_half:g}"] if self.sparse_half > 1 else [])
 
     @property
     def samples_per_voxel(self):
         """Of surface, voxel^2. Uneven density: the geometric mean of both halves is one."""
-        return self.density * self.thin_half**0.5
+        return self.density * self.sparse_half**0.5
 
 
 CONDITIONS = (
@@ -79,7 +79,7 @@ CONDITIONS = (
     Condition("hole-2", "the hole in a second place", hole=0.1, seed=2, baselines=False),
     Condition("hole-3", "the hole in a third place", hole=0.1, seed=3, baselines=False),
     Condition("hole-noise", "the first hole, noise of 1/2 voxel", hole=0.1, noise=0.5, baselines=False),
-    Condition("density", "density 50 to 1", thin_half=50),
+    Condition("density", "density 50 to 1", sparse_half=50),
     Condition("sparse", "noise of 1/2 voxel, 1/5 sample per voxel^2", noise=0.5, density=0.2, baselines=False),
     Condition("scans", "range scans", scans=True),
     Condition("misaligned", "scans misaligned by 1/2 voxel", misalignment=0.5, scans=True),
@@ -101,7 +101,7 @@ FLAT = "tv, edges not split"  # triangles of one voxel at every size
 METHODS = (
     Method("tv", ours=True),
     Method("tv unrefined", ("--refine", "off"), ours=True),
-    Method(FLAT, ("--bend-tolerance", "0"), ours=True, series_only=True),
+    Method(FLAT, ("--split-tolerance", "0"), ours=True, series_only=True),
     Method("poisson", ("--method", "poisson")),
     Method("vrip", ("--method", "vrip"), range_images=True),
     Method("graph-cut-26", ("--method", "graph-cut-26")),

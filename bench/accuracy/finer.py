@@ -1,4 +1,4 @@
-"""Triangles of a mesh file cut into smaller ones on the same surface: colours at vertices then tell what is between."""
+"""Triangles of a mesh file cut into smaller ones on the same surface: colors at vertices then tell what is between."""
 import numpy as np
 
 

@@ -180,7 +180,7 @@ Viewing directions only; the whole process, with reading and writing.
 def worst(c):
     return f"""## The worst case of each method
 
-By its error. Above the truth, coloured by its distance to the mesh, whose mean is the error; below the mesh, coloured
+By its error. Above the truth, colored by its distance to the mesh, whose mean is the error; below the mesh, colored
 by its distance to the truth; bright from two voxels on.
 
 {c.worst}

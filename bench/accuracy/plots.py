@@ -78,8 +78,8 @@ def worst_case(results, method, cells):
 
 
 def worst_cases(lab, trial, results, cases, cells):
-    """Two panels for each method's worst case: the truth, coloured by its distance to the mesh, which is what the error
-    measures, above the mesh, coloured by its distance to the truth. Returns the Markdown."""
+    """Two panels for each method's worst case: the truth, colored by its distance to the mesh, which is what the error
+    measures, above the mesh, colored by its distance to the truth. Returns the Markdown."""
     case_of = {(c.shape.name, c.condition.name, c.method.name, c.cells, c.peer_voxel): c for c in cases}
     found = [row for row in (worst_case(results, method, cells) for method in results.methods(cells)) if row]
     for row in {row.shape: row for row in found}.values():
@@ -100,7 +100,7 @@ def worst_cases(lab, trial, results, cases, cells):
 
 
 def color_by_distance(lab, mesh, other, name, voxel):
-    """The mesh coloured by its distance to the other surface, bright from two voxels on."""
+    """The mesh colored by its distance to the other surface, bright from two voxels on."""
     colored = lab.work / f"{name}.ply"
     lab.output_of([lab.program, "evaluate", mesh, "--truth", other, "--points", 1000, "--error-ply", colored,
                    "--error-range", f"{2 * voxel:.9g}", "--threads", 1])

@@ -117,7 +117,7 @@ class Verdicts(unittest.TestCase):
         key = (SHARE, "the bunny's raw scans, 512")
         self.assertEqual(table([], share=0.5)[key], MET)
         self.assertEqual(table([], share=0.51)[key], MISSED)
-        self.assertEqual(scans.share_of({"cpu_seconds": {"solve": 2, "refine": 3, "bend": 1}}), 2)
+        self.assertEqual(scans.share_of({"cpu_seconds": {"solve": 2, "refine": 3, "relax": 1}}), 2)
         self.assertEqual(scans.share_of({"cpu_seconds": {"solve": 2, "refine": 3}}), 1.5)
 
     def test_intersections(self):

@@ -75,7 +75,7 @@ def remarks(lab):
         ["remove the multiplication by lambda", "done in tv-sor (f / lambda); tv has no such product in its sweep: "
          "lambda is the radius of the dual's ball"],
         ["one-dimensional storage", "everywhere: one flat array per quantity, bricks of 8^3 values in it"],
-        ["constant neighbour offsets", "within a brick, and by a table of 26 neighbours across bricks"],
+        ["constant neighbor offsets", "within a brick, and by a table of 26 neighbors across bricks"],
         ["skip empty cubes by a bitmap", f"the active band: {fine:,} of {size[0]}x{size[1]}x{size[2]} vertices "
          f"({share:.1f} %) are ever touched at 512, and the proof covers the rest"]])
     return "The remarks at the end of the paper", f"""

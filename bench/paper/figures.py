@@ -77,7 +77,7 @@ are what the methods must survive.
 
 def figure_4(lab):
     scans, name = detailed(lab, "figure-4-scans", "--views", 18, "--noise", "0.1%", "--image", "400x400",
-                           "--thin-half", 50, "--outliers", 0.01, "--outlier-kind", "box")
+                           "--sparse-half", 50, "--outliers", 0.01, "--outlier-kind", "box")
     rows, meshes = [], [(scans, "scans: 50 to 1, 1 % outliers")]
     for method in ("poisson", "tv"):
         # The paper's lambda: the default follows the mean density, which the thin half lies far below.

@@ -95,7 +95,7 @@ def table_3(lab):
 {", ".join(map(str, LAMBDAS))}. RMS in the file's units; the paper's 0.82e-4 is 0.18 of its voxel. Ours are smaller for
 every method: the isovalue at the samples and the smoothing are the paper's, but its marching cubes code and its
 samples are not known. Up to 0.01 film and cuts are within 0.4 % of one another, towards 0 all three become the same
-labelling: at 0.01 the film is nearest to the samples, as in the paper, below a cut is; a tolerance of 1e-5 moves the
+labeling: at 0.01 the film is nearest to the samples, as in the paper, below a cut is; a tolerance of 1e-5 moves the
 film by up to 0.5 %. From 0.02 on the film is nearest. It needs the least memory. The last row is what
 `soapfilm reconstruct` does by default; its ragged ears are those of the mesh that was sampled.
 

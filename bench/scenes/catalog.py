@@ -71,7 +71,7 @@ SCENES = (
     Scene("weights", "a second, wrong copy with small weights", clouds.weights, 0.009, 1, 4),
     Scene("thick_noise", "200,000 samples, noise of four spacings", clouds.thick_noise, 0.01, 1, 4),
     Scene("mvs_noise", "smooth errors of a stereo cloud, 3 % mismatches", clouds.stereo, 0.008, 1, 4),
-    Scene("units", "a part of a micrometre in metres, one metre off", clouds.units(1e-6, (1.0, 2.0, -3.0)), 1.1e-8, 1,
+    Scene("units", "a part of a micrometre in meters, one meter off", clouds.units(1e-6, (1.0, 2.0, -3.0)), 1.1e-8, 1,
           4),
     Scene("units_big", "the same at a scale of a million", clouds.units(1e6, (0.0, 0.0, 0.0)), 1.1e4, 1, 4),
     Scene("few_20", "20 samples of a ball", clouds.few(20), 0.8, 1, 0),

@@ -74,11 +74,11 @@ def tube(path, radius, facets=24, closed=False):
     return joined(side, turned((np.vstack([first, path[:1]]), fan)), (np.vstack([last, path[-1:]]), fan))
 
 
-def ball(centre, radius, n=24):
+def ball(center, radius, n=24):
     theta, phi = np.linspace(0, np.pi, n + 1), np.arange(2 * n) * np.pi / n
     t, p = np.meshgrid(theta, phi, indexing="ij")
     points = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=-1)
-    return grid_mesh(np.asarray(centre, float) + radius * points, closed_v=True)
+    return grid_mesh(np.asarray(center, float) + radius * points, closed_v=True)
 
 
 def face_normals(mesh):

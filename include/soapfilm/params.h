@@ -33,7 +33,7 @@ enum class DirectionSource : uint8_t {
 struct OrientParams {
   DirectionSource source = DirectionSource::automatic;
   std::optional<Vec3d> sensor;   ///< scanner position of the scans that name none, input units and frame
-  int neighbours = 16;           ///< of a sample, for estimated normals; in [3, 1000]
+  int neighbors = 16;            ///< of a sample, for estimated normals; in [3, 1000]
   std::optional<double> radius;  ///< estimated normals: all samples as near as this count, too; > 0, input units
 };
 
@@ -152,29 +152,30 @@ struct VripParams {
 };
 
 /// From flat triangles of one voxel to ones that follow the surface: where it was refined.
-struct BendParams {
-  double tolerance = 0.018;  ///< split edges whose middle lies further from the smooth surface, voxels; [0, 1];
-                             ///< 0: leave the mesh as marching cubes made it
+struct RelaxParams {
+  double split_tolerance = 0.018;  ///< split edges whose middle lies further from the smooth surface, voxels; [0, 1];
+                                   ///< 0: leave the mesh as marching cubes made it
 };
 
 /// From the relaxed indicator to the surface (section 4.4).
 struct SurfaceParams {
-  double threshold = 0.5;            ///< mu, in (0, 1)
-  std::optional<bool> refine;        ///< move the level set onto the samples; without it: by Method::tv alone
-  std::optional<bool> drop_islands;  ///< drop parts that few samples support; without it: where the surface is refined
-  std::optional<double> isovalue;    ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the
-                                     ///< samples
-  BendParams bend;
+  double threshold = 0.5;      ///< mu, in (0, 1)
+  std::optional<bool> refine;  ///< move the level set onto the samples; without it: by Method::tv alone
+  std::optional<bool>
+      drop_components;             ///< drop parts that few samples support; without it: where the surface is refined
+  std::optional<double> isovalue;  ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the
+                                   ///< samples
+  RelaxParams relax;
   bool distance = false;  ///< the mesh's vertices get the attribute "distance": to the nearest sample, input units
 };
 
 /// A part's surface is the one between it and the part around it. Its support is the share of the samples that such an
 /// area has in the mean of the whole surface.
-struct IslandParams {
-  double min_support = 0.2;    ///< parts with less support are dropped, >= 0; 1 is a surface sampled like the whole
-  int few_samples = 5;         ///< parts of fewer samples are dropped whatever their support, >= 0
-  int many_samples = 100;      ///< parts of so many samples stay down to thin_support, >= 0
-  double thin_support = 0.01;  ///< a surface sampled a hundred times less than the whole, >= 0
+struct ComponentParams {
+  double min_support = 0.2;      ///< parts with less support are dropped, >= 0; 1 is a surface sampled like the whole
+  int few_samples = 5;           ///< parts of fewer samples are dropped whatever their support, >= 0
+  int many_samples = 100;        ///< parts of so many samples stay down to sparse_support, >= 0
+  double sparse_support = 0.01;  ///< a surface sampled a hundred times less than the whole, >= 0
 };
 
 /// How the surface spans what no sample covers: bent as the surface around, or as the surface of least area.
@@ -205,14 +206,14 @@ struct ReconstructParams {
   PlaceParams place;
   EnergyParams energy;
   BorderParams border;
-  CrossValidationParams select;
+  CrossValidationParams cross_validation;
   PrimalDualParams solve;
   SorParams sor;
   PoissonParams poisson;
   GraphCutParams graph_cut;
   VripParams vrip;
   SurfaceParams surface;
-  IslandParams islands;
+  ComponentParams components;
   RefineParams refine;
   TrimParams trim;                     ///< all but Method::vrip, whose surface ends where nothing was seen
   std::optional<size_t> memory_limit;  ///< bytes; without it: what the machine has free

@@ -31,7 +31,7 @@ struct OrientReport {
   bool inward = false;           ///< normals that were given point towards the samples' middle on the whole
   size_t without_direction = 0;  ///< their direction is zero: no neighbors that span a plane
   double contradicting = 0;      ///< share of the pairs of neighboring directions on one plane that do, [0, 1]
-  size_t turned = 0;             ///< normals that were therefore used without their signs: reversed since
+  size_t reoriented = 0;             ///< normals that were therefore used without their signs: reversed since
   std::vector<std::string> warnings;
 };
 
@@ -85,12 +85,12 @@ struct Certificate {
 };
 
 /// Parts that few samples support.
-struct IslandReport {
+struct ComponentReport {
   struct Count {
     size_t kept = 0, dropped = 0;
   };
   Count objects;               ///< parts of the inside
-  Count voids;                 ///< parts of the outside but the outermost
+  Count cavities;              ///< parts of the outside but the outermost
   size_t samples = 0;          ///< by their weights, on the surfaces of dropped parts; one on two of them counts twice
   double area = 0;             ///< of these surfaces, voxel^2
   size_t vertices = 0;         ///< of the grid, that changed sides
@@ -106,7 +106,7 @@ struct RefineReport {
   double spacing = 1;    ///< of the vertices that the fit worked on, voxels: 1, 2, 4, ...
 };
 
-struct BendReport {
+struct RelaxReport {
   size_t split_edges = 0;
   size_t triangles_before = 0;
 };
@@ -151,9 +151,9 @@ struct ReconstructReport {
   Border outside = Border::air;         ///< what was taken to lie beyond the box
   std::string outside_reason;           ///< half a line
   Certificate certificate;              ///< but for Method::vrip, which has no energy: lambda alone
-  std::optional<IslandReport> islands;  ///< when parts that few samples support were dropped
+  std::optional<ComponentReport> components;  ///< when parts that few samples support were dropped
   std::optional<RefineReport> refine;   ///< when the surface was moved onto the samples
-  std::optional<BendReport> bend;       ///< when edges were split
+  std::optional<RelaxReport> relax;       ///< when edges were split
   std::optional<TrimReport> trim;       ///< when surface that no sample is near was looked for
   double isovalue = 0;                  ///< of the smoothed indicator; 0 of the refined field
   size_t mesh_vertices = 0;

@@ -69,7 +69,7 @@ TEST_F(EvaluateCommand, WithoutVoxelAndSamplesTheirKeysAreNull) {
   EXPECT_LT(facts["truth_to_mesh"]["distance"]["maximum"].get<double>(), 1e-12);
 }
 
-TEST_F(EvaluateCommand, WritesAPlyThatRenderColours) {
+TEST_F(EvaluateCommand, WritesAPlyThatRenderColors) {
   const std::string ply = folder.file("error.ply");
   ASSERT_EQ(run({"evaluate", mesh, "--truth", "sphere", "--size", "2", "--points", "1000", "--error-ply", ply,
                  "--error-range", "0.2"})
@@ -146,10 +146,10 @@ TEST_F(EvaluateCommand, WarnsOfSamplesThatAreNotFinite) {
 TEST_F(EvaluateCommand, PassesOnWhatReadingTheSamplesWarnsOf) {
   write_points(folder.file("scan.ply"), sample_surface(*make_sphere(), 20, 1));
   const std::string set = folder.file("set.conf");
-  std::ofstream(set) << "colour 3\nbmesh scan.ply 0 0 0 0 0 0 1\n";
+  std::ofstream(set) << "color 3\nbmesh scan.ply 0 0 0 0 0 0 1\n";
   const ProcessResult result = run({"evaluate", mesh, "--truth", mesh, "--samples", set, "--points", "100", "--quiet"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.err, "set.conf:1: keyword 'colour' ignored")) << result.err;
+  EXPECT_TRUE(contains(result.err, "set.conf:1: keyword 'color' ignored")) << result.err;
 }
 
 TEST_F(EvaluateCommand, TrianglesWithoutAreaHaveNoAngle) {

@@ -100,10 +100,10 @@ TEST_F(MethodCommand, LinkWeightsAndNormReachTheCut) {
 TEST_F(MethodCommand, AutomaticLambdaReportsItsCurve) {
   const json report = reported({even, "--lambda", "auto", "--folds", "3", "--resolution", resolution});
   ASSERT_FALSE(report.is_null());
-  const json& select = report["select"];
+  const json& select = report["cross_validation"];
   EXPECT_EQ(select["folds"], 3);
   EXPECT_EQ(select["whole_scans"], false);
-  ASSERT_EQ(select["curve"].size(), report["parameters"]["select"]["candidates"].size());
+  ASSERT_EQ(select["curve"].size(), report["parameters"]["cross_validation"]["candidates"].size());
   EXPECT_EQ(report["parameters"]["energy"]["cross_validate"], true);
   EXPECT_TRUE(report["parameters"]["energy"]["lambda"].is_null());
   const double chosen = select["chosen"];
@@ -185,15 +185,15 @@ TEST_F(MethodCommand, VripTakesTheSensorOfScansThatNameNone) {
   scanner.views = 1;
   PointCloud cloud = virtual_scan(*make_sphere(), scanner, Context(1)).cloud;
   ASSERT_EQ(cloud.scans.size(), 1u);
-  const Vec3d centre = cloud.box().center();
-  ASSERT_GT(norm(centre), 0.1) << "one side of a sphere around the origin: the scanner is on that side";
+  const Vec3d center = cloud.box().center();
+  ASSERT_GT(norm(center), 0.1) << "one side of a sphere around the origin: the scanner is on that side";
   cloud.scans[0].sensor.reset();
   cloud.scans[0].view_direction.reset();
   cloud.sensors.clear();
   const std::string blind = folder.file("blind.ply");
   write_points(blind, cloud);
   refused({blind, "--method", "vrip"}, "has no sensor position and no viewing direction");
-  const Vec3d sensor = (3 / norm(centre)) * centre;
+  const Vec3d sensor = (3 / norm(center)) * center;
   const json report = reported({blind, "--method", "vrip", "--resolution", resolution, "--sensor",
                                 fmt::format("{},{},{}", sensor.x, sensor.y, sensor.z)});
   ASSERT_FALSE(report.is_null());

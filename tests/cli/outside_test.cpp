@@ -144,11 +144,11 @@ TEST_F(Outside, NeighborsAndRadiusReachTheEstimate) {
   bare.normals.clear();
   const std::string cloud = folder.file("bare.ply");
   write_points(cloud, bare);
-  refused({cloud, "--neighbors", "2"}, "neighbours = 2, must be in [3, 1000]");
+  refused({cloud, "--neighbors", "2"}, "neighbors = 2, must be in [3, 1000]");
   refused({cloud, "--radius", "0"}, "radius = 0, must be > 0");
   const json told =
       reported({cloud, "--resolution", "48", "--directions", "estimate", "--neighbors", "24", "--radius", "0.2"});
-  EXPECT_EQ(told["parameters"]["orient"]["neighbours"], 24);
+  EXPECT_EQ(told["parameters"]["orient"]["neighbors"], 24);
   EXPECT_EQ(told["parameters"]["orient"]["radius"], 0.2);
   const std::string bytes = read_file(mesh);
   const json plain = reported({cloud, "--resolution", "48", "--directions", "estimate"});

@@ -71,7 +71,7 @@ TEST_F(ParamsFile, WhatIsWrongIsNamedWithTheFile) {
   refuses("[1]", "parameters: must be a JSON object");
   refuses(R"({"place": {"voxels": 1}})", "parameters: unknown key 'place.voxels'");
   refuses(R"({"parameters": {"place": {"voxel": -1}}})", "voxel = -1, must be > 0");
-  refuses(R"({"orient": {"neighbours": 2}})", "neighbours = 2, must be in [3, 1000]");
+  refuses(R"({"orient": {"neighbors": 2}})", "neighbors = 2, must be in [3, 1000]");
   refuses(R"({"place": {"padding": "six"}})", "parameters: place.padding = \"six\"");
   refused({cloud, "--params", folder.file("none.json")},
           folder.file("none.json") + ": cannot be opened: No such file or directory");

@@ -25,9 +25,9 @@ using nlohmann::json;
 
 constexpr double radius = 0.5;
 
-PointCloud sphere_cloud(size_t samples, Vec3d centre = {}) {
+PointCloud sphere_cloud(size_t samples, Vec3d center = {}) {
   ShapeParams params;
-  params.centre = centre;
+  params.center = center;
   return sample_surface(*make_sphere(params), samples, 7);
 }
 
@@ -89,24 +89,24 @@ TEST_F(Reconstruct, TellsWhichIslandsItDropped) {
   ASSERT_EQ(dropped.exit_code, 0) << dropped.err;
   EXPECT_TRUE(contains(dropped.err, "dropped: only")) << dropped.err;
   const json report = json::parse(read_file(report_file));
-  const json& islands = report["surface"]["islands"];
-  EXPECT_GT(islands["objects"]["dropped"].get<int>(), 10);
-  EXPECT_EQ(islands["objects"]["kept"], 1);
-  EXPECT_EQ(islands["min_support"], 0.2);
-  EXPECT_GT(islands["lowest_kept"].get<double>(), islands["highest_dropped"].get<double>());
+  const json& components = report["surface"]["components"];
+  EXPECT_GT(components["objects"]["dropped"].get<int>(), 10);
+  EXPECT_EQ(components["objects"]["kept"], 1);
+  EXPECT_EQ(components["min_support"], 0.2);
+  EXPECT_GT(components["lowest_kept"].get<double>(), components["highest_dropped"].get<double>());
   EXPECT_EQ(report["surface"]["refine"]["vanished"], 0);
   EXPECT_EQ(report["mesh"]["components"], 1);
 
-  const ProcessResult kept = with({"--islands", "keep"});
+  const ProcessResult kept = with({"--drop-components", "off"});
   ASSERT_EQ(kept.exit_code, 0) << kept.err;
   const json all = json::parse(read_file(report_file));
-  EXPECT_TRUE(all["surface"]["islands"].is_null());
+  EXPECT_TRUE(all["surface"]["components"].is_null());
   EXPECT_GT(all["mesh"]["components"].get<int>(), 10);
   EXPECT_EQ(all["certificate"]["primal_binary"], report["certificate"]["primal_binary"]);
 
-  const ProcessResult contradiction = with({"--islands", "keep", "--min-support", "0.5"});
+  const ProcessResult contradiction = with({"--drop-components", "off", "--min-support", "0.5"});
   EXPECT_EQ(contradiction.exit_code, 2);
-  EXPECT_TRUE(contains(contradiction.err, "min_support = 0.5: islands are kept")) << contradiction.err;
+  EXPECT_TRUE(contains(contradiction.err, "min_support = 0.5: components are kept (drop_components = off)")) << contradiction.err;
 }
 
 TEST_F(Reconstruct, MakesAWatertightMeshAndAReport) {
@@ -250,7 +250,7 @@ TEST_F(Reconstruct, RefusesBadParameters) {
   refused({cloud, "-o", mesh, "--directions", "scan"}, "scan");
   refused({cloud, "-o", mesh, "--sensor", "1,2"}, "sensor");
   refused({cloud, "-o", mesh, "--memory", "lots"}, "lots");
-  refused({cloud, "-o", mesh, "--colour"}, "--colour");
+  refused({cloud, "-o", mesh, "--color"}, "--color");
   refused({cloud}, "--output");
 }
 

@@ -151,7 +151,7 @@ TEST(Scan, RefusesInOneLineAndWritesNothing) {
   expect_refused({"part", "--position", "5,0,0", "--views", "3"}, "--views: only an orbit has it, not --position");
   expect_refused({"part", "--elevations", "0,30"}, "elevations: only --orbit ring has them");
   expect_refused({"part", "--hole", "0.95"}, "hole = 0.95, must be in [0, 0.9]");
-  expect_refused({"part", "--thin-half", "0.2"}, "thin_half = 0.2, must be >= 1");
+  expect_refused({"part", "--sparse-half", "0.2"}, "sparse_half = 0.2, must be >= 1");
   expect_refused({"part", "--samples", "0"}, "samples = 0, must be in [1, 1e9]");
   expect_refused({"part", "--samples", "many"}, "many");
   expect_refused({"part", "--samples", "9", "--outliers", "2"}, "outliers = 2, must be in [0, 1]");
@@ -215,7 +215,7 @@ TEST(Scan, MissingSamplesAreCounted) {
   };
   const std::vector<std::string> views{"arch", "--views", "5", "--image", "60x60"};
   std::vector<std::string> holed = views;
-  holed.insert(holed.end(), {"--hole", "0.1", "--thin-half", "50"});
+  holed.insert(holed.end(), {"--hole", "0.1", "--sparse-half", "50"});
   const size_t whole = samples_of("whole", views)["scans"]["samples"];
   const auto missing = samples_of("holed", holed);
   EXPECT_EQ(missing["scans"]["samples"].get<size_t>() + missing["missing"]["samples"].get<size_t>(), whole);

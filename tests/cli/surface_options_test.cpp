@@ -39,11 +39,11 @@ TEST_F(SurfaceOptions, RefineOffLeavesTheSurfaceOfTheSegmentation) {
   ASSERT_FALSE(on.is_null() || off.is_null());
   EXPECT_TRUE(on["parameters"]["surface"]["refine"].is_null()) << "the method decides";
   EXPECT_FALSE(on["surface"]["refine"].is_null());
-  EXPECT_FALSE(on["surface"]["bend"].is_null());
+  EXPECT_FALSE(on["surface"]["relax"].is_null());
   EXPECT_EQ(off["parameters"]["surface"]["refine"], false);
   EXPECT_TRUE(off["surface"]["refine"].is_null());
-  EXPECT_TRUE(off["surface"]["bend"].is_null());
-  EXPECT_TRUE(off["surface"]["islands"].is_null()) << "dropped only before a fit";
+  EXPECT_TRUE(off["surface"]["relax"].is_null());
+  EXPECT_TRUE(off["surface"]["components"].is_null()) << "dropped only before a fit";
   EXPECT_GT(off["surface"]["isovalue"].get<double>(), 0.0);
   EXPECT_EQ(off["certificate"]["primal_binary"], on["certificate"]["primal_binary"]) << "the same segmentation";
   EXPECT_LT(on["mesh"]["sample_distance"]["mean"].get<double>(), off["mesh"]["sample_distance"]["mean"].get<double>());
@@ -65,31 +65,31 @@ TEST_F(SurfaceOptions, SmoothingIsTheOneGiven) {
 }
 
 TEST_F(SurfaceOptions, BendToleranceDecidesHowManyEdgesAreSplit) {
-  const json by_default = with({}), coarse = with({"--bend-tolerance", "0.02"}), none = with({"--bend-tolerance", "0"});
+  const json by_default = with({}), coarse = with({"--split-tolerance", "0.02"}), none = with({"--split-tolerance", "0"});
   ASSERT_FALSE(by_default.is_null() || coarse.is_null() || none.is_null());
-  EXPECT_EQ(none["parameters"]["surface"]["bend_tolerance"], 0.0);
-  EXPECT_TRUE(none["surface"]["bend"].is_null());
-  EXPECT_EQ(none["mesh"]["triangles"], by_default["surface"]["bend"]["triangles_before"]);
-  const auto split = [](const json& report) { return report["surface"]["bend"]["split_edges"].get<int>(); };
+  EXPECT_EQ(none["parameters"]["surface"]["split_tolerance"], 0.0);
+  EXPECT_TRUE(none["surface"]["relax"].is_null());
+  EXPECT_EQ(none["mesh"]["triangles"], by_default["surface"]["relax"]["triangles_before"]);
+  const auto split = [](const json& report) { return report["surface"]["relax"]["split_edges"].get<int>(); };
   EXPECT_GT(split(by_default), 0);
   EXPECT_LT(split(coarse), split(by_default));
   EXPECT_GT(by_default["mesh"]["triangles"], none["mesh"]["triangles"]);
 }
 
 TEST_F(SurfaceOptions, IslandsAreKeptWhenAsked) {
-  const json dropped = with({}), kept = with({"--islands", "keep"});
+  const json dropped = with({}), kept = with({"--drop-components", "off"});
   ASSERT_FALSE(dropped.is_null() || kept.is_null());
-  EXPECT_TRUE(dropped["parameters"]["surface"]["drop_islands"].is_null());
-  EXPECT_EQ(dropped["surface"]["islands"]["objects"]["kept"], 1);
-  EXPECT_EQ(kept["parameters"]["surface"]["drop_islands"], false);
-  EXPECT_TRUE(kept["surface"]["islands"].is_null());
+  EXPECT_TRUE(dropped["parameters"]["surface"]["drop_components"].is_null());
+  EXPECT_EQ(dropped["surface"]["components"]["objects"]["kept"], 1);
+  EXPECT_EQ(kept["parameters"]["surface"]["drop_components"], false);
+  EXPECT_TRUE(kept["surface"]["components"].is_null());
 }
 
 /// Half of a torus, sampled 50 times more thinly than the other.
 TEST_F(SurfaceOptions, WeightsByAreaKeepAThinlySampledHalf) {
   const auto torus = make_torus();
   PointCloud thinned = sample_surface(*torus, 58000, 1);
-  thinned.filter(kept_samples(*torus, thinned, {.thin_half = 50}, Context(1)));
+  thinned.filter(kept_samples(*torus, thinned, {.sparse_half = 50}, Context(1)));
   write_points(cloud, thinned);
   const std::vector<std::string> words{cloud, "--resolution", "76"};
   std::vector<std::string> off = words;
@@ -106,14 +106,14 @@ TEST_F(SurfaceOptions, BadValuesAreRefusedWithTheirRange) {
   expect_bad("--refine", "maybe", "--refine: Value maybe not one of on, off");
   expect_bad("--refine", "1", "--refine: Value 1 not one of on, off");
   expect_bad("--weights", "some", "--weights: Value some not one of area, samples");
-  expect_bad("--islands", "sink", "--islands: Value sink not one of drop, keep");
+  expect_bad("--drop-components", "sink", "--drop-components: Value sink not one of off, on");
   for (const char* value : {"0", "-1", "2000000", "inf", "nan"})
     expect_bad("--smoothing", value, "smoothing = " + std::string(value) + ", must be in [1e-06, 1e+06]");
   expect_bad("--smoothing", "rough", "--smoothing = rough, must be a number");
   for (const char* value : {"-0.1", "1.5", "inf", "nan"})
-    expect_bad("--bend-tolerance", value, "bend_tolerance = " + std::string(value) + ", must be in [0, 1]");
+    expect_bad("--split-tolerance", value, "split_tolerance = " + std::string(value) + ", must be in [0, 1]");
   // As of a shell's variable that is not set: CLI11 would take it for 0.
-  expect_bad("--bend-tolerance", "", "--bend-tolerance: no value, must be a number");
+  expect_bad("--split-tolerance", "", "--split-tolerance: no value, must be a number");
   expect_bad("--min-support", "", "--min-support: no value, must be a number");
   expect_bad("--threads", "", "--threads: no value, must be a whole number");
   expect_bad("--refine", "", "--refine: Value  not one of on, off");
@@ -123,11 +123,11 @@ TEST_F(SurfaceOptions, BadValuesAreRefusedWithTheirRange) {
 
 TEST_F(SurfaceOptions, OptionsOfARefinementThatIsOffAreRefused) {
   refused({cloud, "--refine", "off", "--smoothing", "1"}, "smoothing = 1: the surface is not refined");
-  refused({cloud, "--refine", "off", "--bend-tolerance", "0"}, "bend_tolerance = 0: the surface is not refined");
+  refused({cloud, "--refine", "off", "--split-tolerance", "0"}, "split_tolerance = 0: the surface is not refined");
   refused({cloud, "--refine", "on", "--method", "poisson"}, "refine = on: method poisson finds its own surface");
   refused({cloud, "--refine", "on", "--isovalue", "0.4"}, "isovalue = 0.4 and refine = on");
   refused({cloud, "--weights", "area", "--lambda", "0.1"}, "--weights: only a lambda that follows the samples");
-  refused({cloud, "--islands", "drop", "--method", "poisson"}, "islands = drop: method poisson finds its own surface");
+  refused({cloud, "--drop-components", "on", "--method", "poisson"}, "drop_components = on: method poisson finds its own surface");
 }
 
 }  // namespace TEST_FILE

@@ -159,7 +159,7 @@ TEST(Evaluate, SamplesAreMeasuredAgainstTheMesh) {
 TEST(Evaluate, GeoreferencedSurfacesLoseNothing) {
   const Vec3d far{5e6, -5e6, 5e6};
   ShapeParams params;
-  params.centre = far;
+  params.center = far;
   Mesh mesh = sphere_mesh(1.01);
   const Evaluation here = evaluated(mesh, *make_sphere());
   for (Vec3d& v : mesh.vertices) v += far;
@@ -184,17 +184,17 @@ TEST(Evaluate, TheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(Evaluate, ErrorsAreColoursAndAnAttribute) {
+TEST(Evaluate, ErrorsAreColorsAndAnAttribute) {
   Mesh mesh = sheet(1, 0.0);
   mesh.vertices[0].z = 0.5;
   mesh.vertices[1].z = 2.0;
   mesh.attributes = {{"distance", {9, 9, 9, 9}}, {"kept", {1, 2, 3, 4}}};
-  const Mesh coloured = color_by_error(mesh, MeshSurface(sheet(9, 0.0), Context(1)), 1.0, Context(1));
-  ASSERT_EQ(coloured.attributes.size(), 2u);
-  EXPECT_EQ(coloured.attributes[0].name, "kept");
-  EXPECT_EQ(coloured.attributes[1].values, (std::vector<float>{0.5f, 2.0f, 0.0f, 0.0f}));
-  EXPECT_EQ(coloured.colors[1], map_color(1.0)) << "beyond the range";
-  EXPECT_EQ(coloured.colors[2], map_color(0.0));
+  const Mesh colored = color_by_error(mesh, MeshSurface(sheet(9, 0.0), Context(1)), 1.0, Context(1));
+  ASSERT_EQ(colored.attributes.size(), 2u);
+  EXPECT_EQ(colored.attributes[0].name, "kept");
+  EXPECT_EQ(colored.attributes[1].values, (std::vector<float>{0.5f, 2.0f, 0.0f, 0.0f}));
+  EXPECT_EQ(colored.colors[1], map_color(1.0)) << "beyond the range";
+  EXPECT_EQ(colored.colors[2], map_color(0.0));
   EXPECT_THROW(color_by_error(mesh, *make_sphere(), 0.0, Context(1)), ParameterError);
 }
 

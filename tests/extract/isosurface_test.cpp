@@ -63,8 +63,8 @@ std::multiset<std::array<int64_t, 9>> triangle_soup(const Mesh& mesh) {
   return soup;
 }
 
-float ball(Vec3i v, Vec3d centre, double radius) {
-  return static_cast<float>(std::clamp(0.5 + 0.25 * (radius - norm(Vec3d(v) - centre)), 0.0, 1.0));
+float ball(Vec3i v, Vec3d center, double radius) {
+  return static_cast<float>(std::clamp(0.5 + 0.25 * (radius - norm(Vec3d(v) - center)), 0.0, 1.0));
 }
 
 TEST(Isosurface, EqualsTheDenseReferenceOnNoiseInASparseBand) {
@@ -88,26 +88,26 @@ TEST(Isosurface, EqualsTheDenseReferenceOnNoiseInASparseBand) {
 }
 
 TEST(Isosurface, MissingBricksMayBeInside) {
-  const Vec3d centre{40.3, 39.8, 40.1};
+  const Vec3d center{40.3, 39.8, 40.1};
   const double radius = 30;
   BrickMask mask({10, 10, 10});
   for (int b = 0; b < 1000; ++b) {
     const Vec3i coord{b % 10, b / 10 % 10, b / 100};
-    const double d = norm(Vec3d(coord) * 8.0 + Vec3d{3.5, 3.5, 3.5} - centre);
+    const double d = norm(Vec3d(coord) * 8.0 + Vec3d{3.5, 3.5, 3.5} - center);
     mask.set(coord, std::abs(d - radius) < 9);
   }
   EXPECT_LT(mask.count(), 800u);
-  const Band band = sample(mask, [&](Vec3i v) { return ball(v, centre, radius); });
-  const Mesh mesh = extract(band, [&](Vec3i b) { return norm(Vec3d(b) * 8.0 - centre) < radius ? 1.f : 0.f; });
+  const Band band = sample(mask, [&](Vec3i v) { return ball(v, center, radius); });
+  const Mesh mesh = extract(band, [&](Vec3i b) { return norm(Vec3d(b) * 8.0 - center) < radius ? 1.f : 0.f; });
   const TopologyReport report = check_topology(mesh);
   EXPECT_TRUE(report.watertight()) << summary(report);
   EXPECT_EQ(report.components.size(), 1u);
   EXPECT_EQ(report.genus(), 0);
-  for (const Vec3d& v : mesh.vertices) EXPECT_NEAR(norm(v - centre), radius, 0.01);
+  for (const Vec3d& v : mesh.vertices) EXPECT_NEAR(norm(v - center), radius, 0.01);
   EXPECT_NEAR(mesh.volume() / (4.0 / 3 * 3.14159265358979 * radius * radius * radius), 1, 2e-3);
 }
 
-TEST(Isosurface, OneInsideBrickWithoutNeighboursIsClosed) {
+TEST(Isosurface, OneInsideBrickWithoutNeighborsIsClosed) {
   const Mesh mesh = extract(sample(BrickMask::whole({1, 1, 1}), [](Vec3i) { return 1.f; }), zero_everywhere);
   const TopologyReport report = check_topology(mesh);
   EXPECT_TRUE(report.watertight()) << summary(report);
@@ -161,13 +161,13 @@ TEST(Isosurface, SmallTrianglesFaceWhereTheSurfaceDoes) {
   }
 }
 
-/// Where the field is steep somewhere, every crowded vertex asks its neighbours what moves it; else most need not. Far
+/// Where the field is steep somewhere, every crowded vertex asks its neighbors what moves it; else most need not. Far
 /// inside, a steep place draws nothing itself.
 TEST(Isosurface, WhatMovesCrowdedVerticesDoesNotDependOnOtherPlaces) {
   const BrickMask mask = BrickMask::whole({6, 6, 6});
   for (const double radius : {15.0, 15.0002, 15.4, 16.0}) {
-    const Vec3d centre{24, 24, 24};
-    Band band = sample(mask, [&](Vec3i v) { return ball(v, centre, radius); });
+    const Vec3d center{24, 24, 24};
+    Band band = sample(mask, [&](Vec3i v) { return ball(v, center, radius); });
     const Mesh mesh = extract(band, zero_everywhere);
     band.value.brick(static_cast<size_t>(band.grid.find({3, 3, 3})))[0] = 1e9f;
     const Mesh beside_steep = extract(band, zero_everywhere);
@@ -178,14 +178,14 @@ TEST(Isosurface, WhatMovesCrowdedVerticesDoesNotDependOnOtherPlaces) {
 }
 
 TEST(Isosurface, VerticesAreInTheWorldFrameAtFullAccuracy) {
-  const Vec3d centre{15.2, 16.1, 15.7};
-  const Band band = sample(BrickMask::whole({4, 4, 4}), [&](Vec3i v) { return ball(v, centre, 10); });
+  const Vec3d center{15.2, 16.1, 15.7};
+  const Band band = sample(BrickMask::whole({4, 4, 4}), [&](Vec3i v) { return ball(v, center, 10); });
   Lattice lattice;
   lattice.voxel = 1e-3;
   lattice.first_vertex = {5e6, -5e6, 5e6};
   const Mesh mesh = extract_isosurface(band.grid, band.value, zero_everywhere, 0.5f, lattice, Context(1));
-  const Vec3d world_centre = lattice.to_world(centre);
-  for (const Vec3d& v : mesh.vertices) EXPECT_NEAR(norm(v - world_centre), 0.01, 3e-5);
+  const Vec3d world_center = lattice.to_world(center);
+  for (const Vec3d& v : mesh.vertices) EXPECT_NEAR(norm(v - world_center), 0.01, 3e-5);
   EXPECT_TRUE(check_topology(mesh).watertight());
 }
 

@@ -88,7 +88,7 @@ TEST(MarchingCubesTable, NoDiagonalLiesInAFace) {
   }
 }
 
-TEST(MarchingCubesTable, NeighboursDrawTheSameSegmentsBackwardsForAllFaceLabellings) {
+TEST(MarchingCubesTable, NeighborsDrawTheSameSegmentsBackwardsForAllFaceLabelings) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto segments_on = [axis](int inside, int side) {
       std::set<Segment> out;

@@ -100,9 +100,9 @@ TEST(Sampling, CountsEachPlaceOnceWhereSamplesRepeat) {
 
 TEST(Sampling, ScalesWithTheUnits) {
   PointCloud cloud = sample_surface(*make_sphere(), 5000, 1);
-  const double metres = measure_sampling(cloud, Context()).per_area;
+  const double meters = measure_sampling(cloud, Context()).per_area;
   for (Vec3d& p : cloud.positions) p = p * 1024.0;
-  EXPECT_DOUBLE_EQ(measure_sampling(cloud, Context()).per_area * 1024 * 1024, metres);
+  EXPECT_DOUBLE_EQ(measure_sampling(cloud, Context()).per_area * 1024 * 1024, meters);
 }
 
 TEST(Sampling, VoxelAndDensityAreInverse) {

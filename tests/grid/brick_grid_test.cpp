@@ -29,7 +29,7 @@ TEST(BrickMask, IsSetByManyThreadsAtOnce) {
   expected.for_each([&](Vec3i b) { wanted.push_back(b); });
   for (const int threads : {1, 2, 3, 8}) {
     BrickMask mask(bricks);
-    // Neighbouring bricks share a word, and each is set twice.
+    // Neighboring bricks share a word, and each is set twice.
     parallel_for(Context(threads), 2 * wanted.size(), 1, [&](size_t i) { mask.set_shared(wanted[i / 2]); });
     set.clear();
     mask.for_each([&](Vec3i b) { set.push_back(b); });
@@ -107,7 +107,7 @@ TEST(BrickGrid, OrdersBricksLexicographicallyAndFindsThem) {
     }
 }
 
-TEST(BrickGrid, KnowsAll27NeighboursForAnyNumberOfThreads) {
+TEST(BrickGrid, KnowsAll27NeighborsForAnyNumberOfThreads) {
   const BrickMask mask = random_mask({20, 19, 18}, 0.5, 3);
   for (const int threads : {1, 3, 8}) {
     const BrickGrid grid(mask, Context(threads));
@@ -143,7 +143,7 @@ TEST(Field, StartsAtZeroAlignedToCacheLines) {
 }
 
 /// Every vertex of a window against a look-up by lattice coordinates.
-TEST(Window, ShowsTheNeighboursAndNamesTheMissing) {
+TEST(Window, ShowsTheNeighborsAndNamesTheMissing) {
   const BrickGrid grid(random_mask({4, 5, 4}, 0.5, 4), one_thread);
   const auto id = [](Vec3i v) { return static_cast<float>(v.x + 100 * v.y + 10000 * v.z); };
   Field<float> field(grid);

@@ -10,7 +10,7 @@ TEST(Layout, BrickOfRoundsDown) {
   EXPECT_EQ(brick_of({-1, -8, -9}), (Vec3i{-1, -1, -2}));
 }
 
-TEST(Layout, SlotsNameThe27NeighboursOnce) {
+TEST(Layout, SlotsNameThe27NeighborsOnce) {
   for (int slot = 0; slot < 27; ++slot) {
     const Vec3i d = slot_offset(slot);
     EXPECT_EQ(neighbor_slot(d.x, d.y, d.z), slot);

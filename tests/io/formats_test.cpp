@@ -219,7 +219,7 @@ TEST(Stl, SeveralSolidsInAnyCase) {
   EXPECT_EQ(mesh.triangles, std::vector<Triangle>({{0, 1, 2}, {0, 1, 2}}));
 }
 
-// Offsets of a national grid, detail of a millimetre: float would move vertices by 0.25.
+// Offsets of a national grid, detail of a millimeter: float would move vertices by 0.25.
 TEST(Georeferenced, MeshLosesNothing) {
   const TemporaryFolder folder;
   const Vec3d offset{5e6 + 0.123, 4.5e6, 312.5};

@@ -112,7 +112,7 @@ TEST_P(PlyLayouts, ForeignElementsAndPropertiesInAnyOrderAreSkipped) {
   const std::string header = std::string("ply\r\nformat ") + header_name(layout) +
                              " 1.0\r\ncomment made by hand\r\nelement camera 2\r\nproperty float f\r\n"
                              "property list uint double k\r\nelement nothing 5\r\nelement vertex 2\r\n"
-                             "property uchar quality\r\nproperty double x\r\nproperty list char short neighbours\r\n"
+                             "property uchar quality\r\nproperty double x\r\nproperty list char short neighbors\r\n"
                              "property double y\r\nproperty double z\r\nelement tail 1\r\nproperty int end\r\n"
                              "end_header\r\n";
   Body body(layout);
@@ -131,7 +131,7 @@ TEST_P(PlyLayouts, ForeignElementsAndPropertiesInAnyOrderAreSkipped) {
   const PointCloud cloud = read_points(folder.write("order.ply", header + body.text()), &report);
   EXPECT_EQ(cloud.positions, std::vector<Vec3d>({{0.1, 0.2, 1e-17}, {1.1, 0.2, 1e-17}}));
   ASSERT_EQ(report.files.size(), 1u);
-  EXPECT_EQ(report.files[0].properties, std::vector<std::string>({"quality", "x", "neighbours", "y", "z"}));
+  EXPECT_EQ(report.files[0].properties, std::vector<std::string>({"quality", "x", "neighbors", "y", "z"}));
   EXPECT_EQ(report.files[0].samples, 2u);
   EXPECT_EQ(cloud.scans[0].name, "order");
 }
@@ -271,7 +271,7 @@ TEST(PlyPoints, HeaderLinesPlaceTheScanner) {
   EXPECT_FALSE(comment.sensor || comment.view_direction);
 }
 
-TEST(PlyPoints, ColoursOfEveryTypeComeAsBytes) {
+TEST(PlyPoints, ColorsOfEveryTypeComeAsBytes) {
   const TemporaryFolder folder;
   const auto read = [&](const std::string& type, const std::string& values) {
     std::string text =

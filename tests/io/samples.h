@@ -64,7 +64,7 @@ inline void expect_same_cloud(const PointCloud& a, const PointCloud& b) {
   }
 }
 
-/// A closed torus of edge length about 2 pi size / n, with normals, colours and two attributes.
+/// A closed torus of edge length about 2 pi size / n, with normals, colors and two attributes.
 inline Mesh torus_mesh(uint32_t n, double size, Vec3d offset = {}) {
   Mesh mesh;
   constexpr double two_pi = 6.283185307179586;
@@ -75,8 +75,8 @@ inline Mesh torus_mesh(uint32_t n, double size, Vec3d offset = {}) {
       const double a = two_pi * i / n;
       const double b = two_pi * j / n;
       const Vec3d normal{std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b)};
-      const Vec3d centre{std::cos(a), std::sin(a), 0};
-      mesh.vertices.push_back(offset + size * (centre + 0.4 * normal));
+      const Vec3d center{std::cos(a), std::sin(a), 0};
+      mesh.vertices.push_back(offset + size * (center + 0.4 * normal));
       mesh.normals.push_back(static_cast<Vec3f>(normal));
       mesh.colors.push_back({static_cast<uint8_t>(i), static_cast<uint8_t>(j), 77});
       height.values.push_back(static_cast<float>(size * normal.z));

@@ -191,13 +191,13 @@ TEST(CrossValidation, DoesNotDependOnThreads) {
 }
 
 TEST(CrossValidation, DoesNotDependOnUnits) {
-  const PointCloud metres = dirty("torus", 0.5, {0.3, 0.1});
+  const PointCloud meters = dirty("torus", 0.5, {0.3, 0.1});
   const PointCloud inches = transformed(
-      metres, [](Vec3d p) { return p * 39.37; }, [](Vec3f n) { return n; });
+      meters, [](Vec3d p) { return p * 39.37; }, [](Vec3f n) { return n; });
   CrossValidationParams params;
   params.folds = 3;
   params.candidates = {0.005, 0.02, 0.08};
-  const CrossValidationReport a = chosen_for(metres, params), b = chosen_for(inches, params);
+  const CrossValidationReport a = chosen_for(meters, params), b = chosen_for(inches, params);
   EXPECT_EQ(a.chosen, b.chosen);
   for (size_t c = 0; c < a.curve.size(); ++c) {
     EXPECT_NEAR(a.curve[c].error, b.curve[c].error, 2e-3);

@@ -111,9 +111,9 @@ TEST(HoldOut, MovingHeldOutSamplesLeavesTheTrainingFieldAsItWas) {
   const Lattice lattice = lattice_of(cloud, 48);
   const Folds folds = folds_of(cloud, 5, FoldSource::samples);
   const FoldFields before = hold_out(cloud, cloud.normals, folds, 2, lattice, one_thread);
-  const Vec3d centre = cloud.box().center();
+  const Vec3d center = cloud.box().center();
   for (size_t i = 0; i < cloud.size(); ++i)
-    if (folds.of_sample[i] == 2) cloud.positions[i] = centre + (cloud.positions[i] - centre) * 0.5;
+    if (folds.of_sample[i] == 2) cloud.positions[i] = center + (cloud.positions[i] - center) * 0.5;
   const FoldFields after = hold_out(cloud, cloud.normals, folds, 2, lattice, one_thread);
 
   const LevelBox box = lattice.box(0);

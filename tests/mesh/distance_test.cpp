@@ -16,7 +16,7 @@ namespace soapfilm {
 namespace TEST_FILE {
 
 /// An octahedron whose triangles are split `levels` times, its vertices on the sphere.
-Mesh sphere(double radius, int levels, Vec3d centre = {}) {
+Mesh sphere(double radius, int levels, Vec3d center = {}) {
   Mesh mesh;
   mesh.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
@@ -37,7 +37,7 @@ Mesh sphere(double radius, int levels, Vec3d centre = {}) {
     }
     mesh.triangles = split;
   }
-  for (Vec3d& v : mesh.vertices) v = centre + v * radius;
+  for (Vec3d& v : mesh.vertices) v = center + v * radius;
   return mesh;
 }
 

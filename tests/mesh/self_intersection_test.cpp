@@ -61,14 +61,14 @@ TEST(SelfIntersection, CoplanarOverlapAndFoldsCount) {
   mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
   EXPECT_EQ(count(mesh), 1u) << "folded back along an edge";
   mesh.vertices[3] = {0.4, -0.3, 0};
-  EXPECT_EQ(count(mesh), 0u) << "flat neighbours";
+  EXPECT_EQ(count(mesh), 0u) << "flat neighbors";
   mesh.vertices[3] = {0.4, 0.3, 1e-9};
   EXPECT_EQ(count(mesh), 0u) << "almost folded";
   mesh.triangles = {{0, 1, 2}, {0, 1, 2}};
   EXPECT_EQ(count(mesh), 1u) << "the same twice";
 }
 
-TEST(SelfIntersection, NeighboursAtACornerMayCross) {
+TEST(SelfIntersection, NeighborsAtACornerMayCross) {
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {2, -1, 0}, {2, 1, 0}, {1, 0, -1}, {1, 0, 1}};
   mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
@@ -119,8 +119,8 @@ TEST(SelfIntersection, EqualsBruteForceOnRandomTriangles) {
     return Vec3d{x, y, z} * scale;
   };
   for (uint32_t i = 0; i < 500; ++i) {
-    const Vec3d centre = vector(1);
-    for (int k = 0; k < 3; ++k) soup.vertices.push_back(centre + vector(i % 50 == 0 ? 1.0 : 0.15));
+    const Vec3d center = vector(1);
+    for (int k = 0; k < 3; ++k) soup.vertices.push_back(center + vector(i % 50 == 0 ? 1.0 : 0.15));
     soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   size_t expected = 0;

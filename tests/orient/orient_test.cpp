@@ -116,19 +116,19 @@ TEST(Orient, AFewOutliersDoNotTurnTheEstimate) {
   EXPECT_GE(compare(directions, truth.normals).right_side, 0.99);
 }
 
-TEST(Orient, MoreNeighboursSmoothNoise) {
+TEST(Orient, MoreNeighborsSmoothNoise) {
   PointCloud truth = sample_surface(*make_sphere(), 20000, 1);
   PointCloud cloud = without_normals(truth);
   Random random(2);
   for (size_t i = 0; i < cloud.size(); ++i)
     cloud.positions[i] += static_cast<Vec3d>(truth.normals[i]) * (0.005 * random.normal());
   OrientSetup params;
-  params.neighbours = 12;
+  params.neighbors = 12;
   const double few = compare(run(cloud, params).directions, truth.normals).mean_degrees;
-  params.neighbours = 60;
+  params.neighbors = 60;
   const double many = compare(run(cloud, params).directions, truth.normals).mean_degrees;
   EXPECT_LT(many, 0.5 * few);
-  params.neighbours = 12;
+  params.neighbors = 12;
   params.radius = 0.11;
   const double within = compare(run(cloud, params).directions, truth.normals).mean_degrees;
   EXPECT_LT(within, 0.5 * few);
@@ -201,7 +201,7 @@ TEST(Orient, SeenFromWithinPropagatedSignsAreTurned) {
 /// A file whose normals point inward is a mistake often made; its film wraps the outside of the shape.
 TEST(Orient, InwardNormalsAreNoticed) {
   ShapeParams far;
-  far.centre = {1e6, -2e6, 3e6};
+  far.center = {1e6, -2e6, 3e6};
   for (const std::string& name : shape_names()) {
     PointCloud cloud = sample_surface(*make_shape(name, far), 4000, 1);
     EXPECT_FALSE(run(cloud).report.inward) << name;
@@ -312,7 +312,7 @@ TEST(Orient, EstimatesAreTurnedToAKnownScanner) {
   EXPECT_TRUE(found.report.warnings.empty());
   const Agreement estimated = compare(found.directions, truth);
   const Agreement viewing = compare(run(cloud).directions, truth);
-  EXPECT_GE(estimated.right_side, 0.98);  // at silhouettes neighbours belong to other faces
+  EXPECT_GE(estimated.right_side, 0.98);  // at silhouettes neighbors belong to other faces
   EXPECT_LT(estimated.mean_degrees, 0.25 * viewing.mean_degrees);
 }
 
@@ -332,8 +332,8 @@ TEST(Orient, AnAbsentSourceIsRefusedByName) {
   EXPECT_EQ(refusal(bare, asking_for(DirectionSource::scan)),
             "directions = scan: no scan has a viewing direction or a scanner position");
   OrientSetup params;
-  params.neighbours = 2;
-  EXPECT_EQ(refusal(bare, params), "neighbours = 2, must be in [3, 1000]");
+  params.neighbors = 2;
+  EXPECT_EQ(refusal(bare, params), "neighbors = 2, must be in [3, 1000]");
   params = {};
   params.radius = 0;
   EXPECT_EQ(refusal(bare, params), "radius = 0, must be > 0");
@@ -351,7 +351,7 @@ TEST(Orient, WhatSpansNoPlaneHasNoDirection) {
     EXPECT_EQ(found.report.estimated, 0u);
     for (const Vec3f& d : found.directions) EXPECT_EQ(d, Vec3f{});
     ASSERT_EQ(found.report.warnings.size(), 1u);
-    EXPECT_NE(found.report.warnings[0].find("no neighbours that span a plane"), std::string::npos);
+    EXPECT_NE(found.report.warnings[0].find("no neighbors that span a plane"), std::string::npos);
   }
   EXPECT_TRUE(run(PointCloud{}).directions.empty());
 }

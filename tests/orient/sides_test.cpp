@@ -131,7 +131,7 @@ TEST(DoubtSigns, TurnsNormalsByPropagation) {
     const Doubted found = doubt(cloud);
     EXPECT_TRUE(found.changed);
     EXPECT_EQ(right_share(found.directions, truth.normals), 1);
-    EXPECT_NEAR(static_cast<double>(found.report.turned), share * static_cast<double>(cloud.size()), 300);
+    EXPECT_NEAR(static_cast<double>(found.report.reoriented), share * static_cast<double>(cloud.size()), 300);
     ASSERT_EQ(found.report.warnings.size(), 1u);
     EXPECT_NE(found.report.warnings[0].find("--directions normals"), std::string::npos);
   }

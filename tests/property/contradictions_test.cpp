@@ -72,14 +72,14 @@ INSTANTIATE_TEST_SUITE_P(
                       "isovalue = 0.4 and refine = on: only one of them may be given"},
         Contradiction{"smoothing_unrefined", Method::tv_sor, [](P& p) { p.refine.smoothing = 0.1; },
                       "smoothing = 0.1: the surface is not refined"},
-        Contradiction{"islands_poisson", Method::poisson, [](P& p) { p.surface.drop_islands = true; },
-                      "islands = drop: method poisson finds its own surface"},
+        Contradiction{"components_poisson", Method::poisson, [](P& p) { p.surface.drop_components = true; },
+                      "drop_components = on: method poisson finds its own surface"},
         Contradiction{"support_kept", Method::tv,
                       [](P& p) {
-                        p.surface.drop_islands = false;
-                        p.islands.min_support = 0.5;
+                        p.surface.drop_components = false;
+                        p.components.min_support = 0.5;
                       },
-                      "min_support = 0.5: islands are kept"},
+                      "min_support = 0.5: components are kept (drop_components = off)"},
         Contradiction{"threshold_cut", Method::graph_cut_6, set_threshold,
                       "threshold = 0.25: method graph-cut-6 has none"},
         Contradiction{"threshold_poisson", Method::poisson, set_threshold,
@@ -96,8 +96,8 @@ TEST(MethodParams, SurviveJson) {
   params.graph_cut.weights = LinkWeights::cauchy_crofton;
   params.vrip.front = 3.5;
   params.vrip.surface.taper = 2;
-  params.select.source = FoldSource::scans;
-  params.select.candidates = {0.5, 1};
+  params.cross_validation.source = FoldSource::scans;
+  params.cross_validation.candidates = {0.5, 1};
   const std::string text = to_json(params);
   const ReconstructParams back = params_from_json(text);
   EXPECT_EQ(to_json(back), text);
@@ -106,8 +106,8 @@ TEST(MethodParams, SurviveJson) {
   EXPECT_EQ(back.sor.gradient, SorGradient::forward);
   EXPECT_EQ(back.graph_cut.weights, LinkWeights::cauchy_crofton);
   EXPECT_EQ(back.vrip.front, 3.5);
-  EXPECT_EQ(back.select.source, FoldSource::scans);
-  EXPECT_EQ(back.select.candidates, (std::vector<double>{0.5, 1}));
+  EXPECT_EQ(back.cross_validation.source, FoldSource::scans);
+  EXPECT_EQ(back.cross_validation.candidates, (std::vector<double>{0.5, 1}));
 }
 
 }  // namespace TEST_FILE

@@ -59,7 +59,7 @@ TEST_P(EveryMethod, TellsWhatItDid) {
   EXPECT_EQ(report["parameters"]["solve"]["method"], name);
   EXPECT_EQ(report["mesh"]["triangles"], result.mesh.triangles.size());
   EXPECT_EQ(report["mesh"]["closed"], true);
-  EXPECT_TRUE(report["select"].is_null());
+  EXPECT_TRUE(report["cross_validation"].is_null());
   EXPECT_GT(report["memory"]["planned_bytes"].get<size_t>(), 1u << 20);
   const json& certificate = report["certificate"];
   EXPECT_EQ(certificate.is_null(), GetParam() == Method::vrip);

@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Segmenting, testing::ValuesIn(all_cases()),
 
 class OneJudge : public testing::TestWithParam<std::string> {};
 
-/// E of the binary labels that each method draws, by the energy that tv minimises: none may lie below tv's bound, and
+/// E of the binary labels that each method draws, by the energy that tv minimizes: none may lie below tv's bound, and
 /// tv's own lies so near to it that the bound says something.
 TEST_P(OneJudge, NoMethodIsBelowTheBoundThatTvProvesSlow) {
   const Certificate tv = reconstructed(GetParam(), Method::tv).report.certificate;
@@ -264,10 +264,10 @@ TEST(AutomaticLambda, WarnsWhenTheBestMayLieBeyondTheCandidates) {
   params.place.resolution = 32;
   params.surface.refine = false;
   params.energy.cross_validate = true;
-  params.select.folds = 2;
-  params.select.max_resolution = 32;
+  params.cross_validation.folds = 2;
+  params.cross_validation.max_resolution = 32;
   const auto warnings_with = [&](std::vector<double> candidates) {
-    params.select.candidates = std::move(candidates);
+    params.cross_validation.candidates = std::move(candidates);
     const ReconstructReport report = reconstructed(cloud, params).report;
     EXPECT_DOUBLE_EQ(report.certificate.lambda, report.details->select->chosen * report.input.density);
     for (const CrossValidationPoint& point : report.details->select->curve)

@@ -43,7 +43,7 @@ TEST_P(Params, OutOfRangeIsRefused) {
 using P = ReconstructParams;
 INSTANTIATE_TEST_SUITE_P(
     Values, Params,
-    testing::Values(Refusal{"neighbours", [](P& p) { p.orient.neighbours = 2; }, "2", "in [3, 1000]"},
+    testing::Values(Refusal{"neighbors", [](P& p) { p.orient.neighbors = 2; }, "2", "in [3, 1000]"},
                     Refusal{"radius", [](P& p) { p.orient.radius = 0; }, "0", "> 0"},
                     Refusal{"voxel", [](P& p) { p.place.voxel = 0; }, "0", "> 0"},
                     Refusal{"voxel", [](P& p) { p.place.voxel = nan; }, "nan", "> 0"},
@@ -58,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"max_iterations", [](P& p) { p.solve.max_iterations = 0; }, "0", ">= 1"},
                     Refusal{"check_every", [](P& p) { p.solve.check_every = -1; }, "-1", ">= 1 and <= 1000"},
                     Refusal{"step_balance", [](P& p) { p.solve.step_balance = nan; }, "nan", "> 0"},
-                    Refusal{"min_support", [](P& p) { p.islands.min_support = -1; }, "-1", ">= 0"},
+                    Refusal{"min_support", [](P& p) { p.components.min_support = -1; }, "-1", ">= 0"},
                     Refusal{"threshold", [](P& p) { p.surface.threshold = 1; }, "1", "> 0 and < 1"},
                     Refusal{"threshold", [](P& p) { p.surface.threshold = 0; }, "0", "> 0 and < 1"},
                     Refusal{"isovalue", [](P& p) { p.surface.isovalue = 1.5; }, "1.5", "> 0 and < 1"}),
@@ -84,9 +84,9 @@ TEST(ParamsJson, JsonGivesThemBack) {
   params.solve.tolerance = 1e-5;
   params.solve.max_iterations = 77;
   params.surface.isovalue = 0.45;
-  params.surface.drop_islands = true;
-  params.islands.few_samples = 9;
-  params.islands.thin_support = 0.03;
+  params.surface.drop_components = true;
+  params.components.few_samples = 9;
+  params.components.sparse_support = 0.03;
   params.refine.sparse = 0.25;
   params.memory_limit = size_t{3} << 30;
   const std::string json = to_json(params);
@@ -97,9 +97,9 @@ TEST(ParamsJson, JsonGivesThemBack) {
   EXPECT_EQ(back.place.resolution, 300);
   EXPECT_FALSE(back.place.voxel.has_value());
   EXPECT_EQ(back.energy.lambda, 0.1);
-  EXPECT_EQ(back.surface.drop_islands, true);
-  EXPECT_EQ(back.islands.few_samples, 9);
-  EXPECT_EQ(back.islands.thin_support, 0.03);
+  EXPECT_EQ(back.surface.drop_components, true);
+  EXPECT_EQ(back.components.few_samples, 9);
+  EXPECT_EQ(back.components.sparse_support, 0.03);
   EXPECT_EQ(back.refine.sparse, 0.25);
   EXPECT_EQ(back.memory_limit, size_t{3} << 30);
 }

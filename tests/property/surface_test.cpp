@@ -16,9 +16,9 @@ namespace TEST_FILE {
 using namespace test;
 
 Reconstruction reconstructed(const PointCloud& cloud, double voxel, double tolerance = PrimalDualParams().tolerance,
-                             double bend_tolerance = BendParams().tolerance) {
+                             double split_tolerance = RelaxParams().split_tolerance) {
   ReconstructParams params;
-  params.surface.bend.tolerance = bend_tolerance;
+  params.surface.relax.split_tolerance = split_tolerance;
   params.place.voxel = voxel;
   params.solve.tolerance = tolerance;
   Reconstruction result = reconstruct(cloud, params, Context(1));
@@ -55,12 +55,12 @@ TEST(Sphere, RadiusErrorHalvesWhenTheVoxelHalvesAndSamplesQuadrupleSlow) {
   EXPECT_LE(fine, 0.5 * middle);
 }
 
-/// Area of the mesh within `radius` of an axis through `centre`, on the side where the axis points.
-double area_of_cap(const Mesh& mesh, Vec3d centre, Vec3d axis, double radius) {
+/// Area of the mesh within `radius` of an axis through `center`, on the side where the axis points.
+double area_of_cap(const Mesh& mesh, Vec3d center, Vec3d axis, double radius) {
   double area = 0;
   for (const Triangle& t : mesh.triangles) {
     const Vec3d a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
-    const Vec3d m = (a + b + c) / 3.0 - centre;
+    const Vec3d m = (a + b + c) / 3.0 - center;
     const double height = dot(m, axis);
     if (norm(m - axis * height) > radius || height < -radius) continue;
     area += 0.5 * norm(cross(b - a, c - a));
@@ -90,9 +90,9 @@ TEST_P(PlanarHole, OfTwentyVoxelsIsClosedByAPatchOfTheDisc) {
   const Reconstruction result = reconstructed(cloud, voxel);
   EXPECT_EQ(check_topology(result.mesh).components.size(), 1u);
   EXPECT_EQ(check_topology(result.mesh).genus(), 0);
-  const Vec3d centre = skew ? turned(top) : top, axis = skew ? turned({0, 0, 1}) : Vec3d{0, 0, 1};
+  const Vec3d center = skew ? turned(top) : top, axis = skew ? turned({0, 0, 1}) : Vec3d{0, 0, 1};
   const double disc = std::numbers::pi * radius * radius;
-  EXPECT_NEAR(area_of_cap(result.mesh, centre, axis, radius), disc, 0.03 * disc);
+  EXPECT_NEAR(area_of_cap(result.mesh, center, axis, radius), disc, 0.03 * disc);
 }
 
 INSTANTIATE_TEST_SUITE_P(Planes, PlanarHole, testing::Bool(), [](const auto& p) { return p.param ? "skew" : "axis"; });
@@ -141,7 +141,7 @@ TEST_P(HalfSphere, ClosesAndTouchesNoBorderVertex) {
   EXPECT_EQ(topology.components.size(), 1u);
   EXPECT_EQ(topology.genus(), 0);
 
-  // No inside vertex has a neighbour in the fixed layer.
+  // No inside vertex has a neighbor in the fixed layer.
   const Lattice lattice{result.report.grid};
   const LevelBox box = lattice.box(0);
   for (const Vec3d& v : result.mesh.vertices) {

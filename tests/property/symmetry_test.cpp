@@ -213,7 +213,7 @@ TEST(Axes, TurningThemTurnsTheMeshExactly) {
   }
 }
 
-TEST(Units, MillimetresOrMetresGiveTheSameSurfaceButForTies) {
+TEST(Units, MillimetersOrMetersGiveTheSameSurfaceButForTies) {
   const PointCloud cloud = noisy("part", 0.2);
   const Reconstruction original = reconstructed(cloud);
   for (const double factor : {1000.0, 1e-3, 25.4}) {

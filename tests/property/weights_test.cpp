@@ -121,14 +121,14 @@ TEST(Weights, CountInTheRemovalOfComponents) {
   cloud.weights.assign(cloud.size(), 1);
   ReconstructParams params = params_for_weights();
   params.energy.lambda = 0.01;
-  params.islands.few_samples = static_cast<int>(3 * small.size());
-  params.islands.min_support = 0;
+  params.components.few_samples = static_cast<int>(3 * small.size());
+  params.components.min_support = 0;
   const Reconstruction without = reconstructed(cloud, params);
-  EXPECT_EQ(without.report.islands->objects.dropped, 1u);
+  EXPECT_EQ(without.report.components->objects.dropped, 1u);
   for (size_t i = large; i < cloud.size(); ++i) cloud.weights[i] = 4;
   const Reconstruction with = reconstructed(cloud, params);
-  EXPECT_EQ(with.report.islands->objects.dropped, 0u);
-  EXPECT_EQ(with.report.islands->objects.kept, 2u);
+  EXPECT_EQ(with.report.components->objects.dropped, 0u);
+  EXPECT_EQ(with.report.components->objects.kept, 2u);
 }
 
 }  // namespace TEST_FILE

@@ -47,7 +47,7 @@ TEST(Band, HoldsBothSidesOfTheInterface) {
   Blank blank;
   *blank.u({12, 12, 12}) = 0.6f;
   const BrickMask band = blank.children();
-  // The vertex is first in its octant: it and its lower neighbours' octants, across three faces.
+  // The vertex is first in its octant: it and its lower neighbors' octants, across three faces.
   EXPECT_EQ(band.count(), 4u);
   for (const Vec3i v : {Vec3i{12, 12, 12}, {11, 12, 12}, {12, 11, 12}, {12, 12, 11}})
     EXPECT_TRUE(band.test(brick_of(v * 2)));
@@ -85,7 +85,7 @@ TEST(Band, HoldsWhatTheProlongedDualMightLeave) {
   *blank.p({12, 13, 14}, 0) = 0.8f * lambda;
   *blank.p({12, 13, 14}, 1) = 0.59f * lambda;
   EXPECT_EQ(blank.children().count(), 0u) << "the bound holds: sqrt(0.8^2 + 0.59^2) < 1";
-  *blank.p({12, 12, 14}, 1) = 0.61f * lambda;  // the larger of two neighbours counts
+  *blank.p({12, 12, 14}, 1) = 0.61f * lambda;  // the larger of two neighbors counts
   const BrickMask band = blank.children();
   EXPECT_EQ(band.count(), 1u);
   EXPECT_TRUE(band.test(brick_of(Vec3i{12, 13, 14} * 2)));

@@ -49,7 +49,7 @@ struct TwoLevels {
   }
 };
 
-/// Coarse vertex I is the centre of fine vertices 2I and 2I + 1.
+/// Coarse vertex I is the center of fine vertices 2I and 2I + 1.
 Vec3d coarse_position(Vec3i fine) { return (Vec3d(fine) - Vec3d{0.5, 0.5, 0.5}) / 2.0; }
 
 TEST(Prolong, ReproducesLinearFunctionsInside) {

@@ -13,7 +13,7 @@ using namespace test;
 
 const Context one_thread(1);
 
-/// A solved shape's problem on the grid itself and on every second vertex, with the strength that suits the latter.
+/// A solved shape's problem on the grid itself and on every second vertex, with the fit_weights that suits the latter.
 struct TwoGrids {
   Solved solved;
   Start start = start_from(solved.solution.finest, 0.5f, 3, one_thread);
@@ -22,22 +22,22 @@ struct TwoGrids {
   explicit TwoGrids(Solved problem) : solved(std::move(problem)) {
     coarse.start = start_from(every_second_vertex(solved.solution.finest, 0.5f, one_thread), 0.5f, 3, one_thread);
     coarse.samples = on_every_second_vertex(solved.problem.samples, one_thread);
-    coarse.strength = choose_strength(coarse.start, coarse.samples, {}, {}, one_thread, coarse.search);
+    coarse.fit_weights = choose_fit_weights(coarse.start, coarse.samples, {}, {}, one_thread, coarse.search);
   }
   bool coarse_serves() const {
-    return serves(coarse, {start, solved.problem.samples, on_half_the_voxel(coarse.strength)}, {}, one_thread);
+    return serves(coarse, {start, solved.problem.samples, on_half_the_voxel(coarse.fit_weights)}, {}, one_thread);
   }
 };
 
 TEST(CoarserGrid, ServesForASmoothShapeAndNotForAThinOne) {
   const Disturbance noise{.noise_vox = 0.8};
   const TwoGrids sphere(Solved("sphere", 90, 0.15, noise));
-  EXPECT_TRUE(sphere.coarse.strength.yield);
+  EXPECT_TRUE(sphere.coarse.fit_weights.yield);
   EXPECT_TRUE(sphere.coarse_serves());
   // Three voxels thick: a cell and a half of every second vertex.
   constexpr int resolution = 90;
   const TwoGrids plate(Solved(make_shape("plate", {.thickness = 3.0 / (resolution - 12)}), resolution, 0.15, noise));
-  EXPECT_TRUE(plate.coarse.strength.yield);
+  EXPECT_TRUE(plate.coarse.fit_weights.yield);
   EXPECT_FALSE(plate.coarse_serves());
 }
 

@@ -15,14 +15,14 @@ using namespace test;
 
 const Context one_thread(1);
 
-/// 30 exp(-(r / 15)^2) around the centre of the box, 0 at fixed vertices: unbounded above, as Poisson's u is.
+/// 30 exp(-(r / 15)^2) around the center of the box, 0 at fixed vertices: unbounded above, as Poisson's u is.
 DenseField<float> bell(const LevelBox& box) {
   DenseField<float> u(box);
-  const Vec3d centre = Vec3d(box.free_lo + box.free_hi) * 0.5;
+  const Vec3d center = Vec3d(box.free_lo + box.free_hi) * 0.5;
   for (int z = box.free_lo.z; z <= box.free_hi.z; ++z)
     for (int y = box.free_lo.y; y <= box.free_hi.y; ++y)
       for (int x = box.free_lo.x; x <= box.free_hi.x; ++x) {
-        const double r = norm(Vec3d(Vec3i{x, y, z}) - centre) / 15;
+        const double r = norm(Vec3d(Vec3i{x, y, z}) - center) / 15;
         u.at({x, y, z}) = static_cast<float>(30 * std::exp(-r * r));
       }
   return u;

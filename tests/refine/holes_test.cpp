@@ -36,7 +36,7 @@ bool in_cap(Vec3d p) { return dot(p, normalized(Vec3d{1, 2, 3})) > 0.4; }
 TEST(Holes, ACapOfASphereBendsAsTheSphere) {
   const Solved solved = with_hole("sphere", 60, in_cap);
   const Refined flat = filled(solved, HoleFill::flat), smooth = filled(solved, HoleFill::smooth);
-  EXPECT_EQ(smooth.report.holes.bent, 1u);
+  EXPECT_EQ(smooth.report.holes.curved, 1u);
   EXPECT_LT(mean_error_vox(solved, smooth.mesh), 0.3 * mean_error_vox(solved, flat.mesh));
   const TopologyReport topology = check_topology(smooth.mesh);
   EXPECT_TRUE(topology.watertight());
@@ -47,7 +47,7 @@ TEST(Holes, ACapOfASphereBendsAsTheSphere) {
 TEST(Holes, NothingChangesWhereThereIsNone) {
   const Solved solved("torus", 50);
   const Refined smooth = filled(solved, HoleFill::smooth);
-  EXPECT_EQ(smooth.report.holes.bent, 0u);
+  EXPECT_EQ(smooth.report.holes.curved, 0u);
   EXPECT_EQ(hash_mesh(smooth.mesh), hash_mesh(filled(solved, HoleFill::flat).mesh));
 }
 
@@ -55,7 +55,7 @@ TEST(Holes, AnUnseenBaseStaysFlat) {
   // The lower third: the sides meet the film at some 70 degrees.
   const Solved solved = with_hole("sphere", 50, [](Vec3d p) { return p.z < -0.1; });
   const Refined smooth = filled(solved, HoleFill::smooth);
-  EXPECT_EQ(smooth.report.holes.bent, 0u);
+  EXPECT_EQ(smooth.report.holes.curved, 0u);
   EXPECT_EQ(smooth.report.holes.left, 1u);
   EXPECT_EQ(hash_mesh(smooth.mesh), hash_mesh(filled(solved, HoleFill::flat).mesh));
 }
@@ -64,7 +64,7 @@ TEST(Holes, WhatIsAFifthOfTheSurfaceIsNoHole) {
   // Samples of the upper third alone, turned so that the film lies along no face of their box.
   const Solved solved = with_hole("sphere", 50, [](Vec3d p) { return dot(p, normalized(Vec3d{1, 2, 3})) > -0.15; });
   const Refined smooth = filled(solved, HoleFill::smooth);
-  EXPECT_EQ(smooth.report.holes.bent, 0u);
+  EXPECT_EQ(smooth.report.holes.curved, 0u);
   EXPECT_EQ(smooth.report.holes.left, 1u);
   EXPECT_EQ(hash_mesh(smooth.mesh), hash_mesh(filled(solved, HoleFill::flat).mesh));
 }
@@ -88,7 +88,7 @@ double reach_along_x(bool open, size_t& bent) {
   params.open = open;
   const Refined result = refined(solved, params);
   EXPECT_TRUE(check_topology(result.mesh).watertight());
-  bent = result.report.holes.bent;
+  bent = result.report.holes.curved;
   double most = 0;
   for (const Vec3d v : result.mesh.vertices) most = std::max(most, v.x);
   return most / 0.5;

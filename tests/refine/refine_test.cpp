@@ -22,26 +22,26 @@ TEST_P(SmoothShape, ViewingDirectionsGiveAHundredthOfAVoxelSlow) {
   const Solved solved(GetParam(), 110);
   const Refined result = refined(solved);
   EXPECT_LT(mean_error_vox(solved, result.mesh), 0.012);
-  EXPECT_EQ(result.report.strength.normals, 0) << "viewing directions are no normals";
-  EXPECT_LT(result.report.strength.noise, 0.03);
+  EXPECT_EQ(result.report.fit_weights.normals, 0) << "viewing directions are no normals";
+  EXPECT_LT(result.report.fit_weights.noise, 0.03);
 }
 
 TEST_P(SmoothShape, StrengthFollowsTheNoiseSlow) {
   const Solved clean(GetParam(), 70), noisy(GetParam(), 70, 1, {.noise_vox = 1.0 / 3});
   const Refined of_clean = refined(clean), of_noisy = refined(noisy);
-  EXPECT_GT(of_noisy.report.strength.smoothing, 5 * of_clean.report.strength.smoothing);
+  EXPECT_GT(of_noisy.report.fit_weights.smoothing, 5 * of_clean.report.fit_weights.smoothing);
   EXPECT_LT(mean_error_vox(noisy, of_noisy.mesh), 0.08);
   // Along the normal the noise is that along the ray times its cosine.
-  EXPECT_NEAR(of_noisy.report.strength.noise, 0.2, 0.05);
+  EXPECT_NEAR(of_noisy.report.fit_weights.noise, 0.2, 0.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, SmoothShape, testing::Values("sphere", "torus", "knot"), name_of);
 
 TEST(Refine, CreasesKeepTheirBendUnderNoiseSlow) {
-  // Where each vertex yields to its own curvature, bent by noise, and no neighbour is asked: 0.10.
+  // Where each vertex yields to its own curvature, bent by noise, and no neighbor is asked: 0.10.
   const Solved solved("part", 80, 1, {.noise_vox = 1.0 / 3});
   const Refined result = refined(solved);
-  EXPECT_TRUE(result.report.strength.yield);
+  EXPECT_TRUE(result.report.fit_weights.yield);
   EXPECT_LT(mean_error_vox(solved, result.mesh), 0.085);
 }
 
@@ -50,11 +50,11 @@ TEST(Refine, StrongNoiseIsNotFollowedSlow) {
   const Solved solved("sphere", 70, 1, {.noise_vox = 1});
   const Refined result = refined(solved);
   EXPECT_LT(mean_error_vox(solved, result.mesh), 0.22);
-  const double bend = std::pow(result.report.strength.smoothing, 0.25);
-  EXPECT_GT(bend, 1.5 * result.report.strength.noise);
+  const double bend = std::pow(result.report.fit_weights.smoothing, 0.25);
+  EXPECT_GT(bend, 1.5 * result.report.fit_weights.noise);
 }
 
-/// Patches that choose the strength, and rows that tell the median of the bends, are the same or as good.
+/// Patches that choose the fit_weights, and rows that tell the median of the bends, are the same or as good.
 TEST(Refine, HardlyKnowsHowTheAxesAreTurnedSlow) {
   constexpr int resolution = 140;  // more samples than are looked at
   const Disturbance noise{.noise_vox = 0.5};
@@ -64,7 +64,7 @@ TEST(Refine, HardlyKnowsHowTheAxesAreTurnedSlow) {
   along_world.solution = solve(along_world.problem, 0.02, 1e-3);
   ASSERT_NE(turned.problem.lattice.turn, 0);
   const Refined a = refined(turned), b = refined(along_world);
-  EXPECT_NEAR(a.report.strength.smoothing, b.report.strength.smoothing, 0.01 * b.report.strength.smoothing);
+  EXPECT_NEAR(a.report.fit_weights.smoothing, b.report.fit_weights.smoothing, 0.01 * b.report.fit_weights.smoothing);
   const auto flips = static_cast<double>(b.report.flips);
   EXPECT_NEAR(static_cast<double>(a.report.flips), flips, 0.02 * flips);
   const double error = mean_error_vox(along_world, b.mesh);
@@ -76,14 +76,14 @@ TEST(Refine, StaysModestWhereNoSampleTellsTheStrength) {
   for (Vec3f& direction : solved.problem.samples.direction) direction = -direction;  // all seen from inside
   const Refined result = refined(solved);
   EXPECT_EQ(result.report.search.held_out_error, 0) << "no sample counts";
-  EXPECT_LT(result.report.strength.smoothing, 1);
+  EXPECT_LT(result.report.fit_weights.smoothing, 1);
 }
 
 TEST(Refine, TrueNormalsAreRecognisedAndHelpSlow) {
   const Disturbance normals{.noise_vox = 1.0 / 3, .viewing = false};
   const Solved solved("torus", 70, 1, normals);
   const Refined with = refined(solved), without = refined(solved, {{.normals = 0.0}});
-  EXPECT_GT(with.report.strength.normals, 0);
+  EXPECT_GT(with.report.fit_weights.normals, 0);
   EXPECT_LT(with.report.search.agreement_deg, 20);
   EXPECT_LT(mean_error_vox(solved, with.mesh), 0.85 * mean_error_vox(solved, without.mesh));
 }
@@ -199,12 +199,12 @@ TEST(Topology, SurvivesAnyWish) {
 
 /// A ball with a void of one vertex, and beside it objects of two, of one and of one vertex.
 struct Specks {
-  static constexpr Vec3i ball_centre{8, 8, 8}, hollow{8, 8, 8}, pair{18, 18, 18}, kept{20, 4, 4}, lost{4, 20, 4};
+  static constexpr Vec3i ball_center{8, 8, 8}, hollow{8, 8, 8}, pair{18, 18, 18}, kept{20, 4, 4}, lost{4, 20, 4};
 
   explicit Specks(bool ball) {
     for (size_t b = 0; b < band.grid().size(); ++b)
       for_each_vertex(band.grid().coord(b), [&](Vec3i v, int i) {
-        const bool in_ball = ball && v != hollow && norm(Vec3d(v - ball_centre)) < 5;
+        const bool in_ball = ball && v != hollow && norm(Vec3d(v - ball_center)) < 5;
         const bool inside = in_ball || v == pair || v == pair + Vec3i{1, 0, 0} || v == kept || v == lost;
         if (inside) signs.flip(b, i & 7, i >> 3 & 7, i >> 6);
         at(v) = inside ? 1.0f : -1.0f;
@@ -306,7 +306,7 @@ TEST_P(SparseSamples, OfNoiseAreFittedOnCoarserVerticesSlow) {
   EXPECT_EQ(of_coarse.components.size(), of_fine.components.size());
   EXPECT_EQ(of_coarse.genus(), of_fine.genus());
   // Reported in the grid's voxels.
-  EXPECT_NEAR(coarse.report.strength.noise, fine.report.strength.noise, 0.1);
+  EXPECT_NEAR(coarse.report.fit_weights.noise, fine.report.fit_weights.noise, 0.1);
   EXPECT_NEAR(coarse.report.search.held_out_error, fine.report.search.held_out_error, 0.1);
 }
 
@@ -316,8 +316,8 @@ TEST(Refine, SparseSamplesTakeTheStrengthThatIsAskedFor) {
   const Solved solved("sphere", 72, 0.06, {.noise_vox = 0.9});
   const Refined result = refined(solved, {{.smoothing = 50.0, .normals = 0.25}});
   EXPECT_GT(result.report.spacing, 1);
-  EXPECT_EQ(result.report.strength.smoothing, 50);
-  EXPECT_EQ(result.report.strength.normals, 0.25);
+  EXPECT_EQ(result.report.fit_weights.smoothing, 50);
+  EXPECT_EQ(result.report.fit_weights.normals, 0.25);
   EXPECT_EQ(check_topology(result.mesh).components.size(), 1u);
 }
 

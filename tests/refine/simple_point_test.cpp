@@ -13,7 +13,7 @@ namespace TEST_FILE {
 
 constexpr int middle = 13;
 
-/// Components of some vertices of a 3 x 3 x 3 block under a neighbourhood of 1 (faces) to 3 (corners too) steps.
+/// Components of some vertices of a 3 x 3 x 3 block under a neighborhood of 1 (faces) to 3 (corners too) steps.
 int components(uint32_t vertices, int steps) {
   int count = 0;
   while (vertices != 0) {
@@ -34,20 +34,20 @@ int components(uint32_t vertices, int steps) {
   return count;
 }
 
-/// Euler number of the union of closed unit cubes centred at the outside vertices: 26-connected, so its complement, the
+/// Euler number of the union of closed unit cubes centerd at the outside vertices: 26-connected, so its complement, the
 /// inside, is 6-connected.
 int euler_of_outside(uint32_t inside) {
   int euler = 0;
-  // Cells of the cubical complex have doubled coordinates 0..6; cube v has its centre at 2 v + 1 along each axis.
+  // Cells of the cubical complex have doubled coordinates 0..6; cube v has its center at 2 v + 1 along each axis.
   for (int z = 0; z <= 6; ++z)
     for (int y = 0; y <= 6; ++y)
       for (int x = 0; x <= 6; ++x) {
         const std::array<int, 3> cell{x, y, z};
         bool covered = false;
         for (int v = 0; v < 27 && !covered; ++v) {
-          const std::array<int, 3> centre{2 * (v % 3) + 1, 2 * (v / 3 % 3) + 1, 2 * (v / 9) + 1};
+          const std::array<int, 3> center{2 * (v % 3) + 1, 2 * (v / 3 % 3) + 1, 2 * (v / 9) + 1};
           bool touches = !(inside >> v & 1);
-          for (size_t k = 0; k < 3; ++k) touches = touches && std::abs(cell[k] - centre[k]) <= 1;
+          for (size_t k = 0; k < 3; ++k) touches = touches && std::abs(cell[k] - center[k]) <= 1;
           covered = touches;
         }
         const int dimension = (x & 1) + (y & 1) + (z & 1);
@@ -104,7 +104,7 @@ TEST(SimplePoint, TurningOneKeepsComponentsAndEulerNumber) {
   Random random(2);
   int simple = 0;
   for (int i = 0; i < 3000; ++i) {
-    // Sparse, even and full neighbourhoods.
+    // Sparse, even and full neighborhoods.
     uint32_t inside = static_cast<uint32_t>(random.next() >> 37);
     if (i % 3 == 1) inside &= static_cast<uint32_t>(random.next() >> 37);
     if (i % 3 == 2) inside |= static_cast<uint32_t>(random.next() >> 37);
@@ -115,7 +115,7 @@ TEST(SimplePoint, TurningOneKeepsComponentsAndEulerNumber) {
                       euler_of_outside(with) == euler_of_outside(without);
     if (is_simple(inside)) {
       ++simple;
-      EXPECT_TRUE(kept) << "neighbourhood " << inside;
+      EXPECT_TRUE(kept) << "neighborhood " << inside;
     }
   }
   EXPECT_GT(simple, 100);

@@ -31,7 +31,7 @@ TEST(Image, PngHasItsSizeAndChannels) {
   EXPECT_EQ(png.substr(1, 3), "PNG");
   EXPECT_EQ(png[19], 7);
   EXPECT_EQ(png[23], 5);
-  EXPECT_EQ(png[25], 2);  // colour type RGB
+  EXPECT_EQ(png[25], 2);  // color type RGB
   image.at(3, 3)[3] = 128;
   png = written(image);
   EXPECT_EQ(png[25], 6);  // RGBA

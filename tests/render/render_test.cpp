@@ -16,14 +16,14 @@ namespace TEST_FILE {
 const Vec3d far_corner{5e6, -5e6, 5e6};
 
 /// A ball of latitudes and longitudes, counter-clockwise seen from outside.
-Mesh ball(double radius, Vec3d centre = {}, uint32_t rows = 60, uint32_t columns = 120) {
+Mesh ball(double radius, Vec3d center = {}, uint32_t rows = 60, uint32_t columns = 120) {
   Mesh mesh;
   for (uint32_t i = 0; i <= rows; ++i) {
     for (uint32_t j = 0; j < columns; ++j) {
       const double theta = std::numbers::pi * i / rows;
       const double phi = 2 * std::numbers::pi * j / columns;
       mesh.vertices.push_back(
-          centre + radius * Vec3d{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)});
+          center + radius * Vec3d{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)});
       const auto at = [&](uint32_t r, uint32_t c) { return r * columns + c % columns; };
       if (i == rows) continue;
       mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
@@ -88,7 +88,7 @@ TEST(Render, TheSameBytesForAnyNumberOfThreads) {
   for (const int threads : {2, 3, 8}) EXPECT_EQ(draw(mesh, params, threads).pixels, one.pixels);
 }
 
-TEST(Render, TheInsideOfASurfaceIsDrawnInTheBackColour) {
+TEST(Render, TheInsideOfASurfaceIsDrawnInTheBackColor) {
   Mesh mesh = square(1);
   const RenderParams params = quick(40);
   EXPECT_FALSE(is_reddish(draw(mesh, params).at(20, 20)));
@@ -172,7 +172,7 @@ TEST(Render, PanelsShareOneScaleUnlessFitted) {
     return right / left;
   };
   EXPECT_NEAR(coverage(Framing::shared), 4, 0.3);
-  EXPECT_NEAR(coverage(Framing::centred), 4, 0.1);
+  EXPECT_NEAR(coverage(Framing::centerd), 4, 0.1);
   EXPECT_NEAR(coverage(Framing::fitted), 1, 0.01);
 }
 
@@ -206,7 +206,7 @@ TEST(Render, CaptionsLeaveInkBelowTheirPanel) {
   EXPECT_EQ(ink(100), 0);
 }
 
-TEST(Render, AttributesAreColouredByTheMap) {
+TEST(Render, AttributesAreColoredByTheMap) {
   Mesh mesh = square(1);
   mesh.attributes = {{"error", {0, 0, 0, 0}}};
   RenderParams params = quick(40);
@@ -220,7 +220,7 @@ TEST(Render, AttributesAreColouredByTheMap) {
   EXPECT_GT(high[1], low[1] + 50);
 }
 
-TEST(Render, VertexColoursAreUsed) {
+TEST(Render, VertexColorsAreUsed) {
   Mesh mesh = square(1);
   mesh.colors.assign(4, {0, 200, 0});
   const Rgba8 p = draw(mesh, quick(40)).at(20, 20);
@@ -249,7 +249,7 @@ TEST(Render, OneSampleAndCoincidentSamplesAreDrawn) {
   EXPECT_GT(covered(render({{&cloud, ""}}, quick(40), Context(1))), 0);
 }
 
-TEST(Render, ScansHaveDifferentColours) {
+TEST(Render, ScansHaveDifferentColors) {
   PointCloud cloud;
   cloud.positions = {{0, 0, 0}, {1, 0, 0}};
   cloud.scans.resize(2);

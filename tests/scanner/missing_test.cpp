@@ -74,7 +74,7 @@ TEST(Hole, DependsOnTheSeedAlone) {
 TEST(ThinHalf, KeepsOneOfFiftyBeyondTheMiddleOfTheLongestSide) {
   const auto shape = make_arch();  // longest along z
   const PointCloud cloud = sample_surface(*shape, 50000, 1);
-  const std::vector<bool> keep = kept_samples(*shape, cloud, {.thin_half = 50}, Context(1));
+  const std::vector<bool> keep = kept_samples(*shape, cloud, {.sparse_half = 50}, Context(1));
   double upper = 0, kept_upper = 0;
   for (size_t i = 0; i < cloud.size(); ++i) {
     if (cloud.positions[i].z <= 0) {
@@ -94,7 +94,7 @@ TEST(Missing, ScansKeepTheirRangeGridsAndPoses) {
   params.columns = params.rows = 50;
   ScanSet set = virtual_scan(*shape, params, Context(2));
   const ScanSet whole = set;
-  std::vector<bool> keep = kept_samples(*shape, set.cloud, {.hole = 0.2, .thin_half = 3}, Context(1));
+  std::vector<bool> keep = kept_samples(*shape, set.cloud, {.hole = 0.2, .sparse_half = 3}, Context(1));
   const Scan& gone = whole.cloud.scans[2];
   std::fill(keep.begin() + gone.begin, keep.begin() + gone.end, false);
   filter(set, keep);
@@ -131,8 +131,8 @@ TEST(Missing, RefusalsNameTheValueAndItsConstraint) {
   };
   EXPECT_EQ(message({.hole = 0.95}), "hole = 0.95, must be in [0, 0.9]");
   EXPECT_EQ(message({.hole = NAN}), "hole = nan, must be in [0, 0.9]");
-  EXPECT_EQ(message({.thin_half = 0.5}), "thin_half = 0.5, must be >= 1");
-  EXPECT_THROW(kept_samples(*shape, {}, {.thin_half = 2}, Context(1)), ParameterError);
+  EXPECT_EQ(message({.sparse_half = 0.5}), "sparse_half = 0.5, must be >= 1");
+  EXPECT_THROW(kept_samples(*shape, {}, {.sparse_half = 2}, Context(1)), ParameterError);
 }
 
 }  // namespace TEST_FILE

@@ -14,7 +14,7 @@ class WrittenScans : public testing::TestWithParam<Rays> {};
 
 TEST_P(WrittenScans, AreReadBackInTheWorldFrame) {
   ShapeParams shape;
-  shape.centre = {10.0, -20.0, 5.0};
+  shape.center = {10.0, -20.0, 5.0};
   ScannerParams params;
   params.rays = GetParam();
   params.views = 5;

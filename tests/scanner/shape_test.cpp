@@ -154,16 +154,16 @@ TEST_P(EveryShape, ARayThatStartsInsideMeetsNothing) {
   }
 }
 
-TEST_P(EveryShape, KeepsMillimetresFiveThousandKilometresAway) {
+TEST_P(EveryShape, KeepsMillimetersFiveThousandKilometresAway) {
   ShapeParams params;
-  params.centre = {5e6, -4e6, 3e6};
+  params.center = {5e6, -4e6, 3e6};
   const auto far = make_shape(GetParam(), params);
   Random random(6);
   for (int i = 0; i < 200; ++i) {
     // Offsets that doubles near 5e6 hold exactly.
     const auto coarse = [&] { return std::ldexp(std::floor(random.uniform(-600, 600)), -10); };
     const double x = coarse(), y = coarse(), z = coarse();
-    ASSERT_DOUBLE_EQ(far->signed_distance(params.centre + Vec3d{x, y, z}), shape->signed_distance({x, y, z}));
+    ASSERT_DOUBLE_EQ(far->signed_distance(params.center + Vec3d{x, y, z}), shape->signed_distance({x, y, z}));
   }
 }
 
@@ -282,7 +282,7 @@ TEST(Shape, RefusalsNameTheValueAndItsConstraint) {
   EXPECT_EQ(message("sphere", {.size = -1.0}), "size = -1, must be > 0");
   EXPECT_EQ(message("plate", {.thickness = 0.7}), "thickness = 0.7, must be in [0.0001, 0.5] times the size");
   EXPECT_EQ(message("sheets", {.gap = 0.0}), "gap = 0, must be in [0.0001, 0.5] times the size");
-  EXPECT_EQ(message("torus", {.centre = {0.0, NAN, 0.0}}), "centre: its coordinates must be finite");
+  EXPECT_EQ(message("torus", {.center = {0.0, NAN, 0.0}}), "center: its coordinates must be finite");
   EXPECT_THROW(make_sphere()->tessellate(0.0), ParameterError);
 }
 

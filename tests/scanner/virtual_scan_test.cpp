@@ -240,7 +240,7 @@ TEST(VirtualScan, StepGivesEvenSpacingAtTheTarget) {
   const RangeGrid& grid = *set.cloud.scans[0].range_grid;
   EXPECT_EQ(std::max(grid.columns, grid.rows), 101);
   EXPECT_EQ(std::min(grid.columns, grid.rows), 71);
-  // The flat top, seen straight on: every second sample has a neighbour at the step.
+  // The flat top, seen straight on: every second sample has a neighbor at the step.
   EXPECT_NEAR(norm(set.cloud.positions[3001] - set.cloud.positions[3000]), 0.01, 1e-12);
 }
 

@@ -211,7 +211,7 @@ TEST_P(WrongSigns, AreNotTakenForDirections) {
   EXPECT_LE(run.wrong_side, 0.001);
   EXPECT_EQ(run.topology.components.size(), 1u);
   EXPECT_EQ(run.topology.genus(), 4);
-  EXPECT_GT(run.result.report.input.directions.turned, 0u);
+  EXPECT_GT(run.result.report.input.directions.reoriented, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(ByLot, WrongSigns, testing::Values(0.05, 0.5));

@@ -19,9 +19,9 @@ TEST(DenseLevel, HoldsTheDenseValuesInAndOutsideTheBand) {
   const LevelBox box = problem.lattice.box(0);
   DenseField<float> u(box);
   EXPECT_EQ(u.size(), problem.lattice.size);
-  const Vec3i centre = (box.free_lo + box.free_hi) / 2;
+  const Vec3i center = (box.free_lo + box.free_hi) / 2;
   const auto inside = [&](Vec3i v) {
-    const Vec3i d = v - centre;
+    const Vec3i d = v - center;
     return d.x * d.x + d.y * d.y + d.z * d.z < 20 * 20 && box.is_free(v);
   };
   for (int z = 0; z < u.size().z; ++z)

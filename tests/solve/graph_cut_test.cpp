@@ -247,14 +247,14 @@ TEST_P(EveryKind, MeanCostOfAUnitAreaIsLambda) {
   }
 }
 
-TEST(LinkWeights, OfSixNeighbours) {
+TEST(LinkWeights, OfSixNeighbors) {
   for (const LinkWeights weights : {LinkWeights::edge_length, LinkWeights::cauchy_crofton}) {
     for (const Link& link : graph_links({6, weights, Norm::isotropic}, 0.03)) EXPECT_NEAR(link.weight, 0.02, 1e-15);
     for (const Link& link : graph_links({6, weights, Norm::anisotropic}, 0.03)) EXPECT_NEAR(link.weight, 0.03, 1e-15);
   }
 }
 
-TEST(LinkWeights, OfTwentySixNeighboursDependLessOnTheDirection) {
+TEST(LinkWeights, OfTwentySixNeighborsDependLessOnTheDirection) {
   const Spread six = spread_over_directions({6, LinkWeights::edge_length, Norm::isotropic}, 1);
   const Spread by_length = spread_over_directions({26, LinkWeights::edge_length, Norm::isotropic}, 1);
   const Spread by_angle = spread_over_directions({26, LinkWeights::cauchy_crofton, Norm::isotropic}, 1);

@@ -37,7 +37,7 @@ TEST(InsideBits, TellWhereUIsAboveTheThreshold) {
   });
 }
 
-TEST(InsideBits, TheInterfaceHasANeighbourOnTheOtherSide) {
+TEST(InsideBits, TheInterfaceHasANeighborOnTheOtherSide) {
   const Filled filled(4);
   const Level& level = filled.level;
   const InsideBits inside(level, 0.5f, one_thread);

@@ -246,7 +246,7 @@ TEST(Sor, LeavesNothingWhereNothingWasSampled) {
 }
 
 TEST(Sor, KeepsTheAxesEqual) {
-  // x -> y -> z -> x. The two colours see the same neighbours; the sums round in another order.
+  // x -> y -> z -> x. The two colors see the same neighbors; the sums round in another order.
   const PointCloud cloud = sampled("part", 40, 1);
   const PointCloud turned = transformed(
       cloud,
@@ -277,9 +277,9 @@ TEST(Sor, KeepsTheAxesEqual) {
 }
 
 TEST(Sor, MirrorsASymmetricSphere) {
-  // A few samples and their images under all symmetries of the cube; the grid's centre is the cube's.
+  // A few samples and their images under all symmetries of the cube; the grid's center is the cube's.
   const PointCloud seed = sample_surface(*make_shape("sphere"), 60, 3);
-  const Vec3d centre = make_shape("sphere")->box().center();
+  const Vec3d center = make_shape("sphere")->box().center();
   PointCloud cloud;
   constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
   for (size_t i = 0; i < seed.size(); ++i)
@@ -288,7 +288,7 @@ TEST(Sor, MirrorsASymmetricSphere) {
         Vec3d position, normal;
         for (int axis = 0; axis < 3; ++axis) {
           const double sign = (signs >> axis) & 1 ? -1 : 1;
-          position[axis] = centre[axis] + sign * (seed.positions[i] - centre)[order[axis]];
+          position[axis] = center[axis] + sign * (seed.positions[i] - center)[order[axis]];
           normal[axis] = sign * Vec3d(seed.normals[i])[order[axis]];
         }
         cloud.positions.push_back(position);

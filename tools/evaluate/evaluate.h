@@ -78,7 +78,7 @@ Evaluation evaluate(const Mesh& mesh, const Surface& truth, const EvaluationOpti
 /// The same against a mesh. A closed truth that is inside-out is turned.
 Evaluation evaluate(const Mesh& mesh, const Mesh& truth, const EvaluationOptions& options, const Context& context);
 
-/// `mesh` with each vertex's distance to the truth as the attribute `distance` (input units) and as colours: dark at 0,
+/// `mesh` with each vertex's distance to the truth as the attribute `distance` (input units) and as colors: dark at 0,
 /// bright at `top` (input units, > 0 and finite) and beyond.
 Mesh color_by_error(Mesh mesh, const Surface& truth, double top, const Context& context);
 

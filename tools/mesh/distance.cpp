@@ -58,9 +58,9 @@ Vec3d closest_on_triangle(Vec3d p, const Corners& t) {
 }  // namespace
 
 struct ClosestPointQuery::Impl {
-  Vec3d centre;
+  Vec3d center;
   double to_unit = 1;              // scale under which the tree spans [-1, 1]: no float overflows
-  std::vector<Corners> triangles;  // relative to the centre
+  std::vector<Corners> triangles;  // relative to the center
   EmbreeScene scene;
 
   struct Search {
@@ -109,7 +109,7 @@ struct ClosestPointQuery::Impl {
     scene.commit(context);
   }
 
-  /// `point` and the result are relative to the centre; nothing farther than `limit` need be looked at.
+  /// `point` and the result are relative to the center; nothing farther than `limit` need be looked at.
   ClosestPoint search(Vec3d point, double limit) const {
     Search search{this, point, {{}, std::numeric_limits<uint32_t>::max(), infinity}};
     RTCPointQuery query{};
@@ -135,7 +135,7 @@ ClosestPointQuery::ClosestPointQuery(const Mesh& mesh, const Context& context) :
   if (box.longest() > longest_side)
     throw ParameterError(
         fmt::format("the longest side of the mesh's box = {:g}, must be <= {:g}", box.longest(), longest_side));
-  impl_->centre = box.center();
+  impl_->center = box.center();
   if (box.longest() > 0) impl_->to_unit = 2 / box.longest();
   impl_->triangles.resize(mesh.triangles.size());
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -144,7 +144,7 @@ ClosestPointQuery::ClosestPointQuery(const Mesh& mesh, const Context& context) :
       if (v >= mesh.vertices.size()) {
         throw ParameterError(fmt::format("triangle {} names vertex {}, must be < {}", i, v, mesh.vertices.size()));
       }
-      impl_->triangles[i][k] = mesh.vertices[v] - impl_->centre;
+      impl_->triangles[i][k] = mesh.vertices[v] - impl_->center;
     }
   }
   impl_->build(context);
@@ -155,8 +155,8 @@ ClosestPointQuery::ClosestPointQuery(ClosestPointQuery&&) noexcept = default;
 ClosestPointQuery& ClosestPointQuery::operator=(ClosestPointQuery&&) noexcept = default;
 
 ClosestPoint ClosestPointQuery::operator()(Vec3d point) const {
-  ClosestPoint found = impl_->search(point - impl_->centre, infinity);
-  found.position += impl_->centre;
+  ClosestPoint found = impl_->search(point - impl_->center, infinity);
+  found.position += impl_->center;
   return found;
 }
 
@@ -168,9 +168,9 @@ std::vector<ClosestPoint> ClosestPointQuery::operator()(const std::vector<Vec3d>
       if (!is_finite(points[i])) throw ParameterError(fmt::format("point {} is not finite", i));
       // The triangle closest to the previous point is no farther than this.
       const double limit = i == begin ? infinity : found[i - 1].distance + norm(points[i] - points[i - 1]);
-      found[i] = impl_->search(points[i] - impl_->centre, limit);
+      found[i] = impl_->search(points[i] - impl_->center, limit);
     }
-    for (size_t i = begin; i < end; ++i) found[i].position += impl_->centre;
+    for (size_t i = begin; i < end; ++i) found[i].position += impl_->center;
   });
   return found;
 }

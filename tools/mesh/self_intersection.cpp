@@ -49,12 +49,12 @@ class PairSearch {
   /// Triangles after the given one, in the list's order, that it meets.
   size_t meeting(size_t index) const {
     const auto [lo, hi] = bounds(triangles_[index]);
-    const Vec3d centre = (lo + hi) * 0.5;
+    const Vec3d center = (lo + hi) * 0.5;
     Visit visit{this, static_cast<unsigned>(index), 0};
     RTCPointQuery query{};
-    query.x = static_cast<float>(centre.x);
-    query.y = static_cast<float>(centre.y);
-    query.z = static_cast<float>(centre.z);
+    query.x = static_cast<float>(center.x);
+    query.y = static_cast<float>(center.y);
+    query.z = static_cast<float>(center.z);
     query.radius = static_cast<float>(0.5 * norm(hi - lo) + margin);
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);

@@ -12,7 +12,7 @@ namespace soapfilm {
 /// overlap. Vertices at the same place count as one; triangles without area are left out.
 ///
 /// Coordinates are rounded to 2^-38 of the longest side of the mesh's box; for the rounded ones the answer is exact
-/// (integers of 128 bits), so neither coplanar neighbours nor slivers are misjudged. Embree's tree proposes the pairs.
+/// (integers of 128 bits), so neither coplanar neighbors nor slivers are misjudged. Embree's tree proposes the pairs.
 /// The result does not depend on the number of threads.
 ///
 /// Throws ParameterError when a triangle names a vertex that does not exist or a coordinate is not finite.

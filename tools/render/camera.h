@@ -24,11 +24,11 @@ struct ViewFrame {
 ViewFrame view_frame(Vec3d from, Vec3d up);
 
 /// Where the viewer stands for "front", "back", "left", "right", "top", "bottom" or "iso". With y up the front is
-/// towards +z, with z up towards -y, as modelling programs have it; right is +x in both. Throws ParameterError for
+/// towards +z, with z up towards -y, as modeling programs have it; right is +x in both. Throws ParameterError for
 /// another name.
 Vec3d view_direction(std::string_view name, Vec3d up);
 
-/// A rectangle of the picture plane: centre and half the height in view units, width over height of the panel.
+/// A rectangle of the picture plane: center and half the height in view units, width over height of the panel.
 struct ViewWindow {
   double x = 0;
   double y = 0;

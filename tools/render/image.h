@@ -25,7 +25,7 @@ struct Image {
   Rgba8& at(int x, int y) { return pixels[static_cast<size_t>(y) * width + x]; }
   const Rgba8& at(int x, int y) const { return pixels[static_cast<size_t>(y) * width + x]; }
 
-  /// Paints over one pixel: `coverage` in [0, 1] of the colour, over what is there. Pixels off the image are ignored.
+  /// Paints over one pixel: `coverage` in [0, 1] of the color, over what is there. Pixels off the image are ignored.
   void blend(int x, int y, Rgb8 color, double coverage);
 };
 

@@ -6,7 +6,7 @@
 namespace soapfilm::render_detail {
 
 /// A low-discrepancy sequence in the unit square (Roberts' R2), shifted by a hash of the pixel: every pixel sees an
-/// even pattern, neighbours see unrelated ones - a regular dither would look like steps of the surface - and each is a
+/// even pattern, neighbors see unrelated ones - a regular dither would look like steps of the surface - and each is a
 /// function of the pixel's place alone.
 class PixelPattern {
  public:

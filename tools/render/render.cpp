@@ -87,7 +87,7 @@ void check_item(const RenderItem& item, size_t number) {
   }
 }
 
-/// The values at the ends of the colour map; those found in the items unless given.
+/// The values at the ends of the color map; those found in the items unless given.
 Range map_range(const std::vector<RenderItem>& items, const RenderParams& params) {
   if (params.color_by.empty()) return {0, 1};
   Range found{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
@@ -187,19 +187,19 @@ class Panel {
   }
 
  private:
-  /// Scene units: the item's bounding ball around the centre of the window becomes the unit ball.
+  /// Scene units: the item's bounding ball around the center of the window becomes the unit ball.
   Scene make_scene(const RenderItem& item, const RenderParams& params, const ViewFrame& frame, const ViewWindow& window,
                    double aspect, Range range, const Context& context) {
     Box3d box;
     for (const Vec3d& p : positions_of(item)) box.extend(p);
     const ViewWindow shown = zoomed(window, params.zoom, aspect);
-    const Vec3d centre =
+    const Vec3d center =
         frame.right * shown.x + frame.up * shown.y + frame.towards_viewer * dot(box.center(), frame.towards_viewer);
     double radius = 0;
-    for (const Vec3d& p : positions_of(item)) radius = std::max(radius, norm(p - centre));
+    for (const Vec3d& p : positions_of(item)) radius = std::max(radius, norm(p - center));
     const double scale = radius > 0 ? 1 / radius : 1;
     pixel_size_ = 2 * shown.half_height / params.height * scale;
-    return Scene(item, params, frame, centre, scale, range, context);
+    return Scene(item, params, frame, center, scale, range, context);
   }
 
   Rgba8 pixel(int x, int y) const {
@@ -230,15 +230,15 @@ class Panel {
   Scene scene_;
 };
 
-/// The colour of text: readable on the background, dark on a transparent one.
+/// The color of text: readable on the background, dark on a transparent one.
 Rgb8 ink_for(const RenderParams& params) {
   if (!params.background) return dark_ink;
   const Vec3f c = to_linear(*params.background);
   return 0.21f * c.x + 0.72f * c.y + 0.07f * c.z < 0.2f ? light_ink : dark_ink;
 }
 
-/// Text centred at x, made smaller when it would be wider than `room`.
-void draw_centred(Image& image, const std::string& text, double x, double baseline, double height, double room,
+/// Text centerd at x, made smaller when it would be wider than `room`.
+void draw_centerd(Image& image, const std::string& text, double x, double baseline, double height, double room,
                   Rgb8 ink) {
   const double width = text_width(text, height);
   const double fit = width > room ? height * room / width : height;
@@ -252,14 +252,14 @@ void draw_legend(Image& image, const RenderParams& params, const Layout& layout,
   const int left = (image.width - length) / 2;
   const int top = image.height - layout.legend_height + static_cast<int>(2.2 * text);
   const int bottom = top + static_cast<int>(text);
-  draw_centred(image, params.color_by, image.width / 2.0, top - 0.5 * text, text, length, ink);
+  draw_centerd(image, params.color_by, image.width / 2.0, top - 0.5 * text, text, length, ink);
   for (int x = 0; x < length; ++x) {
     const Rgb8 c = map_color((x + 0.5) / length);
     for (int y = top; y < bottom; ++y) image.blend(left + x, y, c, 1);
   }
   for (int k = 0; k <= 2; ++k) {
     const double value = range.first + (range.second - range.first) * k / 2;
-    draw_centred(image, fmt::format("{:.4g}", value), left + length * k / 2.0, bottom + 1.6 * text, text, length, ink);
+    draw_centerd(image, fmt::format("{:.4g}", value), left + length * k / 2.0, bottom + 1.6 * text, text, length, ink);
   }
 }
 
@@ -283,7 +283,7 @@ Image render(const std::vector<RenderItem>& items, const RenderParams& params, c
     const int left = static_cast<int>(i) % layout.columns * params.width;
     const int top = static_cast<int>(i) / layout.columns * (params.height + layout.caption_height);
     Panel(items[i], params, frame, framer.window(i), framer.aspect(), range, context).draw(image, left, top, context);
-    draw_centred(image, items[i].caption, left + params.width / 2.0, top + params.height + 1.6 * layout.text_height,
+    draw_centerd(image, items[i].caption, left + params.width / 2.0, top + params.height + 1.6 * layout.text_height,
                  layout.text_height, 0.94 * params.width, ink_for(params));
   }
   if (layout.legend_height > 0) draw_legend(image, params, layout, range);

@@ -18,7 +18,7 @@ namespace soapfilm {
 
 /// One panel of a picture. The mesh or cloud must outlive the call.
 ///
-/// Colour of a vertex or sample: the attribute that RenderParams::color_by names, else its own colour, else the scan's
+/// Color of a vertex or sample: the attribute that RenderParams::color_by names, else its own color, else the scan's
 /// (clouds of several scans), else RenderParams::surface. Samples with a normal are discs, others small balls.
 struct RenderItem {
   std::variant<const Mesh*, const PointCloud*> shape;
@@ -32,8 +32,8 @@ enum class Shading {
 
 enum class Framing {
   shared,   ///< all panels show the same window of space: for surfaces of one object in one frame
-  centred,  ///< each panel is centred on its own item; the scale is the same in all
-  fitted,   ///< each panel has the centre and the scale that show its item in full
+  centerd,  ///< each panel is centerd on its own item; the scale is the same in all
+  fitted,   ///< each panel has the center and the scale that show its item in full
 };
 
 struct RenderParams {
@@ -58,7 +58,7 @@ struct RenderParams {
   std::optional<Rgb8> background = Rgb8{255, 255, 255};  ///< transparent when absent
 };
 
-/// The panels in rows, captions below them, and below all the legend of the colour map when one is used. Every pixel is
+/// The panels in rows, captions below them, and below all the legend of the color map when one is used. Every pixel is
 /// computed by itself from fixed sample patterns: the same bytes for any number of threads.
 ///
 /// Throws ParameterError when there is no item, an item is empty or has a coordinate that is not finite, an attribute

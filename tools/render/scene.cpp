@@ -13,7 +13,7 @@ namespace soapfilm::render_detail {
 namespace {
 
 constexpr float lift = 1e-4f;      // start of a secondary ray above the surface, scene units
-constexpr float disc_lift = 1.5f;  // the same above a sample, in its radii: neighbours must not darken each other
+constexpr float disc_lift = 1.5f;  // the same above a sample, in its radii: neighbors must not darken each other
 constexpr float far_away = 4;      // viewer's distance, scene units; everything lies within 1 of the origin
 
 /// Sums of the triangles' normals, weighted by their angles at the vertex (Thuermer and Wuethrich 1998): does not
@@ -78,14 +78,14 @@ struct Scene::Impl {
     rtcReleaseGeometry(geometry);
   }
 
-  void add_mesh(const Mesh& mesh, const RenderParams& params, const ViewFrame& frame, Vec3d centre, double scale) {
+  void add_mesh(const Mesh& mesh, const RenderParams& params, const ViewFrame& frame, Vec3d center, double scale) {
     const RTCGeometry geometry = rtcNewGeometry(scene.device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                  sizeof(Vec3f), mesh.vertices.size()));
     auto* indices = static_cast<Triangle*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                                                    sizeof(Triangle), mesh.triangles.size()));
     std::transform(mesh.vertices.begin(), mesh.vertices.end(), vertices,
-                   [&](Vec3d v) { return Vec3f(frame.apply(v - centre) * scale); });
+                   [&](Vec3d v) { return Vec3f(frame.apply(v - center) * scale); });
     std::copy(mesh.triangles.begin(), mesh.triangles.end(), indices);
     attach(geometry);
     triangles = mesh.triangles;
@@ -95,7 +95,7 @@ struct Scene::Impl {
     }
   }
 
-  void add_points(const PointCloud& cloud, const RenderParams& params, const ViewFrame& frame, Vec3d centre,
+  void add_points(const PointCloud& cloud, const RenderParams& params, const ViewFrame& frame, Vec3d center,
                   double scale) {
     const bool has_normals = cloud.normals.size() == cloud.size();
     const double world_radius = params.point_radius > 0 ? params.point_radius : splat_radius(cloud.positions);
@@ -109,7 +109,7 @@ struct Scene::Impl {
     auto* splats = static_cast<Splat*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(Splat), cloud.size()));
     for (size_t i = 0; i < cloud.size(); ++i) {
-      splats[i] = {Vec3f(frame.apply(cloud.positions[i] - centre) * scale), radius};
+      splats[i] = {Vec3f(frame.apply(cloud.positions[i] - center) * scale), radius};
     }
     if (has_normals) {
       auto* directions = static_cast<Vec3f*>(
@@ -131,19 +131,19 @@ struct Scene::Impl {
   }
 };
 
-Scene::Scene(const RenderItem& item, const RenderParams& params, const ViewFrame& frame, Vec3d centre, double scale,
+Scene::Scene(const RenderItem& item, const RenderParams& params, const ViewFrame& frame, Vec3d center, double scale,
              std::pair<double, double> range, const Context& context)
     : impl_(std::make_unique<Impl>()) {
   impl_->surface = to_linear(params.surface);
   impl_->back = to_linear(params.back);
   rtcSetSceneFlags(impl_->scene.get(), RTC_SCENE_FLAG_ROBUST);  // no light through the seams between triangles
   if (const auto* mesh = std::get_if<const Mesh*>(&item.shape)) {
-    impl_->add_mesh(**mesh, params, frame, centre, scale);
+    impl_->add_mesh(**mesh, params, frame, center, scale);
     impl_->colors = attribute_colors(**mesh, params.color_by, range);
     if (impl_->colors.empty()) impl_->colors = linear_colors((*mesh)->colors);
   } else {
     const PointCloud& cloud = *std::get<const PointCloud*>(item.shape);
-    impl_->add_points(cloud, params, frame, centre, scale);
+    impl_->add_points(cloud, params, frame, center, scale);
     impl_->colors = cloud.colors.empty() && cloud.scans.size() > 1 ? scan_colors(cloud) : linear_colors(cloud.colors);
   }
   impl_->scene.commit(context);

@@ -1,4 +1,4 @@
-// One item prepared for rays: geometry in the camera's frame, colours, normals.
+// One item prepared for rays: geometry in the camera's frame, colors, normals.
 #pragma once
 
 #include <memory>
@@ -31,8 +31,8 @@ struct OcclusionRays {
 /// suffice for georeferenced data, and lateral coordinates of rays are exact.
 class Scene {
  public:
-  /// `centre` is the world point at the origin, `scale` scene units per world unit; `range` that of the colour map.
-  Scene(const RenderItem& item, const RenderParams& params, const ViewFrame& frame, Vec3d centre, double scale,
+  /// `center` is the world point at the origin, `scale` scene units per world unit; `range` that of the color map.
+  Scene(const RenderItem& item, const RenderParams& params, const ViewFrame& frame, Vec3d center, double scale,
         std::pair<double, double> range, const Context& context);
   ~Scene();
   Scene(Scene&&) noexcept;

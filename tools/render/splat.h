@@ -8,7 +8,7 @@
 namespace soapfilm::render_detail {
 
 /// Radius at which discs around the samples just close the surface between them: from the median, over a thousand
-/// samples, of the distance to the fourth neighbour. Input units, > 0.
+/// samples, of the distance to the fourth neighbor. Input units, > 0.
 double splat_radius(const std::vector<Vec3d>& positions);
 
 }  // namespace soapfilm::render_detail

@@ -18,15 +18,15 @@ struct ArchSize {
   double bend;    ///< radius of its axis in the bend
   double height;  ///< of the box
 
-  double bend_height() const { return 0.5 * height - bend - tube; }  ///< z of the bend's centre, where the legs end
-  double foot_height() const { return tube - 0.5 * height; }         ///< z of the centres of the round ends
+  double bend_height() const { return 0.5 * height - bend - tube; }  ///< z of the bend's center, where the legs end
+  double foot_height() const { return tube - 0.5 * height; }         ///< z of the centers of the round ends
   double leg() const { return bend_height() - foot_height(); }       ///< length of a leg's straight part
 };
 
 class Arch final : public Shape {
  public:
-  Arch(Vec3d centre, const ArchSize& size, ShapeFacts facts)
-      : Shape(centre, {size.bend + size.tube, size.tube, 0.5 * size.height}, std::move(facts)), size_(size) {}
+  Arch(Vec3d center, const ArchSize& size, ShapeFacts facts)
+      : Shape(center, {size.bend + size.tube, size.tube, 0.5 * size.height}, std::move(facts)), size_(size) {}
 
  private:
   /// Point of the axis closest to p. Away from the axis the surface is at distance `tube` of it everywhere: exact
@@ -62,12 +62,12 @@ Mesh Arch::local_tessellate(double tolerance) const {
   MeshBuilder builder;
   std::vector<uint32_t> previous;
   // A ring, or half a turn into a foot a smaller one: `latitude` against the plane across the axis.
-  const auto add_ring = [&](Vec3d centre, Vec3d outer, Vec3d along, double latitude) {
+  const auto add_ring = [&](Vec3d center, Vec3d outer, Vec3d along, double latitude) {
     std::vector<uint32_t> ring;
     for (int j = 0; j < across; ++j) {
       const double v = 2.0 * pi * j / across;
       const Vec3d around = outer * std::cos(v) + Vec3d{0.0, std::sin(v), 0.0};
-      ring.push_back(builder.vertex(centre + (around * std::cos(latitude) + along * std::sin(latitude)) * size_.tube));
+      ring.push_back(builder.vertex(center + (around * std::cos(latitude) + along * std::sin(latitude)) * size_.tube));
     }
     for (int j = 0; j < across && !previous.empty(); ++j) {
       const int next = (j + 1) % across;
@@ -106,7 +106,7 @@ std::shared_ptr<const Shape> make_arch(const ShapeParams& params) {
   facts.narrowest = std::min(2.0 * tube, gap);
   facts.volume = pi * tube * tube * (pi * size.bend + 2.0 * size.leg() + 4.0 / 3.0 * tube);
   facts.area = 2.0 * pi * tube * (pi * size.bend + 2.0 * size.leg() + 2.0 * tube);
-  return std::make_shared<Arch>(params.centre, size, std::move(facts));
+  return std::make_shared<Arch>(params.center, size, std::move(facts));
 }
 
 }  // namespace soapfilm

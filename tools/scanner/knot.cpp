@@ -45,8 +45,8 @@ struct Signed {
 
 class Knot final : public Shape {
  public:
-  Knot(Vec3d centre, double unit, const Box3d& box, ShapeFacts facts)
-      : Shape(centre, box.size() * (0.5 * unit), std::move(facts)), unit_(unit), middle_(box.center()), curve_(box) {
+  Knot(Vec3d center, double unit, const Box3d& box, ShapeFacts facts)
+      : Shape(center, box.size() * (0.5 * unit), std::move(facts)), unit_(unit), middle_(box.center()), curve_(box) {
     for (int k = 0; k < 3; ++k) {
       const double angle = pi / 3.0 + 2.0 * pi * k / 3.0;
       posts_[k] = {trefoil_ring * std::cos(angle), trefoil_ring * std::sin(angle), 0.0};
@@ -171,7 +171,7 @@ Mesh Knot::local_tessellate(double tolerance) const {
   const auto level = [&](Vec3d lattice_position) {
     return outermost(solids(middle_ + lattice.to_world(lattice_position) / unit_)).distance * unit_;
   };
-  const auto at_centre = [&](Vec3i brick) {
+  const auto at_center = [&](Vec3i brick) {
     return level(static_cast<Vec3d>(brick) * double{brick_side} + Vec3d{3.5, 3.5, 3.5});
   };
   const double brick_radius = 0.5 * std::sqrt(3.0) * (brick_side + 1) * lattice.voxel;
@@ -179,7 +179,7 @@ Mesh Knot::local_tessellate(double tolerance) const {
   for (Vec3i b; b.z < bricks.z; ++b.z)
     for (b.y = 0; b.y < bricks.y; ++b.y)
       for (b.x = 0; b.x < bricks.x; ++b.x)
-        if (std::abs(at_centre(b)) <= brick_radius) active.set(b);
+        if (std::abs(at_center(b)) <= brick_radius) active.set(b);
 
   const Context one_thread(1);
   const BrickGrid grid(active, one_thread);
@@ -190,7 +190,7 @@ Mesh Knot::local_tessellate(double tolerance) const {
       value.brick(b)[i] = static_cast<float>(-level(static_cast<Vec3d>(v)));
     }
   }
-  const auto missing = [&](Vec3i b) { return static_cast<float>(-at_centre(b)); };
+  const auto missing = [&](Vec3i b) { return static_cast<float>(-at_center(b)); };
   Mesh mesh = extract_isosurface(grid, value, missing, 0.0f, lattice, one_thread);
   for (Vec3d& v : mesh.vertices) {
     const Nearest nearest = local_nearest(v);
@@ -213,7 +213,7 @@ std::shared_ptr<const Shape> make_knot(const ShapeParams& params) {
                       {"post_radius", post_radius * unit}};
   facts.genus = 4;
   facts.narrowest = 2.0 * std::min(post_radius, 0.5 * strand_distance - tube_radius) * unit;
-  return std::make_shared<Knot>(params.centre, unit, box, std::move(facts));
+  return std::make_shared<Knot>(params.center, unit, box, std::move(facts));
 }
 
 }  // namespace soapfilm

@@ -47,15 +47,15 @@ Vec3d pull_into_triangle(const Mesh& mesh, uint32_t index, Vec3d p) {
 
 }  // namespace
 
-/// Embree sees the mesh in single precision, centred and scaled to about [-1, 1].
+/// Embree sees the mesh in single precision, centerd and scaled to about [-1, 1].
 struct MeshSurface::Rays {
   EmbreeScene scene;
-  Vec3d centre;
+  Vec3d center;
   double scale;   ///< input units per unit of that frame
   double radius;  ///< of a ball around the mesh, input units
 
   Rays(const Mesh& mesh, const Box3d& box, const Context& context)
-      : centre(box.center()), scale(box.longest() > 0.0 ? 0.5 * box.longest() : 1.0), radius(0.5 * box.diagonal()) {
+      : center(box.center()), scale(box.longest() > 0.0 ? 0.5 * box.longest() : 1.0), radius(0.5 * box.diagonal()) {
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(scene.device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
@@ -72,7 +72,7 @@ struct MeshSurface::Rays {
     scene.commit(context);
   }
 
-  Vec3f to_local(Vec3d p) const { return static_cast<Vec3f>((p - centre) / scale); }
+  Vec3f to_local(Vec3d p) const { return static_cast<Vec3f>((p - center) / scale); }
 };
 
 MeshSurface::MeshSurface(Mesh mesh, const Context& context, Faces faces) : mesh_(std::move(mesh)) {
@@ -93,7 +93,7 @@ MeshSurface::~MeshSurface() = default;
 
 std::optional<SurfacePoint> MeshSurface::intersect(Vec3d origin, Vec3d direction) const {
   // The ray starts where it comes near the ball around the mesh, so that far scanners lose no precision.
-  const double skip = std::max(0.0, dot(rays_->centre - origin, direction) - (1.0 + 1e-6) * rays_->radius);
+  const double skip = std::max(0.0, dot(rays_->center - origin, direction) - (1.0 + 1e-6) * rays_->radius);
   const Vec3f start = rays_->to_local(origin + direction * skip);
   const auto along = static_cast<Vec3f>(direction);
   RTCRayHit query{};

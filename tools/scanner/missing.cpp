@@ -20,8 +20,8 @@ constexpr size_t samples_per_task = 1024;
 void check(const MissingParams& params) {
   if (!(params.hole >= 0.0 && params.hole <= 0.9))
     throw ParameterError(fmt::format("hole = {}, must be in [0, 0.9]", params.hole));
-  if (!(params.thin_half >= 1.0 && std::isfinite(params.thin_half)))
-    throw ParameterError(fmt::format("thin_half = {}, must be >= 1", params.thin_half));
+  if (!(params.sparse_half >= 1.0 && std::isfinite(params.sparse_half)))
+    throw ParameterError(fmt::format("sparse_half = {}, must be >= 1", params.sparse_half));
 }
 
 int longest_axis(const Box3d& box) {
@@ -42,18 +42,18 @@ std::vector<bool> kept_samples(const Surface& surface, const PointCloud& cloud, 
                  [&](size_t i) { lost[i] = patch.contains(surface.closest(cloud.positions[i])) ? 1 : 0; });
     for (size_t i = 0; i < cloud.size(); ++i) keep[i] = lost[i] == 0;
   }
-  if (params.thin_half > 1.0) {
+  if (params.sparse_half > 1.0) {
     const int axis = longest_axis(surface.box());
     const double middle = surface.box().center()[axis];
     Random random(params.seed);
     for (size_t i = 0; i < cloud.size(); ++i) {
-      const bool stays = random.uniform() * params.thin_half < 1.0;
+      const bool stays = random.uniform() * params.sparse_half < 1.0;
       if (cloud.positions[i][axis] > middle && !stays) keep[i] = false;
     }
   }
   if (std::find(keep.begin(), keep.end(), true) == keep.end())
-    throw ParameterError(fmt::format("hole = {}, thin_half = {}: none of {} samples is left", params.hole,
-                                     params.thin_half, cloud.size()));
+    throw ParameterError(fmt::format("hole = {}, sparse_half = {}: none of {} samples is left", params.hole,
+                                     params.sparse_half, cloud.size()));
   return keep;
 }
 

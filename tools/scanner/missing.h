@@ -13,7 +13,7 @@ namespace soapfilm {
 
 struct MissingParams {
   double hole = 0;       ///< share of the surface's area, a connected patch (SurfacePatch), without samples; [0, 0.9]
-  double thin_half = 1;  ///< one of this many samples stays beyond the middle of the box's longest side; >= 1, 1: all
+  double sparse_half = 1;  ///< one of this many samples stays beyond the middle of the box's longest side; >= 1, 1: all
   uint64_t seed = 1;
 };
 

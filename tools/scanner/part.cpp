@@ -19,14 +19,14 @@ constexpr double leg = 0.2;     // thickness of both legs
 constexpr double bore = 0.13;   // radius of both bores
 constexpr double collar = 0.25;
 constexpr double collar_top = 0.35;
-constexpr Vec3d lower_bore{0.65, 0.5 * depth, 0.0};  // centre, axis z
-constexpr Vec3d upper_bore{0.0, 0.5 * depth, 0.45};  // centre, axis x
+constexpr Vec3d lower_bore{0.65, 0.5 * depth, 0.0};  // center, axis z
+constexpr Vec3d upper_bore{0.0, 0.5 * depth, 0.45};  // center, axis x
 constexpr double narrowest = 0.12;                   // collar wall, and leg above the upper bore
 
 class Part final : public Shape {
  public:
-  Part(Vec3d centre, double size, ShapeFacts facts)
-      : Shape(centre, Vec3d{0.5, 0.5 * depth, 0.5 * height} * size, std::move(facts)), size_(size) {
+  Part(Vec3d center, double size, ShapeFacts facts)
+      : Shape(center, Vec3d{0.5, 0.5 * depth, 0.5 * height} * size, std::move(facts)), size_(size) {
     const Ring low = ring(lower_bore, 'z', bore);
     const Ring low_end = ring(lower_bore + Vec3d{0.0, 0.0, collar_top}, 'z', bore);
     const Ring foot = ring(lower_bore + Vec3d{0.0, 0.0, leg}, 'z', collar);
@@ -60,10 +60,10 @@ class Part final : public Shape {
  private:
   Vec3d at(Vec3d unit) const { return unit * size_ - half_size(); }
 
-  Ring ring(Vec3d centre, char axis, double radius) const {
+  Ring ring(Vec3d center, char axis, double radius) const {
     const Vec3d u = axis == 'x' ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
     const Vec3d v = axis == 'x' ? Vec3d{0, 0, 1} : Vec3d{0, 1, 0};
-    return {at(centre), u, v, radius * size_};
+    return {at(center), u, v, radius * size_};
   }
 
   bool inside(Vec3d p) const {
@@ -154,7 +154,7 @@ std::shared_ptr<const Shape> make_part(const ShapeParams& params) {
                    narrowest * s,
                    unit_volume() * s * s * s,
                    unit_area() * s * s};
-  return std::make_shared<Part>(params.centre, s, std::move(facts));
+  return std::make_shared<Part>(params.center, s, std::move(facts));
 }
 
 }  // namespace soapfilm

@@ -69,17 +69,17 @@ std::vector<Vec3d> Ring::points(int segments) const {
   std::vector<Vec3d> points;
   for (int i = 0; i < segments; ++i) {
     const double angle = 2.0 * pi * i / segments;
-    points.push_back(centre + u * (radius * std::cos(angle)) + v * (radius * std::sin(angle)));
+    points.push_back(center + u * (radius * std::cos(angle)) + v * (radius * std::sin(angle)));
   }
   return points;
 }
 
-bool FlatPatch::Circle::contains(Vec2 p) const { return squared_distance(centre, p) <= radius * radius; }
+bool FlatPatch::Circle::contains(Vec2 p) const { return squared_distance(center, p) <= radius * radius; }
 
 Vec2 FlatPatch::Circle::closest(Vec2 p) const {
-  const double d = std::sqrt(squared_distance(centre, p));
-  if (d == 0.0) return {centre.x + radius, centre.y};
-  return {centre.x + radius * (p.x - centre.x) / d, centre.y + radius * (p.y - centre.y) / d};
+  const double d = std::sqrt(squared_distance(center, p));
+  if (d == 0.0) return {center.x + radius, center.y};
+  return {center.x + radius * (p.x - center.x) / d, center.y + radius * (p.y - center.y) / d};
 }
 
 FlatPatch::FlatPatch(Vec3d normal, std::vector<Vec3d> corners, std::optional<Ring> hole)
@@ -91,7 +91,7 @@ FlatPatch::FlatPatch(Vec3d normal, std::vector<Vec3d> corners, std::optional<Rin
 }
 
 FlatPatch::FlatPatch(Vec3d normal, Ring rim, Ring hole)
-    : frame_{rim.centre, rim.u, cross(normal, rim.u), normal}, rim_ring_(rim), hole_ring_(hole) {
+    : frame_{rim.center, rim.u, cross(normal, rim.u), normal}, rim_ring_(rim), hole_ring_(hole) {
   rim_ = flatten(rim);
   hole_ = flatten(hole);
 }
@@ -182,8 +182,8 @@ void FlatPatch::tessellate(int segments, MeshBuilder& builder) const {
 }
 
 BandPatch::BandPatch(Ring bottom, Ring top, double outward) : bottom_(bottom), top_(top), outward_(outward) {
-  frame_ = {bottom.centre, bottom.u, bottom.v, cross(bottom.u, bottom.v)};
-  height_ = norm(top.centre - bottom.centre);
+  frame_ = {bottom.center, bottom.u, bottom.v, cross(bottom.u, bottom.v)};
+  height_ = norm(top.center - bottom.center);
 }
 
 Vec3d BandPatch::normal(Vec3d on_patch) const {

@@ -27,7 +27,7 @@ struct PatchFrame {
 
 /// Circle in space around the axis u x v.
 struct Ring {
-  Vec3d centre, u, v;
+  Vec3d center, u, v;
   double radius = 0;
 
   /// Counter-clockwise around u x v. Patches that share a ring share these points bit by bit.
@@ -50,7 +50,7 @@ class FlatPatch {
 
  private:
   struct Circle {
-    Vec2 centre;
+    Vec2 center;
     double radius = 0;
 
     bool contains(Vec2 p) const;
@@ -58,7 +58,7 @@ class FlatPatch {
   };
 
   Vec2 flatten(Vec3d p) const;
-  Circle flatten(const Ring& ring) const { return {flatten(ring.centre), ring.radius}; }
+  Circle flatten(const Ring& ring) const { return {flatten(ring.center), ring.radius}; }
   bool contains(Vec2 p) const;
   void clip(const std::vector<Vec3d>& polygon, MeshBuilder& builder) const;
 

@@ -16,7 +16,7 @@ struct RangeCamera {
   Pose pose;
   Rays rays = Rays::central;
   double range = 1;  ///< from scanner to target
-  double step = 1;   ///< between neighbouring rays: at the target, input units; spinning: of azimuth, radians
+  double step = 1;   ///< between neighboring rays: at the target, input units; spinning: of azimuth, radians
   int columns = 1;
   int rows = 1;
   double turn = 0;                   ///< spinning: where in a step the turn begins, [0, 1)
@@ -27,7 +27,7 @@ struct RangeCamera {
   };
   /// Fractions of a pixel look between pixels.
   Ray ray(double column, double row) const;
-  /// Between neighbouring rays, at a point of the given range along one of them; input units.
+  /// Between neighboring rays, at a point of the given range along one of them; input units.
   double spacing(double along) const;
 };
 

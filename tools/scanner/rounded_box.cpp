@@ -14,7 +14,7 @@ namespace {
 using std::numbers::pi;
 
 struct RoundedBox {
-  Vec3d centre;
+  Vec3d center;
   Vec3d inner;  ///< half extents of the box that a ball of `radius` sweeps
   double radius;
 
@@ -36,7 +36,7 @@ struct RoundedBox {
 };
 
 double RoundedBox::signed_distance(Vec3d p, Vec3d& normal) const {
-  p = p - centre;
+  p = p - center;
   const Vec3d core{std::clamp(p.x, -inner.x, inner.x), std::clamp(p.y, -inner.y, inner.y),
                    std::clamp(p.z, -inner.z, inner.z)};
   const Vec3d offset = p - core;
@@ -45,7 +45,7 @@ double RoundedBox::signed_distance(Vec3d p, Vec3d& normal) const {
     normal = offset / length;
     return length - radius;
   }
-  // Inside the inner box the closest point lies on the nearest flat face (+x at the centre of a ball).
+  // Inside the inner box the closest point lies on the nearest flat face (+x at the center of a ball).
   int axis = 0;
   for (int k = 1; k < 3; ++k)
     if (inner[k] - std::abs(p[k]) < inner[axis] - std::abs(p[axis])) axis = k;
@@ -69,8 +69,8 @@ void RoundedBox::tessellate(int steps, MeshBuilder& builder) const {
   const std::array<std::vector<double>, 3> grid{ticks(0, steps), ticks(1, steps), ticks(2, steps)};
   const auto vertex = [&](Vec3d on_box) {
     Vec3d normal;
-    const double d = signed_distance(centre + on_box, normal);
-    return builder.vertex(centre + (on_box - normal * d));
+    const double d = signed_distance(center + on_box, normal);
+    return builder.vertex(center + (on_box - normal * d));
   };
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3;
@@ -101,8 +101,8 @@ void RoundedBox::tessellate(int steps, MeshBuilder& builder) const {
 /// One or several rounded boxes that do not touch.
 class RoundedBoxes final : public Shape {
  public:
-  RoundedBoxes(Vec3d centre, Vec3d half_size, std::vector<RoundedBox> boxes, ShapeFacts facts)
-      : Shape(centre, half_size, std::move(facts)), boxes_(std::move(boxes)) {}
+  RoundedBoxes(Vec3d center, Vec3d half_size, std::vector<RoundedBox> boxes, ShapeFacts facts)
+      : Shape(center, half_size, std::move(facts)), boxes_(std::move(boxes)) {}
 
  private:
   Nearest local_nearest(Vec3d p) const override {
@@ -129,10 +129,10 @@ class RoundedBoxes final : public Shape {
   std::vector<RoundedBox> boxes_;
 };
 
-/// A plate around `centre`; its edges are rounded with a radius of a quarter of its thickness.
-RoundedBox plate_at(Vec3d centre, Vec3d half) {
+/// A plate around `center`; its edges are rounded with a radius of a quarter of its thickness.
+RoundedBox plate_at(Vec3d center, Vec3d half) {
   const double radius = 0.5 * half.z;
-  return {centre, half - Vec3d{radius, radius, radius}, radius};
+  return {center, half - Vec3d{radius, radius, radius}, radius};
 }
 
 }  // namespace
@@ -141,7 +141,7 @@ std::shared_ptr<const Shape> make_sphere(const ShapeParams& params) {
   const double radius = 0.5 * params.size;
   const RoundedBox ball{{}, {}, radius};
   ShapeFacts facts{"sphere", {{"radius", radius}}, 1, 0, params.size, ball.volume(), ball.area()};
-  return std::make_shared<RoundedBoxes>(params.centre, Vec3d{radius, radius, radius}, std::vector{ball},
+  return std::make_shared<RoundedBoxes>(params.center, Vec3d{radius, radius, radius}, std::vector{ball},
                                         std::move(facts));
 }
 
@@ -155,7 +155,7 @@ std::shared_ptr<const Shape> make_plate(const ShapeParams& params) {
   facts.narrowest = 2.0 * half.z;
   facts.volume = plate.volume();
   facts.area = plate.area();
-  return std::make_shared<RoundedBoxes>(params.centre, half, std::vector{plate}, std::move(facts));
+  return std::make_shared<RoundedBoxes>(params.center, half, std::vector{plate}, std::move(facts));
 }
 
 std::shared_ptr<const Shape> make_sheets(const ShapeParams& params) {
@@ -177,7 +177,7 @@ std::shared_ptr<const Shape> make_sheets(const ShapeParams& params) {
   facts.volume = 2.0 * upper.volume();
   facts.area = 2.0 * upper.area();
   const Vec3d box{half.x, half.y, 0.5 * gap + 2.0 * half.z};
-  return std::make_shared<RoundedBoxes>(params.centre, box, std::vector{lower, upper}, std::move(facts));
+  return std::make_shared<RoundedBoxes>(params.center, box, std::vector{lower, upper}, std::move(facts));
 }
 
 }  // namespace soapfilm

@@ -9,7 +9,7 @@
 
 namespace soapfilm {
 
-/// An open mesh in metres, z up. Its faces look into the air, from which they are scanned: a room's inwards. As a
+/// An open mesh in meters, z up. Its faces look into the air, from which they are scanned: a room's inwards. As a
 /// Surface it is a MeshSurface with Faces::as_given.
 struct Scene {
   std::string name;
@@ -20,7 +20,7 @@ struct Scene {
 /// 6 x 4 x 2.6: a table, a cabinet, a lamp at the ceiling; door and window are open and give no return. Once those two
 /// are closed the room's surface has genus 3, for the legs of the table.
 Scene make_room();
-/// A floor of 24 x 24 around the origin and a house front of 12 x 4 at y = 12: beyond some metres each ray only grazes
+/// A floor of 24 x 24 around the origin and a house front of 12 x 4 at y = 12: beyond some meters each ray only grazes
 /// the floor.
 Scene make_yard();
 /// A road with kerbs, house fronts, parked cars and lamp posts along x, from -60 to 60.

@@ -88,10 +88,10 @@ void SceneBuilder::post(Vec3d foot, double radius, double height, int sides) {
   }
 }
 
-void SceneBuilder::ball(Vec3d centre, double radius, int n) {
+void SceneBuilder::ball(Vec3d center, double radius, int n) {
   const auto at = [&](int i, int j) {
     const double theta = pi * i / n, phi = pi * (j % (2 * n)) / n;
-    return centre + Vec3d{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)} * radius;
+    return center + Vec3d{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)} * radius;
   };
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < 2 * n; ++j) {

@@ -32,7 +32,7 @@ class SceneBuilder {
   /// A round post of `sides` flat sides with a flat top.
   void post(Vec3d foot, double radius, double height, int sides = 24);
   /// A ball of 2 n x n patches.
-  void ball(Vec3d centre, double radius, int n = 16);
+  void ball(Vec3d center, double radius, int n = 16);
   /// z = height(x, y) over the rectangle, n + 1 by n + 1 vertices; the air is above.
   void ground(double x0, double y0, double x1, double y1, int n, const std::function<double(double, double)>& height);
 

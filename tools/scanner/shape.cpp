@@ -43,7 +43,7 @@ constexpr std::array<NamedMaker, 7> makers{{{"sphere", make_sphere},
 }  // namespace
 
 std::optional<SurfacePoint> Shape::intersect(Vec3d origin, Vec3d direction) const {
-  const Vec3d local = origin - centre_;
+  const Vec3d local = origin - center_;
   double enter = 0.0;
   double leave = norm(local) + 2.0 * norm(half_size_);
   // The box is widened a little, so that a face lying in it is entered from outside.
@@ -53,19 +53,19 @@ std::optional<SurfacePoint> Shape::intersect(Vec3d origin, Vec3d direction) cons
   const std::optional<double> t = local_intersect(entry, direction, leave - enter);
   if (!t) return std::nullopt;
   const Vec3d hit = entry + direction * *t;
-  return SurfacePoint{centre_ + hit, local_nearest(hit).normal, enter + *t};
+  return SurfacePoint{center_ + hit, local_nearest(hit).normal, enter + *t};
 }
 
 SurfacePoint Shape::closest(Vec3d p) const {
-  const Vec3d local = p - centre_;
+  const Vec3d local = p - center_;
   const Nearest nearest = local_nearest(local);
-  return {centre_ + (local - nearest.normal * nearest.distance), nearest.normal, std::abs(nearest.distance)};
+  return {center_ + (local - nearest.normal * nearest.distance), nearest.normal, std::abs(nearest.distance)};
 }
 
 Mesh Shape::tessellate(double tolerance) const {
   if (!(tolerance > 0.0)) throw ParameterError(fmt::format("tolerance = {}, must be > 0", tolerance));
   Mesh mesh = local_tessellate(tolerance);
-  for (Vec3d& v : mesh.vertices) v += centre_;
+  for (Vec3d& v : mesh.vertices) v += center_;
   return mesh;
 }
 
@@ -127,7 +127,7 @@ std::shared_ptr<const Shape> make_shape(const std::string& name, const ShapePara
   };
   if (!(params.size > 0.0) || !std::isfinite(params.size))
     throw ParameterError(fmt::format("size = {}, must be > 0", params.size));
-  if (!is_finite(params.centre)) throw ParameterError("centre: its coordinates must be finite");
+  if (!is_finite(params.center)) throw ParameterError("center: its coordinates must be finite");
   range("thickness", params.thickness, 1e-4, name == "sheets" ? 0.25 : 0.5);
   range("gap", params.gap, 1e-4, 0.5);
   for (const NamedMaker& maker : makers)

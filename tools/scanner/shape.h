@@ -22,18 +22,18 @@ struct ShapeFacts {
 };
 
 /// A closed solid with a signed distance to its surface. Implementations work in a frame whose origin is the
-/// centre of the box; this class moves queries there, so that georeferenced shapes lose no digits.
+/// center of the box; this class moves queries there, so that georeferenced shapes lose no digits.
 class Shape : public Surface {
  public:
   const ShapeFacts& facts() const { return facts_; }
 
   /// Distance to the surface, negative inside.
-  double signed_distance(Vec3d p) const { return local_nearest(p - centre_).distance; }
+  double signed_distance(Vec3d p) const { return local_nearest(p - center_).distance; }
 
   /// A ray that starts inside the solid meets nothing.
   std::optional<SurfacePoint> intersect(Vec3d origin, Vec3d direction) const final;
   SurfacePoint closest(Vec3d p) const final;
-  Box3d box() const final { return {centre_ - half_size_, centre_ + half_size_}; }
+  Box3d box() const final { return {center_ - half_size_, center_ + half_size_}; }
   Mesh tessellate(double tolerance) const final;
   std::optional<double> volume() const final { return facts_.volume; }
   std::optional<double> area() const final { return facts_.area; }
@@ -45,8 +45,8 @@ class Shape : public Surface {
     Vec3d normal;
   };
 
-  Shape(Vec3d centre, Vec3d half_size, ShapeFacts facts)
-      : centre_(centre), half_size_(half_size), facts_(std::move(facts)) {}
+  Shape(Vec3d center, Vec3d half_size, ShapeFacts facts)
+      : center_(center), half_size_(half_size), facts_(std::move(facts)) {}
 
   virtual Nearest local_nearest(Vec3d p) const = 0;
   virtual Mesh local_tessellate(double tolerance) const = 0;
@@ -60,14 +60,14 @@ class Shape : public Surface {
  private:
   std::optional<double> close_in(Vec3d origin, Vec3d direction, double outside, double inside) const;
 
-  Vec3d centre_;
+  Vec3d center_;
   Vec3d half_size_;
   ShapeFacts facts_;
 };
 
 struct ShapeParams {
   double size = 1.0;        ///< longest side of the box, input units, > 0
-  Vec3d centre{};           ///< of the box, input units
+  Vec3d center{};           ///< of the box, input units
   double thickness = 0.12;  ///< of the plate and of each sheet, as a part of `size`; [1e-4, 0.5], sheets [1e-4, 0.25]
   double gap = 0.16;        ///< between the sheets, and the feet of the arch, as a part of `size`; [1e-4, 0.5]
 };

@@ -16,16 +16,16 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t reference_samples = 40000;
-constexpr double reach = 3.0;             // mean spacings to a neighbour on the surface: about 28 of them
-constexpr double least_agreement = -0.5;  // cosine between the normals of neighbours: edges yes, the back of a wall no
+constexpr double reach = 3.0;             // mean spacings to a neighbor on the surface: about 28 of them
+constexpr double least_agreement = -0.5;  // cosine between the normals of neighbors: edges yes, the back of a wall no
 
 /// Even samples of the whole surface.
 struct Reference {
-  std::vector<Vec3d> points;  ///< relative to the box's centre
+  std::vector<Vec3d> points;  ///< relative to the box's center
   std::vector<Vec3d> normals;
 };
 
-using Neighbours = std::vector<std::pair<uint32_t, double>>;
+using Neighbors = std::vector<std::pair<uint32_t, double>>;
 
 }  // namespace
 
@@ -33,18 +33,18 @@ struct SurfacePatch::Impl {
   Vec3d origin;  ///< of the frame of the reference
   Reference reference;
   std::unique_ptr<KdTree> tree;
-  double radius = 0;  ///< within which reference samples are neighbours
+  double radius = 0;  ///< within which reference samples are neighbors
   std::vector<bool> in_patch;
 
-  Neighbours around(Vec3d p) const {
-    Neighbours found;
+  Neighbors around(Vec3d p) const {
+    Neighbors found;
     (*tree)->radiusSearch(&p.x, radius * radius, found, nanoflann::SearchParams());  // nearest first
     return found;
   }
 
   bool agree(Vec3d a, Vec3d b) const { return dot(a, b) > least_agreement; }
 
-  /// From the first reference sample to ever farther ones, each a neighbour of one before (Prim 1957 with the distance
+  /// From the first reference sample to ever farther ones, each a neighbor of one before (Prim 1957 with the distance
   /// to the start as the key), until `count` are found.
   void flood(size_t count) {
     using Entry = std::pair<double, uint32_t>;

@@ -14,8 +14,8 @@ using std::numbers::pi;
 /// Tube of radius `minor` around a circle of radius `major` in the plane z = 0.
 class Torus final : public Shape {
  public:
-  Torus(Vec3d centre, double major, double minor, ShapeFacts facts)
-      : Shape(centre, {major + minor, major + minor, minor}, std::move(facts)), major_(major), minor_(minor) {}
+  Torus(Vec3d center, double major, double minor, ShapeFacts facts)
+      : Shape(center, {major + minor, major + minor, minor}, std::move(facts)), major_(major), minor_(minor) {}
 
  private:
   Nearest local_nearest(Vec3d p) const override {
@@ -70,7 +70,7 @@ std::shared_ptr<const Shape> make_torus(const ShapeParams& params) {
                    2.0 * std::min(minor, major - minor),
                    2.0 * pi * pi * major * minor * minor,
                    4.0 * pi * pi * major * minor};
-  return std::make_shared<Torus>(params.centre, major, minor, std::move(facts));
+  return std::make_shared<Torus>(params.center, major, minor, std::move(facts));
 }
 
 }  // namespace soapfilm

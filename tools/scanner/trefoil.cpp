@@ -19,13 +19,13 @@ TrefoilSearch::TrefoilSearch(const Box3d& box) : box_(box), cell_(box.longest() 
   for (Vec3i c; c.z < cells_.z; ++c.z) {
     for (c.y = 0; c.y < cells_.y; ++c.y) {
       for (c.x = 0; c.x < cells_.x; ++c.x) {
-        const Vec3d centre = box.lo + (static_cast<Vec3d>(c) + Vec3d{0.5, 0.5, 0.5}) * cell_;
+        const Vec3d center = box.lo + (static_cast<Vec3d>(c) + Vec3d{0.5, 0.5, 0.5}) * cell_;
         double least = std::numeric_limits<double>::infinity();
-        for (size_t i = 0; i < samples; ++i) least = std::min(least, squared_distance(i, centre));
+        for (size_t i = 0; i < samples; ++i) least = std::min(least, squared_distance(i, center));
         const double worth = std::sqrt(least) + 2.0 * cell_radius + reach_;
         std::vector<uint8_t>& list = table_.emplace_back();
         for (const uint8_t i : all_)
-          if (squared_distance(i, centre) <= worth * worth) list.push_back(i);
+          if (squared_distance(i, center) <= worth * worth) list.push_back(i);
       }
     }
   }
@@ -44,7 +44,7 @@ double TrefoilSearch::lower_bound(Vec3d p) const {
   return std::sqrt(least) - reach_;
 }
 
-/// Parameter of the closest curve point between the neighbours of a sample: the root of g = (c - p) . c' by Newton,
+/// Parameter of the closest curve point between the neighbors of a sample: the root of g = (c - p) . c' by Newton,
 /// kept in its bracket.
 double TrefoilSearch::refine(int sample, Vec3d p) {
   double phi = spacing * sample;

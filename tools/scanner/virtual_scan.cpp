@@ -139,10 +139,10 @@ void misalign(std::vector<Vec3d>& positions, std::vector<Vec3f>& normals, Pose& 
   // A rotation vector with this deviation along each axis has a root mean square angle of misalignment_deg.
   const Vec3d turn = gaussian(params.misalignment_deg * radians / std::sqrt(3.0));
   const Vec3d shift = gaussian(params.misalignment);
-  Vec3d centre;
-  for (const Vec3d& p : positions) centre += (p - pose.origin) / static_cast<double>(positions.size());
-  centre += pose.origin;
-  const auto move = [&](Vec3d p) { return centre + rotated(p - centre, turn) + shift; };
+  Vec3d center;
+  for (const Vec3d& p : positions) center += (p - pose.origin) / static_cast<double>(positions.size());
+  center += pose.origin;
+  const auto move = [&](Vec3d p) { return center + rotated(p - center, turn) + shift; };
   for (Vec3d& p : positions) p = move(p);
   for (Vec3f& n : normals) n = static_cast<Vec3f>(rotated(static_cast<Vec3d>(n), turn));
   pose = {rotated(pose.x, turn), rotated(pose.y, turn), rotated(pose.z, turn), move(pose.origin)};

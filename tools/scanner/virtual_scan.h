@@ -28,13 +28,13 @@ struct ScannerParams {
   std::vector<double> elevations_deg{30};  ///< of the ring's circles above the target; each in [-90, 90]
   double distance = 1.5;                   ///< from target to scanner, in diagonals; > 0.5, up to 1000
   std::vector<Vec3d> positions;            ///< scanner positions that replace the orbit, input units
-  std::optional<Vec3d> target;             ///< the point that every view looks at; default the box's centre
+  std::optional<Vec3d> target;             ///< the point that every view looks at; default the box's center
 
   // What it sees.
   Rays rays = Rays::central;
   int columns = 300;  ///< of the range image; 1..20000. Spinning: rays of a turn
   int rows = 300;     ///< spinning: rings, unless `rings_deg` gives them
-  double step = 0;  ///< distance between neighbouring rays at the target, input units. When > 0 columns and rows follow
+  double step = 0;  ///< distance between neighboring rays at the target, input units. When > 0 columns and rows follow
                     ///< from it; when 0 it follows from them: the widest view of the box fills the image
 
   double lowest_deg = -60, highest_deg = 60;  ///< spinning: elevation of the lowest and the highest ring; [-90, 90]
@@ -51,7 +51,7 @@ struct ScannerParams {
   double ghost_lo = 1;            ///< how far behind it, along its normal, input units, >= 0
   double ghost_hi = 3;            ///< at most; >= ghost_lo
   double mixed_pixels = 0;        ///< share of the pixels at a step in depth that measure between its sides; [0, 1]
-  double misalignment_deg = 0;    ///< standard deviation of each scan's rotation about its centre, >= 0
+  double misalignment_deg = 0;    ///< standard deviation of each scan's rotation about its center, >= 0
   double misalignment = 0;        ///< standard deviation of its shift along each axis, input units, >= 0
 
   bool normals = false;  ///< true outward normals with the samples (zero for outliers)

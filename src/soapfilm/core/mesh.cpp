@@ -17,11 +17,11 @@ double Mesh::area() const {
 }
 
 double Mesh::volume() const {
-  // Relative to the box centre, so that georeferenced coordinates do not cancel.
-  const Vec3d centre = box().center();
+  // Relative to the box center, so that georeferenced coordinates do not cancel.
+  const Vec3d center = box().center();
   double six = 0;
   for (const Triangle& t : triangles)
-    six += dot(vertices[t[0]] - centre, cross(vertices[t[1]] - centre, vertices[t[2]] - centre));
+    six += dot(vertices[t[0]] - center, cross(vertices[t[1]] - center, vertices[t[2]] - center));
   return six / 6.0;
 }
 

@@ -97,7 +97,7 @@ class SpareBlocks {
   /// The end of a large array: its blocks are kept where somebody wants them, the rest goes.
   void take_over(std::byte* memory, size_t bytes) {
     const std::lock_guard lock(mutex_);
-    size_t rest = bytes;  // from the end on: the first block is taken first, so neighbours stay neighbours
+    size_t rest = bytes;  // from the end on: the first block is taken first, so neighbors stay neighbors
     if (keepers_ > 0 && bytes >= least_kept_bytes)
       for (size_t k = bytes / block_bytes; k-- > 0;) {
         std::byte* const block = memory + k * block_bytes;

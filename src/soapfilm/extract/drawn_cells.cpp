@@ -11,7 +11,7 @@ constexpr int cells = brick_side + 1;  // cells -1 to 7
 using VertexRows = std::array<std::array<uint16_t, reach>, reach>;
 using CellRows = std::array<std::array<uint16_t, cells>, cells>;
 
-/// The part of a window of vertices -1 to 8 along one axis that the neighbour `step` (-1, 0 or 1) gives.
+/// The part of a window of vertices -1 to 8 along one axis that the neighbor `step` (-1, 0 or 1) gives.
 struct Span {
   int first, last;
 };

@@ -1,23 +1,23 @@
 // The 256 cases of marching cubes (Lorensen and Cline 1987), generated from a rule instead of typed in, so that the
-// surface is a closed 2-manifold for every labelling of the grid.
+// surface is a closed 2-manifold for every labeling of the grid.
 //
 // The rule. A corner is inside or outside. On each face of the cell the contour keeps the inside on its right: going
 // round the face counter-clockwise, seen from outside the cell, it joins the edge where a run of inside corners begins
 // to the edge where that run ends. A face whose diagonals disagree thus always separates its two inside corners - one
 // fixed choice for every ambiguous face, as Montani, Scateni and Scopigno 1994 make it; Nielson and Hamann 1991 explain
-// why any choice that is a function of the face alone leaves no hole: the neighbour cell sees the same face mirrored
+// why any choice that is a function of the face alone leaves no hole: the neighbor cell sees the same face mirrored
 // and draws the same segments backwards. Every cell edge that changes sign ends one segment and begins another, so the
 // segments of a cell close up into loops; each loop is filled with triangles.
 //
-// Why it is a manifold. Triangle edges are loop segments, shared with the one neighbour across their face, or
-// diagonals. A diagonal whose ends lie on one face could be drawn a second time by the neighbour cell, and an edge with
+// Why it is a manifold. Triangle edges are loop segments, shared with the one neighbor across their face, or
+// diagonals. A diagonal whose ends lie on one face could be drawn a second time by the neighbor cell, and an edge with
 // four triangles would result; the triangulation uses none. (Every loop that this rule draws has such a triangulation;
 // joining the inside corners instead would draw longer loops, some of which have none.) Around a surface vertex each of
 // the four cells contributes one fan, joined across the four faces into one ring.
 //
 // One case needs more than loops: exactly two outside corners at the ends of a body diagonal. They are joined by a tube
-// (a ring of six triangles) instead of being capped. With it the surface is, for every labelling, the boundary of a
-// neighbourhood of the inside vertices taken 6-connected, and of the outside vertices taken 26-connected: components
+// (a ring of six triangles) instead of being capped. With it the surface is, for every labeling, the boundary of a
+// neighborhood of the inside vertices taken 6-connected, and of the outside vertices taken 26-connected: components
 // and genus of the mesh are those of digital topology, and its Euler characteristic is 2 (V - E + F - C) of the
 // inside's vertices, unit edges, unit squares and unit cubes.
 #pragma once
@@ -41,7 +41,7 @@ constexpr int edge_corner(int edge) {
   return (edge & 1) << (axis + 1) % 3 | (edge >> 1 & 1) << (axis + 2) % 3;
 }
 
-/// The edge between two neighbouring corners.
+/// The edge between two neighboring corners.
 constexpr int edge_between(int corner_a, int corner_b) {
   const int axis = (corner_a ^ corner_b) >> 1;  // 1, 2, 4 -> 0, 1, 2
   return 4 * axis + (corner_a >> (axis + 1) % 3 & 1) + 2 * (corner_a >> (axis + 2) % 3 & 1);

@@ -53,7 +53,7 @@ void splat_brick(const GridSamples& samples, size_t brick, Splat& out) {
   }
 }
 
-/// The part of a window, and of a neighbour's splat, that lies in the other along one axis; in vertices of the window's
+/// The part of a window, and of a neighbor's splat, that lies in the other along one axis; in vertices of the window's
 /// brick. The splat covers [8 d, 8 d + 8], the window [-4, 11].
 struct Overlap {
   int first, last;
@@ -62,7 +62,7 @@ constexpr Overlap overlap(int d) {
   return {std::max(-reach, brick_side * d), std::min(brick_side + reach - 1, brick_side * d + brick_side)};
 }
 
-/// Adds what the neighbour at offset d = (dx, ., .) splatted into the part of the window it reaches.
+/// Adds what the neighbor at offset d = (dx, ., .) splatted into the part of the window it reaches.
 template <int dx>
 void add_splat(const Splat& splat, Vec3i d, SplatWindow& window) {
   constexpr Overlap ox = overlap(dx);
@@ -130,7 +130,7 @@ class SplatLayers {
   std::unique_ptr<Splat[]> splats_;
 };
 
-/// Which of a brick's 27 neighbours a sample reaches, as bits by neighbor_slot(), is the product of three factors, one
+/// Which of a brick's 27 neighbors a sample reaches, as bits by neighbor_slot(), is the product of three factors, one
 /// for each axis, by the sample's cell along it: no two terms of the product share a bit.
 constexpr auto reached_along = [] {
   std::array<std::array<uint32_t, brick_side + 1>, 3> factors{};  // a position may round up to the brick's end
@@ -147,7 +147,7 @@ constexpr auto reached_along = [] {
 BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Context& context) {
   BrickMask mask(box.bricks);
   parallel_for(context, samples.bricks.size(), 64, [&](size_t b) {
-    uint32_t reached = 0;  // which of the brick's 27 neighbours, as bits by neighbor_slot()
+    uint32_t reached = 0;  // which of the brick's 27 neighbors, as bits by neighbor_slot()
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f q = samples.local[s];
       const auto factor = [&](size_t axis, float along) {

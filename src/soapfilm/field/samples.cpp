@@ -27,7 +27,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
                          const Context& context, const std::function<bool(size_t)>& wanted) {
   GridSamples samples;
   samples.turn = lattice.turn;
-  // visit(i, brick, is_new, position) for samples [begin, end) that take part. Neighbours in a scan mostly share a
+  // visit(i, brick, is_new, position) for samples [begin, end) that take part. Neighbors in a scan mostly share a
   // brick: it is looked up where it changes.
   const auto for_each_sample = [&](size_t begin, size_t end, auto&& visit) {
     Vec3i last{INT_MIN, INT_MIN, INT_MIN};

@@ -19,13 +19,13 @@ double to_brick2(Vec3d place, Vec3i brick) {
   return sum;
 }
 
-/// bricks at the Chebyshev distance `r` from `centre`, in a fixed order.
+/// bricks at the Chebyshev distance `r` from `center`, in a fixed order.
 template <class Visit>
-void for_each_of_shell(Vec3i centre, int r, Visit&& visit) {
+void for_each_of_shell(Vec3i center, int r, Visit&& visit) {
   for (int z = -r; z <= r; ++z)
     for (int y = -r; y <= r; ++y) {
       const bool face = std::abs(z) == r || std::abs(y) == r;
-      for (int x = -r; x <= r; x += face || r == 0 ? 1 : 2 * r) visit(centre + Vec3i{x, y, z});
+      for (int x = -r; x <= r; x += face || r == 0 ? 1 : 2 * r) visit(center + Vec3i{x, y, z});
     }
 }
 
@@ -34,11 +34,11 @@ void for_each_of_shell(Vec3i centre, int r, Visit&& visit) {
 double distance_to_samples(const GridSamples& samples, Vec3d place, double enough, double limit) {
   const double enough2 = enough * enough;
   double best2 = limit * limit;
-  const Vec3i centre = brick_around(place);
+  const Vec3i center = brick_around(place);
   for (int r = 0; best2 > enough2; ++r) {
     const double reached = (r - 1) * double{brick_side};  // all bricks of this shell are farther
     if (r > 0 && reached * reached >= best2) break;
-    for_each_of_shell(centre, r, [&](Vec3i brick) {
+    for_each_of_shell(center, r, [&](Vec3i brick) {
       if (best2 <= enough2 || to_brick2(place, brick) >= best2) return;
       const int32_t b = samples.bricks.find(brick);
       if (b < 0) return;

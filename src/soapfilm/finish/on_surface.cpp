@@ -8,12 +8,12 @@ bool looks_like_surface(const GridSamples& samples, Vec3d place) {
   constexpr double reach = 8;  // voxels
   constexpr double fewest = 6;
   constexpr double most_thick = 0.15;  // least over middle variance
-  const Vec3i centre = brick_around(place);
+  const Vec3i center = brick_around(place);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   double count = 0;
   for (int k = 0; k < 27; ++k) {
-    const Vec3i brick = centre + Vec3i{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+    const Vec3i brick = center + Vec3i{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
     const int32_t found = samples.bricks.find(brick);
     if (found < 0) continue;
     const auto slot = static_cast<size_t>(found);

@@ -32,7 +32,7 @@ Vec3d area_vector(std::span<const Vec3d> p, const Triangle& t) {
   return cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]) * 0.5;
 }
 
-/// Median distance of neighbours along rows or along columns, whichever is larger; 0 when there are none.
+/// Median distance of neighbors along rows or along columns, whichever is larger; 0 when there are none.
 double spacing(const RangeGrid& grid, std::span<const Vec3d> p) {
   double largest = 0;
   for (const bool along_row : {true, false}) {

@@ -1,4 +1,4 @@
-// A range scan as the surface that its scanner saw: triangles between neighbouring pixels, and how much each counts.
+// A range scan as the surface that its scanner saw: triangles between neighboring pixels, and how much each counts.
 #pragma once
 
 #include <cstddef>
@@ -55,7 +55,7 @@ struct RangeSurface {
 /// Throws ParameterError naming the scan when it has no range grid or no viewpoint; `sensor`: of scans that name none.
 void require_range_scan(const Scan& scan, const std::optional<Vec3d>& sensor = {});
 
-/// Joins the samples of neighbouring pixels: four give two triangles along the shorter diagonal, three give one.
+/// Joins the samples of neighboring pixels: four give two triangles along the shorter diagonal, three give one.
 /// Throws ParameterError when the scan has no range grid or no viewpoint, or a range grid that does not fit it.
 RangeSurface range_surface(const PointCloud& cloud, const Scan& scan, const RangeSurfaceParams& params,
                            const std::optional<Vec3d>& sensor = {});

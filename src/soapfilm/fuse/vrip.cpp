@@ -56,7 +56,7 @@ class SightPrism {
       // Through the lines of sight of the edge opposite corner k, positive on the triangle's side: the three values at
       // x are proportional to the barycentric coordinates of where the line of sight through x meets the triangle.
       side_[k] = view.is_central() ? cross(b - view.vector(), a - view.vector()) : cross(b - a, -view.vector());
-      // Rounding must open no crack between neighbours.
+      // Rounding must open no crack between neighbors.
       slack_[k] = 1e-9 * std::abs(dot(side_[k], corners[k] - a));
     }
   }

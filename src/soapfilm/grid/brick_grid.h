@@ -12,7 +12,7 @@
 
 namespace soapfilm {
 
-/// A sparse set of bricks in lexicographic order (x fastest, then y, then z), so that of two neighbours along an axis
+/// A sparse set of bricks in lexicographic order (x fastest, then y, then z), so that of two neighbors along an axis
 /// the lower one always comes first: the fused sweeps rely on it. Immutable once built.
 class BrickGrid {
  public:

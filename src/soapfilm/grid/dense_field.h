@@ -24,7 +24,7 @@ class DenseField {
   Vec3i size() const { return size_; }
   size_t count() const { return values_.size(); }
   size_t bytes() const { return values_.bytes(); }
-  /// Distance in the array between neighbours along an axis: the constant neighbour offsets of the paper's remarks.
+  /// Distance in the array between neighbors along an axis: the constant neighbor offsets of the paper's remarks.
   size_t stride(int axis) const {
     return axis == 0 ? 1 : static_cast<size_t>(size_.x) * (axis == 1 ? 1 : static_cast<size_t>(size_.y));
   }

@@ -72,9 +72,9 @@ Lattice Lattice::of_level(int level) const {
   Lattice coarse = *this;
   coarse.levels = levels - level;
   coarse.voxel = voxel * cell;
-  // Vertex I is the centre of the fine vertices cell * I to cell * I + cell - 1.
-  const double centre = 0.5 * (cell - 1);
-  coarse.first_vertex = to_world(Vec3d{margin() + centre, margin() + centre, margin() + centre});
+  // Vertex I is the center of the fine vertices cell * I to cell * I + cell - 1.
+  const double center = 0.5 * (cell - 1);
+  coarse.first_vertex = to_world(Vec3d{margin() + center, margin() + center, margin() + center});
   for (int axis = 0; axis < 3; ++axis) coarse.size[axis] = (size[axis] + cell - 1) / cell;
   return coarse;
 }

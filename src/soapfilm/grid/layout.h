@@ -17,7 +17,7 @@ inline constexpr int brick_side = 8;
 inline constexpr int brick_area = brick_side * brick_side;
 inline constexpr int brick_volume = brick_side * brick_side * brick_side;
 
-/// Distance in a brick's values between neighbours along x, y, z.
+/// Distance in a brick's values between neighbors along x, y, z.
 inline constexpr int brick_stride[3] = {1, brick_side, brick_area};
 /// The same along the two axes across `axis`, the lower one first.
 constexpr std::array<int, 2> strides_across(int axis) {
@@ -48,12 +48,12 @@ constexpr Vec3i octant_in_parent(Vec3i child) { return {child.x & 1, child.y & 1
 /// Where an octant begins in its brick, coarse vertices.
 constexpr Vec3i octant_base(Vec3i octant) { return octant * half_brick; }
 
-/// Position among a brick's 27 neighbours (itself in the middle) of the one at (dx, dy, dz), each in -1..1.
+/// Position among a brick's 27 neighbors (itself in the middle) of the one at (dx, dy, dz), each in -1..1.
 constexpr int neighbor_slot(int dx, int dy, int dz) { return (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1); }
 /// Its inverse.
 constexpr Vec3i slot_offset(int slot) { return {slot % 3 - 1, slot / 3 % 3 - 1, slot / 9 - 1}; }
 inline constexpr int own_slot = neighbor_slot(0, 0, 0);
-/// Slots of the neighbours one brick down and one brick up along x, y, z.
+/// Slots of the neighbors one brick down and one brick up along x, y, z.
 inline constexpr int slot_down[3] = {neighbor_slot(-1, 0, 0), neighbor_slot(0, -1, 0), neighbor_slot(0, 0, -1)};
 inline constexpr int slot_up[3] = {neighbor_slot(1, 0, 0), neighbor_slot(0, 1, 0), neighbor_slot(0, 0, 1)};
 

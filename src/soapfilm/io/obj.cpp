@@ -60,7 +60,7 @@ class ObjReader {
     const Vec3d position{v[0], v[1], v[2]};
     if (!is_finite(position)) cursor_.fail(fmt::format("position = ({}, {}, {}), must be finite", v[0], v[1], v[2]));
     mesh_.vertices.push_back(position);
-    if (count != 6) return;  // three more are a colour from 0 to 1, a fourth alone is a weight
+    if (count != 6) return;  // three more are a color from 0 to 1, a fourth alone is a weight
     Rgb8 rgb{};
     for (size_t c = 0; c < 3; ++c)
       rgb[c] = v[3 + c] > 0 ? static_cast<uint8_t>(std::lround(255 * std::min(v[3 + c], 1.0))) : uint8_t{0};

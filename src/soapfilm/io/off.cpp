@@ -81,7 +81,7 @@ class OffReader {
       std::string_view field;
       double value = 0;
       if (!next_field(line, field) || !parse_number(field, value))
-        cursor_.fail(fmt::format("vertex {}: colour {}, must be a number", index, in_quotes(field)));
+        cursor_.fail(fmt::format("vertex {}: color {}, must be a number", index, in_quotes(field)));
       // Whole numbers run to 255, numbers with a point to 1.
       if (field.find('.') != std::string_view::npos) value *= 255;
       c = value > 0 ? static_cast<uint8_t>(std::lround(std::min(value, 255.0))) : uint8_t{0};
@@ -98,7 +98,7 @@ class OffReader {
     return v;
   }
 
-  /// "n i1 ... in"; a colour may follow.
+  /// "n i1 ... in"; a color may follow.
   void read_face(Mesh& mesh, uint64_t index) {
     std::string_view line = content_line(fmt::format("face {}", index));
     std::string_view field;

@@ -15,7 +15,7 @@ PlyTriple find_triple(const PlyElement& vertex, std::string_view a, std::string_
   return {{vertex.find_scalar(a), vertex.find_scalar(b), vertex.find_scalar(c)}};
 }
 
-/// Float colours run from 0 to 1, 16-bit ones to 65535, all others to 255.
+/// Float colors run from 0 to 1, 16-bit ones to 65535, all others to 255.
 double color_scale(PlyType type) {
   if (!is_integer(type)) return 255.0;
   return type == PlyType::uint16 ? 1.0 / 257.0 : 1.0;

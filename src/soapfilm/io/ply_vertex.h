@@ -28,7 +28,7 @@ struct PlyVertexLayout {
   PlyTriple sensor;
   PlyTriple color;
   size_t weight = PlyElement::absent;
-  double color_scale = 1;          ///< takes a stored colour to 0 .. 255
+  double color_scale = 1;          ///< takes a stored color to 0 .. 255
   std::vector<size_t> others;      ///< scalar properties with no meaning here
   std::vector<std::string> names;  ///< of all properties, in the file's order
 

@@ -28,7 +28,7 @@ struct ScanSetEntry {
   ScanPose pose;
 };
 
-/// The entries of a .conf file, quaternions normalised. Warns of lines with unknown keywords; `camera` and `mesh` lines
+/// The entries of a .conf file, quaternions normalized. Warns of lines with unknown keywords; `camera` and `mesh` lines
 /// are for a viewer and are passed over. Throws InputError.
 std::vector<ScanSetEntry> read_scan_set(const std::string& path, ReadReport* report = nullptr);
 

@@ -229,7 +229,7 @@ WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOpti
                     "{:.2g}; PLY and OBJ keep them",
                     path, loss, precision));
   if (!mesh.colors.empty() || !mesh.attributes.empty())
-    report.warnings.push_back(path + ": STL holds no colours or attributes: they were left out; PLY keeps them");
+    report.warnings.push_back(path + ": STL holds no colors or attributes: they were left out; PLY keeps them");
   return report;
 }
 

@@ -12,8 +12,8 @@
 namespace soapfilm {
 
 double sample_spacing(const PointCloud& cloud, size_t queries) {
-  constexpr size_t neighbours = 8;
-  const size_t k = std::min(neighbours, cloud.size() - std::min<size_t>(cloud.size(), 1));
+  constexpr size_t neighbors = 8;
+  const size_t k = std::min(neighbors, cloud.size() - std::min<size_t>(cloud.size(), 1));
   if (k == 0 || queries == 0) return 0;
   const KdTree tree(cloud.positions);
 
@@ -22,8 +22,8 @@ double sample_spacing(const PointCloud& cloud, size_t queries) {
   for (size_t i = 0; i < cloud.size(); i += step) {
     const Vec3d& p = cloud.positions[i];
     const std::array<double, 3> query{p.x, p.y, p.z};
-    std::array<uint32_t, neighbours + 1> index{};  // the sample itself comes first
-    std::array<double, neighbours + 1> squared_distance{};
+    std::array<uint32_t, neighbors + 1> index{};  // the sample itself comes first
+    std::array<double, neighbors + 1> squared_distance{};
     const size_t found = tree->knnSearch(query.data(), k + 1, index.data(), squared_distance.data());
     const double farthest = squared_distance[found - 1];
     constexpr double pi = 3.141592653589793;

@@ -19,8 +19,8 @@ struct CloudSummary {
 
 CloudSummary summarize(const PointCloud& cloud);
 
-/// Estimated distance of neighbouring samples, input units: the side of the square of surface that a sample has for
-/// itself, sqrt(pi / k) r_k with r_k the distance to the k-th neighbour, k = 8; the median over at most `queries`
+/// Estimated distance of neighboring samples, input units: the side of the square of surface that a sample has for
+/// itself, sqrt(pi / k) r_k with r_k the distance to the k-th neighbor, k = 8; the median over at most `queries`
 /// samples taken at equal steps. 0 when there are fewer than two different positions.
 double sample_spacing(const PointCloud& cloud, size_t queries = 2000);
 

@@ -96,7 +96,7 @@ class XyzReader {
     if (layout_ == nullptr)
       cursor_.fail(
           fmt::format("{} columns, must be 3 (x y z), 4 (and intensity), 6 (and a normal), 7 (intensity and "
-                      "colour) or 9 (normal and colour)",
+                      "color) or 9 (normal and color)",
                       columns));
   }
 
@@ -104,7 +104,7 @@ class XyzReader {
     Rgb8 rgb{};
     for (size_t i = 0; i < 3; ++i) {
       if (!(c[i] >= 0 && c[i] <= 255) || c[i] != std::floor(c[i]))
-        cursor_.fail(fmt::format("colour {}, must be an integer from 0 to 255", c[i]));
+        cursor_.fail(fmt::format("color {}, must be an integer from 0 to 255", c[i]));
       rgb[i] = static_cast<uint8_t>(c[i]);
     }
     return rgb;

@@ -26,7 +26,7 @@ Lambda choose(const PointCloud& cloud, std::span<const Vec3f> directions, const 
   Lambda lambda;
   double per_density = params.energy.lambda_per_density;
   if (params.energy.cross_validate) {
-    lambda.select = choose_lambda(cloud, directions, lattice, params.select, params.solver, context);
+    lambda.select = choose_lambda(cloud, directions, lattice, params.cross_validation, params.solver, context);
     per_density = lambda.select->chosen;
     // The same rule on this grid, by the density that counts here.
     for (CrossValidationPoint& point : lambda.select->curve) point.lambda = point.lambda_per_density * density;

@@ -23,7 +23,7 @@ struct Lambda {
 
 struct LambdaParams {
   const EnergyParams& energy;
-  const CrossValidationParams& select;
+  const CrossValidationParams& cross_validation;
   const PrimalDualParams& solver;
 };
 

@@ -157,7 +157,7 @@ class Checker {
     return fans;
   }
 
-  /// The same for a vertex of high valence: union-find over its sorted neighbours.
+  /// The same for a vertex of high valence: union-find over its sorted neighbors.
   static size_t count_fans_of_hub(const Link* begin, const Link* end) {
     std::vector<uint32_t> ring;
     for (const Link* link = begin; link != end; ++link) ring.insert(ring.end(), link->begin(), link->end());

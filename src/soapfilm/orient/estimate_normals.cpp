@@ -49,25 +49,25 @@ struct Sites {
   }
 };
 
-/// Normal of the plane through `points` around `centre` (sign arbitrary), and how well they fit it.
+/// Normal of the plane through `points` around `center` (sign arbitrary), and how well they fit it.
 struct Plane {
   Vec3d normal;       ///< zero when the points lie on a line or in one place
   double flat = 1.0;  ///< least over middle variance: 0 for a plane
 };
 
-Plane fit_plane(const Sites& sites, Vec3d centre, std::span<const uint32_t> neighbours) {
+Plane fit_plane(const Sites& sites, Vec3d center, std::span<const uint32_t> neighbors) {
   double radius = 0.0;
-  for (const uint32_t s : neighbours) radius = std::max(radius, norm(sites.points[s] - centre));
+  for (const uint32_t s : neighbors) radius = std::max(radius, norm(sites.points[s] - center));
   if (!(radius > 0.0)) return {};
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-  for (const uint32_t s : neighbours) {
-    const Vec3d q = (sites.points[s] - centre) / radius;
+  for (const uint32_t s : neighbors) {
+    const Vec3d q = (sites.points[s] - center) / radius;
     const Eigen::Vector3d v(q.x, q.y, q.z);
     mean += v;
     moments += v * v.transpose();
   }
-  const double count = static_cast<double>(neighbours.size()) + 1.0;  // and the centre itself, at the origin
+  const double count = static_cast<double>(neighbors.size()) + 1.0;  // and the center itself, at the origin
   mean /= count;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(moments / count - mean * mean.transpose());
@@ -125,7 +125,7 @@ class Estimator {
  public:
   Estimator(const std::vector<Vec3d>& positions, std::span<const uint32_t> wanted, const std::vector<Vec3f>& hints,
             std::span<const Vec3f> given, const NormalParams& params, const Context& context)
-      : sites_(positions), neighbours_(static_cast<size_t>(params.neighbours)), params_(params), context_(context) {
+      : sites_(positions), neighbors_(static_cast<size_t>(params.neighbors)), params_(params), context_(context) {
     hint_.resize(sites_.points.size());
     for (size_t i = 0; i < positions.size(); ++i) hint_[sites_.of_sample[i]] += static_cast<Vec3d>(hints[i]);
     slot_.assign(sites_.points.size(), nobody);
@@ -152,26 +152,26 @@ class Estimator {
   }
 
  private:
-  std::span<const uint32_t> near(size_t slot) const { return {&near_[slot * neighbours_], near_count_[slot]}; }
+  std::span<const uint32_t> near(size_t slot) const { return {&near_[slot * neighbors_], near_count_[slot]}; }
   bool has_hint(uint32_t site) const { return !(hint_[site] == Vec3d{}); }
   bool is_given(size_t slot) const { return !given_.empty() && !(given_[slot] == Vec3d{}); }
 
-  /// Nearest neighbours and planes of the targets; those with a hint are turned to it.
+  /// Nearest neighbors and planes of the targets; those with a hint are turned to it.
   void fit() {
     const KdTree tree(sites_.points);
-    near_.resize(targets_.size() * neighbours_);
+    near_.resize(targets_.size() * neighbors_);
     near_count_.resize(targets_.size());
     planes_.resize(targets_.size());
     parallel_chunks(context_, targets_.size(), samples_per_task, [&](size_t begin, size_t end) {
       context_.check();
-      std::vector<uint32_t> index(neighbours_ + 1);
-      std::vector<double> distance(neighbours_ + 1);
+      std::vector<uint32_t> index(neighbors_ + 1);
+      std::vector<double> distance(neighbors_ + 1);
       for (size_t t = begin; t < end; ++t) {
         const Vec3d p = sites_.points[targets_[t]];
-        const size_t found = tree->knnSearch(&p.x, neighbours_ + 1, index.data(), distance.data());
+        const size_t found = tree->knnSearch(&p.x, neighbors_ + 1, index.data(), distance.data());
         uint32_t count = 0;
-        for (size_t k = 0; k < found && count < neighbours_; ++k)
-          if (index[k] != targets_[t]) near_[t * neighbours_ + count++] = index[k];
+        for (size_t k = 0; k < found && count < neighbors_; ++k)
+          if (index[k] != targets_[t]) near_[t * neighbors_ + count++] = index[k];
         near_count_[t] = count;
         planes_[t] = fit_plane(sites_, p, params_.radius ? with_all_within(*params_.radius, tree, t) : near(t));
         if (is_given(t)) planes_[t].normal = given_[t];
@@ -180,7 +180,7 @@ class Estimator {
     });
   }
 
-  /// The nearest neighbours of a target or, where more lie within the radius, those, in the order of their samples.
+  /// The nearest neighbors of a target or, where more lie within the radius, those, in the order of their samples.
   std::vector<uint32_t> with_all_within(double radius, const KdTree& tree, size_t t) const {
     const Vec3d p = sites_.points[targets_[t]];
     std::vector<std::pair<uint32_t, double>> found;
@@ -200,7 +200,7 @@ class Estimator {
     uint32_t a, b;  ///< slots
   };
 
-  /// Pairs of neighbouring targets whose signs are open, those with the most nearly parallel normals first (the weight
+  /// Pairs of neighboring targets whose signs are open, those with the most nearly parallel normals first (the weight
   /// 1 - |n_a . n_b| of Hoppe et al., in 65536 steps; equal ones in the order of their samples).
   std::vector<Edge> sorted_edges() const {
     constexpr size_t steps = 1 << 16;
@@ -268,7 +268,7 @@ class Estimator {
 
   /// Positive where a component's normals look outward as they are.
   std::vector<double> component_votes(const std::vector<uint32_t>& component) const {
-    // By neighbours whose direction is known.
+    // By neighbors whose direction is known.
     std::vector<double> votes(components_, 0.0);
     for (size_t t = 0; t < targets_.size(); ++t) {
       if (!propagated_[t]) continue;
@@ -279,7 +279,7 @@ class Estimator {
     for (size_t c = 0; c < components_; ++c)
       if (votes[c] == 0.0) votes[c] = by_given[c];
     // Without any: the furthest sample along a direction looks that way. Twenty-six directions vote, and samples that
-    // do not lie in a plane with their neighbours (outliers) only where there are hardly others (noise).
+    // do not lie in a plane with their neighbors (outliers) only where there are hardly others (noise).
     constexpr double flat_enough = 0.05;
     constexpr double hardly = 0.1;  // share of the component
     std::vector<double> flat_count(components_, 0.0), count(components_, 0.0);
@@ -315,7 +315,7 @@ class Estimator {
   }
 
   Sites sites_;
-  size_t neighbours_;
+  size_t neighbors_;
   const NormalParams& params_;
   const Context& context_;
   std::vector<Vec3d> hint_;        ///< per site: sum of its samples' hints
@@ -325,7 +325,7 @@ class Estimator {
   std::vector<uint32_t> near_;     ///< per target: the sites nearest to it, nearest first
   std::vector<uint32_t> near_count_;
   std::vector<Plane> planes_;        ///< per target
-  std::vector<uint8_t> propagated_;  ///< per target: its sign comes from its neighbours
+  std::vector<uint8_t> propagated_;  ///< per target: its sign comes from its neighbors
   size_t components_ = 0;
 };
 

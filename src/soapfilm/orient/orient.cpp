@@ -137,7 +137,7 @@ EstimatedNormals estimate_open(const PointCloud& cloud, const OrientSetup& param
     if (directions[i] == Vec3f{}) hints[i] = towards_scanner(known, i, facts);
   });
   EstimatedNormals estimated = estimate_normals(cloud.positions, wanted, hints, given,
-                                                {params.neighbours, params.radius, params.from_within}, context);
+                                                {params.neighbors, params.radius, params.from_within}, context);
   for (size_t k = 0; k < wanted.size(); ++k) directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);
   return estimated;
 }
@@ -154,14 +154,14 @@ void estimate(const PointCloud& cloud, const OrientSetup& params, const KnownDir
   report.estimated = normals.size() - report.without_direction;
   if (estimated.propagated > 0)
     warn(context, report,
-         fmt::format("{} of {} samples have no direction: normals were estimated from {} neighbours and turned {} by "
+         fmt::format("{} of {} samples have no direction: normals were estimated from {} neighbors and turned {} by "
                      "propagation over {}, which is a guess (give normals, or scanner positions with --sensor{})",
-                     estimated.propagated, cloud.size(), params.neighbours, params.from_within ? "inward" : "outward",
+                     estimated.propagated, cloud.size(), params.neighbors, params.from_within ? "inward" : "outward",
                      plural(estimated.components, "connected part"),
                      params.from_within ? "" : "; seen from inside: --outside solid"));
   if (report.without_direction > 0)
     warn(context, report,
-         fmt::format("{} of {} samples have no direction and no neighbours that span a plane: they "
+         fmt::format("{} of {} samples have no direction and no neighbors that span a plane: they "
                      "are left out",
                      report.without_direction, cloud.size()));
 }
@@ -195,8 +195,8 @@ bool point_inward(const PointCloud& cloud, const std::vector<Vec3f>& directions,
 }  // namespace
 
 void validate(const OrientParams& params) {
-  if (params.neighbours < 3 || params.neighbours > 1000)
-    throw ParameterError(fmt::format("neighbours = {}, must be in [3, 1000]", params.neighbours));
+  if (params.neighbors < 3 || params.neighbors > 1000)
+    throw ParameterError(fmt::format("neighbors = {}, must be in [3, 1000]", params.neighbors));
   if (params.radius && !(*params.radius > 0 && std::isfinite(*params.radius)))
     throw ParameterError(fmt::format("radius = {:g}, must be > 0", *params.radius));
   if (params.sensor && !is_finite(*params.sensor)) throw ParameterError("sensor: its coordinates must be finite");
@@ -278,7 +278,7 @@ bool doubt_signs(const PointCloud& cloud, const OrientSetup& params, const SideT
                                     plural(propagated.components, "connected part"))) +
            "; --directions normals takes them as given");
   directions.swap(turned);
-  for (size_t i = 0; i < cloud.size(); ++i) report.turned += dot(directions[i], cloud.normals[i]) < 0;
+  for (size_t i = 0; i < cloud.size(); ++i) report.reoriented += dot(directions[i], cloud.normals[i]) < 0;
   return true;
 }
 

@@ -16,7 +16,7 @@
 
 namespace soapfilm {
 
-/// Throws ParameterError when `neighbours`, `radius` or `sensor` is out of range.
+/// Throws ParameterError when `neighbors`, `radius` or `sensor` is out of range.
 void validate(const OrientParams& params);
 
 /// What users set, and what follows from other parameters.
@@ -27,12 +27,12 @@ struct OrientSetup : OrientParams {
 /// A unit vector for each sample, on the outer side of the surface or meant to be; zero where nothing is known.
 ///
 /// Estimated normals are those of a principal component analysis of the nearest different positions (Hoppe et al.
-/// 1992). Where no scanner is known their signs are propagated over a minimum spanning tree of neighbours (same paper),
-/// apart for each connected component; a component's sign follows from neighbours with a known direction or, without
+/// 1992). Where no scanner is known their signs are propagated over a minimum spanning tree of neighbors (same paper),
+/// apart for each connected component; a component's sign follows from neighbors with a known direction or, without
 /// any, from its extreme samples, which look outward (`from_within`: inward). That is right for a closed surface and a
 /// guess for a patch: the report warns. The result does not depend on the number of threads.
 ///
-/// Throws ParameterError when `neighbours`, `radius` or `sensor` is out of range, or when a source that was asked for
+/// Throws ParameterError when `neighbors`, `radius` or `sensor` is out of range, or when a source that was asked for
 /// has nothing for any sample; SamplesError when scans are not in order.
 std::vector<Vec3f> orient(const PointCloud& cloud, const OrientSetup& params, const Context& context,
                           OrientReport& report);

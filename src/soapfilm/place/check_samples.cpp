@@ -60,12 +60,12 @@ Box3d check_samples(const PointCloud& cloud, const Context& context) {
     throw SamplesError(fmt::format("the longest side of the samples' box = {:g}, must be in [{:g}, {:g}]",
                                    box.longest(), shortest_box, longest_box));
 
-  const Vec3d centre = box.center();
+  const Vec3d center = box.center();
   const double scale = 1 / box.longest();
   const auto [sum, squares, products] =
       sum_chunks<Moments>(cloud.size(), samples_per_task, context, [&](size_t begin, size_t end) {
         Moments moments;
-        for (size_t i = begin; i < end; ++i) moments.add((cloud.positions[i] - centre) * scale);
+        for (size_t i = begin; i < end; ++i) moments.add((cloud.positions[i] - center) * scale);
         return moments;
       });
   Eigen::Vector3d mean(sum.x, sum.y, sum.z);

@@ -15,7 +15,7 @@ BrickMask free_bricks(const LevelBox& box, const BrickGrid& support);
 
 /// The band of the level below `coarse`: the bricks of its data, `support`, and of the children of the coarse bricks
 /// those that hold
-///   every pair of neighbours whose rounded u differ (the interface), and
+///   every pair of neighbors whose rounded u differ (the interface), and
 ///   every vertex I where sqrt(sum_k max(|P_k[I - e_k]|, |P_k[I]|)^2) > lambda: elsewhere the prolonged dual is
 ///   feasible on all finer levels (with the anisotropic norm it is everywhere: prolongation takes means), so leaving
 ///   the brick out costs the certificate nothing but this level's own gap.

@@ -23,7 +23,7 @@ void go_on_beyond_border(const Level& coarse, size_t brick, Window<float, 1>& u)
       }
 }
 
-/// Trilinear, an axis at a time: a fine vertex is 3/4 the coarse vertex that holds it and 1/4 the nearer neighbour,
+/// Trilinear, an axis at a time: a fine vertex is 3/4 the coarse vertex that holds it and 1/4 the nearer neighbor,
 /// below for even, above for odd fine vertices.
 void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
   constexpr int around = half_brick + 2;  // coarse vertices that reach into an octant

@@ -10,7 +10,7 @@ namespace soapfilm {
 /// The next finer level on `band`, its state prolonged from `coarse`:
 ///   u by trilinear interpolation (fine vertices at -1/4 and +1/4 of the coarse one: weights 3/4 and 1/4),
 ///   p as face fluxes: the flux of a coarse face lands on the matching fine faces, a face inside a coarse cell takes
-///   the mean of its two parallel neighbours, all times 1/4 (lowest-order Raviart-Thomas: keeps the divergence), the
+///   the mean of its two parallel neighbors, all times 1/4 (lowest-order Raviart-Thomas: keeps the divergence), the
 ///   rim's fluxes, u outside, and what the outside adds to D and to the gap, exactly.
 /// `band` may hold only children of the coarse band's bricks; all children of its support bricks must be among these.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,

@@ -37,13 +37,13 @@ void set_with_neighbors(BrickMask& bricks, Vec3i vertex) {
 
 }  // namespace
 
-CoarseFilm::CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const Strength& strength,
+CoarseFilm::CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const FitWeights& fit_weights,
                        const Context& context)
     : fine_(fine), threshold_(threshold), finder_(finder), context_(context) {
   // In units of every second vertex, where the surface has a quarter of the vertices.
-  strength_.noise = strength.noise / 2;
-  strength_.smoothing = strength.noise > noise_to_follow
-                            ? std::clamp(strength.smoothing / 4, least_of_holes, most_of_holes)
+  strength_.noise = fit_weights.noise / 2;
+  strength_.smoothing = fit_weights.noise > noise_to_follow
+                            ? std::clamp(fit_weights.smoothing / 4, least_of_holes, most_of_holes)
                             : least_of_holes;
   robust_.slope_of_curvature = slope_of_curvature;
   robust_.solve = {60, 0.01};

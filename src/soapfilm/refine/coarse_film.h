@@ -12,8 +12,8 @@ namespace soapfilm {
 /// The surface on every second vertex near the holes, while it bends.
 class CoarseFilm {
  public:
-  /// All must outlive it. `strength` is what the samples of the whole grid are fitted with.
-  CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const Strength& strength,
+  /// All must outlive it. `fit_weights` is what the samples of the whole grid are fitted with.
+  CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const FitWeights& fit_weights,
              const Context& context);
 
   /// Fits, signs that follow at simple points, and again until hardly one does, in 12 rounds at most. Returns false
@@ -32,7 +32,7 @@ class CoarseFilm {
   float threshold_;
   const HoleFinder& finder_;
   const Context& context_;
-  Strength strength_;
+  FitWeights strength_;
   RobustParams robust_;
   BrickMask bricks_;  // of the band: those that hold films, and those next to them
   Level level_;       // the indicator, on one more brick around

@@ -24,9 +24,9 @@ bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robus
   const auto of_coarse = [&] {
     HeldOut on_coarse(coarse.start, coarse.samples, robust, patches, context);
     return on_fine.mean_distance(
-        prolong_distance(on_coarse.band(), on_coarse.fit(coarse.strength), on_fine.band(), on_fine.phi0(), context));
+        prolong_distance(on_coarse.band(), on_coarse.fit(coarse.fit_weights), on_fine.band(), on_fine.phi0(), context));
   }();
-  const auto of_fine = on_fine.mean_distance(on_fine.fit(finer.strength));
+  const auto of_fine = on_fine.mean_distance(on_fine.fit(finer.fit_weights));
   return of_coarse && of_fine && *of_coarse <= most_cost * *of_fine;
 }
 

@@ -4,7 +4,7 @@
 
 #include "soapfilm/refine/robust_fit.h"
 #include "soapfilm/refine/start.h"
-#include "soapfilm/refine/strength.h"
+#include "soapfilm/refine/fit_weights.h"
 
 namespace soapfilm {
 
@@ -12,19 +12,19 @@ namespace soapfilm {
 struct Coarser {
   Start start;
   GridSamples samples;
-  Strength strength;
-  StrengthReport search;
+  FitWeights fit_weights;
+  FitWeightReport search;
 };
 
 /// What one grid is fitted with, against a coarser one.
 struct Finer {
   const Start& start;
   const GridSamples& samples;
-  Strength strength;
+  FitWeights fit_weights;
 };
 
 /// Whether a coarser fit serves as well: samples that neither saw lie at most 3 % farther from it on the mean. Both are
-/// fitted to the same patches, as choose_strength() does. False where no such sample is seen.
+/// fitted to the same patches, as choose_fit_weights() does. False where no such sample is seen.
 bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robust, const Context& context);
 
 /// Whether phi, from a coarser fit, is still about this surface: where a part was too thin for the coarser cells it

@@ -25,7 +25,7 @@ void inverse(const BandRows& band, const InverseJob& job, size_t begin, size_t e
       }
       const V diagonal = hn::Add(hn::Add(hn::Mul(diffusion, sum), hn::Sqrt(hn::Mul(hn::Load(d, job.weights + i), e))),
                                  hn::Mul(reaction, e));
-      // A vertex without neighbours is tied to nothing.
+      // A vertex without neighbors is tied to nothing.
       hn::Store(hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), hn::Div(hn::Set(d, job.omega), diagonal)), d,
                 job.inverse + i);
     }
@@ -110,7 +110,7 @@ void restrict_brick(const BrickTransfer& transfer, const float* from, float* coa
   add_restricted(fine, transfer, coarse);
 }
 
-/// What a step of one length for all leaves of a value that it starts from, at vertices with so many neighbours.
+/// What a step of one length for all leaves of a value that it starts from, at vertices with so many neighbors.
 HWY_INLINE V kept_by_even_step(const CycleJob& job, V degree) {
   const D d;
   return hn::Sub(hn::Set(d, 1 - job.step * job.reaction), hn::Mul(hn::Set(d, job.step * job.diffusion), degree));

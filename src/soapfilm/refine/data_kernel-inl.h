@@ -117,7 +117,7 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
     for (size_t c = 0; c < 4; ++c) job.out[right[c] * brick_side] += carry[c];
 }
 
-/// Fetches what rows of cells further on will read: of those far ahead who their neighbours are, of nearer ones the
+/// Fetches what rows of cells further on will read: of those far ahead who their neighbors are, of nearer ones the
 /// values at corners that lie apart.
 HWY_INLINE void fetch_corners(const BandRows& band, const DataJob& job, size_t k, size_t end) {
   constexpr size_t far = 16, near = 8;

@@ -24,7 +24,7 @@ struct SolveLimits {
 
 /// Minimises, over delta on the band,
 ///   E = data term of CellSamples (phi) + beta <delta, G delta> + gamma <G delta - k, s (G delta - k)>,
-/// phi = phi0 + delta, k = laplacian phi0 less its target, along the axes on which both neighbours are in the band (on
+/// phi = phi0 + delta, k = laplacian phi0 less its target, along the axes on which both neighbors are in the band (on
 /// the others delta alone is kept from sloping, so that the band's rim pulls nothing, and bends of phi0 along the rim
 /// do not stay), s = 1 and the target 0 until yield_to_bends(). Conjugate gradients, multigrid preconditioner.
 class Displacement {

@@ -125,10 +125,10 @@ void HeldOut::stiffen() {
   outcomes_.clear();
 }
 
-const RowArray& HeldOut::fit(const Strength& strength) {
+const RowArray& HeldOut::fit(const FitWeights& fit_weights) {
   std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
   // Its rounds are not told: a search makes several such fits.
-  fit_robustly(displacement_, samples_, cells_, train_, strength, robust_, context_.silent());
+  fit_robustly(displacement_, samples_, cells_, train_, fit_weights, robust_, context_.silent());
   return displacement_.phi();
 }
 

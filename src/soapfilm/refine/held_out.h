@@ -1,4 +1,4 @@
-// How near samples that a fit did not see come to lie to its surface: what the strength and the grid are chosen by.
+// How near samples that a fit did not see come to lie to its surface: what the fit_weights and the grid are chosen by.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ class HeldOut {
   void stiffen();
 
   /// phi on band(), fitted to the others. Each fit starts with the bends that the last one yielded to: rounds saved.
-  const RowArray& fit(const Strength& strength);
+  const RowArray& fit(const FitWeights& fit_weights);
   /// Mean distance of the held-out samples from a surface on band(), voxels; nothing where none is seen.
   std::optional<double> mean_distance(const RowArray& phi) const;
 

@@ -6,7 +6,7 @@
 namespace soapfilm {
 
 struct HoleReport {
-  size_t bent = 0;     ///< holes
+  size_t curved = 0;   ///< holes filled with the curvature around them
   size_t left = 0;     ///< left flat: the unseen base of an object, or a surface that ends at the grid's border
   size_t flips = 0;    ///< vertices of the grid that changed sides
   size_t refused = 0;  ///< that would have changed the topology and were held

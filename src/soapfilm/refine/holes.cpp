@@ -150,7 +150,7 @@ void FilmToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vector
   }
   for (const std::vector<uint32_t>& passed : sets_of) {
     const bool flat = std::any_of(passed.begin(), passed.end(), [&](uint32_t s) { return outcome[s].fails(); });
-    ++(flat ? report.left : report.bent);
+    ++(flat ? report.left : report.curved);
   }
 }
 
@@ -195,10 +195,10 @@ void make_room(Level& level) {
 }
 
 bool bend_holes(Level& level, float threshold, const std::vector<HoleFilm>& films, const HoleFinder& finder,
-                const Strength& strength, const Context& context, HoleReport& report) {
+                const FitWeights& fit_weights, const Context& context, HoleReport& report) {
   Level bent;
   {
-    CoarseFilm film(level, threshold, finder, strength, context);
+    CoarseFilm film(level, threshold, finder, fit_weights, context);
     if (film.bend(films, report))
       bent = FilmToGrid(level, threshold, film, finder, context).bent(films, report);
     else

@@ -6,7 +6,7 @@
 
 #include "soapfilm/refine/hole_finder.h"
 #include "soapfilm/refine/hole_report.h"
-#include "soapfilm/refine/strength.h"
+#include "soapfilm/refine/fit_weights.h"
 
 namespace soapfilm {
 
@@ -15,12 +15,12 @@ namespace soapfilm {
 void make_room(Level& level);
 
 /// Bends the surface of u > threshold at these films, which `finder` found in this level; returns whether any did.
-/// `level` then becomes a binary indicator (its box, grid, u and inside alone). Components and genus stay. `strength`
+/// `level` then becomes a binary indicator (its box, grid, u and inside alone). Components and genus stay. `fit_weights`
 /// is what the samples of the whole grid are fitted with.
 /// A film stays as it was where the topology holds more than 6 % as many vertices as turn, and where
 /// it would bulge by much more than half a ball on its area. Bulges end at the border of the box. Results do not depend
 /// on threads.
 bool bend_holes(Level& level, float threshold, const std::vector<HoleFilm>& films, const HoleFinder& finder,
-                const Strength& strength, const Context& context, HoleReport& report);
+                const FitWeights& fit_weights, const Context& context, HoleReport& report);
 
 }  // namespace soapfilm

@@ -20,7 +20,7 @@ constexpr int surface_margin = smoothing_reach + 1;
 /// The first and the last set bit of a byte that is not 0.
 std::pair<int, int> ends_of(uint64_t byte) { return {std::countr_zero(byte), 63 - std::countl_zero(byte)}; }
 
-/// The 27 neighbours (as bits by neighbor_slot()) within the surface's margin of an interface in a brick.
+/// The 27 neighbors (as bits by neighbor_slot()) within the surface's margin of an interface in a brick.
 uint32_t bricks_near(const BrickBits& interface) {
   if (!interface.any()) return 0;
   uint64_t along_xy = 0, along_x = 0, along_y = 0, along_z = 0;

@@ -1,4 +1,4 @@
-// Passes over a band, layer of bricks by layer of bricks along z: loops in which neighbouring layers add to common
+// Passes over a band, layer of bricks by layer of bricks along z: loops in which neighboring layers add to common
 // values, and several loops that follow one another through the cache. What they compute is the same for any number of
 // threads.
 #pragma once
@@ -39,7 +39,7 @@ struct Slab {
   int begin, end;
   bool from_below, from_above;  ///< whether there are others
 
-  /// What a stage may do before the neighbouring slabs are done.
+  /// What a stage may do before the neighboring slabs are done.
   bool holds(int stage, int layer) const {
     return layer >= begin + from_below * stage && layer < end - from_above * stage;
   }

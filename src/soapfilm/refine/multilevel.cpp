@@ -47,7 +47,7 @@ void clear(RowArray& array, const Context& context) {
 BrickGrid coarse_bricks(const NarrowBand& fine, const Context& context) {
   const BrickGrid& grid = fine.grid();
   const Vec3i box = grid.bricks();
-  // A fine brick touches its parent and, where it is the upper half, the parent's upper neighbours.
+  // A fine brick touches its parent and, where it is the upper half, the parent's upper neighbors.
   BrickMask mask({box.x / 2 + 2, box.y / 2 + 2, box.z / 2 + 2});
   parallel_for(context, grid.size(), 256, [&](size_t b) {
     if (fine.first_row(b) == fine.first_row(b + 1)) return;
@@ -213,7 +213,7 @@ bool Multilevel::weigh_little(const RowArray& position_weights) const {
 
 bool Multilevel::local_mean(const std::function<void(int)>& complete, const RowArray& values, const RowArray& weights,
                             const RowArray& where, float scale, RowArray& mean, const Context& context) {
-  constexpr float spread = 0.125f;  // to each neighbour in a pass
+  constexpr float spread = 0.125f;  // to each neighbor in a pass
   if (coarse_.empty()) return false;
   Coarse& c = coarse_.front();
   const NarrowBand& band = c.coarse.band();

@@ -50,7 +50,7 @@ class NarrowBand {
   const uint8_t* places() const { return place_.data(); }  ///< of all rows, from row 0 on
   /// Rows next to a row along -x, +x, -y, +y, -z, +z.
   const std::array<uint32_t, 6>& neighbors(uint32_t row) const { return neighbors_.data()[row]; }
-  /// How many of a vertex's six neighbours are in the band, eight per row; 0 outside the band.
+  /// How many of a vertex's six neighbors are in the band, eight per row; 0 outside the band.
   const uint8_t* degree(uint32_t row) const { return degree_.data() + static_cast<size_t>(row) * brick_side; }
 
   /// What steps on its rows.
@@ -141,7 +141,7 @@ inline float value_at(const NarrowBand& band, const RowArray& values, Vec3i v, f
 }
 
 /// out = weight_v v + weight_g G v; G is the band's graph Laplacian, positive semi-definite: (G v)_i = sum over
-/// neighbours j in the band of v_i - v_j. Its null space are the constants on connected parts. Returns <G v, out>.
+/// neighbors j in the band of v_i - v_j. Its null space are the constants on connected parts. Returns <G v, out>.
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
                        const Context& context);
 

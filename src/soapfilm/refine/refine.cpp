@@ -26,20 +26,20 @@ constexpr double until_chosen = 0.3, until_bent = 0.6;
 constexpr size_t speck = 64;  // vertices: a ball of radius 2.5, what outliers that support each other make
 
 /// How much the samples are worth is for the samples to say. `spacing`: of the fit's vertices, voxels.
-Strength choose(const Start& start, const GridSamples& samples, const RefineSetup& params, double spacing,
-                const Context& context, StrengthReport& search) {
-  StrengthParams given;
+FitWeights choose(const Start& start, const GridSamples& samples, const RefineSetup& params, double spacing,
+                const Context& context, FitWeightReport& search) {
+  FitWeightParams given;
   if (params.smoothing) given.smoothing = *params.smoothing / (spacing * spacing);
   if (params.normals) given.normals = *params.normals / (spacing * spacing);
-  return choose_strength(start, samples, params.robust, given, context, search);
+  return choose_fit_weights(start, samples, params.robust, given, context, search);
 }
 
 /// The level set 0 of phi0, moved.
-RowArray moved_onto(const GridSamples& samples, const Start& start, const Strength& strength,
+RowArray moved_onto(const GridSamples& samples, const Start& start, const FitWeights& fit_weights,
                     const RobustParams& params, const Context& context, FitReport& report) {
   Displacement displacement(start.band, start.phi0, context);
   CellSamples cells(samples, start.band, context);
-  const RobustFit fit = fit_robustly(displacement, samples, cells, {}, strength, params, context);
+  const RobustFit fit = fit_robustly(displacement, samples, cells, {}, fit_weights, params, context);
   report.iterations = fit.iterations;
   report.down_weighted = fit.down_weighted;
   return std::move(displacement.phi());
@@ -61,10 +61,10 @@ std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float
                  {},
                  {}};
     if (next.start.band.rows() == 0) break;
-    next.strength = choose(next.start, next.samples, params, spacing, half, next.search);
+    next.fit_weights = choose(next.start, next.samples, params, spacing, half, next.search);
     // The grid itself has not chosen yet, and need not where the coarser one serves.
-    const Strength of_finer = found.empty() ? on_half_the_voxel(next.strength) : found.back().strength;
-    if (!next.strength.yield || !serves(next, {finer, finer_samples, of_finer}, params.robust, context.silent())) break;
+    const FitWeights of_finer = found.empty() ? on_half_the_voxel(next.fit_weights) : found.back().fit_weights;
+    if (!next.fit_weights.yield || !serves(next, {finer, finer_samples, of_finer}, params.robust, context.silent())) break;
     found.push_back(std::move(next));
   }
   return found;
@@ -77,14 +77,14 @@ std::optional<RowArray> fit_coarser(const Start& start, std::vector<Coarser> gri
   for (; !grids.empty(); grids.pop_back()) {
     const Coarser& grid = grids.back();
     const double spacing = std::ldexp(1.0, static_cast<int>(grids.size()));
-    RowArray phi = moved_onto(grid.samples, grid.start, grid.strength, params.robust, context, report);
-    report.strength = grid.strength;
+    RowArray phi = moved_onto(grid.samples, grid.start, grid.fit_weights, params.robust, context, report);
+    report.fit_weights = grid.fit_weights;
     for (size_t k = grids.size(); k-- > 0;) {
       const Start& finer = k > 0 ? grids[k - 1].start : start;
       phi = prolong_distance(grids[k].start.band, phi, finer.band, finer.phi0, context);
-      report.strength = on_half_the_voxel(report.strength);
+      report.fit_weights = on_half_the_voxel(report.fit_weights);
     }
-    if (!is_near(start, phi, std::max(least_far, far_of_noise * grid.strength.noise) * spacing, context)) continue;
+    if (!is_near(start, phi, std::max(least_far, far_of_noise * grid.fit_weights.noise) * spacing, context)) continue;
     report.search = grid.search;
     report.search.held_out_error *= spacing;
     report.spacing = spacing;
@@ -176,8 +176,8 @@ SurfaceField Refinement::fit() {
                       params_, context_.part(until_bent, 1), report_);
   if (!phi) {
     if (!chosen_) chosen_ = choose(start_, samples_, params_, 1, context_.part(0, until_bent), report_.search);
-    report_.strength = *chosen_;
-    phi = moved_onto(samples_, start_, report_.strength, params_.robust, context_.part(until_bent, 1), report_);
+    report_.fit_weights = *chosen_;
+    phi = moved_onto(samples_, start_, report_.fit_weights, params_.robust, context_.part(until_bent, 1), report_);
   }
 
   // Signs follow where the topology allows.

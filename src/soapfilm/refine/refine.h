@@ -9,7 +9,7 @@
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/robust_fit.h"
 #include "soapfilm/refine/start.h"
-#include "soapfilm/refine/strength.h"
+#include "soapfilm/refine/fit_weights.h"
 #include "soapfilm/refine/topology.h"
 #include "soapfilm/report.h"
 #include "soapfilm/solve/level.h"
@@ -28,8 +28,8 @@ struct RefineSetup : RefineParams {
 void validate(const RefineSetup& params);
 
 struct FitReport {
-  Strength strength;         ///< in use
-  StrengthReport search;     ///< how it was found
+  FitWeights fit_weights;         ///< in use
+  FitWeightReport search;     ///< how it was found
   HoleReport holes;          ///< what no sample covers
   double spacing = 1;        ///< of the vertices that the fit worked on, voxels: 1, 2, 4, ...
   size_t band_vertices = 0;  ///< on either side of the surface
@@ -73,7 +73,7 @@ class Refinement {
   Start start_;
   std::optional<SignBits> signs_;   ///< on the start's bricks
   Level indicator_;                 ///< where sparse: on every second vertex
-  std::optional<Strength> chosen_;  ///< where holes asked for it
+  std::optional<FitWeights> chosen_;  ///< where holes asked for it
 };
 
 /// Both at once.

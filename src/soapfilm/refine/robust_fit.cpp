@@ -9,31 +9,31 @@
 namespace soapfilm {
 
 RobustFit fit_robustly(Displacement& displacement, const GridSamples& samples, CellSamples& cells,
-                       std::span<const uint8_t> active, const Strength& strength, const RobustParams& params,
+                       std::span<const uint8_t> active, const FitWeights& fit_weights, const RobustParams& params,
                        const Context& context) {
   RobustFit fit;
-  const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(strength.smoothing)),
-                              static_cast<float>(strength.smoothing)};
+  const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(fit_weights.smoothing)),
+                              static_cast<float>(fit_weights.smoothing)};
   // Once the scale rests, the samples have been weighed as they will be; bends go on being found.
-  const double least_scale = params.scale(strength.noise);
-  const double slope_weight = strength.yield && strength.normals > 0 ? params.slope_along_directions : params.slope;
-  const int rounds = strength.yield ? static_cast<int>(params.yielding_steps.size()) : params.rounds;
+  const double least_scale = params.scale(fit_weights.noise);
+  const double slope_weight = fit_weights.yield && fit_weights.normals > 0 ? params.slope_along_directions : params.slope;
+  const int rounds = fit_weights.yield ? static_cast<int>(params.yielding_steps.size()) : params.rounds;
   displacement.drop_target();
   bool last = false;
   for (int round = 0; !last; ++round) {
-    if (strength.yield && round > 0) displacement.yield_to_bends(params.yielding_bend);
+    if (fit_weights.yield && round > 0) displacement.yield_to_bends(params.yielding_bend);
     const double first_scale = params.first_scale * std::pow(0.5, round);
     const auto scale = static_cast<float>(std::max(least_scale, first_scale));
-    last = round + 1 >= rounds || (!strength.yield && round > 0 && first_scale <= least_scale);
-    merge(displacement.phi(), samples, displacement.band(), {params.penalty, scale, strength.normals > 0, active},
-          {static_cast<float>(strength.normals),
-           static_cast<float>(std::max(slope_weight * strength.smoothing, strength.normals))},
+    last = round + 1 >= rounds || (!fit_weights.yield && round > 0 && first_scale <= least_scale);
+    merge(displacement.phi(), samples, displacement.band(), {params.penalty, scale, fit_weights.normals > 0, active},
+          {static_cast<float>(fit_weights.normals),
+           static_cast<float>(std::max(slope_weight * fit_weights.smoothing, fit_weights.normals))},
           context, cells);
     fit.down_weighted = cells.doubted;
     // Weights change little from here on.
-    if (round == 0 || !strength.yield) displacement.precondition(cells, smoothness);
+    if (round == 0 || !fit_weights.yield) displacement.precondition(cells, smoothness);
     SolveLimits limits = params.solve;
-    if (strength.yield)
+    if (fit_weights.yield)
       limits.iterations = params.yielding_steps[static_cast<size_t>(round)];
     else if (!last)  // weights need no more than a rough surface
       limits.iterations = std::max(1, limits.iterations / (round == 0 ? 4 : 6));

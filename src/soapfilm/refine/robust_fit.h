@@ -13,7 +13,7 @@
 namespace soapfilm {
 
 /// What the fit trusts.
-struct Strength {
+struct FitWeights {
   double smoothing = 0;  ///< gamma: weight of curvature against one sample, lattice units
   double normals = 0;    ///< weight of a direction's error (as a vector of unit length) against a voxel
   double noise = 0;      ///< standard deviation of the samples along the surface's normal, voxels
@@ -21,7 +21,7 @@ struct Strength {
 };
 
 /// The same on a grid of half the voxel, where phi is twice as large and the surface has four times the vertices.
-inline Strength on_half_the_voxel(const Strength& s) { return {4 * s.smoothing, 4 * s.normals, 2 * s.noise, s.yield}; }
+inline FitWeights on_half_the_voxel(const FitWeights& s) { return {4 * s.smoothing, 4 * s.normals, 2 * s.noise, s.yield}; }
 
 struct RobustParams {
   Penalty penalty = Penalty::tukey;
@@ -32,7 +32,7 @@ struct RobustParams {
   double slope = 2;             ///< weight of a unit slope along the normal against gamma, >= 0: without it phi
                                 ///< flattens among noisy samples and is no distance any more
   double slope_along_directions = 8;  ///< instead of `slope` where directions are used and curvature yields, >= 0: what
-                                      ///< neighbours that were seen from different sides say of the normal between
+                                      ///< neighbors that were seen from different sides say of the normal between
   double slope_of_curvature = 0.02;   ///< beta / sqrt(gamma), > 0: gamma scales as length^4, beta as length^2
   int rounds = 3;  ///< of weighing and solving where curvature does not yield, at most, [1, 20]; the second or a later
                    ///< one is the last where the scale has come down to the noise
@@ -56,7 +56,7 @@ struct RobustFit {
 /// Moves `displacement` onto the samples, from what it yields to at present; `active[s]` 0 leaves a sample out, where
 /// there is any. `cells` are those of the samples: room to merge them in.
 RobustFit fit_robustly(Displacement& displacement, const GridSamples& samples, CellSamples& cells,
-                       std::span<const uint8_t> active, const Strength& strength, const RobustParams& params,
+                       std::span<const uint8_t> active, const FitWeights& fit_weights, const RobustParams& params,
                        const Context& context);
 
 }  // namespace soapfilm

@@ -33,7 +33,7 @@ double laplacian(const BandRows& band, const LaplacianJob& job, size_t begin, si
   return sum.total();
 }
 
-/// R v: differences to neighbours without an opposite one; outside the band v is 0.
+/// R v: differences to neighbors without an opposite one; outside the band v is 0.
 HWY_INLINE V one_sided(const BandRows& band, const float* v, size_t row, int x) {
   const D d;
   const Neighbors& n = band.neighbors[row];
@@ -85,7 +85,7 @@ void curvature(const BandRows& band, const CurvatureJob& job, size_t begin, size
   }
 }
 
-/// Bits of the vertices of a row that have both neighbours along x in the band.
+/// Bits of the vertices of a row that have both neighbors along x in the band.
 HWY_INLINE unsigned inner_along_x(const BandRows& band, size_t row) {
   const unsigned own = band.mask[row], below = band.mask[band.neighbors[row][0]],
                  above = band.mask[band.neighbors[row][1]];

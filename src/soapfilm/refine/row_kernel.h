@@ -16,8 +16,8 @@ namespace soapfilm {
 /// How many rows ahead kernels fetch what they will read.
 inline constexpr size_t rows_ahead = 16;
 
-/// Of a band: rows next to each row along -x, +x, -y, +y, -z, +z, how many neighbours each vertex has, and each row's
-/// vertices as bits. The neighbours of `rows_ahead` rows after the last may be asked for: they are row 0.
+/// Of a band: rows next to each row along -x, +x, -y, +y, -z, +z, how many neighbors each vertex has, and each row's
+/// vertices as bits. The neighbors of `rows_ahead` rows after the last may be asked for: they are row 0.
 struct BandRows {
   const std::array<uint32_t, 6>* neighbors;
   const uint8_t* degree;
@@ -32,7 +32,7 @@ struct LaplacianJob {
   const float* share = nullptr;
 };
 
-/// out = beta (v - start) + gamma s (G v - R start), with the shares s; R sums the differences to neighbours that have
+/// out = beta (v - start) + gamma s (G v - R start), with the shares s; R sums the differences to neighbors that have
 /// no opposite one in the band. Where both are there G v is the second difference of v, elsewhere G v - R start is the
 /// slope of v - start alone: bends are felt up to the band's rim, and what slopes there is not.
 struct BendJob {
@@ -43,7 +43,7 @@ struct BendJob {
   float* out;
 };
 
-/// What Displacement::yield_to_bends() averages first, in the band's vertices with six neighbours: their curvature
+/// What Displacement::yield_to_bends() averages first, in the band's vertices with six neighbors: their curvature
 /// c = -G v, the weight 1 near the surface and `faint` elsewhere, the weight times (c - target)^2. At the
 /// rim: c, faint, 0.
 struct CurvatureJob {
@@ -64,7 +64,7 @@ struct SaddleJob {
 
 /// And then, where `around` holds the mean of that: the share of gamma 1 / (1 + per_square around) / (1 + x^2), x what
 /// |distance| is beyond `near` in units of `reach`; the weight times the share, and times the curvature; the
-/// curvature's place takes 1 where a vertex has six neighbours, else 0. Beyond: share 1, product 0.
+/// curvature's place takes 1 where a vertex has six neighbors, else 0. Beyond: share 1, product 0.
 struct ShareJob {
   const float* around;
   const float* distance;
@@ -72,11 +72,11 @@ struct ShareJob {
   float *share, *curvature, *weight, *product;
 };
 
-/// One level's system K x = b of the multigrid cycle, K x = diagonal x - sum_j w_ij x_j over the neighbours j, with
+/// One level's system K x = b of the multigrid cycle, K x = diagonal x - sum_j w_ij x_j over the neighbors j, with
 /// w_ij = diffusion (e_i + e_j) / 2; `extent` e may be null: 1. Jacobi steps divide by the diagonal, or where `inverse`
 /// is null take one length for all: of K x = reaction x + diffusion G x.
 struct CycleJob {
-  const float* inverse;  ///< omega / diagonal, 0 outside the band and without neighbours; null: see `step`
+  const float* inverse;  ///< omega / diagonal, 0 outside the band and without neighbors; null: see `step`
   const float* extent;
   const float* b;  ///< prolong_brick() takes null for 0
   float diffusion;
@@ -89,7 +89,7 @@ struct CycleJob {
   const float* extended = nullptr;  ///< extent x, for restrict_residual() with an extent
 };
 
-/// What CycleJob calls inverse, from the diagonal of K: the neighbours' w_ij, sqrt(weight e) and reaction e.
+/// What CycleJob calls inverse, from the diagonal of K: the neighbors' w_ij, sqrt(weight e) and reaction e.
 struct InverseJob {
   const float* extent;   ///< e; may be null: 1
   const float* weights;  ///< of positions
@@ -156,7 +156,7 @@ struct RowKernel {
   void (*restrict_residual)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse);
   /// out = x + inverse (b - K x).
   double (*smooth)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
-  /// Rows of cells one after the other: neighbours share corners. Without `affine` returns <v, what is added, or
+  /// Rows of cells one after the other: neighbors share corners. Without `affine` returns <v, what is added, or
   /// would be>.
   double (*data_term)(const BandRows& band, const DataJob& job, size_t begin, size_t end);
   /// Adds in the order of the samples; returns how many weigh less than `doubt`.

@@ -1,5 +1,5 @@
 // What the kernels on rows share, compiled once per SIMD target (no include guard: see Highway's foreach_target.h):
-// a row's lanes, the sums over its neighbours, sums by lane.
+// a row's lanes, the sums over its neighbors, sums by lane.
 
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
@@ -54,7 +54,7 @@ struct Product {
   }
 };
 
-/// The two neighbours along x.
+/// The two neighbors along x.
 struct Sides {
   V below, above;
 };
@@ -65,7 +65,7 @@ HWY_INLINE Sides sides(const Values& values, const Neighbors& n, size_t row, int
   const D d;
   const size_t here = row * brick_side + static_cast<size_t>(x);
   V below = values.load(here - 1), above = values.load(here + 1);
-  // The ends of a row have their neighbours in other bricks.
+  // The ends of a row have their neighbors in other bricks.
   if (x == 0)
     below = hn::IfThenElse(hn::FirstN(d, 1), hn::Set(d, values.one(size_t{n[0]} * brick_side + brick_side - 1)), below);
   if (x + lane_count() == brick_side)
@@ -74,7 +74,7 @@ HWY_INLINE Sides sides(const Values& values, const Neighbors& n, size_t row, int
   return {below, above};
 }
 
-/// The sums over the two neighbours along each axis.
+/// The sums over the two neighbors along each axis.
 struct AxisSums {
   V x, y, z;
 };

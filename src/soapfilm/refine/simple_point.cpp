@@ -9,7 +9,7 @@ namespace soapfilm {
 namespace {
 
 struct Tables {
-  std::array<uint32_t, 27> faces{};  ///< neighbours that share a face
+  std::array<uint32_t, 27> faces{};  ///< neighbors that share a face
   std::array<uint32_t, 27> all{};    ///< the 26
   uint32_t near18 = 0;               ///< around the middle, without corners
 };

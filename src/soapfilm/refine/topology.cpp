@@ -115,7 +115,7 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
       return !(signs.test(vertex) && --left == 0);
     });
   };
-  // A vertex may become simple once its neighbours have turned: go on until nothing moves. What is alone then has not
+  // A vertex may become simple once its neighbors have turned: go on until nothing moves. What is alone then has not
   // moved elsewhere either, and what it kept apart may turn now.
   for (size_t gone = 1; gone > 0; count.vanished += gone) {
     while (turn_simple() > 0) continue;

@@ -31,15 +31,15 @@ void announce_border(const BorderReport& border, bool inward, Trace& trace) {
     trace.info(fmt::format("outside: {}, {}", name_of(border.chosen), border.reason));
   if (inward && border.chosen == Border::air)
     trace.warn(
-        "the normals point towards the samples' middle on the whole, as those of a hollow seen from within do: turn "
-        "them outward, or try --outside solid");
+        "most normals point towards the middle of the samples, as those of a room seen from inside do: reverse "
+        "them, or try --outside solid");
 }
 
 void warn_unconverged(const SolveReport& report, double lambda, const ReconstructParams& params, Trace& trace) {
   const auto warn_level = [&](int level, int iterations, double tolerance) {
     trace.warn(
-        fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate below holds all "
-                    "the same",
+        fmt::format("level {}: not converged after {} iterations (tolerance {:g}); the certificate below still "
+                    "holds",
                     level, iterations, tolerance));
   };
   for (const LevelReport& level : report.levels) {
@@ -50,7 +50,7 @@ void warn_unconverged(const SolveReport& report, double lambda, const Reconstruc
     if (level.stop == Stop::stalled && level.level == 0)
       trace.warn(fmt::format(
           "level 0: the gap has stayed at {:.2g} (tolerance {:g}) and more iterations would not help: likely "
-          "a large part without samples; the certificate below holds all the same, --resolution or "
+          "a large part without samples; the certificate below still holds, --resolution or "
           "--lambda may change it",
           level.energies.relative_gap_band(lambda), level.tolerance));
   }
@@ -60,7 +60,7 @@ void warn_unconverged(const SolveReport& report, double lambda, const Reconstruc
     trace.warn(fmt::format("poisson: not converged after {} iterations, relative residual {:.2g}",
                            report.poisson->iterations, report.poisson->residual));
   if (report.graph_cut && !report.graph_cut->globally_optimal)
-    trace.warn(fmt::format("{}: the band's rim disagrees, the cut is not proved to be the global minimum of its energy",
+    trace.warn(fmt::format("{}: labels at the band's boundary disagree, the cut is not proved to be the global minimum of its energy",
                            name_of(params.method)));
 }
 
@@ -71,12 +71,15 @@ void announce_energy(const Certificate& c, const ReconstructParams& params, Trac
     trace.info(fmt::format("energy {:.6g} (method {} proves no bound of it)", c.binary.primal, name_of(params.method)));
 }
 
-void announce_islands(const IslandReport& islands, const ReconstructParams& params, Trace& trace) {
-  if (islands.objects.dropped + islands.voids.dropped == 0) return;
-  const auto counted = [](size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
-  trace.info(fmt::format("{} and {} dropped: only {} on their {:.3g} voxel^2 (min-support {:g})",
-                         counted(islands.objects.dropped, "island"), counted(islands.voids.dropped, "bubble"),
-                         counted(islands.samples, "sample"), islands.area, params.islands.min_support));
+void announce_components(const ComponentReport& report, const ReconstructParams& params, Trace& trace) {
+  if (report.objects.dropped + report.cavities.dropped == 0) return;
+  const auto counted = [](size_t n, const char* one, const char* many) {
+    return fmt::format("{} {}", n, n == 1 ? one : many);
+  };
+  trace.info(fmt::format("{} and {} dropped: only {} on their {:.3g} voxel^2 (--min-support {:g})",
+                         counted(report.objects.dropped, "component", "components"),
+                         counted(report.cavities.dropped, "cavity", "cavities"),
+                         counted(report.samples, "sample", "samples"), report.area, params.components.min_support));
 }
 
 namespace {
@@ -95,15 +98,15 @@ void announce_refinement(const std::optional<FitReport>& report, const MemoryBud
   announce_plan(memory, trace);
   if (!report) return;
   const FitReport& refine = *report;
-  const Strength& strength = refine.strength;
+  const FitWeights& fit_weights = refine.fit_weights;
   trace.info(fmt::format(
-      "refined: noise {:.2g} voxel, smoothing {:.2g}{}, directions {}{}", strength.noise, strength.smoothing,
-      params.refine.smoothing ? " (--smoothing)" : "", strength.normals > 0 ? "count as normals" : "tell sides only",
+      "refined: estimated noise (1 sigma) {:.2g} voxel, curvature weight {:.2g}{}, directions used {}{}", fit_weights.noise, fit_weights.smoothing,
+      params.refine.smoothing ? " (--smoothing)" : "", fit_weights.normals > 0 ? "as normals" : "for inside/outside only, not as normals",
       refine.spacing > 1 ? fmt::format(", on every {:g}{} vertex", refine.spacing, refine.spacing == 2 ? "nd" : "th")
                          : ""));
   if (const size_t n = refine.vanished; n > 0)
-    trace.info(fmt::format("{} island{} or bubble{} dropped: refining left nothing of {}", n, n == 1 ? "" : "s",
-                           n == 1 ? "" : "s", n == 1 ? "it" : "them"));
+    trace.info(fmt::format("{} small component{} or cavit{} dropped: refining left nothing of {}", n, n == 1 ? "" : "s",
+                           n == 1 ? "y" : "ies", n == 1 ? "it" : "them"));
 }
 
 void announce_trim(const TrimReport& trim, Trace& trace) {
@@ -126,7 +129,7 @@ std::string cause_of_loss(const ReconstructReport& report) {
   const double lost = report.self_check.lost * static_cast<double>(report.input.samples);
   if (report.params.method == Method::vrip) return "seen at grazing angles or by one ray alone; try --method tv";
   if (report.self_check.noise > 0)
-    return fmt::format("their noise, about {:.2g}, is larger than a voxel; the mesh goes through their middle",
+    return fmt::format("their noise, about {:.2g}, is larger than a voxel; the mesh passes through their middle",
                        report.self_check.noise * report.grid.voxel);
   if (report.self_check.outliers > mostly)
     return fmt::format(
@@ -135,9 +138,9 @@ std::string cause_of_loss(const ReconstructReport& report) {
         100 * report.self_check.outliers);
   if (report.trim && report.trim->leftovers > 0 && report.trim->removed_area > 0.1)
     return "pieces around a few samples were trimmed; try a larger --trim";
-  if (report.islands && 2.0 * static_cast<double>(report.islands->samples) > lost)
-    return "parts that few samples support were dropped; try --islands keep";
-  return "parts too thin or too thinly sampled for this grid and lambda; try a smaller --voxel or "
+  if (report.components && 2.0 * static_cast<double>(report.components->samples) > lost)
+    return "components that few samples support were dropped; try --drop-components off";
+  return "parts too thin or too sparsely sampled for this grid and lambda; try a smaller --voxel or "
          "--lambda";
 }
 
@@ -150,13 +153,13 @@ std::string misplaced_scanners(const ReconstructReport& report) {
   const Border border = report.outside;
   if (static_cast<double>(s.in_solid) > some * all)
     return fmt::format(
-        "{} of {} scanner positions lie inside of solid matter: the side of the samples is wrong, or what "
-        "lies beyond them; try --outside {}",
+        "{} of {} scanner positions lie inside solid matter: directions point to the wrong side, or what lies "
+        "beyond the samples is wrong; try --outside {}",
         s.in_solid, s.scanners, border == Border::solid ? "air" : "solid");
   if (border == Border::air && static_cast<double>(s.enclosed) > some * all && report.self_check.invented > unseen)
     return fmt::format(
         "{} of {} scanner positions lie in a closed shell, {:.0f} % of whose surface no sample is near: "
-        "its outer side was made up; try --outside solid",
+        "its outer side is invented; try --outside solid",
         s.enclosed, s.scanners, 100 * report.self_check.invented);
   return {};
 }
@@ -169,7 +172,7 @@ std::string made_up_surface(const ReconstructReport& report) {
   // vrip's surface closes nothing, and no method but tv can end at the box.
   if (method == Method::vrip || report.outside == Border::open || report.trim || !(invented > much)) return {};
   return fmt::format(
-      "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what nobody saw; try --trim auto{}",
+      "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what was not scanned; try --trim auto{}",
       100 * invented, self_check_reach, method == Method::tv ? ", or --outside open" : "");
 }
 

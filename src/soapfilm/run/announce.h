@@ -26,8 +26,8 @@ void warn_unconverged(const SolveReport& report, double lambda, const Reconstruc
 /// What is known of the result's energy: proved by methods with a dual, else only weighed by the same judge.
 void announce_energy(const Certificate& certificate, const ReconstructParams& params, Trace& trace);
 
-/// What drop_islands() dropped, if anything.
-void announce_islands(const IslandReport& report, const ReconstructParams& params, Trace& trace);
+/// What drop_components() dropped, if anything.
+void announce_components(const ComponentReport& report, const ReconstructParams& params, Trace& trace);
 
 /// The plan of memory, where the solve found much more or less surface than the samples told. How much the samples are
 /// trusted, by the data or as asked for; of how many parts refining left nothing, if any.

@@ -10,9 +10,9 @@ inline bool refines(const ReconstructParams& params) {
   return params.surface.refine.value_or(params.method == Method::tv && !params.surface.isovalue);
 }
 
-/// Are parts that few samples support dropped (finish/islands.h)? The paper's surface keeps them.
-inline bool drops_islands(const ReconstructParams& params) {
-  return params.surface.drop_islands.value_or(refines(params));
+/// Are parts that few samples support dropped (components/components.h)? The paper's surface keeps them.
+inline bool drops_components(const ReconstructParams& params) {
+  return params.surface.drop_components.value_or(refines(params));
 }
 
 /// Is surface taken away that no sample is near (finish/trim.h)? `border` is the one that was chosen.

@@ -14,8 +14,8 @@
 #include "soapfilm/core/method.h"
 #include "soapfilm/core/names.h"
 #include "soapfilm/error.h"
-#include "soapfilm/extract/bend.h"
-#include "soapfilm/finish/islands.h"
+#include "soapfilm/relax/relax.h"
+#include "soapfilm/components/components.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/range_surface.h"
 #include "soapfilm/lambda/cross_validation.h"
@@ -36,7 +36,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("solve", "method", p.method);
   visit("orient", "directions", p.orient.source);
   visit("orient", "sensor", p.orient.sensor);
-  visit("orient", "neighbours", p.orient.neighbours);
+  visit("orient", "neighbors", p.orient.neighbors);
   visit("orient", "radius", p.orient.radius);
   visit("place", "voxel", p.place.voxel);
   visit("place", "resolution", p.place.resolution);
@@ -50,12 +50,12 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("energy", "norm", p.energy.norm);
   visit("border", "outside", p.border.outside);
   visit("border", "open_gain", p.border.open_gain);
-  visit("select", "folds", p.select.folds);
-  visit("select", "source", p.select.source);
-  visit("select", "max_resolution", p.select.max_resolution);
-  visit("select", "indifference", p.select.indifference);
-  visit("select", "seed", p.select.seed);
-  visit("select", "candidates", p.select.candidates);
+  visit("cross_validation", "folds", p.cross_validation.folds);
+  visit("cross_validation", "source", p.cross_validation.source);
+  visit("cross_validation", "max_resolution", p.cross_validation.max_resolution);
+  visit("cross_validation", "indifference", p.cross_validation.indifference);
+  visit("cross_validation", "seed", p.cross_validation.seed);
+  visit("cross_validation", "candidates", p.cross_validation.candidates);
   visit("solve", "tolerance", p.solve.tolerance);
   visit("solve", "max_iterations", p.solve.max_iterations);
   visit("solve", "settle", p.solve.settle);
@@ -82,13 +82,13 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("surface", "threshold", p.surface.threshold);
   visit("surface", "refine", p.surface.refine);
   visit("surface", "isovalue", p.surface.isovalue);
-  visit("surface", "drop_islands", p.surface.drop_islands);
-  visit("surface", "bend_tolerance", p.surface.bend.tolerance);
+  visit("surface", "drop_components", p.surface.drop_components);
+  visit("surface", "split_tolerance", p.surface.relax.split_tolerance);
   visit("surface", "distance", p.surface.distance);
-  visit("islands", "min_support", p.islands.min_support);
-  visit("islands", "few_samples", p.islands.few_samples);
-  visit("islands", "many_samples", p.islands.many_samples);
-  visit("islands", "thin_support", p.islands.thin_support);
+  visit("components", "min_support", p.components.min_support);
+  visit("components", "few_samples", p.components.few_samples);
+  visit("components", "many_samples", p.components.many_samples);
+  visit("components", "sparse_support", p.components.sparse_support);
   visit("refine", "smoothing", p.refine.smoothing);
   visit("refine", "normals", p.refine.normals);
   visit("refine", "reach", p.refine.reach);
@@ -210,18 +210,18 @@ void refuse_contradictions(const ReconstructParams& params) {
   if (params.surface.refine.value_or(false) && params.surface.isovalue)
     throw ParameterError(
         fmt::format("isovalue = {:g} and refine = on: only one of them may be given", *params.surface.isovalue));
-  if (params.surface.drop_islands.value_or(false) && !film)
-    throw ParameterError(fmt::format("islands = drop: method {} finds its own surface", method));
-  if (params.islands.min_support != IslandParams{}.min_support && !drops_islands(params))
-    throw ParameterError(fmt::format("min_support = {:g}: islands are kept", params.islands.min_support));
+  if (params.surface.drop_components.value_or(false) && !film)
+    throw ParameterError(fmt::format("drop_components = on: method {} finds its own surface", method));
+  if (params.components.min_support != ComponentParams{}.min_support && !drops_components(params))
+    throw ParameterError(fmt::format("min_support = {:g}: components are kept (drop_components = off)", params.components.min_support));
   const TrimParams& trim = params.trim;
   if (params.method == Method::vrip && (trim.on.value_or(false) || trim.distance || trim.holes))
     throw ParameterError(fmt::format("trim: the surface of method {} ends by itself where nothing was seen", method));
   if (params.refine.smoothing && !refines(params))
     throw ParameterError(fmt::format("smoothing = {:g}: the surface is not refined", *params.refine.smoothing));
-  if (params.surface.bend.tolerance != BendParams{}.tolerance && !refines(params))
+  if (params.surface.relax.split_tolerance != RelaxParams{}.split_tolerance && !refines(params))
     throw ParameterError(
-        fmt::format("bend_tolerance = {:g}: the surface is not refined", params.surface.bend.tolerance));
+        fmt::format("split_tolerance = {:g}: the surface is not refined", params.surface.relax.split_tolerance));
 }
 
 }  // namespace
@@ -249,8 +249,8 @@ void validate(const ReconstructParams& params) {
   validate(params.orient);
   validate(params.sor);
   validate(params.border);
-  validate(params.select);
-  validate(params.islands);
+  validate(params.cross_validation);
+  validate(params.components);
   validate(RefineSetup{params.refine});
   validate(params.trim);
   validate(params.vrip.surface);
@@ -262,7 +262,7 @@ void validate(const ReconstructParams& params) {
   require(params.poisson.max_iterations >= 1, "poisson max_iterations", params.poisson.max_iterations, ">= 1");
   refuse_contradictions(params);
   const auto inside_unit = [](double v) { return v > 0 && v < 1; };
-  validate(params.surface.bend);
+  validate(params.surface.relax);
   require(inside_unit(params.surface.threshold), "threshold", params.surface.threshold, "> 0 and < 1");
   if (params.surface.isovalue)
     require(inside_unit(*params.surface.isovalue), "isovalue", *params.surface.isovalue, "> 0 and < 1");

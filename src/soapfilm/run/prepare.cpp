@@ -7,7 +7,7 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
-#include "soapfilm/finish/scanners.h"
+#include "soapfilm/components/scanners.h"
 #include "soapfilm/fuse/range_surface.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/orient/area_weights.h"
@@ -65,7 +65,7 @@ Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& orien
 Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const Grid& grid,
                      const ReconstructParams& params, const Context& context, GridSamples& samples) {
   Lambda lambda = choose(cloud, oriented.directions, grid.lattice, grid.density,
-                         {params.energy, params.select, params.solve}, context);
+                         {params.energy, params.cross_validation, params.solve}, context);
   if (!counts_by_area(params)) return lambda;
   constexpr double most_weight = 50;
   const std::vector<float> weights = weigh_by_area(oriented.surface, most_weight, context);

@@ -88,7 +88,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
 
   // Components and cavities that hardly a sample supports, such as outliers leave, go. (The certificate is of the
   // solution with them.)
-  report.islands = drop_unsupported(found.level, samples, grid, params, trace, context);
+  report.components = drop_unsupported(found.level, samples, grid, params, trace, context);
 
   // Scanners stand in the air, and a hollow around one has been seen.
   report.scanners = stand_scanners(found.level, scanners, grid, border, params);
@@ -106,7 +106,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   pages.reset();
 
   // Where the surface bends, triangles of a voxel are too coarse for what the samples tell.
-  report.bend = bend(mesh, surface, samples, grid, params, trace, context);
+  report.relax = bend(mesh, surface, samples, grid, params, trace, context);
   report.isovalue = surface.isovalue;
   report.refine = summary_of(surface);
   details->refine = std::move(surface.refine);

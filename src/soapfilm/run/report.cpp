@@ -33,7 +33,7 @@ ordered_json input_json(const InputFacts& input) {
             {"estimated", d.estimated},
             {"none", d.without_direction},
             {"contradicting", d.contradicting},
-            {"turned", d.turned}}}};
+            {"reoriented", d.reoriented}}}};
 }
 
 ordered_json grid_json(const ReconstructReport& report) {
@@ -123,12 +123,12 @@ ordered_json method_json(const ReconstructReport& report) {
   return json;
 }
 
-ordered_json islands_json(const IslandReport& r, const IslandParams& params) {
-  const auto counts = [](const IslandReport::Count& c) {
+ordered_json components_json(const ComponentReport& r, const ComponentParams& params) {
+  const auto counts = [](const ComponentReport::Count& c) {
     return ordered_json{{"kept", c.kept}, {"dropped", c.dropped}};
   };
   return {{"objects", counts(r.objects)},
-          {"voids", counts(r.voids)},
+          {"cavities", counts(r.cavities)},
           {"min_support", params.min_support},
           {"highest_dropped", r.highest_dropped},
           {"lowest_kept", r.lowest_kept},
@@ -138,16 +138,16 @@ ordered_json islands_json(const IslandReport& r, const IslandParams& params) {
 }
 
 ordered_json refine_json(const FitReport& r) {
-  return {{"smoothing", r.strength.smoothing},
-          {"normals", r.strength.normals},
-          {"noise", r.strength.noise},
+  return {{"smoothing", r.fit_weights.smoothing},
+          {"normals", r.fit_weights.normals},
+          {"noise", r.fit_weights.noise},
           {"agreement_deg", r.search.agreement_deg},
           {"held_out_error", r.search.held_out_error},
           {"held_out_samples", r.search.samples},
           {"candidates", r.search.candidates},
           {"spacing", r.spacing},
           {"holes",
-           {{"bent", r.holes.bent},
+           {{"curved", r.holes.curved},
             {"left_flat", r.holes.left},
             {"rounds", r.holes.rounds},
             {"flips", r.holes.flips},
@@ -160,7 +160,7 @@ ordered_json refine_json(const FitReport& r) {
           {"iterations", r.iterations}};
 }
 
-ordered_json bend_json(const BendReport& r) {
+ordered_json relax_json(const RelaxReport& r) {
   return {{"split_edges", r.split_edges}, {"triangles_before", r.triangles_before}};
 }
 
@@ -169,7 +169,7 @@ ordered_json trim_json(const TrimReport& r) {
           {"removed_area", r.removed_area}, {"leftovers", r.leftovers}, {"nothing_near", r.nothing_near}};
 }
 
-ordered_json select_json(const CrossValidationReport& select) {
+ordered_json cross_validation_json(const CrossValidationReport& select) {
   ordered_json curve = ordered_json::array();
   for (const CrossValidationPoint& p : select.curve)
     curve.push_back({{"lambda", p.lambda},
@@ -248,24 +248,24 @@ std::string to_json(const ReconstructReport& report) {
   }
   seconds["total"] = total.elapsed;
   cpu_seconds["total"] = total.cpu;
-  const Vec3d centre = report.input.box.center();
+  const Vec3d center = report.input.box.center();
   const ordered_json json = {
       {"report_version", report_version},
       {"soapfilm", version},
       {"command", report.command},
       {"parameters", ordered_json::parse(to_json(report.params))},
       {"input", input_json(report.input)},
-      {"frame", {{"centre", vector_json(centre)}, {"scale", report.grid.voxel}}},
+      {"frame", {{"center", vector_json(center)}, {"scale", report.grid.voxel}}},
       {"grid", grid_json(report)},
       {"method", method_json(report)},
-      {"select", report.details->select ? select_json(*report.details->select) : ordered_json(nullptr)},
+      {"cross_validation", report.details->select ? cross_validation_json(*report.details->select) : ordered_json(nullptr)},
       {"border", border_json(report.details->border)},
       {"certificate", certificate_json(report.certificate, report.params.method)},
       {"surface",
        {{"isovalue", report.isovalue},
-        {"islands", report.islands ? islands_json(*report.islands, report.params.islands) : ordered_json(nullptr)},
+        {"components", report.components ? components_json(*report.components, report.params.components) : ordered_json(nullptr)},
         {"refine", report.details->refine ? refine_json(*report.details->refine) : ordered_json(nullptr)},
-        {"bend", report.bend ? bend_json(*report.bend) : ordered_json(nullptr)},
+        {"relax", report.relax ? relax_json(*report.relax) : ordered_json(nullptr)},
         {"trim", report.trim ? trim_json(*report.trim) : ordered_json(nullptr)}}},
       {"mesh", mesh_json(report)},
       {"self_check", self_check_json(report.self_check)},

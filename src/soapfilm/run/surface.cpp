@@ -4,11 +4,11 @@
 
 #include <utility>
 
-#include "soapfilm/extract/bend.h"
+#include "soapfilm/relax/relax.h"
 #include "soapfilm/extract/cut.h"
 #include "soapfilm/extract/isosurface.h"
-#include "soapfilm/finish/islands.h"
-#include "soapfilm/finish/scanners.h"
+#include "soapfilm/components/components.h"
+#include "soapfilm/components/scanners.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/reconstruct.h"
@@ -25,15 +25,15 @@ Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& 
   return closed;
 }
 
-std::optional<IslandReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
+std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
                                              const ReconstructParams& params, Trace& trace, const Context& context) {
-  if (!drops_islands(params)) return {};
-  IslandReport report;
-  trace.stage("finish", [&] {
-    drop_islands(level, static_cast<float>(params.surface.threshold), samples, grid.density, params.islands, context,
+  if (!drops_components(params)) return {};
+  ComponentReport report;
+  trace.stage("components", [&] {
+    drop_components(level, static_cast<float>(params.surface.threshold), samples, grid.density, params.components, context,
                  report);
   });
-  announce_islands(report, params, trace);
+  announce_components(report, params, trace);
   return report;
 }
 
@@ -46,7 +46,7 @@ ScannerReport stand_scanners(const Level& level, const Scanners& scanners, const
 
 std::optional<RefineReport> summary_of(const Surface& surface) {
   if (!surface.refine) return {};
-  const Strength& in_use = surface.refine->strength;
+  const FitWeights& in_use = surface.refine->fit_weights;
   return RefineReport{in_use.smoothing, in_use.normals, in_use.noise, surface.refine->spacing};
 }
 
@@ -56,12 +56,12 @@ Surface find_surface(Segmentation found, const GridSamples& samples, const Grid&
   const auto threshold = static_cast<float>(params.surface.threshold);
   Surface surface;
   if (refines(params)) {
-    const RefineSetup how{params.refine, robust, drops_islands(params), grid.lattice.open};
+    const RefineSetup how{params.refine, robust, drops_components(params), grid.lattice.open};
     Refinement refinement(std::move(found.level), threshold, samples, grid.density, how, context,
                           surface.refine.emplace());
     memory.plan_refinement(refinement.rows(), refinement.tries_coarser(), samples.size());
     surface.field = refinement.fit();
-    surface.scale = robust.scale(surface.refine->strength.noise);
+    surface.scale = robust.scale(surface.refine->fit_weights.noise);
     return surface;
   }
   surface.field = smoothed_indicator(found.level, threshold, context);
@@ -84,12 +84,12 @@ Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda,
   return mesh;
 }
 
-std::optional<BendReport> bend(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
+std::optional<RelaxReport> bend(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
                                const ReconstructParams& params, Trace& trace, const Context& context) {
-  if (!surface.refine || surface.refine->strength.yield || !(params.surface.bend.tolerance > 0)) return {};
-  return trace.stage("bend", [&] {
-    return bend_edges(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples, surface.scale,
-                      grid.lattice, params.surface.bend, context);
+  if (!surface.refine || surface.refine->fit_weights.yield || !(params.surface.relax.split_tolerance > 0)) return {};
+  return trace.stage("relax", [&] {
+    return relax_mesh(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples, surface.scale,
+                      grid.lattice, params.surface.relax, context);
   });
 }
 

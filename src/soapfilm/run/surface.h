@@ -19,7 +19,7 @@ namespace soapfilm {
 Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& context);
 
 /// Drops components and cavities that too few samples support, where that is wanted.
-std::optional<IslandReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
+std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
                                              const ReconstructParams& params, Trace& trace, const Context& context);
 
 /// Where the scanners stand in the solution.
@@ -46,7 +46,7 @@ Surface find_surface(Segmentation found, const GridSamples& samples, const Grid&
 Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda, const Context& context);
 
 /// Makes the triangles follow a refined surface where it bends; not under noise.
-std::optional<BendReport> bend(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
+std::optional<RelaxReport> bend(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
                                const ReconstructParams& params, Trace& trace, const Context& context);
 
 /// A complement's faces turn back, and what closed an open surface goes.

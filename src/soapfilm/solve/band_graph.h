@@ -1,4 +1,4 @@
-// The vertices of a band as the nodes of a graph: numbered brick after brick, with links to the neighbours of a fixed
+// The vertices of a band as the nodes of a graph: numbered brick after brick, with links to the neighbors of a fixed
 // set of directions. Nothing is stored per link: a cursor works them out again whenever they are asked for.
 #pragma once
 

@@ -26,11 +26,11 @@ struct BoxAxis {
 
   /// 1 / length of the interval between vertices i and i + 1.
   double link(int i) const { return i == free ? 1 / last : 1; }
-  /// Length of vertex i's cell, which ends half way to its neighbours.
+  /// Length of vertex i's cell, which ends half way to its neighbors.
   double width(int i) const { return i == free ? (1 + last) / 2 : 1; }
 };
 
-/// Face area / distance to each neighbour, and their sum.
+/// Face area / distance to each neighbor, and their sum.
 struct Stencil {
   float x_down, x_up, y_down, y_up, z_down, z_up;
   float sum() const { return ((x_down + x_up) + (y_down + y_up)) + (z_down + z_up); }

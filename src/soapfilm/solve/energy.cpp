@@ -23,7 +23,7 @@ struct Evaluator {
   }
   float u_value(float u) const { return threshold ? (u > *threshold ? 1.0f : 0.0f) : u; }
 
-  /// The upper halo of the brick at `coord`, whose neighbours come from neighbor(slot) (an index or a missing value).
+  /// The upper halo of the brick at `coord`, whose neighbors come from neighbor(slot) (an index or a missing value).
   template <class Neighbor>
   void fill_upper_halo(Vec3i coord, Neighbor&& neighbor, UpperWindow& u) const {
     for (int axis = 0; axis < 3; ++axis) {
@@ -138,7 +138,7 @@ struct Evaluator {
   }
 };
 
-/// Inactive bricks of the domain with an active upper neighbour, in order.
+/// Inactive bricks of the domain with an active upper neighbor, in order.
 std::vector<Vec3i> bricks_below_band(const Level& level, const Context& context) {
   BrickMask below(level.box.bricks);
   parallel_for(context, level.grid.size(), 1024, [&](size_t b) {

@@ -18,7 +18,7 @@ using V = hn::Vec<D>;
 
 HWY_INLINE V load(const float* row) { return hn::PromoteTo(D(), hn::LoadU(Stored(), row)); }
 
-/// The row of in-brick neighbours below x: lane 0 of a row's first lane group comes from outside.
+/// The row of in-brick neighbors below x: lane 0 of a row's first lane group comes from outside.
 HWY_INLINE V load_below(const float* row, int x, float outside) {
   const V shifted = load(row + x - 1);
   return x != 0 ? shifted : hn::IfThenElse(hn::FirstN(D(), 1), hn::Set(D(), static_cast<double>(outside)), shifted);

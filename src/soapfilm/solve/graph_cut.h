@@ -2,7 +2,7 @@
 //
 //   min over binary u of  sum over links of w |u_i - u_j| - <f, u>,   u = 0 at fixed vertices
 //
-// with the same f as `tv` and links to 6 or 26 neighbours. Exact, but the area it measures depends on direction.
+// with the same f as `tv` and links to 6 or 26 neighbors. Exact, but the area it measures depends on direction.
 #pragma once
 
 #include <cstddef>

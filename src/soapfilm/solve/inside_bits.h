@@ -18,13 +18,13 @@ class InsideBits {
 
   /// As inside_of().
   const BrickBits& of(int32_t n, Vec3i brick) const;
-  /// The vertices of brick b of the level with one of their six neighbours on the other side; an open border has no
+  /// The vertices of brick b of the level with one of their six neighbors on the other side; an open border has no
   /// sides.
   BrickBits interface(size_t b) const;
   std::vector<BrickBits> interfaces(const Context& context) const;  ///< of all bricks
 
  private:
-  /// Free vertices whose neighbour along an axis, up (step 1) or down (-1), is free too.
+  /// Free vertices whose neighbor along an axis, up (step 1) or down (-1), is free too.
   BrickBits joined_to(size_t b, int axis, int step) const;
 
   const Level& level_;

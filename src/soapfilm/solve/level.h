@@ -15,7 +15,7 @@
 
 namespace soapfilm {
 
-/// Where a brick's lower neighbour along an axis is inside the domain but not active, the flux through that face is
+/// Where a brick's lower neighbor along an axis is inside the domain but not active, the flux through that face is
 /// fixed: 64 values, the p_axis of the vertices on the far side. (The fluxes through upper faces to inactive bricks
 /// are fixed too; they live in the band's own p.)
 class Rim {

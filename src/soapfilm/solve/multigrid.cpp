@@ -19,15 +19,15 @@ BoxAxis coarsened(const BoxAxis& axis) {
   return beyond < 0.5 ? BoxAxis{axis.free / 2 - 1, beyond + 1} : BoxAxis{axis.free / 2, beyond};
 }
 
-enum class Colour { red = 0, black = 1 };
+enum class Color { red = 0, black = 1 };
 
-/// Solves the equations of one colour, x + y + z even (red) or odd (black); the other colour's x stays.
-void relax(const BoxLaplacian& matrix, const DenseField<float>& b, Colour colour, DenseField<float>& x,
+/// Solves the equations of one color, x + y + z even (red) or odd (black); the other color's x stays.
+void relax(const BoxLaplacian& matrix, const DenseField<float>& b, Color color, DenseField<float>& x,
            const Context& context) {
   const Vec3i free = matrix.free();
   for_layers(free, context, [&](int z) {
     for (int y = 1; y <= free.y; ++y) {
-      const int first = (1 + y + z) % 2 == static_cast<int>(colour) ? 1 : 2;
+      const int first = (1 + y + z) % 2 == static_cast<int>(color) ? 1 : 2;
       relax_row(matrix.row(y, z), rows_around(x, y, z), b.row(y, z), first, free.x, x.row(y, z));
     }
   });
@@ -104,19 +104,19 @@ void Multigrid::precondition(const DenseField<float>& r, DenseField<float>& z, c
 void Multigrid::cycle(size_t l, const DenseField<float>& b, DenseField<float>& x, const Context& context) {
   const BoxLaplacian& matrix = levels_[l].matrix;
   relax_red_from_zero(matrix, b, x, context);
-  relax(matrix, b, Colour::black, x, context);
+  relax(matrix, b, Color::black, x, context);
   if (l + 1 < levels_.size()) {
     restrict_residual(l, b, x, context);
     cycle(l + 1, levels_[l + 1].b, levels_[l + 1].x, context);
     add_correction(l, x, context);
   } else {
     for (int sweep = 1; sweep < coarsest_sweeps; ++sweep)
-      for (const Colour colour : {Colour::red, Colour::black}) relax(matrix, b, colour, x, context);
+      for (const Color color : {Color::red, Color::black}) relax(matrix, b, color, x, context);
     for (int sweep = 1; sweep < coarsest_sweeps; ++sweep)
-      for (const Colour colour : {Colour::black, Colour::red}) relax(matrix, b, colour, x, context);
+      for (const Color color : {Color::black, Color::red}) relax(matrix, b, color, x, context);
   }
-  relax(matrix, b, Colour::black, x, context);
-  relax(matrix, b, Colour::red, x, context);
+  relax(matrix, b, Color::black, x, context);
+  relax(matrix, b, Color::red, x, context);
 }
 
 void Multigrid::restrict_residual(size_t l, const DenseField<float>& b, const DenseField<float>& x,

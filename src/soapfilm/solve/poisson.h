@@ -1,4 +1,4 @@
-// Method `poisson`: the quadratic regulariser, equation (6) of the paper without its bounds, as Kazhdan's.
+// Method `poisson`: the quadratic regularizer, equation (6) of the paper without its bounds, as Kazhdan's.
 //
 //   min over u of E(u) = lambda sum |grad u|^2 - <f, u>,   u = 0 outside the box      =>    -2 lambda Laplace(u) = f
 //

@@ -72,7 +72,7 @@ void slope(const SlopeJob& job, int begin, int end) {
 template <class D>
 struct Stencil {
   hn::Vec<D> here;
-  hn::Vec<D> left;      ///< g_i + g_j of the neighbour below along x
+  hn::Vec<D> left;      ///< g_i + g_j of the neighbor below along x
   hn::Vec<D> residual;  ///< sum over the other five of (g_i + g_j) (u_j - u_i), plus 2 f / lambda
   hn::Vec<D> scale;     ///< omega / sum (g_i + g_j)
 
@@ -120,7 +120,7 @@ RunKind kind_of(const float* u, int count) {
   return zero ? RunKind::zero : one ? RunKind::one : RunKind::mixed;
 }
 
-/// Rows side by side, so that a vector holds the same x of four rows: the recursion along x cannot be vectorised along
+/// Rows side by side, so that a vector holds the same x of four rows: the recursion along x cannot be vectorized along
 /// x. Four is what Highway interleaves; two such groups hide one another's latency.
 constexpr int group_rows = 4;
 constexpr int groups = sor_rows / group_rows;
@@ -129,7 +129,7 @@ using GroupTag = hn::CappedTag<float, group_rows>;
 /// One run of a group: [value][row].
 struct RunBlock {
   alignas(64) float u[sor_run * group_rows];
-  alignas(64) float base[sor_run * group_rows];   ///< new u but for what the neighbour below along x adds
+  alignas(64) float base[sor_run * group_rows];   ///< new u but for what the neighbor below along x adds
   alignas(64) float slope[sor_run * group_rows];  ///< and how much that is, per difference
 };
 
@@ -215,7 +215,7 @@ void relax(const RelaxJob& job, const SorRow* given, int count, const uint8_t* a
 }
 
 template <class D>
-HWY_INLINE void colour_at(D d, const RelaxJob& job, const SorRow& row, int x, hn::Mask<D> chosen) {
+HWY_INLINE void color_at(D d, const RelaxJob& job, const SorRow& row, int x, hn::Mask<D> chosen) {
   const Stencil<D> s(d, job, row, x);
   const auto left = hn::Mul(s.left, hn::Sub(hn::LoadU(d, row.u + x - 1), s.here));
   auto moved = hn::Add(s.here, hn::Mul(s.scale, hn::Add(s.residual, left)));
@@ -223,7 +223,7 @@ HWY_INLINE void colour_at(D d, const RelaxJob& job, const SorRow& row, int x, hn
   hn::StoreU(hn::IfThenElse(chosen, moved, s.here), d, row.u + x);
 }
 
-void relax_colour(const RelaxJob& job, const SorRow& row, int parity, const uint8_t* active) {
+void relax_color(const RelaxJob& job, const SorRow& row, int parity, const uint8_t* active) {
   const RunTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   HWY_ALIGN float chosen[2][sor_run];  // of the first run, whose first value is fixed, and of the others
@@ -236,11 +236,11 @@ void relax_colour(const RelaxJob& job, const SorRow& row, int parity, const uint
     const float* mask = chosen[run != 0];
     if (x0 + sor_run < job.size) {
       for (int x = 0; x < sor_run; x += lanes)
-        colour_at(d, job, row, x0 + x, hn::Gt(hn::Load(d, mask + x), hn::Zero(d)));
+        color_at(d, job, row, x0 + x, hn::Gt(hn::Load(d, mask + x), hn::Zero(d)));
     } else {
       const OneTag one;
       for (int x = 0; x0 + x < job.size - 1; ++x)
-        if (mask[x] > 0) colour_at(one, job, row, x0 + x, hn::Eq(hn::Zero(one), hn::Zero(one)));
+        if (mask[x] > 0) color_at(one, job, row, x0 + x, hn::Eq(hn::Zero(one), hn::Zero(one)));
     }
     if (row.kinds) row.kinds[run] = kind_of(row.u + x0, std::min(sor_run, job.size - x0));
   }
@@ -248,7 +248,7 @@ void relax_colour(const RelaxJob& job, const SorRow& row, int parity, const uint
 
 }  // namespace
 
-inline SorKernel sor_row_kernel() { return {&slope, &relax, &relax_colour}; }
+inline SorKernel sor_row_kernel() { return {&slope, &relax, &relax_color}; }
 
 }  // namespace soapfilm::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -1,7 +1,7 @@
 // What one row's share of an SOR iteration needs, as plain pointers: the contract between sor_pass.cpp and the kernels,
 // which exist once per SIMD target and know nothing of grids or threads.
 //
-// A row is a line of values along x in a whole-box array; its neighbours along y and z sit at constant distances. It is
+// A row is a line of values along x in a whole-box array; its neighbors along y and z sit at constant distances. It is
 // cut into runs of 8 values from its first one; only the runs marked active are touched.
 #pragma once
 
@@ -51,7 +51,7 @@ struct SorRow {
 
 struct RelaxJob {
   int size;              ///< values in a row; the first and the last are fixed to 0
-  ptrdiff_t row, layer;  ///< distances to the neighbours along y and z
+  ptrdiff_t row, layer;  ///< distances to the neighbors along y and z
   float omega;
   float low, high;  ///< u < low becomes 0, u > high becomes 1
 };
@@ -61,11 +61,11 @@ struct SorKernel {
   /// For the values [begin, end) of a row; begin a multiple of 8.
   void (*slope)(const SlopeJob& job, int begin, int end);
   /// Equation (8) along up to sor_rows rows that do not depend on one another, each from its first to its last value.
-  /// A run that is not active must be constant with all its neighbours equal and f = 0: (8) leaves such a run alone,
+  /// A run that is not active must be constant with all its neighbors equal and f = 0: (8) leaves such a run alone,
   /// unless the run before it has just changed, which the kernel sees.
   void (*relax)(const RelaxJob& job, const SorRow* rows, int count, const uint8_t* active);
-  /// Equation (8) for the values of a row with x mod 2 = parity, all from the values of the other colour.
-  void (*relax_colour)(const RelaxJob& job, const SorRow& row, int parity, const uint8_t* active);
+  /// Equation (8) for the values of a row with x mod 2 = parity, all from the values of the other color.
+  void (*relax_color)(const RelaxJob& job, const SorRow& row, int parity, const uint8_t* active);
 };
 
 /// The kernel of a SIMD target.

@@ -63,10 +63,10 @@ std::vector<SorPass::Stage> SorPass::stages(int iterations) const {
     if (params_.order == SorOrder::lexicographic) {
       list.push_back({relax, k, 0});
     } else {
-      // A vertex's gradient looks at neighbours of the other colour: E must be known before either moves.
+      // A vertex's gradient looks at neighbors of the other color: E must be known before either moves.
       if (k > 0) list.push_back({measure, k, 0});
-      list.push_back({relax_colour, k, 0});
-      list.push_back({relax_colour, k, 1});
+      list.push_back({relax_color, k, 0});
+      list.push_back({relax_color, k, 1});
     }
   }
   return list;
@@ -103,7 +103,7 @@ void SorPass::run(int iterations, std::vector<double>& energy) {
   const int layers = u_.size().z, last_stage = static_cast<int>(list.size()) - 1;
   clear_sums(iterations);
   const int steps = (layers + last_stage + slab_ - 1) / slab_ + last_stage;
-  // Layers of one colour stage do not depend on each other's values, but look at each other's kinds of runs: every
+  // Layers of one color stage do not depend on each other's values, but look at each other's kinds of runs: every
   // second one waits.
   std::vector<Task> tasks, waiting;
   for (int t = 0; t < steps; ++t) {
@@ -116,7 +116,7 @@ void SorPass::run(int iterations, std::vector<double>& energy) {
       const int begin = std::max(first, 0), end = std::min(first + slab_, layers);
       const int grain = stage.kind == Stage::Kind::relax ? slab_ : 1;
       for (int z = begin; z < end; z += grain)
-        (stage.kind == Stage::Kind::relax_colour && z % 2 == 1 ? waiting : tasks)
+        (stage.kind == Stage::Kind::relax_color && z % 2 == 1 ? waiting : tasks)
             .push_back({&stage, z, std::min(z + grain, end)});
     }
     for (const std::vector<Task>* ready : {&tasks, &waiting})
@@ -136,8 +136,8 @@ void SorPass::run_task(const Stage& stage, int begin, int end) {
       return measure_layer(begin, stage.iteration, false);
     case Stage::Kind::relax:
       return relax_slab(begin, end, stage.iteration);
-    case Stage::Kind::relax_colour:
-      return relax_colour_layer(begin, stage.parity);
+    case Stage::Kind::relax_color:
+      return relax_color_layer(begin, stage.parity);
   }
 }
 
@@ -172,7 +172,7 @@ void SorPass::measure_row(int y, int z, int iteration, bool renew, std::vector<u
   SlopeJob job = slope_job(y, z);
   job.g = renew ? g_row(y, z) : nullptr;
   job.variation = variation;
-  // The values before a row's first one and after its last one belong to its neighbours' ends, which are 0 as they
+  // The values before a row's first one and after its last one belong to its neighbors' ends, which are 0 as they
   // should be.
   for_each_stretch(active, 1, u_.size().x, [&](int begin, int end) { kernel_.slope(job, begin, end); });
   if (renew)
@@ -217,7 +217,7 @@ void SorPass::relax_slab(int begin, int end, int iteration) {
   }
 }
 
-void SorPass::relax_colour_layer(int z, int parity) {
+void SorPass::relax_color_layer(int z, int parity) {
   const Vec3i size = u_.size();
   if (z < 1 || z > size.z - 2) return;
   std::vector<float> f(padded(size.x));
@@ -225,7 +225,7 @@ void SorPass::relax_colour_layer(int z, int parity) {
   for (int y = 1; y < size.y - 1; ++y) {
     std::fill(active.begin(), active.end(), uint8_t{0});
     const SorRow row = relaxed_row(y, z, f.data() + row_begin, active.data());
-    kernel_.relax_colour(job_, row, (parity + y + z) & 1, active.data());
+    kernel_.relax_color(job_, row, (parity + y + z) & 1, active.data());
   }
 }
 

@@ -34,9 +34,9 @@ class SorPass {
 
  private:
   struct Stage {
-    enum class Kind { renew, measure, relax, relax_colour } kind;
+    enum class Kind { renew, measure, relax, relax_color } kind;
     int iteration;  ///< of the pass; E before it is measured
-    int parity;     ///< of x + y + z (relax_colour)
+    int parity;     ///< of x + y + z (relax_color)
   };
   struct Task {
     const Stage* stage;
@@ -50,7 +50,7 @@ class SorPass {
   void measure_row(int y, int z, int iteration, bool renew, std::vector<uint8_t>& active);
   SlopeJob slope_job(int y, int z);
   void relax_slab(int begin, int end, int iteration);
-  void relax_colour_layer(int z, int parity);
+  void relax_color_layer(int z, int parity);
   /// The row's pointers; `f` has room for a row. Marks the runs that can change.
   SorRow relaxed_row(int y, int z, float* f, uint8_t* active);
   void clear_sums(int iterations);

@@ -33,7 +33,7 @@ void for_each_row(RowMask rows, Visit&& visit) {
   for (; rows != 0; rows &= rows - 1) visit(std::countr_zero(rows));
 }
 
-/// u_bar of an upper neighbour's first layer along an axis; zero where there is none.
+/// u_bar of an upper neighbor's first layer along an axis; zero where there is none.
 const float* above(const BrickGrid& grid, size_t brick, int axis, const float* faces) {
   static constexpr float zeros[brick_area] = {};
   const int32_t up = grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])];
@@ -183,7 +183,7 @@ void Sweeper::sweep_brick(size_t brick, StepSizes steps) {
   const RowMask moved = primal == 0 ? 0 : kernel_.primal(primal_job(level_, brick, primal, steps, bar.values, faces));
   u_bar_moved_[brick] = u_moved_[brick] | moved;
   u_moved_[brick] = moved;
-  // The first layers of u_bar stay behind for the lower neighbours.
+  // The first layers of u_bar stay behind for the lower neighbors.
   for_each_row(stepped & first_y, [&](int row) { copy_row(bar.values + brick_side * row, faces + brick_area + row); });
   for_each_row(stepped & first_z,
                [&](int row) { copy_row(bar.values + brick_side * row, faces + 2 * brick_area + brick_side * row); });

@@ -6,12 +6,12 @@
 //
 // where the anisotropic norm projects each component of p onto [-lambda, lambda].
 //
-// Bricks are visited in descending order. A brick's primal step reads the old p of itself and of its lower neighbours
-// (not visited yet); its dual step reads u_bar of itself (still in L1) and of the first layers of its upper neighbours
+// Bricks are visited in descending order. A brick's primal step reads the old p of itself and of its lower neighbors
+// (not visited yet); its dual step reads u_bar of itself (still in L1) and of the first layers of its upper neighbors
 // (just visited: they left those layers behind). So u_bar is never stored whole, and the sweep is the exact Jacobi-like
 // iteration whatever the order.
 //
-// Several sweeps at once: sweep k + 1 may step a brick as soon as sweep k has stepped it and its lower neighbours. With
+// Several sweeps at once: sweep k + 1 may step a brick as soon as sweep k has stepped it and its lower neighbors. With
 // rows of bricks along x numbered from the upper end of y and z, and sweep k's row shifted by k along both, every row
 // depends on rows before it alone, so the shifted rows are cut into rectangular tiles: all sweeps of a tile are done
 // while its bricks are in the cache, and tiles on a diagonal run in parallel.

@@ -40,7 +40,7 @@ struct DualJob {
   RowMask pairs;                             ///< as above; the others keep their p
   float* p;                                  ///< 3 x 512, in and out
   const float* u_bar;                        ///< 512
-  const float *above_x, *above_y, *above_z;  ///< u_bar of the upper neighbours' first layers: 64 values each
+  const float *above_x, *above_y, *above_z;  ///< u_bar of the upper neighbors' first layers: 64 values each
   bool fixed_up[3];                          ///< the flux through the brick's upper face along an axis is fixed
   float sigma;
   float lambda;

@@ -1,4 +1,4 @@
-#include "soapfilm/extract/smooth_field.h"
+#include "soapfilm/relax/smooth_field.h"
 
 #include <array>
 #include <cmath>

@@ -1,14 +1,14 @@
-#include "soapfilm/finish/islands.h"
+#include "soapfilm/components/components.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "finish/drawn_level.h"
+#include "components/drawn_level.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/error.h"
-#include "soapfilm/finish/parts.h"
+#include "soapfilm/components/parts.h"
 #include "soapfilm/reconstruct.h"
 #include "support/problem.h"
 #include "support/random_level.h"
@@ -19,7 +19,7 @@ namespace TEST_FILE {
 using namespace test;
 
 struct Ball {
-  Vec3d centre;
+  Vec3d center;
   double radius;
   int samples;  ///< on it, looking out; into it when it is a void
   bool inside = true;
@@ -36,7 +36,7 @@ struct Drawing {
     level = drawn_level(lattice.box(0), true, [&](Vec3i v) {
       bool inside = false;
       for (const Ball& ball : balls)
-        if (norm(Vec3d(v) - ball.centre) < ball.radius) inside = ball.inside;
+        if (norm(Vec3d(v) - ball.center) < ball.radius) inside = ball.inside;
       return inside;
     });
     PointCloud cloud;
@@ -44,15 +44,15 @@ struct Drawing {
     for (const Ball& ball : balls)
       for (int i = 0; i < ball.samples; ++i) {
         const Vec3d n = normalized(Vec3d{random.normal(), random.normal(), random.normal()});
-        cloud.positions.push_back(lattice.to_world(ball.centre + n * (ball.radius - 0.5)));
+        cloud.positions.push_back(lattice.to_world(ball.center + n * (ball.radius - 0.5)));
         cloud.normals.push_back(Vec3f(ball.inside ? n : -n));
       }
     samples = sort_samples(cloud, cloud.normals, lattice, Context(1));
   }
 
-  IslandReport drop(const IslandParams& params = {}, double density = 1, int threads = 2) {
-    IslandReport report;
-    drop_islands(level, 0.5f, samples, density, params, Context(threads), report);
+  ComponentReport drop(const ComponentParams& params = {}, double density = 1, int threads = 2) {
+    ComponentReport report;
+    drop_components(level, 0.5f, samples, density, params, Context(threads), report);
     return report;
   }
   bool inside(Vec3d v) const { return dense_labels(level)[Vec3i(v)] != 0; }
@@ -64,12 +64,12 @@ const Ball big{{30, 30, 30}, big_radius, big_samples};
 
 TEST(Islands, AreDroppedForLackOfSamplesAndSamplesPerArea) {
   // Of radius 5: 314 voxel^2.
-  const Vec3d centre{64, 30, 30};
-  const auto dropped = [&](int count, const IslandParams& params) {
-    Drawing drawing({big, {centre, 5, count}});
-    const IslandReport report = drawing.drop(params);
-    EXPECT_TRUE(drawing.inside(big.centre));
-    EXPECT_EQ(drawing.inside(centre), report.objects.dropped == 0);
+  const Vec3d center{64, 30, 30};
+  const auto dropped = [&](int count, const ComponentParams& params) {
+    Drawing drawing({big, {center, 5, count}});
+    const ComponentReport report = drawing.drop(params);
+    EXPECT_TRUE(drawing.inside(big.center));
+    EXPECT_EQ(drawing.inside(center), report.objects.dropped == 0);
     EXPECT_EQ(report.objects.kept + report.objects.dropped, 2u);
     return report.objects.dropped == 1;
   };
@@ -79,7 +79,7 @@ TEST(Islands, AreDroppedForLackOfSamplesAndSamplesPerArea) {
   EXPECT_TRUE(dropped(90, {.min_support = 0.5}));
   EXPECT_FALSE(dropped(200, {.min_support = 2})) << "many samples";
   EXPECT_TRUE(dropped(200, {.min_support = 2, .many_samples = 500}));
-  EXPECT_TRUE(dropped(200, {.min_support = 2, .thin_support = 1}));
+  EXPECT_TRUE(dropped(200, {.min_support = 2, .sparse_support = 1}));
   EXPECT_FALSE(dropped(9, {.min_support = 0}));
   EXPECT_TRUE(dropped(9, {.min_support = 0, .few_samples = 10}));
 }
@@ -88,8 +88,8 @@ TEST(Islands, AThinlySampledObjectSurvivesByItsManySamples) {
   // 1 sample per 10 voxel^2, on a surface of 1250 voxel^2; the other has 1 per voxel^2.
   Drawing drawing({{{24, 30, 30}, 15, 2800}, {{60, 30, 30}, 10, 125}});
   EXPECT_EQ(drawing.drop().objects.dropped, 0u);
-  EXPECT_EQ(drawing.drop({.thin_support = 0.05}).objects.dropped, 0u);
-  EXPECT_EQ(drawing.drop({.thin_support = 0.2}).objects.dropped, 1u);
+  EXPECT_EQ(drawing.drop({.sparse_support = 0.05}).objects.dropped, 0u);
+  EXPECT_EQ(drawing.drop({.sparse_support = 0.2}).objects.dropped, 1u);
   Drawing again({{{24, 30, 30}, 15, 2800}, {{60, 30, 30}, 10, 125}});
   EXPECT_EQ(again.drop({.many_samples = 130}).objects.dropped, 1u);
 }
@@ -104,9 +104,9 @@ TEST(Islands, SamplesThatWereWeighedUpVouchByTheirWeight) {
 TEST(Islands, BubblesAreFilledAndSampledVoidsStay) {
   const Vec3d bubble{22, 30, 30}, hollow{38, 30, 30};
   Drawing drawing({big, {bubble, 4, 6, false}, {hollow, 6, 300, false}});
-  const IslandReport report = drawing.drop();
-  EXPECT_EQ(report.voids.dropped, 1u);
-  EXPECT_EQ(report.voids.kept, 1u);
+  const ComponentReport report = drawing.drop();
+  EXPECT_EQ(report.cavities.dropped, 1u);
+  EXPECT_EQ(report.cavities.kept, 1u);
   EXPECT_EQ(report.objects.dropped, 0u);
   EXPECT_TRUE(drawing.inside(bubble));
   EXPECT_FALSE(drawing.inside(hollow));
@@ -123,8 +123,8 @@ TEST(Islands, SamplesThatLookTheWrongWayDoNotCount) {
 /// What lies in a dropped part goes with it: no void stays where an island of a bubble was.
 TEST(Islands, OfABubbleVanishIntoTheSolid) {
   Drawing drawing({big, {{30, 30, 30}, 12, 3, false}, {{30, 30, 30}, 5, 2}});
-  const IslandReport report = drawing.drop();
-  EXPECT_EQ(report.voids.dropped, 1u);
+  const ComponentReport report = drawing.drop();
+  EXPECT_EQ(report.cavities.dropped, 1u);
   EXPECT_EQ(report.objects.dropped, 1u);
   EXPECT_EQ(Parts(drawing.level, 0.5f, Context(1)).size(), 2u);
   EXPECT_TRUE(drawing.inside({30, 30, 30}));
@@ -133,9 +133,9 @@ TEST(Islands, OfABubbleVanishIntoTheSolid) {
 
 TEST(Islands, OneObjectAlwaysStays) {
   Drawing drawing({big, {{64, 30, 30}, 5, 300}});
-  const IslandReport report = drawing.drop({.min_support = 1e9, .many_samples = 1000000});
+  const ComponentReport report = drawing.drop({.min_support = 1e9, .many_samples = 1000000});
   EXPECT_EQ(report.objects.kept, 1u);
-  EXPECT_TRUE(drawing.inside(big.centre));
+  EXPECT_TRUE(drawing.inside(big.center));
   EXPECT_FALSE(drawing.inside({64, 30, 30}));
   EXPECT_EQ(report.vertices, Parts(Drawing({{{64, 30, 30}, 5, 1}}).level, 0.5f, Context(1))[1].vertices);
 }
@@ -156,30 +156,30 @@ TEST(Islands, DroppingTwiceChangesNothingMore) {
     const LevelBox box = lattice.box(0);
     return drawn_level(box, false, [&](Vec3i v) { return dice.uniform() < (v.z < 50 ? 0.95 : 0.2) && box.is_free(v); });
   };
-  const IslandParams params{.min_support = 0.9, .few_samples = 2, .many_samples = 12, .thin_support = 0.7};
+  const ComponentParams params{.min_support = 0.9, .few_samples = 2, .many_samples = 12, .sparse_support = 0.7};
   Dense<uint8_t> first;
   for (const int threads : {1, 2, 3, 8}) {
     Level level = noise();
-    IslandReport once, twice;
-    drop_islands(level, 0.5f, samples, 0.5, params, Context(threads), once);
+    ComponentReport once, twice;
+    drop_components(level, 0.5f, samples, 0.5, params, Context(threads), once);
     EXPECT_GT(once.objects.dropped, 100u);
     EXPECT_GT(once.objects.kept, 100u);
-    EXPECT_GT(once.voids.dropped, 100u);
-    EXPECT_GT(once.voids.kept, 100u);
+    EXPECT_GT(once.cavities.dropped, 100u);
+    EXPECT_GT(once.cavities.kept, 100u);
     const Dense<uint8_t> labels = dense_labels(level);
     if (threads == 1) first = labels;
     EXPECT_EQ(count_differences(labels, first), 0u) << threads << " threads";
-    drop_islands(level, 0.5f, samples, 0.5, params, Context(threads), twice);
-    EXPECT_EQ(twice.objects.dropped + twice.voids.dropped, 0u);
+    drop_components(level, 0.5f, samples, 0.5, params, Context(threads), twice);
+    EXPECT_EQ(twice.objects.dropped + twice.cavities.dropped, 0u);
     EXPECT_EQ(count_differences(dense_labels(level), labels), 0u);
   }
 }
 
 TEST(Islands, ParametersOutOfRangeAreRefused) {
-  EXPECT_THROW(validate(IslandParams{.min_support = -0.1}), ParameterError);
-  EXPECT_THROW(validate(IslandParams{.min_support = std::nan("")}), ParameterError);
-  EXPECT_THROW(validate(IslandParams{.few_samples = -1}), ParameterError);
-  EXPECT_NO_THROW(validate(IslandParams{}));
+  EXPECT_THROW(validate(ComponentParams{.min_support = -0.1}), ParameterError);
+  EXPECT_THROW(validate(ComponentParams{.min_support = std::nan("")}), ParameterError);
+  EXPECT_THROW(validate(ComponentParams{.few_samples = -1}), ParameterError);
+  EXPECT_NO_THROW(validate(ComponentParams{}));
 }
 
 constexpr int resolution = 64;
@@ -189,7 +189,7 @@ Reconstruction reconstructed(const PointCloud& cloud, bool drop) {
   ReconstructParams params;
   params.place.resolution = resolution;
   params.energy.lambda_per_density = 0.0003;
-  params.surface.drop_islands = drop;
+  params.surface.drop_components = drop;
   return reconstruct(cloud, params, Context(2));
 }
 
@@ -206,11 +206,11 @@ TEST(Islands, OfOutliersGoAndTheSphereStays) {
   EXPECT_TRUE(topology.watertight());
   EXPECT_EQ(topology.components.size(), 1u);
   EXPECT_EQ(topology.genus(), 0);
-  const IslandReport& islands = result.report.islands.value();
-  EXPECT_EQ(islands.objects.kept, 1u);
-  EXPECT_EQ(islands.voids.kept, 0u);
-  EXPECT_GT(islands.voids.dropped, 0u);
-  EXPECT_LT(static_cast<double>(islands.samples), 0.05 * static_cast<double>(cloud.size()));
+  const ComponentReport& dropped = result.report.components.value();
+  EXPECT_EQ(dropped.objects.kept, 1u);
+  EXPECT_EQ(dropped.cavities.kept, 0u);
+  EXPECT_GT(dropped.cavities.dropped, 0u);
+  EXPECT_LT(static_cast<double>(dropped.samples), 0.05 * static_cast<double>(cloud.size()));
 }
 
 }  // namespace TEST_FILE

@@ -1,10 +1,10 @@
-#include "soapfilm/extract/bend.h"
+#include "soapfilm/relax/relax.h"
 
 #include <gtest/gtest.h>
 
 #include "refine/band_support.h"
 #include "soapfilm/error.h"
-#include "soapfilm/extract/flip.h"
+#include "soapfilm/relax/flip.h"
 #include "soapfilm/mesh/topology.h"
 #include "support/hash.h"
 #include "support/sanitized.h"
@@ -17,11 +17,11 @@ using namespace test;
 
 constexpr double scale = 0.1;
 
-Mesh bent(const Solved& solved, const Refined& refined, const BendParams& params = {}, int threads = 1,
-          BendReport* report = nullptr) {
+Mesh bent(const Solved& solved, const Refined& refined, const RelaxParams& params = {}, int threads = 1,
+          RelaxReport* report = nullptr) {
   const Context context(threads);
   Mesh mesh = refined.mesh;
-  const BendReport found = bend_edges(mesh, SmoothField(refined.field.grid, refined.field.value, context),
+  const RelaxReport found = relax_mesh(mesh, SmoothField(refined.field.grid, refined.field.value, context),
                                       solved.problem.samples, scale, solved.problem.lattice, params, context);
   if (report) *report = found;
   return mesh;
@@ -38,7 +38,7 @@ TEST(Bend, FollowsDetailThatTrianglesOfAVoxelLoseSlow) {
   for (const char* shape : {"knot", "plate", "part"}) {
     const Solved solved(shape, 70);
     const Refined flat = refined(solved);
-    BendReport report;
+    RelaxReport report;
     const Mesh mesh = bent(solved, flat, {}, 1, &report);
     EXPECT_LT(mean_error_vox(solved, mesh), 0.85 * mean_error_vox(solved, flat.mesh)) << shape;
     expect_same_topology(mesh, flat.mesh);
@@ -111,8 +111,8 @@ TEST(Bend, NoFieldRunsAMeshThroughItself) {
     uint64_t hash = 0;
     for (const int threads : {1, 3}) {
       Mesh mesh = flat.mesh;
-      const BendReport report =
-          bend_edges(mesh, field, solved.problem.samples, scale, solved.problem.lattice, {}, Context(threads));
+      const RelaxReport report =
+          relax_mesh(mesh, field, solved.problem.samples, scale, solved.problem.lattice, {}, Context(threads));
       if (threads == 1) {
         EXPECT_GT(report.split_edges, 100u);
         EXPECT_EQ(count_self_intersections(mesh, context), 0u) << roughness;
@@ -127,7 +127,7 @@ TEST(Bend, NoFieldRunsAMeshThroughItself) {
 TEST(Bend, RefusesAToleranceOutOfRange) {
   for (const double tolerance : {-0.01, 1.1, std::nan("")}) {
     try {
-      validate(BendParams{tolerance});
+      validate(RelaxParams{tolerance});
       FAIL() << tolerance;
     } catch (const ParameterError& e) {
       EXPECT_NE(std::string(e.what()).find("must be in [0, 1]"), std::string::npos) << e.what();

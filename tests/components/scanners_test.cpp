@@ -1,10 +1,10 @@
-#include "soapfilm/finish/scanners.h"
+#include "soapfilm/components/scanners.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "finish/drawn_level.h"
+#include "components/drawn_level.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -17,10 +17,10 @@ struct Part {
   bool inside = false;
   uint32_t around = 0;  ///< the part that surrounds it; the outermost part's is itself
   size_t vertices = 0;
-  size_t faces = 0;  ///< pairs of neighbouring vertices, one of them in `around`
+  size_t faces = 0;  ///< pairs of neighboring vertices, one of them in `around`
 };
 
-/// The connected parts of u > threshold, in which six neighbours are connected, and of the rest, in which 26 are, as
+/// The connected parts of u > threshold, in which six neighbors are connected, and of the rest, in which 26 are, as
 /// the extracted surface has it (docs/reference/topology.md). So the parts form a tree: each but the outermost lies in
 /// one other part of the opposite side (Rosenfeld 1974). They are numbered in the order of their first bricks, whatever
 /// the number of threads; part 0 is the outermost, beyond the domain too.

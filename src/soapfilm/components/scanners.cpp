@@ -1,4 +1,4 @@
-#include "soapfilm/finish/scanners.h"
+#include "soapfilm/components/scanners.h"
 
 #include <algorithm>
 #include <cmath>

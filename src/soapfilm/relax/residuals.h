@@ -5,17 +5,17 @@
 #include <vector>
 
 #include "soapfilm/context.h"
-#include "soapfilm/extract/smooth_field.h"
+#include "soapfilm/relax/smooth_field.h"
 #include "soapfilm/field/samples.h"
 
 namespace soapfilm {
 
 /// The samples' signed distances to a surface, sorted by cell. Outliers, and samples that were seen from behind, weigh
 /// less or nothing.
-class Leftover {
+class Residuals {
  public:
   /// `scale` of the robust penalty (Tukey's), voxels. `samples` must outlive it.
-  Leftover(const GridSamples& samples, const SmoothField& field, double scale, const Context& context);
+  Residuals(const GridSamples& samples, const SmoothField& field, double scale, const Context& context);
 
   /// How far along the unit `normal` (inwards) the surface should move at a lattice point: the mean over the samples
   /// within a voxel, weighted by nearness and by how their normals agree, with `prior` samples of distance 0.

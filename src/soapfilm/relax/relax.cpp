@@ -1,4 +1,4 @@
-#include "soapfilm/extract/bend.h"
+#include "soapfilm/relax/relax.h"
 
 #include <fmt/format.h>
 
@@ -11,11 +11,11 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
-#include "soapfilm/extract/crossings.h"
-#include "soapfilm/extract/flip.h"
-#include "soapfilm/extract/half_edges.h"
-#include "soapfilm/extract/leftover.h"
-#include "soapfilm/extract/take_back.h"
+#include "soapfilm/relax/crossings.h"
+#include "soapfilm/relax/flip.h"
+#include "soapfilm/relax/half_edges.h"
+#include "soapfilm/relax/residuals.h"
+#include "soapfilm/relax/untangle.h"
 
 namespace soapfilm {
 
@@ -49,16 +49,16 @@ class Bending {
   Bending(Mesh& mesh, const SmoothField& field, const Lattice& lattice, double tolerance, const Context& context)
       : mesh_(mesh), field_(field), lattice_(lattice), tolerance_(tolerance), context_(context) {}
 
-  size_t run(const Leftover& leftover) {
+  size_t run(const Residuals& leftover) {
     const std::vector<Vec3d> start = move_vertices(leftover);
     context_.progress().advance(0.8, "vertices moved");
-    take_back(mesh_, start, lattice_.voxel, context_);
+    untangle(mesh_, start, lattice_.voxel, context_);
     return start.size() - old_;
   }
 
  private:
   /// Returns where the vertices, new ones too, were before.
-  std::vector<Vec3d> move_vertices(const Leftover& leftover) {
+  std::vector<Vec3d> move_vertices(const Residuals& leftover) {
     const std::vector<Vec3f> normals = vertex_normals(mesh_, field_, lattice_, context_);
     const HalfEdges edges = flipped(normals);
     context_.progress().advance(0.5, "diagonals exchanged");
@@ -201,20 +201,20 @@ class Bending {
 
 }  // namespace
 
-void validate(const BendParams& params) {
-  if (!(params.tolerance >= 0 && params.tolerance <= 1))
-    throw ParameterError(fmt::format("bend_tolerance = {}, must be in [0, 1]", params.tolerance));
+void validate(const RelaxParams& params) {
+  if (!(params.split_tolerance >= 0 && params.split_tolerance <= 1))
+    throw ParameterError(fmt::format("split_tolerance = {}, must be in [0, 1]", params.split_tolerance));
 }
 
-BendReport bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale,
-                      const Lattice& lattice, const BendParams& params, const Context& context) {
+RelaxReport relax_mesh(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale,
+                      const Lattice& lattice, const RelaxParams& params, const Context& context) {
   validate(params);
-  BendReport report;
+  RelaxReport report;
   report.triangles_before = mesh.triangles.size();
   // Half edges, and triangles with the new ones, are counted by 32 bits.
-  if (params.tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 4) return report;
-  const Leftover leftover(samples, field, scale, context);
-  report.split_edges = Bending(mesh, field, lattice, params.tolerance, context).run(leftover);
+  if (params.split_tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 4) return report;
+  const Residuals leftover(samples, field, scale, context);
+  report.split_edges = Bending(mesh, field, lattice, params.split_tolerance, context).run(leftover);
   return report;
 }
 

@@ -1,4 +1,4 @@
-#include "soapfilm/extract/take_back.h"
+#include "soapfilm/relax/untangle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/vec.h"
-#include "soapfilm/extract/crossings.h"
+#include "soapfilm/relax/crossings.h"
 
 namespace soapfilm {
 
@@ -95,7 +95,7 @@ class Moves {
 
 }  // namespace
 
-void take_back(Mesh& mesh, std::span<const Vec3d> start, double voxel, const Context& context) {
+void untangle(Mesh& mesh, std::span<const Vec3d> start, double voxel, const Context& context) {
   Moves(mesh, start, voxel, context).run();
 }
 

@@ -1,4 +1,4 @@
-#include "soapfilm/extract/flip.h"
+#include "soapfilm/relax/flip.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
-#include "soapfilm/extract/smooth_field.h"
+#include "soapfilm/relax/smooth_field.h"
 
 #include <gtest/gtest.h>
 
 #include "soapfilm/core/random.h"
-#include "soapfilm/extract/leftover.h"
+#include "soapfilm/relax/residuals.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -59,19 +59,19 @@ TEST(SmoothField, IsNotKnownBeyondTheBricks) {
 
 TEST(SmoothField, ProjectsOntoASphereNearerThanChordsDo) {
   const double radius = 4;
-  const Vec3d centre{12, 12, 12};
-  const auto distance = [&](Vec3d p) { return radius - norm(p - centre); };
+  const Vec3d center{12, 12, 12};
+  const auto distance = [&](Vec3d p) { return radius - norm(p - center); };
   const Sampled field = sampled(distance);
   const SmoothField smooth(field.grid, field.value, Context(1));
   Random random(4);
   for (int i = 0; i < 100; ++i) {
     const Vec3d direction = normalized(Vec3d{random.normal(), random.normal(), random.normal()});
-    const auto p = smooth.project(centre + direction * (radius + random.uniform(-0.2, 0.2)), 0.5);
+    const auto p = smooth.project(center + direction * (radius + random.uniform(-0.2, 0.2)), 0.5);
     ASSERT_TRUE(p);
     // The field's share of the Laplacian, 2 / radius, is inside.
-    EXPECT_NEAR(norm(*p - centre), radius - 0.075 * 2 / radius, 0.012);
+    EXPECT_NEAR(norm(*p - center), radius - 0.075 * 2 / radius, 0.012);
   }
-  EXPECT_FALSE(smooth.project(centre + Vec3d{radius - 1, 0, 0}, 0.5)) << "no surface within reach";
+  EXPECT_FALSE(smooth.project(center + Vec3d{radius - 1, 0, 0}, 0.5)) << "no surface within reach";
 }
 
 /// Samples on x = 12 + shift(y, z), seen along `direction`, evenly 4 per unit of area.
@@ -99,13 +99,13 @@ GridSamples on_plane(double shift, Vec3f direction) {
   return near_plane(direction, [&](double, double) { return shift; });
 }
 
-TEST(Leftover, TellsHowFarTheSamplesLieInwards) {
+TEST(Residuals, TellsHowFarTheSamplesLieInwards) {
   const Sampled field = sampled([](Vec3d p) { return p.x - 12; });  // inside: larger x
   const SmoothField smooth(field.grid, field.value, Context(1));
   const Vec3d inwards{1, 0, 0}, at{12, 12.3, 11.9};
   const auto mean = [&](double shift, Vec3f direction, double scale) {
     const GridSamples samples = on_plane(shift, direction);
-    return Leftover(samples, smooth, scale, Context(2)).mean_at(at, inwards);
+    return Residuals(samples, smooth, scale, Context(2)).mean_at(at, inwards);
   };
   EXPECT_NEAR(mean(0.1, {-1, 0, 0}, 0.1), 0.1, 2e-3);
   EXPECT_NEAR(mean(-0.05, {-1, 0, 0}, 0.1), -0.05, 2e-3);
@@ -113,12 +113,12 @@ TEST(Leftover, TellsHowFarTheSamplesLieInwards) {
   EXPECT_EQ(mean(0.6, {-1, 0, 0}, 0.1), 0) << "outliers";
   EXPECT_NEAR(mean(0.6, {-1, 0, 0}, 1), 0.6, 0.05) << "none at this scale";
   const GridSamples samples = on_plane(0.1, {-1, 0, 0});
-  const Leftover leftover(samples, smooth, 0.1, Context(1));
+  const Residuals leftover(samples, smooth, 0.1, Context(1));
   EXPECT_EQ(leftover.mean_at(at, -inwards), 0) << "the other side of a sheet";
   EXPECT_EQ(leftover.mean_at(at + Vec3d{2, 0, 0}, inwards), 0) << "no sample within a voxel";
 }
 
-TEST(Leftover, IsWhatTheSurfaceMissesAndNotNoise) {
+TEST(Residuals, IsWhatTheSurfaceMissesAndNotNoise) {
   const Sampled field = sampled([](Vec3d p) { return p.x - 12; });
   const SmoothField smooth(field.grid, field.value, Context(1));
   const auto wave = [](double y, double z) { return 0.05 * std::sin(0.8 * y) * std::cos(0.7 * z); };
@@ -127,7 +127,7 @@ TEST(Leftover, IsWhatTheSurfaceMissesAndNotNoise) {
       Random random(3);
       const GridSamples samples =
           near_plane({-1, 0, 0}, [&](double y, double z) { return height * wave(y, z) + noise * random.normal(); });
-      const Leftover leftover(samples, smooth, 1, Context(2));
+      const Residuals leftover(samples, smooth, 1, Context(2));
       double error = 0, still = 0;
       int count = 0;
       for (double y = 4; y < 20; y += 0.37)

@@ -1,4 +1,4 @@
-#include "soapfilm/refine/strength.h"
+#include "soapfilm/refine/fit_weights.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,10 +65,10 @@ double largest_within(double x, double step, double most, double allowed, Score&
 
 }  // namespace
 
-Strength choose_strength(const Start& start, const GridSamples& samples, const RobustParams& robust,
-                         const StrengthParams& params, const Context& context, StrengthReport& report) {
+FitWeights choose_fit_weights(const Start& start, const GridSamples& samples, const RobustParams& robust,
+                         const FitWeightParams& params, const Context& context, FitWeightReport& report) {
   HeldOut held_out(start, samples, robust, {}, context);
-  Strength best{params.smoothing.value_or(first_smoothing), params.normals.value_or(0), 0, false};
+  FitWeights best{params.smoothing.value_or(first_smoothing), params.normals.value_or(0), 0, false};
 
   // A rough fit tells the noise, and that what one must not ask for.
   const double noise = held_out.outcome(best.smoothing, best.normals).noise;
@@ -91,7 +91,7 @@ Strength choose_strength(const Start& start, const GridSamples& samples, const R
   if (!params.normals && report.agreement_deg < normals_agree_deg && directions_help()) {
     best.normals = first_normals;
     for (int turn = 0; turn < 3; ++turn) {
-      const Strength before = best;
+      const FitWeights before = best;
       best.normals = descend(best.normals, normals_step, least_normals, most_normals,
                              [&](double normals) { return held_out.score(best.smoothing, normals); });
       search_smoothing();

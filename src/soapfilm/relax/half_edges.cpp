@@ -1,4 +1,4 @@
-#include "soapfilm/extract/half_edges.h"
+#include "soapfilm/relax/half_edges.h"
 
 namespace soapfilm {
 

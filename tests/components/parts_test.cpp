@@ -1,4 +1,4 @@
-#include "soapfilm/finish/parts.h"
+#include "soapfilm/components/parts.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <queue>
 #include <set>
 
-#include "finish/drawn_level.h"
+#include "components/drawn_level.h"
 #include "support/random_level.h"
 #include "support/sanitized.h"
 
@@ -54,10 +54,10 @@ uint32_t part_at(const Parts& parts, Vec3i vertex) {
   return PartsAround(parts, brick).at(vertex - brick * brick_side);
 }
 
-class Labelling : public testing::TestWithParam<double> {};
+class Labeling : public testing::TestWithParam<double> {};
 
 /// Parts, their sizes and their surfaces are those of a plain flood, in noise that has thousands of them.
-TEST_P(Labelling, IsThatOfAFlood) {
+TEST_P(Labeling, IsThatOfAFlood) {
   for (const double band : {1.0, 0.5}) {
     RandomLevel random(3, {.band = band, .more_layers = sanitized ? 0 : 170});
     make_noise(random, GetParam(), 5);
@@ -107,25 +107,25 @@ TEST_P(Labelling, IsThatOfAFlood) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shares, Labelling, testing::Values(0.1, 0.5, 0.97),
+INSTANTIATE_TEST_SUITE_P(Shares, Labeling, testing::Values(0.1, 0.5, 0.97),
                          [](const auto& share) { return std::to_string(static_cast<int>(100 * share.param)); });
 
 /// Where the band leaves room inside an object, and bricks outside it are inside.
-TEST(Labelling, GoesThroughMissingBricks) {
+TEST(Labeling, GoesThroughMissingBricks) {
   Lattice lattice;
   lattice.size = {70, 70, 70};
   const LevelBox box = lattice.box(0);
   // A hollow ball: radius 30, with a void of radius 18 and in it a ball of radius 5.
-  const Vec3i centre{36, 36, 36};
-  const auto radius2 = [&](Vec3i v) { return dot(v - centre, v - centre); };
+  const Vec3i center{36, 36, 36};
+  const auto radius2 = [&](Vec3i v) { return dot(v - center, v - center); };
   const auto inside = [&](int r2) { return (r2 < 900 && r2 >= 324) || r2 < 25; };
   Level level = drawn_level(box, true, [&](Vec3i v) { return inside(radius2(v)); });
   ASSERT_GT(level.inside.count(), 0u);
 
   const Parts parts(level, 0.5f, Context(3));
   ASSERT_EQ(parts.size(), 4u);
-  const uint32_t shell = part_at(parts, centre + Vec3i{24, 0, 0}), hollow = part_at(parts, centre + Vec3i{0, 12, 0}),
-                 core = part_at(parts, centre);
+  const uint32_t shell = part_at(parts, center + Vec3i{24, 0, 0}), hollow = part_at(parts, center + Vec3i{0, 12, 0}),
+                 core = part_at(parts, center);
   EXPECT_EQ(parts[core].around, hollow);
   EXPECT_EQ(parts[hollow].around, shell);
   EXPECT_EQ(parts[shell].around, 0u);

@@ -1,4 +1,4 @@
-#include "soapfilm/extract/crossings.h"
+#include "soapfilm/relax/crossings.h"
 
 #include <algorithm>
 #include <atomic>

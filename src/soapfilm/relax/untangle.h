@@ -12,6 +12,6 @@ namespace soapfilm {
 /// that have turned by more than 66 degrees, and of pairs of triangles that meet elsewhere than in common corners and
 /// edges, until there are none but those that met before: `start` and the triangles alone decide about these. Edges are
 /// about a voxel long.
-void take_back(Mesh& mesh, std::span<const Vec3d> start, double voxel, const Context& context);
+void untangle(Mesh& mesh, std::span<const Vec3d> start, double voxel, const Context& context);
 
 }  // namespace soapfilm

@@ -1,4 +1,4 @@
-#include "soapfilm/extract/leftover.h"
+#include "soapfilm/relax/residuals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 constexpr double radius = 1;   // voxels; the search looks at the 27 cells around
 constexpr double prior = 0.1;  // samples of distance 0 in every mean
 constexpr int passes = 4;
-constexpr size_t few_per_cell = 4;  // samples; of more, neighbours are listened to together: the cost is quadratic
+constexpr size_t few_per_cell = 4;  // samples; of more, neighbors are listened to together: the cost is quadratic
 constexpr float one_sheet = 0.5f;   // cosine between the normals of two samples that may be taken together
 
 int cell_of(Vec3f local) {
@@ -64,7 +64,7 @@ size_t thin(std::span<Entry> entries) {
   return kept;
 }
 
-/// Of distances from the surface: sums over samples and over pairs of neighbours.
+/// Of distances from the surface: sums over samples and over pairs of neighbors.
 struct PairSums {
   double pairs = 0, x = 0, y = 0, xx = 0, xy = 0;  // x = apart^2 along the surface, y = half the squared difference
   double samples = 0, power = 0;                   // power = distance^2
@@ -101,7 +101,7 @@ struct PairSums {
 
 }  // namespace
 
-Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double scale, const Context& context)
+Residuals::Residuals(const GridSamples& samples, const SmoothField& field, double scale, const Context& context)
     : bricks_(samples.bricks), begin_(samples.bricks.size() + 1), entries_(samples.size()) {
   parallel_for(context, samples.bricks.size(), 32, [&](size_t b) {
     const Vec3d origin(samples.bricks.first_vertex(b));
@@ -156,7 +156,7 @@ Leftover::Leftover(const GridSamples& samples, const SmoothField& field, double 
   }
 }
 
-double Leftover::share_of_surface(const Context& context) const {
+double Residuals::share_of_surface(const Context& context) const {
   constexpr double nearby = 0.7;  // voxels between the samples of a pair
   constexpr double enough = 0.4;  // share of the surface in the distances' square from which they are taken whole
   std::vector<PairSums> parts(bricks_.size());
@@ -178,7 +178,7 @@ double Leftover::share_of_surface(const Context& context) const {
   return std::clamp(sums.share_of_surface() / enough, 0.0, 1.0);
 }
 
-double Leftover::mean_at(Vec3d point, Vec3d normal) const {
+double Residuals::mean_at(Vec3d point, Vec3d normal) const {
   double sum = 0, weights = prior;
   for_each_near(point, normal, [&](const Entry& entry, double weight, double) {
     sum += weight * entry.distance;
@@ -188,7 +188,7 @@ double Leftover::mean_at(Vec3d point, Vec3d normal) const {
 }
 
 template <class Visit>
-void Leftover::for_each_near(Vec3d point, Vec3d normal, Visit&& visit) const {
+void Residuals::for_each_near(Vec3d point, Vec3d normal, Visit&& visit) const {
   const Vec3i cell{static_cast<int>(std::floor(point.x)), static_cast<int>(std::floor(point.y)),
                    static_cast<int>(std::floor(point.z))};
   const Vec3i first = cell - Vec3i{1, 1, 1}, last = cell + Vec3i{1, 1, 1};

@@ -1,4 +1,4 @@
-#include "soapfilm/extract/take_back.h"
+#include "soapfilm/relax/untangle.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <array>
 
 #include "refine/band_support.h"
-#include "soapfilm/extract/crossings.h"
-#include "soapfilm/extract/half_edges.h"
+#include "soapfilm/relax/crossings.h"
+#include "soapfilm/relax/half_edges.h"
 #include "support/hash.h"
 #include "support/sanitized.h"
 #include "tools/mesh/self_intersection.h"
@@ -115,7 +115,7 @@ TEST(TakeBack, LeavesNothingThatMeetsAndFewMovesUndone) {
     const std::vector<Vec3d> target = mesh.vertices;
     const size_t before = count_self_intersections(mesh, Context(1));
     EXPECT_GT(before, 0u);
-    take_back(mesh, d.mesh.vertices, d.voxel, Context(1));
+    untangle(mesh, d.mesh.vertices, d.voxel, Context(1));
     EXPECT_EQ(count_self_intersections(mesh, Context(1)), 0u) << deviation;
     size_t undone = 0;
     for (size_t v = 0; v < target.size(); ++v) undone += !(mesh.vertices[v] == target[v]);
@@ -126,7 +126,7 @@ TEST(TakeBack, LeavesNothingThatMeetsAndFewMovesUndone) {
     for (const int threads : {2, 8}) {
       Mesh again = d.mesh;
       again.vertices = target;
-      take_back(again, d.mesh.vertices, d.voxel, Context(threads));
+      untangle(again, d.mesh.vertices, d.voxel, Context(threads));
       EXPECT_EQ(hash_mesh(again), hash_mesh(mesh)) << threads;
     }
   }
@@ -143,7 +143,7 @@ TEST(TakeBack, LetsPartsGrowUntilTheyMeet) {
   for (size_t v = 0; v < normals.size(); ++v) mesh.vertices[v] += normalized(normals[v]) * (swelling * d.voxel);
   const std::vector<Vec3d> target = mesh.vertices;
   EXPECT_GT(count_self_intersections(mesh, Context(1)), 100u);
-  take_back(mesh, d.mesh.vertices, d.voxel, Context(1));
+  untangle(mesh, d.mesh.vertices, d.voxel, Context(1));
   EXPECT_EQ(count_self_intersections(mesh, Context(1)), 0u);
   size_t undone = 0;
   for (size_t v = 0; v < target.size(); ++v) undone += !(mesh.vertices[v] == target[v]);
@@ -156,7 +156,7 @@ TEST(TakeBack, LeavesMovesThatHarmNothing) {
   Mesh mesh = d.mesh;
   for (Vec3d& p : mesh.vertices) p += Vec3d{0.3, -0.2, 0.1} * d.voxel;
   const std::vector<Vec3d> target = mesh.vertices;
-  take_back(mesh, d.mesh.vertices, d.voxel, Context(1));
+  untangle(mesh, d.mesh.vertices, d.voxel, Context(1));
   EXPECT_EQ(mesh.vertices, target);
 }
 

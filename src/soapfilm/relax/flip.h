@@ -5,7 +5,7 @@
 
 #include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
-#include "soapfilm/extract/half_edges.h"
+#include "soapfilm/relax/half_edges.h"
 
 namespace soapfilm {
 

@@ -1,4 +1,4 @@
-#include "soapfilm/finish/parts.h"
+#include "soapfilm/components/parts.h"
 
 #include <algorithm>
 #include <map>
@@ -20,7 +20,7 @@ BrickBits with_six_neighbors(const BrickBits& bits) {
   return out;
 }
 
-/// The vertices of the brick at `offset` (each coordinate in -1..1) that are among the 26 neighbours of `bits`; with
+/// The vertices of the brick at `offset` (each coordinate in -1..1) that are among the 26 neighbors of `bits`; with
 /// offset 0 the bits too.
 BrickBits neighbors_in(BrickBits bits, Vec3i offset) {
   for (int axis = 0; axis < 3; ++axis)

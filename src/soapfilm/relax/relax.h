@@ -2,7 +2,7 @@
 #pragma once
 
 #include "soapfilm/context.h"
-#include "soapfilm/extract/smooth_field.h"
+#include "soapfilm/relax/smooth_field.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/mesh.h"
@@ -12,7 +12,7 @@
 namespace soapfilm {
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.
-void validate(const BendParams& params);
+void validate(const RelaxParams& params);
 
 /// Exchanges diagonals that the surface of `field` would not take, splits the edges of a mesh whose middle lies further
 /// than the tolerance from it, once each, and moves their middles and ends onto it; then moves every vertex towards the
@@ -23,7 +23,7 @@ void validate(const BendParams& params);
 /// components and genus. Diagonals and moves that would run the mesh through itself are left (crossings.h says how they
 /// are found). New vertices come after the old ones and new triangles after the old ones, in an order that
 /// does not depend on the number of threads. `mesh` is closed, and from a field of which `field` was made.
-BendReport bend_edges(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale,
-                      const Lattice& lattice, const BendParams& params, const Context& context);
+RelaxReport relax_mesh(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale,
+                      const Lattice& lattice, const RelaxParams& params, const Context& context);
 
 }  // namespace soapfilm

@@ -1,4 +1,4 @@
-#include "soapfilm/finish/islands.h"
+#include "soapfilm/components/components.h"
 
 #include <fmt/core.h>
 
@@ -9,7 +9,7 @@
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
-#include "soapfilm/finish/parts.h"
+#include "soapfilm/components/parts.h"
 
 namespace soapfilm {
 
@@ -89,13 +89,13 @@ Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Conte
 
 /// Which parts stay. Where no object would, the one with most samples does.
 std::vector<uint8_t> parts_to_keep(const Parts& parts, const std::vector<double>& count,
-                                   const std::vector<double>& support, const IslandParams& params) {
+                                   const std::vector<double>& support, const ComponentParams& params) {
   const double few = params.few_samples, many = params.many_samples;
   std::vector<uint8_t> keep(parts.size(), 1);
   bool an_object = false;
   uint32_t best = 0;
   for (uint32_t p = 1; p < parts.size(); ++p) {
-    const double least = count[p] >= many ? std::min(params.thin_support, params.min_support) : params.min_support;
+    const double least = count[p] >= many ? std::min(params.sparse_support, params.min_support) : params.min_support;
     keep[p] = count[p] >= few && support[p] >= least;
     if (!parts[p].inside) continue;
     an_object = an_object || keep[p];
@@ -122,18 +122,18 @@ std::vector<uint8_t> final_sides(const Parts& parts, const std::vector<uint8_t>&
 
 }  // namespace
 
-void validate(const IslandParams& params) {
+void validate(const ComponentParams& params) {
   const auto require = [](const char* name, double value) {
     if (!(value >= 0)) throw ParameterError(fmt::format("{} = {:g}, must be >= 0", name, value));
   };
   require("min_support", params.min_support);
-  require("thin_support", params.thin_support);
+  require("sparse_support", params.sparse_support);
   require("few_samples", params.few_samples);
   require("many_samples", params.many_samples);
 }
 
-void drop_islands(Level& level, float threshold, const GridSamples& samples, double density, const IslandParams& params,
-                  const Context& context, IslandReport& report) {
+void drop_components(Level& level, float threshold, const GridSamples& samples, double density, const ComponentParams& params,
+                  const Context& context, ComponentReport& report) {
   const Parts parts(level, threshold, context);
   const auto [count, weight] = evidence_of(parts, samples, context);
   std::vector<double> area(parts.size()), support(parts.size());
@@ -144,7 +144,7 @@ void drop_islands(Level& level, float threshold, const GridSamples& samples, dou
   const std::vector<uint8_t> keep = parts_to_keep(parts, count, support, params);
   bool first_kept = true;
   for (uint32_t p = 1; p < parts.size(); ++p) {
-    IslandReport::Count& counted = parts[p].inside ? report.objects : report.voids;
+    ComponentReport::Count& counted = parts[p].inside ? report.objects : report.cavities;
     ++(keep[p] ? counted.kept : counted.dropped);
     if (keep[p]) {
       report.lowest_kept = first_kept ? support[p] : std::min(report.lowest_kept, support[p]);
@@ -155,7 +155,7 @@ void drop_islands(Level& level, float threshold, const GridSamples& samples, dou
       report.area += area[p];
     }
   }
-  if (report.objects.dropped + report.voids.dropped == 0) return;
+  if (report.objects.dropped + report.cavities.dropped == 0) return;
   const std::vector<uint8_t> side = final_sides(parts, keep);
   for (uint32_t p = 1; p < parts.size(); ++p)
     if (side[p] != parts[p].inside) report.vertices += parts[p].vertices;

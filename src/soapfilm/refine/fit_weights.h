@@ -9,14 +9,14 @@
 
 namespace soapfilm {
 
-struct StrengthReport {
+struct FitWeightReport {
   double agreement_deg = 0;   ///< median angle between the directions and the fitted surface's normals
   double held_out_error = 0;  ///< mean distance of held-out samples, voxels
   size_t samples = 0;         ///< that were looked at
   int candidates = 0;
 };
 
-struct StrengthParams {
+struct FitWeightParams {
   std::optional<double> smoothing{};  ///< gamma; without it: chosen
   std::optional<double> normals{};    ///< weight of directions; without it: chosen
 };
@@ -24,7 +24,7 @@ struct StrengthParams {
 /// Fits patches of the surface to three quarters of their samples and looks how near the others come to lie: the score
 /// is the mean of |phi| along the first surface's normals, which a surface that folds towards its samples cannot make
 /// small. gamma is searched in factors of 4 from 0.2 downhill, not below (1.4 noise)^4: bends shorter than the noise
-/// cannot be told from it, and under strong noise the band, which lies around the thresholded surface, favours surfaces
+/// cannot be told from it, and under strong noise the band, which lies around the thresholded surface, favors surfaces
 /// that follow that one's own noise. Then it takes the smoothest surface within half a standard error of the best
 /// (after Hastie, Tibshirani and Friedman 2009, section 7.10, who take one), by interpolation in log gamma, or the
 /// lowest point of a parabola where that is larger: few held-out samples tell fits that are too rough from good ones.
@@ -33,7 +33,7 @@ struct StrengthParams {
 /// when that lowers the score or, where curvature yields, raises it by less than one standard error. The noise is 1.48
 /// times the median of the held-out distances, the standard error that of as many normal deviates. Cost: some ten fits
 /// of some 20,000 samples, whatever their number.
-Strength choose_strength(const Start& start, const GridSamples& samples, const RobustParams& robust,
-                         const StrengthParams& params, const Context& context, StrengthReport& report);
+FitWeights choose_fit_weights(const Start& start, const GridSamples& samples, const RobustParams& robust,
+                         const FitWeightParams& params, const Context& context, FitWeightReport& report);
 
 }  // namespace soapfilm
