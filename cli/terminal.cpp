@@ -1,13 +1,11 @@
 #include "cli/terminal.h"
 
 #include <fmt/format.h>
-#include <signal.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <utility>
@@ -15,6 +13,8 @@
 #include "cli/command.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
+#include "soapfilm/platform/signals.h"
+#include "soapfilm/platform/terminal.h"
 
 namespace soapfilm::cli {
 
@@ -26,35 +26,17 @@ constexpr int bar_width = 20;
 std::atomic<Progress*> live_progress{nullptr};
 static_assert(std::atomic<Progress*>::is_always_lock_free, "a signal handler reads it");
 
-void set_handler(void (*handler)(int)) {
-  struct sigaction action {};
-  action.sa_handler = handler;
-  action.sa_flags = SA_RESTART;  // reads and writes go on; the library asks the progress object
-  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
-}
-
 /// Dies of the signal as it would without a handler, but leaves no half-written file.
 extern "C" void clean_up_and_die(int signal) {
   remove_temporary_files();
-  set_handler(SIG_DFL);
-  raise(signal);
+  on_interrupt(nullptr);
+  std::raise(signal);
 }
 
 /// The first signal cancels; the next one kills.
 extern "C" void cancel_live_progress(int) {
   if (Progress* progress = live_progress.load()) progress->cancel();
-  set_handler(clean_up_and_die);
-}
-
-bool is_terminal(std::FILE* out) {
-  const char* type = std::getenv("TERM");
-  return isatty(fileno(out)) != 0 && !(type && std::string_view(type) == "dumb");
-}
-
-/// Columns of the terminal; 80 where it does not say.
-size_t columns(std::FILE* out) {
-  winsize size{};
-  return ioctl(fileno(out), TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+  on_interrupt(clean_up_and_die);
 }
 
 std::string bar(double fraction) {
@@ -66,11 +48,11 @@ std::string bar(double fraction) {
 
 CancelOnSignal::CancelOnSignal(Progress& progress) {
   live_progress = &progress;
-  set_handler(cancel_live_progress);
+  on_interrupt(cancel_live_progress);
 }
 
 CancelOnSignal::~CancelOnSignal() {
-  set_handler(SIG_DFL);
+  on_interrupt(nullptr);
   live_progress = nullptr;
 }
 
@@ -121,7 +103,7 @@ void TerminalProgress::draw() {
   std::string line = fmt::format("{:<10}{} {:3.0f} %  {}{}{:.1f} s", stage_, bar(fraction_), 100 * fraction_,
                                  stage_detail_, stage_detail_.empty() ? "" : "  ", seconds);
   // A line that wraps could not be erased.
-  line.resize(std::min(line.size(), columns(out_) - 1));
+  line.resize(std::min(line.size(), terminal_columns(out_) - 1));
   fmt::print(out_, "\r\033[K{}", line);
   std::fflush(out_);
   drawn_ = true;

@@ -60,6 +60,7 @@ file(GLOB_RECURSE sources RELATIVE ${SOURCE} ${SOURCE}/include/*.h ${SOURCE}/src
 foreach(source IN LISTS sources)
   get_filename_component(folder "${source}" DIRECTORY)
   string(REGEX REPLACE "^src/soapfilm/" "" folder "${folder}")
+  string(REGEX REPLACE "^platform/(linux|portable)$" "platform" folder "${folder}")
   if(folder STREQUAL "include/soapfilm")
     set(folder public)
   endif()

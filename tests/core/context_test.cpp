@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/core/page_pool.h"
+#include "soapfilm/platform/page_pool.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/simd.h"
 #include "soapfilm/error.h"

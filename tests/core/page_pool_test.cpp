@@ -1,4 +1,4 @@
-#include "soapfilm/core/page_pool.h"
+#include "soapfilm/platform/page_pool.h"
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "soapfilm/context.h"
-#include "soapfilm/core/page_pool.h"
+#include "soapfilm/platform/page_pool.h"
 #include "soapfilm/core/simd.h"
 #include "soapfilm/core/threads.h"
 

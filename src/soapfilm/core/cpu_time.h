@@ -3,16 +3,10 @@
 
 #include <atomic>
 #include <cstdint>
-#include <ctime>
+
+#include "soapfilm/platform/memory.h"
 
 namespace soapfilm {
-
-/// What the calling thread has taken so far, nanoseconds.
-inline int64_t thread_cpu_time() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return int64_t{1'000'000'000} * time.tv_sec + time.tv_nsec;
-}
 
 /// The time that helping threads spend on a run's work, added up.
 class HelpersTime {

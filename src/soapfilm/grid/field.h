@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "soapfilm/core/page_pool.h"
+#include "soapfilm/platform/page_pool.h"
 #include "soapfilm/grid/brick_grid.h"
 
 namespace soapfilm {

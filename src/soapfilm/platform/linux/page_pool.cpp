@@ -1,4 +1,4 @@
-#include "soapfilm/core/page_pool.h"
+#include "soapfilm/platform/page_pool.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -14,7 +14,7 @@
 #include <new>
 #include <utility>
 
-#include "soapfilm/core/memory.h"
+#include "soapfilm/platform/memory.h"
 
 namespace soapfilm {
 
@@ -24,6 +24,8 @@ constexpr size_t alignment = 64;
 /// A large page. Arrays that fill one begin at a multiple of it, so that pages move from one to the other in whole
 /// large pages. Smaller ones come and go within a stage: the allocator keeps theirs for the next one.
 constexpr size_t block_bytes = size_t{1} << 21;
+
+constexpr size_t rounded_up(size_t bytes, size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
 size_t page_bytes() { return static_cast<size_t>(sysconf(_SC_PAGESIZE)); }
 
@@ -214,6 +216,8 @@ size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end) {
   static_cast<void>(madvise(memory.get() + gone, pages_end - gone, MADV_DONTNEED));
   return pages_end;
 }
+
+bool PagePool::moves_pages() { return true; }
 
 PagePool PagePool::make() {
   PagePool pool;

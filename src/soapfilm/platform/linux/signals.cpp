@@ -1,0 +1,14 @@
+#include "soapfilm/platform/signals.h"
+
+#include <signal.h>
+
+namespace soapfilm {
+
+void on_interrupt(void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler ? handler : SIG_DFL;
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+}
+
+}  // namespace soapfilm

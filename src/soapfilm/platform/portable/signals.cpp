@@ -1,0 +1,11 @@
+#include "soapfilm/platform/signals.h"
+
+#include <csignal>
+
+namespace soapfilm {
+
+void on_interrupt(void (*handler)(int)) {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, handler ? handler : SIG_DFL);
+}
+
+}  // namespace soapfilm
