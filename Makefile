@@ -19,8 +19,8 @@ demo: build ## scan a shape, reconstruct it, check it, draw both
 
 test: test-release ## release build and all tests
 
-test-asan: ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
-test-tsan: ## the tests under ThreadSanitizer, loops on std::thread
+test-asan: packages-asan ## the tests by clang, under AddressSanitizer and UndefinedBehaviorSanitizer
+test-tsan: ## the tests under ThreadSanitizer, loops on std::thread, the portable platform
 test-shared: ## an outside project links the shared library
 
 test-%: build-%

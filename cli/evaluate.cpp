@@ -103,9 +103,12 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
 
 void add_options(CLI::App& app, EvaluateOptions& o) {
   EvaluationOptions& e = o.evaluation;
-  app.add_option("mesh", o.mesh, "The mesh to judge (.ply, .obj, .off, .stl)")->required()->option_text("MESH");
+  app.add_option("mesh", o.mesh, fmt::format("The mesh to judge ({})", mesh_extensions()))
+      ->required()
+      ->option_text("MESH");
   app.add_option("--truth", o.truth.name, object_description())->required()->option_text("SHAPE|MESH");
-  app.add_option("--samples", o.samples, "Measure the distance of these samples too (.ply, .xyz, .conf)")
+  app.add_option("--samples", o.samples,
+                 fmt::format("Measure the distance of these samples too ({})", point_extensions()))
       ->option_text("CLOUD");
   o.voxel_option =
       app.add_option("--voxel", o.voxel, "Give distances in this unit too, the grid's cell")->option_text("SIZE");

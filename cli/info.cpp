@@ -96,7 +96,7 @@ ordered_json mesh_facts(const std::string& path) {
   facts["boundary_edges"] = topology.boundary_edges;
   facts["components"] = topology.components.size();
   if (const auto genus = topology.genus()) facts["genus"] = *genus;
-  for (const Mesh::Attribute& attribute : mesh.attributes) {
+  for (const Column& attribute : mesh.attributes) {
     const auto [lo, hi] = std::minmax_element(attribute.values.begin(), attribute.values.end());
     facts["attributes"].push_back({{"name", attribute.name}, {"lo", *lo}, {"hi", *hi}});
   }

@@ -44,6 +44,7 @@ struct ReconstructOptions {
   std::string trim;
   std::string levels_folder;
   std::vector<double> sensor;
+  std::vector<std::string> attributes;
   bool ascii = false;
   bool check = false;
   bool strict = false;
@@ -70,6 +71,8 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   ReconstructParams& params = options.params;
   if (!options.memory.empty()) params.memory_limit = parse_memory(options.memory);
   if (!options.sensor.empty()) params.orient.sensor = {options.sensor[0], options.sensor[1], options.sensor[2]};
+  if (!options.attributes.empty()) params.surface.attributes = options.attributes;
+  if (options.attributes == std::vector<std::string>{"none"}) params.surface.attributes = {};
   if (!options.isovalue.empty()) params.surface.isovalue = number_or_auto("isovalue", options.isovalue, "> 0 and < 1");
   // Of two ways to say how fine the grid is, the one beside --params holds.
   if (app.count("--voxel") > 0) params.place.resolution.reset();
@@ -217,7 +220,8 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
 
 void add_main_options(CLI::App& app, ReconstructOptions& o) {
   ReconstructParams& p = o.params;
-  app.add_option("input", o.inputs, "Point clouds or scan sets (.ply, .xyz, .conf); several are several scans")
+  app.add_option("input", o.inputs,
+                 fmt::format("Point clouds or scan sets ({}); several are several\nscans", point_extensions()))
       ->required()
       ->option_text("FILE...");
   app.add_option_function<std::string>(
@@ -226,7 +230,9 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
          "hold")
       ->trigger_on_parse()
       ->option_text("FILE.json");
-  app.add_option("-o,--output", o.output, "Mesh to write: .ply, .obj or .stl")->required()->option_text("FILE");
+  app.add_option("-o,--output", o.output, "Mesh to write: " + mesh_output_extensions())
+      ->required()
+      ->option_text("FILE");
 
   const auto grid = [&](auto* option) { return option->group("Grid"); };
   CLI::Option* voxel =
@@ -320,7 +326,8 @@ void add_method_options(CLI::App& app, ReconstructOptions& o) {
       ->option_text(fmt::format("V [{:g}]", p.vrip.front));
   method(app.add_option("--behind", p.vrip.behind, "Of vrip: reach behind it, voxels"))
       ->option_text(fmt::format("V [{:g}]", p.vrip.behind));
-  method(app.add_option("--folds", p.cross_validation.folds, "Of --lambda auto: parts of the samples, each held out once"))
+  method(
+      app.add_option("--folds", p.cross_validation.folds, "Of --lambda auto: parts of the samples, each held out once"))
       ->option_text(fmt::format("N [{}]", p.cross_validation.folds));
   method(app.add_option("--fold-source", p.cross_validation.source, "Of --lambda auto: auto, samples, or whole scans"))
       ->transform(named<FoldSource>(
@@ -376,6 +383,11 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
              "--write-levels", o.levels_folder,
              "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (finest), ..."))
       ->option_text("DIR");
+  output(app.add_option("--attributes", o.attributes,
+                        "What the samples have and the mesh's vertices get: all, none, or names\nsuch as "
+                        "color,intensity"))
+      ->delimiter(',')
+      ->option_text("NAMES [color]");
   output(app.add_flag("--distance", p.surface.distance,
                       "Each vertex' distance to the nearest sample, in the input's units, as the\nPLY's attribute "
                       "'distance' (soapfilm render --color-by distance)"));

@@ -155,7 +155,7 @@ void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner) {
 
   command
       ->add_option("FILE", request->inputs,
-                   "Meshes (.ply, .obj, .off, .stl) and clouds (.ply, .xyz, .conf), a panel each")
+                   fmt::format("Meshes ({}) and clouds ({}), a panel each", mesh_extensions(), point_extensions()))
       ->required()
       ->option_text("...");
   command->add_option("-o,--output", request->output, "The picture, .png")->required()->option_text("FILE");

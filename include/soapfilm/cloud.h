@@ -35,6 +35,13 @@ struct Scan {
   size_t size() const { return end - begin; }
 };
 
+/// A value of each sample or vertex, such as an intensity; not-a-number where there is none.
+struct Column {
+  std::string name;
+  std::vector<float> values{};
+  bool is_label = false;  ///< of several samples the most frequent value counts, else the mean
+};
+
 /// Samples in input units and frame. Optional columns are either empty or as long as `positions`.
 struct PointCloud {
   std::vector<Vec3d> positions;
@@ -42,13 +49,14 @@ struct PointCloud {
   std::vector<Vec3d> sensors;  ///< scanner position of each sample
   std::vector<float> weights;  ///< >= 0
   std::vector<Rgb8> colors;
-  std::vector<Scan> scans;  ///< in order, without gaps: together they cover all samples
+  std::vector<Column> columns;  ///< whatever else a file has; names differ
+  std::vector<Scan> scans;      ///< in order, without gaps: together they cover all samples
 
   size_t size() const { return positions.size(); }
   Box3d box(const Context& context = Context(1)) const;
 
   /// Appends another cloud as further scans. A column that only one of the two has is filled with its neutral
-  /// value: zero normal, not-a-number sensor, weight 1, gray color.
+  /// value: zero normal, not-a-number sensor or value, weight 1, gray color.
   void append(PointCloud&& other);
 
   /// Drops the samples where keep[i] is false, from every column, range grid and scan; empty scans disappear.

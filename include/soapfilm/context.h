@@ -10,8 +10,8 @@
 namespace SOAPFILM_API soapfilm {
 
 class Threads;
-class SimdTarget;
 class PagePool;
+struct Kernels;
 
 /// Two contexts in one process never mix: each run gives the bytes that it gives alone.
 class Context {
@@ -37,7 +37,7 @@ class Context {
   /// part(): fractions become fractions from `begin` to `end`, in [0, 1], of this one's.
   Context silent() const;
   Context part(double begin, double end) const;
-  const SimdTarget& simd() const;
+  const Kernels& kernels() const;
   const PagePool& pages() const;
 
  private:

@@ -167,6 +167,8 @@ struct SurfaceParams {
                                    ///< samples
   RelaxParams relax;
   bool distance = false;  ///< the mesh's vertices get the attribute "distance": to the nearest sample, input units
+  std::vector<std::string> attributes = {
+      "color"};  ///< of the samples, carried to the vertices: "color", columns, "all"
 };
 
 /// A part's surface is the one between it and the part around it. Its support is the share of the samples that such an

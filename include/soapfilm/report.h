@@ -14,11 +14,9 @@
 
 namespace SOAPFILM_API soapfilm {
 
-/// What a stage took, in seconds: by the clock, and of all threads of the run.
 struct StageTime {
   std::string name;
-  double elapsed = 0;
-  double cpu = 0;
+  double elapsed = 0, cpu = 0;  ///< seconds, by the clock and of all threads of the run
 };
 
 /// Where each sample's direction came from: counts of samples.
@@ -31,7 +29,7 @@ struct OrientReport {
   bool inward = false;           ///< normals that were given point towards the samples' middle on the whole
   size_t without_direction = 0;  ///< their direction is zero: no neighbors that span a plane
   double contradicting = 0;      ///< share of the pairs of neighboring directions on one plane that do, [0, 1]
-  size_t reoriented = 0;             ///< normals that were therefore used without their signs: reversed since
+  size_t reoriented = 0;         ///< normals that were therefore used without their signs: reversed since
   std::vector<std::string> warnings;
 };
 
@@ -130,9 +128,8 @@ struct SelfCheckReport {
   double invented = 0;  ///< share of the surface that lies farther than that from every sample, [0, 1]
 };
 
-/// Where the scanners stand in the solution.
 struct ScannerReport {
-  size_t scanners = 0;  ///< looked at
+  size_t scanners = 0;  ///< whose places in the solution were looked at
   size_t in_solid = 0;  ///< stand inside of solid matter
   size_t enclosed = 0;  ///< stand in the air, with solid matter all around: along both ways of each axis
 };
@@ -148,14 +145,14 @@ struct ReconstructReport {
   ReconstructParams params;
   InputFacts input;
   GridFacts grid;
-  Border outside = Border::air;         ///< what was taken to lie beyond the box
-  std::string outside_reason;           ///< half a line
-  Certificate certificate;              ///< but for Method::vrip, which has no energy: lambda alone
+  Border outside = Border::air;               ///< what was taken to lie beyond the box
+  std::string outside_reason;                 ///< half a line
+  Certificate certificate;                    ///< but for Method::vrip, which has no energy: lambda alone
   std::optional<ComponentReport> components;  ///< when parts that few samples support were dropped
-  std::optional<RefineReport> refine;   ///< when the surface was moved onto the samples
-  std::optional<RelaxReport> relax;       ///< when edges were split
-  std::optional<TrimReport> trim;       ///< when surface that no sample is near was looked for
-  double isovalue = 0;                  ///< of the smoothed indicator; 0 of the refined field
+  std::optional<RefineReport> refine;         ///< when the surface was moved onto the samples
+  std::optional<RelaxReport> relax;           ///< when edges were split
+  std::optional<TrimReport> trim;             ///< when surface that no sample is near was looked for
+  double isovalue = 0;                        ///< of the smoothed indicator; 0 of the refined field
   size_t mesh_vertices = 0;
   size_t mesh_triangles = 0;
   SelfCheckReport self_check;

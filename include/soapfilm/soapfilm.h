@@ -9,9 +9,6 @@
  *       soapfilm_reconstruct(context, cloud, "{\"place\": {\"voxel\": 0.002}}", &result) ||
  *       soapfilm_write_mesh(context, result, "mesh.ply"))
  *     fprintf(stderr, "%s\n", soapfilm_error(context));
- *   soapfilm_result_destroy(result);
- *   soapfilm_cloud_destroy(cloud);
- *   soapfilm_context_destroy(context);
  *
  * One context serves one thread at a time, but for soapfilm_cancel(); different contexts serve different threads at
  * once. Strings are UTF-8; those that are returned belong to their object and live until it changes or goes. */
@@ -27,7 +24,7 @@
 extern "C" {
 #endif
 
-typedef struct soapfilm_context soapfilm_context;
+typedef struct soapfilm_context soapfilm_context; /* each is destroyed by its own function; null is allowed */
 typedef struct soapfilm_cloud soapfilm_cloud;
 typedef struct soapfilm_result soapfilm_result;
 
@@ -106,7 +103,7 @@ SOAPFILM_API soapfilm_status soapfilm_reconstruct(soapfilm_context* context, con
                                                   const char* parameters, soapfilm_result** result);
 SOAPFILM_API void soapfilm_result_destroy(soapfilm_result* result);
 
-/* Triangles are counter-clockwise seen from outside. The arrays live as long as the result. */
+/* Triangles are counter-clockwise seen from outside. Arrays live as long as the result. */
 SOAPFILM_API size_t soapfilm_vertex_count(const soapfilm_result* result);
 SOAPFILM_API const double* soapfilm_vertices(const soapfilm_result* result); /* 3 a vertex, input units */
 SOAPFILM_API size_t soapfilm_triangle_count(const soapfilm_result* result);

@@ -106,7 +106,7 @@ TEST_F(SurfaceOptions, BadValuesAreRefusedWithTheirRange) {
   expect_bad("--refine", "maybe", "--refine: Value maybe not one of on, off");
   expect_bad("--refine", "1", "--refine: Value 1 not one of on, off");
   expect_bad("--weights", "some", "--weights: Value some not one of area, samples");
-  expect_bad("--drop-components", "sink", "--drop-components: Value sink not one of off, on");
+  expect_bad("--drop-components", "sink", "--drop-components: Value sink not one of on, off");
   for (const char* value : {"0", "-1", "2000000", "inf", "nan"})
     expect_bad("--smoothing", value, "smoothing = " + std::string(value) + ", must be in [1e-06, 1e+06]");
   expect_bad("--smoothing", "rough", "--smoothing = rough, must be a number");

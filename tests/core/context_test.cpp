@@ -7,7 +7,6 @@
 
 #include "soapfilm/platform/page_pool.h"
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/core/simd.h"
 #include "soapfilm/error.h"
 
 namespace soapfilm {
@@ -56,7 +55,7 @@ TEST(Context, PartsShareThreadsTargetAndPages) {
   const Context whole(3, progress, "scalar");
   const Context part = whole.part(0, 1);
   EXPECT_EQ(part.threads(), 3);
-  EXPECT_TRUE(part.simd().is_scalar());
+  EXPECT_EQ(&part.kernels(), &whole.kernels());
   { const ZeroedMemory memory = part.silent().pages().allocate(12345); }
   EXPECT_EQ(whole.pages().peak_bytes(), 12345u);
 }

@@ -115,7 +115,7 @@ void check_mesh(const Mesh& mesh) {
   for (const Vec3d& p : mesh.vertices) ASSERT_TRUE(is_finite(p));
   ASSERT_TRUE(mesh.normals.empty() || mesh.normals.size() == mesh.vertices.size());
   ASSERT_TRUE(mesh.colors.empty() || mesh.colors.size() == mesh.vertices.size());
-  for (const Mesh::Attribute& attribute : mesh.attributes) ASSERT_EQ(attribute.values.size(), mesh.vertices.size());
+  for (const Column& attribute : mesh.attributes) ASSERT_EQ(attribute.values.size(), mesh.vertices.size());
 }
 
 TEST(Fuzz, PlyPoints) {

@@ -16,6 +16,7 @@ namespace soapfilm {
 inline PointCloud rich_cloud(int scans, int columns, int rows, uint64_t seed, Vec3d offset = {}) {
   Random random(seed);
   PointCloud cloud;
+  cloud.columns = {{"intensity", {}, false}, {"classification", {}, true}};
   for (int s = 0; s < scans; ++s) {
     Scan scan;
     scan.name = "scan number " + std::to_string(s);
@@ -30,6 +31,8 @@ inline PointCloud rich_cloud(int scans, int columns, int rows, uint64_t seed, Ve
       cloud.sensors.push_back(offset + Vec3d{random.normal(), 3.5, random.normal()});
       cloud.weights.push_back(static_cast<float>(random.uniform(0, 4)));
       cloud.colors.push_back({static_cast<uint8_t>(cell), static_cast<uint8_t>(s), 255});
+      cloud.columns[0].values.push_back(static_cast<float>(random.normal()));
+      cloud.columns[1].values.push_back(static_cast<float>(cell % 5));
     }
     scan.end = cloud.size();
     scan.range_grid = grid;
@@ -46,6 +49,12 @@ inline void expect_same_cloud(const PointCloud& a, const PointCloud& b) {
   EXPECT_EQ(a.sensors, b.sensors);
   EXPECT_EQ(a.weights, b.weights);
   EXPECT_EQ(a.colors, b.colors);
+  ASSERT_EQ(a.columns.size(), b.columns.size());
+  for (size_t c = 0; c < a.columns.size(); ++c) {
+    EXPECT_EQ(a.columns[c].name, b.columns[c].name);
+    EXPECT_EQ(a.columns[c].values, b.columns[c].values);
+    EXPECT_EQ(a.columns[c].is_label, b.columns[c].is_label);
+  }
   ASSERT_EQ(a.scans.size(), b.scans.size());
   for (size_t s = 0; s < a.scans.size(); ++s) {
     EXPECT_EQ(a.scans[s].name, b.scans[s].name);
@@ -68,8 +77,8 @@ inline void expect_same_cloud(const PointCloud& a, const PointCloud& b) {
 inline Mesh torus_mesh(uint32_t n, double size, Vec3d offset = {}) {
   Mesh mesh;
   constexpr double two_pi = 6.283185307179586;
-  Mesh::Attribute height{"height", {}};
-  Mesh::Attribute column{"column", {}};
+  Column height{"height", {}};
+  Column column{"column", {}};
   for (uint32_t i = 0; i < n; ++i)
     for (uint32_t j = 0; j < n; ++j) {
       const double a = two_pi * i / n;

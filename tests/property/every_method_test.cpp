@@ -100,7 +100,7 @@ TEST(MethodReport, WarnsOfTheLevelsThatStoppedTooEarly) {
   ASSERT_LT(expected.size(), report.details->solve.levels.size());
   // What a single iteration leaves is mostly far from the samples, which is told last.
   ASSERT_EQ(report.warnings.size(), expected.size() + 1);
-  EXPECT_NE(report.warnings.back().find("it closes what nobody saw"), std::string::npos) << report.warnings.back();
+  EXPECT_NE(report.warnings.back().find("it closes what was not scanned"), std::string::npos) << report.warnings.back();
   for (size_t k = 0; k < expected.size(); ++k)
     EXPECT_TRUE(report.warnings[k].starts_with(expected[k])) << report.warnings[k];
 }

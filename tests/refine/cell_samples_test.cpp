@@ -5,7 +5,7 @@
 #include <map>
 
 #include "refine/band_support.h"
-#include "soapfilm/refine/robust.h"
+#include "soapfilm/kernels/robust.h"
 #include "support/back_ends.h"
 
 namespace soapfilm {

@@ -139,8 +139,8 @@ Evaluation evaluate(const Mesh& mesh, const Mesh& truth, const EvaluationOptions
 Mesh color_by_error(Mesh mesh, const Surface& truth, double top, const Context& context) {
   if (!(top > 0.0 && std::isfinite(top)))
     throw ParameterError(fmt::format("error_range = {}, must be > 0 and finite", top));
-  std::erase_if(mesh.attributes, [](const Mesh::Attribute& a) { return a.name == "distance"; });
-  Mesh::Attribute distance{"distance", {}};
+  std::erase_if(mesh.attributes, [](const Column& a) { return a.name == "distance"; });
+  Column distance{"distance", {}};
   mesh.colors.clear();
   for (const SurfacePoint& p : truth.closest_points(mesh.vertices, context)) {
     distance.values.push_back(static_cast<float>(p.distance));

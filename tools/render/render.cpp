@@ -31,10 +31,10 @@ const std::vector<Vec3d>& positions_of(const RenderItem& item) {
   return std::get<const PointCloud*>(item.shape)->positions;
 }
 
-const Mesh::Attribute* attribute_of(const RenderItem& item, const std::string& name) {
+const Column* attribute_of(const RenderItem& item, const std::string& name) {
   const auto* mesh = std::get_if<const Mesh*>(&item.shape);
   if (!mesh) return nullptr;
-  for (const Mesh::Attribute& a : (*mesh)->attributes) {
+  for (const Column& a : (*mesh)->attributes) {
     if (a.name == name) return &a;
   }
   return nullptr;
@@ -93,7 +93,7 @@ Range map_range(const std::vector<RenderItem>& items, const RenderParams& params
   Range found{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   bool present = false;
   for (const RenderItem& item : items) {
-    const Mesh::Attribute* attribute = attribute_of(item, params.color_by);
+    const Column* attribute = attribute_of(item, params.color_by);
     if (!attribute) continue;
     present = true;
     for (const float value : attribute->values) {

@@ -35,7 +35,7 @@ std::vector<Vec3f> vertex_normals(const Mesh& mesh) {
 }
 
 std::vector<Vec3f> attribute_colors(const Mesh& mesh, const std::string& name, std::pair<double, double> range) {
-  for (const Mesh::Attribute& attribute : mesh.attributes) {
+  for (const Column& attribute : mesh.attributes) {
     if (attribute.name != name) continue;
     std::vector<Vec3f> colors(attribute.values.size());
     std::transform(attribute.values.begin(), attribute.values.end(), colors.begin(), [&](float value) {

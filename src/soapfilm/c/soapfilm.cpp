@@ -251,7 +251,7 @@ const uint32_t* soapfilm_triangles(const soapfilm_result* result) {
 }
 
 const float* soapfilm_attribute(const soapfilm_result* result, const char* name) {
-  for (const Mesh::Attribute& attribute : result->reconstruction.mesh.attributes)
+  for (const soapfilm::Column& attribute : result->reconstruction.mesh.attributes)
     if (attribute.name == name) return attribute.values.data();
   return nullptr;
 }

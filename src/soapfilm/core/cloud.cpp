@@ -1,5 +1,6 @@
 #include "soapfilm/cloud.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -16,6 +17,17 @@ void append_column(std::vector<T>& to, size_t to_size, std::vector<T>&& from, si
   if (to.empty()) to.assign(to_size, neutral);
   if (from.empty()) from.assign(from_size, neutral);
   to.insert(to.end(), from.begin(), from.end());
+}
+
+/// Columns of the same name become one.
+void append_columns(std::vector<Column>& to, size_t to_size, std::vector<Column>&& from, size_t from_size) {
+  constexpr float none = std::numeric_limits<float>::quiet_NaN();
+  for (Column& column : from) {
+    const auto same = std::find_if(to.begin(), to.end(), [&](const Column& c) { return c.name == column.name; });
+    Column& into = same != to.end() ? *same : to.emplace_back(Column{column.name, {}, column.is_label});
+    append_column(into.values, to_size, std::move(column.values), from_size, none);
+  }
+  for (Column& column : to) column.values.resize(to_size + from_size, none);
 }
 
 template <class T>
@@ -51,6 +63,7 @@ void PointCloud::append(PointCloud&& other) {
   append_column(sensors, n, std::move(other.sensors), m, Vec3d{nan, nan, nan});
   append_column(weights, n, std::move(other.weights), m, 1.0f);
   append_column(colors, n, std::move(other.colors), m, Rgb8{128, 128, 128});
+  append_columns(columns, n, std::move(other.columns), m);
   positions.insert(positions.end(), other.positions.begin(), other.positions.end());
   for (Scan& scan : other.scans) {
     scan.begin += n;
@@ -89,6 +102,7 @@ void PointCloud::filter(const std::vector<bool>& keep) {
   filter_column(sensors, keep);
   filter_column(weights, keep);
   filter_column(colors, keep);
+  for (Column& column : columns) filter_column(column.values, keep);
 }
 
 }  // namespace soapfilm

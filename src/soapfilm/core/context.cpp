@@ -23,12 +23,12 @@ void Context::Part::warn(const std::string& line) {
 Context::State::State(int thread_count, const std::string& simd_target, Progress* progress)
     : reports(progress ? progress : &part),
       stopped_by(reports),
-      simd(simd_target),
+      kernels(kernels_for(simd_target)),
       threads(std::make_shared<Threads>(thread_count)),
       pages(PagePool::make()) {}
 
 Context::State::State(const State& parent, Progress* whole, double begin, double end)
-    : reports(&part), stopped_by(parent.stopped_by), simd(parent.simd), threads(parent.threads), pages(parent.pages) {
+    : reports(&part), stopped_by(parent.stopped_by), kernels(parent.kernels), threads(parent.threads), pages(parent.pages) {
   part.whole = whole;
   part.begin = begin;
   part.end = end;
@@ -53,7 +53,7 @@ double Context::cpu_seconds() const {
 int Context::threads() const { return state_->threads->count(); }
 Progress& Context::progress() const { return *state_->reports; }
 void Context::check() const { state_->stopped_by->check(); }
-const SimdTarget& Context::simd() const { return state_->simd; }
+const Kernels& Context::kernels() const { return *state_->kernels; }
 const PagePool& Context::pages() const { return state_->pages; }
 
 }  // namespace soapfilm

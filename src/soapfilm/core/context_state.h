@@ -7,7 +7,6 @@
 
 #include "soapfilm/context.h"
 #include "soapfilm/platform/page_pool.h"
-#include "soapfilm/core/simd.h"
 #include "soapfilm/core/threads.h"
 
 namespace soapfilm {
@@ -23,6 +22,9 @@ struct Context::Part : Progress {
   double begin = 0, end = 1;
 };
 
+/// Of a back end (kernels/back_ends.cpp), by the name of its target; empty: the best. Throws ParameterError.
+std::shared_ptr<const Kernels> kernels_for(const std::string& target);
+
 struct Context::State {
   State(int thread_count, const std::string& simd_target, Progress* progress);
   State(const State& parent, Progress* whole, double begin, double end);
@@ -30,7 +32,7 @@ struct Context::State {
   Part part;
   Progress* reports;
   const Progress* stopped_by;
-  SimdTarget simd;
+  std::shared_ptr<const Kernels> kernels;
   std::shared_ptr<Threads> threads;
   PagePool pages;
 };

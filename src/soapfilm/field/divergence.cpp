@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/field/divergence_kernel.h"
+#include "soapfilm/kernels/divergence_kernel.h"
+#include "soapfilm/kernels/kernels.h"
 
 namespace soapfilm {
 
@@ -176,7 +177,7 @@ SupportField divergence_field(const GridSamples& samples, const LevelBox& box, c
   const int layers = box.bricks.z;
   const std::vector<size_t> begin = layers_of(field.grid, layers);
   SplatLayers splats(samples, layers, context);
-  const DivergenceKernel divergence = divergence_kernel(context.simd());
+  const DivergenceKernel divergence = context.kernels().divergence;
   splats.splat(0);
   for (int layer = 0; layer < layers; ++layer) {
     if (layer + 1 < layers) splats.splat(layer + 1);

@@ -23,6 +23,15 @@ uint8_t lot_of(size_t source) {
   return static_cast<uint8_t>(Random(1 + stride * (source + 1)).next() >> 11);
 }
 
+std::vector<Vec3d> lattice_positions(const GridSamples& samples) {
+  std::vector<Vec3d> positions;
+  positions.reserve(samples.size());
+  for (size_t b = 0; b < samples.bricks.size(); ++b)
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
+      positions.push_back(Vec3d(samples.bricks.first_vertex(b)) + Vec3d(samples.local[s]));
+  return positions;
+}
+
 GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
                          const Context& context, const std::function<bool(size_t)>& wanted) {
   GridSamples samples;

@@ -31,6 +31,9 @@ struct GridSamples {
   float weight_of(size_t s) const { return weight.empty() ? 1.0f : weight[s]; }
 };
 
+/// Lattice coordinates of each sample, in their order.
+std::vector<Vec3d> lattice_positions(const GridSamples& samples);
+
 /// Samples of a cloud: their indices have 32 bits.
 inline constexpr size_t most_samples = UINT32_MAX;
 

@@ -11,6 +11,11 @@ enum class FileKind { points, mesh };
 /// By extension; a PLY is a mesh when it has faces. Throws InputError for an unknown extension.
 FileKind file_kind(const std::string& path);
 
+/// Extensions of what can be read as a cloud, read as a mesh, written as a mesh: ".ply, .obj or .stl".
+std::string point_extensions();
+std::string mesh_extensions();
+std::string mesh_output_extensions();
+
 /// Writes text, whole or not at all. Throws OutputError.
 void write_text_file(const std::string& path, const std::string& text);
 

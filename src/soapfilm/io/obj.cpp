@@ -165,7 +165,7 @@ class ObjWriter {
 
 Mesh read_obj(ByteSource& source) { return ObjReader(source).read(); }
 
-WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOptions& options) {
+WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
   check_mesh(mesh);
   WriteReport report;
   report.format = "OBJ";

@@ -7,6 +7,6 @@
 namespace soapfilm::io {
 
 Mesh read_obj(ByteSource& source);
-WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOptions& options);
+WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context);
 
 }  // namespace soapfilm::io

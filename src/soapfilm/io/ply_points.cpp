@@ -4,6 +4,7 @@
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/columns.h"
 #include "soapfilm/io/ply.h"
 #include "soapfilm/io/ply_rows.h"
 #include "soapfilm/io/ply_scans.h"
@@ -27,6 +28,15 @@ void append_column(const char* rows, size_t count, size_t row_bytes, const PlyTr
           load<float>(rows + i * row_bytes + triple.index[static_cast<size_t>(axis)] * sizeof(float), false));
 }
 
+/// A column for each scalar property that has no meaning here.
+void add_columns(const PlyElement& vertex, const PlyVertexLayout& layout, PointCloud& cloud) {
+  for (const size_t k : layout.others) {
+    const PlyProperty& property = vertex.properties[k];
+    Column& column = cloud.columns.emplace_back(Column{property.name, {}, holds_labels(property.name)});
+    column.values.reserve(vertex.count);
+  }
+}
+
 /// Rows of nothing but floats, some at a time while they are in the cache.
 void read_floats(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, PointCloud& cloud) {
   constexpr uint64_t rows_at_once = 1 << 12;
@@ -37,6 +47,9 @@ void read_floats(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout&
     append_column(at, count, row_bytes, layout.position, cloud.positions);
     append_column(at, count, row_bytes, layout.normal, cloud.normals);
     append_column(at, count, row_bytes, layout.sensor, cloud.sensors);
+    for (size_t c = 0; c < layout.others.size(); ++c)
+      for (size_t k = 0; k < count; ++k)
+        cloud.columns[c].values.push_back(load<float>(at + k * row_bytes + layout.others[c] * sizeof(float), false));
   }
 }
 
@@ -48,6 +61,7 @@ void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout
   if (layout.normal.present()) reserve_many(cloud.normals, vertex.count);
   if (layout.sensor.present()) reserve_many(cloud.sensors, vertex.count);
   if (layout.color.present()) cloud.colors.reserve(vertex.count);
+  add_columns(vertex, layout, cloud);
   const bool weighted = layout.weight != PlyElement::absent;
   if (weighted) cloud.weights.reserve(vertex.count);
   if (rows.plain_floats() && !weighted && !layout.color.present()) return read_floats(rows, vertex, layout, cloud);
@@ -64,6 +78,8 @@ void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout
         rows.fail(fmt::format("weight = {}, must be finite and >= 0", rows.scalar(layout.weight)));
       cloud.weights.push_back(weight);
     }
+    for (size_t c = 0; c < layout.others.size(); ++c)
+      cloud.columns[c].values.push_back(static_cast<float>(rows.scalar(layout.others[c])));
   }
 }
 

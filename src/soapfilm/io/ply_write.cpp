@@ -107,13 +107,14 @@ void add_properties(std::string& header, const char* type, std::initializer_list
   for (const char* name : names) header += fmt::format("property {} {}\n", type, name);
 }
 
-void add_attributes(std::string& header, const std::vector<Mesh::Attribute>& attributes) {
-  std::unordered_set<std::string> names{"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"};
-  for (const Mesh::Attribute& attribute : attributes) {
+void add_columns(std::string& header, const std::vector<Column>& columns) {
+  std::unordered_set<std::string> names{"x",     "y",    "z",        "nx",       "ny",       "nz",    "red",
+                                        "green", "blue", "sensor_x", "sensor_y", "sensor_z", "weight"};
+  for (const Column& attribute : columns) {
     const bool printable = std::all_of(attribute.name.begin(), attribute.name.end(), [](char c) { return c > ' '; });
     if (attribute.name.empty() || !printable || !names.insert(attribute.name).second)
       throw ParameterError("attribute " + in_quotes(attribute.name) +
-                           ", must be one word, used once and not x ... blue");
+                           ", must be one word, used once and not x ... weight");
     header += "property float " + attribute.name + "\n";
   }
 }
@@ -125,6 +126,10 @@ void check_cloud(const PointCloud& cloud) {
   for (const size_t size : {cloud.normals.size(), cloud.sensors.size(), cloud.weights.size(), cloud.colors.size()})
     if (size != 0 && size != n)
       throw ParameterError(fmt::format("cloud: a column of {}, must be absent or one per sample ({})", size, n));
+  for (const Column& column : cloud.columns)
+    if (column.values.size() != n)
+      throw ParameterError(fmt::format("cloud: column {} has {} values, must be one per sample ({})",
+                                       in_quotes(column.name), column.values.size(), n));
   size_t covered = 0;
   for (const Scan& scan : cloud.scans) {
     if (scan.begin != covered || scan.end <= scan.begin || scan.end > n)
@@ -165,6 +170,7 @@ std::string points_header(const PointCloud& cloud, const WriteOptions& options, 
   if (!cloud.sensors.empty()) add_properties(header, coordinate, {"sensor_x", "sensor_y", "sensor_z"});
   if (!cloud.weights.empty()) add_properties(header, "float", {"weight"});
   if (!cloud.colors.empty()) add_properties(header, "uchar", {"red", "green", "blue"});
+  add_columns(header, cloud.columns);
   size_t cells = 0;
   for (const Scan& scan : cloud.scans)
     if (scan.range_grid) cells += scan.range_grid->sample.size();
@@ -189,7 +195,7 @@ std::string mesh_header(const Mesh& mesh, const WriteOptions& options, const cha
   add_properties(header, coordinate, {"x", "y", "z"});
   if (!mesh.normals.empty()) add_properties(header, "float", {"nx", "ny", "nz"});
   if (!mesh.colors.empty()) add_properties(header, "uchar", {"red", "green", "blue"});
-  add_attributes(header, mesh.attributes);
+  add_columns(header, mesh.attributes);
   const bool large = mesh.vertices.size() > INT32_MAX;  // most readers expect int
   return header + fmt::format("element face {}\nproperty list uchar {} vertex_indices\nend_header\n",
                               mesh.triangles.size(), large ? "uint" : "int");
@@ -215,7 +221,7 @@ WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const Writ
     body.put_position(mesh.vertices[i]);
     if (!mesh.normals.empty()) body.put(mesh.normals[i]);
     if (!mesh.colors.empty()) body.put_color(mesh.colors[i]);
-    for (const Mesh::Attribute& attribute : mesh.attributes) body.put(attribute.values[i]);
+    for (const Column& attribute : mesh.attributes) body.put(attribute.values[i]);
   });
   write_rows(file, style, mesh.triangles.size(), 4, context, [&](size_t i, PlyBody& body) {
     body.put(uint8_t{3});
@@ -237,13 +243,14 @@ WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, c
   AtomicFile file(path);
   file.append(header);
   const PlyStyle style{options.ascii, report.double_coordinates};
-  constexpr size_t sample_values = 13;
+  const size_t sample_values = 13 + cloud.columns.size();
   write_rows(file, style, cloud.size(), sample_values, context, [&](size_t i, PlyBody& body) {
     body.put_position(cloud.positions[i]);
     if (!cloud.normals.empty()) body.put(cloud.normals[i]);
     if (!cloud.sensors.empty()) body.put_position(cloud.sensors[i]);
     if (!cloud.weights.empty()) body.put(cloud.weights[i]);
     if (!cloud.colors.empty()) body.put_color(cloud.colors[i]);
+    for (const Column& column : cloud.columns) body.put(column.values[i]);
   });
   put_range_grids(file, style, cloud.scans, context);
   file.commit();

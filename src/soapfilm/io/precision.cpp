@@ -36,7 +36,7 @@ void check_mesh(const Mesh& mesh) {
   };
   check_column("normals", mesh.normals.size());
   check_column("colors", mesh.colors.size());
-  for (const Mesh::Attribute& attribute : mesh.attributes)
+  for (const Column& attribute : mesh.attributes)
     if (attribute.values.size() != n) check_column("values of " + attribute.name, attribute.values.size());
   for (size_t i = 0; i < n; ++i)
     if (!is_finite(mesh.vertices[i])) throw ParameterError(fmt::format("mesh: vertex {} is not finite", i));

@@ -208,7 +208,7 @@ Mesh read_stl(ByteSource& source) {
   return is_binary(source) ? read_binary_stl(source) : AsciiStlReader(source).read();
 }
 
-WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOptions& options) {
+WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
   check_mesh(mesh);
   if (mesh.triangles.size() > UINT32_MAX)
     throw ParameterError(fmt::format("mesh: {} triangles, STL holds at most {}", mesh.triangles.size(), UINT32_MAX));

@@ -9,6 +9,6 @@ namespace soapfilm::io {
 Mesh read_stl(ByteSource& source);
 
 /// Warns when float coordinates, all that the format has, lose more than the precision that the options ask for.
-WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOptions& options);
+WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context);
 
 }  // namespace soapfilm::io

@@ -158,6 +158,6 @@ class XyzReader {
 
 }  // namespace
 
-PointCloud read_xyz(ByteSource& source, ReadReport& report) { return XyzReader(source).read(report); }
+PointCloud read_xyz(ByteSource& source, ReadReport& report, const Context&) { return XyzReader(source).read(report); }
 
 }  // namespace soapfilm::io

@@ -7,6 +7,6 @@
 namespace soapfilm::io {
 
 /// A line that holds one integer alone begins a scan of that many samples (as .pts files do).
-PointCloud read_xyz(ByteSource& source, ReadReport& report);
+PointCloud read_xyz(ByteSource& source, ReadReport& report, const Context& context);
 
 }  // namespace soapfilm::io

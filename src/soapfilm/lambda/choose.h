@@ -11,7 +11,7 @@
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/lambda/cross_validation.h"
 #include "soapfilm/params.h"
-#include "soapfilm/solve/norm.h"
+#include "soapfilm/kernels/norm.h"
 
 namespace soapfilm {
 

@@ -9,7 +9,7 @@
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/trilinear.h"
 #include "soapfilm/refine/narrow_band.h"
-#include "soapfilm/refine/robust.h"
+#include "soapfilm/kernels/robust.h"
 
 namespace soapfilm {
 

@@ -8,6 +8,7 @@
 
 #include "soapfilm/core/bits.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/kernels/kernels.h"
 
 namespace soapfilm {
 
@@ -27,7 +28,7 @@ constexpr auto bytes_of_bits = [] {
 }  // namespace
 
 NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Context& context)
-    : kernel_(row_kernel(context.simd())),
+    : kernel_(context.kernels().rows),
       pages_(context.pages()),
       grid_(std::move(grid)),
       row_of_(vertices.size(), context.pages()),

@@ -15,7 +15,7 @@
 #include "soapfilm/core/random.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
-#include "soapfilm/refine/row_kernel.h"
+#include "soapfilm/kernels/row_kernel.h"
 
 namespace soapfilm {
 

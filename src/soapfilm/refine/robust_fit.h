@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "soapfilm/refine/displacement.h"
-#include "soapfilm/refine/robust.h"
+#include "soapfilm/kernels/robust.h"
 #include "soapfilm/report.h"
 
 namespace soapfilm {

@@ -7,7 +7,7 @@
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/refine/robust.h"
+#include "soapfilm/kernels/robust.h"
 
 namespace soapfilm {
 

@@ -60,8 +60,9 @@ void warn_unconverged(const SolveReport& report, double lambda, const Reconstruc
     trace.warn(fmt::format("poisson: not converged after {} iterations, relative residual {:.2g}",
                            report.poisson->iterations, report.poisson->residual));
   if (report.graph_cut && !report.graph_cut->globally_optimal)
-    trace.warn(fmt::format("{}: labels at the band's boundary disagree, the cut is not proved to be the global minimum of its energy",
-                           name_of(params.method)));
+    trace.warn(fmt::format(
+        "{}: labels at the band's boundary disagree, the cut is not proved to be the global minimum of its energy",
+        name_of(params.method)));
 }
 
 void announce_energy(const Certificate& c, const ReconstructParams& params, Trace& trace) {
@@ -100,8 +101,9 @@ void announce_refinement(const std::optional<FitReport>& report, const MemoryBud
   const FitReport& refine = *report;
   const FitWeights& fit_weights = refine.fit_weights;
   trace.info(fmt::format(
-      "refined: estimated noise (1 sigma) {:.2g} voxel, curvature weight {:.2g}{}, directions used {}{}", fit_weights.noise, fit_weights.smoothing,
-      params.refine.smoothing ? " (--smoothing)" : "", fit_weights.normals > 0 ? "as normals" : "for inside/outside only, not as normals",
+      "refined: estimated noise (1 sigma) {:.2g} voxel, curvature weight {:.2g}{}, directions used {}{}",
+      fit_weights.noise, fit_weights.smoothing, params.refine.smoothing ? " (--smoothing)" : "",
+      fit_weights.normals > 0 ? "as normals" : "for inside/outside only, not as normals",
       refine.spacing > 1 ? fmt::format(", on every {:g}{} vertex", refine.spacing, refine.spacing == 2 ? "nd" : "th")
                          : ""));
   if (const size_t n = refine.vanished; n > 0)
@@ -172,7 +174,8 @@ std::string made_up_surface(const ReconstructReport& report) {
   // vrip's surface closes nothing, and no method but tv can end at the box.
   if (method == Method::vrip || report.outside == Border::open || report.trim || !(invented > much)) return {};
   return fmt::format(
-      "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what was not scanned; try --trim auto{}",
+      "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what was not scanned; try --trim "
+      "auto{}",
       100 * invented, self_check_reach, method == Method::tv ? ", or --outside open" : "");
 }
 

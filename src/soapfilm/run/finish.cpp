@@ -10,13 +10,30 @@
 namespace soapfilm {
 
 ReconstructReport facts_of(const PointCloud& cloud, const Box3d& box, const ReconstructParams& params,
-                           const OrientReport& directions, const Grid& grid, const Lambda& lambda) {
+                           const OrientReport& directions, const Grid& grid, const Lambda& lambda,
+                           const std::shared_ptr<ReportDetails>& details) {
   ReconstructReport report;
   report.params = params;
   report.input = {cloud.size(), 0, cloud.scans.size(), box, grid.density, directions};
   report.grid = grid.lattice;
   report.certificate.lambda = lambda.value;
+  details->select = lambda.select;
+  report.details = details;
   return report;
+}
+
+void report_border(const BorderReport& border, const Lattice& lattice, ReconstructReport& report,
+                   ReportDetails& details) {
+  report.outside = border.chosen;
+  report.outside_reason = border.reason;
+  report.grid = lattice;
+  details.border = border;
+}
+
+void carry(const SampleAttributes& attributes, const GridSamples& samples, const Lattice& lattice, Trace& trace,
+           const Context& context, Mesh& mesh) {
+  if (attributes.empty()) return;
+  trace.stage("attributes", [&] { carry_attributes(attributes, samples, lattice, context, mesh); });
 }
 
 Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const Lattice& lattice,

@@ -11,16 +11,16 @@
 #include <utility>
 
 #include "soapfilm/border/border.h"
+#include "soapfilm/components/components.h"
 #include "soapfilm/core/method.h"
 #include "soapfilm/core/names.h"
 #include "soapfilm/error.h"
-#include "soapfilm/relax/relax.h"
-#include "soapfilm/components/components.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/range_surface.h"
 #include "soapfilm/lambda/cross_validation.h"
 #include "soapfilm/orient/orient.h"
 #include "soapfilm/refine/refine.h"
+#include "soapfilm/relax/relax.h"
 #include "soapfilm/run/defaults.h"
 #include "soapfilm/solve/sor.h"
 
@@ -85,6 +85,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("surface", "drop_components", p.surface.drop_components);
   visit("surface", "split_tolerance", p.surface.relax.split_tolerance);
   visit("surface", "distance", p.surface.distance);
+  visit("surface", "attributes", p.surface.attributes);
   visit("components", "min_support", p.components.min_support);
   visit("components", "few_samples", p.components.few_samples);
   visit("components", "many_samples", p.components.many_samples);
@@ -151,6 +152,14 @@ void read_value(const ordered_json& json, std::vector<double>& values) {
   values.resize(json.size());
   for (size_t i = 0; i < values.size(); ++i) read_value(json[i], values[i]);
 }
+void read_value(const ordered_json& json, std::vector<std::string>& values) {
+  require_type(json.is_array(), "strings");
+  values.clear();
+  for (const ordered_json& value : json) {
+    require_type(value.is_string(), "strings");
+    values.push_back(value.get<std::string>());
+  }
+}
 void read_value(const ordered_json& json, Vec3d& v) {
   require_type(json.is_array() && json.size() == 3, "three numbers");
   for (int axis = 0; axis < 3; ++axis) read_value(json[static_cast<size_t>(axis)], v[axis]);
@@ -213,7 +222,8 @@ void refuse_contradictions(const ReconstructParams& params) {
   if (params.surface.drop_components.value_or(false) && !film)
     throw ParameterError(fmt::format("drop_components = on: method {} finds its own surface", method));
   if (params.components.min_support != ComponentParams{}.min_support && !drops_components(params))
-    throw ParameterError(fmt::format("min_support = {:g}: components are kept (drop_components = off)", params.components.min_support));
+    throw ParameterError(
+        fmt::format("min_support = {:g}: components are kept (drop_components = off)", params.components.min_support));
   const TrimParams& trim = params.trim;
   if (params.method == Method::vrip && (trim.on.value_or(false) || trim.distance || trim.holes))
     throw ParameterError(fmt::format("trim: the surface of method {} ends by itself where nothing was seen", method));

@@ -4,10 +4,11 @@
 
 #include <utility>
 
+#include "soapfilm/components/scanners.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
-#include "soapfilm/components/scanners.h"
+#include "soapfilm/finish/attributes.h"
 #include "soapfilm/fuse/range_surface.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/orient/area_weights.h"
@@ -29,6 +30,7 @@ bool counts_by_area(const ReconstructParams& params) {
 
 Box3d check_cloud(const PointCloud& cloud, const ReconstructParams& params, const Context& context) {
   const Box3d box = check_samples(cloud, context);
+  check_attributes(cloud, params.surface.attributes);
   if (params.method == Method::vrip)
     for (const Scan& scan : cloud.scans) require_range_scan(scan, params.orient.sensor);
   return box;

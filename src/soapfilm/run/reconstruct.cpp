@@ -1,17 +1,16 @@
 // The page to read first: from a cloud to its mesh. Each stage takes what it needs and returns a value that keeps its
 // meaning; what nobody needs any more is freed here. docs/architecture.md says in which folder each stage is.
-#include "soapfilm/core/method.h"
-#include "soapfilm/run/run.h"
-
-#include <optional>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/method.h"
 #include "soapfilm/run/announce.h"
 #include "soapfilm/run/certify.h"
 #include "soapfilm/run/finish.h"
 #include "soapfilm/run/prepare.h"
+#include "soapfilm/run/run.h"
 #include "soapfilm/run/segment.h"
 #include "soapfilm/run/surface.h"
 
@@ -34,6 +33,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   Placed placed = trace.stage("place", [&] { return place(cloud, box, oriented, params, memory, context); });
   Grid& grid = placed.grid;
   GridSamples& samples = placed.samples;
+  const SampleAttributes attributes = sort_attributes(cloud, samples, params.surface.attributes);
   announce_grid(grid, memory, trace);
 
   // Lambda, what area weighs against the samples; and what these weigh, by the area that they stand for.
@@ -41,14 +41,13 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   const Lambda lambda =
       trace.stage(weights, [&] { return choose_lambda(cloud, oriented, grid, params, context, samples); });
   announce_lambda(lambda, grid, params, trace);
-  ReconstructReport report = facts_of(cloud, box, params, oriented.report, grid, lambda);
   const auto details = std::make_shared<ReportDetails>();
-  details->select = lambda.select;
-  report.details = details;
+  ReconstructReport report = facts_of(cloud, box, params, oriented.report, grid, lambda, details);
 
   // Curless and Levoy's surface needs neither field nor solve: its scans say what is known.
   if (params.method == Method::vrip) {
     Mesh mesh = fuse(cloud, grid.lattice, params, details->vrip.emplace(), trace, context);
+    carry(attributes, samples, grid.lattice, trace, context, mesh);
     return finish(std::move(mesh), std::move(report), samples, grid.lattice, memory, trace, context);
   }
   std::vector<Vec3f> views = sort_views(oriented.views, samples, grid.lattice, context);
@@ -59,14 +58,11 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // The data term f = div v (section 4.1).
   SupportField field = trace.stage("field", [&] { return divergence_field(samples, grid.lattice.box(0), context); });
 
-  // What lies beyond the samples' box: air, solid matter, or neither. Around solid matter all that follows works on the
-  // complement, its directions turned.
+  // Beyond the samples' box: air, solid matter (then the complement is solved, its directions reversed), or neither.
   const BorderReport border = find_border(field, grid, lambda.value, scanners.surroundings, params, context, trace);
   grid.lattice.open = border.chosen == Border::open;
   if (border.chosen == Border::solid) turn_inside_out(field, samples, views, context);
   announce_border(border, report.input.directions.inward, trace);
-  report.outside = border.chosen, report.outside_reason = border.reason;
-  details->border = border;
 
   // Inside or outside: the convex problem (4), coarse to fine, on a thin band; or what it is compared with.
   std::optional<PagePool::Keep> pages(context.pages());
@@ -86,8 +82,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   field = {};
   if (border.chosen == Border::open) found.level = closed_along_box(found.level, memory, context);
 
-  // Components and cavities that hardly a sample supports, such as outliers leave, go. (The certificate is of the
-  // solution with them.)
+  // Components and cavities supported by too few samples are removed. (The certificate is of the solution with them.)
   report.components = drop_unsupported(found.level, samples, grid, params, trace, context);
 
   // Scanners stand in the air, and a hollow around one has been seen.
@@ -105,8 +100,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   Mesh mesh = trace.stage("extract", [&] { return triangles_of(surface, grid.lattice, lambda.value, context); });
   pages.reset();
 
-  // Where the surface bends, triangles of a voxel are too coarse for what the samples tell.
-  report.relax = bend(mesh, surface, samples, grid, params, trace, context);
+  // Where the surface is curved, triangles as large as a voxel are too coarse: edges are split, vertices moved.
+  report.relax = relax(mesh, surface, samples, grid, params, trace, context);
   report.isovalue = surface.isovalue;
   report.refine = summary_of(surface);
   details->refine = std::move(surface.refine);
@@ -116,7 +111,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   undo_border(mesh, border, grid.lattice);
   report.trim = trim(mesh, samples, grid, border, params, trace, context);
 
-  report.grid = grid.lattice;
+  carry(attributes, samples, grid.lattice, trace, context, mesh);
+  report_border(border, grid.lattice, report, *details);
   return finish(std::move(mesh), std::move(report), samples, grid.lattice, memory, trace, context);
 }
 

@@ -4,14 +4,14 @@
 
 #include <utility>
 
-#include "soapfilm/relax/relax.h"
-#include "soapfilm/extract/cut.h"
-#include "soapfilm/extract/isosurface.h"
 #include "soapfilm/components/components.h"
 #include "soapfilm/components/scanners.h"
+#include "soapfilm/extract/cut.h"
+#include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/relax/relax.h"
 #include "soapfilm/run/announce.h"
 #include "soapfilm/run/defaults.h"
 #include "soapfilm/solve/closed_border.h"
@@ -26,12 +26,12 @@ Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& 
 }
 
 std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
-                                             const ReconstructParams& params, Trace& trace, const Context& context) {
+                                                const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!drops_components(params)) return {};
   ComponentReport report;
   trace.stage("components", [&] {
-    drop_components(level, static_cast<float>(params.surface.threshold), samples, grid.density, params.components, context,
-                 report);
+    drop_components(level, static_cast<float>(params.surface.threshold), samples, grid.density, params.components,
+                    context, report);
   });
   announce_components(report, params, trace);
   return report;
@@ -84,8 +84,8 @@ Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda,
   return mesh;
 }
 
-std::optional<RelaxReport> bend(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
-                               const ReconstructParams& params, Trace& trace, const Context& context) {
+std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
+                                 const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!surface.refine || surface.refine->fit_weights.yield || !(params.surface.relax.split_tolerance > 0)) return {};
   return trace.stage("relax", [&] {
     return relax_mesh(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples, surface.scale,

@@ -20,7 +20,7 @@ Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& 
 
 /// Drops components and cavities that too few samples support, where that is wanted.
 std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
-                                             const ReconstructParams& params, Trace& trace, const Context& context);
+                                                const ReconstructParams& params, Trace& trace, const Context& context);
 
 /// Where the scanners stand in the solution.
 ScannerReport stand_scanners(const Level& level, const Scanners& scanners, const Grid& grid, const BorderReport& border,
@@ -46,8 +46,8 @@ Surface find_surface(Segmentation found, const GridSamples& samples, const Grid&
 Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda, const Context& context);
 
 /// Makes the triangles follow a refined surface where it bends; not under noise.
-std::optional<RelaxReport> bend(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
-                               const ReconstructParams& params, Trace& trace, const Context& context);
+std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
+                                 const ReconstructParams& params, Trace& trace, const Context& context);
 
 /// A complement's faces turn back, and what closed an open surface goes.
 void undo_border(Mesh& mesh, const BorderReport& border, const Lattice& lattice);

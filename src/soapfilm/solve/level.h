@@ -10,8 +10,8 @@
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/grid/lattice.h"
-#include "soapfilm/solve/low_face.h"
-#include "soapfilm/solve/norm.h"
+#include "soapfilm/kernels/low_face.h"
+#include "soapfilm/kernels/norm.h"
 
 namespace soapfilm {
 
@@ -96,7 +96,7 @@ Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const
 /// p *= share on the band, its rim and outside, 0 <= share <= 1: it stays feasible, and the certificate one.
 void scale_flux(Level& level, float share, const Context& context);
 
-/// See solve/low_face.h.
+/// See kernels/low_face.h.
 LowFace low_face(const Level& level, size_t brick, int axis);
 
 /// Which vertices of a brick are free: local ranges [lo, hi) along each axis (8 wide when nothing is fixed).

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/kernels/kernels.h"
 
 namespace soapfilm {
 
@@ -37,7 +38,7 @@ SorPass::SorPass(DenseField<float>& u, double lambda, const SupportField& suppor
       params_(params),
       context_(context),
       lambda_(lambda),
-      kernel_(sor_kernel(context.simd())),
+      kernel_(context.kernels().sor),
       kinds_(u, params.skip_empty, context),
       data_(u, support, 2 / lambda),
       zeros_(padded(u.size().x), 0.0f),

@@ -7,7 +7,7 @@
 
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/dense_field.h"
-#include "soapfilm/solve/sor_kernel.h"
+#include "soapfilm/kernels/sor_kernel.h"
 
 namespace soapfilm {
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/kernels/kernels.h"
 
 namespace soapfilm {
 
@@ -105,7 +106,7 @@ void fetch_neighbors(const BrickGrid& grid, size_t brick) {
 Sweeper::Sweeper(Level& level, const Context& context)
     : level_(level),
       context_(context),
-      kernel_(sweep_kernel(context.simd(), level.norm)),
+      kernel_(context.kernels().sweep(level.norm)),
       faces_(level.grid.size() * faces_per_brick, context.pages()),
       u_moved_(level.grid.size()),
       p_moved_(level.grid.size()),

@@ -27,7 +27,7 @@
 #include "soapfilm/context.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/solve/level.h"
-#include "soapfilm/solve/sweep_kernel.h"
+#include "soapfilm/kernels/sweep_kernel.h"
 
 namespace soapfilm {
 

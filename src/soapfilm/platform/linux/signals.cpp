@@ -2,6 +2,8 @@
 
 #include <signal.h>
 
+#include <initializer_list>
+
 namespace soapfilm {
 
 void on_interrupt(void (*handler)(int)) {

@@ -1,6 +1,7 @@
 #include "soapfilm/platform/signals.h"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace soapfilm {
 

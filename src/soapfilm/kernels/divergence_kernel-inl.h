@@ -4,8 +4,8 @@
 
 #include <hwy/highway.h>
 
-#include "soapfilm/field/divergence_kernel.h"
 #include "soapfilm/grid/smoothing.h"
+#include "soapfilm/kernels/divergence_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "soapfilm/core/simd.h"
 #include "soapfilm/grid/layout.h"
 
 namespace soapfilm {
@@ -34,7 +33,8 @@ struct SplatWindow {
 /// Writes div (k * v) at the brick's 512 vertices and clears the window. f must be zero before.
 using DivergenceKernel = void (*)(SplatWindow& window, float* f);
 
-/// The kernel of a SIMD target.
-DivergenceKernel divergence_kernel(const SimdTarget& simd);
+/// Of Highway's SIMD targets among `bits`, and the scalar twin.
+DivergenceKernel highway_divergence_kernel(int64_t bits);
+DivergenceKernel scalar_divergence_kernel();
 
 }  // namespace soapfilm

@@ -1,11 +1,11 @@
 // The loops over rows, compiled once per SIMD target (no include guard: see Highway's foreach_target.h).
 // No fused multiply-add, no reciprocal estimates, sums by lane of the row: every target rounds alike.
 
-#include "soapfilm/refine/row_ops-inl.h"
+#include "soapfilm/kernels/row_ops-inl.h"
 //
-#include "soapfilm/refine/cycle_kernel-inl.h"
-#include "soapfilm/refine/data_kernel-inl.h"
-#include "soapfilm/refine/sample_kernel-inl.h"
+#include "soapfilm/kernels/cycle_kernel-inl.h"
+#include "soapfilm/kernels/data_kernel-inl.h"
+#include "soapfilm/kernels/sample_kernel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {

@@ -1,9 +1,9 @@
 // The scalar target: one float per lane, for machines without SIMD and as the oracle of the tests.
 #define HWY_COMPILE_ONLY_SCALAR
-#include "soapfilm/solve/sweep_kernel-inl.h"
+#include "soapfilm/kernels/row_kernel-inl.h"
 
 namespace soapfilm {
 
-SweepKernel scalar_sweep_kernel(Norm norm) { return HWY_STATIC_DISPATCH(kernel)(norm); }
+RowKernel scalar_row_kernel() { return HWY_STATIC_DISPATCH(rows)(); }
 
 }  // namespace soapfilm

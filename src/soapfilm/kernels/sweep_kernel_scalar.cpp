@@ -1,9 +1,9 @@
 // The scalar target: one float per lane, for machines without SIMD and as the oracle of the tests.
 #define HWY_COMPILE_ONLY_SCALAR
-#include "soapfilm/solve/sor_kernel-inl.h"
+#include "soapfilm/kernels/sweep_kernel-inl.h"
 
 namespace soapfilm {
 
-SorKernel scalar_sor_kernel() { return HWY_STATIC_DISPATCH(sor_row_kernel)(); }
+SweepKernel scalar_sweep_kernel(Norm norm) { return HWY_STATIC_DISPATCH(kernel)(norm); }
 
 }  // namespace soapfilm

@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "soapfilm/solve/sweep_kernel.h"
+#include "soapfilm/kernels/sweep_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {

@@ -4,10 +4,9 @@
 
 #include <cstdint>
 
-#include "soapfilm/core/simd.h"
 #include "soapfilm/grid/layout.h"
-#include "soapfilm/solve/low_face.h"
-#include "soapfilm/solve/norm.h"
+#include "soapfilm/kernels/low_face.h"
+#include "soapfilm/kernels/norm.h"
 
 namespace soapfilm {
 
@@ -55,7 +54,8 @@ struct SweepKernel {
   RowMask (*dual)(const DualJob& job);
 };
 
-/// The kernel of a SIMD target.
-SweepKernel sweep_kernel(const SimdTarget& simd, Norm norm);
+/// Of Highway's SIMD targets among `bits`, and the scalar twin.
+SweepKernel highway_sweep_kernel(int64_t bits, Norm norm);
+SweepKernel scalar_sweep_kernel(Norm norm);
 
 }  // namespace soapfilm

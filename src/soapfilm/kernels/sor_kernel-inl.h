@@ -11,7 +11,7 @@
 
 #include <algorithm>
 
-#include "soapfilm/solve/sor_kernel.h"
+#include "soapfilm/kernels/sor_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {

@@ -1,9 +1,9 @@
 // The scalar target: one float per lane, for machines without SIMD and as the oracle of the tests.
 #define HWY_COMPILE_ONLY_SCALAR
-#include "soapfilm/refine/row_kernel-inl.h"
+#include "soapfilm/kernels/sor_kernel-inl.h"
 
 namespace soapfilm {
 
-RowKernel scalar_row_kernel() { return HWY_STATIC_DISPATCH(rows)(); }
+SorKernel scalar_sor_kernel() { return HWY_STATIC_DISPATCH(sor_row_kernel)(); }
 
 }  // namespace soapfilm

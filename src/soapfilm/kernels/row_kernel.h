@@ -7,9 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "soapfilm/core/simd.h"
 #include "soapfilm/core/vec.h"
-#include "soapfilm/refine/robust.h"
+#include "soapfilm/kernels/robust.h"
 
 namespace soapfilm {
 
@@ -167,7 +166,8 @@ struct RowKernel {
   void (*prolong_brick)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer);
 };
 
-/// The kernel of a SIMD target.
-RowKernel row_kernel(const SimdTarget& simd);
+/// Of Highway's SIMD targets among `bits`, and the scalar twin.
+RowKernel highway_row_kernel(int64_t bits);
+RowKernel scalar_row_kernel();
 
 }  // namespace soapfilm

@@ -3,7 +3,7 @@
 
 #include <hwy/highway.h>
 
-#include "soapfilm/solve/energy_kernel.h"
+#include "soapfilm/kernels/energy_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {

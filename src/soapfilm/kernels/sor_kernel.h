@@ -5,8 +5,6 @@
 // cut into runs of 8 values from its first one; only the runs marked active are touched.
 #pragma once
 
-#include "soapfilm/core/simd.h"
-
 #include <cstddef>
 #include <cstdint>
 
@@ -68,7 +66,8 @@ struct SorKernel {
   void (*relax_color)(const RelaxJob& job, const SorRow& row, int parity, const uint8_t* active);
 };
 
-/// The kernel of a SIMD target.
-SorKernel sor_kernel(const SimdTarget& simd);
+/// Of Highway's SIMD targets among `bits`, and the scalar twin.
+SorKernel highway_sor_kernel(int64_t bits);
+SorKernel scalar_sor_kernel();
 
 }  // namespace soapfilm

@@ -1,6 +1,6 @@
 // The scalar target: one float per lane, for machines without SIMD and as the oracle of the tests.
 #define HWY_COMPILE_ONLY_SCALAR
-#include "soapfilm/field/divergence_kernel-inl.h"
+#include "soapfilm/kernels/divergence_kernel-inl.h"
 
 namespace soapfilm {
 

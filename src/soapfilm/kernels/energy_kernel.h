@@ -2,10 +2,11 @@
 // once per SIMD target and knows nothing of grids or threads.
 #pragma once
 
-#include "soapfilm/core/simd.h"
+#include <cstdint>
+
 #include "soapfilm/grid/layout.h"
-#include "soapfilm/solve/low_face.h"
-#include "soapfilm/solve/norm.h"
+#include "soapfilm/kernels/low_face.h"
+#include "soapfilm/kernels/norm.h"
 
 namespace soapfilm {
 
@@ -48,7 +49,8 @@ struct EnergyTerms {
 
 using EnergyKernel = EnergyTerms (*)(const EnergyJob& job, const UpperWindow& u);
 
-/// The kernel of a SIMD target.
-EnergyKernel energy_kernel(const SimdTarget& simd, Norm norm);
+/// Of Highway's SIMD targets among `bits`, and the scalar twin.
+EnergyKernel highway_energy_kernel(int64_t bits, Norm norm);
+EnergyKernel scalar_energy_kernel(Norm norm);
 
 }  // namespace soapfilm

@@ -8,7 +8,7 @@
 #include <bit>
 
 #include "soapfilm/grid/layout.h"
-#include "soapfilm/refine/row_kernel.h"
+#include "soapfilm/kernels/row_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {

@@ -1,0 +1,67 @@
+#include "soapfilm/io/formats.h"
+
+#include <array>
+#include <filesystem>
+#include <vector>
+
+#include "soapfilm/io/obj.h"
+#include "soapfilm/io/off.h"
+#include "soapfilm/io/ply.h"
+#include "soapfilm/io/ply_header.h"
+#include "soapfilm/io/scan_set.h"
+#include "soapfilm/io/stl.h"
+#include "soapfilm/io/text.h"
+#include "soapfilm/io/xyz.h"
+
+namespace soapfilm::io {
+
+namespace {
+
+constexpr std::array<Format, 6> table{{
+    {".ply", looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
+    {.extensions = ".xyz .txt .pts", .read_points = read_xyz},
+    {.extensions = ".conf", .read_points = read_scan_set_points},
+    {.extensions = ".obj", .read_mesh = read_obj, .write_mesh = write_obj},
+    {.extensions = ".off", .read_mesh = read_off},
+    {.extensions = ".stl", .read_mesh = read_stl, .write_mesh = write_stl},
+}};
+
+std::vector<std::string> split(std::string_view extensions) {
+  std::vector<std::string> all;
+  for (size_t begin = 0; begin < extensions.size();) {
+    const size_t end = std::min(extensions.find(' ', begin), extensions.size());
+    all.emplace_back(extensions.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return all;
+}
+
+}  // namespace
+
+std::span<const Format> formats() { return table; }
+
+const Format* format_of_extension(const std::string& path) {
+  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
+  for (const Format& format : table)
+    for (const std::string& one : split(format.extensions))
+      if (one == extension) return &format;
+  return nullptr;
+}
+
+const Format* format_of(const ByteSource& source) {
+  for (const Format& format : table)
+    if (format.begins && format.begins(source)) return &format;
+  return format_of_extension(source.path());
+}
+
+std::string extensions_of(bool (*can)(const Format& format)) {
+  std::vector<std::string> all;
+  for (const Format& format : table)
+    if (can(format))
+      for (std::string& one : split(format.extensions)) all.push_back(std::move(one));
+  std::string list;
+  for (size_t i = 0; i < all.size(); ++i) list += (i == 0 ? "" : i + 1 < all.size() ? ", " : " or ") + all[i];
+  return list;
+}
+
+}  // namespace soapfilm::io

@@ -1,0 +1,36 @@
+// The table of file formats: one row each. Reading, writing, error messages and help pages follow from it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "soapfilm/io.h"
+#include "soapfilm/io/byte_source.h"
+
+namespace soapfilm::io {
+
+/// What a format can do; null where it cannot.
+struct Format {
+  std::string_view extensions;                         ///< with dots, separated by spaces; compared without case
+  bool (*begins)(const ByteSource& source) = nullptr;  ///< is a file of any name known by how it begins?
+  bool (*has_faces)(ByteSource& source) = nullptr;     ///< of a format of clouds and meshes, which is it?
+  PointCloud (*read_points)(ByteSource& source, ReadReport& report, const Context& context) = nullptr;
+  Mesh (*read_mesh)(ByteSource& source) = nullptr;
+  WriteReport (*write_points)(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
+                              const Context& context) = nullptr;
+  WriteReport (*write_mesh)(const std::string& path, const Mesh& mesh, const WriteOptions& options,
+                            const Context& context) = nullptr;
+};
+
+std::span<const Format> formats();
+
+/// Null where there is none.
+const Format* format_of_extension(const std::string& path);
+/// How a file begins counts before its extension.
+const Format* format_of(const ByteSource& source);
+
+/// Such as ".ply, .obj or .stl": all extensions of formats for which `can` holds, in the table's order.
+std::string extensions_of(bool (*can)(const Format& format));
+
+}  // namespace soapfilm::io
