@@ -30,7 +30,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// Names every parameter once: visit(group, name, value).
+/// Lists every parameter: visit(group, name, value).
 template <class Params, class Visit>
 void for_each_param(Params& p, Visit&& visit) {
   visit("solve", "method", p.method);
@@ -186,7 +186,7 @@ void require(bool holds, const char* name, double value, const char* constraint)
   if (!holds) throw ParameterError(fmt::format("{} = {:g}, must be {}", name, value, constraint));
 }
 
-/// What one method has and the chosen one lacks must not pass silently.
+/// Parameters of a method that the chosen one does not have are an error.
 void refuse_contradictions(const ReconstructParams& params) {
   const char* method = name_of(params.method);
   const bool film = weighs_area(params.method);
@@ -213,7 +213,8 @@ void refuse_contradictions(const ReconstructParams& params) {
   if (params.surface.drop_components.value_or(false) && !film)
     throw ParameterError(fmt::format("drop_components = on: method {} finds its own surface", method));
   if (params.components.min_support != ComponentParams{}.min_support && !drops_components(params))
-    throw ParameterError(fmt::format("min_support = {:g}: components are kept (drop_components = off)", params.components.min_support));
+    throw ParameterError(
+        fmt::format("min_support = {:g}: components are kept (drop_components = off)", params.components.min_support));
   const TrimParams& trim = params.trim;
   if (params.method == Method::vrip && (trim.on.value_or(false) || trim.distance || trim.holes))
     throw ParameterError(fmt::format("trim: the surface of method {} ends by itself where nothing was seen", method));

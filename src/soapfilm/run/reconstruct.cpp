@@ -1,5 +1,5 @@
-// The page to read first: from a cloud to its mesh. Each stage takes what it needs and returns a value that keeps its
-// meaning; what nobody needs any more is freed here. docs/architecture.md says in which folder each stage is.
+// The file to read first: from a cloud to its mesh. Each stage takes what it needs and returns a value that keeps its
+// meaning; data that is no longer needed is freed here. docs/architecture.md says in which folder each stage is.
 #include "soapfilm/core/method.h"
 #include "soapfilm/run/run.h"
 
@@ -30,13 +30,13 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   Orientation oriented = trace.stage("orient", [&] { return find_directions(cloud, box, params, context); });
   trace.keep(oriented.report.warnings);
 
-  // The grid: how fine, where, and what it will cost.
+  // The grid: its voxel, its position, and the memory needed.
   Placed placed = trace.stage("place", [&] { return place(cloud, box, oriented, params, memory, context); });
   Grid& grid = placed.grid;
   GridSamples& samples = placed.samples;
   announce_grid(grid, memory, trace);
 
-  // Lambda, what area weighs against the samples; and what these weigh, by the area that they stand for.
+  // Lambda, the weight of area against the samples; and the samples' weights, by the area that they represent.
   const char* weights = weighs_area(params.method) ? "lambda" : "weights";
   const Lambda lambda =
       trace.stage(weights, [&] { return choose_lambda(cloud, oriented, grid, params, context, samples); });
@@ -46,7 +46,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   details->select = lambda.select;
   report.details = details;
 
-  // Curless and Levoy's surface needs neither field nor solve: its scans say what is known.
+  // Curless and Levoy's surface needs neither data term nor solve: its scans say what is known.
   if (params.method == Method::vrip) {
     Mesh mesh = fuse(cloud, grid.lattice, params, details->vrip.emplace(), trace, context);
     return finish(std::move(mesh), std::move(report), samples, grid.lattice, memory, trace, context);
@@ -59,8 +59,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // The data term f = div v (section 4.1).
   SupportField field = trace.stage("field", [&] { return divergence_field(samples, grid.lattice.box(0), context); });
 
-  // What lies beyond the samples' box: air, solid matter, or neither. Around solid matter all that follows works on the
-  // complement, its directions turned.
+  // What lies beyond the samples' box: air, solid matter, or neither. With solid matter all that follows works on the
+  // complement, with its directions reversed.
   const BorderReport border = find_border(field, grid, lambda.value, scanners.surroundings, params, context, trace);
   grid.lattice.open = border.chosen == Border::open;
   if (border.chosen == Border::solid) turn_inside_out(field, samples, views, context);
@@ -68,7 +68,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   report.outside = border.chosen, report.outside_reason = border.reason;
   details->border = border;
 
-  // Inside or outside: the convex problem (4), coarse to fine, on a thin band; or what it is compared with.
+  // Inside or outside: the convex problem (4), coarse to fine, on a narrow band; or one of the methods for comparison.
   std::optional<PagePool::Keep> pages(context.pages());
   Segmentation found = trace.stage("solve", [&] {
     return segment(grid.lattice, field, samples, lambda.value, params,
@@ -86,15 +86,15 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   field = {};
   if (border.chosen == Border::open) found.level = closed_along_box(found.level, memory, context);
 
-  // Components and cavities that hardly a sample supports, such as outliers leave, go. (The certificate is of the
-  // solution with them.)
+  // Removes components and cavities supported by too few samples, such as those from outliers. (The certificate is of
+  // the solution with them.)
   report.components = drop_unsupported(found.level, samples, grid, params, trace, context);
 
-  // Scanners stand in the air, and a hollow around one has been seen.
+  // Scanners must stand in the air, and a hollow around one must be seen.
   report.scanners = stand_scanners(found.level, scanners, grid, border, params);
 
-  // The level set moves onto the samples; components and genus stay, but for what it leaves nothing of. From here on
-  // directions are those that were found, not those of planes: these know of held-out samples, too.
+  // The level set moves onto the samples; components and genus stay, except for parts that it shrinks to nothing. From
+  // here on the directions are the original ones, not those of planes: the planes depend on held-out samples, too.
   if (!views.empty()) samples.direction = std::move(views);
   Surface surface = trace.stage("refine", [&] {
     return find_surface(std::move(found), samples, grid, params, experiment.robust, memory, context);
@@ -105,14 +105,14 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   Mesh mesh = trace.stage("extract", [&] { return triangles_of(surface, grid.lattice, lambda.value, context); });
   pages.reset();
 
-  // Where the surface bends, triangles of a voxel are too coarse for what the samples tell.
+  // Where the surface is curved, triangles of a voxel are too coarse for the detail of the samples.
   report.relax = bend(mesh, surface, samples, grid, params, trace, context);
   report.isovalue = surface.isovalue;
   report.refine = summary_of(surface);
   details->refine = std::move(surface.refine);
   surface.field = {};
 
-  // A complement's faces turn back. What closed an open surface along the box goes, and what no sample is near.
+  // Flips a complement's faces. Removes what closed an open surface along the box, and surface far from all samples.
   undo_border(mesh, border, grid.lattice);
   report.trim = trim(mesh, samples, grid, border, params, trace, context);
 

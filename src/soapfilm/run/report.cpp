@@ -62,7 +62,7 @@ ordered_json grid_json(const ReconstructReport& report) {
           {"levels", levels}};
 }
 
-/// Methods without a dual prove no bound: only their energies are told. vrip has none.
+/// Methods without a dual prove no bound: only their energies are reported. vrip has none.
 ordered_json certificate_json(const Certificate& c, Method method) {
   if (method == Method::vrip) return nullptr;
   if (!is_certified(method))
@@ -87,7 +87,7 @@ ordered_json certificate_json(const Certificate& c, Method method) {
           {"max_dual_norm", c.relaxed.max_dual_norm}};
 }
 
-/// What only the chosen method has to tell.
+/// The report of the chosen method alone.
 ordered_json method_json(const ReconstructReport& report) {
   ordered_json json = {{"name", name_of(report.params.method)}};
   if (!report.details->solve.sor.empty()) json["levels"] = ordered_json::array();
@@ -258,12 +258,14 @@ std::string to_json(const ReconstructReport& report) {
       {"frame", {{"center", vector_json(center)}, {"scale", report.grid.voxel}}},
       {"grid", grid_json(report)},
       {"method", method_json(report)},
-      {"cross_validation", report.details->select ? cross_validation_json(*report.details->select) : ordered_json(nullptr)},
+      {"cross_validation",
+       report.details->select ? cross_validation_json(*report.details->select) : ordered_json(nullptr)},
       {"border", border_json(report.details->border)},
       {"certificate", certificate_json(report.certificate, report.params.method)},
       {"surface",
        {{"isovalue", report.isovalue},
-        {"components", report.components ? components_json(*report.components, report.params.components) : ordered_json(nullptr)},
+        {"components",
+         report.components ? components_json(*report.components, report.params.components) : ordered_json(nullptr)},
         {"refine", report.details->refine ? refine_json(*report.details->refine) : ordered_json(nullptr)},
         {"relax", report.relax ? relax_json(*report.relax) : ordered_json(nullptr)},
         {"trim", report.trim ? trim_json(*report.trim) : ordered_json(nullptr)}}},

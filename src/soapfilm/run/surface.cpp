@@ -20,18 +20,18 @@ namespace soapfilm {
 
 Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& context) {
   Level closed = closed_at_border(level, context);
-  // What closes it is drawn as well, until it is cut off; what is checked is much smaller.
+  // What closes it is extracted as well, until it is cut off; the mesh that is checked is much smaller.
   memory.plan_mesh(closed, false, context);
   return closed;
 }
 
 std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
-                                             const ReconstructParams& params, Trace& trace, const Context& context) {
+                                                const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!drops_components(params)) return {};
   ComponentReport report;
   trace.stage("components", [&] {
-    drop_components(level, static_cast<float>(params.surface.threshold), samples, grid.density, params.components, context,
-                 report);
+    drop_components(level, static_cast<float>(params.surface.threshold), samples, grid.density, params.components,
+                    context, report);
   });
   announce_components(report, params, trace);
   return report;
@@ -85,7 +85,7 @@ Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda,
 }
 
 std::optional<RelaxReport> bend(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
-                               const ReconstructParams& params, Trace& trace, const Context& context) {
+                                const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!surface.refine || surface.refine->fit_weights.yield || !(params.surface.relax.split_tolerance > 0)) return {};
   return trace.stage("relax", [&] {
     return relax_mesh(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples, surface.scale,
