@@ -45,7 +45,7 @@ Format format_of(const std::string& extension) {
   return Format::unknown;
 }
 
-/// A PLY is known by its first line.
+/// A PLY is recognized by its first line.
 Format format_of(const io::ByteSource& source) {
   return io::looks_like_ply(source) ? Format::ply : format_of(extension_of(source.path()));
 }

@@ -14,7 +14,7 @@ namespace soapfilm::io {
 
 namespace {
 
-/// One column of rows of nothing but floats.
+/// One column of rows that consist only of floats.
 template <class T>
 void append_column(const char* rows, size_t count, size_t row_bytes, const PlyTriple& triple,
                    std::vector<Vec3<T>>& column) {
@@ -27,7 +27,7 @@ void append_column(const char* rows, size_t count, size_t row_bytes, const PlyTr
           load<float>(rows + i * row_bytes + triple.index[static_cast<size_t>(axis)] * sizeof(float), false));
 }
 
-/// Rows of nothing but floats, some at a time while they are in the cache.
+/// Reads rows that consist only of floats, some at a time while they are in the cache.
 void read_floats(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, PointCloud& cloud) {
   constexpr uint64_t rows_at_once = 1 << 12;
   const size_t row_bytes = vertex.properties.size() * sizeof(float);
