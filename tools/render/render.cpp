@@ -87,7 +87,7 @@ void check_item(const RenderItem& item, size_t number) {
   }
 }
 
-/// The values at the ends of the color map; those found in the items unless given.
+/// The values at the ends of the color map; those of the items unless given.
 Range map_range(const std::vector<RenderItem>& items, const RenderParams& params) {
   if (params.color_by.empty()) return {0, 1};
   Range found{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
@@ -109,7 +109,7 @@ Range map_range(const std::vector<RenderItem>& items, const RenderParams& params
   return found;
 }
 
-/// Where everything goes, in pixels.
+/// The layout of a picture, in pixels.
 struct Layout {
   int columns = 1;
   int rows = 1;
@@ -237,7 +237,7 @@ Rgb8 ink_for(const RenderParams& params) {
   return 0.21f * c.x + 0.72f * c.y + 0.07f * c.z < 0.2f ? light_ink : dark_ink;
 }
 
-/// Text centerd at x, made smaller when it would be wider than `room`.
+/// Text centered at x, made smaller when it would be wider than `room`.
 void draw_centerd(Image& image, const std::string& text, double x, double baseline, double height, double room,
                   Rgb8 ink) {
   const double width = text_width(text, height);
