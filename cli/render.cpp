@@ -19,7 +19,7 @@ namespace soapfilm::cli {
 
 namespace {
 
-/// What the options say, before it is checked.
+/// The values of the options, before they are checked.
 struct Request {
   std::vector<std::string> inputs;
   std::string output;

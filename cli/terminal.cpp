@@ -29,11 +29,11 @@ static_assert(std::atomic<Progress*>::is_always_lock_free, "a signal handler rea
 void set_handler(void (*handler)(int)) {
   struct sigaction action {};
   action.sa_handler = handler;
-  action.sa_flags = SA_RESTART;  // reads and writes go on; the library asks the progress object
+  action.sa_flags = SA_RESTART;  // interrupted reads and writes continue; the library polls the progress object
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
-/// Dies of the signal as it would without a handler, but leaves no half-written file.
+/// Ends the process by the signal as without a handler, but leaves no half-written file.
 extern "C" void clean_up_and_die(int signal) {
   remove_temporary_files();
   set_handler(SIG_DFL);
@@ -51,7 +51,7 @@ bool is_terminal(std::FILE* out) {
   return isatty(fileno(out)) != 0 && !(type && std::string_view(type) == "dumb");
 }
 
-/// Columns of the terminal; 80 where it does not say.
+/// Columns of the terminal; 80 if unknown.
 size_t columns(std::FILE* out) {
   winsize size{};
   return ioctl(fileno(out), TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
