@@ -21,7 +21,7 @@ constexpr std::array<float, 2> reaches{1, 2};
 /// The parts whose surface a sample lies on, one for each reach; 0 where there is none.
 using Supported = std::array<uint32_t, reaches.size()>;
 
-/// std::floor, which is a function call on processors without a rounding instruction.
+/// Like std::floor, which is a function call if the target may lack a rounding instruction.
 int floor_of(float x) {
   const int towards_zero = static_cast<int>(x);
   return towards_zero - (static_cast<float>(towards_zero) > x);

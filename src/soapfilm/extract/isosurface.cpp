@@ -267,7 +267,7 @@ class Extraction {
     return height > 0 ? std::max(height, least) : std::min(height, -least);
   }
 
-  /// Of a vertex at most one brick away from the block's; none where the value is unknown.
+  /// Value of a vertex at most one brick away from the block's; none where unknown.
   std::optional<double> known_value(size_t block, const CellWindow& window, Vec3i v) const {
     if (!weight_ && window.holds(v)) return window.value(v);
     const Vec3i step{v.x >> 3, v.y >> 3, v.z >> 3};

@@ -20,7 +20,7 @@ constexpr double least_outward = 0.45;    // of an edge or a rod; six outliers r
 constexpr double most_outnumbered = 8;    // by samples seen from the other side; with more, the samples are outliers
 constexpr double few_others = 0.1;        // of the other side, so few that differing directions do not matter
 constexpr double parts_per_face = 16;     // number of a cell's parts that a plane along its face meets
-// Of a plane that confirms another one.
+// Limits for a plane that confirms another one.
 constexpr double most_thick_again = 0.35;
 constexpr double least_agreement_again = 0.65;
 /// An edge, a rod: there the directions must agree even better at the next depth, as directions to one scanner do.

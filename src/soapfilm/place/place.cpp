@@ -12,8 +12,8 @@ namespace soapfilm {
 
 namespace {
 
-/// Thickness of sheets, voxels, from which on a grid puts almost no sample on the wrong side; and the share of the area
-/// from which on thin sheets matter.
+/// Thickness of sheets, voxels, at which a grid puts almost no sample on the wrong side; and the share of the area at
+/// which thin sheets matter.
 constexpr double held_well = 1.4, notable_sheets = 0.1;
 
 /// Two sides of a sheet that are barely a voxel apart merge: the voxel follows the sheets' thickness if they are a

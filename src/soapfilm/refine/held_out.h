@@ -33,7 +33,7 @@ class HeldOut {
     double agreement_deg = 0;   ///< median angle between the directions and the surface's normals
   };
 
-  /// Of a fit to the other samples. Cached, so that searches may ask twice.
+  /// Result of a fit to the other samples. Cached, so that searches may repeat it.
   const Outcome& outcome(double smoothing, double normals);
   double score(double smoothing, double normals) { return outcome(smoothing, normals).score; }
   /// No edge-preserving reweighting from now on.

@@ -65,7 +65,7 @@ struct SaddleJob {
 
 /// Next step, where `around` holds the mean of that. share = 1 / (1 + per_square around) / (1 + x^2), the factor of
 /// gamma; x is |distance| beyond `near` in units of `reach`. Then weight *= share, product = weight share curvature,
-/// and `curvature` becomes 1 where a vertex has six neighbors, else 0. Beyond: share 1, product 0.
+/// and `curvature` becomes 1 where a vertex has six neighbors. With fewer neighbors: share 1, product 0, curvature 0.
 struct ShareJob {
   const float* around;
   const float* distance;

@@ -17,7 +17,7 @@ struct Start {
   RowArray phi0;     ///< approximate signed distance to the surface, positive inside, voxels
 };
 
-/// Of the surface of u > threshold; the band is `reach` voxels wide on either side.
+/// Starts from the surface of u > threshold; the band is `reach` voxels wide on either side.
 /// `where`: restricts the band to these bricks.
 Start start_from(const Level& level, float threshold, double reach, const Context& context,
                  const BrickMask* where = nullptr);

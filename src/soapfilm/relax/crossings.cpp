@@ -63,7 +63,7 @@ CrossingSearch::CrossingSearch(const MeshChange& change, double voxel, const Con
     }
 }
 
-/// Bins as small as the numbers of bits allow.
+/// Chooses the smallest bins for which a bin's and a triangle's number fit into 64 bits together.
 void CrossingSearch::place_bins() {
   Box3d box;
   for (const auto& vertices : {change_.start, change_.target})

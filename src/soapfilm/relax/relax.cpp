@@ -28,7 +28,7 @@ constexpr size_t half_edges_per_task = 1 << 15;
 constexpr size_t points_per_task = 1 << 10;
 constexpr uint32_t none = ~uint32_t{0};
 
-/// Of the smooth surface, at a lattice point; zero where it is not known.
+/// Normal of the smooth surface at a lattice point; zero where unknown.
 Vec3d normal_at(const SmoothField& field, Vec3d point) {
   const auto jet = field.at(point);
   return jet ? normalized(jet->gradient) : Vec3d{};

@@ -141,7 +141,7 @@ Residuals::Residuals(const GridSamples& samples, const SmoothField& field, doubl
     return;
   }
   for (Entry& entry : entries_) entry.distance *= share;
-  // A mean mixes in the residuals of other samples: targets are raised until the mean at each sample is its own
+  // A mean mixes in the residuals of other samples: the distances are adjusted until the mean at each sample is its own
   // residual.
   std::vector<float> target(entries_.size()), mean(entries_.size());
   for (size_t s = 0; s < target.size(); ++s) target[s] = entries_[s].distance;

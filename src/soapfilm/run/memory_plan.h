@@ -84,7 +84,7 @@ struct Room {
 /// resolution, a surface of `area`, voxel^2, with its square.
 void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice, double area, bool by_resolution);
 
-/// The same of plan_placing().
+/// The same for plan_placing().
 void check_placing(size_t placing_bytes, const Room& room, size_t samples);
 
 /// The plan of one run: made part by part, as the sizes of its stages become known; refuses a run that would not fit.

@@ -23,7 +23,7 @@ Box3d check_cloud(const PointCloud& cloud, const ReconstructParams& params, cons
 
 struct Scanners {
   std::vector<Vec3d> positions;  ///< input frame
-  Surroundings surroundings;     ///< where they decide on the border
+  Surroundings surroundings;     ///< if needed to choose the border
 };
 Scanners find_scanners(const PointCloud& cloud, const ReconstructParams& params, const Context& context);
 

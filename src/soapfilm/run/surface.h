@@ -31,7 +31,7 @@ struct Surface {
   SurfaceField field;
   double isovalue = 0;
   std::optional<FitReport> refine;  ///< when it was moved onto the samples
-  double scale = 0;                 ///< standard distance that samples may still have from it, voxels
+  double scale = 0;                 ///< of the samples' residuals, voxels
 };
 
 /// The part of it that users read.
