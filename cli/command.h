@@ -1,4 +1,4 @@
-// What main() and the sub-commands share.
+// Common parts of main() and the sub-commands.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,7 +12,7 @@ struct GlobalOptions {
   int threads = 0;  ///< 0: all that the process may use
   bool quiet = false;
   bool verbose = false;
-  std::string command{};  ///< the words that were typed, for reports
+  std::string command{};  ///< the command line as typed, for reports
 };
 
 /// Set by the sub-command that was chosen; returns the exit code.

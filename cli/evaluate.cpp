@@ -25,7 +25,7 @@ namespace soapfilm::cli {
 
 namespace {
 
-/// What the options say, before it is checked.
+/// The values of the options, before they are checked.
 struct EvaluateOptions {
   std::string mesh;
   ObjectOptions truth;
@@ -61,7 +61,7 @@ void check(const EvaluateOptions& options) {
 void write_errors(const EvaluateOptions& options, Mesh mesh, const Surface& truth, const Evaluation& evaluation,
                   const Context& context) {
   const double found = evaluation.mesh_to_truth.distance.percentile99;
-  // A mesh that lies on the truth has no error to scale by; any range shows it dark.
+  // A mesh that lies on the truth has no error to scale by; with any range it is dark.
   const double top = options.error_range > 0 ? options.error_range : found > 0 ? found : truth.box().longest();
   WriteOptions write;
   write.comments = {fmt::format("colors: distance to the truth from 0 to {:.6g}", top)};
@@ -77,7 +77,7 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
   Object truth;
   std::optional<PointCloud> samples;
   stages.run("read", [&] {
-    truth = make_object("truth", options.truth, context);  // first: its options are judged before files
+    truth = make_object("truth", options.truth, context);  // first: its options are checked before files
     mesh = read_surface(options.mesh);
     if (!options.samples.empty()) {
       ReadReport read;

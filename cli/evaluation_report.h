@@ -8,7 +8,7 @@
 
 namespace soapfilm::cli {
 
-/// What an evaluation is about.
+/// The subject of an evaluation.
 struct EvaluationSubject {
   std::string mesh;              ///< file
   nlohmann::ordered_json truth;  ///< facts of the shape or the mesh file

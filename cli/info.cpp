@@ -111,7 +111,7 @@ std::string grouped(size_t value) {
 }
 std::string grouped(const ordered_json& value) { return grouped(value.get<size_t>()); }
 
-/// Three numbers with as many digits as leave `resolution` visible.
+/// Three numbers with enough digits to show `resolution`.
 std::string triple(const ordered_json& v, double resolution) {
   const int digits = resolution > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(resolution))), 0, 12) : 6;
   const double invisible = 0.5 * std::pow(10.0, -digits);

@@ -15,13 +15,13 @@
 
 namespace soapfilm::cli {
 
-/// What the options say, before it is checked.
+/// The values of the options, before they are checked.
 struct ObjectOptions {
   std::string name;  ///< shape, scene or file
   std::string center;
   ShapeParams shape;
-  std::vector<const CLI::Option*> shape_only;      ///< options that a mesh has no use for
-  std::vector<const CLI::Option*> of_some_shapes;  ///< those that are named as the parameter of a few shapes
+  std::vector<const CLI::Option*> shape_only;      ///< options that do not apply to a mesh
+  std::vector<const CLI::Option*> of_some_shapes;  ///< the parameters of a few shapes only
 };
 
 /// "A built-in shape (sphere, ...), a scene (room, ...) or a mesh (...)", for the option that names the object.
@@ -34,13 +34,13 @@ void add_shape_options(CLI::App& app, ObjectOptions& options);
 struct Object {
   std::shared_ptr<const Surface> surface;
   nlohmann::ordered_json facts;
-  std::optional<ScannerParams> scanner{};  ///< a scene's own
+  std::optional<ScannerParams> scanner{};  ///< that of a scene
 };
 
 /// A mesh that has an area to measure; throws InputError naming the file.
 Mesh read_surface(const std::string& path);
 
-/// `option` is how a refusal calls the object. Warns of a closed mesh that is inside-out; its faces are turned.
+/// `option` names the object in error messages. Warns of a closed mesh that is inside-out; its faces are flipped.
 Object make_object(const char* option, const ObjectOptions& options, const Context& context);
 
 }  // namespace soapfilm::cli

@@ -11,7 +11,7 @@ namespace soapfilm::cli {
 
 namespace {
 
-/// Where a file is or would be, links resolved.
+/// The path of a file that exists or not, links resolved.
 std::filesystem::path place_of(const std::string& path) {
   std::error_code error;
   // Absolute first: a relative path whose first folder does not exist would stay relative.

@@ -1,4 +1,4 @@
-// Option texts as numbers, points and lengths. Refusals are ParameterErrors that quote the option and its value.
+// Option texts as numbers, points and lengths. Errors are ParameterErrors that quote the option and its value.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,20 +14,20 @@
 
 namespace soapfilm::cli {
 
-/// Numbers separated by `separator`, exactly `count` of them; `form` says what is expected.
+/// Numbers separated by `separator`, exactly `count` of them; `form` describes the expected format.
 std::vector<double> parse_numbers(const char* option, const std::string& text, char separator, size_t count,
                                   const char* form);
 
 /// X,Y,Z.
 Vec3d parse_point(const char* option, const std::string& text);
 
-/// A length in input units, or with a percent sign in hundredths of `longest`.
+/// A length in input units, or with a percent sign in percent of `longest`.
 double parse_length(const char* option, const std::string& text, double longest);
 
-/// A number, or nothing when the text says "auto"; `constraint` says which numbers.
+/// A number, or nothing when the text is "auto"; `constraint` describes the valid numbers.
 std::optional<double> number_or_auto(const char* option, const std::string& text, const char* constraint);
 
-/// Turns the name of an enumeration's value, or of a switch's state, into what CLI11 reads; refuses other words.
+/// Converts the name of an enumeration's value, or of a switch's state, for CLI11; refuses other words.
 template <class T>
 CLI::Validator named(std::vector<std::pair<std::string, T>> names) {
   const auto replace = [names = std::move(names)](std::string& text) -> std::string {

@@ -43,7 +43,7 @@ EXIT CODES
   130  cancelled (Ctrl-C); nothing was written
 )";
 
-/// One line on stderr, whatever the message holds.
+/// Prints one line on stderr, whatever the message contains.
 int fail(ExitCode code, std::string message) {
   while (!message.empty() && std::isspace(static_cast<unsigned char>(message.back()))) message.pop_back();
   std::replace(message.begin(), message.end(), '\n', ' ');
@@ -51,7 +51,7 @@ int fail(ExitCode code, std::string message) {
   return code;
 }
 
-/// What an option takes when it is a number, else nothing.
+/// The kind of number that an option takes; empty if it takes none.
 std::string number_kind(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   if (type.starts_with("FLOAT")) return "a number";
@@ -60,7 +60,7 @@ std::string number_kind(const CLI::Option& option) {
   return "";
 }
 
-/// CLI11 would take an empty text, as of a shell's variable that is not set, for 0.
+/// CLI11 would read an empty text, such as of an unset shell variable, as 0.
 void refuse_empty_numbers(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     const std::string kind = number_kind(*option);
@@ -70,7 +70,7 @@ void refuse_empty_numbers(CLI::App& app) {
   }
 }
 
-/// What belongs after CLI11's "Could not convert: --name = value".
+/// The text after CLI11's "Could not convert: --name = value".
 std::string constraint(const CLI::App& command, const std::string& what) {
   const size_t name = what.find("--"), end = what.find(" = ");
   if (name >= end || end == std::string::npos) return "";
@@ -81,7 +81,7 @@ std::string constraint(const CLI::App& command, const std::string& what) {
   return kind.empty() ? "" : ", must be " + kind;
 }
 
-/// CLI11 does not say whether what it did not expect is an option or a command, nor where to read more.
+/// CLI11 does not say whether an unexpected word is an option or a command, nor where to read more.
 std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
   std::string what = error.what();
@@ -169,7 +169,7 @@ int run(int argc, char** argv) {
   return runner();
 }
 
-/// Results may go to standard output; a full disk there must not pass for success.
+/// Results may go to standard output; a full disk there must be an error.
 int finish(int code) {
   std::cout.flush();
   if (std::fflush(stdout) != 0 || !std::cout) return fail(refused, "standard output: cannot write");

@@ -1,4 +1,4 @@
-// The samples of a command, read in one way by all of them.
+// Reads the samples of a command; common to all commands.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace soapfilm::cli {
 
-/// Several files are several scans. What reading them left out is a warning.
+/// Several files are several scans. Warns of what was ignored while reading.
 PointCloud read_cloud(const std::vector<std::string>& files, const Context& context, ReadReport& read);
 
 }  // namespace soapfilm::cli

@@ -51,7 +51,7 @@ struct ReconstructOptions {
   ReconstructParams params;
 };
 
-/// An option that the chosen method would not look at must not pass silently.
+/// An option that the chosen method does not use is an error.
 void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
   const auto only = [&](std::initializer_list<const char*> names, bool used, const char* of) {
     for (const char* name : names)
@@ -74,7 +74,7 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   if (!options.attributes.empty()) params.surface.attributes = options.attributes;
   if (options.attributes == std::vector<std::string>{"none"}) params.surface.attributes = {};
   if (!options.isovalue.empty()) params.surface.isovalue = number_or_auto("isovalue", options.isovalue, "> 0 and < 1");
-  // Of two ways to say how fine the grid is, the one beside --params holds.
+  // Both determine the grid: one given here replaces the other in --params.
   if (app.count("--voxel") > 0) params.place.resolution.reset();
   if (app.count("--resolution") > 0) params.place.voxel.reset();
   if (!options.lambda.empty()) {
@@ -99,8 +99,8 @@ PointCloud read_input(const ReconstructOptions& options, const Context& context,
   return cloud;
 }
 
-/// The surfaces of the pyramid's levels in a folder, each written as soon as it is solved; taken away again, but for
-/// the folder, when the run does not end well.
+/// The surfaces of the pyramid's levels in a folder, each written as soon as it is solved; removed again, but not the
+/// folder, when the run fails.
 class LevelFiles {
  public:
   LevelFiles() = default;
@@ -123,7 +123,7 @@ class LevelFiles {
       const Mesh mesh = extract_isosurface(
           surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice,
           context);
-      if (mesh.triangles.empty()) return;  // nothing paid for its area on this level
+      if (mesh.triangles.empty()) return;  // no surface pays for its area on this level
       const std::filesystem::path file = folder / name(level.box.level);
       write_mesh(file.string(), mesh, {}, context);
       written_.push_back(file);
@@ -131,7 +131,7 @@ class LevelFiles {
     return observer;
   }
   static std::string name(int level) { return fmt::format("level_{}.ply", level); }
-  /// The run ended well.
+  /// Call when the run succeeded.
   void keep() { written_.clear(); }
 
  private:
@@ -159,7 +159,7 @@ void print_check(const ReconstructReport& report, Progress& progress) {
                   d.maximum / voxel));
 }
 
-/// The mesh, which took the time, stays where its report cannot be written.
+/// The mesh took long to compute: it is kept even if its report cannot be written.
 void write_report(const ReconstructOptions& options, const ReconstructReport& report) {
   try {
     write_text_file(options.report, to_json(report));
@@ -206,7 +206,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   report.command = global.command;
   report.input.dropped = read.dropped();
   report.warnings.insert(report.warnings.begin(), read.warnings.begin(), read.warnings.end());
-  // The stages around the library's own: reading before it, checking and writing after it.
+  // The program's own stages: reading before the library's, checking and writing after them.
   for (const StageTime& stage : stages.times())
     report.stages.insert(stage.name == "read" ? report.stages.begin() : report.stages.end(), stage);
   report.peak_bytes = peak_memory_bytes();
@@ -214,7 +214,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   levels.keep();
   progress.info(
       fmt::format("{}: {} vertices, {} triangles", options.output, report.mesh_vertices, report.mesh_triangles));
-  constexpr int samples_lost = 4;  // beside program.cpp's exit codes, and no error: all is written
+  constexpr int samples_lost = 4;  // besides program.cpp's exit codes, and no error: all is written
   return options.strict && report.self_check.lost > self_check_most_lost ? samples_lost : 0;
 }
 

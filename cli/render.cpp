@@ -19,7 +19,7 @@ namespace soapfilm::cli {
 
 namespace {
 
-/// What the options say, before it is checked.
+/// The values of the options, before they are checked.
 struct Request {
   std::vector<std::string> inputs;
   std::string output;
@@ -95,9 +95,9 @@ RenderParams params_of(const Request& request) {
   params.from = parse_view(request.view, params.up);
   params.background = parse_background(request.background);
   params.shading = request.shading == "smooth" ? Shading::smooth : Shading::flat;
-  params.framing = request.framing == "fitted"    ? Framing::fitted
-                   : request.framing == "centerd" ? Framing::centerd
-                                                  : Framing::shared;
+  params.framing = request.framing == "fitted"     ? Framing::fitted
+                   : request.framing == "centered" ? Framing::centered
+                                                   : Framing::shared;
   if (!request.size.empty()) {
     const auto v = required_numbers("--size", request.size, 'x', 2, "two whole numbers WxH");
     params.width = whole(v[0]);
@@ -174,9 +174,9 @@ void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner) {
   camera(command->add_option("--up", request->up, "Upright axis: x, y, z, -x, -y, -z or X,Y,Z"))
       ->option_text(fmt::format("AXIS [{}]", request->up));
   camera(command->add_option("--framing", request->framing,
-                             "shared: one window of space for all; centerd: one scale, a center each; fitted: a scale "
+                             "shared: one window of space for all; centered: one scale, a center each; fitted: a scale "
                              "each"))
-      ->check(CLI::IsMember({"shared", "centerd", "fitted"}))
+      ->check(CLI::IsMember({"shared", "centered", "fitted"}))
       ->option_text(fmt::format("HOW [{}]", request->framing));
   camera(command->add_option("--zoom", request->zoom,
                              "Only this part, in fractions of the panel from its upper left corner"))

@@ -1,4 +1,4 @@
-// soapfilm scan: virtual scans or even samples of a shape or a mesh, and the truth beside them.
+// soapfilm scan: virtual scans or even samples of a shape or a mesh, together with the truth.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -81,7 +81,7 @@ ordered_json sampling_facts(const SamplingParams& p) {
 struct Measured {
   ScanSet scans;         ///< without poses when it is one cloud
   ordered_json files;    ///< entries of truth.json
-  ordered_json missing;  ///< null when nothing was taken away
+  ordered_json missing;  ///< null when nothing was removed
 };
 
 void remove_missing(Measured& measured, const Surface& surface, MissingParams missing, uint64_t seed,
@@ -122,7 +122,7 @@ Measured measure(const ScanOptions& options, const Surface& surface, const Conte
   return measured;
 }
 
-/// Refuses before the work what could not be written after it: a folder, or its nearest one that exists.
+/// Refuses before the work a folder that could not be written after it; checks its nearest parent that exists.
 void check_folder(const ScanOptions& options) {
   const std::filesystem::path folder(options.folder);
   std::error_code error;

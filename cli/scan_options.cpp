@@ -124,7 +124,7 @@ void add_error_options(CLI::App& app, ScanOptions& o) {
       ->option_text(fmt::format("N [{}]", p.seed));
 }
 
-/// The first of `options` that was given is refused.
+/// Refuses the first of `options` that was given.
 void refuse(const std::vector<const CLI::Option*>& options, const char* why) {
   for (const CLI::Option* option : options)
     if (option->count() > 0) throw ParameterError(fmt::format("{}: {}", option->get_name(), why));

@@ -13,10 +13,10 @@
 
 namespace soapfilm::cli {
 
-/// What tells a sample of --samples which side is outside.
+/// What determines the outer side at a sample of --samples.
 enum class Directions { normals, views };
 
-/// What the options say, before it is checked. Lengths may be given in percent of the longest side.
+/// The values of the options, before they are checked. Lengths may be given in percent of the longest side.
 struct ScanOptions {
   ObjectOptions object;
   std::string folder;
@@ -36,9 +36,9 @@ struct ScanOptions {
   const CLI::Option* rays = nullptr;
   const CLI::Option* rings = nullptr;
   const CLI::Option* max_incidence = nullptr;
-  std::vector<const CLI::Option*> orbit_options;  ///< no use for given positions
-  std::vector<const CLI::Option*> view_options;   ///< where scanners stand: no use for samples with normals
-  std::vector<const CLI::Option*> image_options;  ///< what only range images have: no use for samples at all
+  std::vector<const CLI::Option*> orbit_options;  ///< unused with given positions
+  std::vector<const CLI::Option*> view_options;   ///< scanner positions: unused for samples with normals
+  std::vector<const CLI::Option*> image_options;  ///< for range images only: unused for samples
 
   bool even_samples() const { return samples_option->count() > 0; }
 };
@@ -48,7 +48,7 @@ void add_scan_options(CLI::App& app, ScanOptions& options);
 /// Throws ParameterError for options that have no meaning together.
 void check_together(const ScanOptions& options);
 
-/// What the scene's own scanner decides because no option does: positions, rays, size of the image, largest incidence.
+/// Takes from the scene's own scanner what no option gives: positions, rays, size of the image, largest incidence.
 void take_scanner_of_scene(ScanOptions& options, const ScannerParams& scene);
 
 ScannerParams scanner_params(const ScanOptions& options, const Box3d& box);

@@ -1,4 +1,4 @@
-// How the program talks while it works: one live line per stage on a terminal, plain lines elsewhere.
+// The program's output while it works: one live line per stage on a terminal, plain lines elsewhere.
 #pragma once
 
 #include <chrono>

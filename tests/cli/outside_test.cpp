@@ -115,7 +115,8 @@ TEST_F(Outside, InwardNormalsAreWarnedOfUnlessSolidMatterIsBeyond) {
   const auto warned = [&](const std::vector<std::string>& words) {
     std::vector<std::string> all = {inward, "--resolution", "48"};
     all.insert(all.end(), words.begin(), words.end());
-    return reported(all)["warnings"].dump().find("most normals point towards the middle of the samples") != std::string::npos;
+    return reported(all)["warnings"].dump().find("most normals point towards the middle of the samples") !=
+           std::string::npos;
   };
   EXPECT_FALSE(warned({}));
   EXPECT_FALSE(warned({"--outside", "solid"}));

@@ -106,7 +106,8 @@ TEST_F(Reconstruct, TellsWhichIslandsItDropped) {
 
   const ProcessResult contradiction = with({"--drop-components", "off", "--min-support", "0.5"});
   EXPECT_EQ(contradiction.exit_code, 2);
-  EXPECT_TRUE(contains(contradiction.err, "min_support = 0.5: components are kept (drop_components = off)")) << contradiction.err;
+  EXPECT_TRUE(contains(contradiction.err, "min_support = 0.5: components are kept (drop_components = off)"))
+      << contradiction.err;
 }
 
 TEST_F(Reconstruct, MakesAWatertightMeshAndAReport) {

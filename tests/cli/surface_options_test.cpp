@@ -65,7 +65,8 @@ TEST_F(SurfaceOptions, SmoothingIsTheOneGiven) {
 }
 
 TEST_F(SurfaceOptions, BendToleranceDecidesHowManyEdgesAreSplit) {
-  const json by_default = with({}), coarse = with({"--split-tolerance", "0.02"}), none = with({"--split-tolerance", "0"});
+  const json by_default = with({}), coarse = with({"--split-tolerance", "0.02"}),
+             none = with({"--split-tolerance", "0"});
   ASSERT_FALSE(by_default.is_null() || coarse.is_null() || none.is_null());
   EXPECT_EQ(none["parameters"]["surface"]["split_tolerance"], 0.0);
   EXPECT_TRUE(none["surface"]["relax"].is_null());
@@ -127,7 +128,8 @@ TEST_F(SurfaceOptions, OptionsOfARefinementThatIsOffAreRefused) {
   refused({cloud, "--refine", "on", "--method", "poisson"}, "refine = on: method poisson finds its own surface");
   refused({cloud, "--refine", "on", "--isovalue", "0.4"}, "isovalue = 0.4 and refine = on");
   refused({cloud, "--weights", "area", "--lambda", "0.1"}, "--weights: only a lambda that follows the samples");
-  refused({cloud, "--drop-components", "on", "--method", "poisson"}, "drop_components = on: method poisson finds its own surface");
+  refused({cloud, "--drop-components", "on", "--method", "poisson"},
+          "drop_components = on: method poisson finds its own surface");
 }
 
 }  // namespace TEST_FILE

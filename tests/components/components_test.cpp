@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "components/drawn_level.h"
+#include "soapfilm/components/parts.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/error.h"
-#include "soapfilm/components/parts.h"
 #include "soapfilm/reconstruct.h"
 #include "support/problem.h"
 #include "support/random_level.h"

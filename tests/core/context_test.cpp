@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/platform/page_pool.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
+#include "soapfilm/platform/page_pool.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

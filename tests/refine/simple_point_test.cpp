@@ -34,8 +34,8 @@ int components(uint32_t vertices, int steps) {
   return count;
 }
 
-/// Euler number of the union of closed unit cubes centerd at the outside vertices: 26-connected, so its complement, the
-/// inside, is 6-connected.
+/// Euler number of the union of closed unit cubes centered at the outside vertices: 26-connected, so its complement,
+/// the inside, is 6-connected.
 int euler_of_outside(uint32_t inside) {
   int euler = 0;
   // Cells of the cubical complex have doubled coordinates 0..6; cube v has its center at 2 v + 1 along each axis.

@@ -4,8 +4,8 @@
 
 #include "refine/band_support.h"
 #include "soapfilm/error.h"
-#include "soapfilm/relax/flip.h"
 #include "soapfilm/mesh/topology.h"
+#include "soapfilm/relax/flip.h"
 #include "support/hash.h"
 #include "support/sanitized.h"
 #include "tools/mesh/self_intersection.h"
@@ -22,7 +22,7 @@ Mesh bent(const Solved& solved, const Refined& refined, const RelaxParams& param
   const Context context(threads);
   Mesh mesh = refined.mesh;
   const RelaxReport found = relax_mesh(mesh, SmoothField(refined.field.grid, refined.field.value, context),
-                                      solved.problem.samples, scale, solved.problem.lattice, params, context);
+                                       solved.problem.samples, scale, solved.problem.lattice, params, context);
   if (report) *report = found;
   return mesh;
 }

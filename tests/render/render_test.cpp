@@ -172,7 +172,7 @@ TEST(Render, PanelsShareOneScaleUnlessFitted) {
     return right / left;
   };
   EXPECT_NEAR(coverage(Framing::shared), 4, 0.3);
-  EXPECT_NEAR(coverage(Framing::centerd), 4, 0.1);
+  EXPECT_NEAR(coverage(Framing::centered), 4, 0.1);
   EXPECT_NEAR(coverage(Framing::fitted), 1, 0.01);
 }
 

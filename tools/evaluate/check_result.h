@@ -1,4 +1,4 @@
-// A second look at a result: what the mesh is as a surface, and how far the samples lie from it.
+// Checks a result: topology of the mesh, and distances of the samples from it.
 #pragma once
 
 #include "soapfilm/cloud.h"
@@ -7,7 +7,7 @@
 
 namespace soapfilm {
 
-/// Fills report.topology and report.sample_distance. ReconstructParams::checked lets the run plan its memory.
+/// Fills report.topology and report.sample_distance. With ReconstructParams::checked the run plans the memory for it.
 void check_result(Reconstruction& result, const PointCloud& cloud, const Context& context);
 
 }  // namespace soapfilm

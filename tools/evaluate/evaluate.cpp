@@ -19,10 +19,11 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double truth_tolerance = 2e-5;  // of the longest side: only where points are sought, then they are moved
+constexpr double truth_tolerance =
+    2e-5;  // of the longest side: only to choose points, which then move onto the surface
 constexpr size_t normals_per_task = 4096;
 
-/// Places of a surface, and its normals there.
+/// Points of a surface, and its normals there.
 struct Places {
   std::vector<Vec3d> positions;
   std::vector<Vec3d> normals;  ///< unit; zero where a triangle has no area
@@ -50,10 +51,10 @@ Places places_on_truth(const Surface& truth, const Mesh& tessellation, const Eva
   return places;
 }
 
-/// What is closest to places of the other surface.
+/// The closest points on the other surface.
 struct Found {
   std::vector<double> distances;
-  std::vector<Vec3d> normals;  ///< as of Places
+  std::vector<Vec3d> normals;  ///< as in Places
 };
 
 Found found_on_mesh(const ClosestPointQuery& query, const Mesh& mesh, const std::vector<Vec3d>& from,

@@ -1,4 +1,4 @@
-// A mesh judged against the truth: two-sided distances, normals, F-scores, volume, topology, self-intersections.
+// Compares a mesh with the truth: two-sided distances, normals, F-scores, volume, topology, self-intersections.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +18,13 @@ namespace soapfilm {
 struct EvaluationOptions {
   size_t points = 300000;                   ///< on each of the two surfaces, by area; [1, 1e8]
   std::vector<double> f_score_distances{};  ///< input units, each > 0 and finite
-  uint64_t seed = 1;                        ///< of where the points lie
+  uint64_t seed = 1;                        ///< for the random points
 };
 
 /// Throws ParameterError for the first option out of its range.
 void validate(const EvaluationOptions& options);
 
-/// From points of one surface to the other.
+/// Distances from points of one surface to the other.
 struct DirectedError {
   DistanceSummary distance;  ///< input units
   /// Degrees in [0, 180] between the oriented normals there and here. A triangle without area has no normal: points on
@@ -42,7 +42,7 @@ struct FScore {
   double score() const { return precision + recall > 0.0 ? 2.0 * precision * recall / (precision + recall) : 0.0; }
 };
 
-/// The mesh's own value beside the true one; absent for the volume of a surface that is not closed.
+/// The mesh's value and the true one; absent for the volume of a surface that is not closed.
 struct Compared {
   std::optional<double> mesh;
   std::optional<double> truth;
@@ -68,14 +68,14 @@ struct Evaluation {
 
 /// Compares `mesh` with `truth`: a Shape, whose closest points and normals are exact, or a MeshSurface. Points are
 /// spread over both surfaces by area, one at random in each of equal parts of it, so that means converge fast; maxima
-/// are those of the points. `samples`, if given, are measured against the mesh. The normal of a mesh is its triangles'.
+/// are those of the points. `samples`, if given, are compared with the mesh. The normal of a mesh is its triangles'.
 /// The result does not depend on the number of threads.
 ///
 /// Throws ParameterError when an option is out of range, the mesh has no area or is broken, or a sample is not finite.
 Evaluation evaluate(const Mesh& mesh, const Surface& truth, const EvaluationOptions& options, const Context& context,
                     const std::vector<Vec3d>* samples = nullptr);
 
-/// The same against a mesh. A closed truth that is inside-out is turned.
+/// The same against a mesh. The faces of a closed truth that is inside-out are flipped.
 Evaluation evaluate(const Mesh& mesh, const Mesh& truth, const EvaluationOptions& options, const Context& context);
 
 /// `mesh` with each vertex's distance to the truth as the attribute `distance` (input units) and as colors: dark at 0,

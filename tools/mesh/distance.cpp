@@ -69,8 +69,8 @@ struct ClosestPointQuery::Impl {
     ClosestPoint best;
   };
 
-  /// Radius of the float search that surely reaches everything within `distance` of `point`: the point is rounded to
-  /// float, and so is Embree's own arithmetic on it.
+  /// Radius of the search in float that certainly reaches everything within `distance` of `point`: the point is rounded
+  /// to float, and so is Embree's own arithmetic on it.
   float reach(double distance, Vec3d point) const {
     const double magnitude = std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)}) * to_unit;
     return round_up(distance * to_unit * (1 + 1e-6) + std::max(magnitude, 1.0) * 1e-6);
@@ -109,7 +109,7 @@ struct ClosestPointQuery::Impl {
     scene.commit(context);
   }
 
-  /// `point` and the result are relative to the center; nothing farther than `limit` need be looked at.
+  /// `point` and the result are relative to the center; triangles farther than `limit` need not be examined.
   ClosestPoint search(Vec3d point, double limit) const {
     Search search{this, point, {{}, std::numeric_limits<uint32_t>::max(), infinity}};
     RTCPointQuery query{};
@@ -186,7 +186,7 @@ DistanceSummary summarize(std::vector<double> distances) {
   DistanceSummary out;
   out.count = distances.size();
   if (distances.empty()) return out;
-  std::sort(distances.begin(), distances.end());  // small ones first: the sums lose least
+  std::sort(distances.begin(), distances.end());  // small ones first: most accurate sums
   double sum = 0;
   double squares = 0;
   for (const double d : distances) {

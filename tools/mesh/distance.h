@@ -19,7 +19,7 @@ struct ClosestPoint {
 
 /// A mesh prepared for closest-point queries. It keeps its own copy of the triangles. The tree is built in float with
 /// boxes rounded outward, every candidate is measured in double relative to the mesh's center: georeferenced meshes
-/// (offsets of 1e6 with millimeter detail) lose nothing, and the result does not depend on the shape of the tree.
+/// (offsets of 1e6 with millimeter detail) lose no precision, and the result does not depend on the shape of the tree.
 class ClosestPointQuery {
  public:
   static constexpr double longest_side = 1e100;  ///< of the mesh's box, at most: a double holds its square
@@ -31,11 +31,11 @@ class ClosestPointQuery {
   ClosestPointQuery(ClosestPointQuery&&) noexcept;
   ClosestPointQuery& operator=(ClosestPointQuery&&) noexcept;
 
-  /// Of one finite point. Safe to call from several threads.
+  /// For one finite point. Safe to call from several threads.
   ClosestPoint operator()(Vec3d point) const;
 
-  /// Of many points, in their order; neighbors in the list should be near each other in space, that makes it fast.
-  /// Throws ParameterError when a point is not finite.
+  /// For many points, in their order; fast if neighbors in the list are near each other in space. Throws ParameterError
+  /// when a point is not finite.
   std::vector<ClosestPoint> operator()(const std::vector<Vec3d>& points, const Context& context) const;
 
  private:

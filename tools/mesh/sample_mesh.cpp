@@ -45,7 +45,7 @@ std::vector<MeshPoint> sample_mesh(const Mesh& mesh, size_t count, uint64_t seed
     const double at = (static_cast<double>(i) + random.uniform()) / static_cast<double>(count) * area;
     const uint32_t index = row.at(at);
     const Triangle& t = mesh.triangles[index];
-    // Uniform in a triangle: sqrt of one number, the other as it is (Turk 1990).
+    // Uniform in a triangle: sqrt of one number, the other unchanged (Turk 1990).
     const double r = std::sqrt(random.uniform());
     const double s = random.uniform();
     const Vec3d a = mesh.vertices[t[0]];

@@ -10,13 +10,13 @@
 
 namespace soapfilm {
 
-/// The triangles of a mesh in a row, each as long as its area.
+/// The triangles of a mesh in a sequence by cumulative area.
 class TrianglesByArea {
  public:
   explicit TrianglesByArea(const Mesh& mesh);
 
   double total() const { return up_to_.empty() ? 0.0 : up_to_.back(); }
-  /// The one at `area` in [0, total()] from the row's beginning; one without area only where all are.
+  /// The triangle at the cumulative `area` in [0, total()]; one without area only where all are.
   uint32_t at(double area) const;
 
  private:

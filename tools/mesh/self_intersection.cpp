@@ -46,7 +46,7 @@ class PairSearch {
 
   size_t size() const { return triangles_.size(); }
 
-  /// Triangles after the given one, in the list's order, that it meets.
+  /// Number of triangles after the given one, in the list's order, that it meets.
   size_t meeting(size_t index) const {
     const auto [lo, hi] = bounds(triangles_[index]);
     const Vec3d center = (lo + hi) * 0.5;
@@ -101,7 +101,7 @@ class PairSearch {
     const LatticeTriangle& a = visit.self->triangles_[visit.triangle];
     const LatticeTriangle& b = visit.self->triangles_[args->primID];
     if (!disjoint(a, b) && improperly_meet(a, b)) ++visit.met;
-    return false;  // the radius stays
+    return false;  // the search radius stays
   }
 
   void build(const Context& context) {

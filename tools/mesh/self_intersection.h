@@ -1,4 +1,4 @@
-// Where a mesh passes through itself.
+// Where a mesh intersects itself.
 #pragma once
 
 #include <cstddef>

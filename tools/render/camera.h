@@ -1,4 +1,4 @@
-// Orthographic cameras: which way they look and which window of the view they show.
+// Orthographic cameras: their direction and the window of the view that they show.
 #pragma once
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// Pictures of 8 bits per channel, and their way to a file.
+// Images of 8 bits per channel, and writing them to a file.
 #pragma once
 
 #include <array>

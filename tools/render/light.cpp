@@ -72,7 +72,7 @@ Visibility look_around(const Scene& scene, const SurfacePoint& point, const Pixe
     for (int i = 0; i < rays.count; ++i) {
       const int k = first + i;
       float u, v;
-      // The two kinds take different parts of one sequence.
+      // The two kinds use different parts of one sequence.
       pattern.point(k < key_rays ? -1 - (sample * key_rays + k) : sample * sky_rays + k - key_rays, u, v);
       const Vec3f d = k < key_rays ? normalized(around(key_direction, u, v, key_spread, 1)) : sky_ray(point, u, v);
       rays.x[i] = d.x;
@@ -103,7 +103,7 @@ Vec3f shade(const Scene& scene, const SurfacePoint& point, const PixelPattern& p
             int occlusion_rays) {
   const Vec3f n = point.normal;
   const Visibility open = look_around(scene, point, pattern, sample, occlusion_rays);
-  // Where the triangle turns away from the light its interpolated normal must not catch any.
+  // A triangle that faces away from the light must not get any through its interpolated normal.
   const float key =
       dot(point.geometric_normal, key_direction) > 0 ? std::max(0.f, dot(n, key_direction)) * open.key : 0.f;
   const float fill = std::max(0.f, dot(n, fill_direction)) * open.sky;

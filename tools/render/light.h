@@ -1,13 +1,14 @@
-// How a surface point looks: one soft key light, a weak fill light, a sky dimmed by ambient occlusion, a faint sheen.
+// The appearance of a surface point: one soft key light, a weak fill light, a sky dimmed by ambient occlusion, a faint
+// sheen.
 #pragma once
 
 #include "tools/render/scene.h"
 
 namespace soapfilm::render_detail {
 
-/// A low-discrepancy sequence in the unit square (Roberts' R2), shifted by a hash of the pixel: every pixel sees an
-/// even pattern, neighbors see unrelated ones - a regular dither would look like steps of the surface - and each is a
-/// function of the pixel's place alone.
+/// A low-discrepancy sequence in the unit square (Roberts' R2), shifted by a hash of the pixel: every pixel gets an
+/// even pattern, neighbors get unrelated ones - a regular dither would look like steps of the surface - and each
+/// depends only on the pixel's position.
 class PixelPattern {
  public:
   PixelPattern(int x, int y);

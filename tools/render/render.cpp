@@ -87,7 +87,7 @@ void check_item(const RenderItem& item, size_t number) {
   }
 }
 
-/// The values at the ends of the color map; those found in the items unless given.
+/// The values at the ends of the color map; those of the items unless given.
 Range map_range(const std::vector<RenderItem>& items, const RenderParams& params) {
   if (params.color_by.empty()) return {0, 1};
   Range found{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
@@ -109,7 +109,7 @@ Range map_range(const std::vector<RenderItem>& items, const RenderParams& params
   return found;
 }
 
-/// Where everything goes, in pixels.
+/// The layout of a picture, in pixels.
 struct Layout {
   int columns = 1;
   int rows = 1;
@@ -237,9 +237,9 @@ Rgb8 ink_for(const RenderParams& params) {
   return 0.21f * c.x + 0.72f * c.y + 0.07f * c.z < 0.2f ? light_ink : dark_ink;
 }
 
-/// Text centerd at x, made smaller when it would be wider than `room`.
-void draw_centerd(Image& image, const std::string& text, double x, double baseline, double height, double room,
-                  Rgb8 ink) {
+/// Text centered at x, made smaller when it would be wider than `room`.
+void draw_centered(Image& image, const std::string& text, double x, double baseline, double height, double room,
+                   Rgb8 ink) {
   const double width = text_width(text, height);
   const double fit = width > room ? height * room / width : height;
   draw_text(image, text, x - text_width(text, fit) / 2, baseline, fit, ink);
@@ -252,14 +252,14 @@ void draw_legend(Image& image, const RenderParams& params, const Layout& layout,
   const int left = (image.width - length) / 2;
   const int top = image.height - layout.legend_height + static_cast<int>(2.2 * text);
   const int bottom = top + static_cast<int>(text);
-  draw_centerd(image, params.color_by, image.width / 2.0, top - 0.5 * text, text, length, ink);
+  draw_centered(image, params.color_by, image.width / 2.0, top - 0.5 * text, text, length, ink);
   for (int x = 0; x < length; ++x) {
     const Rgb8 c = map_color((x + 0.5) / length);
     for (int y = top; y < bottom; ++y) image.blend(left + x, y, c, 1);
   }
   for (int k = 0; k <= 2; ++k) {
     const double value = range.first + (range.second - range.first) * k / 2;
-    draw_centerd(image, fmt::format("{:.4g}", value), left + length * k / 2.0, bottom + 1.6 * text, text, length, ink);
+    draw_centered(image, fmt::format("{:.4g}", value), left + length * k / 2.0, bottom + 1.6 * text, text, length, ink);
   }
 }
 
@@ -283,8 +283,8 @@ Image render(const std::vector<RenderItem>& items, const RenderParams& params, c
     const int left = static_cast<int>(i) % layout.columns * params.width;
     const int top = static_cast<int>(i) / layout.columns * (params.height + layout.caption_height);
     Panel(items[i], params, frame, framer.window(i), framer.aspect(), range, context).draw(image, left, top, context);
-    draw_centerd(image, items[i].caption, left + params.width / 2.0, top + params.height + 1.6 * layout.text_height,
-                 layout.text_height, 0.94 * params.width, ink_for(params));
+    draw_centered(image, items[i].caption, left + params.width / 2.0, top + params.height + 1.6 * layout.text_height,
+                  layout.text_height, 0.94 * params.width, ink_for(params));
   }
   if (layout.legend_height > 0) draw_legend(image, params, layout, range);
   return image;

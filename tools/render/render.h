@@ -26,14 +26,14 @@ struct RenderItem {
 };
 
 enum class Shading {
-  flat,    ///< each triangle its own normal: shows what is there
+  flat,    ///< each triangle has its own normal: shows the actual triangles
   smooth,  ///< normals interpolated between vertices; computed from the triangles when the mesh has none
 };
 
 enum class Framing {
-  shared,   ///< all panels show the same window of space: for surfaces of one object in one frame
-  centerd,  ///< each panel is centerd on its own item; the scale is the same in all
-  fitted,   ///< each panel has the center and the scale that show its item in full
+  shared,    ///< all panels show the same window of space: for surfaces of one object in one frame
+  centered,  ///< each panel is centered on its own item; the scale is the same in all
+  fitted,    ///< each panel has the center and the scale that show its item in full
 };
 
 struct RenderParams {
@@ -52,14 +52,14 @@ struct RenderParams {
   double point_radius = 0;  ///< input units, >= 0; 0: from the spacing of the samples
 
   std::string color_by;                            ///< name of a vertex attribute; empty: none
-  std::optional<std::pair<double, double>> range;  ///< values at the map's ends, first < second; else those found
+  std::optional<std::pair<double, double>> range;  ///< values at the map's ends, first < second; else as found
   Rgb8 surface{222, 204, 180};
-  Rgb8 back{196, 60, 48};  ///< the inside of a surface: seen through holes or where it is turned inside out
+  Rgb8 back{196, 60, 48};  ///< the inside of a surface: seen through holes or where it is inside-out
   std::optional<Rgb8> background = Rgb8{255, 255, 255};  ///< transparent when absent
 };
 
 /// The panels in rows, captions below them, and below all the legend of the color map when one is used. Every pixel is
-/// computed by itself from fixed sample patterns: the same bytes for any number of threads.
+/// computed independently from fixed sample patterns: the same bytes for any number of threads.
 ///
 /// Throws ParameterError when there is no item, an item is empty or has a coordinate that is not finite, an attribute
 /// is in none of the items, or a parameter is out of range.

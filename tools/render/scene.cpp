@@ -136,7 +136,7 @@ Scene::Scene(const RenderItem& item, const RenderParams& params, const ViewFrame
     : impl_(std::make_unique<Impl>()) {
   impl_->surface = to_linear(params.surface);
   impl_->back = to_linear(params.back);
-  rtcSetSceneFlags(impl_->scene.get(), RTC_SCENE_FLAG_ROBUST);  // no light through the seams between triangles
+  rtcSetSceneFlags(impl_->scene.get(), RTC_SCENE_FLAG_ROBUST);  // no light through the gaps between triangles
   if (const auto* mesh = std::get_if<const Mesh*>(&item.shape)) {
     impl_->add_mesh(**mesh, params, frame, center, scale);
     impl_->colors = attribute_colors(**mesh, params.color_by, range);
@@ -176,7 +176,7 @@ std::optional<SurfacePoint> Scene::look_at(float x, float y) const {
     point.geometric_normal = -point.geometric_normal;
     point.normal = -point.normal;
   }
-  // An interpolated normal may turn away from the viewer near the outline.
+  // An interpolated normal may face away from the viewer near the outline.
   if (point.normal.z < 0) point.normal = normalized(Vec3f{point.normal.x, point.normal.y, 0});
   point.color = point.is_back           ? impl_->back
                 : impl_->colors.empty() ? impl_->surface

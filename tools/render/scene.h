@@ -9,7 +9,7 @@
 
 namespace soapfilm::render_detail {
 
-/// Where a ray met the item; camera frame, scene units.
+/// Where a ray meets the item; camera frame, scene units.
 struct SurfacePoint {
   Vec3f position;
   Vec3f geometric_normal;  ///< unit, towards the viewer
@@ -24,7 +24,7 @@ struct OcclusionRays {
   int count = 0;
   float x[packet], y[packet], z[packet];  ///< directions
   float reach[packet];                    ///< scene units
-  float visible[packet];                  ///< result: 1 where nothing is in the way, else 0
+  float visible[packet];                  ///< result: 1 where the ray is unobstructed, else 0
 };
 
 /// The item in the camera's frame, shifted and scaled so that it fits a unit ball around the origin: floats then
@@ -37,7 +37,7 @@ class Scene {
   ~Scene();
   Scene(Scene&&) noexcept;
 
-  /// What the viewer sees at (x, y) of the picture plane, scene units.
+  /// The visible point at (x, y) of the picture plane, scene units.
   std::optional<SurfacePoint> look_at(float x, float y) const;
 
   /// Follows rays from a surface point.

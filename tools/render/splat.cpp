@@ -13,7 +13,7 @@ namespace soapfilm::render_detail {
 namespace {
 
 constexpr size_t probes = 1000;
-constexpr size_t neighbors = 5;          // the sample itself and four more
+constexpr size_t neighbors = 5;           // the sample itself and four more
 constexpr double radius_share = 0.75;     // a square grid's holes close at 1 / sqrt(2) of its spacing
 constexpr double fallback_share = 0.005;  // of the box, where samples coincide
 

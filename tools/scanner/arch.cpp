@@ -61,7 +61,8 @@ Mesh Arch::local_tessellate(double tolerance) const {
   const int bend = 2 * per_quarter(size_.bend + size_.tube);
   MeshBuilder builder;
   std::vector<uint32_t> previous;
-  // A ring, or half a turn into a foot a smaller one: `latitude` against the plane across the axis.
+  // A ring around the axis, or, in the half sphere of a foot, a smaller one at `latitude` against the plane across the
+  // axis.
   const auto add_ring = [&](Vec3d center, Vec3d outer, Vec3d along, double latitude) {
     std::vector<uint32_t> ring;
     for (int j = 0; j < across; ++j) {

@@ -25,7 +25,7 @@ Box3d tube_box() {
   Box3d box;
   constexpr int samples = 3600;
   for (int i = 0; i < samples; ++i) {
-    // Near an extremum the polyline falls short by 1e-6 at most; Newton's step on the coordinate's slope mends it.
+    // Near an extremum the polyline falls short by 1e-6 at most; a Newton step on the coordinate's slope corrects it.
     const double phi = 2.0 * pi * i / samples;
     const TrefoilPoint p(phi);
     for (int axis = 0; axis < 3; ++axis) {
@@ -123,7 +123,8 @@ class Knot final : public Shape {
     return {tube(p), post(posts_[0], p), post(posts_[1], p), post(posts_[2], p)};
   }
 
-  /// The solid that p is deepest in or closest to: the surface's distance outside, at most its depth inside.
+  /// The solid in which p is deepest or to which it is closest: outside, the surface's distance; inside, a bound of the
+  /// depth.
   static Signed outermost(const std::array<Signed, 4>& solids) {
     return *std::min_element(solids.begin(), solids.end(),
                              [](const Signed& a, const Signed& b) { return a.distance < b.distance; });

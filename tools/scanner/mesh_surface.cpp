@@ -27,7 +27,7 @@ void check(const Mesh& mesh) {
         throw InputError(fmt::format("mesh: triangle {} names vertex {}, must be < {}", i, v, mesh.vertices.size()));
 }
 
-/// The point of a triangle that p, in its plane but for rounding, is at or just beside.
+/// The point of a triangle nearest to p, which is in its plane up to rounding, and in it or just beside it.
 Vec3d pull_into_triangle(const Mesh& mesh, uint32_t index, Vec3d p) {
   const Triangle& t = mesh.triangles[index];
   const Vec3d a = mesh.vertices[t[0]];
@@ -47,7 +47,7 @@ Vec3d pull_into_triangle(const Mesh& mesh, uint32_t index, Vec3d p) {
 
 }  // namespace
 
-/// Embree sees the mesh in single precision, centerd and scaled to about [-1, 1].
+/// Embree sees the mesh in single precision, centered and scaled to about [-1, 1].
 struct MeshSurface::Rays {
   EmbreeScene scene;
   Vec3d center;
@@ -107,7 +107,7 @@ std::optional<SurfacePoint> MeshSurface::intersect(Vec3d origin, Vec3d direction
   rtcIntersect1(rays_->scene.get(), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
-  // Again in double: where the ray meets the triangle's plane, pulled into the triangle if rounding put it beside.
+  // Again in double: where the ray meets the triangle's plane, moved into the triangle if rounding put it outside.
   const uint32_t index = query.hit.primID;
   const Vec3d normal = triangle_normal(mesh_, index);
   const double slope = dot(normal, direction);

@@ -1,4 +1,4 @@
-// A triangle mesh as something to scan.
+// A triangle mesh that can be scanned.
 #pragma once
 
 #include <memory>
@@ -9,21 +9,20 @@
 
 namespace soapfilm {
 
-/// Which way the faces of a mesh look: outward turns a closed one whose volume is negative; as_given leaves a room from
-/// inside as it is.
+/// Orientation of the faces of a mesh: outward flips a closed one whose volume is negative; as_given keeps a room seen
+/// from inside as it is.
 enum class Faces { outward, as_given };
 
-/// Rays and closest points by Embree, refined in double against the triangle found: positions lie on the mesh to
-/// double precision whatever the coordinates' offset. A closed mesh with negative volume is inside-out; its faces are
-/// turned. An open one is taken as it is: the sign of its volume says nothing.
+/// Rays and closest points by Embree, refined in double against the triangle found: positions lie on the mesh to double
+/// precision whatever the coordinates' offset. A closed mesh with negative volume is inside-out; its faces are flipped.
+/// An open one is kept as it is: the sign of its volume means nothing.
 class MeshSurface final : public Surface {
  public:
   /// Throws InputError when the mesh has no triangle, a vertex index out of range, or a coordinate that is not finite.
   MeshSurface(Mesh mesh, const Context& context, Faces faces = Faces::outward);
   ~MeshSurface() override;
 
-  /// Seen from its inner side a triangle is met all the same; the normal stays outward. It is zero
-  /// where the triangle has no area.
+  /// A triangle is hit from its inner side too; the normal stays outward. It is zero where the triangle has no area.
   std::optional<SurfacePoint> intersect(Vec3d origin, Vec3d direction) const override;
   SurfacePoint closest(Vec3d p) const override;
   Box3d box() const override { return box_; }

@@ -27,7 +27,7 @@ HalfExtent half_extent(const Pose& pose, const Box3d& box, const Vec3d& target, 
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3d p = pose.to_local(
         {corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y, corner & 4 ? box.hi.z : box.lo.z});
-    // A corner beside or behind a central scanner would need an image of half a turn; it sees 2 x 80 degrees.
+    // A corner beside or behind a central scanner would need an image of 180 degrees; it sees 2 x 80 degrees.
     const double depth = std::max(-p.z, std::tan(10.0 * radians) * std::hypot(p.x, p.y));
     const double scale = rays == Rays::central ? range / std::max(depth, 1e-12 * range) : 1.0;
     extent.across = std::max(extent.across, std::abs(p.x) * scale);
@@ -36,7 +36,7 @@ HalfExtent half_extent(const Pose& pose, const Box3d& box, const Vec3d& target, 
   return extent;
 }
 
-/// A scanner that turns about the upright axis looks towards +y in the middle of its image, or towards a target.
+/// A scanner that rotates about the upright axis has +y, or a target, in the middle of its image.
 std::vector<RangeCamera> place_spinning(const Box3d& box, const ScannerParams& params) {
   std::vector<double> elevations = params.rings_deg;
   if (elevations.empty())

@@ -1,4 +1,4 @@
-// The rays of one view: which pixel of a range image looks where.
+// The rays of one view: the direction of each pixel of a range image.
 #pragma once
 
 #include <numbers>
@@ -19,15 +19,15 @@ struct RangeCamera {
   double step = 1;   ///< between neighboring rays: at the target, input units; spinning: of azimuth, radians
   int columns = 1;
   int rows = 1;
-  double turn = 0;                   ///< spinning: where in a step the turn begins, [0, 1)
+  double turn = 0;                   ///< spinning: at which fraction of a step the rotation begins, [0, 1)
   std::vector<double> elevations{};  ///< spinning: of each row, radians
 
   struct Ray {
     Vec3d origin, direction;
   };
-  /// Fractions of a pixel look between pixels.
+  /// Fractions of a pixel give directions between pixels.
   Ray ray(double column, double row) const;
-  /// Between neighboring rays, at a point of the given range along one of them; input units.
+  /// Distance between neighboring rays, at a point of the given range along one of them; input units.
   double spacing(double along) const;
 };
 

@@ -19,7 +19,7 @@ struct RoundedBox {
   double radius;
 
   double signed_distance(Vec3d p, Vec3d& normal) const;
-  /// Ticks of one axis from -(inner + radius) to inner + radius: each rounded rim is cut at equal angles.
+  /// Ticks of one axis from -(inner + radius) to inner + radius: each rounded edge is cut at equal angles.
   std::vector<double> ticks(int axis, int steps) const;
   void tessellate(int steps, MeshBuilder& builder) const;
 

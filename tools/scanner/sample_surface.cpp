@@ -29,7 +29,8 @@ void check(const SamplingParams& params) {
     if (!is_finite(p)) throw ParameterError("position: its coordinates must be finite");
 }
 
-/// The position that looks at a point of the surface most squarely, of those with a free line of sight if there is one.
+/// The position with the smallest angle to the normal at a point of the surface, of those with a free line of sight if
+/// there is one.
 Vec3d best_sensor(const Surface& surface, const std::vector<Vec3d>& sensors, Vec3d point, Vec3d normal, double lift) {
   const Vec3d above = point + normal * lift;  // clear of the surface itself
   std::vector<std::pair<double, size_t>> order;
@@ -57,7 +58,7 @@ PointCloud undisturbed(const Surface& surface, size_t count, uint64_t seed, cons
   Random random(seed);
   for (Vec3d& p : near) {
     const Triangle& t = mesh.triangles[row.at(random.uniform() * row.total())];
-    // Uniform in a triangle: sqrt of one number, the other as it is (Turk 1990).
+    // Uniform in a triangle: sqrt of one number, the other unchanged (Turk 1990).
     const double r = std::sqrt(random.uniform());
     const double s = random.uniform();
     p = mesh.vertices[t[0]] * (1.0 - r) + mesh.vertices[t[1]] * (r * (1.0 - s)) + mesh.vertices[t[2]] * (r * s);
@@ -88,7 +89,8 @@ PointCloud sample_surface(const Surface& surface, const SamplingParams& params, 
   const double lift = 1e-6 * surface.box().longest();
   const uint64_t first_stream = Random(params.seed).next();
   parallel_for(context, cloud.size(), draws_per_task, [&](size_t i) {
-    // Numbers of its own for each sample, drawn whether they are used or not: switching an effect on leaves the rest.
+    // Separate random numbers for each sample, drawn whether they are used or not: enabling an effect leaves the others
+    // as they were.
     Random random(Random(first_stream + i).next());
     const double outlying = random.uniform();
     const double error = random.normal();

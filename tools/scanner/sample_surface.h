@@ -15,16 +15,16 @@ namespace soapfilm {
 PointCloud sample_surface(const Surface& surface, size_t count, uint64_t seed);
 
 struct SamplingParams {
-  size_t count = 100000;         ///< samples, outliers among them; >= 1
+  size_t count = 100000;         ///< samples, including outliers; >= 1
   double noise = 0;              ///< standard deviation along the true normal, input units, >= 0
   double outliers = 0;           ///< share of the samples that lie anywhere in outlier_box(); [0, 1]
-  std::vector<Vec3d> sensors{};  ///< when given: scanner positions to choose from, and samples have no normals
+  std::vector<Vec3d> sensors{};  ///< if given: scanner positions to choose from, and samples have no normals
   uint64_t seed = 1;
 };
 
 /// The samples above, disturbed. Each has its true outward normal, an outlier a random direction. With `sensors` each
-/// has instead a scanner position, the weak orientation that scans give: of those that see its undisturbed place the
-/// one that looks at it most squarely, where none does the one that would; an outlier has any.
+/// has instead a scanner position, the weak orientation that scans give: of those that see its undisturbed position the
+/// one with the smallest angle to the normal, or of all if none sees it; an outlier has any of them.
 /// The result does not depend on the number of threads. Throws ParameterError when a parameter is out of range.
 PointCloud sample_surface(const Surface& surface, const SamplingParams& params, const Context& context);
 

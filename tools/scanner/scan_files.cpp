@@ -23,7 +23,7 @@ PointCloud scan_in_own_frame(const ScanSet& set, size_t scan) {
   }
   own.begin = 0;
   own.end = cloud.size();
-  // Exactly, whatever rounding the way through the world left.
+  // Exactly, without the rounding of the transformation to the world and back.
   if (own.sensor) own.sensor = Vec3d{0, 0, 0};
   if (own.view_direction) own.view_direction = Vec3d{0, 0, 1};
   cloud.scans.push_back(std::move(own));

@@ -1,4 +1,4 @@
-// Places to scan that are no closed object: what a scanner that stands in them, drives or flies through them sees.
+// Places to scan that are no closed objects: the scanner stands in them, drives or flies through them.
 #pragma once
 
 #include <string>
@@ -9,19 +9,19 @@
 
 namespace soapfilm {
 
-/// An open mesh in meters, z up. Its faces look into the air, from which they are scanned: a room's inwards. As a
+/// An open mesh in meters, z up. Its faces point into the air, from which they are scanned: a room's inwards. As a
 /// Surface it is a MeshSurface with Faces::as_given.
 struct Scene {
   std::string name;
   Mesh mesh;
-  ScannerParams scanner;  ///< one that suits it: where it stands, its rays, hits up to 89 degrees
+  ScannerParams scanner;  ///< a suitable scanner: its positions, its rays, hits up to 89 degrees
 };
 
-/// 6 x 4 x 2.6: a table, a cabinet, a lamp at the ceiling; door and window are open and give no return. Once those two
-/// are closed the room's surface has genus 3, for the legs of the table.
+/// 6 x 4 x 2.6: a table, a cabinet, a lamp at the ceiling; door and window are open and give no return. If these two
+/// are closed the room's surface has genus 3, because of the legs of the table.
 Scene make_room();
-/// A floor of 24 x 24 around the origin and a house front of 12 x 4 at y = 12: beyond some meters each ray only grazes
-/// the floor.
+/// A floor of 24 x 24 around the origin and a house front of 12 x 4 at y = 12: beyond some meters rays meet the floor
+/// at grazing angles.
 Scene make_yard();
 /// A road with kerbs, house fronts, parked cars and lamp posts along x, from -60 to 60.
 Scene make_street();

@@ -1,4 +1,4 @@
-// Scenes out of flat pieces. The air is in front of every face: corners run counter-clockwise seen from there.
+// Builds scenes from flat pieces. The air is in front of every face: corners run counter-clockwise seen from there.
 #pragma once
 
 #include <cstddef>
@@ -15,17 +15,17 @@ struct WallPart {
   double u0 = 0, v0 = 0, u1 = 0, v1 = 0;
 };
 
-/// The side of a block that nobody sees and that is left out.
+/// The side of a block that is hidden and left out.
 enum class Rests { nowhere, on_the_floor, at_the_ceiling };
 
 class SceneBuilder {
  public:
-  /// Parallelogram corner, corner + u, corner + u + v, corner + v; u x v points into the air. What is in `openings`
-  /// (they must not overlap) is left out.
+  /// Parallelogram corner, corner + u, corner + u + v, corner + v; u x v points into the air. `openings` (they must not
+  /// overlap) are left out.
   void wall(Vec3d corner, Vec3d u, Vec3d v, const std::vector<WallPart>& openings = {});
   /// A solid block in the air.
   void block(const Box3d& box, Rests rests = Rests::nowhere);
-  /// Four walls, floor and ceiling around air, but for those whose bit 1 << (2 axis + high) is in `without`.
+  /// Four walls, floor and ceiling around air, except those whose bit 1 << (2 axis + high) is in `without`.
   void hollow(const Box3d& box, unsigned without = 0);
   /// A niche behind an opening of a wall: four sides and a back, `depth` along -(u x v).
   void niche(Vec3d corner, Vec3d u, Vec3d v, const WallPart& opening, double depth);

@@ -13,7 +13,7 @@ namespace soapfilm {
 
 namespace {
 
-/// Narrows [enter, leave] to the ray's stay in the box |p| <= half; empty when enter > leave afterwards.
+/// Narrows [enter, leave] to the part of the ray in the box |p| <= half; empty when enter > leave afterwards.
 void clip_to_box(Vec3d origin, Vec3d direction, Vec3d half, double& enter, double& leave) {
   for (int axis = 0; axis < 3; ++axis) {
     if (direction[axis] == 0.0) {

@@ -21,8 +21,8 @@ struct ShapeFacts {
   std::optional<double> area;    ///< when known in closed form
 };
 
-/// A closed solid with a signed distance to its surface. Implementations work in a frame whose origin is the
-/// center of the box; this class moves queries there, so that georeferenced shapes lose no digits.
+/// A closed solid with a signed distance to its surface. Implementations work in a frame whose origin is the center of
+/// the box; this class transforms queries to it, so that georeferenced shapes lose no digits.
 class Shape : public Surface {
  public:
   const ShapeFacts& facts() const { return facts_; }
@@ -50,7 +50,7 @@ class Shape : public Surface {
 
   virtual Nearest local_nearest(Vec3d p) const = 0;
   virtual Mesh local_tessellate(double tolerance) const = 0;
-  /// At most the signed distance, at least a fixed part of it away from the surface; may be cheaper.
+  /// A lower bound of the signed distance, away from the surface at least a fixed fraction of it; may be cheaper.
   virtual double local_lower_bound(Vec3d p) const { return local_nearest(p).distance; }
   /// Distance along the ray to the first hit in [0, length], where the ray leaves the box. By default sphere tracing.
   virtual std::optional<double> local_intersect(Vec3d origin, Vec3d direction, double length) const;
@@ -83,7 +83,8 @@ std::shared_ptr<const Shape> make_plate(const ShapeParams& params = {});
 /// Two such plates, size x 0.45 size x thickness, parallel, `gap` apart: two components.
 std::shared_ptr<const Shape> make_sheets(const ShapeParams& params = {});
 /// Trefoil knot as a tube, with a post between the strands at each of its three crossings; genus 4. Its distance is
-/// exact outside; inside it is exact but for points closest to a post's foot, where it is off by less than 1e-6 size.
+/// exact outside; inside it is exact except for points closest to a post's foot, where the error is less than 1e-6
+/// size.
 std::shared_ptr<const Shape> make_knot(const ShapeParams& params = {});
 /// Tube bent to an upside-down U in the plane y = 0: two round-ended feet, `gap` apart. Its radius is 0.18 size, or
 /// less where a wide gap leaves less.

@@ -1,5 +1,5 @@
-// What is known exactly, to be scanned and to be compared with: something that rays hit and that knows its closest
-// point.
+// A surface that is known exactly, to be scanned and to be compared with: it can be intersected with rays and finds its
+// closest points.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace soapfilm {
 
-/// A point of a surface as the answer to a ray or to a closest-point query.
+/// A point of a surface, the result for a ray or a closest-point query.
 struct SurfacePoint {
   Vec3d position;       ///< on the surface, input frame
   Vec3d normal;         ///< unit, outward; at a sharp edge any unit vector of the normal cone; zero: there is none

@@ -10,16 +10,16 @@
 
 namespace soapfilm {
 
-/// The part of a surface that holds `share` of its area and spreads from a point that the seed picks: all that can be
+/// The part of a surface that contains `share` of its area and spreads from a point chosen by the seed: all that can be
 /// reached from there along the surface within a ball, whose radius follows. So a plate loses one of its sides, not
-/// both. The patch depends on the surface, the share and the seed alone, not on how the surface is sampled.
+/// both. The patch depends only on the surface, the share and the seed, not on how the surface is sampled.
 class SurfacePatch {
  public:
   /// `share` in [0, 1], as measured with 40,000 even samples. Throws ParameterError when it is out of range.
   SurfacePatch(const Surface& surface, double share, uint64_t seed);
   ~SurfacePatch();
 
-  /// `on_surface` as surface.closest() gives it: the normal tells the sides of a thin wall apart.
+  /// `on_surface` as given by surface.closest(): the normal distinguishes the sides of a thin wall.
   bool contains(const SurfacePoint& on_surface) const;
 
   Vec3d center() const;  ///< a point of the surface

@@ -36,7 +36,7 @@ class TrefoilSearch {
   explicit TrefoilSearch(const Box3d& box);
 
   Vec3d closest(Vec3d p) const;
-  /// At most the distance to the curve, short of it by little.
+  /// A lower bound of the distance to the curve, and close to it.
   double lower_bound(Vec3d p) const;
 
  private:

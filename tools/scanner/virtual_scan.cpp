@@ -66,15 +66,15 @@ struct Measurement {
   Vec3f normal;
 };
 
-/// A number of its own for each pixel of each scan, whatever the order in which they are computed.
+/// Separate random numbers for each pixel of each scan, whatever the order in which they are computed.
 Random pixel_random(uint64_t seed, size_t scan, size_t pixel) {
   Random of_seed(seed);
   Random of_scan(of_seed.next() + scan);
   return Random(of_scan.next() + pixel);
 }
 
-/// Range of a pixel that a step in depth crosses: somewhere between the two sides. A step: half a pixel on, the range
-/// differs by more than 10 times the spacing of rays, which a plane would do at 84 degrees.
+/// Range of a pixel at a step in depth: somewhere between the two sides. A step: half a pixel away, the range differs
+/// by more than 10 times the spacing of rays, as on a plane at 84 degrees.
 std::optional<double> range_at_edge(const Surface& surface, const RangeCamera& camera, int column, int row,
                                     double range, double blend) {
   constexpr double step_over_spacing = 10.0;
@@ -94,7 +94,7 @@ Measurement measure(const Surface& surface, const Box3d& box, const ScannerParam
   if (!hit || (params.max_range > 0.0 && hit->distance > params.max_range)) return {};
   const double cosine = std::abs(dot(hit->normal, ray.direction));
   if (cosine < std::cos(params.max_incidence_deg * radians)) return {};
-  // Each effect draws its numbers whether it is on or not, so that switching one leaves the others as they were.
+  // Each effect draws its random numbers whether it is on or not, so that enabling one leaves the others as they were.
   const double lost = random.uniform();
   const double outlying = random.uniform();
   const double error = random.normal();
@@ -128,7 +128,7 @@ Vec3d rotated(Vec3d v, Vec3d w) {
   return v * std::cos(angle) + cross(axis, v) * std::sin(angle) + axis * (dot(axis, v) * (1.0 - std::cos(angle)));
 }
 
-/// The rigid motion that registration got wrong: about the mean of the scan's samples.
+/// The rigid error of registration: about the mean of the scan's samples.
 void misalign(std::vector<Vec3d>& positions, std::vector<Vec3f>& normals, Pose& pose, const ScannerParams& params,
               Random random) {
   if (params.misalignment == 0.0 && params.misalignment_deg == 0.0) return;

@@ -1,4 +1,4 @@
-// A range scanner that does not exist: what it would measure of a surface that is known.
+// A simulated range scanner: what it would measure of a known surface.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace soapfilm {
 /// fibonacci: spread evenly over a sphere around the target; ring: on circles of the given elevations.
 enum class Orbit { fibonacci, ring };
 /// central: all rays of a scan start at the scanner (pinhole); parallel: all have one direction; spinning: they start
-/// at the scanner, which turns once about the upright axis z, a ring of rays for each elevation.
+/// at the scanner, which rotates once about the upright axis z, a ring of rays for each elevation.
 enum class Rays { central, parallel, spinning };
 /// ray: somewhere else on its ray, still part of the range image; box: anywhere in the box, outside the range image.
 enum class Outliers { ray, box };
@@ -32,7 +32,7 @@ struct ScannerParams {
 
   // What it sees.
   Rays rays = Rays::central;
-  int columns = 300;  ///< of the range image; 1..20000. Spinning: rays of a turn
+  int columns = 300;  ///< of the range image; 1..20000. Spinning: rays per rotation
   int rows = 300;     ///< spinning: rings, unless `rings_deg` gives them
   double step = 0;  ///< distance between neighboring rays at the target, input units. When > 0 columns and rows follow
                     ///< from it; when 0 it follows from them: the widest view of the box fills the image
@@ -41,13 +41,13 @@ struct ScannerParams {
   std::vector<double> rings_deg;              ///< spinning: of each ring instead, from the top; each in [-90, 90]
   double max_range = 0;                       ///< hits farther away are lost, input units; 0: none are
 
-  // What goes wrong.
+  // Errors.
   double noise = 0;     ///< standard deviation along the ray, input units, >= 0
   double outliers = 0;  ///< share of the samples, [0, 1]
   Outliers outlier_kind = Outliers::ray;
   double drop_out = 0;            ///< share of the hits that are lost, [0, 1)
   double max_incidence_deg = 80;  ///< hits with a larger angle between ray and normal are lost; (0, 90]
-  double ghosts = 0;              ///< share of the hits that come back late, mirrored: behind the surface; [0, 1]
+  double ghosts = 0;              ///< share of the hits with a delayed, mirrored return: behind the surface; [0, 1]
   double ghost_lo = 1;            ///< how far behind it, along its normal, input units, >= 0
   double ghost_hi = 3;            ///< at most; >= ghost_lo
   double mixed_pixels = 0;        ///< share of the pixels at a step in depth that measure between its sides; [0, 1]
@@ -58,14 +58,14 @@ struct ScannerParams {
   uint64_t seed = 1;
 };
 
-/// Scans in one frame, and what is needed to take each back to its own.
+/// Scans in one frame, and their poses, to transform each back to its own.
 struct ScanSet {
   PointCloud cloud;         ///< world frame; every scan has its range grid and its sensor or viewing direction
   std::vector<Pose> poses;  ///< one per scan, as registered: with misalignment, not quite where the scanner stood
 };
 
-/// Scans `surface`. Range images run row by row from the upper left, as the scanner sees them. Views that see nothing
-/// give no scan. The result depends on nothing but the surface and the parameters, not on the number of threads.
+/// Scans `surface`. Range images run row by row from the upper left, as the scanner sees them. Views without hits give
+/// no scan. The result depends only on the surface and the parameters, not on the number of threads.
 ///
 /// Throws ParameterError when a parameter is out of range, or when no ray of any view meets the surface.
 ScanSet virtual_scan(const Surface& surface, const ScannerParams& params, const Context& context);

@@ -15,34 +15,34 @@ namespace soapfilm {
 
 namespace {
 
-/// A coarse level is looked at roughly, and a second time where that leaves the choice open.
+/// A coarse level is solved roughly, and a second time where that leaves the choice open.
 constexpr double trial_tolerance = 3e-3;
 constexpr int trial_iterations = 128, more_iterations = 400;  // per level
 
-/// Of a surface's cost of area: the trials tell no finer.
+/// As a share of a surface's cost of area: the trials are no more accurate.
 constexpr double little = 0.05;
-/// Scanners that see samples in less of the directions around them stand under an open sky.
+/// Scanners that see samples in a smaller share of the directions around them stand under an open sky.
 constexpr double all_covered = 0.75;
-/// Where more of the closed surface is there only to close it, it is the back of a sheet.
+/// If a larger share of the closed surface is there only to close it, it is the back of a sheet.
 constexpr double mostly_closing = 0.4;
 
 /// The level whose cells are as wide as four voxels or, where samples are farther apart than two, twice their spacing:
-/// a film between samples costs there what it costs on finer levels.
+/// the minimal surface between samples costs there what it costs on finer levels.
 int trial_level(const Lattice& lattice, double density) {
   int level = 2;
   for (double here = 4 * density; here < 1 && level < 5; here *= 4) ++level;
   return std::min(level, lattice.levels - 1);
 }
 
-/// Around most objects lies air beyond doubt. A level coarser tells that, too, if it is fine enough.
+/// Most objects are clearly surrounded by air. A coarser level shows that too, if it is fine enough.
 bool has_coarser_trial(const Lattice& lattice, int level) {
   constexpr int fine_enough = 48;  // vertices along the longest side
   const Vec3i n = lattice.size;
   return level + 1 < lattice.levels && std::max({n.x, n.y, n.z}) >> (level + 1) >= fine_enough;
 }
 
-/// The sum of |p| over the faces between the box's free and fixed vertices, of levels from coarse to fine: what lies
-/// outside of a level's band keeps the coarser one's p. Counts twice what a coarser brick shares with the band.
+/// The sum of |p| over the faces between the box's free and fixed vertices, of levels from coarse to fine: outside a
+/// level's band the coarser level's p counts. Bricks partly in the band count twice.
 class BorderFlux {
  public:
   void add(const Level& level) {
@@ -90,21 +90,21 @@ class BorderFlux {
     return sum;
   }
 
-  std::vector<Part> last_;  ///< of the level seen last
-  double kept_ = 0;         ///< of coarser ones, where finer ones have no band
+  std::vector<Part> last_;  ///< of the previous level
+  double kept_ = 0;         ///< of coarser levels, where finer ones have no band
 };
 
-/// What one border gives; energies and costs as of its level.
+/// The result with one border; energies and costs are those of its level.
 struct Trial {
-  double energy = 0;     ///< lowest found; E(0) = 0 competes
-  double bound = 0;      ///< no u has a lower one
+  double energy = 0;     ///< lowest found; at most E(0) = 0
+  double bound = 0;      ///< no u has a lower energy
   double area_cost = 0;  ///< lambda TV(u), at least 1000 lambda
   double flux = 0;       ///< through the border
   double closing = 0;    ///< share of the surface's area that is there only to close it
   int level = 0;
 
-  /// No border gives a lower energy: of what p sends through the border of a closed problem any other one can take at
-  /// most all.
+  /// A lower bound of the energy with any border: another border can gain at most all of the flux of p through the
+  /// border of a closed problem.
   double bound_of_any() const { return bound - flux; }
 };
 
@@ -118,7 +118,7 @@ Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParam
   if (!lattice.open)
     observe.solved = [&](const Level& level, const Lattice&) {
       flux.add(level);
-      // Now, as the level's data does not outlive the solve.
+      // Done here, as the level's data does not outlive the solve.
       closing = closing_share(level, std::ldexp(problem.density, 2 * level.box.level), context);
     };
   const PyramidSolution solution =
@@ -140,7 +140,7 @@ std::string percent(double share) {
   return share >= 0.1 ? fmt::format("{:.0f} %", 100 * share) : fmt::format("{:.2g} %", 100 * share);
 }
 
-/// Shares of a closed surface's cost of area that an open one would spare.
+/// What an open surface would save, as shares of a closed surface's cost of area.
 struct Spared {
   double at_least, at_most;
   double width() const { return at_most - at_least; }
@@ -161,7 +161,7 @@ class Choice {
  public:
   Choice(const BorderParams& params, const Trial& air, const Trial& solid, const Surroundings& scanners)
       : open_gain_(params.open_gain), air_(air), solid_(solid), scanners_(scanners) {
-    // Around scanners lies no object, so rather solid matter where both serve.
+    // What surrounds the scanners is no object, so solid matter is preferred where both fit.
     const double tie = (scanners.all_around() ? -little : little) * solid.area_cost;
     is_solid_ = solid.energy < air.energy - tie;
   }
@@ -175,7 +175,7 @@ class Choice {
   bool under_open_sky(const Spared& spared) const {
     return scanners_.all_around() && scanners_.covered < all_covered && spared.at_most > little;
   }
-  /// The way from a small sheet to the border costs an open surface what it spares.
+  /// For a small sheet, the way to the border costs an open surface as much as it saves.
   bool is_sheet(const Spared& spared) const { return closed().closing > mostly_closing && spared.at_least > little; }
   bool undecided(const Spared& spared) const {
     if (under_open_sky(spared) || is_sheet(spared)) return false;
@@ -209,7 +209,7 @@ class Choice {
   bool is_solid_;
 };
 
-/// As the trials of one level tell.
+/// The choice by the trials of one level.
 BorderReport choose_at(int level, const BorderProblem& problem, const Surroundings& scanners,
                        const BorderParams& params, PrimalDualParams solver, const Context& context) {
   const int asked_iterations = solver.max_iterations;
@@ -250,7 +250,7 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
   return report;
 }
 
-/// Air beyond doubt: solid matter would cost much more, an open surface spare nothing.
+/// Clearly air: solid matter would cost much more, an open surface save nothing.
 bool is_clear(const BorderReport& report) {
   constexpr double much = 0.5;  // of the surface's cost of area
   if (report.chosen != Border::air) return false;

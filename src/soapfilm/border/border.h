@@ -18,12 +18,12 @@
 
 namespace soapfilm {
 
-/// What lies beyond the box, and why. Energies are those of a coarse level, costs of area lambda TV(u) there.
+/// What lies beyond the box, and why. Energies and costs of area (lambda TV(u)) are those of a coarse level.
 struct BorderReport {
   Border chosen = Border::air;
-  std::string reason;  ///< half a line
-  int level = -1;      ///< of the pyramid, on which it was tried; -1: it was not
-  /// Lowest energies with air, solid and nothing beyond; those that were looked for.
+  std::string reason;  ///< half a line of text
+  int level = -1;      ///< of the pyramid, on which borders were compared; -1: none were
+  /// Lowest energies with air, solid and nothing beyond, as far as they were computed.
   std::optional<double> air, solid, open;
   std::optional<double> open_bound;  ///< no open surface has a lower energy
   double area_cost = 0;              ///< of the better closed surface, at least 1000 lambda
@@ -32,10 +32,10 @@ struct BorderReport {
   Surroundings scanners;
 };
 
-/// What is to be solved, on the finest level.
+/// The problem, on the finest level.
 struct BorderProblem {
   const Lattice& lattice;
-  SupportField& field;  ///< turned while solid matter is tried; comes back as it was
+  SupportField& field;  ///< negated while solid matter is tried; restored at the end
   double lambda;
   Norm norm;
   double density;  ///< samples per voxel^2 of surface
@@ -46,16 +46,15 @@ void validate(const BorderParams& params);
 /// f of the complement: minus f.
 void negate(SupportField& field, const Context& context);
 
-/// Which border the data asks for. Solves a coarse level, whose cells are as wide as four voxels or the samples'
-/// spacing, with air beyond the box; its dual, whatever it sends through the border set to 0, bounds the energy that
-/// any other border could reach. Where that leaves something to gain the level is solved with solid matter beyond, and
-/// open. The lower of the two closed energies wins, air where they are alike; unless an open surface
-///   - spares more than params.open_gain of the closed one's cost of area, or
-///   - could spare a twentieth, and the `scanners` stand among samples that leave a quarter of the directions around
-///     them free, such as a street's: far samples are too sparse to tell by energies, or
-///   - spares a twentieth, and more than two fifths of the closed one are there only to close it (closing_share()):
-///   from
-///     a small sheet that lies askew the way to the border costs much of what it spares.
+/// Which border fits the data. Solves a coarse level, whose cells are as wide as four voxels or the samples' spacing,
+/// with air beyond the box; its dual, with the flux through the border set to 0, bounds the energy of any other border.
+/// Where that leaves a possible gain the level is solved with solid matter beyond, and open. The lower of the two
+/// closed energies wins, air where they are alike; unless an open surface
+///   - saves more than params.open_gain of the closed one's cost of area, or
+///   - could save a twentieth, and the `scanners` stand among samples that leave a quarter of the directions around
+///     them free, as in a street: far samples are too sparse to decide by energies, or
+///   - saves a twentieth, and more than two fifths of the closed one are there only to close it (closing_share()):
+///     for a small sheet at an angle to the box, the way to the border costs much of what it saves.
 BorderReport choose_border(const BorderProblem& problem, const Surroundings& scanners, const BorderParams& params,
                            PrimalDualParams solver, const Context& context);
 

@@ -19,7 +19,7 @@ float f_at(const Level& level, Vec3i vertex) {
                   : level.data(static_cast<size_t>(slot))[brick_offset(vertex.x & 7, vertex.y & 7, vertex.z & 7)];
 }
 
-/// Does the data ask for a surface between `inner` and the vertex `step` away from it along the axis?
+/// Does the data support a surface between `inner` and the vertex `step` away from it along the axis?
 bool is_asked_for(const Level& level, Vec3i inner, int axis, int step, double flux) {
   double against = 0;
   Vec3i v = inner;

@@ -6,9 +6,9 @@
 
 namespace soapfilm {
 
-/// Share of the relaxed surface's area, [0, 1], that the data does not ask for: within five vertices beyond it, along
-/// an axis, f takes less than a tenth of `flux`. A sheet's back is half of its closed surface. `flux`: that of the
-/// samples' directions through a face of this level on the mean, as f measures it.
+/// Share of the relaxed surface's area, [0, 1], that the data does not support: within five vertices outside of it,
+/// along an axis, f takes less than a tenth of `flux`. A sheet's back is half of its closed surface. `flux`: the mean
+/// flux of the samples' directions through a face of this level, in units of f.
 double closing_share(const Level& level, double flux, const Context& context);
 
 }  // namespace soapfilm

@@ -16,9 +16,9 @@ constexpr size_t most_scanners = 16, most_samples = 50000;
 /// Directions are counted by the cells of a cube around the scanner, 11 degrees wide in the middle of its faces.
 constexpr int cells_per_edge = 8;
 constexpr size_t cells = 6 * cells_per_edge * cells_per_edge;
-/// A cell that has fewer samples than this share of the mean has none: outliers lie everywhere.
+/// A cell with fewer samples than this share of the mean counts as empty: outliers lie everywhere.
 constexpr double least_share = 0.02;
-/// Among samples is, who has at least this share of them beyond, whichever way one looks.
+/// A scanner stands among the samples if at least this share of them lies beyond it, in every direction.
 constexpr double least_beyond = 0.005;
 
 /// Different places, from samples evenly spread over the cloud.
@@ -70,7 +70,7 @@ View look_from(Vec3d place, const PointCloud& cloud) {
     ++seen[cell_of(d)];
     size_t way = 0;
     for (int code = 0; code < ways + 1; ++code) {
-      if (code == ways / 2) continue;  // no way at all
+      if (code == ways / 2) continue;  // not a direction
       beyond[way++] += dot(d, static_cast<Vec3d>(Vec3i{code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1})) > 0;
     }
   }

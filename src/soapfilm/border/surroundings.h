@@ -1,4 +1,4 @@
-// How the samples lie around the scanners: in front of them, as an object does, or on all sides.
+// How the samples lie around the scanners: in front of them, as with an object, or on all sides.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,18 @@
 
 namespace soapfilm {
 
-/// How the samples lie around the scanners: in front of them, as an object does, or on all sides.
+/// How the samples lie around the scanners: in front of them, as with an object, or on all sides.
 struct Surroundings {
-  size_t scanners = 0;  ///< places looked from; 0: no scanner's place is known
-  size_t among = 0;     ///< of them, how many stand among the samples: some lie beyond them whichever way one looks
-  double covered = 0;   ///< mean share of the directions around those, in which samples lie; 0 to 1
+  size_t scanners = 0;  ///< scanner positions used; 0: none is known
+  size_t among = 0;     ///< how many of them stand among the samples: some samples lie beyond them in every direction
+  double covered = 0;   ///< mean share of the directions around these that contain samples; 0 to 1
 
-  /// Most scanners stand among what they saw: it is no object, it lies around them.
+  /// Most scanners stand among their samples: these are no object, but surround the scanner.
   bool all_around() const { return among > 0 && 2 * among > scanners; }
 };
 
-/// Looks from some of the scanners' places, spread evenly over the samples, at some of the samples, likewise. `sensor`
-/// is where scanners stand whose scans do not say it.
+/// Evaluates some of the scanners' positions, and from each some of the samples, both evenly spread over the cloud.
+/// `sensor` is the position for scans without one.
 Surroundings look_around(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Context& context);
 
 }  // namespace soapfilm

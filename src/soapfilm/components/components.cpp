@@ -7,21 +7,21 @@
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/components/parts.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
-#include "soapfilm/components/parts.h"
 
 namespace soapfilm {
 
 namespace {
 
-/// How far before and behind a sample its sides are looked up, voxels: where accurate samples tell, and beyond noise. A
-/// viewing direction may be oblique to the surface and reach less deep.
+/// Distances before and behind a sample at which its two sides are looked up, voxels: one for accurate samples, one
+/// beyond noise. A viewing direction may be oblique to the surface and reach less deep.
 constexpr std::array<float, 2> reaches{1, 2};
-/// The parts whose surface a sample lies on, by each reach; 0 where there is none.
+/// The parts whose surface a sample lies on, one for each reach; 0 where there is none.
 using Supported = std::array<uint32_t, reaches.size()>;
 
-/// std::floor without the call that it is where the processor's own rounding may be missing.
+/// Like std::floor, which is a function call if the target may lack a rounding instruction.
 int floor_of(float x) {
   const int towards_zero = static_cast<int>(x);
   return towards_zero - (static_cast<float>(towards_zero) > x);
@@ -44,13 +44,13 @@ Supported supported_parts(const Parts& parts, const PartsAround& around, Vec3f l
   return supported;
 }
 
-/// Samples on the surface of each part, and what they weigh.
+/// Number of samples on the surface of each part, and the sum of their weights.
 struct Evidence {
   std::vector<double> count;  ///< each by its weight in the cloud
   std::vector<double> weight;
 };
 
-/// The same of some samples, for the few parts that these lie on.
+/// The same for some samples, for the few parts that these lie on.
 struct PartEvidence {
   uint32_t part;
   double count;
@@ -64,8 +64,8 @@ void add_evidence(uint32_t part, double count, double weight, std::vector<PartEv
   at->weight += weight;
 }
 
-/// A sample that two surfaces may claim counts for both, so that what happens to one of the parts takes nothing from
-/// the other.
+/// A sample that may lie on two surfaces counts for both, so that removing one of the parts leaves the support of the
+/// other unchanged.
 Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Context& context) {
   std::vector<std::vector<PartEvidence>> in_brick(samples.bricks.size());
   parallel_for(context, samples.bricks.size(), 16, [&](size_t b) {
@@ -87,7 +87,7 @@ Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Conte
   return evidence;
 }
 
-/// Which parts stay. Where no object would, the one with most samples does.
+/// Which parts stay. If no component would, the one with most samples does.
 std::vector<uint8_t> parts_to_keep(const Parts& parts, const std::vector<double>& count,
                                    const std::vector<double>& support, const ComponentParams& params) {
   const double few = params.few_samples, many = params.many_samples;
@@ -105,7 +105,7 @@ std::vector<uint8_t> parts_to_keep(const Parts& parts, const std::vector<double>
   return keep;
 }
 
-/// Which side each part ends on: its own, or where it is dropped that of the part around it.
+/// The final side of each part: its own, or where it is dropped that of the part around it.
 std::vector<uint8_t> final_sides(const Parts& parts, const std::vector<uint8_t>& keep) {
   constexpr uint8_t unknown = 2;
   std::vector<uint8_t> side(parts.size(), unknown);
@@ -132,8 +132,8 @@ void validate(const ComponentParams& params) {
   require("many_samples", params.many_samples);
 }
 
-void drop_components(Level& level, float threshold, const GridSamples& samples, double density, const ComponentParams& params,
-                  const Context& context, ComponentReport& report) {
+void drop_components(Level& level, float threshold, const GridSamples& samples, double density,
+                     const ComponentParams& params, const Context& context, ComponentReport& report) {
   const Parts parts(level, threshold, context);
   const auto [count, weight] = evidence_of(parts, samples, context);
   std::vector<double> area(parts.size()), support(parts.size());

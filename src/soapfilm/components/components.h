@@ -1,4 +1,4 @@
-// Drops what too few samples vouch for: specks that outliers leave outside, bubbles that they leave inside.
+// Removes components and cavities supported by too few samples, such as those that outliers cause.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,12 @@ namespace soapfilm {
 /// Throws ParameterError naming the first value that is out of its range, and the range.
 void validate(const ComponentParams& params);
 
-/// Moves the parts of u > threshold (components/parts.h) that their samples do not support to the side around them, voids
-/// like objects: there u becomes 0 or 1. `density` is in samples per voxel^2 of surface. A sample supports the surface
-/// that it lies on when it looks across it, from inside to outside, by its weight. Where no object would stay, the one
-/// with most samples does. Doing it twice changes nothing more; the result does not depend on the number of threads.
-void drop_components(Level& level, float threshold, const GridSamples& samples, double density, const ComponentParams& params,
-                  const Context& context, ComponentReport& report);
+/// Gives the parts of u > threshold (components/parts.h) that their samples do not support to the part around them,
+/// cavities as well as components: there u becomes 0 or 1. `density` is in samples per voxel^2 of surface. A sample
+/// supports the surface that it lies on if its direction crosses it from inside to outside, by its weight. If no
+/// component would stay, the one with most samples does. Doing it twice changes nothing more; the result does not
+/// depend on the number of threads.
+void drop_components(Level& level, float threshold, const GridSamples& samples, double density,
+                     const ComponentParams& params, const Context& context, ComponentReport& report);
 
 }  // namespace soapfilm

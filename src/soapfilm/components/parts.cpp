@@ -38,7 +38,7 @@ BrickBits first_piece(const BrickBits& allowed, bool inside) {
   }
 }
 
-/// Vertices of `b`, in the brick at `offset`, that share a face with one of `a`, counted for each.
+/// How many pairs of a vertex of `a` and one of `b`, in the brick at `offset`, share a face.
 uint32_t shared_faces(const BrickBits& a, Vec3i offset, const BrickBits& b) {
   size_t faces = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -126,7 +126,7 @@ void Parts::touch_brick(const Level& level, size_t brick, std::vector<Contact>& 
         touch(a, offset, BrickBits::full(), level.missing_u(n, coord + offset) > 0, node_of_missing(n, coord + offset));
         continue;
       }
-      // Two bricks, and two pieces of one, meet once.
+      // Each pair of bricks, or of pieces of one, is visited once.
       const auto other = static_cast<size_t>(n);
       if (other > brick) continue;
       const uint32_t end = other == brick ? a : first_piece_[other + 1];
@@ -136,8 +136,8 @@ void Parts::touch_brick(const Level& level, size_t brick, std::vector<Contact>& 
   }
 }
 
-/// Gaps touch those of the rows around and the domain's end. (Where two of different sides would touch, the surface
-/// between them would be nobody's: extract/isosurface.h.)
+/// Gaps touch those of the rows around and the end of the domain. (If two of different sides touched, the surface
+/// between them would not be drawn: extract/isosurface.h.)
 void Parts::touch_gaps(std::vector<Contact>& contacts) const {
   const Vec3i bricks = grid_.bricks();
   const auto end_of_row = [&](size_t begin) {
@@ -187,7 +187,7 @@ void Parts::number_parts(const std::vector<std::vector<Contact>>& contacts) {
       const uint32_t a = root_of(parent, c.a), b = root_of(parent, c.b);
       parent[std::max(a, b)] = std::min(a, b);
     }
-  // The smaller root stayed, so a part's number is known when its first node is met.
+  // The root is the smallest node, so a part's number is known when its first node is met.
   part_.assign(parent.size(), none);
   const auto put = [&](uint32_t node, bool inside, size_t vertices) {
     const uint32_t root = root_of(parent, node);

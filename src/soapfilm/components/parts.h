@@ -1,4 +1,4 @@
-// What hangs together: the connected parts of the thresholded solution and of what it leaves out.
+// The connected parts of the thresholded solution: of its inside and of its outside.
 #pragma once
 
 #include <array>
@@ -20,10 +20,10 @@ struct Part {
   size_t faces = 0;  ///< pairs of neighboring vertices, one of them in `around`
 };
 
-/// The connected parts of u > threshold, in which six neighbors are connected, and of the rest, in which 26 are, as
-/// the extracted surface has it (docs/reference/topology.md). So the parts form a tree: each but the outermost lies in
-/// one other part of the opposite side (Rosenfeld 1974). They are numbered in the order of their first bricks, whatever
-/// the number of threads; part 0 is the outermost, beyond the domain too.
+/// The connected parts of u > threshold (6-connected) and of the rest (26-connected), as in the extracted surface
+/// (docs/reference/topology.md). So the parts form a tree: each except the outermost lies in one other part of the
+/// opposite side (Rosenfeld 1974). They are numbered in the order of their first bricks, whatever the number of
+/// threads; part 0 is the outermost, which extends beyond the domain.
 class Parts {
  public:
   Parts(const Level& level, float threshold, const Context& context);
@@ -31,13 +31,13 @@ class Parts {
   size_t size() const { return parts_.size(); }
   const Part& operator[](uint32_t part) const { return parts_[part]; }
 
-  /// Writes 1 or 0, as inside[part] says, where that is another side than the part's; other values of u stay.
+  /// Writes inside[part], 1 or 0, to u where that is not the part's side; other values of u stay.
   void write(const std::vector<uint8_t>& inside, Level& level, const Context& context) const;
 
  private:
   friend class PartsAround;
 
-  /// A connected part of one brick. Parts are made of pieces and of gaps: runs of missing bricks along x.
+  /// A connected part within one brick. Parts consist of pieces and of gaps: runs of missing bricks along x.
   struct Piece {
     BrickBits vertices;
     bool inside;
@@ -52,7 +52,7 @@ class Parts {
     uint32_t faces;  ///< 0: connected
   };
 
-  // Nodes: 0 is all that lies beyond the domain, then the pieces, then the gaps.
+  // Nodes: 0 is everything beyond the domain, then the pieces, then the gaps.
   uint32_t node_of_piece(uint32_t piece) const { return 1 + piece; }
   uint32_t node_of_gap(int32_t gap) const {
     return 1 + static_cast<uint32_t>(pieces_.size()) + static_cast<uint32_t>(gap);
@@ -74,8 +74,8 @@ class Parts {
   std::vector<Part> parts_;
 };
 
-/// What holds the vertices of a brick and of the 26 around it, looked up once for many vertices. Most bricks hold but
-/// one part or two: of these a bit tells which.
+/// The parts of the vertices of a brick and of the 26 around it, looked up once for many vertices. Most bricks hold
+/// only one or two parts: there a bit distinguishes them.
 class PartsAround {
  public:
   PartsAround(const Parts& parts, Vec3i brick);
@@ -90,8 +90,8 @@ class PartsAround {
 
  private:
   struct Holder {
-    BrickBits first;                 ///< what the first piece holds; nothing where the brick is missing
-    std::array<uint32_t, 2> part{};  ///< beside the first piece, and its own
+    BrickBits first;                 ///< vertices of the first piece; none where the brick is missing
+    std::array<uint32_t, 2> part{};  ///< part outside the first piece, and its own
     uint32_t further = 0;            ///< the second piece of three or more; 0: no more than two
   };
   uint32_t further_part(const Holder& holder, int x, int y, int z) const;

@@ -1,4 +1,4 @@
-// Where the scanners stand in a solution: in the air, or where none can?
+// Whether the scanners stand in the air in a solution, or where none can stand.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace soapfilm {
 
-/// Different positions of scanners, at most some 64 of them: of scans (`sensor` of those that name none) and of
+/// Different positions of scanners, at most about 64 of them: of scans (`sensor` for those without a position) and of
 /// samples.
 std::vector<Vec3d> scanner_positions(const PointCloud& cloud, const std::optional<Vec3d>& sensor);
 
-/// Looks at the vertex nearest to each position (lattice coordinates). `complement`: the level's inside is air, and
+/// Evaluates the vertex nearest to each position (lattice coordinates). `complement`: the level's inside is air, and
 /// solid matter lies beyond its box; otherwise air does.
 ScannerReport place_scanners(const Level& level, float threshold, bool complement, const std::vector<Vec3d>& positions);
 

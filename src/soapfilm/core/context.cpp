@@ -28,7 +28,11 @@ Context::State::State(int thread_count, const std::string& simd_target, Progress
       pages(PagePool::make()) {}
 
 Context::State::State(const State& parent, Progress* whole, double begin, double end)
-    : reports(&part), stopped_by(parent.stopped_by), kernels(parent.kernels), threads(parent.threads), pages(parent.pages) {
+    : reports(&part),
+      stopped_by(parent.stopped_by),
+      kernels(parent.kernels),
+      threads(parent.threads),
+      pages(parent.pages) {
   part.whole = whole;
   part.begin = begin;
   part.end = end;

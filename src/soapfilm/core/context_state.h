@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "soapfilm/context.h"
-#include "soapfilm/platform/page_pool.h"
 #include "soapfilm/core/threads.h"
+#include "soapfilm/platform/page_pool.h"
 
 namespace soapfilm {
 

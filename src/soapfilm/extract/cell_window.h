@@ -1,4 +1,4 @@
-// What the cells of one block of the grid touch, as the extraction of an isosurface looks at it.
+// The vertices of the cells of one block of the grid, for the extraction of an isosurface.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace soapfilm {
 
-/// An inside bit for each of the 9^3 vertices that a block's cells touch and, where there is a surface, the values.
+/// An inside bit for each of the 9^3 vertices of a block's cells and, where there is a surface, the values.
 struct CellWindow {
   static constexpr int side = brick_side + 1;  // vertices along an axis
 
@@ -27,7 +27,7 @@ struct CellWindow {
   }
   float value(Vec3i v) const { return values[static_cast<size_t>(offset(v.x, v.y, v.z))]; }
 
-  /// Whether there are vertices inside and others.
+  /// Whether there are vertices both inside and outside.
   bool has_both_sides() const {
     constexpr uint16_t whole = (1 << side) - 1;
     uint16_t any = 0, all = whole;
@@ -39,7 +39,7 @@ struct CellWindow {
     return any != 0 && all != whole;
   }
 
-  /// Of marching cubes, for a cell.
+  /// Case of marching cubes, for a cell.
   int case_of(int x, int y, int z) const {
     const auto pair = [&](int dy, int dz) { return inside[z + dz][y + dy] >> x & 3; };
     return pair(0, 0) | pair(1, 0) << 2 | pair(0, 1) << 4 | pair(1, 1) << 6;

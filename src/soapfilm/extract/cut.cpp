@@ -13,7 +13,8 @@ namespace {
 
 constexpr uint32_t none = ~uint32_t{0};
 
-/// Gives each fan of triangles around a vertex a vertex of its own: corners of triangles that share an edge are one.
+/// Gives each fan of triangles around a vertex a vertex of its own: corners of triangles that share an edge are one
+/// fan.
 class Fans {
  public:
   explicit Fans(Mesh& mesh) : mesh_(mesh), fans_(3 * mesh.triangles.size()) { join_across_edges(); }

@@ -12,23 +12,23 @@ namespace soapfilm {
 /// One bit for each edge whose lower vertex lies in a brick: word 3 z + axis, bit x + 8 y.
 using BrickEdges = std::array<uint64_t, 3 * brick_side>;
 
-/// What is drawn of the cells and edges whose lower vertex lies in one brick.
+/// The drawn ones of the cells and edges whose lower vertex lies in one brick.
 struct DrawnCells {
   std::array<std::array<uint8_t, brick_side>, brick_side> cells;  ///< [z][y], bit x
   BrickEdges edges;                                               ///< that touch a drawn cell
-  /// Edges whose drawn cells are two that share no face. One surface point there would hold two sheets together that
-  /// have nothing else in common, so each gets its own; the cell above the edge along takes_second_axis() has the
-  /// second one.
+  /// Edges whose drawn cells are two that share no face. One surface point there would join two sheets that have
+  /// nothing else in common, so each gets its own; the cell above the edge along takes_second_axis() uses the second
+  /// one.
   BrickEdges split;
 
-  /// All of them.
+  /// Draws all of them.
   DrawnCells();
-  /// Cells whose eight corners are known: `weight` > 0 there. Bricks that the grid lacks are not known. `brick` need
-  /// not be in the grid.
+  /// Draws cells whose eight corners are known: `weight` > 0 there. Bricks that are not in the grid are unknown.
+  /// `brick` need not be in the grid.
   DrawnCells(const BrickGrid& grid, const Field<float>& weight, Vec3i brick);
 };
 
-/// The two cells of a split edge lie on different sides of it along both other axes; this one tells them apart.
+/// The two cells of a split edge lie on different sides of it along both other axes; this one distinguishes them.
 constexpr int takes_second_axis(int edge_axis) { return (edge_axis + 2) % 3; }
 
 }  // namespace soapfilm

@@ -26,7 +26,7 @@ namespace mc = marching_cubes;
 
 constexpr int words_per_block = static_cast<int>(BrickEdges{}.size());
 constexpr double least_fraction = 1e-3;  // of an edge, from a vertex to the nearest of its surface points
-constexpr double crowded = 0.15;         // of an edge: cut nearer to an end, its vertices may have to be pushed away
+constexpr double crowded = 0.15;         // of an edge: if cut nearer to an end, its vertices may have to be moved away
 constexpr size_t blocks_per_task = 64;
 
 /// A block owns the cells and the edges whose lower vertex lies in its brick. All bricks of the grid are blocks, and
@@ -111,7 +111,7 @@ class Extraction {
   bool has_vertices(size_t block) const { return first_vertex_[block + 1] > first_vertex_[block]; }
   bool has_triangles(size_t block) const { return first_triangle_[block + 1] > first_triangle_[block]; }
 
-  /// work(block, window), without the window's values, for the wanted blocks whose vertices lie on both sides.
+  /// work(block, window), without the window's values, for the wanted blocks with vertices on both sides.
   template <class Wanted, class Work>
   void for_blocks(Wanted&& wanted, Work&& work) const {
     parallel_chunks(context_, blocks_.size(), blocks_per_task, [&](size_t begin, size_t end) {
@@ -124,7 +124,7 @@ class Extraction {
     });
   }
 
-  /// Largest height, up or down, in a brick of the grid and in missing ones next to it.
+  /// Largest absolute height in a brick of the grid and in missing ones next to it.
   double highest_around(size_t brick) const {
     const float* values = value_.brick(brick);
     float least[brick_side], most[brick_side];
@@ -250,11 +250,11 @@ class Extraction {
     return std::clamp(low / (low - high), least_fraction, 1 - least_fraction);
   }
 
-  /// The height of a vertex over the isovalue; where the surface all but meets the vertex, it is moved along its normal
-  /// by at most 1/1000 of an edge, together on all the vertex's edges: points moved one by one would turn the small
+  /// The height of a vertex over the isovalue; where the surface almost meets the vertex, it is moved along its normal
+  /// by at most 1/1000 of an edge, together on all the vertex's edges: points moved one by one would flip the small
   /// triangles between them.
   double pushed_away(size_t block, const CellWindow& window, Vec3i v, double height) const {
-    if (std::abs(height) >= least_fraction * (highest_ + std::abs(height))) return height;  // as mostly
+    if (std::abs(height) >= least_fraction * (highest_ + std::abs(height))) return height;  // the usual case
     double steepest = 0;
     for (int axis = 0; axis < 3; ++axis)
       for (const int up : {-1, 1}) {
@@ -267,7 +267,7 @@ class Extraction {
     return height > 0 ? std::max(height, least) : std::min(height, -least);
   }
 
-  /// Of a vertex at most one brick away from the block's; none where nothing was seen.
+  /// Value of a vertex at most one brick away from the block's; none where unknown.
   std::optional<double> known_value(size_t block, const CellWindow& window, Vec3i v) const {
     if (!weight_ && window.holds(v)) return window.value(v);
     const Vec3i step{v.x >> 3, v.y >> 3, v.z >> 3};
@@ -311,7 +311,7 @@ class Extraction {
     return static_cast<uint32_t>(index);
   }
 
-  /// A surface point between two bricks that are both missing: nobody would draw the other side of it.
+  /// A surface point between two missing bricks: the other side of it would not be drawn.
   [[noreturn]] void refuse_missing(size_t block) const {
     const Vec3i b = brick_coord(block);
     throw ParameterError(fmt::format(
@@ -326,7 +326,7 @@ class Extraction {
   float isovalue_;
   const Lattice& lattice_;
   const Context& context_;
-  double highest_ = 0;             // no vertex of the surface's cells is higher over the isovalue, or deeper below it
+  double highest_ = 0;             // largest absolute height over the isovalue of all vertices of the surface's cells
   std::vector<BrickBits> inside_;  // by brick of the grid
   BrickGrid blocks_;
   std::vector<int32_t> brick_of_;  // by block: the grid's brick, < 0 where it has none

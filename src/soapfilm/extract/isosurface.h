@@ -11,13 +11,14 @@
 
 namespace soapfilm {
 
-/// The one value of a brick that the grid lacks, by brick coordinates; these may lie outside the box of bricks.
+/// The constant value of a brick that is not in the grid, by brick coordinates; these may lie outside the box of
+/// bricks.
 using MissingBrickValue = std::function<float(Vec3i brick)>;
 
 /// Marching cubes with the table of extract/marching_cubes_table.h. A vertex is inside where its value exceeds
-/// `isovalue`; the surface point on an edge follows from linear interpolation. Where the surface all but meets a vertex
+/// `isovalue`; the surface point on an edge follows from linear interpolation. Where the surface almost meets a vertex
 /// it is moved away along its normal, until none of the vertex's edges is cut nearer to it than at 1/1000, so that no
-/// triangle loses its area and small ones face where the surface does. Triangles are counter-clockwise seen from
+/// triangle degenerates and small ones have the orientation of the surface. Triangles are counter-clockwise seen from
 /// outside, where values are lower.
 ///
 /// The mesh is closed, manifold and without unused vertices whenever two missing bricks that touch (also by an edge or
@@ -30,8 +31,8 @@ using MissingBrickValue = std::function<float(Vec3i brick)>;
 Mesh extract_isosurface(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value,
                         float isovalue, const Lattice& lattice, const Context& context);
 
-/// The same where it is known: only the cells are drawn whose eight corners have a `weight` > 0, so the surface ends
-/// where nothing was seen (Curless and Levoy 1996, section 4). Bricks that the grid lacks are not known.
+/// The same for partly known values: only the cells are drawn whose eight corners have a `weight` > 0, so the surface
+/// ends where nothing was seen (Curless and Levoy 1996, section 4). Bricks that are not in the grid are unknown.
 ///
 /// The mesh is a manifold with boundary and without unused vertices: where two drawn cells around an edge share no
 /// face, each gets a vertex of its own at the same place. Positions, order, orientation and errors as above.

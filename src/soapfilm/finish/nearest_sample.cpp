@@ -19,7 +19,7 @@ double to_brick2(Vec3d place, Vec3i brick) {
   return sum;
 }
 
-/// bricks at the Chebyshev distance `r` from `center`, in a fixed order.
+/// Visits the bricks at the Chebyshev distance `r` from `center`, in a fixed order.
 template <class Visit>
 void for_each_of_shell(Vec3i center, int r, Visit&& visit) {
   for (int z = -r; z <= r; ++z)

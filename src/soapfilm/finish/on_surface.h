@@ -1,4 +1,4 @@
-// Is a sample one of a surface, or an outlier?
+// Does a sample lie on a surface, or is it an outlier?
 #pragma once
 
 #include "soapfilm/core/vec.h"
@@ -6,9 +6,9 @@
 
 namespace soapfilm {
 
-/// Whether the samples within 8 voxels of a place (lattice coordinates) are at least six and lie about in a plane or
-/// along a line, as those of a surface or of one sweep over it do. Outliers are few, or fill the ball. A guess: of six
-/// outliers one time in four lies so.
+/// Whether there are at least six samples within 8 voxels of a place (lattice coordinates) that lie roughly in a plane
+/// or along a line, like those of a surface or of one scan line over it. Outliers are few, or fill the ball. A guess:
+/// of six outliers, one case in four passes.
 bool looks_like_surface(const GridSamples& samples, Vec3d place);
 
 }  // namespace soapfilm

@@ -19,7 +19,7 @@ namespace {
 constexpr size_t most_picked = 20000;
 constexpr uint64_t seed = 20000;
 
-/// Samples picked by lot: one of each stretch of them.
+/// Samples chosen at random: one from each interval of their order.
 struct Picked {
   std::vector<Vec3d> places;  ///< lattice coordinates
   std::vector<float> weights;
@@ -63,8 +63,8 @@ double distance2(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
   return to(a + ab * (vb / sum) + ac * (vc / sum));
 }
 
-/// Places by the cubes of 8 voxels that they have within their reach: what is near a vertex or a triangle is in the
-/// lists of the cubes that it meets. Cubes share a list where their hashes are equal: that only costs time.
+/// Points, hashed by the cubes of 8 voxels within their reach: the points near a vertex or a triangle are in the lists
+/// of the cubes that it intersects. Cubes with equal hashes share a list: that only costs time.
 class Reached {
  public:
   Reached(const std::vector<Vec3d>& places, double reach)
@@ -94,7 +94,7 @@ class Reached {
     });
   }
 
-  /// From now on looks for those alone that were not found yet; which they are.
+  /// Restricts further searches to the points not found yet, and returns these.
   const std::vector<uint32_t>& keep_missed() {
     std::erase_if(wanted_, [&](uint32_t i) { return found_[i].load(std::memory_order_relaxed) != 0; });
     index_wanted();
@@ -148,9 +148,9 @@ class Reached {
   std::vector<uint32_t> wanted_;
 };
 
-/// Which of the picked samples lie farther than the reach from the mesh. Nearly all samples are near a corner of every
-/// eighth triangle: some seven of these lie within 3 voxels of a place on the surface. Whole triangles tell of the
-/// others.
+/// Which of the chosen samples lie farther than the reach from the mesh. Nearly all samples are near a corner of every
+/// eighth triangle: about seven of these lie within 3 voxels of a point on the surface. Only the others are tested
+/// against whole triangles.
 std::vector<uint32_t> lost_of(const std::vector<Vec3d>& picked, double reach, const Mesh& mesh, const Lattice& lattice,
                               const Context& context) {
   constexpr size_t step = 8;
@@ -166,7 +166,7 @@ std::vector<uint32_t> lost_of(const std::vector<Vec3d>& picked, double reach, co
   return reached.keep_missed();
 }
 
-/// Of the lost ones, or of some of them.
+/// Share of outliers among the lost samples, or among some of them.
 double outlier_share(const std::vector<Vec3d>& picked, const std::vector<uint32_t>& lost, const GridSamples& samples) {
   constexpr size_t enough = 400;
   const size_t step = (lost.size() + enough - 1) / enough;
@@ -175,8 +175,8 @@ double outlier_share(const std::vector<Vec3d>& picked, const std::vector<uint32_
   return static_cast<double>(outliers) / static_cast<double>(looked_at);
 }
 
-/// Standard deviation of a normal distribution's noise, as multiple of `reach`, if a share `beyond` of it is farther
-/// than that from the mean.
+/// Standard deviation of normal noise, as a multiple of `reach`, if a share `beyond` of it is farther than that from
+/// the mean.
 double noise_of(double beyond) {
   double lo = 0, hi = 10;  // of reach over the deviation
   for (int halving = 0; halving < 50; ++halving) {
@@ -186,8 +186,8 @@ double noise_of(double beyond) {
   return 2 / (lo + hi);
 }
 
-/// Noise loses samples all around its surface: then about as many lie beyond half the reach as a normal distribution
-/// has there. Where parts of a surface are lost, the other samples are near it.
+/// Noise loses samples everywhere along its surface: then about as many lie beyond half the reach as for a normal
+/// distribution. Where parts of a surface are lost, the other samples are near it.
 double noise_of_lost(const Picked& picked, double lost, const Mesh& mesh, const Lattice& lattice,
                      const Context& context) {
   constexpr double alike = 0.8;
@@ -202,7 +202,8 @@ struct Area {
   void operator+=(const Area& other) { all += other.all, far += other.far; }
 };
 
-/// Area around a place on a triangle of each stretch of them, by lot; small meshes have several on each.
+/// Tests one random point per interval of the triangles, which stands for the interval's area; small meshes have
+/// several on each triangle.
 Area invented_area(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const Context& context,
                    size_t& places) {
   const size_t triangles = mesh.triangles.size();
@@ -210,14 +211,14 @@ Area invented_area(const Mesh& mesh, const GridSamples& samples, const Lattice& 
   const size_t stretch = (triangles + most_picked - 1) / most_picked;
   const size_t stretches = (triangles + stretch - 1) / stretch, repeats = most_picked / stretches;
   places = stretches * repeats;
-  // Just beyond the reach, for which the clamped distance is more than it.
+  // Just beyond the reach, so that clamped distances can exceed it.
   constexpr double limit = self_check_reach + 0.01;
   return sum_chunks<Area>(places, 256, context, [&](size_t begin, size_t end) {
     Area part;
     for (size_t k = begin; k < end; ++k) {
       Random random(Random(seed + k).next());
       const Triangle& t = mesh.triangles[one_of_stretch(k % stretches, stretch, triangles)];
-      // Uniform in a triangle: sqrt of one number, the other as it is (Turk 1990).
+      // Uniform in a triangle: sqrt of one number, the other unchanged (Turk 1990).
       const double r = std::sqrt(random.uniform()), s = random.uniform();
       const Vec3d a = mesh.vertices[t[0]], b = mesh.vertices[t[1]] - a, c = mesh.vertices[t[2]] - a;
       const double area = norm(cross(b, c));

@@ -19,10 +19,10 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double spacings = 3;          // without a distance given: voxels, or mean distances between samples
-constexpr double search_share = 1.5;    // of the distance: how far samples are looked for
-constexpr int smoothing_passes = 3;     // a ragged line of cut follows single samples otherwise
-constexpr double nearest_cut = 0.2;     // share of an edge, from its ends: no slivers beside a cut
+constexpr double spacings = 3;          // without a given distance: in voxels, or in mean distances between samples
+constexpr double search_share = 1.5;    // of the distance: how far samples are searched
+constexpr int smoothing_passes = 3;     // otherwise a ragged cut follows single samples
+constexpr double nearest_cut = 0.2;     // share of an edge, from its ends: no slivers at a cut
 constexpr double membrane_share = 0.1;  // of a closed mesh's area: larger regions are no holes to fill
 constexpr double leftover_area = 5;     // times distance^2: a little more than the disk around a single sample
 
@@ -31,7 +31,7 @@ double area_of(const Mesh& mesh, const Triangle& t) {
   return 0.5 * norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
 }
 
-/// The distance field on the vertices, relative to where it is cut: 1 there, more where surface is to go.
+/// The distance on the vertices, relative to that of the cut: 1 there, more where surface is removed.
 class Cut {
  public:
   Cut(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double distance, const Context& context)
@@ -49,7 +49,7 @@ class Cut {
     return std::all_of(level_.begin(), level_.end(), [](double level) { return level > 1; });
   }
 
-  /// Marks regions that stay as near; returns whether anything is left to cut.
+  /// Marks regions that stay as near; returns whether anything remains to be cut.
   bool choose_regions(bool open, bool holes, TrimReport& report) {
     DisjointSets regions(level_.size());
     std::vector<double> area(level_.size());
@@ -71,7 +71,7 @@ class Cut {
     for (uint32_t v = 0; v < level_.size(); ++v) {
       if (!far(v)) continue;
       const uint32_t root = regions.root(v);
-      if (root == v) {  // comes before the others: the least vertex of a region is its root
+      if (root == v) {  // the root is the region's lowest vertex, so it comes first
         if (holes || (!open && area[v] > membrane_share * whole)) goes[v] = 1;
         ++(goes[v] ? report.removed : report.filled);
       }
@@ -81,7 +81,7 @@ class Cut {
     return report.removed > 0;
   }
 
-  /// Far vertices that the cut passes closely are on it, and stay. (Near ones move it away a little: cut_point().)
+  /// Far vertices close to the cut are moved onto it, and stay. (Near ones move the cut a little: cut_point().)
   void snap_cuts() {
     on_cut_.assign(level_.size(), 0);
     for (const Triangle& t : mesh_.triangles)
@@ -95,7 +95,7 @@ class Cut {
       if (on_cut_[v]) level_[v] = 1;
   }
 
-  /// The triangles on the near side of the cut; triangles that the cut passes are clipped.
+  /// Keeps the triangles on the near side of the cut, and clips those that it crosses.
   void clip() {
     std::vector<Triangle> kept;
     kept.reserve(mesh_.triangles.size());
@@ -133,7 +133,7 @@ class Cut {
     mesh_.triangles = std::move(kept);
   }
 
-  /// Small pieces that a cut has touched.
+  /// Removes small pieces that a cut has touched.
   size_t drop_leftovers() {
     const size_t count = mesh_.vertices.size();
     DisjointSets pieces(count);
@@ -154,7 +154,7 @@ class Cut {
       drop[v] = touched[v] && area[v] < leftover_area * distance_ * distance_;
       dropped += drop[v];
     }
-    // Where nothing else would be left, the pieces stay.
+    // If nothing else would be left, the pieces stay.
     const bool all = std::all_of(mesh_.triangles.begin(), mesh_.triangles.end(),
                                  [&](const Triangle& t) { return drop[pieces.root(t[0])] != 0; });
     if (all) drop.assign(count, 0);
@@ -169,7 +169,7 @@ class Cut {
     return std::max((1 - level_[near_end]) / (level_[far_end] - level_[near_end]), nearest_cut);
   }
 
-  /// Jacobi's passes, in the order of the triangles. What is near stays near.
+  /// Jacobi passes, in the order of the triangles. Near vertices stay near.
   void smooth() {
     const std::vector<double> measured = level_;
     std::vector<double> sum(level_.size());
@@ -189,7 +189,7 @@ class Cut {
       if (measured[v] <= 1) level_[v] = std::min(level_[v], measured[v]);
   }
 
-  /// Far vertices at edges of one triangle alone.
+  /// Far vertices on boundary edges.
   std::vector<uint32_t> far_on_border() const {
     std::vector<std::pair<uint32_t, uint32_t>> edges;
     for (const Triangle& t : mesh_.triangles)
@@ -223,7 +223,7 @@ class Cut {
   double distance_;
   std::vector<double> level_;
   std::vector<uint8_t> on_cut_;                    // snapped to it
-  std::vector<uint8_t> at_cut_;                    // all vertices of triangles that it passes
+  std::vector<uint8_t> at_cut_;                    // all vertices of triangles that it crosses
   std::unordered_map<uint64_t, uint32_t> points_;  // by edge
 };
 

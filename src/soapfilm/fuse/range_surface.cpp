@@ -48,7 +48,7 @@ double spacing(const RangeGrid& grid, std::span<const Vec3d> p) {
   return largest;
 }
 
-/// All triangles that the grid can give, each turning the same way in it.
+/// All triangles that the grid can give, all with the same orientation in it.
 std::vector<Triangle> join_pixels(const RangeGrid& grid, std::span<const Vec3d> p) {
   std::vector<Triangle> triangles;
   for (int row = 0; row + 1 < grid.rows; ++row) {
@@ -74,14 +74,14 @@ std::vector<Triangle> join_pixels(const RangeGrid& grid, std::span<const Vec3d> 
   return triangles;
 }
 
-/// Whether a grid runs clockwise, seen by the scanner: what most of its triangles say, by their area in the image.
+/// Whether a grid runs clockwise, seen by the scanner: as most of its triangles do, by their area in the image.
 bool clockwise(std::span<const Triangle> triangles, std::span<const Vec3d> p, const Viewpoint& view) {
   double sum = 0;
   for (const Triangle& t : triangles) sum += dot(area_vector(p, t), view.from(p[t[0]]));
   return sum < 0;
 }
 
-/// Samples from a sample to the border of the surface, at most `limit`: 0 for the ends of an edge in one triangle.
+/// Number of samples from a sample to the border of the surface, at most `limit`: 0 for the ends of a boundary edge.
 std::vector<int> steps_to_border(std::span<const Triangle> triangles, size_t samples, int limit) {
   std::vector<uint64_t> edges;
   edges.reserve(3 * triangles.size());

@@ -1,4 +1,4 @@
-// A range scan as the surface that its scanner saw: triangles between neighboring pixels, and how much each counts.
+// A range scan as the surface that its scanner saw: triangles between neighboring pixels, and their weights.
 #pragma once
 
 #include <cstddef>
@@ -12,19 +12,19 @@
 
 namespace soapfilm {
 
-// RangeSurfaceParams: a longer edge than max_edge distances between neighboring samples (the median along rows or along
-// columns, whichever is larger) bridges a step in depth (Turk and Levoy 1994, section 3.1); triangles steeper than
-// max_incidence_deg, and those that show their back, are steps in depth too. Towards the border triangulation scanners
-// extend edges falsely: the border itself keeps a weight of 1 / (taper + 1).
+// RangeSurfaceParams: an edge longer than max_edge distances between neighboring samples (the median along rows or
+// along columns, whichever is larger) bridges a step in depth (Turk and Levoy 1994, section 3.1); triangles steeper
+// than max_incidence_deg, and those seen from behind, are steps in depth too. Near the border triangulation scanners
+// extend edges falsely: the border itself gets a weight of 1 / (taper + 1).
 
 /// Throws ParameterError when a parameter is out of range.
 void validate(const RangeSurfaceParams& params);
 
-/// From where a scan was seen.
+/// The position or direction from which a scan was seen.
 class Viewpoint {
  public:
-  /// The scan's sensor position, or `sensor` where it names none; else its viewing direction. Throws ParameterError
-  /// when there is none of them.
+  /// The scan's sensor position, or `sensor` if it has none; else its viewing direction. Throws ParameterError when
+  /// none of them exists.
   explicit Viewpoint(const Scan& scan, const std::optional<Vec3d>& sensor = {});
   /// Rays that meet in `position`.
   static Viewpoint central(Vec3d position) { return {position, true}; }
@@ -52,7 +52,7 @@ struct RangeSurface {
   size_t dropped = 0;  ///< triangles across steps in depth
 };
 
-/// Throws ParameterError naming the scan when it has no range grid or no viewpoint; `sensor`: of scans that name none.
+/// Throws ParameterError naming the scan when it has no range grid or no viewpoint; `sensor`: for scans without one.
 void require_range_scan(const Scan& scan, const std::optional<Vec3d>& sensor = {});
 
 /// Joins the samples of neighboring pixels: four give two triangles along the shorter diagonal, three give one.

@@ -32,7 +32,7 @@ void for_each_brick(const BrickBox& box, Visit&& visit) {
       for (int x = box.lo.x; x <= box.hi.x; ++x) visit(Vec3i{x, y, z});
 }
 
-/// How far a scan's word reaches, voxels: see VripParams.
+/// The distances over which a scan has influence, voxels: see VripParams.
 struct Ramp {
   double front, behind;
 
@@ -43,7 +43,7 @@ struct Ramp {
 };
 
 /// A triangle seen from the scanner: the prism of lines of sight through it, cut off in front and behind at the ends of
-/// the ramp. All in voxels, relative to an origin near by.
+/// the ramp. All in voxels, relative to a nearby origin.
 class SightPrism {
  public:
   SightPrism(const std::array<Vec3d, 3>& corners, const Viewpoint& view, Ramp ramp)
@@ -56,7 +56,7 @@ class SightPrism {
       // Through the lines of sight of the edge opposite corner k, positive on the triangle's side: the three values at
       // x are proportional to the barycentric coordinates of where the line of sight through x meets the triangle.
       side_[k] = view.is_central() ? cross(b - view.vector(), a - view.vector()) : cross(b - a, -view.vector());
-      // Rounding must open no crack between neighbors.
+      // Rounding must not open a gap between neighbors.
       slack_[k] = 1e-9 * std::abs(dot(side_[k], corners[k] - a));
     }
   }
@@ -89,7 +89,7 @@ class SightPrism {
     }
   }
 
-  /// Above the triangle's plane, towards the scanner.
+  /// Distance above the triangle's plane, towards the scanner.
   double height_of(Vec3d x) const { return dot(normal_, x - corners_[0]); }
   /// Along the line of sight; > 0 in front of the triangle.
   double distance_of(Vec3d x) const { return height_of(x) / dot(normal_, view_.from(x)); }

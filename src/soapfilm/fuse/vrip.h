@@ -1,5 +1,6 @@
-// Curless and Levoy 1996, "A volumetric method for building complex models from range images": the weighted mean of
-// the signed distances to all range surfaces that a vertex of the grid lies near. The paper's rival of figure 3 a.
+// Curless and Levoy 1996, "A volumetric method for building complex models from range images": the weighted mean of the
+// signed distances to all range surfaces near a vertex of the grid. The method with which the paper compares in figure
+// 3 a.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +17,8 @@
 
 namespace soapfilm {
 
-// VripParams (Curless and Levoy's Dmin and Dmax): a long `front` lets other scans outvote false edge extensions that
-// hover over the surface, a short `behind` keeps the two sides of thin parts from pushing each other apart. The weight
+// VripParams (Curless and Levoy's Dmin and Dmax): with a long `front` other scans outvote false edge extensions that
+// float above the surface, with a short `behind` the two sides of thin parts do not displace each other. The weight
 // falls linearly over the outer half. Measured at right angles to the surface: so 2 voxels reach all corners of the
 // cells that the surface crosses, however obliquely it was seen.
 
@@ -28,7 +29,7 @@ struct VripReport {
   size_t vertices_seen = 0;      ///< of the grid, with a weight > 0
 };
 
-/// The scans that are fused, and where the scanner stood of those that do not say it.
+/// The scans that are fused, and the scanner's position for those without one.
 struct RangeScans {
   const PointCloud& cloud;
   std::optional<Vec3d> sensor = {};
@@ -44,8 +45,8 @@ struct FusedField {
 };
 
 /// For every scan, in order, and every vertex x near its range surface: the triangle that the ray from the scanner
-/// through x meets (the nearest one to x) gives the signed distance d along this ray and the interpolated weight w;
-/// D = sum w d / sum w, W = sum w. The result does not depend on the number of threads.
+/// through x meets (the nearest one to x) gives the signed distance d along this ray and the interpolated weight w; D =
+/// sum w d / sum w, W = sum w. The result does not depend on the number of threads.
 ///
 /// Throws ParameterError when a parameter is out of range, a sample is not finite, a scan lacks its range grid or its
 /// viewpoint, or no triangle of the scans lies in the lattice.

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "soapfilm/platform/page_pool.h"
 #include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/platform/page_pool.h"
 
 namespace soapfilm {
 

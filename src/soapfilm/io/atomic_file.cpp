@@ -14,8 +14,8 @@ namespace soapfilm::io {
 
 namespace {
 
-/// Names of the temporary files in use, where a signal handler can read them: fixed memory, lock-free states. The
-/// only state at file scope in this folder; a handler has no other way to it.
+/// Names of the temporary files in use, where a signal handler can read them: fixed memory, lock-free states. The only
+/// state at file scope in this folder; a signal handler has no other access.
 struct TemporaryName {
   enum State { unused, changing, in_use };
   std::atomic<int> state{unused};
@@ -24,7 +24,8 @@ struct TemporaryName {
 static_assert(std::atomic<int>::is_always_lock_free);
 std::array<TemporaryName, 16> temporary_names;
 
-/// The slot that took the name; -1 when it is too long or all are taken (then a signal leaves the file behind).
+/// Returns the slot that stores the name; -1 when it is too long or all are in use (then a signal leaves the file
+/// behind).
 int remember(const std::string& path) {
   if (path.size() >= PATH_MAX) return -1;
   for (size_t i = 0; i < temporary_names.size(); ++i) {

@@ -1,4 +1,4 @@
-// The one way out: a file that is whole or absent.
+// All output files are written here: complete or not at all.
 #pragma once
 
 #include <cstring>
@@ -44,7 +44,7 @@ class AtomicFile {
     used_to(put_text(buffer_.get() + used_, value));
   }
 
-  /// Writes what is left and puts the file in place. Throws OutputError.
+  /// Writes the rest of the buffer and renames the file to its target. Throws OutputError.
   void commit();
 
  private:
@@ -57,7 +57,7 @@ class AtomicFile {
   std::string path_;
   std::string target_;     // path_ with symbolic links resolved
   std::string temporary_;  // empty once renamed, and for a target written to directly
-  int slot_ = -1;          // where remove_temporary_files() finds the name
+  int slot_ = -1;          // its place in the table of remove_temporary_files()
   FileDescriptor file_;
   std::unique_ptr<char[]> buffer_;
   size_t used_ = 0;

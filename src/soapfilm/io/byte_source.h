@@ -1,4 +1,4 @@
-// The one way in: every reader gets its bytes here, bounded and checked.
+// All input files are read here, with bounds checked.
 #pragma once
 
 #include <bit>
@@ -23,7 +23,7 @@ class ByteSource {
   std::string_view bytes() const { return bytes_; }
   bool begins_with(std::string_view head) const { return bytes_.substr(0, head.size()) == head; }
 
-  /// The reader has passed `offset`: what lies before needs no memory any more (it stays readable). Cheap to call.
+  /// The reader has passed `offset`: the memory of what lies before may be released (it stays readable). Cheap to call.
   void release_before(size_t offset) {
     if (offset - released_ >= release_step) release(offset);
   }
@@ -36,7 +36,7 @@ class ByteSource {
   std::string_view bytes_;
   void* mapping_ = nullptr;
   std::vector<char> copy_;
-  size_t released_ = 0;  // the mapping before this offset was given back; at a multiple of release_step
+  size_t released_ = 0;  // the mapping before this offset was released; a multiple of release_step
 };
 
 template <class T>
@@ -67,7 +67,7 @@ class ByteCursor {
 
   bool swaps() const { return swap_; }
 
-  /// The next `count` bytes, which are passed.
+  /// Returns the next `count` bytes and moves past them.
   const char* take(size_t count) {
     if (remaining() < count) fail_truncated(count);
     const char* at = source_.bytes().data() + offset_;

@@ -1,4 +1,4 @@
-// Values as files have them.
+// Values in the encoding of files.
 #pragma once
 
 #include <bit>
@@ -9,7 +9,7 @@
 
 namespace soapfilm::io {
 
-/// No number's text is longer.
+/// The longest text of a number.
 inline constexpr size_t longest_number = 32;
 
 /// One value, little-endian; returns its end.

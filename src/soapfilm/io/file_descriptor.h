@@ -35,7 +35,7 @@ class FileDescriptor {
   int fd_;
 };
 
-/// The system's words for an errno value; safe in threads, which strerror() is not.
+/// The system's text for an errno value; thread-safe, unlike strerror().
 inline std::string error_text(int error) { return std::generic_category().message(error); }
 
 }  // namespace soapfilm::io

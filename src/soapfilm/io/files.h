@@ -1,11 +1,11 @@
-// What the program asks of files beside reading and writing clouds and meshes (include/soapfilm/io.h).
+// File functions of the program besides reading and writing clouds and meshes (include/soapfilm/io.h).
 #pragma once
 
 #include <string>
 
 namespace soapfilm {
 
-/// What `soapfilm info` takes a file for.
+/// How `soapfilm info` treats a file.
 enum class FileKind { points, mesh };
 
 /// By extension; a PLY is a mesh when it has faces. Throws InputError for an unknown extension.
@@ -19,12 +19,12 @@ std::string mesh_output_extensions();
 /// Writes text, whole or not at all. Throws OutputError.
 void write_text_file(const std::string& path, const std::string& text);
 
-/// Refuse before a long run what could not be written after it: an unwritable place; for meshes an unknown extension
-/// too. Throws OutputError; leaves no file.
+/// Refuses before a long run an output that could not be written after it: an unwritable place; for meshes an unknown
+/// extension too. Throws OutputError; leaves no file.
 void check_output(const std::string& path);
 void check_mesh_output(const std::string& path);
 
-/// Unlinks the temporary files of writes in progress, in any thread. Async-signal-safe; for the way out of a process.
+/// Unlinks the temporary files of writes in progress, in any thread. Async-signal-safe; called when the process dies.
 void remove_temporary_files() noexcept;
 
 }  // namespace soapfilm

@@ -84,7 +84,7 @@ class ObjReader {
   uint32_t read_corner(std::string_view field) {
     const size_t slash = field.find('/');
     const uint32_t vertex = read_index(field.substr(0, slash), mesh_.vertices.size());
-    if (vertex > largest_vertex_ || largest_vertex_line_ == 0) {  // may be defined further on
+    if (vertex > largest_vertex_ || largest_vertex_line_ == 0) {  // may be defined later in the file
       largest_vertex_ = vertex;
       largest_vertex_line_ = cursor_.line();
     }
@@ -95,7 +95,7 @@ class ObjReader {
     return vertex;
   }
 
-  /// From 1 upwards, or from -1 (the last one so far) downwards, to from 0 upwards.
+  /// Converts from 1 upwards, or from -1 (the last one so far) downwards, to from 0 upwards.
   uint32_t read_index(std::string_view text, size_t so_far) const {
     int64_t index = 0;
     if (!parse_integer(text, index)) cursor_.fail("index " + in_quotes(text) + ", must be an integer");

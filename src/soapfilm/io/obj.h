@@ -1,4 +1,4 @@
-// Wavefront OBJ meshes: v, vn and f lines; all others are passed over.
+// Wavefront OBJ meshes: v, vn and f lines; all others are ignored.
 #pragma once
 
 #include "soapfilm/io.h"

@@ -82,7 +82,7 @@ class OffReader {
       double value = 0;
       if (!next_field(line, field) || !parse_number(field, value))
         cursor_.fail(fmt::format("vertex {}: color {}, must be a number", index, in_quotes(field)));
-      // Whole numbers run to 255, numbers with a point to 1.
+      // Whole numbers are 0 to 255, numbers with a point 0 to 1.
       if (field.find('.') != std::string_view::npos) value *= 255;
       c = value > 0 ? static_cast<uint8_t>(std::lround(std::min(value, 255.0))) : uint8_t{0};
     }

@@ -1,4 +1,4 @@
-// PLY files in and out; docs/reference/formats.md describes what is read and written.
+// Reads and writes PLY files; docs/reference/formats.md describes what is read and written.
 #pragma once
 
 #include "soapfilm/io.h"
@@ -6,13 +6,13 @@
 
 namespace soapfilm::io {
 
-/// The vertices as samples, with range grids and scans; other elements are passed over.
+/// The vertices as samples, with range grids and scans; other elements are ignored.
 PointCloud read_ply_points(ByteSource& source, ReadReport& report, const Context& context);
 
-/// Vertices and faces (or triangle strips); scalar properties without a meaning here become attributes.
+/// Vertices and faces (or triangle strips); scalar properties without a known meaning become attributes.
 Mesh read_ply_mesh(ByteSource& source);
 
-/// True when the header announces faces or triangle strips.
+/// True when the header declares faces or triangle strips.
 bool ply_has_faces(ByteSource& source);
 
 WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const WriteOptions& options,

@@ -40,7 +40,7 @@ class HeaderParser {
 
   PlyHeader parse() {
     std::string_view line;
-    cursor_.next_line(line);  // "ply", seen by looks_like_ply()
+    cursor_.next_line(line);  // "ply", already checked by looks_like_ply()
     while (cursor_.next_line(line)) {
       std::string_view rest = line;
       std::string_view keyword;

@@ -1,4 +1,4 @@
-// The head of a PLY file (G. Turk, "The PLY polygon file format", 1994): what its body holds and how.
+// The header of a PLY file (G. Turk, "The PLY polygon file format", 1994): the content and format of its body.
 #pragma once
 
 #include <array>
@@ -45,7 +45,7 @@ struct PlyElement {
   size_t find_scalar(std::string_view property) const;
   /// Index of a list property, or `absent`.
   size_t find_list(std::string_view property) const;
-  /// Bytes that a row has at least.
+  /// The smallest number of bytes of a row.
   size_t least_row_bytes(PlyFormat format) const;
 };
 

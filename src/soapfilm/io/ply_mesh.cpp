@@ -11,7 +11,7 @@ namespace soapfilm::io {
 
 namespace {
 
-/// The list of vertex indices, by either of its two names; `absent` for an element that is no face.
+/// The list of vertex indices, by either of its two names; `absent` if the element is not a face.
 size_t index_list(const PlyElement& element) {
   if (element.name != "face" && element.name != "tristrips") return PlyElement::absent;
   const size_t plural = element.find_list("vertex_indices");
@@ -61,7 +61,8 @@ void read_faces(PlyRows& rows, const PlyElement& face, size_t list, uint64_t ver
   }
 }
 
-/// Strips as Stanford's volumetric merges have them: -1 begins a new strip, every second triangle is turned over.
+/// Strips as in Stanford's volumetric merges: -1 begins a new strip, every second triangle has the opposite
+/// orientation.
 void read_strips(PlyRows& rows, const PlyElement& strips, size_t list, uint64_t vertices, Mesh& mesh) {
   rows.begin(strips);
   for (uint64_t i = 0; i < strips.count; ++i) {

@@ -34,7 +34,7 @@ double load_as_double(const char* at, PlyType type, bool swap) {
   return 0;
 }
 
-/// What is read at once of a text: as much as keeps some threads at work, and little beside the cloud, of which several
+/// How much text is read at once: enough to keep some threads busy, and little relative to the cloud, since several
 /// files may be read at the same time.
 constexpr size_t bytes_at_once = size_t{1} << 17, chunks_at_once = 16;
 
@@ -129,8 +129,8 @@ void PlyRows::next() {
     binary_->release();
 }
 
-/// Where a chunk's lines are not all rows of this element, the rest of it is read value by value: that knows every
-/// spelling, and what is wrong with it.
+/// If a chunk's lines are not all rows of this element, the rest of it is read value by value: that code knows every
+/// spelling, and reports errors.
 void PlyRows::read_ahead() {
   text_->skip_blanks();
   const std::string_view text = source_.bytes();

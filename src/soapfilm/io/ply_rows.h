@@ -13,21 +13,21 @@
 
 namespace soapfilm::io {
 
-/// Reads the elements in the header's order: begin() an element, then next() for each of its rows. All values come as
-/// double, which holds every PLY type exactly.
+/// Reads the elements in the header's order: begin() an element, then next() for each of its rows. All values are
+/// returned as double, which holds every PLY type exactly.
 class PlyRows {
  public:
-  /// Text is read on all threads of `context`, where it is given, as far as each row is a line of numbers alone.
+  /// Text is read on all threads of `context`, if given, as long as each row is a line that contains only numbers.
   PlyRows(ByteSource& source, const PlyHeader& header, const Context* context = nullptr);
 
-  /// Goes on to `element`, the next of the header. Throws InputError when the file is too short for its count, so
-  /// that the caller may allocate for it.
+  /// Moves to `element`, the next of the header. Throws InputError when the file is too short for its count, so that
+  /// the caller may allocate for it.
   void begin(const PlyElement& element);
 
   /// Reads a row. Throws InputError when the file ends or a value is no number.
   void next();
 
-  /// Whether a row is nothing but float32 in this machine's order: take_floats() may be called instead of next().
+  /// Whether rows consist only of float32 in this machine's byte order: take_floats() may be called instead of next().
   bool plain_floats() const { return plain_floats_; }
   /// The next `count` rows, value after value, not aligned.
   const char* take_floats(size_t count);
@@ -37,10 +37,10 @@ class PlyRows {
     return {items_.data() + lists_[property].begin, lists_[property].size};
   }
 
-  /// Passes over all rows of `element`, the next of the header.
+  /// Skips all rows of `element`, the next of the header.
   void skip(const PlyElement& element);
 
-  /// Throws InputError when text follows the last element: then some row had a value too many.
+  /// Throws InputError when text follows the last element: then some row had too many values.
   void finish();
 
   /// Throws InputError "place: element row: message" for the row that next() read.
@@ -57,7 +57,7 @@ class PlyRows {
     std::vector<double> values;  ///< row after row
     size_t rows = 0;
     size_t taken = 0;
-    size_t first_line = 0;  ///< each has a line
+    size_t first_line = 0;  ///< one line for each row
   };
 
   void read_ahead();
@@ -70,10 +70,10 @@ class PlyRows {
   std::optional<TextCursor> text_;
   std::optional<ByteCursor> binary_;
   const PlyElement* element_ = nullptr;
-  size_t row_bytes_ = 0;  // least, and exact in a binary file without lists
+  size_t row_bytes_ = 0;  // at least, and exact in a binary file without lists
   bool has_lists_ = false;
-  bool plain_floats_ = false;  // nothing but float32 in this machine's order
-  bool reads_ahead_ = false;   // until a row is no line of numbers
+  bool plain_floats_ = false;  // only float32 in this machine's byte order
+  bool reads_ahead_ = false;   // until a row is not a line of numbers
   RowsAhead ahead_;
   uint64_t rows_read_ = 0;
   uint64_t row_ = 0;            // index of the row that next() read or is reading

@@ -21,7 +21,7 @@ std::optional<Vec3d> parse_vector(std::string_view text) {
   return v;
 }
 
-/// 0 when it is no size of a range grid.
+/// 0 when it is not a valid size of a range grid.
 int64_t parse_size(std::string_view text) {
   std::string_view field;
   int64_t size = 0;
@@ -62,7 +62,7 @@ void apply_note(std::string_view keyword, std::string_view text, PlyScan& to) {
 
 std::vector<PlyScan> find_scans(const PlyHeader& header, uint64_t samples, const std::string& path) {
   std::vector<PlyScan> scans;
-  PlyScan whole;  // what is said before the first scan_samples line
+  PlyScan whole;  // the lines before the first scan_samples line
   uint64_t counted = 0;
   for (const PlyNote& note : header.notes) {
     std::string_view text = note.text;

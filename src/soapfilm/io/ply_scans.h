@@ -1,4 +1,4 @@
-// What the header of a PLY says about the scans in it, in `obj_info` or `comment` lines:
+// The scans declared in the header of a PLY, in `obj_info` or `comment` lines:
 //
 //   scan_samples N      begins a scan of N samples; without such a line the whole file is one scan
 //   scan_name NAME      the scan's name; otherwise the file's
@@ -17,7 +17,7 @@
 namespace soapfilm::io {
 
 struct PlyScan {
-  Scan scan;            ///< all but the range grid's samples
+  Scan scan;            ///< without the samples of the range grid
   int64_t columns = 0;  ///< of its range grid; 0: none
   int64_t rows = 0;
 
@@ -25,8 +25,8 @@ struct PlyScan {
   uint64_t cells() const { return static_cast<uint64_t>(columns) * static_cast<uint64_t>(rows); }
 };
 
-/// The file's scans, at least one, covering `samples` samples. A `sensor` or `view_direction` line that does not hold
-/// three numbers is an ordinary comment. Throws InputError when the scans' counts do not add up.
+/// The file's scans, at least one, covering `samples` samples. A `sensor` or `view_direction` line without three
+/// numbers is an ordinary comment. Throws InputError when the sum of the scans' counts is wrong.
 std::vector<PlyScan> find_scans(const PlyHeader& header, uint64_t samples, const std::string& path);
 
 }  // namespace soapfilm::io

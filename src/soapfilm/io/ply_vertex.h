@@ -1,4 +1,4 @@
-// Which properties of a PLY's vertices mean what; docs/reference/formats.md has the table.
+// The meaning of the properties of a PLY's vertices; docs/reference/formats.md has the table.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace soapfilm::io {
 
-/// Three scalar properties that belong together; used only when all are there.
+/// Three scalar properties that belong together; used only if all exist.
 struct PlyTriple {
   std::array<size_t, 3> index{PlyElement::absent, PlyElement::absent, PlyElement::absent};
 
@@ -28,8 +28,8 @@ struct PlyVertexLayout {
   PlyTriple sensor;
   PlyTriple color;
   size_t weight = PlyElement::absent;
-  double color_scale = 1;          ///< takes a stored color to 0 .. 255
-  std::vector<size_t> others;      ///< scalar properties with no meaning here
+  double color_scale = 1;          ///< maps a stored color to 0 .. 255
+  std::vector<size_t> others;      ///< scalar properties without a known meaning
   std::vector<std::string> names;  ///< of all properties, in the file's order
 
   Rgb8 read_color(const PlyRows& rows) const;
@@ -41,7 +41,7 @@ PlyVertexLayout find_vertex_layout(const PlyElement& vertex, const std::string& 
 /// The header's vertex element. Throws InputError when it is missing or has no rows.
 const PlyElement& vertex_element(const PlyHeader& header, const std::string& path);
 
-/// Throws InputError when the element has more rows than indices of the caller's type can tell apart.
+/// Throws InputError when the element has more rows than the caller's index type can address.
 void check_count(const PlyElement& element, uint64_t most, const std::string& path);
 
 }  // namespace soapfilm::io

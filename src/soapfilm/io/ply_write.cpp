@@ -22,7 +22,7 @@ struct PlyStyle {
   bool double_coordinates;
 };
 
-/// Some rows of an element, as the file has them.
+/// Some rows of an element, in the encoding of the file.
 class PlyBody {
  public:
   /// Has room for `rows` of at most `values` each.
@@ -71,8 +71,8 @@ class PlyBody {
   bool row_begun_ = false;
 };
 
-/// The rows that put_row(i, body) makes of at most `values` each, in order: many at once on all threads, written by
-/// one.
+/// Writes the rows that put_row(i, body) makes of at most `values` each, in order: many are made at once on all
+/// threads, and written by one.
 template <class PutRow>
 void write_rows(AtomicFile& file, PlyStyle style, size_t rows, size_t values, const Context& context,
                 PutRow&& put_row) {

@@ -13,7 +13,8 @@
 namespace soapfilm::io {
 
 /// read(i, report) for i in [0, count), as many at once as there are threads, so that no more clouds than that wait to
-/// be appended. Cloud, report and error are those of reading one after the other; after an error the report is short.
+/// be appended. Cloud, report and error are those of reading one after the other; after an error the report is
+/// incomplete.
 template <class Read>
 PointCloud read_each(size_t count, ReadReport& report, const Context& context, Read&& read) {
   const auto at_once = static_cast<size_t>(context.threads());

@@ -29,10 +29,10 @@ struct ScanSetEntry {
 };
 
 /// The entries of a .conf file, quaternions normalized. Warns of lines with unknown keywords; `camera` and `mesh` lines
-/// are for a viewer and are passed over. Throws InputError.
+/// are for a viewer and are ignored. Throws InputError.
 std::vector<ScanSetEntry> read_scan_set(const std::string& path, ReadReport* report = nullptr);
 
-/// Writes a .conf file that read_scan_set() gives back; the scans' own files are the caller's. Throws OutputError.
+/// Writes a .conf file that read_scan_set() reads back; the caller writes the scans' own files. Throws OutputError.
 void write_scan_set(const std::string& path, const std::vector<ScanSetEntry>& entries);
 
 /// Moves a cloud: positions, normals, sensor positions and viewing directions.

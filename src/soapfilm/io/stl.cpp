@@ -23,7 +23,7 @@ class VertexMerger {
   explicit VertexMerger(std::vector<Vec3d>& vertices) : vertices_(vertices), slots_(1024, empty) {}
 
   uint32_t index_of(Vec3d p) {
-    p = {p.x + 0.0, p.y + 0.0, p.z + 0.0};  // -0 becomes 0
+    p = {p.x + 0.0, p.y + 0.0, p.z + 0.0};  // changes -0 to 0
     size_t slot = hash(p) & (slots_.size() - 1);
     while (slots_[slot] != empty && !(vertices_[slots_[slot]] == p)) slot = (slot + 1) & (slots_.size() - 1);
     if (slots_[slot] != empty) return slots_[slot];
@@ -65,7 +65,7 @@ uint32_t binary_count(ByteSource& source) {
   return cursor.read<uint32_t>();
 }
 
-/// Binary files may begin with "solid" too; their size gives them away.
+/// Binary files may begin with "solid" too; their size shows that they are binary.
 bool is_binary(ByteSource& source) {
   const size_t size = source.bytes().size();
   if (size < head_bytes + 4) return false;

@@ -8,7 +8,7 @@ namespace soapfilm::io {
 
 Mesh read_stl(ByteSource& source);
 
-/// Warns when float coordinates, all that the format has, lose more than the precision that the options ask for.
+/// Warns when float coordinates, the only ones of the format, lose more precision than the options allow.
 WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context);
 
 }  // namespace soapfilm::io

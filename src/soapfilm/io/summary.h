@@ -1,4 +1,4 @@
-// The facts of a point cloud that `soapfilm info` prints.
+// The properties of a point cloud that `soapfilm info` prints.
 #pragma once
 
 #include <cstddef>
@@ -19,9 +19,9 @@ struct CloudSummary {
 
 CloudSummary summarize(const PointCloud& cloud);
 
-/// Estimated distance of neighboring samples, input units: the side of the square of surface that a sample has for
-/// itself, sqrt(pi / k) r_k with r_k the distance to the k-th neighbor, k = 8; the median over at most `queries`
-/// samples taken at equal steps. 0 when there are fewer than two different positions.
+/// Estimated distance of neighboring samples, input units: the side of a square with the area of surface per sample,
+/// sqrt(pi / k) r_k with r_k the distance to the k-th neighbor, k = 8; the median over at most `queries` samples taken
+/// at equal steps. 0 when there are fewer than two different positions.
 double sample_spacing(const PointCloud& cloud, size_t queries = 2000);
 
 }  // namespace soapfilm

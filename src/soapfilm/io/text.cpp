@@ -25,8 +25,8 @@ std::string lower_case(std::string_view text) {
 
 namespace {
 
-/// from_chars() does not say at which end a number leaves the range of double: small ones have a negative exponent
-/// or start with "0." or ".".
+/// from_chars() does not report whether an out-of-range number is too large or too small: small ones have a negative
+/// exponent or start with "0." or ".".
 double out_of_range_value(std::string_view token) {
   const bool negative = token.front() == '-';
   if (negative) token.remove_prefix(1);
@@ -96,7 +96,7 @@ std::string_view TextCursor::token() {
 namespace {
 
 /// Numbers as most files have them: [-]digits[.digits][e[+-]digits] with a mantissa up to 2^53 and a power of ten up to
-/// 22. Both are exact in double, so one operation rounds rightly (Clinger 1990, "How to read floating point numbers
+/// 22. Both are exact in double, so one operation rounds correctly (Clinger 1990, "How to read floating point numbers
 /// accurately"). Returns where the number ends; null for anything else, which is left to from_chars().
 const char* parse_plain_number(const char* at, const char* end, double& value) {
   constexpr double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,

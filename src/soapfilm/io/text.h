@@ -1,4 +1,4 @@
-// Text as the readers see it: lines, fields and numbers, with the line number for messages.
+// Text input for the readers: lines, fields and numbers, with the line number for messages.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,8 @@ std::string lower_case(std::string_view text);
 /// "1.#INF"; true when the whole token is one. Beyond the range of double: infinity or zero.
 bool parse_number(std::string_view token, double& value);
 
-/// The number at `at`, where it is followed by a blank or `end` and spelled as most are; returns where it ends. Null
-/// for any other, which parse_number() may know.
+/// The number at `at`, if it is followed by a blank or `end` and has the usual spelling; returns where it ends. Null
+/// for any other text, which may still be a number for parse_number().
 const char* parse_usual_number(const char* at, const char* end, double& value);
 
 /// A decimal integer; true when the whole token is one that fits.
@@ -29,7 +29,7 @@ bool parse_integer(std::string_view token, int64_t& value);
 
 inline bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-/// Cuts the next field off `line`; false when only blanks are left.
+/// Splits the next field off `line`; false when only blanks are left.
 inline bool next_field(std::string_view& line, std::string_view& field) {
   size_t begin = 0;
   while (begin < line.size() && is_blank(line[begin])) ++begin;
@@ -40,13 +40,13 @@ inline bool next_field(std::string_view& line, std::string_view& field) {
   return !field.empty();
 }
 
-/// What follows a UTF-8 byte order mark, as editors on Windows write it at the beginning of a text, or all of it.
+/// The text after a UTF-8 byte order mark, as editors on Windows write it at the beginning, or all of it.
 inline std::string_view after_byte_order_mark(std::string_view text) {
   constexpr std::string_view mark = "\xEF\xBB\xBF";
   return text.substr(text.substr(0, mark.size()) == mark ? mark.size() : 0);
 }
 
-/// Reads text in order, from after a byte order mark. Lines end with LF or CRLF and are counted from 1.
+/// Reads text in order, after any byte order mark. Lines end with LF or CRLF and are counted from 1.
 class TextCursor {
  public:
   explicit TextCursor(ByteSource& source, size_t offset = 0, size_t line = 1)
@@ -66,7 +66,7 @@ class TextCursor {
   /// The next line without its end; false at the end of the file.
   bool next_line(std::string_view& line);
 
-  /// As next_line(), but passes over lines that are blank or begin with '#'.
+  /// As next_line(), but skips lines that are blank or begin with '#'.
   bool next_content_line(std::string_view& line);
 
   /// The next token, on this line or a later one; empty at the end of the file.
@@ -75,8 +75,8 @@ class TextCursor {
   /// The next token, which must be a number; `what` names it in the message.
   double number(std::string_view what);
 
-  /// The next token where it is a whole number of few digits, as counts and indices are; else none, and it is still
-  /// the next one.
+  /// The next token if it is a whole number of few digits, as counts and indices are; else none, and the token is not
+  /// consumed.
   std::optional<uint32_t> small_count() {
     constexpr int most_digits = 9;
     skip_blanks();
@@ -91,15 +91,15 @@ class TextCursor {
 
   void release() { source_.release_before(offset()); }
 
-  /// Passes over blanks and ends of lines.
+  /// Skips blanks and ends of lines.
   void skip_blanks() {
-    if (next_line_ != 0) {  // next_line() has passed a line's end that it counts only when the next line begins
+    if (next_line_ != 0) {  // next_line() has passed the end of a line but counts it only when the next line begins
       line_ = next_line_;
       next_line_ = 0;
     }
     for (; at_ != end_ && is_blank(*at_); ++at_) line_ += *at_ == '\n';
   }
-  /// Goes on at `offset`, which is on the given line.
+  /// Continues at `offset`, which is on the given line.
   void jump(size_t offset, size_t line) {
     at_ = source_.bytes().data() + offset;
     line_ = line;

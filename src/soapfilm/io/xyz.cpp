@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t most_columns = 9;
 
-/// What a column count means; offsets of the first of three, 0 for none.
+/// The meaning of a number of columns; offsets of the first of three, 0 for none.
 struct XyzLayout {
   size_t columns;
   size_t normal;
@@ -131,7 +131,7 @@ class XyzReader {
     if (scan.size() == 0) cloud_.scans.pop_back();
   }
 
-  /// Six columns are a position and a normal. But whole numbers up to 255 throughout, some above 1, are no normals.
+  /// Six columns are a position and a normal. But if all are whole numbers up to 255, some above 1, they are colors.
   void reinterpret_colors() {
     if (layout_->columns != 6) return;
     float largest = 0;
@@ -152,7 +152,7 @@ class XyzReader {
   PointCloud cloud_;
   const XyzLayout* layout_ = nullptr;
   std::array<double, most_columns> values_{};
-  double promised_ = -1;  // samples of the scan in progress; < 0 without a count line
+  double promised_ = -1;  // number of samples of the scan in progress; < 0 without a count line
   bool six_are_colors_ = false;
 };
 

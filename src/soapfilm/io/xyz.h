@@ -6,7 +6,7 @@
 
 namespace soapfilm::io {
 
-/// A line that holds one integer alone begins a scan of that many samples (as .pts files do).
+/// A line with a single integer begins a scan of that many samples (as in .pts files).
 PointCloud read_xyz(ByteSource& source, ReadReport& report, const Context& context);
 
 }  // namespace soapfilm::io

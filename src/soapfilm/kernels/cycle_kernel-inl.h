@@ -25,7 +25,7 @@ void inverse(const BandRows& band, const InverseJob& job, size_t begin, size_t e
       }
       const V diagonal = hn::Add(hn::Add(hn::Mul(diffusion, sum), hn::Sqrt(hn::Mul(hn::Load(d, job.weights + i), e))),
                                  hn::Mul(reaction, e));
-      // A vertex without neighbors is tied to nothing.
+      // A vertex without neighbors has no equation: 0.
       hn::Store(hn::IfThenElseZero(hn::Gt(degree, hn::Zero(d)), hn::Div(hn::Set(d, job.omega), diagonal)), d,
                 job.inverse + i);
     }
@@ -95,7 +95,7 @@ HWY_INLINE void add_restricted(const PlacedRows& fine, const BrickTransfer& tran
   for (size_t z = 0; z < brick_side; ++z)
     sum_along(fine.row[z * brick_side], brick_side, along_y[z * side], brick_side);
   for (size_t y = 0; y < side; ++y) sum_along(along_y[y], side * brick_side, along_z[y], side * brick_side);
-  HWY_ALIGN float nowhere[brick_side] = {};  // coarse rows that are missing get nothing but zeros
+  HWY_ALIGN float nowhere[brick_side] = {};  // stands in for missing coarse rows, which only get zeros
   for (size_t k = 0; k < side * side; ++k) {
     if ((transfer.row[k] | transfer.right[k]) == 0) continue;
     const auto to = [&](uint32_t row) { return row == 0 ? nowhere : coarse + size_t{row} * brick_side; };
@@ -110,13 +110,13 @@ void restrict_brick(const BrickTransfer& transfer, const float* from, float* coa
   add_restricted(fine, transfer, coarse);
 }
 
-/// What a step of one length for all leaves of a value that it starts from, at vertices with so many neighbors.
+/// The factor by which a Jacobi step of uniform length reduces a value, at vertices with so many neighbors.
 HWY_INLINE V kept_by_even_step(const CycleJob& job, V degree) {
   const D d;
   return hn::Sub(hn::Set(d, 1 - job.step * job.reaction), hn::Mul(hn::Set(d, job.step * job.diffusion), degree));
 }
 
-/// The residual after one Jacobi step from zero, to x, in one brick.
+/// The residual after one Jacobi step from zero, which gave x, in one brick.
 template <class Values>
 void residual_of_step(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, const Values& x,
                       PlacedRows& residual) {
@@ -127,7 +127,7 @@ void residual_of_step(const BandRows& band, const CycleJob& job, const BrickTran
     x.fetch(band.neighbors[r + rows_ahead]);
     for (int lane = 0; lane < brick_side; lane += lane_count()) {
       const size_t i = r * brick_side + static_cast<size_t>(lane);
-      // The diagonal's share of K x is omega b.
+      // The diagonal's part of K x is omega b.
       const V left = hn::Add(hn::Mul(rest, hn::Load(d, job.b + i)),
                              coupling(job, x, Plain{job.extended}, band.neighbors[r], r, lane));
       hn::Store(hn::IfThenElseZero(hn::Gt(hn::Load(d, job.inverse + i), hn::Zero(d)), left), d,
@@ -203,7 +203,7 @@ double smooth(const BandRows& band, const CycleJob& job, size_t begin, size_t en
   return sum.total();
 }
 
-/// Where the four coarse rows around a fine row at y + 8 z begin among the 25 above a brick.
+/// Where the four coarse rows around a fine row at y + 8 z start among the 25 above a brick.
 constexpr auto coarse_slots = [] {
   std::array<std::array<uint16_t, 4>, brick_area> table{};
   for (size_t place = 0; place < brick_area; ++place) {

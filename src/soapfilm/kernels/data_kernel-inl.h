@@ -5,7 +5,7 @@ HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {
 namespace {
 
-/// How many bits below each are set, for every byte.
+/// For every byte, how many bits below each bit are set.
 struct Ranks {
   uint8_t below[256][brick_side];
 };
@@ -18,7 +18,8 @@ constexpr Ranks make_ranks() {
 }
 constexpr Ranks ranks = make_ranks();
 
-/// The cells of a row from x on, as many as there are lanes: what is held of those that are present, spread out.
+/// The cells of a row from x on, as many as there are lanes: stored values, which exist for present cells only, moved
+/// to their lanes.
 class PresentCells {
  public:
   HWY_INLINE PresentCells(const DataJob& job, size_t k, int x)
@@ -28,7 +29,7 @@ class PresentCells {
     const hn::Rebind<uint8_t, D> bytes;
     const hn::Rebind<int32_t, D> integers;
     there_ = lanes_of(present, x);
-    // Beyond the last lane's there are bits of other lanes: they count for nobody here.
+    // Bits beyond the last lane's belong to other lanes and have no effect here.
     rank_ = hn::IndicesFromVec(D(), hn::PromoteTo(integers, hn::LoadU(bytes, ranks.below[bits])));
     at_ = job.cells + DataJob::values * size_t{job.first[k]} +
           static_cast<size_t>(std::popcount(present & ((1u << x) - 1)));
@@ -84,7 +85,7 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
       gy = hn::Add(gy, ny);
       gz = hn::Add(gz, nz);
     }
-    // Half of the energy's derivatives by them.
+    // Half of the derivatives of the energy with respect to them.
     const V along = hn::Mul(hn::Set(d, job.slope - job.normal),
                             hn::Add(hn::Add(hn::Mul(nx, gx), hn::Mul(ny, gy)), hn::Mul(nz, gz)));
     const V across = hn::Set(d, job.normal);
@@ -94,7 +95,7 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
     const V pz = hn::Mul(weight, hn::Add(hn::Mul(across, gz), hn::Mul(along, nz)));
     energy.add(hn::Add(hn::Add(hn::Mul(pv, value), hn::Mul(px, gx)), hn::Add(hn::Mul(py, gy), hn::Mul(pz, gz))), x);
     if (!job.out) continue;
-    // And back to the corners, the same way in reverse.
+    // Back to the corners, the same steps in reverse.
     const V qy = hn::Sub(one, fy), qx = hn::Sub(one, fx);
     const V z1 = hn::Add(hn::Mul(fz, pv), pz), z0 = hn::Sub(pv, z1);
     const V ey1 = hn::Mul(fz, py), ey0 = hn::Sub(py, ey1);
@@ -113,12 +114,12 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
   }
   energy.end_row();
   if (!job.out) return;
-  if (job.present[k] >> (brick_side - 1) != 0)  // else there may be no such row, and row 0 is nobody's to write
+  if (job.present[k] >> (brick_side - 1) != 0)  // else there may be no such row, and row 0 must stay 0
     for (size_t c = 0; c < 4; ++c) job.out[right[c] * brick_side] += carry[c];
 }
 
-/// Fetches what rows of cells further on will read: of those far ahead who their neighbors are, of nearer ones the
-/// values at corners that lie apart.
+/// Prefetches for later rows of cells: for those far ahead the neighbor indices, for nearer ones the values at corners
+/// in other rows.
 HWY_INLINE void fetch_corners(const BandRows& band, const DataJob& job, size_t k, size_t end) {
   constexpr size_t far = 16, near = 8;
   if (k + far < end) {

@@ -1,4 +1,4 @@
-// How much a sample is listened to: less where it does not fit, and not at all from the wrong side.
+// The robust weight of a sample: less where it does not fit, and 0 if it was seen from the wrong side.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,8 @@
 
 namespace soapfilm {
 
-/// What a residual r costs, in units of the scale s: least_squares r^2; huber |r| beyond 1.345 s; geman_mcclure
-/// r^2 / (1 + (r / 2 s)^2); tukey nothing more beyond 4.685 s.
+/// The cost of a residual r, in units of the scale s: least_squares r^2; huber |r| beyond 1.345 s; geman_mcclure r^2 /
+/// (1 + (r / 2 s)^2); tukey constant beyond 4.685 s.
 enum class Penalty { least_squares, huber, geman_mcclure, tukey };
 
 inline constexpr float huber_scales = 1.345f, tukey_scales = 4.685f;
@@ -35,12 +35,12 @@ inline float robust_weight(Penalty penalty, float residual, float scale) {
 
 inline constexpr float outside_cosine = 0.3f;
 
-/// Whether a sample was seen from the side on which the surface is: its direction looks out of it, or nearly so.
+/// Whether a sample was seen from outside: its direction points out of the surface, or nearly so.
 inline bool seen_from_outside(Vec3f direction, Vec3f gradient) {
   return dot(direction, gradient) <= outside_cosine * norm(direction) * norm(gradient);
 }
 
-/// Least slopes that distances from a level set and its normals are divided by.
+/// Lower bounds of the slopes by which distances from a level set and its normals are divided.
 inline constexpr float least_slope_of_distance = 0.3f, least_slope_of_normal = 1e-3f;
 
 }  // namespace soapfilm

@@ -33,7 +33,7 @@ double laplacian(const BandRows& band, const LaplacianJob& job, size_t begin, si
   return sum.total();
 }
 
-/// R v: differences to neighbors without an opposite one; outside the band v is 0.
+/// R v: differences to neighbors whose opposite neighbor is not in the band; outside the band v is 0.
 HWY_INLINE V one_sided(const BandRows& band, const float* v, size_t row, int x) {
   const D d;
   const Neighbors& n = band.neighbors[row];
@@ -92,8 +92,8 @@ HWY_INLINE unsigned inner_along_x(const BandRows& band, size_t row) {
   return (own << 1 | below >> 7) & (own >> 1 | above << 7);
 }
 
-/// Of a row: whether the eighteen vertices around each one are in the band. `diagonal`: the rows at -y -z, +y -z, -y +z
-/// and +y +z.
+/// For a row: whether the eighteen vertices around each one are in the band. `diagonal`: the rows at -y -z, +y -z, -y
+/// +z and +y +z.
 HWY_INLINE unsigned surrounded(const BandRows& band, size_t row, const std::array<uint32_t, 4>& diagonal) {
   const Neighbors& n = band.neighbors[row];
   unsigned bits = band.mask[row] & inner_along_x(band, row);

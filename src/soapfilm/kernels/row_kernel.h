@@ -1,6 +1,6 @@
-// What the loops over a band's rows need, as plain pointers: the contract between the fit and its kernels, which exist
-// once per SIMD target and know nothing of bands or threads. Arrays are those of narrow_band.h: 8 floats per row, 0 at
-// vertices outside the band; sums are the same for every target.
+// What the loops over a band's rows need, as plain pointers: the interface between the fit and its kernels, which are
+// compiled once per SIMD target and do not depend on bands or threads. Arrays are those of narrow_band.h: 8 floats per
+// row, 0 at vertices outside the band; sums are the same for every target.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace soapfilm {
 
-/// How many rows ahead kernels fetch what they will read.
+/// How many rows ahead kernels prefetch.
 inline constexpr size_t rows_ahead = 16;
 
-/// Of a band: rows next to each row along -x, +x, -y, +y, -z, +z, how many neighbors each vertex has, and each row's
-/// vertices as bits. The neighbors of `rows_ahead` rows after the last may be asked for: they are row 0.
+/// A band: rows next to each row along -x, +x, -y, +y, -z, +z, how many neighbors each vertex has, and each row's
+/// vertices as bits. The neighbors of `rows_ahead` rows after the last may be read: they are row 0.
 struct BandRows {
   const std::array<uint32_t, 6>* neighbors;
   const uint8_t* degree;
@@ -31,9 +31,10 @@ struct LaplacianJob {
   const float* share = nullptr;
 };
 
-/// out = beta (v - start) + gamma s (G v - R start), with the shares s; R sums the differences to neighbors that have
-/// no opposite one in the band. Where both are there G v is the second difference of v, elsewhere G v - R start is the
-/// slope of v - start alone: bends are felt up to the band's rim, and what slopes there is not.
+/// out = beta (v - start) + gamma s (G v - R start), s = `share`, the factor of gamma; R sums the differences to
+/// neighbors whose opposite neighbor is not in the band. Where both are, G v is the second difference of v, elsewhere
+/// G v - R start is the slope of v - start alone: curvature is penalized up to the band boundary, and slopes there are
+/// not.
 struct BendJob {
   const float* v;
   const float* start;
@@ -42,13 +43,13 @@ struct BendJob {
   float* out;
 };
 
-/// What Displacement::yield_to_bends() averages first, in the band's vertices with six neighbors: their curvature
-/// c = -G v, the weight 1 near the surface and `faint` elsewhere, the weight times (c - target)^2. At the
-/// rim: c, faint, 0.
+/// First step of Displacement::yield_to_bends(), its input to the local mean. At the band's vertices with six
+/// neighbors: their curvature c = -G v, the weight 1 near the surface and `faint` elsewhere, the weight times
+/// (c - target)^2. At the band boundary: c, faint, 0.
 struct CurvatureJob {
   const float* v;
   const float* target;
-  float reach, faint;  ///< |v| < reach is near
+  float reach, faint;  ///< near means |v| < reach
   float *curvature, *weight, *product;
 };
 
@@ -61,9 +62,9 @@ struct SaddleJob {
   float* product;
 };
 
-/// And then, where `around` holds the mean of that: the share of gamma 1 / (1 + per_square around) / (1 + x^2), x what
-/// |distance| is beyond `near` in units of `reach`; the weight times the share, and times the curvature; the
-/// curvature's place takes 1 where a vertex has six neighbors, else 0. Beyond: share 1, product 0.
+/// Next step, where `around` holds the mean of that. share = 1 / (1 + per_square around) / (1 + x^2), the factor of
+/// gamma; x is |distance| beyond `near` in units of `reach`. Then weight *= share, product = weight share curvature,
+/// and `curvature` becomes 1 where a vertex has six neighbors. With fewer neighbors: share 1, product 0, curvature 0.
 struct ShareJob {
   const float* around;
   const float* distance;
@@ -73,7 +74,7 @@ struct ShareJob {
 
 /// One level's system K x = b of the multigrid cycle, K x = diagonal x - sum_j w_ij x_j over the neighbors j, with
 /// w_ij = diffusion (e_i + e_j) / 2; `extent` e may be null: 1. Jacobi steps divide by the diagonal, or where `inverse`
-/// is null take one length for all: of K x = reaction x + diffusion G x.
+/// is null all have one length: then K x = reaction x + diffusion G x.
 struct CycleJob {
   const float* inverse;  ///< omega / diagonal, 0 outside the band and without neighbors; null: see `step`
   const float* extent;
@@ -82,13 +83,13 @@ struct CycleJob {
   float omega;     ///< damping of the Jacobi steps, in (0, 1)
   const float* x;  ///< smooth() starts from it
   float* out;
-  const float* weight;              ///< smooth() returns <weight, out>; null: 0
+  const float* weight;              ///< smooth() returns <weight, out>; null: returns 0
   float step = 0;                   ///< without `inverse`: omega / (6 diffusion + reaction)
   float reaction = 0;               ///< without `inverse`
   const float* extended = nullptr;  ///< extent x, for restrict_residual() with an extent
 };
 
-/// What CycleJob calls inverse, from the diagonal of K: the neighbors' w_ij, sqrt(weight e) and reaction e.
+/// Computes CycleJob's `inverse` from the diagonal of K: the neighbors' w_ij, sqrt(weight e) and reaction e.
 struct InverseJob {
   const float* extent;   ///< e; may be null: 1
   const float* weights;  ///< of positions
@@ -96,33 +97,33 @@ struct InverseJob {
   float* inverse;
 };
 
-/// The data term of rows of cells: see CellSamples. out += scale times half of its gradient at v, or with `affine`
-/// unset of its quadratic part's.
+/// The data term of rows of cells: see CellSamples. out += scale times half of its gradient at v, or without `affine`
+/// half of the gradient of its quadratic part.
 struct DataJob {
-  static constexpr size_t values = 7;  ///< of a cell: place in it, unit normal times its certainty, weight
+  static constexpr size_t values = 7;  ///< per cell: place in it, unit normal times its certainty, weight
 
-  const float* cells;      ///< those of a row one value after the other; a row of eight may be read past the end
+  const float* cells;      ///< a row's cells, stored value by value; eight may be read, beyond the end
   const uint32_t* first;   ///< cells before each row
-  const uint8_t* present;  ///< which of a row's eight cells there are, as bits
-  const uint32_t* row;     ///< of the band, with the lowest corners of each row of cells
+  const uint8_t* present;  ///< which of a row's eight cells exist, as bits
+  const uint32_t* row;     ///< row of the band with the lowest corners of each row of cells
   float normal, slope;     ///< weights of the normal and of the slope against one position
   bool affine;
   float scale;
   const float* v;  ///< null: 1 everywhere
-  float* out;      ///< null: only the energy is worked out
+  float* out;      ///< null: only the energy is computed
 };
 
-/// The samples of a brick, weighed and added to its cells: see CellSamples and Weighing.
+/// The samples of a brick, to be weighted and added to its cells: see CellSamples and Weighing.
 struct SampleJob {
   static constexpr int corners = 9;  ///< of a brick's cells, along each axis
-  static constexpr size_t sums = 8;  ///< of a cell: weight times place in it, weight times normal, weight, 0
+  static constexpr size_t sums = 8;  ///< per cell: weight times place in it, weight times normal, weight, 0
 
   const Vec3f *local, *direction;
   const float* sample_weight;  ///< may be null: all are 1
-  const uint8_t* active;       ///< may be null: all are
+  const uint8_t* active;       ///< may be null: all are active
   size_t count;
   const float* phi;     ///< at the corners, x fastest
-  const int32_t* cell;  ///< number of each of the 8^3 cells, x fastest; 0 is for those that the band does not see
+  const int32_t* cell;  ///< number of each of the 8^3 cells, x fastest; 0: outside the band
   Penalty penalty;
   float scale;
   bool directions;
@@ -130,14 +131,14 @@ struct SampleJob {
   float* cells;  ///< the sums of each
 };
 
-/// A fine brick and what it interpolates from: the coarse rows y = 0..4, z = 0..4 above half of it, y fastest, and
+/// A fine brick and the coarse rows from which it interpolates: y = 0..4, z = 0..4 above half of it, y fastest, and
 /// those right of them where that half is the upper one along x; 0: none.
 struct BrickTransfer {
   static constexpr int side = 5;
   std::array<uint32_t, side * side> row, right;
-  int half;              ///< where the brick begins in the coarse rows: 0 or 4
+  int half;              ///< where the brick starts in the coarse rows: 0 or 4
   uint32_t first;        ///< the brick's first row
-  size_t count;          ///< and how many it has
+  size_t count;          ///< the number of its rows
   const uint8_t* place;  ///< y + 8 z of each
 };
 
@@ -150,19 +151,19 @@ struct RowKernel {
   void (*saddles)(const BandRows& band, const SaddleJob& job, size_t begin, size_t end);
   void (*share)(const BandRows& band, const ShareJob& job, size_t begin, size_t end);
   void (*inverse)(const BandRows& band, const InverseJob& job, size_t begin, size_t end);
-  /// coarse += P^T (b - K (inverse b)) of one brick: the residual after one Jacobi step from zero, which with an extent
-  /// is CycleJob's x already, elsewhere x is not used. Here and below `inverse` is CycleJob's step where it has none.
+  /// coarse += P^T (b - K (inverse b)) of one brick: the residual after one Jacobi step from zero. With an extent, that
+  /// step must already be in CycleJob's x; otherwise x is not used. Here and below, where `inverse` is null `step`
+  /// replaces it.
   void (*restrict_residual)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer, float* coarse);
   /// out = x + inverse (b - K x).
   double (*smooth)(const BandRows& band, const CycleJob& job, size_t begin, size_t end);
-  /// Rows of cells one after the other: neighbors share corners. Without `affine` returns <v, what is added, or
-  /// would be>.
+  /// Rows of cells in sequence: neighbors share corners. Without `affine` returns <v, what is added, or would be>.
   double (*data_term)(const BandRows& band, const DataJob& job, size_t begin, size_t end);
-  /// Adds in the order of the samples; returns how many weigh less than `doubt`.
+  /// Adds in the order of the samples; returns how many have a weight below `doubt`.
   size_t (*add_samples)(const SampleJob& job);
   /// coarse += P^T from of one brick.
   void (*restrict_brick)(const BrickTransfer& transfer, const float* from, float* coarse);
-  /// out = inverse b + P x on one brick, 0 where inverse is; x is coarse.
+  /// out = inverse b + P x on one brick, 0 where inverse is 0; x is coarse.
   void (*prolong_brick)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer);
 };
 

@@ -1,5 +1,5 @@
-// What the kernels on rows share, compiled once per SIMD target (no include guard: see Highway's foreach_target.h):
-// a row's lanes, the sums over its neighbors, sums by lane.
+// Common parts of the kernels on rows, compiled once per SIMD target (no include guard: see Highway's
+// foreach_target.h): a row's lanes, the sums over its neighbors, sums by lane.
 
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
@@ -23,14 +23,14 @@ using Neighbors = std::array<uint32_t, 6>;
 
 HWY_INLINE int lane_count() { return static_cast<int>(hn::Lanes(D())); }
 
-/// The lanes from x on, of a row's as bits.
+/// The lanes from x on, of a row given as bits.
 HWY_INLINE hn::Mask<D> lanes_of(unsigned row, int x) {
   const uint8_t bits[8] = {static_cast<uint8_t>((row & 0xff) >> x)};
   return hn::LoadMaskBits(D(), bits);
 }
 
-/// Fetches what a row further on will read of an array beyond the rows that are next to it in memory. (Those along -y
-/// have just been read.)
+/// Prefetches the values of an array next to a later row that are not adjacent to it in memory. (Those along -y have
+/// just been read.)
 HWY_INLINE void fetch_neighbors(const float* v, const Neighbors& n) {
   for (const size_t k : {3, 4, 5}) hwy::Prefetch(v + size_t{n[k]} * brick_side);
 }
@@ -59,7 +59,7 @@ struct Sides {
   V below, above;
 };
 
-/// Of the vertices from x on in a row.
+/// For the vertices from x on in a row.
 template <class Values>
 HWY_INLINE Sides sides(const Values& values, const Neighbors& n, size_t row, int x) {
   const D d;
@@ -79,7 +79,7 @@ struct AxisSums {
   V x, y, z;
 };
 
-/// Of the vertices from x on in a row.
+/// For the vertices from x on in a row.
 template <class Values>
 HWY_INLINE AxisSums axis_sums(const Values& values, const Neighbors& n, size_t row, int x) {
   const auto at = [&](size_t k) { return static_cast<size_t>(n[k]) * brick_side + static_cast<size_t>(x); };

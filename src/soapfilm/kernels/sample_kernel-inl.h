@@ -1,6 +1,6 @@
-// The kernel that weighs samples, compiled once per SIMD target (no include guard: see Highway's foreach_target.h).
-// After row_ops-inl.h. What each sample says is as the plain functions of robust.h and grid/trilinear.h have it, bit
-// for bit.
+// The kernel that weights samples, compiled once per SIMD target (no include guard: see Highway's foreach_target.h).
+// After row_ops-inl.h. Results per sample equal those of the plain functions of robust.h and grid/trilinear.h, bit for
+// bit.
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {
@@ -40,8 +40,8 @@ HWY_INLINE Vectors load_vectors(const Vec3f* from) {
   return v;
 }
 
-/// Weighs as many samples as there are lanes, the first `count` of them there, and adds them to their cells; returns
-/// how many of them are in doubt.
+/// Weights as many samples as there are lanes, of which the first `count` exist, and adds them to their cells; returns
+/// how many of them have a weight below `doubt`.
 HWY_INLINE size_t add_batch(const SampleJob& job, const Vec3f* local, const Vec3f* direction,
                             const float* sample_weight, const uint8_t* active, size_t count) {
   const D d;
@@ -50,7 +50,7 @@ HWY_INLINE size_t add_batch(const SampleJob& job, const Vec3f* local, const Vec3
   const V zero = hn::Zero(d), last = hn::Set(d, static_cast<float>(brick_side - 1));
   const Vectors place = load_vectors(local), toward = load_vectors(direction);
 
-  // The cell, and the place in it.
+  // The cell, and the position in it.
   const auto floor = [&](V v) { return hn::Min(hn::Trunc(v), last); };
   const Vectors cell{floor(place.x), floor(place.y), floor(place.z)};
   const Vectors t{hn::Sub(place.x, cell.x), hn::Sub(place.y, cell.y), hn::Sub(place.z, cell.z)};

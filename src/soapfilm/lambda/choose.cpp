@@ -9,7 +9,7 @@ namespace soapfilm {
 
 namespace {
 
-/// Beyond the end of the curve something better may lie.
+/// The best value may lie beyond the end of the curve.
 void warn_at_end(const CrossValidationReport& select, std::vector<std::string>& warnings) {
   const double lowest = select.curve.front().lambda_per_density, highest = select.curve.back().lambda_per_density;
   if (lowest == highest || (select.chosen != lowest && select.chosen != highest)) return;
@@ -28,7 +28,7 @@ Lambda choose(const PointCloud& cloud, std::span<const Vec3f> directions, const 
   if (params.energy.cross_validate) {
     lambda.select = choose_lambda(cloud, directions, lattice, params.cross_validation, params.solver, context);
     per_density = lambda.select->chosen;
-    // The same rule on this grid, by the density that counts here.
+    // Converted to this grid by its density.
     for (CrossValidationPoint& point : lambda.select->curve) point.lambda = point.lambda_per_density * density;
     warn_at_end(*lambda.select, lambda.warnings);
   }

@@ -1,4 +1,4 @@
-// The stage that chooses lambda: what area weighs against the samples.
+// The stage that chooses lambda, the weight of area against the samples.
 #pragma once
 
 #include <optional>
@@ -9,9 +9,9 @@
 #include "soapfilm/cloud.h"
 #include "soapfilm/context.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/kernels/norm.h"
 #include "soapfilm/lambda/cross_validation.h"
 #include "soapfilm/params.h"
-#include "soapfilm/kernels/norm.h"
 
 namespace soapfilm {
 
@@ -27,12 +27,12 @@ struct LambdaParams {
   const PrimalDualParams& solver;
 };
 
-/// As given, by `density` (samples per voxel^2 of surface), or by cross-validation. Throws SamplesError where there is
-/// no density to go by, and as choose_lambda() does.
+/// As given, by `density` (samples per voxel^2 of surface), or by cross-validation. Throws SamplesError where the
+/// density is needed and unknown, and as choose_lambda() does.
 Lambda choose(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice, double density,
               const LambdaParams& params, const Context& context);
 
-/// A warning, where lambda is near the one at which a film over samples of that density vanishes.
+/// A warning, if lambda is near the value at which the minimal surface over samples of that density vanishes.
 std::optional<std::string> near_empty(double lambda, double density);
 
 }  // namespace soapfilm

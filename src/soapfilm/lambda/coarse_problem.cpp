@@ -6,7 +6,7 @@ namespace soapfilm {
 
 namespace {
 
-/// Errors that matter are over 1e-3 of the flux; a tighter solve would not move them.
+/// Relevant errors are above 1e-3 of the flux; a tighter solve would not change them.
 constexpr double coarse_tolerance = 1e-3;
 constexpr int coarse_iterations = 400;
 

@@ -1,4 +1,4 @@
-// Questions to the samples that a coarse grid answers: solved often and roughly.
+// Problems on a coarse grid that can be solved often and roughly.
 #pragma once
 
 #include "soapfilm/cloud.h"

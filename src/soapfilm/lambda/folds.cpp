@@ -15,7 +15,7 @@ namespace {
 
 constexpr int most_folds = 100;
 
-/// How many samples of each scan speak.
+/// How many samples of each scan are usable.
 std::vector<size_t> scan_sizes(const PointCloud& cloud, std::span<const Vec3f> directions) {
   std::vector<size_t> sizes;
   for (const Scan& scan : cloud.scans) {

@@ -1,4 +1,4 @@
-// The samples cut into parts, each of which is held out once: what cross-validation trains on and what it asks.
+// The samples divided into parts, each of which is held out once: training and test data of cross-validation.
 #pragma once
 
 #include <cstddef>
@@ -14,27 +14,27 @@
 
 namespace soapfilm {
 
-/// Fewer held-out samples say nothing about a surface.
+/// Fewer held-out samples are too few to judge a surface.
 inline constexpr size_t fewest_held_out = 20;
 
 struct Folds {
   int count = 0;
   bool whole_scans = false;
   std::vector<uint8_t> of_sample;  ///< in [0, count), one per sample of the cloud
-  std::vector<size_t> sizes;       ///< samples of each fold that speak: with a direction and a weight > 0
+  std::vector<size_t> sizes;       ///< usable samples of each fold: with a direction and a weight > 0
 };
 
-/// Single samples are dealt by the random sequence of `seed`; whole scans go, largest first, to the smallest fold, so
-/// that folds are about equal. Depends on nothing but the arguments. Throws ParameterError when `count` is outside
-/// [2, 100], when there are fewer scans than folds, or when a fold has fewer than `fewest_held_out` samples that speak.
+/// Single samples are assigned by the random sequence of `seed`; whole scans go, largest first, to the smallest fold,
+/// so that folds are about equal. Depends only on the arguments. Throws ParameterError when `count` is outside [2,
+/// 100], when there are fewer scans than folds, or when a fold has fewer than `fewest_held_out` usable samples.
 Folds make_folds(const PointCloud& cloud, std::span<const Vec3f> directions, int count, FoldSource source,
                  uint64_t seed);
 
-/// The data terms of one fold's two sides. f is linear in the samples: together they are the whole cloud's.
+/// The data terms of a fold's two parts. f is linear in the samples: their sum is that of the whole cloud.
 struct FoldFields {
   SupportField training;      ///< of all samples but the fold's
   SupportField held_out;      ///< of the fold's samples alone
-  double training_share = 0;  ///< part of the samples that speak which are in training, in (0, 1)
+  double training_share = 0;  ///< share of the usable samples that are in training, in (0, 1)
 };
 
 /// Throws ParameterError unless `fold` is in [0, folds.count).

@@ -113,7 +113,7 @@ class Checker {
     }
   }
 
-  /// All the half-edges between two vertices.
+  /// Checks all half-edges between two vertices.
   void judge_edge(size_t vertex, const HalfEdge* begin, const HalfEdge* end) {
     ++report_.edges;
     ++edges_at_[vertex];
@@ -140,8 +140,8 @@ class Checker {
     }
   }
 
-  /// Triangles around a vertex that share an edge at it belong to one fan. Follows one triangle after the other by
-  /// moving the fan's triangles to the front; valences are small, so the quadratic search is the fast one.
+  /// Triangles around a vertex that share an edge at it belong to one fan. Follows a fan from triangle to triangle by
+  /// moving its triangles to the front; valences are small, so the quadratic search is the fast one.
   static size_t count_fans(Link* begin, Link* end) {
     if (end - begin > 64) return count_fans_of_hub(begin, end);
     size_t fans = 0;

@@ -1,4 +1,4 @@
-// The report of include/soapfilm/mesh.h in words.
+// The report of include/soapfilm/mesh.h as text.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Where a triangle of a mesh looks, and whether it looks anywhere.
+// The normal of a triangle, and whether it has one.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,8 @@ inline bool has_area(Vec3d ab, Vec3d ac) {
   return norm(cross(ab, ac)) > flat_height * std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
 }
 
-/// Unit, towards where the corners run counter-clockwise. Zero for a triangle without area: rounding would choose it.
+/// Unit normal, towards the side from which the corners run counter-clockwise. Zero for a triangle without area:
+/// rounding would choose it.
 inline Vec3d triangle_normal(const Mesh& mesh, uint32_t index) {
   const Triangle& t = mesh.triangles[index];
   const Vec3d a = mesh.vertices[t[0]];

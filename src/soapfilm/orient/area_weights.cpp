@@ -17,16 +17,16 @@ AreaCoverage cover_area(const LocalSurface& surface) {
   if (surface.planes < fewest ||
       static_cast<double>(surface.planes) < fewest_planes * static_cast<double>(surface.area.size()))
     return coverage;
-  // A part of them tells the quantile.
+  // A part of them suffices for the quantile.
   constexpr size_t enough = 50000;
   const size_t step = surface.planes / enough + 1;
   size_t planes = 0;
   double listed = 0;
   std::vector<std::pair<float, float>> spacing_and_area;
   spacing_and_area.reserve(surface.planes / step + 1);
-  constexpr double scatter = 1.09;  // of even samples: a quarter of them seem closer by that than they are
+  constexpr double scatter = 1.09;  // true spacing of even samples over their measured lower quartile
   for (size_t i = 0; i < surface.area.size(); ++i) {
-    if (!surface.is_plane(i)) continue;  // an edge, an outlier: its area is not known
+    if (!surface.is_plane(i)) continue;  // an edge, an outlier: its area is unknown
     coverage.area += surface.area[i];
     if (planes++ % step != 0) continue;
     spacing_and_area.emplace_back(surface.spacing[i], surface.area[i]);

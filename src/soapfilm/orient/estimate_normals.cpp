@@ -18,8 +18,8 @@ namespace {
 constexpr uint32_t nobody = ~uint32_t{0};
 constexpr size_t samples_per_task = 1024;
 
-/// The different positions, relative to their first so that nothing is lost to large offsets, in the order in which
-/// they come first.
+/// The different positions, relative to the first one to keep precision at large offsets, in the order in which they
+/// first occur.
 struct Sites {
   std::vector<Vec3d> points;
   std::vector<uint32_t> of_sample;
@@ -33,7 +33,7 @@ struct Sites {
       if (p.y != q.y) return p.y < q.y;
       return p.z != q.z ? p.z < q.z : a < b;
     });
-    // Each sample's first twin, itself included.
+    // The first sample at each sample's position.
     for (size_t k = 0; k < order.size(); ++k) {
       const bool twin = k > 0 && positions[order[k]] == positions[order[k - 1]];
       of_sample[order[k]] = twin ? of_sample[order[k - 1]] : order[k];
@@ -52,7 +52,7 @@ struct Sites {
 /// Normal of the plane through `points` around `center` (sign arbitrary), and how well they fit it.
 struct Plane {
   Vec3d normal;       ///< zero when the points lie on a line or in one place
-  double flat = 1.0;  ///< least over middle variance: 0 for a plane
+  double flat = 1.0;  ///< thickness: least over middle variance, 0 for a plane
 };
 
 Plane fit_plane(const Sites& sites, Vec3d center, std::span<const uint32_t> neighbors) {
@@ -95,7 +95,7 @@ class SignedSets {
       sign *= sign_[root];
       root = parent_[root];
     }
-    // Path compression: everyone on the way learns the root and its sign relative to it.
+    // Path compression: every member on the way stores the root and its sign relative to it.
     for (int rest = sign; parent_[i] != root && i != root;) {
       const uint32_t next = parent_[i];
       const int own = sign_[i];
@@ -106,7 +106,7 @@ class SignedSets {
     }
     return {root, sign};
   }
-  /// Joins the sets of a and b so that b's sign is `relative` times a's; keeps what it has when they are one already.
+  /// Joins the sets of a and b so that b's sign is `relative` times a's; no change if they are one set already.
   void join(uint32_t a, uint32_t b, int relative) {
     const Root ra = find(a), rb = find(b);
     if (ra.index == rb.index) return;
@@ -156,7 +156,7 @@ class Estimator {
   bool has_hint(uint32_t site) const { return !(hint_[site] == Vec3d{}); }
   bool is_given(size_t slot) const { return !given_.empty() && !(given_[slot] == Vec3d{}); }
 
-  /// Nearest neighbors and planes of the targets; those with a hint are turned to it.
+  /// Nearest neighbors and planes of the targets; those with a hint get its sign.
   void fit() {
     const KdTree tree(sites_.points);
     near_.resize(targets_.size() * neighbors_);
@@ -180,7 +180,8 @@ class Estimator {
     });
   }
 
-  /// The nearest neighbors of a target or, where more lie within the radius, those, in the order of their samples.
+  /// The nearest neighbors of a target or, where more lie within the radius, all of these, in the order of their
+  /// samples.
   std::vector<uint32_t> with_all_within(double radius, const KdTree& tree, size_t t) const {
     const Vec3d p = sites_.points[targets_[t]];
     std::vector<std::pair<uint32_t, double>> found;
@@ -200,8 +201,8 @@ class Estimator {
     uint32_t a, b;  ///< slots
   };
 
-  /// Pairs of neighboring targets whose signs are open, those with the most nearly parallel normals first (the weight
-  /// 1 - |n_a . n_b| of Hoppe et al., in 65536 steps; equal ones in the order of their samples).
+  /// Pairs of neighboring targets of unknown sign, those with the most nearly parallel normals first (the weight 1 -
+  /// |n_a . n_b| of Hoppe et al., in 65536 steps; equal ones in the order of their samples).
   std::vector<Edge> sorted_edges() const {
     constexpr size_t steps = 1 << 16;
     std::vector<Edge> edges;
@@ -212,7 +213,7 @@ class Estimator {
         const uint32_t b = slot_[site];
         if (b == nobody || !propagated_[b]) continue;
         const auto of_b = near(b);
-        if (b < a && std::find(of_b.begin(), of_b.end(), targets_[a]) != of_b.end()) continue;  // met from b already
+        if (b < a && std::find(of_b.begin(), of_b.end(), targets_[a]) != of_b.end()) continue;  // already found from b
         const double w = 1.0 - std::abs(dot(planes_[a].normal, planes_[b].normal));
         edges.push_back({a, b});
         weight.push_back(static_cast<uint16_t>(std::clamp(w, 0.0, 1.0) * (steps - 1)));
@@ -248,8 +249,8 @@ class Estimator {
       if (propagated_[t] && outward[component[t]] < 0.0) planes_[t].normal = -planes_[t].normal;
   }
 
-  /// Per component: a positive or negative share of the given normals look as they now do or turned round, by more
-  /// than chance leaves of signs by lot; else 0.
+  /// Per component: positive if most of the given normals have the present sign, negative if most have the opposite
+  /// one, by more than chance allows for random signs; else 0.
   std::vector<double> given_votes(const std::vector<uint32_t>& component) const {
     std::vector<double> votes(components_, 0.0);
     if (given_.empty()) return votes;
@@ -266,7 +267,7 @@ class Estimator {
     return votes;
   }
 
-  /// Positive where a component's normals look outward as they are.
+  /// Positive where a component's normals already look outward.
   std::vector<double> component_votes(const std::vector<uint32_t>& component) const {
     // By neighbors whose direction is known.
     std::vector<double> votes(components_, 0.0);
@@ -278,8 +279,8 @@ class Estimator {
     const std::vector<double> by_given = given_votes(component);
     for (size_t c = 0; c < components_; ++c)
       if (votes[c] == 0.0) votes[c] = by_given[c];
-    // Without any: the furthest sample along a direction looks that way. Twenty-six directions vote, and samples that
-    // do not lie in a plane with their neighbors (outliers) only where there are hardly others (noise).
+    // Without any: the farthest sample along a direction looks in it. Twenty-six directions vote, and samples that do
+    // not lie in a plane with their neighbors (outliers) only where there are almost no others (noise).
     constexpr double flat_enough = 0.05;
     constexpr double hardly = 0.1;  // share of the component
     std::vector<double> flat_count(components_, 0.0), count(components_, 0.0);
@@ -319,7 +320,7 @@ class Estimator {
   const NormalParams& params_;
   const Context& context_;
   std::vector<Vec3d> hint_;        ///< per site: sum of its samples' hints
-  std::vector<uint32_t> slot_;     ///< per site: its place among the targets, or nobody
+  std::vector<uint32_t> slot_;     ///< per site: its index among the targets, or nobody
   std::vector<uint32_t> targets_;  ///< sites whose normals are wanted
   std::vector<Vec3d> given_;       ///< per target: a normal whose sign is in doubt, or zero; empty: there are none
   std::vector<uint32_t> near_;     ///< per target: the sites nearest to it, nearest first

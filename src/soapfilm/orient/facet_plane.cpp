@@ -13,17 +13,17 @@ constexpr int fewest_cells = 6;           // of 27: a plane passes through 9 to 
 constexpr double least_spread = 0.15;     // middle over largest variance: below it the samples lie along a line
 constexpr double most_thick = 0.08;       // least over middle variance of a plane
 constexpr double most_thick_far = 0.04;   // the same in cells larger than the first ones that are filled
-constexpr double least_incidence = 0.05;  // cosine of direction and normal, below which sides are not told apart
+constexpr double least_incidence = 0.05;  // cosine of direction and normal, below which the side is unknown
 constexpr double least_agreement = 0.75;  // length of the mean direction; random ones on one side have a half
 constexpr double most_outward = 0.3;      // of a plane, see FacetPlane::outward
-constexpr double least_outward = 0.45;    // of an edge or a rod; six outliers may reach it by chance, rarely
-constexpr double most_outnumbered = 8;    // by samples seen from the other side; beyond it they are outliers
-constexpr double few_others = 0.1;        // of the other side, so few that it says nothing that the views differ
-constexpr double parts_per_face = 16;     // of a cell's parts, those that a plane along its face meets
-// Of a plane that confirms another one.
+constexpr double least_outward = 0.45;    // of an edge or a rod; six outliers rarely reach it by chance
+constexpr double most_outnumbered = 8;    // by samples seen from the other side; with more, the samples are outliers
+constexpr double few_others = 0.1;        // of the other side, so few that differing directions do not matter
+constexpr double parts_per_face = 16;     // number of a cell's parts that a plane along its face meets
+// Limits for a plane that confirms another one.
 constexpr double most_thick_again = 0.35;
 constexpr double least_agreement_again = 0.65;
-/// An edge, a rod: there the directions must agree still better at the next depth, as those towards one scanner do.
+/// An edge, a rod: there the directions must agree even better at the next depth, as directions to one scanner do.
 constexpr double least_agreement_of_edges = 0.9, least_outward_again = 0.4;
 constexpr float least_along_again = 0.65f;  // cosine of the normals
 
@@ -83,7 +83,7 @@ double block_area(const FacetsAround& around, Wanted&& wanted, Vec3f n) {
     ++count;
   }
   const float offset = dot(n, middle) / count;
-  // Over a raster of the coordinate plane that it lies flattest on.
+  // On a raster of the coordinate plane to which it is most nearly parallel.
   float up = std::abs(n.x), a = n.y, b = n.z;
   if (std::abs(n.y) > up) up = std::abs(n.y), a = n.x, b = n.z;
   if (std::abs(n.z) > up) up = std::abs(n.z), a = n.x, b = n.y;
@@ -98,8 +98,8 @@ double block_area(const FacetsAround& around, Wanted&& wanted, Vec3f n) {
   return 9.0 * inside / (steps * steps) / up;
 }
 
-/// The same plane's own side: area for each sample and spacing of different ones, in cells. A plane meets
-/// |n_x| + |n_y| + |n_z| cells per cell^2 of its area.
+/// For the samples on its own side: area per sample and spacing of different ones, in cells. A plane meets |n_x| +
+/// |n_y| + |n_z| cells per cell^2 of its area.
 template <class Wanted>
 void measure_area(const FacetsAround& around, Wanted&& wanted, FacetPlane& plane) {
   const int cells = cells_with(around, wanted);
@@ -118,20 +118,20 @@ void measure_area(const FacetsAround& around, Wanted&& wanted, FacetPlane& plane
   plane.one_sided = others <= few_others * samples;
   const Vec3f n = plane.normal;
   const double per_area = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
-  // Parts that several samples share count once: how many there were if each had a place of its own.
+  // Parts shared by several samples count once: estimates the number if each had a part of its own.
   const double parts = parts_per_face * cells;
   const double apart = -parts * std::log1p(-std::min(distinct / parts, 0.95));
   const double in_cell = mean_with_zeros(std::max(apart / cells, 1.0 + 1e-3));
-  // Cells, those without samples included; but no more than the plane passes through (samples in a raster leave none
-  // out). Cells that a plane cuts the corners of are missed more often: by how much was measured on spheres, planes,
-  // rasters and lines of samples, whose areas come out within 17 %.
+  // Cells, including those without samples; but no more than the plane passes through (samples in a raster miss none).
+  // Cells of which a plane cuts only corners are missed more often: how often was measured on spheres, planes, rasters
+  // and lines of samples, whose areas are found within 17 %.
   const double at_most = std::max<double>(cells, per_area * block_area(around, wanted, n));
   const double met = std::min(apart / in_cell, at_most) * (1.05 + 0.47 * (per_area - 1));
   plane.area = static_cast<float>(met / per_area / samples);
   plane.spacing = static_cast<float>(std::sqrt(met / per_area / apart));
 }
 
-/// FacetPlane::outward.
+/// Computes FacetPlane::outward.
 double outward_of(const FacetsAround& around) {
   Vec3f middle{};
   for (size_t k = 0; k < around.count; ++k) middle += around.mean[k];

@@ -1,4 +1,4 @@
-// The plane that the samples of a cell and of the 26 cells around it lie in, and what it says of their area and sides.
+// The plane of the samples of a cell and of the 26 cells around it, with their area and sides.
 #pragma once
 
 #include <array>
@@ -11,24 +11,24 @@
 
 namespace soapfilm {
 
-/// Of the samples of one facet.
+/// For the samples of one facet.
 struct FacetPlane {
   Vec3f normal{};
   float area = 0;     ///< cells^2 for each sample
   float spacing = 0;  ///< cells
   bool filled = false;
   bool found = false;
-  bool found_far = false;  ///< thin enough for cells larger than the first filled ones, too
-  double thick = 1;        ///< least over middle variance
-  double agreement = 0;    ///< length of the mean direction around: outliers' are all different
-  double outward = 0;  ///< mean cosine between directions and the way from the middle: 0 for outliers', about 1 around
-                       ///< a rod or an edge
+  bool found_far = false;  ///< flat enough for cells larger than the first filled ones, too
+  double thick = 1;        ///< thickness: least over middle variance
+  double agreement = 0;    ///< length of the mean direction around: small for outliers, whose directions differ
+  double outward = 0;  ///< mean cosine between directions and the way from the middle: 0 for outliers, about 1 around a
+                       ///< rod or an edge
   bool one_sided = false;  ///< directions around are on one side of the plane, however much they differ
   PlaneSides sides;
 
   bool agrees() const;
-  /// As thin and as agreeing as two faces of a box that meet, its normal at most halfway between theirs: does it
-  /// confirm what was found in cells half as large?
+  /// Whether it confirms what was found in cells half as large: at least as flat and with directions as equal as for
+  /// two faces of a box that meet, its normal at most halfway between theirs.
   bool confirms(Vec3f normal_before) const;
   bool confirms_edge() const;
 };

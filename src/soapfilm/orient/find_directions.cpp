@@ -14,7 +14,7 @@ Orientation find_directions(const PointCloud& cloud, const Box3d& box, const Ori
   };
   measure(0.3, 0.8);
   if (doubt_signs(cloud, params, found.surface.sides, context, found.directions, found.report)) measure(0.8, 1);
-  // Where each sample has a normal, there is nothing to turn.
+  // Where each sample has a normal, there is nothing to improve.
   if (params.source != DirectionSource::automatic || found.report.from_normals == cloud.size()) return found;
   found.views = found.directions;
   turn_to_planes(cloud, found.surface, context, found.directions, found.report);

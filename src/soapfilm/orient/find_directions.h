@@ -1,4 +1,4 @@
-// The stage that gives each sample a direction, and looks at the surface around it.
+// The stage that gives each sample a direction, and measures the surface around it.
 #pragma once
 
 #include <vector>
@@ -13,14 +13,14 @@ namespace soapfilm {
 
 /// Columns, each as long as the cloud.
 struct Orientation {
-  std::vector<Vec3f> directions;  ///< weak, outward: unit vectors, or zero where nothing is known
-  std::vector<Vec3f> views;       ///< the same before normals of planes took their place; empty where none did
+  std::vector<Vec3f> directions;  ///< weak directions, outward: unit vectors, or zero where unknown
+  std::vector<Vec3f> views;       ///< the same before normals of planes replaced them; empty where none did
   LocalSurface surface;           ///< around each sample
   OrientReport report;            ///< its warnings have been shown
 };
 
-/// Directions as orient() finds them, without the signs of normals that contradict each other, turned to the planes
-/// around the samples (DirectionSource::automatic). `box` is the cloud's. Throws as orient() does.
+/// Directions as orient() finds them, with contradicting signs of normals discarded, replaced by the normals of the
+/// planes around the samples (DirectionSource::automatic). `box` is the cloud's. Throws as orient() does.
 Orientation find_directions(const PointCloud& cloud, const Box3d& box, const OrientSetup& params,
                             const Context& context);
 

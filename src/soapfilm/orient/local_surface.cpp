@@ -13,15 +13,15 @@ namespace soapfilm {
 
 namespace {
 
-constexpr int coarser_at_most = 3;  // depths above the first filled one where a plane is looked for
+constexpr int coarser_at_most = 3;  // depths above the first filled one at which a plane is searched
 constexpr int coarsest = 4;         // depth: a sixteenth of the box
-/// Area of a sample over the mean one, from which on it has to be confirmed at the next depth.
+/// Area of a sample over the mean one, above which it has to be confirmed at the next depth.
 constexpr double large = 1.5;
-/// Of a sample. One that would count for far more area than others has to show the same plane at the next depth, too:
-/// six outliers may lie in a plane, but with those around them they no longer do.
+/// State of a sample. One that would represent far more area than others must show the same plane at the next depth,
+/// too: six outliers may lie in a plane, but not together with those around them.
 enum class State : uint8_t { settled, open, found, to_confirm };
 
-/// To some four digits: what is left of rounding when the axes are turned must not reach the mesh.
+/// To about four digits: rounding errors after a permutation of the axes must not reach the mesh.
 float rounded(double value) {
   int exponent = 0;
   const double mantissa = std::frexp(value, &exponent);
@@ -65,7 +65,7 @@ class Survey {
     surface_.planes = 0;
     for (size_t i = 0; i < positions_.size(); ++i) {
       const bool edge = surface_.normal[i] == Vec3f{} && first_filled_[i] == coarsest;
-      if (edge || state_[i] == State::to_confirm) surface_.spacing[i] = 0;  // no coarser cells tell
+      if (edge || state_[i] == State::to_confirm) surface_.spacing[i] = 0;  // no coarser cells to confirm it
       surface_.planes += surface_.is_plane(i);
     }
     surface_.coverage = cover_area(surface_);
@@ -95,7 +95,8 @@ class Survey {
     return coarsest;
   }
 
-  /// Of the planes found at this depth, those that count for far more area than others must be confirmed; how many.
+  /// Of the planes found at this depth, marks those that represent far more area than others for confirmation; returns
+  /// how many.
   size_t doubt_large_ones() {
     constexpr size_t at_once = size_t{1} << 15;
     struct Sum {
@@ -123,12 +124,12 @@ class Survey {
   }
 
   struct Settled {
-    size_t left = 0;  ///< samples that are not
-    SideTally sides;  ///< of those that now are
+    size_t left = 0;  ///< samples that are not settled
+    SideTally sides;  ///< of those settled in this pass
     void operator+=(const Settled& other) { left += other.left, sides += other.sides; }
   };
 
-  /// Settles the samples whose surface shows at this depth.
+  /// Settles the samples whose surface is found at this depth.
   Settled settle(const SampleCells& cells, int depth) {
     return sum_chunks<Settled>(cells.size(), 512, context_, [&](size_t begin, size_t end) {
       Settled settled;
@@ -137,7 +138,7 @@ class Survey {
     });
   }
 
-  /// Tells how many samples of the cell are left.
+  /// Returns how many samples of the cell are left.
   size_t settle_cell(const SampleCells& cells, size_t c, int depth, SideTally& sides) {
     const uint32_t first = cells[c].begin, last = cells[c + 1].begin;
     bool any = false;

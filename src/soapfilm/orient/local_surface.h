@@ -1,4 +1,4 @@
-// What the neighborhood of each sample says of the surface there: its plane, and how much of it the sample stands for.
+// The surface around each sample: its plane, and the area that the sample represents.
 #pragma once
 
 #include <cstddef>
@@ -14,33 +14,33 @@
 namespace soapfilm {
 
 struct AreaCoverage {
-  double area = 0;      ///< of surface that was seen, input units^2; 0: too little of it was found to go by
-  double per_area = 0;  ///< samples per area on the mean over the area, input units^-2
-  double spacing = 0;   ///< of different samples, input units: on a quarter of the area they lie closer
+  double area = 0;      ///< of surface that was seen, input units^2; 0: too little was found to be usable
+  double per_area = 0;  ///< samples per area, averaged over the area, input units^-2
+  double spacing = 0;   ///< of different samples, input units: it is smaller on a quarter of the area
 };
 
 /// Columns, each as long as the samples; empty when it was not measured.
 struct LocalSurface {
-  std::vector<float> area;     ///< of surface that the sample stands for, input units^2; 0: nothing around it
-  std::vector<float> spacing;  ///< of different samples around it, input units; 0: likewise, or it
-                               ///< is taken for an outlier, such as where the directions around contradict each other
+  std::vector<float> area;     ///< of surface that the sample represents, input units^2; 0: nothing around it
+  std::vector<float> spacing;  ///< of different samples around it, input units; 0: the same, or an outlier, such as
+                               ///< where the directions around contradict each other
   std::vector<Vec3f> normal;   ///< unit, sign arbitrary; zero: no plane
-  size_t planes = 0;           ///< samples with both
+  size_t planes = 0;           ///< samples with both a normal and a spacing
   AreaCoverage coverage;       ///< of all of them
-  SideTally sides;             ///< of those whose directions agree on their own side
+  SideTally sides;             ///< of those whose directions agree on their side
 
-  /// Does the sample lie on a plane whose samples agree about its sides?
+  /// Does the sample lie on a plane whose samples agree on its sides?
   bool is_plane(size_t i) const { return normal[i] != Vec3f{} && spacing[i] > 0; }
 };
 
-/// Looks at the samples in cells of an octree, from fine to coarse. A sample has its plane at the smallest cells where
-///   - the 27 cells around it hold at least six with samples, spread along two axes, and
+/// Examines the samples in cells of an octree, from fine to coarse. A sample has its plane at the smallest cells where
+///   - the 27 cells around it include at least six with samples, spread along two axes, and
 ///   - the mean positions in these, each cell counted once, lie in a plane (principal component analysis).
-/// So neither many samples along one ring of a scanner nor copies of samples pass for a surface, and neither noise
-/// nor a change of density moves the scale to where it is not one. Planes whose samples would stand for much more than
-/// the mean area must show at cells twice as large, too: few outliers in a plane do not. `directions`, as long as
-/// `positions`, keep the two sides of a sheet apart: samples seen from the other side count neither for the area nor,
-/// where the plane does not show with them, for the plane. Does not depend on the number of threads.
+/// So neither many samples along one ring of a scanner nor copies of samples are taken for a surface, and neither noise
+/// nor a change of density leads to a wrong scale. Planes whose samples would represent much more than the mean area
+/// must also be found at cells twice as large: this excludes few outliers in a plane. `directions`, as long as
+/// `positions`, separate the two sides of a sheet: samples seen from the other side count neither for the area nor,
+/// where no plane is found with them, for the plane. Does not depend on the number of threads.
 LocalSurface measure_local_surface(std::span<const Vec3d> positions, std::span<const Vec3f> directions,
                                    const Box3d& box, const Context& context);
 

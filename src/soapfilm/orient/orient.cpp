@@ -20,7 +20,7 @@ namespace {
 
 constexpr size_t samples_at_once = size_t{1} << 14;
 
-/// Scans are looked up by sample.
+/// Scans are searched by sample, so they must be in order.
 void check(const PointCloud& cloud) {
   size_t end = 0;
   for (size_t k = 0; k < cloud.scans.size(); ++k) {
@@ -42,13 +42,13 @@ Vec3d mean_position(const PointCloud& cloud, const Scan& scan) {
   return first + sum / static_cast<double>(scan.size());
 }
 
-/// What a whole scan says.
+/// The properties of a whole scan.
 struct ScanFacts {
   std::optional<Vec3d> sensor;
   Vec3f view_direction;  ///< zero when unknown
 };
 
-/// What the cloud itself says of its samples' directions, source by source.
+/// The directions contained in the cloud, source by source.
 class KnownDirections {
  public:
   KnownDirections(const PointCloud& cloud, const OrientSetup& params, const Context& context)
@@ -64,7 +64,7 @@ class KnownDirections {
     });
   }
 
-  /// Calls visit(i, facts) for samples [begin, end) with what their scans say.
+  /// Calls visit(i, facts) for samples [begin, end) with the properties of their scans.
   template <class Visit>
   void for_each(size_t begin, size_t end, Visit&& visit) const {
     const std::vector<Scan>& scans = cloud_.scans;
@@ -78,7 +78,7 @@ class KnownDirections {
     }
   }
 
-  /// Zero where the source has nothing; never of `automatic` or `estimate`.
+  /// Zero where the source has none; not for `automatic` or `estimate`.
   Vec3f direction(DirectionSource source, size_t i, const ScanFacts& facts) const {
     switch (source) {
       case DirectionSource::normals:
@@ -166,8 +166,8 @@ void estimate(const PointCloud& cloud, const OrientSetup& params, const KnownDir
                      report.without_direction, cloud.size()));
 }
 
-/// The flux of x through a closed surface is three times its volume (divergence theorem): outward normals point away
-/// from the samples' middle on the whole, whatever the shape.
+/// The flux of x through a closed surface is three times its volume (divergence theorem): on the whole, outward normals
+/// point away from the samples' middle, whatever the shape.
 bool point_inward(const PointCloud& cloud, const std::vector<Vec3f>& directions, const Context& context) {
   const Vec3d first = cloud.positions[0];
   const auto sum = sum_chunks<Vec3d>(cloud.size(), samples_at_once, context, [&](size_t begin, size_t end) {
@@ -284,7 +284,7 @@ bool doubt_signs(const PointCloud& cloud, const OrientSetup& params, const SideT
 
 void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
                     std::vector<Vec3f>& directions, OrientReport& report) {
-  constexpr float least_incidence = 0.02f;  // cosine: below it the side is not told
+  constexpr float least_incidence = 0.02f;  // cosine: below it the side is unknown
   report.from_planes = sum_chunks<size_t>(cloud.size(), samples_at_once, context, [&](size_t begin, size_t end) {
     size_t turned = 0;
     for (size_t i = begin; i < end; ++i) {

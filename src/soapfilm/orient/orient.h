@@ -21,32 +21,33 @@ void validate(const OrientParams& params);
 
 /// What users set, and what follows from other parameters.
 struct OrientSetup : OrientParams {
-  bool from_within = false;  ///< estimated normals whose side is not known look inward (Border::solid)
+  bool from_within = false;  ///< estimated normals of unknown side look inward (Border::solid)
 };
 
-/// A unit vector for each sample, on the outer side of the surface or meant to be; zero where nothing is known.
+/// A unit vector for each sample, on the (presumed) outer side of the surface; zero where unknown.
 ///
 /// Estimated normals are those of a principal component analysis of the nearest different positions (Hoppe et al.
 /// 1992). Where no scanner is known their signs are propagated over a minimum spanning tree of neighbors (same paper),
-/// apart for each connected component; a component's sign follows from neighbors with a known direction or, without
-/// any, from its extreme samples, which look outward (`from_within`: inward). That is right for a closed surface and a
-/// guess for a patch: the report warns. The result does not depend on the number of threads.
+/// separately for each connected component; a component's sign follows from neighbors with a known direction or,
+/// without any, from its extreme samples, which look outward (`from_within`: inward). That is right for a closed
+/// surface and a guess for a patch: the report warns. The result does not depend on the number of threads.
 ///
-/// Throws ParameterError when `neighbors`, `radius` or `sensor` is out of range, or when a source that was asked for
-/// has nothing for any sample; SamplesError when scans are not in order.
+/// Throws ParameterError when `neighbors`, `radius` or `sensor` is out of range, or when a requested source has no
+/// direction for any sample; SamplesError when scans are not in order.
 std::vector<Vec3f> orient(const PointCloud& cloud, const OrientSetup& params, const Context& context,
                           OrientReport& report);
 
-/// Looks whether the signs of the given normals contradict each other (SideTally). Where they do, and `automatic` was
-/// asked for, `directions` of samples with normals become these without their signs: turned to the scanner where one is
-/// known, the others by propagation as estimated normals are. One warning says so. Not where many samples lie on thin
-/// sheets and no scanner is known: propagation cannot tell their two sides apart. Tells whether `directions` changed.
+/// Checks whether the signs of the given normals contradict each other (SideTally). If so, and with `automatic`, the
+/// `directions` of samples with normals are recomputed without their signs: oriented to the scanner where one is known,
+/// the others by propagation as for estimated normals. One warning says so. Not done where many samples lie on thin
+/// sheets and no scanner is known: propagation cannot distinguish their two sides. Returns whether `directions`
+/// changed.
 bool doubt_signs(const PointCloud& cloud, const OrientSetup& params, const SideTally& sides, const Context& context,
                  std::vector<Vec3f>& directions, OrientReport& report);
 
-/// A direction towards the scanner tells the outer side of the surface, but counts by the cosine of its angle to the
-/// normal: a floor that rays graze at 80 degrees weighs a sixth. Where `surface` has a plane around a sample that has
-/// no normal of its own, the plane's normal on the direction's side takes its place.
+/// A direction towards the scanner shows the outer side of the surface, but its weight is the cosine of its angle to
+/// the normal: a floor that rays graze at 80 degrees has a sixth of the weight. Where `surface` has a plane around a
+/// sample without a normal of its own, the plane's normal on the direction's side replaces it.
 void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
                     std::vector<Vec3f>& directions, OrientReport& report);
 

@@ -17,21 +17,21 @@ constexpr size_t order_grain = size_t{1} << 14;
 constexpr size_t cells_grain = size_t{1} << 12;
 constexpr int parts_deeper = 2;  // a cell has 4 parts along each axis
 
-/// Neighbors share cache lines: the eight cells of a parent follow each other.
+/// Neighbors share cache lines: the eight cells of a parent are consecutive.
 constexpr size_t siblings = 8;
-constexpr size_t next_place = siblings + 1;  // odd: it comes by all places of a table
+constexpr size_t next_place = siblings + 1;  // odd, so that it visits all places of a table
 size_t hash_of(uint64_t key) {
   const uint64_t parent = (key >> 3) * 0x9E3779B97F4A7C15ull;
   return static_cast<size_t>((parent ^ parent >> 32) * siblings | (key & (siblings - 1)));
 }
 
-/// What a cell holds, dealt to at most two facets by the side that it was seen from.
+/// The samples of a cell, divided into at most two facets by the side from which they were seen.
 struct Sides {
   std::array<Facet, 2> facet;
   std::array<Vec3d, 2> sum;  ///< of positions relative to the cell's center, cells
   Vec3f first;               ///< direction of the cell's first sample in the cloud
 
-  /// `count` samples, `from_center` their mean. Tells which facet it is.
+  /// Adds `count` samples, `from_center` their mean. Returns which facet it is.
   uint8_t add(Vec3d from_center, Vec3f direction, uint32_t count, uint64_t parts) {
     const uint8_t side = dot(first, direction) < 0 ? 1 : 0;
     sum[side] += from_center * static_cast<double>(count);
@@ -48,7 +48,7 @@ struct Sides {
   }
 };
 
-/// Of each chunk of `grain` items, how many begin something in the chunks before it; at the end, all of them.
+/// For each chunk of `grain` items, how many begin something in the chunks before it; at the end, the total.
 template <class Begins>
 std::vector<size_t> count_before(size_t size, size_t grain, const Context& context, Begins&& begins) {
   std::vector<size_t> before((size + grain - 1) / grain + 1);
@@ -60,7 +60,7 @@ std::vector<size_t> count_before(size_t size, size_t grain, const Context& conte
   return before;
 }
 
-/// Where a child's eighths lie among its parent's 64 parts.
+/// A child's eighths as bits of its parent's 64 parts.
 uint64_t parts_in_parent(uint64_t parts, uint64_t octant) {
   uint64_t eighths = 0;
   for (int j = 0; j < 8; ++j) eighths |= static_cast<uint64_t>((parts >> 8 * j & 255) != 0) << j;

@@ -1,4 +1,4 @@
-// The samples in the cells of an octree: what of a surface each cell of one depth holds.
+// The samples in the cells of an octree: the parts of a surface in each cell of one depth.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ struct Facet {
   Vec3f mean;          ///< position relative to the cell's center, cells, each in [-1/2, 1/2]
   Vec3f direction;     ///< sum of the samples' directions
   uint32_t count = 0;  ///< samples
-  uint64_t parts = 0;  ///< of the cell's 64 parts (4 along each axis, by their Morton keys), which hold one of them
+  uint64_t parts = 0;  ///< which of the cell's 64 parts (4 along each axis, by their Morton keys) contain one of them
 };
 
 /// Samples sorted along a Morton curve through the cube of their box's longest side, and the cells of any depth: a cell
@@ -47,17 +47,17 @@ class SampleOrder {
 /// The occupied cells of one depth.
 class SampleCells {
  public:
-  /// `directions` is as long as `positions`; zero ones belong to either side.
+  /// `directions` is as long as `positions`; zero ones fit either side.
   SampleCells(const SampleOrder& order, std::span<const Vec3d> positions, std::span<const Vec3f> directions, int depth,
               const Context& context);
 
-  /// The cells of the depth above, from what these hold.
+  /// The cells of the depth above, computed from these.
   SampleCells coarser(std::span<const Vec3f> directions, const Context& context) &&;
 
   struct Cell {
     uint64_t key;
     uint32_t begin;     ///< its first sample in the order; it ends where the next cell begins
-    uint32_t earliest;  ///< of its samples, the first in the cloud
+    uint32_t earliest;  ///< the first of its samples in the cloud
   };
   static constexpr uint32_t none = ~uint32_t{0};
 
@@ -81,7 +81,7 @@ class SampleCells {
   double side_ = 0;
   std::vector<Cell> cells_;  ///< by key; one more at the end
   std::vector<std::array<Facet, 2>> facets_;
-  std::vector<uint8_t> second_;  ///< of each sample in the order: is it of its cell's second facet
+  std::vector<uint8_t> second_;  ///< of each sample in the order: whether it belongs to its cell's second facet
   struct Slot {
     uint32_t tag;  ///< the key's low bits
     uint32_t cell;

@@ -23,7 +23,7 @@ size_t bin_of(double thickness, size_t bins) {
 }  // namespace
 
 void PlaneSidesOfCells::add(int cell, uint32_t count, double towards, double height) {
-  constexpr double told = 0.3;  // cosine of direction and normal
+  constexpr double told = 0.3;  // cosine of direction and normal; below it the side is unknown
   if (std::abs(towards) <= told * count) return;
   const size_t side = towards > 0 ? 0 : 1;
   samples_[side] += count;
@@ -33,7 +33,7 @@ void PlaneSidesOfCells::add(int cell, uint32_t count, double towards, double hei
 
 PlaneSides PlaneSidesOfCells::result(double spacing) const {
   constexpr double fewest_mixed = 0.25;  // of the cells of the rarer kind, those that the other shares
-  constexpr int fewest_alone = 3;        // cells of each kind alone beside a seam
+  constexpr int fewest_alone = 3;        // cells with only one kind, at least so many of each at a seam
   constexpr double seam_share = 0.15;    // of the rarer kind's samples
   constexpr double seam_step = 0.1;      // cells
   PlaneSides sides;

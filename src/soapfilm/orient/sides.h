@@ -1,4 +1,4 @@
-// Which side of their plane samples look to: the same one, the two of a thin sheet, or either by lot.
+// Which side of their plane samples look to: all to the same, to the two sides of a thin sheet, or at random.
 #pragma once
 
 #include <array>
@@ -7,20 +7,20 @@
 
 namespace soapfilm {
 
-/// Of one place, the cells around a sample that lies on a plane: those of its samples that look to one side of the
+/// At one place, the cells around a sample that lies on a plane: the samples in them that look to one side of the
 /// plane, and those that look to the other.
 struct PlaneSides {
-  double pairs = 0;      ///< share of its pairs of samples that look to opposite sides, [0, 0.5 and a bit]
-  double apart = 0;      ///< how far those that look up lie above the others on the mean, spacings; < 0: below them
+  double pairs = 0;      ///< share of its pairs of samples that look to opposite sides, [0, slightly above 0.5]
+  double apart = 0;      ///< mean height of those that look up above the others, spacings; < 0: below them
   double thickness = 0;  ///< the same, cells
-  bool seam = false;     ///< each of the two has cells of its own: a line parts them
+  bool seam = false;     ///< each of the two has cells of its own: a line separates them
 };
 
-/// Makes them of the samples in 27 cells.
+/// Computes them for the samples in 27 cells.
 class PlaneSidesOfCells {
  public:
-  /// Samples of one cell that look about one way: the sum of their directions along the plane's normal, and their mean
-  /// height over the plane, cells.
+  /// Adds samples of one cell with similar directions: the sum of their directions along the plane's normal, and their
+  /// mean height above the plane, cells.
   void add(int cell, uint32_t count, double towards, double height);
   /// `spacing` of the samples, cells.
   PlaneSides result(double spacing) const;
@@ -33,24 +33,26 @@ class PlaneSidesOfCells {
 /// Sums over samples on planes. Shares are of the pairs of neighboring samples on one plane, [0, 1].
 class SideTally {
  public:
-  /// `area`: that such a sample stands for, `cell`: side of a cell; in units of the samples' box's longest side.
+  /// `area`: represented by such a sample, `cell`: side of a cell; in units of the samples' box's longest side.
   void add(const PlaneSides& sides, size_t samples, double area, double cell);
   SideTally& operator+=(const SideTally& other);
 
-  /// Pairs that look to opposite sides (n . n' < 0, as a rule near -1) though neither lies above the other. The two
-  /// sides of a sheet always lie on their own side of it, those of a gap on the other; wrong signs do not care, so of
-  /// pairs that are no farther apart than noise moves them, twice the smaller part of either kind counts.
+  /// Pairs that look to opposite sides (n . n' < 0, usually near -1) though neither lies above the other. The samples
+  /// of the two sides of a sheet always lie on the side to which they look, those of a gap on the other; wrong signs
+  /// are independent of that. So of pairs that are no farther apart than the noise, twice the smaller of the two
+  /// numbers counts.
   double contradicting() const;
-  /// Those of them where a line parts the two kinds, as along the edge of a part that was turned round.
+  /// Those of them where a line separates the two kinds, as along the edge of a part whose signs were flipped.
   double at_seams() const { return share(seam_); }
-  /// Are the signs worth nothing? More than 2 % of the pairs contradict; or seams are so long that they could surround
-  /// a fiftieth of the surface: their pairs fall with the root of the samples, so do the share at which they tell.
+  /// Are the signs useless? Yes if more than 2 % of the pairs contradict; or if seams are so long that they could
+  /// surround a fiftieth of the surface: their pairs grow only with the root of the samples, so the threshold falls
+  /// with it.
   bool contradicts() const;
 
   /// Pairs on the two sides of a thin sheet.
   double on_sheets() const { return share(sheet_); }
-  /// Share of the area that lies on sheets thinner than `limit`, same units; and the thickness that half of that is
-  /// below.
+  /// Share of the area that lies on sheets thinner than `limit`, same units; and the thickness below which half of that
+  /// lies.
   struct Thin {
     double share = 0;
     double thickness = 0;

@@ -12,14 +12,14 @@ namespace soapfilm {
 
 namespace {
 
-/// Thickness of sheets that a grid holds with hardly a sample on the wrong side, voxels; and the share of the area from
-/// which on they count.
+/// Thickness of sheets, voxels, at which a grid puts almost no sample on the wrong side; and the share of the area at
+/// which thin sheets matter.
 constexpr double held_well = 1.4, notable_sheets = 0.1;
 
-/// Two sides of a sheet that are hardly a voxel apart blur into each other: the voxel follows the sheets' thickness if
-/// they are a notable part of the surface, as far as their samples can tell their sides apart.
+/// Two sides of a sheet that are barely a voxel apart merge: the voxel follows the sheets' thickness if they are a
+/// notable part of the surface, as far as their samples determine the side.
 double voxel_of_sheets(double voxel, const SideTally& sides, const Box3d& box) {
-  constexpr double finest = 0.65;  // of what the spacing tells
+  constexpr double finest = 0.65;  // smallest factor on the voxel that follows from the spacing
   const SideTally::Thin sheets = sides.thinner_than(held_well * voxel / box.longest());
   if (sheets.share < notable_sheets || sides.contradicts()) return voxel;
   return std::clamp(sheets.thickness * box.longest() / held_well, finest * voxel, voxel);
@@ -41,7 +41,7 @@ double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling&
   return voxel_of_resolution(box, fallback_resolution, params.padding);
 }
 
-/// Many samples at one place are more often a camera's way to say "nothing" than a surface.
+/// Many samples at one place are more often a camera's code for missing depth than a surface.
 void warn_of_repeats(const Sampling& sampling, size_t samples, std::vector<std::string>& warnings) {
   if (sampling.repeats == 0) return;
   const Vec3d& at = sampling.most_repeated;
@@ -51,8 +51,8 @@ void warn_of_repeats(const Sampling& sampling, size_t samples, std::vector<std::
                   sampling.repeats, samples, at.x, at.y, at.z));
 }
 
-/// Sides of a sheet less than a voxel apart run into each other: measured on a bent sheet, 6 % of the samples see the
-/// wrong side at 0.7 voxels, 26 % at 0.5; 0.3 % at 1.0, and none at 1.4.
+/// Sides of a sheet less than a voxel apart merge: measured on a curved sheet, 6 % of the samples see the wrong side at
+/// 0.7 voxels, 26 % at 0.5; 0.3 % at 1.0, and none at 1.4.
 void warn_of_thin_sheets(const SideTally& sides, double longest, double voxel, std::vector<std::string>& warnings) {
   constexpr double held = 0.9;  // voxels
   const SideTally::Thin thin = sides.thinner_than(held * voxel / longest);

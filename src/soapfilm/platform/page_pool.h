@@ -27,8 +27,8 @@ class PagePool {
  public:
   /// A pool of its own.
   static PagePool make();
-  /// Can this platform keep pages of freed arrays for others? Elsewhere arrays come from the allocator and go back to it
-  /// whole, and give_back() does nothing.
+  /// Can this platform keep pages of freed arrays for others? Elsewhere arrays come from the allocator and go back to
+  /// it whole, and give_back() does nothing.
   static bool moves_pages();
   /// None: arrays come from the system and go back to it.
   PagePool() = default;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t bricks_per_task = 32;
 
-/// The band's rows of a row of cells' corners, y fastest, and those right of them.
+/// The band's rows that hold the corners of a row of cells, y fastest, and the rows right of them.
 struct CornerRows {
   std::array<uint32_t, 4> own, right;
 };
@@ -54,7 +54,7 @@ Cell cell_of(Vec3f local) {
           {local.x - static_cast<float>(x), local.y - static_cast<float>(y), local.z - static_cast<float>(z)}};
 }
 
-/// What samples in a brick see: its cells, and phi at their corners.
+/// What is needed to weight the samples of a brick: its cells, and phi at their corners.
 class BrickWindow {
  public:
   BrickWindow(const RowArray& phi, const NarrowBand& band, const CellSamples& cells, const GridSamples& samples,
@@ -70,7 +70,7 @@ class BrickWindow {
 
   /// Cells, numbered from 1 in the order of the rows.
   int32_t count() const { return count_; }
-  /// Cells are there for every sample that the band sees, so the others' are not.
+  /// Every sample inside the band has a cell; the others have none.
   bool sees(const Cell& cell) const { return cell_[cell.place * brick_side + static_cast<size_t>(cell.x)] != 0; }
   Jet jet(const Cell& cell) const {
     const size_t y = cell.place % brick_side, z = cell.place / brick_side;
@@ -109,7 +109,7 @@ class BrickWindow {
   std::array<float, area * side> phi_;
 };
 
-/// The sums over the samples of each cell of a brick; the first one's are nobody's.
+/// The sums over the samples of each cell of a brick; index 0 is unused.
 class CellSums {
  public:
   explicit CellSums(int32_t cells) {
@@ -117,7 +117,7 @@ class CellSums {
   }
 
   float* data() { return sum_.data(); }
-  /// As means, of `count` cells from `first` on; returns how many have any weight.
+  /// Writes them as means, of `count` cells from `first` on; returns how many have any weight.
   size_t write(size_t first, size_t count, float* out) const {
     size_t heavy = 0;
     for (size_t c = 0; c < count; ++c) {

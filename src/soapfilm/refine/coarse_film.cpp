@@ -13,11 +13,11 @@ namespace soapfilm {
 namespace {
 
 constexpr int most_rounds = 12;
-constexpr double most_held = 0.03;     // by the topology, of those that turn, where these grow in number
-constexpr size_t rest_of_first = 300;  // fewer turn than the first round's over this: they rest
-constexpr double reach = 2;            // of the band on every second vertex
+constexpr double most_held = 0.03;     // refused by the topology over changed, where changes become more than at first
+constexpr size_t rest_of_first = 300;  // ends when fewer labels change than in the first round divided by this
+constexpr double reach = 2;            // of the band on the half-resolution grid
 constexpr double least_of_holes = 0.02, most_of_holes = 1;
-constexpr double noise_to_follow = 0.1;  // voxels; with less, the least smoothing
+constexpr double noise_to_follow = 0.1;  // voxels; with less, the smallest smoothing
 constexpr double slope_of_curvature = 0.002;
 
 /// Bricks and those next to them.
@@ -40,7 +40,7 @@ void set_with_neighbors(BrickMask& bricks, Vec3i vertex) {
 CoarseFilm::CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const FitWeights& fit_weights,
                        const Context& context)
     : fine_(fine), threshold_(threshold), finder_(finder), context_(context) {
-  // In units of every second vertex, where the surface has a quarter of the vertices.
+  // In units of the half-resolution grid, where the surface has a quarter of the vertices.
   strength_.noise = fit_weights.noise / 2;
   strength_.smoothing = fit_weights.noise > noise_to_follow
                             ? std::clamp(fit_weights.smoothing / 4, least_of_holes, most_of_holes)
@@ -54,7 +54,7 @@ float CoarseFilm::distance(Vec3i v) const {
   return value_at(start_.band, phi_, v, level_.u_at(v) > 0.5f ? far : -far);
 }
 
-/// The indicator on the bricks that are wanted now; what bent already stays.
+/// The indicator on the bricks that are needed now; parts already curved are kept.
 void CoarseFilm::make_level() {
   const BrickMask wanted = with_neighbors(bricks_);
   Level next = every_second_vertex(fine_, threshold_, context_, &wanted);
@@ -64,7 +64,7 @@ void CoarseFilm::make_level() {
   level_ = std::move(next);
 }
 
-/// Fits, and lets signs follow.
+/// Fits, and updates the labels.
 FlipCount CoarseFilm::step() {
   make_level();
   start_ = start_from(level_, 0.5f, reach, context_, &bricks_);
@@ -76,7 +76,7 @@ FlipCount CoarseFilm::step() {
     fit_robustly(displacement, samples, cells, {}, strength_, robust_, context_.silent());
     phi_ = std::move(displacement.phi());
   }
-  // Where samples hold the surface the solve has decided.
+  // Where there are samples near the surface, the labels of the solve are kept.
   for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
     const bool inside = signs.test(v);
     float& value = phi_.data()[k];
@@ -108,7 +108,7 @@ bool CoarseFilm::bend(const std::vector<HoleFilm>& films, HoleReport& report) {
     const size_t turned = flips.wanted - flips.refused;
     if (report.rounds == 1) first = turned;
     if (turned > first && static_cast<double>(flips.refused) > most_held * static_cast<double>(turned)) return false;
-    // The last ones turn to and fro.
+    // The last vertices change back and forth.
     if (turned <= first / rest_of_first) return true;
   }
   report.rounds = most_rounds;

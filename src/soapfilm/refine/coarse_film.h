@@ -1,4 +1,5 @@
-// The surface on every second vertex near holes, where it bends: fits, and signs that follow them.
+// The surface near holes, on the half-resolution grid (every second vertex), where it is curved: fits, and labels that
+// follow them.
 #pragma once
 
 #include <vector>
@@ -9,19 +10,20 @@
 
 namespace soapfilm {
 
-/// The surface on every second vertex near the holes, while it bends.
+/// The surface near the holes on the half-resolution grid, while it is being curved.
 class CoarseFilm {
  public:
-  /// All must outlive it. `fit_weights` is what the samples of the whole grid are fitted with.
+  /// All must outlive it. `fit_weights`: those of the samples on the full grid.
   CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const FitWeights& fit_weights,
              const Context& context);
 
-  /// Fits, signs that follow at simple points, and again until hardly one does, in 12 rounds at most. Returns false
-  /// where more of them turn than in the first round, held by the topology: this ends nowhere.
+  /// Fits, changes labels at simple points to follow the fit, and repeats until almost none changes, in 12 rounds at
+  /// most. Returns false where more of them change than in the first round and the topology refuses more than 3 %: this
+  /// would not end.
   bool bend(const std::vector<HoleFilm>& films, HoleReport& report);
 
   const BrickMask& bricks() const { return bricks_; }
-  /// About the distance in units of every second vertex; beyond the band its sign alone.
+  /// Approximate distance in units of the half-resolution grid; beyond the band only its sign.
   float distance(Vec3i vertex) const;
 
  private:
@@ -34,8 +36,8 @@ class CoarseFilm {
   const Context& context_;
   FitWeights strength_;
   RobustParams robust_;
-  BrickMask bricks_;  // of the band: those that hold films, and those next to them
-  Level level_;       // the indicator, on one more brick around
+  BrickMask bricks_;  // of the band: those that hold holes, and those next to them
+  Level level_;       // the indicator, on these bricks and one more around them
   Start start_;
   RowArray phi_;
 };

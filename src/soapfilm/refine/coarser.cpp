@@ -9,9 +9,9 @@ namespace soapfilm {
 
 namespace {
 
-// Held-out distances over those from the finer fit up to which a coarser one serves. With a fifth to a half of a sample
-// per voxel^2 and noise of half a voxel it is nearer to the truth up to some 1.03: both surfaces start from a
-// segmentation that saw the samples, and the finer one forgets that less.
+// Largest ratio of the held-out distances of the coarser fit to those of the finer one at which the coarser one is
+// used. With 0.2 to 0.5 samples per voxel^2 and noise of half a voxel it is nearer to the truth up to about 1.03: both
+// surfaces start from a segmentation that saw the held-out samples, and the finer one keeps more of that.
 constexpr double most_cost = 1.03;
 
 }  // namespace

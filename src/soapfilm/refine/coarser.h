@@ -1,10 +1,10 @@
-// The fit on every second vertex, or every fourth, ...: where samples are sparser than the grid, a finer one adds
-// unknowns and no detail.
+// The fit on every second vertex, or every fourth, ...: where samples are farther apart than grid vertices, a finer
+// grid adds unknowns and no detail.
 #pragma once
 
+#include "soapfilm/refine/fit_weights.h"
 #include "soapfilm/refine/robust_fit.h"
 #include "soapfilm/refine/start.h"
-#include "soapfilm/refine/fit_weights.h"
 
 namespace soapfilm {
 
@@ -16,20 +16,20 @@ struct Coarser {
   FitWeightReport search;
 };
 
-/// What one grid is fitted with, against a coarser one.
+/// The start, samples and weights of the finer grid that a coarser one is compared with.
 struct Finer {
   const Start& start;
   const GridSamples& samples;
   FitWeights fit_weights;
 };
 
-/// Whether a coarser fit serves as well: samples that neither saw lie at most 3 % farther from it on the mean. Both are
-/// fitted to the same patches, as choose_fit_weights() does. False where no such sample is seen.
+/// Whether a coarser fit is as good: the mean distance of held-out samples is at most 3 % larger. Both are fitted to
+/// the same patches, as choose_fit_weights() does. False where there is no held-out sample in the band.
 bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robust, const Context& context);
 
-/// Whether phi, from a coarser fit, is still about this surface: where a part was too thin for the coarser cells it
-/// lies more than `far` voxels from where it was, or the coarser band is not there and phi is what it was. One in 500
-/// of the vertices within a voxel of the surface may.
+/// Whether phi, from a coarser fit, still describes this surface. A vertex within a voxel of the surface fails where
+/// phi differs by more than `far` voxels from its first value (a part was too thin for the coarser cells), or where the
+/// coarser band does not exist and phi is unchanged. One in 500 of them may fail.
 bool is_near(const Start& start, const RowArray& phi, double far, const Context& context);
 
 }  // namespace soapfilm

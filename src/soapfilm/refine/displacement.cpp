@@ -45,9 +45,9 @@ void Displacement::stiffen() {
 
 void Displacement::yield_to_bends(double medians) {
   constexpr float near = 0.5f,
-                  reach = 1;      // voxels from the surface: up to where phi counts in full; a half so far beyond
-  constexpr float follow = 0.6f;  // of the mean around that the target takes
-  constexpr float faint = 1e-6f;  // positive at the rim too
+                  reach = 1;      // voxels from the surface: full weight up to `near`, half of it at `reach` farther
+  constexpr float follow = 0.6f;  // the target as a fraction of the local mean
+  constexpr float faint = 1e-6f;  // not 0, so that the weight is positive at the band boundary too
   const RowKernel& kernel = band_.kernel();
   const BandRows rows = band_.view();
   RowArray &curvature = image_, &weight = residual_, &product = direction_, &mean = scratch_;
@@ -72,7 +72,7 @@ void Displacement::yield_to_bends(double medians) {
     const auto [begin, end] = rows_of_layer(band_, layer);
     kernel.share(rows, yield, begin, end);
   };
-  const RowArray& inside = curvature;  // by then
+  const RowArray& inside = curvature;  // reused: curvature now holds the vertices with six neighbors
   multilevel_.local_mean(find_shares, product, weight, inside, follow, target_, context_);
 }
 
@@ -113,7 +113,7 @@ double Displacement::turn(const CellSamples& data, Smoothness smoothness, float 
   float* direction = direction_.data();
   const float* preconditioned = scratch_.data();
   const auto layers = static_cast<size_t>(layers_of(band_));
-  std::vector<double> smooth(layers), pulled(layers);  // shares of the energy
+  std::vector<double> smooth(layers), pulled(layers);  // parts of the energy
   const LaplacianJob inner{direction, smoothness.slope, smoothness.curvature, scratch_.data(), share_.data()};
   const LaplacianJob outer{scratch_.data(), 0, 1, image_.data()};
   const DataTerm pull = DataTerm::hessian(band_, data, direction_, last ? nullptr : &image_);
@@ -142,7 +142,7 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
   };
   int iteration = 0;
   for (bool last = false; !last && iteration < limits.iterations; ++iteration) {
-    // A step is taken by the first pass of the next apply(), before that writes over image_.
+    // The step is applied in the first pass of the next apply(), before that overwrites image_.
     const auto take_step = [&](int layer) {
       if (iteration == 0) return;
       add(rows_of_layer(band_, layer), step, direction_, phi_);

@@ -22,31 +22,33 @@ struct SolveLimits {
                             ///< starts below it is the last
 };
 
-/// Minimises, over delta on the band,
+/// Minimizes, over delta on the band,
 ///   E = data term of CellSamples (phi) + beta <delta, G delta> + gamma <G delta - k, s (G delta - k)>,
-/// phi = phi0 + delta, k = laplacian phi0 less its target, along the axes on which both neighbors are in the band (on
-/// the others delta alone is kept from sloping, so that the band's rim pulls nothing, and bends of phi0 along the rim
-/// do not stay), s = 1 and the target 0 until yield_to_bends(). Conjugate gradients, multigrid preconditioner.
+/// phi = phi0 + delta, k = laplacian phi0 minus its target, along the axes on which both neighbors are in the band. (On
+/// the others only the slope of delta is penalized, so that the band boundary exerts no force and curvature of phi0
+/// along it does not stay.) s = 1 and the target is 0 until yield_to_bends(). Conjugate gradients, multigrid
+/// preconditioner.
 class Displacement {
  public:
   Displacement(const NarrowBand& band, const RowArray& phi0, const Context& context);
 
-  /// Fits the preconditioner to the positions and their weights, which may change a little before it is fitted again.
+  /// Builds the preconditioner from the positions and their weights, which may change a little before it is rebuilt.
   void precondition(const CellSamples& data, Smoothness smoothness);
-  /// Starts from the present state; returns the number of iterations. Once preconditioned.
+  /// Starts from the present phi; returns the number of iterations. Call precondition() before.
   int minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits);
 
-  /// What the next solves expect of the curvature c = laplacian phi, from the present surface. Its target c1 is a share
-  /// of the mean of c over the vertices around (within about two voxels) that yield little: bends that go on, as on a
-  /// limb, are not pulled flat. Where the surface bends otherwise the weight falls to gamma / (1 + (d / d0)^2), d^2 the
-  /// mean around of (c - c1)^2 + (k1 - k2)^2, k1 and k2 the principal curvatures, and d0 that many times the median of
-  /// d over the band: without the mean each vertex would be free to follow the noise that bent it, and of a surface's
-  /// three second derivatives c alone is one: too few to tell bends from noise so near by. Away from the surface, where
-  /// a near fold of it bends phi, the weight falls as well; the band's rim keeps the target 0.
+  /// Edge-preserving reweighting: sets, from the present surface, how the next solves penalize the curvature c =
+  /// laplacian phi. Its target c1 is a fraction of the mean of c over nearby vertices (within about two voxels),
+  /// weighted by their weights s: curvature that continues, as on a limb, is not flattened. Where the curvature differs
+  /// from that, the weight falls to gamma / (1 + (d / d0)^2), d^2 the local mean of (c - c1)^2 + (k1 - k2)^2, k1 and k2
+  /// the principal curvatures, and d0 = `medians` times the median of d over the band. Without the mean each vertex
+  /// could follow the noise that curved it, and c is only one of a surface's three second derivatives: too few to
+  /// distinguish edges from noise so locally. Away from the surface, where phi is curved by a fold nearby, the weight
+  /// falls as well; at the band boundary the target stays 0.
   void yield_to_bends(double medians);
-  /// The same gamma everywhere and no target, as at first.
+  /// Undoes that: the same gamma everywhere and no target.
   void stiffen();
-  /// Keeps what yields and drops the target.
+  /// Keeps the weights s and sets the target to 0.
   void drop_target() { std::fill_n(target_.data(), target_.size(), 0.0f); }
 
   const NarrowBand& band() const { return band_; }
@@ -55,9 +57,9 @@ class Displacement {
 
  private:
   void residual(const CellSamples& data, Smoothness smoothness);
-  /// The next conjugate direction z + ratio direction, z in scratch_, whose array it takes over where ratio is 0;
-  /// returns <direction, A direction>. A direction is image_ afterwards, unless this is the last step, which has no use
-  /// for it.
+  /// The next conjugate direction z + ratio direction, z in scratch_ (whose array it takes over where ratio is 0);
+  /// returns <direction, A direction>. A direction is in image_ afterwards, except in the last step, which does not
+  /// need it.
   double turn(const CellSamples& data, Smoothness smoothness, float ratio, bool last);
   /// The kernel of that name on a layer of bricks.
   double laplacian(const LaplacianJob& job, int layer) const;
@@ -68,8 +70,8 @@ class Displacement {
   const RowArray& phi0_;
   RowArray phi_;
   RowArray residual_, direction_, image_, scratch_;
-  RowArray share_;   // of gamma, in (0, 1]
-  RowArray target_;  // of laplacian phi inside the band
+  RowArray share_;   // s: the factor of gamma, in (0, 1]
+  RowArray target_;  // for laplacian phi inside the band
 };
 
 }  // namespace soapfilm

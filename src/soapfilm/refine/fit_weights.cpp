@@ -12,19 +12,20 @@ namespace {
 constexpr double first_smoothing = 0.2;
 constexpr double least_smoothing = 2e-4, most_smoothing = 200;
 constexpr double smoothing_step = 4, normals_step = 4;
-constexpr double shortest_bend = 1.4;  // standard deviations of the noise: what is smaller cannot be told from it
-constexpr double indifference = 0.5;   // standard errors of the score within which the smoothest fit is taken
-constexpr double least_noise_to_yield = 0.1;  // voxels; with less, a small gamma serves bends and faces alike
+constexpr double shortest_bend = 1.4;         // standard deviations of the noise, which hides smaller detail
+constexpr double indifference = 0.5;          // standard errors of the score within which the smoothest fit is taken
+constexpr double least_noise_to_yield = 0.1;  // voxels; with less, a small gamma suits edges and faces alike
 constexpr double first_normals = 0.05, least_normals = 0.003, most_normals = 50;
 constexpr double normals_agree_deg = 40;  // a larger median angle: viewing directions, not normals
-// Directions between this and that are viewing directions that lie near the normals: the score hardly rises below the
-// best weight and steeply above it, so they get less.
+// Directions between this and the above are viewing directions near the normals: the score rises little below the best
+// weight and steeply above it, so they get less.
 constexpr double normals_true_deg = 20;
 constexpr double caution = 0.5;
-constexpr double caution_when_yielding = 0.1;  // the slopes along them say more then, and pull nothing towards them
+constexpr double caution_when_yielding = 0.1;  // the slope term has more effect then, and pulls no normal towards them
 
-// Standard errors that directions may cost where curvature yields: they keep phi from steepening along the noise of its
-// own slopes, which held-out samples hardly show. Smooth shapes pay 4 to 11 for them.
+// How much worse, in standard errors, the score may become with directions under edge-preserving reweighting: they keep
+// phi from steepening along the noise of its own slopes, which held-out samples barely show. On smooth shapes they cost
+// 4 to 11.
 constexpr double directions_cost = 1;
 
 /// Steps along one axis of (gamma, normals) while that lowers the score.
@@ -45,7 +46,7 @@ double descend(double start, double step, double least, double most, Score&& sco
   return best;
 }
 
-/// The lowest point of a parabola through three scores in log(x), at most half a step away.
+/// The minimum of a parabola through three scores in log(x), at most half a step away.
 template <class Score>
 double between_steps(double x, double step, double least, double most, Score&& score) {
   if (x / step < least || x * step > most) return x;
@@ -54,7 +55,7 @@ double between_steps(double x, double step, double least, double most, Score&& s
   return bend > 0 ? x * std::pow(step, std::clamp(0.5 * (a - c) / bend, -0.5, 0.5)) : x;
 }
 
-/// The largest x upwards whose score is at most `allowed`, by interpolation in log(x); that of `x` is.
+/// The largest x from `x` upwards whose score is at most `allowed`, by interpolation in log(x); score(x) must be.
 template <class Score>
 double largest_within(double x, double step, double most, double allowed, Score&& score) {
   while (x * step <= most && score(x * step) <= allowed) x *= step;
@@ -66,11 +67,11 @@ double largest_within(double x, double step, double most, double allowed, Score&
 }  // namespace
 
 FitWeights choose_fit_weights(const Start& start, const GridSamples& samples, const RobustParams& robust,
-                         const FitWeightParams& params, const Context& context, FitWeightReport& report) {
+                              const FitWeightParams& params, const Context& context, FitWeightReport& report) {
   HeldOut held_out(start, samples, robust, {}, context);
   FitWeights best{params.smoothing.value_or(first_smoothing), params.normals.value_or(0), 0, false};
 
-  // A rough fit tells the noise, and that what one must not ask for.
+  // A rough fit gives the noise, and thereby the smallest gamma to try.
   const double noise = held_out.outcome(best.smoothing, best.normals).noise;
   const double least = std::clamp(std::pow(shortest_bend * noise, 4), least_smoothing, most_smoothing);
   if (!params.smoothing) best.smoothing = std::max(best.smoothing, least);

@@ -14,12 +14,12 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double assumed_noise = 0.3;             // voxels, of the robust penalty while it is unknown
+constexpr double assumed_noise = 0.3;             // voxels, for the robust penalty while the noise is unknown
 constexpr double deviation_of_absolute = 0.6028;  // of |x|, x normal with deviation 1: sqrt(1 - 2 / pi)
 
-/// The bricks that samples lie in, whole patches in a random order, until there are enough samples. The same patches
-/// however the lattice's axes are turned: strengths near the best are hard to tell apart, and other patches choose
-/// another.
+/// The bricks that contain samples, whole patches in a random order, until there are enough samples. The patches are
+/// the same however the axes of the lattice are permuted: fit weights near the best differ little in score, and other
+/// patches would choose others.
 BrickMask choose_patches(const GridSamples& samples, const HeldOutParams& params) {
   const BrickGrid& bricks = samples.bricks;
   std::map<std::pair<uint64_t, uint64_t>, std::vector<size_t>> patches;  // by random key, then by place
@@ -103,8 +103,8 @@ HeldOut::HeldOut(const Start& start, const GridSamples& samples, const RobustPar
   for (size_t s = 0; s < samples_.size(); ++s) train_[s] = (samples_.lot[s] & 3) != 0;  // three quarters
   robust_.rounds = 2;
   robust_.yielding_steps = {3, 3, 8};
-  robust_.slope_along_directions = robust_.slope;  // a steeper phi looks farther from the samples than it is
-  robust_.solve.tolerance *= 0.5;                  // scores that are compared differ by little
+  robust_.slope_along_directions = robust_.slope;  // a steeper phi overstates the distances
+  robust_.solve.tolerance *= 0.5;                  // the scores to compare differ by little
 }
 
 const HeldOut::Outcome& HeldOut::outcome(double smoothing, double normals) {
@@ -127,7 +127,7 @@ void HeldOut::stiffen() {
 
 const RowArray& HeldOut::fit(const FitWeights& fit_weights) {
   std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
-  // Its rounds are not told: a search makes several such fits.
+  // Its rounds report no progress: a search makes several such fits.
   fit_robustly(displacement_, samples_, cells_, train_, fit_weights, robust_, context_.silent());
   return displacement_.phi();
 }
@@ -146,8 +146,8 @@ HeldOut::Outcome HeldOut::judge(double smoothing, double normals) {
   return {mean_of(found), noise, deviation_of_absolute * noise / std::sqrt(count), agreement()};
 }
 
-/// Distance of the held-out samples from the surface, along the normals that it had at first: a surface that folds to
-/// be near every sample is not near them in that direction.
+/// Distance of the held-out samples from the surface, along the normals that it had at first: a surface that folds
+/// towards every sample is not near them in that direction.
 std::vector<float> HeldOut::residuals(const RowArray& phi) const {
   constexpr float least_slope = 0.02f, most_distance = 3;
   const auto jets = jets_at_samples(phi, samples_, cells_, part_.first, context_);

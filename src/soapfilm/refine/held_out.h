@@ -1,4 +1,4 @@
-// How near samples that a fit did not see come to lie to its surface: what the fit_weights and the grid are chosen by.
+// Distance of held-out samples from the fitted surface: the measure by which fit weights and grid are chosen.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace soapfilm {
 
 struct HeldOutParams {
-  size_t samples = 20000;  ///< look at patches of the surface with about this many
+  size_t samples = 20000;  ///< use patches of the surface with about this many
   int patch_bricks = 4;    ///< along each axis: twice as many on a grid twice as fine give the same patches
   uint64_t seed = 1;       ///< of the choice of patches
 };
@@ -29,19 +29,20 @@ class HeldOut {
   struct Outcome {
     double score = 0;           ///< mean distance of the held-out samples, voxels, each at most 3 (residuals())
     double noise = 0;           ///< standard deviation of the samples from the surface, voxels, by their median
-    double standard_error = 0;  ///< of the score, were the noise normal: outliers do not enter
+    double standard_error = 0;  ///< of the score if the noise is normal: outliers do not enter
     double agreement_deg = 0;   ///< median angle between the directions and the surface's normals
   };
 
-  /// Of a fit to the others. Remembered, so that searches may ask twice.
+  /// Result of a fit to the other samples. Cached, so that searches may repeat it.
   const Outcome& outcome(double smoothing, double normals);
   double score(double smoothing, double normals) { return outcome(smoothing, normals).score; }
-  /// Curvature does not yield from now on.
+  /// No edge-preserving reweighting from now on.
   void stiffen();
 
-  /// phi on band(), fitted to the others. Each fit starts with the bends that the last one yielded to: rounds saved.
+  /// phi on band(), fitted to the other samples. Each fit starts with the curvature weights of the last one: this saves
+  /// rounds.
   const RowArray& fit(const FitWeights& fit_weights);
-  /// Mean distance of the held-out samples from a surface on band(), voxels; nothing where none is seen.
+  /// Mean distance of the held-out samples from a surface on band(), voxels; nothing where no such sample is in it.
   std::optional<double> mean_distance(const RowArray& phi) const;
 
   const NarrowBand& band() const { return part_.first; }  ///< that of the patches

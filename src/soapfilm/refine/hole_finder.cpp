@@ -11,11 +11,11 @@ namespace soapfilm {
 
 namespace {
 
-constexpr float sampled_within = 1;      // of every second vertex: two voxels
-constexpr size_t least_film = 24;        // of every second vertex: a hole some 14 voxels wide
-constexpr float film_depth = 1;          // voxels on either side; farther away samples of the surface do not hold it
-constexpr double most_of_surface = 0.2;  // what is larger is no hole, but closes a surface that ends
-constexpr int border_within = 2;         // voxels: nearer, the film ends at the border
+constexpr float sampled_within = 1;  // in half-resolution cells: two voxels
+constexpr size_t least_film = 24;    // half-resolution vertices: a hole about 14 voxels wide
+constexpr float film_depth = 1;      // voxels on either side; farther away, samples of the surface do not constrain it
+constexpr double most_of_surface = 0.2;  // a larger part is no hole, but closes a surface that ends
+constexpr int border_within = 2;         // voxels: nearer, the hole ends at the border
 
 uint64_t key_of(Vec3i v) {
   const auto bits = [](int c) { return static_cast<uint64_t>(static_cast<uint32_t>(c + 1)) & 0x1fffff; };
@@ -62,7 +62,7 @@ HoleFinder::HoleFinder(const Level& level, const Start& start, const GridSamples
         lo[axis] = std::min(lo[axis], place[axis]);
         hi[axis] = std::max(hi[axis], place[axis]);
       }
-      // Of the corners of its cell; others lie farther, or just as far.
+      // Only the corners of the sample's cell; other vertices are farther, or just as far.
       const Vec3i low{static_cast<int>(c.x), static_cast<int>(c.y), static_cast<int>(c.z)};
       for (int k = 0; k < 8; ++k) {
         const Vec3i w = low + octant_of(k);
@@ -118,7 +118,7 @@ bool HoleFinder::is_base(const HoleFilm& film) const {
   constexpr float face_within = 2.5f;  // voxels
   constexpr double most = 0.8, steep_share = 0.6;
   constexpr float cosine = 0.5f;  // of 60 degrees
-  constexpr int far = 4;          // of every second vertex, from the film to where the rim is looked at
+  constexpr int far = 4;          // half-resolution cells, from the hole to where the surface around it is examined
   Vec3f normal{};
   for (const Vec3i v : film) normal = normal + gradient(2 * v);
   const float length = norm(normal);

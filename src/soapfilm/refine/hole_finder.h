@@ -1,4 +1,4 @@
-// Finds the films that no sample holds and that are to bend as the surface around them does.
+// Finds the parts of the minimal surface without samples that shall get the curvature of the surface around them.
 #pragma once
 
 #include <array>
@@ -13,29 +13,30 @@
 
 namespace soapfilm {
 
-/// A hole's film: vertices I of every second one (vertex 2 I of the grid).
+/// The minimal surface over a hole: vertices I of the half-resolution grid (vertex 2 I of the grid).
 using HoleFilm = std::vector<Vec3i>;
 
-/// Finds films that no sample holds. Cost beyond a look at each sample follows their area.
+/// Finds parts of the surface without samples. Reads each sample once; otherwise the cost is proportional to their
+/// area.
 class HoleFinder {
  public:
   /// All must outlive it. `start` is the level's.
   HoleFinder(const Level& level, const Start& start, const GridSamples& samples, const Context& context);
 
-  /// The films that are to bend: vertices on the surface that lie farther than two voxels from all samples near it, in
-  /// parts of at least 24, which is a hole some 14 voxels wide. Not what is more than a fifth of the surface, nor what
-  /// lies along a face of the samples' box while the surface around meets it steeply (an unseen base), nor what touches
-  /// the grid's border: `report` counts these.
+  /// The holes to curve: vertices on the surface that lie farther than two voxels from all samples near it, in
+  /// connected parts of at least 24, which is a hole about 14 voxels wide. Excluded, and counted in `report`: more than
+  /// a fifth of the surface; parts along a face of the samples' box where the surface around meets it steeply (an
+  /// unseen base); parts that touch the border of the grid.
   std::vector<HoleFilm> films_to_bend(HoleReport& report) const;
 
-  /// Is a sample near vertex I of every second one? Outliers do not count: those that the first surface is not near.
+  /// Is a sample near vertex I of the half-resolution grid? Outliers, far from the first surface, do not count.
   bool is_sampled(Vec3i vertex) const;
 
   const Start& start() const { return start_; }
   const GridSamples& samples() const { return samples_; }
 
  private:
-  static constexpr int side = half_brick + 1;  // of every second vertex around a brick's samples
+  static constexpr int side = half_brick + 1;  // half-resolution vertices around a brick's samples
   bool is_base(const HoleFilm& film) const;
   Vec3f gradient(Vec3i vertex) const;
   bool is_near_surface(Vec3i vertex) const;

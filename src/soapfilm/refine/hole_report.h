@@ -1,4 +1,4 @@
-// What came of the holes: where no sample covers the surface.
+// What happened to the holes: where no sample covers the surface.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@ namespace soapfilm {
 struct HoleReport {
   size_t curved = 0;   ///< holes filled with the curvature around them
   size_t left = 0;     ///< left flat: the unseen base of an object, or a surface that ends at the grid's border
-  size_t flips = 0;    ///< vertices of the grid that changed sides
-  size_t refused = 0;  ///< that would have changed the topology and were held
-  int rounds = 0;      ///< of fits and flips; 12 are the most
+  size_t flips = 0;    ///< vertices of the grid that changed their label
+  size_t refused = 0;  ///< that would have changed the topology and did not
+  int rounds = 0;      ///< of fits and label changes; at most 12
 };
 
 }  // namespace soapfilm

@@ -14,12 +14,12 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double most_refused = 0.06;  // by the topology, of the vertices that turn
-constexpr double most_bulge = 0.5;     // volume over area^1.5 of a film; half a ball on a disc: 0.376
+constexpr double most_refused = 0.06;  // by the topology, as a share of the vertices that change
+constexpr double most_bulge = 0.5;     // volume over area^1.5 of a hole; half a ball on a disc: 0.376
 
 using BrickRows = std::array<uint8_t, brick_area>;  // of a brick: one byte per row, bit x for vertex x
 
-/// A mask on another box of bricks: those beyond it are lost, new ones not set.
+/// A mask on another box of bricks: bricks beyond it are dropped, new ones are not set.
 BrickMask in_box(const BrickMask& mask, Vec3i bricks) {
   BrickMask other(bricks);
   mask.for_each([&](Vec3i b) {
@@ -28,14 +28,14 @@ BrickMask in_box(const BrickMask& mask, Vec3i bricks) {
   return other;
 }
 
-/// Carries a bent film from every second vertex to the grid.
+/// Transfers the curved surface over holes from the half-resolution grid to the full grid.
 class FilmToGrid {
  public:
   FilmToGrid(const Level& fine, float threshold, const CoarseFilm& film, const HoleFinder& finder,
              const Context& context)
       : fine_(fine), threshold_(threshold), film_(film), finder_(finder), context_(context) {}
 
-  /// The level's indicator with signs that follow the film, on the bricks near the surface.
+  /// The level's indicator with labels that follow the curved surface, on the bricks near the surface.
   Level bent(const std::vector<HoleFilm>& films, HoleReport& report) const;
 
  private:
@@ -50,9 +50,9 @@ class FilmToGrid {
   const Context& context_;
 };
 
-/// Where a brick of the grid differs from the bent film.
+/// Where a brick of the grid differs from the curved surface.
 BrickRows FilmToGrid::differences(Vec3i brick) const {
-  // The vertices of every second one that the brick asks for.
+  // The half-resolution vertices that the brick needs.
   constexpr int side = half_brick + 1;
   std::array<float, static_cast<size_t>(side) * side * side> distance;
   std::array<bool, static_cast<size_t>(side) * side * side> bends;
@@ -94,17 +94,17 @@ BrickMask FilmToGrid::differing_bricks() const {
   return found;
 }
 
-/// What became of the holes in a connected set of bricks that differ, which are undone together.
+/// What happened to the holes in a connected set of bricks that differ; such a set is undone as a whole.
 struct Outcome {
   size_t turned = 0, refused = 0;  // vertices
-  double most = 0;                 // that the films there allow
+  double most = 0;                 // changes that the areas of the holes there allow
   bool fails() const {
     return static_cast<double>(refused) > most_refused * static_cast<double>(turned) ||
            static_cast<double>(turned) > most;
   }
 };
 
-/// Turns the band's vertices where their topology allows, and back, hole by hole, what went wrong.
+/// Changes the labels of the band's vertices where the topology allows, and undoes, hole by hole, what went wrong.
 void FilmToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vector<HoleFilm>& films,
                       HoleReport& report) const {
   const BrickGrid& grid = band.grid();
@@ -129,7 +129,7 @@ void FilmToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vector
       outcome_of(b).turned += turned;
       outcome_of(b).refused += wanted - turned;
     }
-  // A film takes part in every set that it passes through.
+  // A hole belongs to every set that it passes through.
   std::vector<std::vector<uint32_t>> sets_of(films.size());
   for (size_t f = 0; f < films.size(); ++f) {
     for (const Vec3i v : films[f])
@@ -137,7 +137,7 @@ void FilmToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vector
         sets_of[f].push_back(sets.root(static_cast<uint32_t>(b)));
     std::sort(sets_of[f].begin(), sets_of[f].end());
     sets_of[f].erase(std::unique(sets_of[f].begin(), sets_of[f].end()), sets_of[f].end());
-    const double area = 4 * static_cast<double>(films[f].size());  // voxel^2: of a vertex on either side
+    const double area = 4 * static_cast<double>(films[f].size());  // voxel^2: each has vertices on both sides
     for (const uint32_t s : sets_of[f]) outcome[s].most += most_bulge * area * std::sqrt(area);
   }
   report.flips = report.refused = 0;

@@ -14,7 +14,7 @@ namespace soapfilm {
 
 namespace {
 
-/// The smoothing's reach and one more for the cells that end in the next brick.
+/// The smoothing radius, and one more for the cells that end in the next brick.
 constexpr int surface_margin = smoothing_reach + 1;
 
 /// The first and the last set bit of a byte that is not 0.
@@ -50,7 +50,7 @@ uint32_t bricks_near(const BrickBits& interface) {
 /// The filter of section 4.1 has taps of whole 27ths: exact in integers.
 constexpr std::array<int, 7> whole_taps = {1, 3, 6, 7, 6, 3, 1};
 
-/// Filtered along x: four outputs from ten vertices, as bits from 3 below the first output on.
+/// Filtered along x: four outputs from ten vertices, given as bits from 3 below the first output on.
 constexpr auto filtered_x = [] {
   std::array<std::array<uint16_t, 4>, 1 << 10> table{};
   for (size_t bits = 0; bits < table.size(); ++bits)
@@ -110,7 +110,7 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Conte
 
   SurfaceField field;
   field.inside = level.inside;
-  for (size_t b = 0; b < level.grid.size(); ++b) {  // a first vertex tells of a constant brick all that matters
+  for (size_t b = 0; b < level.grid.size(); ++b) {  // the first vertex gives the value of a constant brick
     const Vec3i brick = level.grid.coord(b);
     field.inside.set(brick, bits.of(static_cast<int32_t>(b), brick).test(0, 0, 0));
   }

@@ -9,7 +9,7 @@
 
 namespace soapfilm {
 
-/// A field on the bricks around the surface; elsewhere it is the constant 0 or 1 that `inside` tells.
+/// Values on the bricks around the surface; elsewhere the constant 0 or 1 given by `inside`.
 struct SurfaceField {
   BrickGrid grid;
   Field<float> value;
@@ -26,7 +26,7 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Conte
 /// The same without smoothing: 0 and 1 on the same bricks.
 SurfaceField binary_indicator(const Level& level, float threshold, const Context& context);
 
-/// The mean of the field at the samples (trilinear interpolation, every sample counts alike): the paper's isovalue.
+/// The mean of the field at the samples (trilinear interpolation, equal weights): the paper's isovalue.
 double mean_at_samples(const SurfaceField& field, const GridSamples& samples, const Context& context);
 
 /// Vertices of the whole domain with u > threshold.

@@ -1,6 +1,5 @@
-// Passes over a band, layer of bricks by layer of bricks along z: loops in which neighboring layers add to common
-// values, and several loops that follow one another through the cache. What they compute is the same for any number of
-// threads.
+// Passes over a band by layers of bricks along z: loops in which neighboring layers add to common values, and sequences
+// of loops that reuse the cache. The results are the same for any number of threads.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +10,7 @@
 
 namespace soapfilm {
 
-/// body(layer) for each: every second layer at the same time, where no two of these touch common data.
+/// Calls body(layer) for each: even layers in parallel, then odd ones, so that no two at a time touch common data.
 template <class Body>
 void for_layers_apart(int layers, const Context& context, Body&& body) {
   for (int parity = 0; parity < 2; ++parity)
@@ -19,7 +18,7 @@ void for_layers_apart(int layers, const Context& context, Body&& body) {
                  [&](size_t i) { body(2 * static_cast<int>(i) + parity); });
 }
 
-/// The last stage of layer_by_layer() where it adds to what it adds to in the next layer too: sums have one order, even
+/// A last stage of layer_by_layer() that also adds to the next layer's values: the order of the sums is fixed, even
 /// layers before odd ones.
 template <class Body>
 struct Apart {
@@ -33,17 +32,17 @@ inline constexpr bool is_apart = false;
 template <class Body>
 inline constexpr bool is_apart<Apart<Body>> = true;
 
-/// Consecutive layers that one thread takes through all stages. Each stage stays a layer behind the one before, at the
-/// slab's borders with others too.
+/// Consecutive layers that one thread takes through all stages. Each stage stays a layer behind the one before, also at
+/// the slab's borders with others.
 struct Slab {
   int begin, end;
-  bool from_below, from_above;  ///< whether there are others
+  bool from_below, from_above;  ///< whether there is a slab there
 
-  /// What a stage may do before the neighboring slabs are done.
+  /// Whether a stage may process the layer before the neighboring slabs are done.
   bool holds(int stage, int layer) const {
     return layer >= begin + from_below * stage && layer < end - from_above * stage;
   }
-  /// The same of a stage apart, whose odd layers wait for both even ones beside them.
+  /// The same for a stage of type Apart, whose odd layers wait for both even layers next to them.
   int first_even(int stage) const { return from_below ? (begin + stage + 1) & ~1 : begin; }
   int last_even(int stage) const { return (end - from_above * stage - 1) & ~1; }
   int end_apart(int stage) const { return from_above ? last_even(stage) + 1 : end; }
@@ -60,8 +59,8 @@ struct Slab {
   }
 };
 
-/// The layers about the border of two slabs that both have left to the end. Between those of one border and the next a
-/// stage apart has an even layer that waited for neither: they touch nothing in common.
+/// The layers around the border of two slabs that both left for the end. Between those of one border and the next, a
+/// stage of type Apart has an even layer that did not have to wait: they touch nothing in common.
 struct SlabBorder {
   const Slab &below, &above;
 
@@ -88,10 +87,10 @@ void run_stage(int layers, const Context& context, Apart<Body>& apart) {
 }
 
 /// Calls each of the stages with every layer; the last one may be Apart. What a stage writes in a layer and in those
-/// next to it is complete when the next stage comes to that layer, and mostly still in the cache: stages follow one
-/// another a layer apart through slabs of layers, a slab on one thread. Where slabs meet, the later stages wait until
-/// both are done. Where there are too few layers for all threads, stages run one after the other. A stage must not
-/// write what an earlier one reads in other layers.
+/// next to it is complete when the next stage comes to that layer, and mostly still in the cache: each stage follows
+/// the one before at a distance of one layer through slabs of layers, each slab on one thread. Where slabs meet, the
+/// later stages wait until both are done. Where there are too few layers for all threads, stages run one after the
+/// other. A stage must not write what an earlier one reads in other layers.
 template <class... Stages>
 void layer_by_layer(int layers, const Context& context, Stages&&... stages) {
   constexpr int depth = sizeof...(Stages) - 1;
@@ -108,8 +107,8 @@ void layer_by_layer(int layers, const Context& context, Stages&&... stages) {
                         [&](size_t turn) { take_turn(all, static_cast<int>(turn)); });
   }
 
-  constexpr int thinnest = 2 * depth + 2;  // with an even layer that waits for no border
-  constexpr int thick = 2 * thinnest;      // most of its layers wait for none
+  constexpr int thinnest = 2 * depth + 2;  // with an even layer that does not wait at a border
+  constexpr int thick = 2 * thinnest;      // most of its layers do not wait
   constexpr int slabs_per_thread = 6;
   const int most = std::min(layers / thinnest, slabs_per_thread * threads);
   if (most < threads) return (run_stage(layers, context, stages), ...);

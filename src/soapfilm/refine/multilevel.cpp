@@ -17,7 +17,7 @@ constexpr size_t most_levels = 8;
 constexpr int coarsest_steps = 8;
 constexpr float damping = 0.8f;
 
-/// Bits of the coarse vertices that a fine row's vertices interpolate from, from coarse vertex 4 (brick's x) on.
+/// Bits of the coarse vertices from which a fine row's vertices interpolate, from coarse vertex 4 (brick's x) on.
 unsigned coarse_bits(unsigned fine_mask) {
   unsigned bits = 0;
   for (unsigned x = 0; x < brick_side; ++x)
@@ -43,7 +43,7 @@ void clear(RowArray& array, const Context& context) {
                   [&](size_t begin, size_t end) { std::fill(array.data() + begin, array.data() + end, 0.0f); });
 }
 
-/// The coarse bricks that the fine ones interpolate from.
+/// The coarse bricks from which the fine ones interpolate.
 BrickGrid coarse_bricks(const NarrowBand& fine, const Context& context) {
   const BrickGrid& grid = fine.grid();
   const Vec3i box = grid.bricks();
@@ -65,7 +65,7 @@ Vec3i place_in_parent(const NarrowBand& fine, size_t brick) {
   return octant_base(octant_in_parent(fine.grid().coord(brick)));
 }
 
-/// Marks the coarse vertices that a fine brick's rows interpolate from: a byte per row of a coarse brick.
+/// Marks the coarse vertices from which a fine brick's rows interpolate: a byte per row of a coarse brick.
 void mark_coarse(const NarrowBand& fine, size_t brick, const BrickGrid& coarse, int32_t parent,
                  std::vector<uint8_t>& vertices) {
   const Vec3i half = place_in_parent(fine, brick);
@@ -195,7 +195,8 @@ void Multilevel::set_operator(const RowArray& position_weights, float beta, floa
   }
 }
 
-/// Whether the finest level's diagonal hardly feels them, in the mean over the vertices that they pull at.
+/// Whether the position weights are small relative to the diagonal of the finest level, on average where they are not
+/// 0.
 bool Multilevel::weigh_little(const RowArray& position_weights) const {
   constexpr double most_share = 0.25;
   double sum = 0;
@@ -213,7 +214,7 @@ bool Multilevel::weigh_little(const RowArray& position_weights) const {
 
 bool Multilevel::local_mean(const std::function<void(int)>& complete, const RowArray& values, const RowArray& weights,
                             const RowArray& where, float scale, RowArray& mean, const Context& context) {
-  constexpr float spread = 0.125f;  // to each neighbor in a pass
+  constexpr float spread = 0.125f;  // to each neighbor per pass
   if (coarse_.empty()) return false;
   Coarse& c = coarse_.front();
   const NarrowBand& band = c.coarse.band();
@@ -293,7 +294,7 @@ void Multilevel::solve(size_t level, const RowArray& b, RowArray& work, RowArray
   }
   Coarse& c = coarse_[level];
   clear(c.b, context);
-  // The step from zero is written down, for each of its values is read seven times.
+  // The step from zero is stored, since each of its values is read seven times.
   const Coarse& own = coarse_[level - 1];
   CycleJob job = this->job(level, b);
   job.x = x.data();

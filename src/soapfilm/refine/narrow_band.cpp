@@ -14,7 +14,7 @@ namespace soapfilm {
 
 namespace {
 
-/// Each bit of a byte as a byte of its own, the lowest first in memory.
+/// Each bit of a byte as a separate byte, the lowest first in memory.
 constexpr auto bytes_of_bits = [] {
   std::array<uint64_t, 256> table{};
   for (size_t bits = 0; bits < table.size(); ++bits) {

@@ -1,8 +1,9 @@
 // The few vertices on either side of the surface, as rows of eight: what the sub-voxel fit works on.
 //
 // A row is the eight vertices of a brick with the same y and z. Rows are numbered from 1 in the order of the bricks,
-// then by z and y; row 0 is empty and stands for every row that the band lacks, so that loops need no branches. An
-// array over a band has 8 floats per row, one more row that is empty too, and holds 0 at vertices outside the band.
+// then by z and y; row 0 is empty and is the index of every row that is not in the band, so that loops need no
+// branches. An array over a band has 8 floats per row, one more row that is empty too, and holds 0 at vertices outside
+// the band.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +26,7 @@ using RowArray = AlignedArray<float>;
 class NarrowBand {
  public:
   NarrowBand() = default;
-  /// `vertices` tells the band's members: one byte per row of each brick (64 y-fastest rows), bit x for vertex x.
+  /// `vertices` are the band's members: one byte per row of each brick (64 y-fastest rows), bit x for vertex x.
   NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Context& context);
 
   const BrickGrid& grid() const { return grid_; }
@@ -42,7 +43,7 @@ class NarrowBand {
     static constexpr uint32_t none[brick_area] = {};
     return brick < 0 ? none : row_of_.data() + static_cast<size_t>(brick) * brick_area;
   }
-  /// Row (y, z) of a brick, given as an index or as BrickGrid::find gives it; 0 where there is none.
+  /// Row (y, z) of a brick, given as an index or as a result of BrickGrid::find; 0 where there is none.
   uint32_t row(int32_t brick, int y, int z) const { return rows_of(brick)[y + brick_side * z]; }
   uint8_t mask(uint32_t row) const { return mask_[row]; }
   /// y + 8 z of a row.
@@ -53,9 +54,9 @@ class NarrowBand {
   /// How many of a vertex's six neighbors are in the band, eight per row; 0 outside the band.
   const uint8_t* degree(uint32_t row) const { return degree_.data() + static_cast<size_t>(row) * brick_side; }
 
-  /// What steps on its rows.
+  /// The SIMD kernel for its rows.
   const RowKernel& kernel() const { return kernel_; }
-  /// What the kernel sees of it.
+  /// The kernel's view of it.
   BandRows view() const { return {neighbors_.data(), degree_.data(), mask_.data()}; }
 
  private:
@@ -86,8 +87,7 @@ inline RowRange rows_of_layer(const NarrowBand& band, int z) {
   return {band.first_row(begin), band.first_row(end)};
 }
 
-/// Rows that tell what all of them are like: how many there are, eight to sixteen thousand of larger bands, and the
-/// k-th of them.
+/// A subset of the rows, used for statistics: their number, 8,000 to 16,000 for larger bands, and the k-th of them.
 inline size_t telling_stretch(const NarrowBand& band) {
   constexpr size_t enough_rows = 1 << 13;
   return std::max<size_t>(band.rows() / enough_rows, 1);
@@ -133,7 +133,7 @@ void for_each_vertex(const NarrowBand& band, Visit&& visit) {
                 size_t{r} * brick_side + static_cast<size_t>(x));
 }
 
-/// A value of an array over the band at a vertex, or `otherwise` where the band lacks it.
+/// A value of an array over the band at a vertex, or `otherwise` where that is not in the band.
 inline float value_at(const NarrowBand& band, const RowArray& values, Vec3i v, float otherwise) {
   const uint32_t row = band.row(band.grid().find(brick_of(v)), v.y & 7, v.z & 7);
   return band.mask(row) >> (v.x & 7) & 1 ? values.data()[size_t{row} * brick_side + static_cast<size_t>(v.x & 7)]

@@ -9,8 +9,8 @@ namespace soapfilm {
 
 namespace {
 
-/// The coarse vertices that a fine brick asks for: four that lie in it, one below and two above along each axis. Those
-/// of a row follow one another along x.
+/// The coarse vertices that a fine brick needs: four that lie in it, one below and two above along each axis. Those of
+/// a row are contiguous along x.
 constexpr int window_side = 7, below = 1;
 
 using Taps = std::array<float, 4>;  // halfway between the second and the third
@@ -19,7 +19,7 @@ constexpr Taps cubic = {-0.0625f, 0.5625f, 0.5625f, -0.0625f}, linear = {0, 0.5f
 using Row = std::array<float, brick_side>;
 using Bits = unsigned;
 
-/// Coarse distances around a fine brick, times two, and which of them there are.
+/// Coarse distances around a fine brick, times two, and which of them exist.
 struct Window {
   std::array<Row, window_side * window_side> row;  // y fastest
   std::array<Bits, window_side * window_side> there;
@@ -48,18 +48,18 @@ Window window_of(const NarrowBand& band, const RowArray& distance, Vec3i fine_br
   return window;
 }
 
-/// Fine vertices along x that have all the coarse ones that their taps ask for.
+/// Fine vertices along x for which all coarse ones of their taps exist.
 Bits spread_bits(Bits there, const Taps& taps) {
   Bits fine = 0;
   for (int x = 0; x < brick_side; ++x) {
-    const int c = x / 2;  // taps c .. c + 3 of the window; on a coarse vertex c + 1 alone
+    const int c = x / 2;  // taps c .. c + 3 of the window; on a coarse vertex only c + 1
     const Bits needed = (x & 1) == 0 ? 1u << (c + 1) : (taps[0] != 0 ? 0xfu : 0x6u) << c;
     fine |= static_cast<Bits>((there & needed) == needed) << x;
   }
   return fine;
 }
 
-/// A fine brick's values, and where they are whole.
+/// A fine brick's values, and where they are complete.
 struct Fine {
   std::array<Row, brick_area> row;  // y fastest
   std::array<Bits, brick_area> whole;

@@ -20,14 +20,14 @@ namespace soapfilm {
 
 namespace {
 
-constexpr float far_distance = 3;  // voxels, of vertices beyond the band
-/// Shares of the time after which the smoothing is chosen, and holes bend.
+constexpr float far_distance = 3;  // voxels, given to vertices beyond the band
+/// Shares of the time after which the smoothing is chosen, and holes are curved.
 constexpr double until_chosen = 0.3, until_bent = 0.6;
-constexpr size_t speck = 64;  // vertices: a ball of radius 2.5, what outliers that support each other make
+constexpr size_t speck = 64;  // vertices: a ball of radius 2.5, as outliers that support each other make
 
-/// How much the samples are worth is for the samples to say. `spacing`: of the fit's vertices, voxels.
+/// The samples decide on the fit weights. `spacing`: of the fit's vertices, voxels.
 FitWeights choose(const Start& start, const GridSamples& samples, const RefineSetup& params, double spacing,
-                const Context& context, FitWeightReport& search) {
+                  const Context& context, FitWeightReport& search) {
   FitWeightParams given;
   if (params.smoothing) given.smoothing = *params.smoothing / (spacing * spacing);
   if (params.normals) given.normals = *params.normals / (spacing * spacing);
@@ -45,13 +45,13 @@ RowArray moved_onto(const GridSamples& samples, const Start& start, const FitWei
   return std::move(displacement.phi());
 }
 
-/// Grids of every second vertex, of every fourth, ..., while samples are sparse and noisy there and each serves as well
+/// Grids of every second vertex, every fourth, ..., while samples are sparse and noisy there and each grid is as good
 /// as the one before. `indicator`: that of the first one.
 std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float threshold, const GridSamples& samples,
                                       double density, const RefineSetup& params, const Context& context) {
   std::vector<Coarser> found;
   for (double spacing = 2; density < params.sparse; density *= 4, spacing *= 2) {
-    // Each grid takes half of what is left of the bar.
+    // Each grid takes half of the rest of the progress bar.
     const Context half = context.part(1 - 2 / spacing, 1 - 1 / spacing);
     const Start& finer = found.empty() ? start : found.back().start;
     const GridSamples& finer_samples = found.empty() ? samples : found.back().samples;
@@ -62,15 +62,16 @@ std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float
                  {}};
     if (next.start.band.rows() == 0) break;
     next.fit_weights = choose(next.start, next.samples, params, spacing, half, next.search);
-    // The grid itself has not chosen yet, and need not where the coarser one serves.
+    // The full grid has no weights yet, and needs none where the coarser one is as good.
     const FitWeights of_finer = found.empty() ? on_half_the_voxel(next.fit_weights) : found.back().fit_weights;
-    if (!next.fit_weights.yield || !serves(next, {finer, finer_samples, of_finer}, params.robust, context.silent())) break;
+    if (!next.fit_weights.yield || !serves(next, {finer, finer_samples, of_finer}, params.robust, context.silent()))
+      break;
     found.push_back(std::move(next));
   }
   return found;
 }
 
-/// phi by a fit on the coarsest of some grids that leaves it near the surface; nothing where none does.
+/// phi by a fit on the coarsest of the grids whose result is near the surface; nothing where there is none.
 std::optional<RowArray> fit_coarser(const Start& start, std::vector<Coarser> grids, const RefineSetup& params,
                                     const Context& context, FitReport& report) {
   constexpr double least_far = 1.5, far_of_noise = 2.5;  // coarse voxels
@@ -93,7 +94,7 @@ std::optional<RowArray> fit_coarser(const Start& start, std::vector<Coarser> gri
   return std::nullopt;
 }
 
-/// The distance on the band, and its sign alone beyond it; takes the start's grid.
+/// The distance on the band, and only its sign beyond it; moves the start's grid.
 SurfaceField distance_field(Start& start, const RowArray& distance, const SignBits& signs, const Context& context) {
   Field<float> value(start.grid, context.pages());
   parallel_for(context, start.grid.size(), 64, [&](size_t b) {
@@ -167,7 +168,7 @@ void Refinement::fill_holes(Level& level) {
 }
 
 SurfaceField Refinement::fit() {
-  // The surface moves onto the samples, on a grid as fine as these can tell.
+  // The surface moves onto the samples, on a grid as fine as the samples allow.
   std::optional<RowArray> phi;
   if (sparse_)
     phi = fit_coarser(start_,
@@ -180,7 +181,7 @@ SurfaceField Refinement::fit() {
     phi = moved_onto(samples_, start_, report_.fit_weights, params_.robust, context_.part(until_bent, 1), report_);
   }
 
-  // Signs follow where the topology allows.
+  // Labels follow where the topology allows.
   const FlipCount flips = follow(*phi, start_.band, *signs_, held_distance, params_.vanish ? speck : 0);
   report_.flips = flips.wanted - flips.refused;
   report_.refused = flips.refused;

@@ -14,9 +14,11 @@ RobustFit fit_robustly(Displacement& displacement, const GridSamples& samples, C
   RobustFit fit;
   const Smoothness smoothness{static_cast<float>(params.slope_of_curvature * std::sqrt(fit_weights.smoothing)),
                               static_cast<float>(fit_weights.smoothing)};
-  // Once the scale rests, the samples have been weighed as they will be; bends go on being found.
+  // Without edge-preserving reweighting, the sample weights are final once the scale is; with it, more rounds find
+  // edges.
   const double least_scale = params.scale(fit_weights.noise);
-  const double slope_weight = fit_weights.yield && fit_weights.normals > 0 ? params.slope_along_directions : params.slope;
+  const double slope_weight =
+      fit_weights.yield && fit_weights.normals > 0 ? params.slope_along_directions : params.slope;
   const int rounds = fit_weights.yield ? static_cast<int>(params.yielding_steps.size()) : params.rounds;
   displacement.drop_target();
   bool last = false;
@@ -30,12 +32,12 @@ RobustFit fit_robustly(Displacement& displacement, const GridSamples& samples, C
            static_cast<float>(std::max(slope_weight * fit_weights.smoothing, fit_weights.normals))},
           context, cells);
     fit.down_weighted = cells.doubted;
-    // Weights change little from here on.
+    // From here on the weights change little.
     if (round == 0 || !fit_weights.yield) displacement.precondition(cells, smoothness);
     SolveLimits limits = params.solve;
     if (fit_weights.yield)
       limits.iterations = params.yielding_steps[static_cast<size_t>(round)];
-    else if (!last)  // weights need no more than a rough surface
+    else if (!last)  // for the sample weights a rough surface suffices
       limits.iterations = std::max(1, limits.iterations / (round == 0 ? 4 : 6));
     fit.iterations += displacement.minimize(cells, smoothness, limits);
     context.progress().advance((round + 1.0) / rounds, fmt::format("round {} of {}", round + 1, rounds));

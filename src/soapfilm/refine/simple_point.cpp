@@ -10,7 +10,7 @@ namespace {
 
 struct Tables {
   std::array<uint32_t, 27> faces{};  ///< neighbors that share a face
-  std::array<uint32_t, 27> all{};    ///< the 26
+  std::array<uint32_t, 27> all{};    ///< all 26 neighbors
   uint32_t near18 = 0;               ///< around the middle, without corners
 };
 

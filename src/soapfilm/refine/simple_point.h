@@ -1,4 +1,4 @@
-// Vertices whose sign may change without changing the topology of the surface.
+// Vertices whose label may change without changing the topology of the surface.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,14 @@ namespace soapfilm {
 /// inside.
 using Neighborhood = uint32_t;
 
-/// Whether turning the middle vertex over, from either side, keeps the components, tunnels and cavities of the inside
-/// (6-connected) and of the outside (26-connected): the connectivity of extract_isosurface. True when both sides have
-/// exactly one component there that touches the vertex (Bertrand and Malandain 1994). The middle bit does not matter.
+/// Whether changing the label of the middle vertex, from either side, keeps the components, tunnels and cavities of the
+/// inside (6-connected) and of the outside (26-connected): the connectivity of extract_isosurface. True when both sides
+/// have exactly one component there that touches the vertex (Bertrand and Malandain 1994). The middle bit does not
+/// matter.
 bool is_simple(Neighborhood inside);
 
 /// Whether the middle vertex is a component by itself: of the inside (6-connected), or of the outside (26-connected).
-/// Turned over, it is gone, and nothing else of the topology changes.
+/// If its label changes, that component vanishes, and nothing else of the topology changes.
 bool is_alone(Neighborhood inside);
 
 }  // namespace soapfilm

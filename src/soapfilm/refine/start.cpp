@@ -60,11 +60,11 @@ RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Co
   return distance;
 }
 
-/// Vertices of every second one: the last at or before a fine vertex, and the first at or after it.
+/// Vertices of the half-resolution grid: the last at or before a fine vertex, and the first at or after it.
 Vec3i half_of(Vec3i v) { return {v.x >> 1, v.y >> 1, v.z >> 1}; }
 Vec3i half_up(Vec3i v) { return half_of(v + Vec3i{1, 1, 1}); }
 
-/// The bricks of every second vertex that hold vertices of `fine` ones.
+/// The bricks of the half-resolution grid that hold vertices of `fine` ones.
 BrickGrid every_second_vertex(const BrickGrid& fine, const Context& context) {
   return BrickGrid(parents_of(fine, half_up(fine.bricks()), context), context);
 }
@@ -72,7 +72,7 @@ BrickGrid every_second_vertex(const BrickGrid& fine, const Context& context) {
 }  // namespace
 
 Start start_from(const Level& level, float threshold, double reach, const Context& context, const BrickMask* where) {
-  // The smoothed indicator tells roughly how far each vertex is from the surface.
+  // The smoothed indicator gives the approximate distance of each vertex from the surface.
   SurfaceField field = smoothed_indicator(level, threshold, context);
   NarrowBand band = make_band(field, level.box, reach, where, context);
   RowArray phi0 = distance_on(band, field, context);
@@ -135,7 +135,7 @@ GridSamples on_every_second_vertex(const GridSamples& samples, const Context& co
   coarse.direction.resize(coarse.begin.back());
   if (!samples.weight.empty()) coarse.weight.resize(coarse.begin.back());
   coarse.lot.resize(coarse.begin.back());
-  // Rounding must not carry a sample into the next brick.
+  // Rounding must not move a sample into the next brick.
   const float last = std::nextafter(static_cast<float>(brick_side), 0.0f);
   parallel_for(context, coarse.bricks.size(), bricks_of_a_task, [&](size_t b) {
     uint32_t next = coarse.begin[b];

@@ -12,26 +12,26 @@ namespace soapfilm {
 
 struct Start {
   BrickGrid grid;    ///< the bricks near the surface
-  BrickMask inside;  ///< for the others: are they inside
+  BrickMask inside;  ///< for all other bricks: whether they are inside
   NarrowBand band;   ///< on that grid
-  RowArray phi0;     ///< about the signed distance to the surface, positive inside, voxels
+  RowArray phi0;     ///< approximate signed distance to the surface, positive inside, voxels
 };
 
-/// Of the surface of u > threshold; the band is `reach` voxels wide on either side.
-/// `where`: the band's bricks, where not all.
+/// Starts from the surface of u > threshold; the band is `reach` voxels wide on either side.
+/// `where`: restricts the band to these bricks.
 Start start_from(const Level& level, float threshold, double reach, const Context& context,
                  const BrickMask* where = nullptr);
 
-/// u > threshold on the start's bricks. The start must outlive it.
+/// u > threshold on the start's bricks. The start must outlive the result.
 SignBits signs_of(const Level& level, float threshold, const Start& start, const Context& context);
 
-/// The binary indicator u > threshold on every second vertex: coarse vertex I lies on vertex 2 I. Of the level's fields
-/// the box, the grid, u and what is inside are there.
-/// `where`: its bricks, where not all those that hold vertices of the level's.
+/// The binary indicator u > threshold on every second vertex: coarse vertex I lies on vertex 2 I. Of the level's
+/// members only box, grid, u and inside are set.
+/// `where`: restricts it to these bricks; otherwise all that hold vertices of the level's.
 Level every_second_vertex(const Level& fine, float threshold, const Context& context, const BrickMask* where = nullptr);
 
-/// Samples on that grid: nothing but their place in the grid changes, and their order. `where`: those in these bricks
-/// of it, where not all.
+/// Samples on that grid: only their place in the grid, and their order, changes. `where`: only those in these bricks of
+/// it.
 GridSamples on_every_second_vertex(const GridSamples& samples, const Context& context,
                                    const BrickMask* where = nullptr);
 

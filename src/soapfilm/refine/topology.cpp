@@ -58,7 +58,7 @@ struct Wish {
   uint8_t x;
 };
 
-/// Whether the object (6-connected) or void (26-connected) of a vertex has at most so many.
+/// Whether the component (6-connected) or cavity (26-connected) of a vertex has at most so many vertices.
 bool is_speck(const SignBits& signs, Vec3i vertex, size_t most) {
   const bool object = signs.test(vertex);
   std::vector<Vec3i> part{vertex};
@@ -90,7 +90,7 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
     }
   FlipCount count;
   count.wanted = wishes.size();
-  // Turns what may be turned over; returns how many.
+  // Changes the labels that may change; returns how many did.
   const auto turn = [&](auto&& may) {
     const size_t all = wishes.size();
     size_t left = 0;
@@ -115,8 +115,8 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
       return !(signs.test(vertex) && --left == 0);
     });
   };
-  // A vertex may become simple once its neighbors have turned: go on until nothing moves. What is alone then has not
-  // moved elsewhere either, and what it kept apart may turn now.
+  // A vertex may become simple once its neighbors have changed: repeat until nothing changes. A vertex that is a
+  // component by itself then cannot move elsewhere, and once it is removed others that it separated may change.
   for (size_t gone = 1; gone > 0; count.vanished += gone) {
     while (turn_simple() > 0) continue;
     gone = speck > 0 ? turn_alone() : 0;

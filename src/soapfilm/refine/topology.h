@@ -1,4 +1,5 @@
-// Keeps the topology that the solve decided while the surface moves, but for what the fit leaves nothing of.
+// Keeps the topology of the segmentation while the surface moves, except for components that the fit shrinks to
+// nothing.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 
 namespace soapfilm {
 
-/// One bit per vertex of a grid of bricks, constant in bricks that the grid lacks.
+/// One bit per vertex of a grid of bricks, constant in bricks that are not in the grid.
 class SignBits {
  public:
   SignBits(const BrickGrid& grid, const BrickMask& inside) : grid_(&grid), inside_(&inside), rows_(grid.size() * 64) {}
@@ -33,16 +34,16 @@ class SignBits {
 struct FlipCount {
   size_t wanted = 0;
   size_t refused = 0;   ///< vertices that would have changed the topology
-  size_t vanished = 0;  ///< vertices that were an object or a void of their own, and have turned
+  size_t vanished = 0;  ///< vertices that were a component or a cavity of their own, and have changed
 };
 
-inline constexpr float held_distance = 0.05f;  ///< voxels, of vertices whose sign must not follow
+inline constexpr float held_distance = 0.05f;  ///< voxels, of vertices whose label must not follow
 
-/// Turns over, one after the other in a fixed order, the band's vertices whose sign differs from phi's, each only while
-/// it is simple; where phi must not have its way it is set to `held` voxels on the old side. Afterwards phi > 0 exactly
-/// where the bits are set. Objects and voids of at most `speck` vertices, as they were handed in, whose last vertex phi
-/// wants on the other side go: but for topology the fit left nothing of them. The last object of all stays, and
-/// whatever is larger.
+/// Changes, one after the other in a fixed order, the labels of the band's vertices that differ from the sign of phi,
+/// each only while it is simple; where a change is refused, phi is set to `held` voxels on the old side. Afterwards phi
+/// > 0 exactly where the bits are set. Components and cavities that had at most `speck` vertices on entry are removed
+/// when phi wants their last vertex on the other side: only the topology kept them. Larger ones stay, and so does the
+/// last component of all.
 FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held, size_t speck);
 
 }  // namespace soapfilm

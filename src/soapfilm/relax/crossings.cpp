@@ -15,7 +15,7 @@ namespace soapfilm {
 namespace {
 
 constexpr int least_side = 1;     // of a bin, log2 of voxels
-constexpr double steps = 0x1p23;  // of the integer lattice in a voxel: a lattice has less than 2^15 voxels a side
+constexpr double steps = 0x1p23;  // of the integer lattice per voxel: a lattice has less than 2^15 voxels a side
 constexpr double slack = 1e-6;    // voxels, about boxes: far more than a step
 constexpr size_t triangles_per_task = 1 << 14;
 constexpr size_t bins_per_task = 64;
@@ -63,7 +63,7 @@ CrossingSearch::CrossingSearch(const MeshChange& change, double voxel, const Con
     }
 }
 
-/// As small as can be counted.
+/// Chooses the smallest bins for which a bin's and a triangle's number fit into 64 bits together.
 void CrossingSearch::place_bins() {
   Box3d box;
   for (const auto& vertices : {change_.start, change_.target})
@@ -101,8 +101,8 @@ void CrossingSearch::for_bins(const Reach& reach, Visit&& visit) const {
       for (int x = reach.lo.x; x <= reach.hi.x; ++x) visit(number_of({x, y, z}));
 }
 
-/// By some bits of the bins' numbers, what their triangles agree on: the directions that all of them face; all, where
-/// none changes.
+/// By the low bits of the bins' numbers, the directions that all triangles of such bins face; all directions where none
+/// changes.
 std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reach) const {
   const size_t slots = std::bit_ceil(reach.size() / 4 + 1);
   std::vector<uint32_t> common(slots, unchanged);
@@ -114,7 +114,7 @@ std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reac
     if (change_.changing[t]) for_slots(t, [&](auto slot) { slot.store(all_directions, order); });
   });
   parallel_for(context_, reach.size(), triangles_per_task, [&](size_t t) {
-    uint32_t own = unchanged;  // not known yet
+    uint32_t own = unchanged;  // not computed yet
     for_slots(t, [&](auto slot) {
       const uint32_t now = slot.load(order);
       if (now == unchanged) return;
@@ -125,9 +125,9 @@ std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reac
   return common;
 }
 
-/// The directions that the triangle faces wherever its corners are on their ways: its normal is linear in how far each
-/// has come, so it faces least where each is at one of its ends. While a diagonal changes it lies between the old and
-/// the new triangles'.
+/// The directions that the triangle faces during the whole motion: its normal is linear in the progress of each corner,
+/// so its extremes are where each corner is at one of its ends. While a diagonal changes, the normal lies between those
+/// of the old and the new triangle.
 uint32_t CrossingSearch::half_spaces_of(size_t triangle) const {
   const Triangle &old = change_.before[triangle], &t = change_.after[triangle];
   const auto faced = [](const std::array<Vec3d, 3>& p) { return directions_along(cross(p[1] - p[0], p[2] - p[0])); };

@@ -1,4 +1,4 @@
-// Where triangles of about a voxel pass through each other.
+// Where triangles of about a voxel intersect.
 #pragma once
 
 #include <array>
@@ -12,30 +12,30 @@
 
 namespace soapfilm {
 
-/// How a mesh changes: triangle t is `before[t]` at `start`, then `after[t]`, whose corners go towards `target` on
+/// How a mesh changes: triangle t is `before[t]` at `start`, then `after[t]`, whose corners move towards `target` on
 /// straight lines (input units).
 struct MeshChange {
   std::span<const Triangle> before, after;
   std::span<const Vec3d> start, target;
-  std::span<const uint8_t> changing;  ///< by triangle: of every pair that is looked for one is marked
+  std::span<const uint8_t> changing;  ///< by triangle: only pairs with a marked triangle are searched
 };
 
-/// Finds pairs of triangles that come to meet elsewhere than in common corners and edges while a closed mesh that does
-/// not meet itself changes. They are judged as by count_self_intersections(), exactly, on coordinates rounded to 2^-23
+/// Finds pairs of triangles that come to meet elsewhere than in common corners and edges while a closed mesh without
+/// self-intersections changes. The test is that of count_self_intersections(), exact, on coordinates rounded to 2^-23
 /// voxel.
 ///
-/// Space is cut into bins of two voxels. Two sheets that come to touch face each other there: not where all triangles
-/// of a bin face the same half of all directions, all the way. In the few bins that are left every pair is tried. (What
-/// first touches in such a bin is not followed into others.)
+/// Space is divided into bins of two voxels. Two sheets that come to touch face each other in some bin: there the
+/// triangles do not all face the same half of all directions during the whole motion. In the few bins for which this
+/// holds every pair is tested. (Triangles that first touch in such a bin are not followed into other bins.)
 class CrossingSearch {
  public:
   using Pair = std::array<uint32_t, 2>;  ///< triangles, the lower first
 
-  /// All that `change` names must outlive the search. Fast when triangles are about a voxel long.
+  /// Everything that `change` refers to must outlive the search. Fast when triangles are about a voxel long.
   CrossingSearch(const MeshChange& change, double voxel, const Context& context);
 
-  /// With every vertex somewhere on its way, the pairs of which at least one triangle is marked by `changed`, some
-  /// more than once, in an order that does not depend on the number of threads.
+  /// With each vertex somewhere on its way, the pairs of which at least one triangle is marked by `changed`, some more
+  /// than once, in an order that does not depend on the number of threads.
   std::vector<Pair> find(std::span<const Vec3d> vertices, std::span<const uint8_t> changed) const;
 
  private:
@@ -45,7 +45,7 @@ class CrossingSearch {
   };
 
   struct Reach {
-    Vec3<uint16_t> lo, hi;  ///< bins that a triangle is in some time, both ends included
+    Vec3<uint16_t> lo, hi;  ///< bins that a triangle is in at some time, both ends included
   };
 
   /// In voxels, all coordinates above 0.

@@ -12,10 +12,10 @@ namespace soapfilm {
 namespace {
 
 constexpr int passes = 3;
-constexpr double least_area = 0.01;  // voxel^2, of a new triangle seen along either old one's normal
+constexpr double least_area = 0.01;  // voxel^2, of a new triangle projected along either old one's normal
 constexpr size_t triangles_per_task = 1 << 13;
 
-/// What the exchange of an edge's diagonal gains; 0 where it is not allowed.
+/// What exchanging the diagonal of an edge gains; 0 where it is not allowed.
 double gain_of(const HalfEdges& edges, uint32_t h, std::span<const Vec3f> normals, double voxel, double least_gain) {
   const auto& at = edges.mesh().vertices;
   const uint32_t a = edges.from(h), b = edges.to(h);
@@ -35,7 +35,7 @@ double gain_of(const HalfEdges& edges, uint32_t h, std::span<const Vec3f> normal
   return gain;
 }
 
-/// `open`, by triangle: one of its edges may gain. Kept up to date.
+/// `open`, by triangle: whether one of its edges may gain. Kept up to date.
 size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel, double least_gain,
                  std::vector<uint8_t>& open, const Context& context) {
   struct Gain {
@@ -51,7 +51,7 @@ size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel,
   });
   std::stable_sort(order.begin(), order.end(), [](const Gain& x, const Gain& y) { return x.gain > y.gain; });
 
-  // A triangle changes once in a pass, and a vertex gains one edge: no two exchanges can make the same edge.
+  // A triangle changes once per pass, and a vertex gets at most one new edge: no two exchanges can make the same edge.
   std::vector<uint8_t> changed(edges.mesh().triangles.size()), joined(edges.mesh().vertices.size());
   std::fill(open.begin(), open.end(), uint8_t{0});
   size_t count = 0;

@@ -3,7 +3,7 @@
 namespace soapfilm {
 
 HalfEdges::HalfEdges(Mesh& mesh) : mesh_(mesh), twin_(3 * mesh.triangles.size()) {
-  // The upward halves by where they come from: some three each.
+  // The upward halves, sorted by the vertex where they start: about three each.
   std::vector<uint32_t> end(mesh.vertices.size());
   for (uint32_t h = 0; h < size(); ++h)
     if (upward(h)) ++end[from(h)];

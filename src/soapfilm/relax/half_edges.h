@@ -1,4 +1,4 @@
-// Which triangles of a mesh lie side by side.
+// Which triangles of a mesh are neighbors.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 namespace soapfilm {
 
 /// The edges of a closed manifold mesh. Half edge 3 t + k runs from corner k of triangle t to the next corner; its twin
-/// runs back, in the triangle beside.
+/// runs back, in the neighboring triangle.
 class HalfEdges {
  public:
-  /// `mesh` must outlive it, has fewer than 2^32 half edges, and no vertex where it meets itself.
+  /// `mesh` must outlive it; it needs fewer than 2^32 half edges, and no vertex where it touches itself.
   explicit HalfEdges(Mesh& mesh);
 
   const Mesh& mesh() const { return mesh_; }
@@ -26,10 +26,10 @@ class HalfEdges {
   /// True for one half of every edge.
   bool upward(uint32_t h) const { return from(h) < to(h); }
 
-  /// There is an edge between the vertex that `h` comes from and `vertex`.
+  /// Is there an edge between the vertex where `h` starts and `vertex`?
   bool joins(uint32_t h, uint32_t vertex) const;
 
-  /// Gives the two triangles beside an edge their other diagonal. They keep their numbers.
+  /// Replaces an edge by the other diagonal of its two triangles, which keep their numbers.
   void flip(uint32_t h);
 
  private:

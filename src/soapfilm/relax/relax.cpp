@@ -22,13 +22,13 @@ namespace soapfilm {
 namespace {
 
 constexpr double reach = 0.25;        // voxels, the most that a vertex moves onto the smooth surface
-constexpr double suspicion = 0.33;    // of the tolerance: a sag by the ends' normals that is looked at closely
+constexpr double suspicion = 0.33;    // of the tolerance: edges with a larger sag by the ends' normals are measured
 constexpr double least_gain = 0.004;  // voxels
 constexpr size_t half_edges_per_task = 1 << 15;
 constexpr size_t points_per_task = 1 << 10;
 constexpr uint32_t none = ~uint32_t{0};
 
-/// Of the smooth surface, at a lattice point; zero where it is not known.
+/// Normal of the smooth surface at a lattice point; zero where unknown.
 Vec3d normal_at(const SmoothField& field, Vec3d point) {
   const auto jet = field.at(point);
   return jet ? normalized(jet->gradient) : Vec3d{};
@@ -57,7 +57,7 @@ class Bending {
   }
 
  private:
-  /// Returns where the vertices, new ones too, were before.
+  /// Returns the previous positions of the vertices, including new ones.
   std::vector<Vec3d> move_vertices(const Residuals& leftover) {
     const std::vector<Vec3f> normals = vertex_normals(mesh_, field_, lattice_, context_);
     const HalfEdges edges = flipped(normals);
@@ -83,12 +83,12 @@ class Bending {
     return start;
   }
 
-  /// Exchanges diagonals, but none near where that would run the mesh through itself; none at all where that goes on
-  /// and on.
+  /// Exchanges diagonals, except near places where that would make the mesh intersect itself; none at all if such
+  /// places keep appearing.
   HalfEdges flipped(std::vector<Vec3f> normals) {
     constexpr int most_tries = 8;
     const std::vector<Triangle> before = mesh_.triangles;
-    std::vector<Triangle> failed;  // pairs of these that meet were dealt with
+    std::vector<Triangle> failed;  // triangles of intersecting pairs that were already handled
     for (int tries = 0; tries < most_tries; ++tries) {
       HalfEdges edges(mesh_);
       flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, context_);
@@ -100,13 +100,14 @@ class Bending {
       if (pairs.empty()) return edges;
       for (const auto& pair : pairs)
         for (const uint32_t t : pair)
-          for (const uint32_t v : mesh_.triangles[t]) normals[v] = {};  // flip_edges() leaves what is not known
+          for (const uint32_t v : mesh_.triangles[t])
+            normals[v] = {};  // flip_edges() ignores vertices with unknown normals
       failed = std::exchange(mesh_.triangles, before);
     }
     return HalfEdges(mesh_);
   }
 
-  /// Edges that may lie too far off, by the half that runs upwards.
+  /// Edges that may lie too far from the surface, by the half that runs upwards.
   void find_suspects(const HalfEdges& edges, std::span<const Vec3f> normals) {
     const double limit = suspicion * tolerance_ * lattice_.voxel;
     split_ = gather<uint32_t>(edges.size(), half_edges_per_task, context_, [&](size_t i, std::vector<uint32_t>& found) {
@@ -131,7 +132,7 @@ class Bending {
     });
   }
 
-  /// Forgets the suspects that lie near enough, and their ends.
+  /// Removes the suspects that lie near enough, and their ends.
   void place_middles(const HalfEdges& edges) {
     struct Middle {
       uint32_t half_edge;
@@ -162,7 +163,7 @@ class Bending {
       std::array<uint32_t, 3> middle{middle_of[3 * t], middle_of[3 * t + 1], middle_of[3 * t + 2]};
       const auto count = 3 - std::count(middle.begin(), middle.end(), none);
       if (count == 0) continue;
-      if (count < 3) {  // turn: one split edge is the first, two are the first and the second
+      if (count < 3) {  // rotate: one split edge comes first, two come first and second
         size_t turn = 0;
         while (count == 1 ? middle[turn] == none : middle[(turn + 2) % 3] != none) ++turn;
         std::rotate(corner.begin(), corner.begin() + static_cast<std::ptrdiff_t>(turn), corner.end());
@@ -181,7 +182,7 @@ class Bending {
     };
     if (count == 1) return put({a, ab, c}, {{ab, b, c}});
     if (count == 3) return put({ab, bc, ca}, {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}});
-    // The shorter diagonal of the quadrilateral that is left.
+    // The shorter diagonal of the remaining quadrilateral.
     const auto length = [&](uint32_t p, uint32_t q) { return norm(mesh_.vertices[p] - mesh_.vertices[q]); };
     if (length(a, bc) <= length(ab, c)) return put({ab, b, bc}, {{a, ab, bc}, {a, bc, c}});
     put({ab, b, bc}, {{a, ab, c}, {ab, bc, c}});
@@ -196,7 +197,7 @@ class Bending {
   std::vector<uint32_t> split_;  // half edges: suspects at first, then those that are split
   std::vector<Vec3d> middles_;   // of those, lattice
   std::vector<uint8_t> is_end_;  // by vertex: ends one of them
-  std::vector<Vec3d> ends_;      // by vertex: the place of such, lattice
+  std::vector<Vec3d> ends_;      // by vertex: position of such an end, lattice
 };
 
 }  // namespace
@@ -207,11 +208,11 @@ void validate(const RelaxParams& params) {
 }
 
 RelaxReport relax_mesh(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale,
-                      const Lattice& lattice, const RelaxParams& params, const Context& context) {
+                       const Lattice& lattice, const RelaxParams& params, const Context& context) {
   validate(params);
   RelaxReport report;
   report.triangles_before = mesh.triangles.size();
-  // Half edges, and triangles with the new ones, are counted by 32 bits.
+  // Half edges, and triangles including new ones, are counted in 32 bits.
   if (params.split_tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 4) return report;
   const Residuals leftover(samples, field, scale, context);
   report.split_edges = Bending(mesh, field, lattice, params.split_tolerance, context).run(leftover);

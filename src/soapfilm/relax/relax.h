@@ -1,12 +1,12 @@
-// From flat triangles of one voxel to ones that follow the surface where it bends.
+// From flat triangles of one voxel to triangles that follow the curvature of the surface.
 #pragma once
 
 #include "soapfilm/context.h"
-#include "soapfilm/relax/smooth_field.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/mesh.h"
 #include "soapfilm/params.h"
+#include "soapfilm/relax/smooth_field.h"
 #include "soapfilm/report.h"
 
 namespace soapfilm {
@@ -14,16 +14,16 @@ namespace soapfilm {
 /// Throws ParameterError naming the first value that is out of its range, and the range.
 void validate(const RelaxParams& params);
 
-/// Exchanges diagonals that the surface of `field` would not take, splits the edges of a mesh whose middle lies further
+/// Exchanges diagonals that do not fit the surface of `field`, splits the edges of a mesh whose middle lies farther
 /// than the tolerance from it, once each, and moves their middles and ends onto it; then moves every vertex towards the
-/// samples within a voxel of it, by a weighted mean of what these still lie off the surface. A sample further off than
-/// some 4.7 `scale` (voxels) counts as an outlier.
+/// samples within a voxel of it, by a weighted mean of their residuals. A sample farther from the surface than about
+/// 4.7 `scale` (voxels) counts as an outlier.
 ///
 /// Triangles are cut along their split edges into two, three or four, so a closed manifold stays one, with the same
-/// components and genus. Diagonals and moves that would run the mesh through itself are left (crossings.h says how they
-/// are found). New vertices come after the old ones and new triangles after the old ones, in an order that
-/// does not depend on the number of threads. `mesh` is closed, and from a field of which `field` was made.
+/// components and genus. Diagonals and moves that would make the mesh intersect itself are not applied (crossings.h
+/// says how they are found). New vertices and new triangles come after the old ones, in an order that does not depend
+/// on the number of threads. `mesh` must be closed, and extracted from the values of which `field` was made.
 RelaxReport relax_mesh(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale,
-                      const Lattice& lattice, const RelaxParams& params, const Context& context);
+                       const Lattice& lattice, const RelaxParams& params, const Context& context);
 
 }  // namespace soapfilm

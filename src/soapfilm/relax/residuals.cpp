@@ -13,11 +13,11 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double radius = 1;   // voxels; the search looks at the 27 cells around
+constexpr double radius = 1;   // voxels; the search visits the 27 cells around
 constexpr double prior = 0.1;  // samples of distance 0 in every mean
 constexpr int passes = 4;
-constexpr size_t few_per_cell = 4;  // samples; of more, neighbors are listened to together: the cost is quadratic
-constexpr float one_sheet = 0.5f;   // cosine between the normals of two samples that may be taken together
+constexpr size_t few_per_cell = 4;  // samples; with more, neighbors are merged, since the cost is quadratic
+constexpr float one_sheet = 0.5f;   // cosine between the normals of two samples that may be merged
 
 int cell_of(Vec3f local) {
   const auto part = [](float q) { return std::min(static_cast<int>(q), brick_side - 1); };
@@ -30,7 +30,7 @@ int octant_of(Vec3f local) {
   return upper(local.x) | upper(local.y) << 1 | upper(local.z) << 2;
 }
 
-/// One entry in the place of two, both of some weight: their weighted mean.
+/// Replaces two entries, both with some weight, by their weighted mean.
 template <class Entry>
 void take_together(Entry& entry, const Entry& other) {
   const float sum = entry.weight + other.weight, share = other.weight / sum;
@@ -40,8 +40,8 @@ void take_together(Entry& entry, const Entry& other) {
   entry.weight = sum;
 }
 
-/// Where a cell has more than a few entries, takes those together that share an eighth of it and a sheet of the
-/// surface; returns how many are left, at the front.
+/// In cells with more than a few entries, merges those in the same octant and on the same sheet of the surface; returns
+/// how many are left, at the front.
 template <class Entry>
 size_t thin(std::span<Entry> entries) {
   size_t kept = 0;
@@ -64,7 +64,7 @@ size_t thin(std::span<Entry> entries) {
   return kept;
 }
 
-/// Of distances from the surface: sums over samples and over pairs of neighbors.
+/// Sums of distances from the surface, over samples and over pairs of neighbors.
 struct PairSums {
   double pairs = 0, x = 0, y = 0, xx = 0, xy = 0;  // x = apart^2 along the surface, y = half the squared difference
   double samples = 0, power = 0;                   // power = distance^2
@@ -88,7 +88,7 @@ struct PairSums {
     return *this;
   }
 
-  /// What of the mean square is no noise. Noise is what samples at one place would differ by: half their squared
+  /// The part of the mean square that is not noise. Noise is the difference of samples at one place: half their squared
   /// difference, a variogram, is noise + c apart^2 where a smooth surface is missed (its nugget; Matheron 1963).
   double share_of_surface() const {
     if (!(pairs > 0 && power > 0)) return 0;
@@ -141,7 +141,8 @@ Residuals::Residuals(const GridSamples& samples, const SmoothField& field, doubl
     return;
   }
   for (Entry& entry : entries_) entry.distance *= share;
-  // A mean also takes of what its own samples need: they ask for more until it gives them what they lie off.
+  // A mean mixes in the residuals of other samples: the distances are adjusted until the mean at each sample is its own
+  // residual.
   std::vector<float> target(entries_.size()), mean(entries_.size());
   for (size_t s = 0; s < target.size(); ++s) target[s] = entries_[s].distance;
   for (int pass = 1; pass < passes; ++pass) {
@@ -158,7 +159,7 @@ Residuals::Residuals(const GridSamples& samples, const SmoothField& field, doubl
 
 double Residuals::share_of_surface(const Context& context) const {
   constexpr double nearby = 0.7;  // voxels between the samples of a pair
-  constexpr double enough = 0.4;  // share of the surface in the distances' square from which they are taken whole
+  constexpr double enough = 0.4;  // share of the surface in the mean square from which on distances are used in full
   std::vector<PairSums> parts(bricks_.size());
   parallel_for(context, bricks_.size(), 32, [&](size_t b) {
     const Vec3d origin(bricks_.first_vertex(b));

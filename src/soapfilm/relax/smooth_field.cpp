@@ -12,7 +12,7 @@ namespace {
 
 constexpr double least_slope = 0.3;
 constexpr int newton_steps = 2;
-// On the mean over a cell trilinear interpolation errs by 1/12 of the Laplacian; measured best a little below.
+// On average over a cell trilinear interpolation errs by 1/12 of the Laplacian; measured best a little below.
 constexpr float balance = 0.075f;
 
 /// The values around a cell: (0, 0, 0) is the vertex one below its lowest corner along each axis.
@@ -22,8 +22,7 @@ constexpr int around_stride[3] = {1, 4, 16};
 /// Corner k of the cell, x fastest.
 constexpr int corner_of(int k) { return (1 + (k & 1)) + 4 * (1 + (k >> 1 & 1)) + 16 * (1 + (k >> 2)); }
 
-/// False when one of the values is missing. Of the vertices whose place along two axes or more is
-/// outside the cell, none matters.
+/// False when one of the values is missing. Vertices that are outside the cell along two axes or more are not needed.
 bool gather(const BrickGrid& grid, const Field<float>& value, Vec3i cell, Around& around) {
   const int32_t brick = grid.find(brick_of(cell));
   if (brick < 0) return false;

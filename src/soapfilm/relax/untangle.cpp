@@ -13,7 +13,7 @@ namespace soapfilm {
 namespace {
 
 constexpr double least_cosine = 0.4;  // between a triangle's normals before and after its corners move
-constexpr int most_halvings = 3;      // of a move; then it is taken back
+constexpr int most_halvings = 3;      // of a move; then it is undone
 constexpr size_t triangles_per_task = 1 << 14;
 
 void make_unique(std::vector<uint32_t>& list) {
@@ -89,7 +89,7 @@ class Moves {
   const std::vector<Vec3d> target_;
   const Context& context_;
   std::vector<uint8_t> halvings_;              // by vertex
-  std::vector<uint8_t> may_fold_, may_cross_;  // by triangle: changed since it was looked at
+  std::vector<uint8_t> may_fold_, may_cross_;  // by triangle: changed since the last check
   const CrossingSearch search_;
 };
 

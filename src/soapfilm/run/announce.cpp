@@ -27,7 +27,7 @@ void announce_lambda(const Lambda& lambda, const Grid& grid, const ReconstructPa
 }
 
 void announce_border(const BorderReport& border, bool inward, Trace& trace) {
-  if (!border.reason.empty())  // of methods that know but one
+  if (!border.reason.empty())  // empty for methods with only one border
     trace.info(fmt::format("outside: {}, {}", name_of(border.chosen), border.reason));
   if (inward && border.chosen == Border::air)
     trace.warn(
@@ -44,7 +44,7 @@ void warn_unconverged(const SolveReport& report, double lambda, const Reconstruc
   };
   for (const LevelReport& level : report.levels) {
     if (level.lambda_share < 1) continue;
-    // A level whose labels have settled has given all that the mesh takes. A coarser one that stalls only starts
+    // A level whose labels have settled is good enough for the mesh. A coarser one that stalls is only the start of
     // others.
     if (level.stop == Stop::limit) warn_level(level.level, level.iterations, level.tolerance);
     if (level.stop == Stop::stalled && level.level == 0)
@@ -125,7 +125,7 @@ void announce_trim(const TrimReport& trim, Trace& trace) {
 
 namespace {
 
-/// Why samples were lost, most likely, and what to try; half a line.
+/// The most likely cause of lost samples, and what to try; half a line.
 std::string cause_of_loss(const ReconstructReport& report) {
   constexpr double mostly = 0.6;
   const double lost = report.self_check.lost * static_cast<double>(report.input.samples);
@@ -171,7 +171,7 @@ std::string made_up_surface(const ReconstructReport& report) {
   constexpr double much = 0.3;  // of the surface
   const double invented = report.self_check.invented;
   const Method method = report.params.method;
-  // vrip's surface closes nothing, and no method but tv can end at the box.
+  // vrip's surface closes nothing, and only tv's can end at the box.
   if (method == Method::vrip || report.outside == Border::open || report.trim || !(invented > much)) return {};
   return fmt::format(
       "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what was not scanned; try --trim "

@@ -1,4 +1,4 @@
-// What reconstruct.h offers, by the page.
+// The functions of reconstruct.h, implemented by reconstruct.cpp.
 #include <utility>
 
 #include "soapfilm/reconstruct.h"

@@ -17,7 +17,7 @@ Certificate judge(const Segmentation& found, double lambda, double threshold, co
   const auto mu = static_cast<float>(threshold);
   Certificate certificate;
   certificate.lambda = lambda;
-  // What tv's solver saw last is this state, and a proof where no rounding left p outside of its ball.
+  // tv's solver last evaluated this same state, and that is a proof if rounding left no p outside of its ball.
   const std::vector<LevelReport>& levels = found.report.levels;
   const bool proved = !levels.empty() && levels.back().energies.max_dual_norm <= 1;
   certificate.relaxed =
@@ -32,8 +32,8 @@ Certificate judge(const Segmentation& found, double lambda, double threshold, co
 Certificate certify(const Segmentation& found, const Grid& grid, const SupportField& field, double lambda,
                     const ReconstructParams& params, const Context& context) {
   const Certificate certificate = judge(found, lambda, params.surface.threshold, context);
-  // E(0) = 0 competes: a surface must have a lower energy, or the optimum is empty. (A cut has done so in its own
-  // energy, poisson's surface owes nothing to lambda: theirs only has to be there.)
+  // A surface must have a lower energy than E(0) = 0, or the optimum is empty. (A cut was compared with 0 in its own
+  // energy, and poisson's surface does not depend on lambda: these only have to exist.)
   if (is_certified(params.method) ? certificate.binary.primal < 0 : certificate.inside > 0) return certificate;
   const double largest = critical_lambda(grid.lattice, field, lambda, context, params.energy.norm);
   if (largest > lambda)

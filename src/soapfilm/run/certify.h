@@ -8,7 +8,8 @@
 
 namespace soapfilm {
 
-/// Judges the relaxed and the thresholded solution. Throws EmptyResult where no surface is better than none.
+/// Evaluates the energies of the relaxed and the thresholded solution. Throws EmptyResult where no surface is better
+/// than none.
 Certificate certify(const Segmentation& found, const Grid& grid, const SupportField& field, double lambda,
                     const ReconstructParams& params, const Context& context);
 

@@ -1,4 +1,4 @@
-// What is decided by other parameters where a parameter is left open.
+// Defaults that depend on other parameters.
 #pragma once
 
 #include "soapfilm/params.h"
@@ -10,12 +10,12 @@ inline bool refines(const ReconstructParams& params) {
   return params.surface.refine.value_or(params.method == Method::tv && !params.surface.isovalue);
 }
 
-/// Are parts that few samples support dropped (components/components.h)? The paper's surface keeps them.
+/// Are parts supported by few samples dropped (components/components.h)? The paper's surface keeps them.
 inline bool drops_components(const ReconstructParams& params) {
   return params.surface.drop_components.value_or(refines(params));
 }
 
-/// Is surface taken away that no sample is near (finish/trim.h)? `border` is the one that was chosen.
+/// Is surface far from all samples removed (finish/trim.h)? `border` is the one that was chosen.
 inline bool trims(const ReconstructParams& params, Border border) {
   return params.method != Method::vrip && params.trim.on.value_or(params.trim.distance || border == Border::open);
 }

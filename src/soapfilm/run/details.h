@@ -1,4 +1,4 @@
-// What report.json says beyond include/soapfilm/report.h.
+// The contents of report.json beyond include/soapfilm/report.h.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace soapfilm {
 
-/// What the method reports of its work.
+/// The method's report of its work.
 struct SolveReport {
   std::vector<LevelReport> levels;  ///< Method::tv; coarsest first
   std::vector<SorLevelReport> sor;  ///< Method::tv_sor; coarsest first

@@ -1,4 +1,4 @@
-// The end of a run: a look at what came out, and the report.
+// The end of a run: the self-check, and the report.
 #pragma once
 
 #include "soapfilm/context.h"
@@ -12,7 +12,7 @@
 
 namespace soapfilm {
 
-/// The report as far as it is known before the solve.
+/// The part of the report that is known before the solve.
 ReconstructReport facts_of(const PointCloud& cloud, const Box3d& box, const ReconstructParams& params,
                            const OrientReport& directions, const Grid& grid, const Lambda& lambda,
                            const std::shared_ptr<ReportDetails>& details);
@@ -25,7 +25,7 @@ void report_border(const BorderReport& border, const Lattice& lattice, Reconstru
 void carry(const SampleAttributes& attributes, const GridSamples& samples, const Lattice& lattice, Trace& trace,
            const Context& context, Mesh& mesh);
 
-/// How much the mesh holds of the samples, its attributes, and the rest of the report: mesh, times, memory, warnings.
+/// The self-check, the mesh's attributes, and the rest of the report: mesh, times, memory, warnings.
 Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const Lattice& lattice,
                       const MemoryBudget& memory, Trace& trace, const Context& context);
 

@@ -20,40 +20,39 @@ namespace {
 /// The program itself with its libraries, threads and file buffers.
 constexpr size_t base_bytes = size_t{12} << 20;
 
-/// A brick of a level: u and p, the layers that a sweep leaves behind, rim fluxes (about one face in three), topology
-/// twice (band and support).
+/// A brick of a level: u and p, the layers that a sweep leaves behind, fluxes at the band boundary (about one face in
+/// three), topology twice (band and support).
 constexpr size_t level_brick_bytes = brick_volume * 4 * sizeof(float) + 3 * brick_area * sizeof(float) +
                                      brick_area * sizeof(float) + 2 * (sizeof(Vec3i) + sizeof(BrickGrid::Neighbors)) +
                                      128;
 constexpr size_t data_brick_bytes = brick_volume * sizeof(float);
 
-/// Beyond the support bricks a band holds what closes holes: measured 1.02 to 1.15 times as many.
+/// In addition to the support bricks a band contains those where holes are closed: measured 1.02 to 1.15 times as many.
 constexpr double band_over_support = 1.1;
-/// tv's finest band leaves out support that needs no more work: measured 0.70 to 0.75 with a sample per voxel^2, 0.80
-/// to 0.82 with an eighth, 0.94 with 0.03.
+/// tv's finest band excludes support that needs no more work: measured 0.70 to 0.75 with a sample per voxel^2, 0.80 to
+/// 0.82 with an eighth, 0.94 with 0.03.
 constexpr double finest_over_support = 0.8;
-/// Shares of guesses that a run is refused by: of the solve's, until it begins; of the refinement's, until its band is
+/// Certain shares of guesses (see Planned): of the solve's, until it begins; of the refinement's, until its band is
 /// known.
 constexpr double certain_of_solve = 0.9, certain_of_refine = 0.75;
-/// What is left of the coarser level and its data term while they go back, as a share of a whole band.
+/// What is left of the coarser level and its data term while they are being freed, as a share of a whole band.
 constexpr double coarser_share = 0.1;
 
-/// Refinement: the narrow band and the fit's arrays, bytes per support brick;
-/// and of each cell with samples, of which a brick has about as many as given here where samples are dense. (What
-/// sparse samples spare by a fit on coarser vertices is known too late.)
+/// Refinement: the narrow band and the fit's arrays, bytes per support brick; and bytes of each cell with samples, of
+/// which a brick has about as many as given here where samples are dense. (What a fit on coarser vertices saves with
+/// sparse samples is known too late.)
 constexpr size_t refined_brick_bytes = 11400;
 constexpr size_t refined_cell_bytes = 33;
 constexpr size_t refined_cells_per_brick = 32;
 
-/// Arrays on every vertex of the box while the solver works, bytes per vertex (docs/notes/methods.md has what they
-/// hold).
+/// Arrays on every vertex of the box while the solver works, bytes per vertex (listed in docs/notes/methods.md).
 double dense_bytes_per_vertex(Method method) {
   if (method == Method::tv_sor) return 7;
   if (method == Method::poisson) return 17.2;
   return 0;
 }
 
-/// Samples on a surface reach a brick per so many voxel^2 of it.
+/// Samples on a surface reach one brick per so many voxel^2 of it.
 constexpr double area_per_brick = 20;
 
 /// Two digits, not below the value.
@@ -62,18 +61,18 @@ double two_digits_above(double value) {
   return std::ceil(value / unit) * unit;
 }
 
-/// What spans the whole box: bits per brick in masks and grids, and the arrays of methods that know no band.
+/// Arrays over the whole box: bits per brick in masks and grids, and the arrays of methods without a band.
 size_t box_bytes(Method method, const Lattice& lattice) {
   const Vec3i bricks = lattice.box(0).bricks;
   const double count = static_cast<double>(bricks.x) * bricks.y * bricks.z;
-  constexpr double masks = 6;      // support, band, inside; each beside its coarser or older one
+  constexpr double masks = 6;      // support, band, inside; each together with its coarser or older one
   constexpr double ranks = 3 * 2;  // BrickGrid's two bits: samples, data, level
-  constexpr double most = 0x1p60;  // what size_t holds; no machine has it
+  constexpr double most = 0x1p60;  // fits in size_t; no machine has it
   return static_cast<size_t>(
       std::min(most, (masks + ranks) * count / 8 + dense_bytes_per_vertex(method) * lattice.vertices()));
 }
 
-/// The peak beside the box's arrays and the data term, bytes per support brick.
+/// The peak in addition to the box's arrays and the data term, bytes per support brick.
 double band_bytes_per_brick(Method method) {
   const double level = band_over_support * level_brick_bytes;
   // Vertices with f != 0 and those around them fill more than half of the support's bricks.
@@ -107,7 +106,8 @@ size_t cloud_bytes(const PointCloud& cloud) {
   return bytes;
 }
 
-/// Sorted: position, direction and lot; where there are no normals, the view beside the normal of a plane.
+/// Sorted: position, direction and hash; where there are no normals, also the view direction that a plane's normal
+/// replaced.
 size_t kept_bytes(const PointCloud& cloud) {
   const size_t weight = cloud.weights.empty() ? 0 : sizeof(float);
   return ((cloud.normals.empty() ? 3 : 2) * sizeof(Vec3f) + weight + sizeof(uint8_t)) * cloud.size();
@@ -126,7 +126,7 @@ size_t inside_lowest(const BrickBits& bits, int axis) {
 }  // namespace
 
 size_t plan_placing(const PointCloud& cloud) {
-  // While the cloud is there also the direction as found and where sorted samples came from.
+  // While the cloud exists also the direction as found and the original index of sorted samples.
   const size_t sorted_bytes = kept_bytes(cloud) + sizeof(uint32_t) * cloud.size();
   // The surface around each: area, spacing, normal; with it either the cells that found it or the sorted samples.
   const size_t around_bytes = (2 * sizeof(float) + sizeof(Vec3f)) * cloud.size();
@@ -147,7 +147,7 @@ MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, 
   plan.fixed_bytes = plan_fixed(method, cloud, after);
   const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
   plan.tables_bytes = box_bytes(method, lattice);
-  // tv's band is known level by level only.
+  // tv's band becomes known only level by level.
   const bool guessed = method == Method::tv;
   plan.solve = {plan.tables_bytes + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick),
                 guessed ? certain_of_solve : 1};
@@ -182,7 +182,7 @@ size_t refine_bytes(size_t rows, bool tries_coarser, size_t samples) {
 }
 
 size_t mesh_bytes(size_t vertices, bool checked) {
-  // Measured per vertex: bent 286 to 358; checked 423 to 518.
+  // Measured per vertex: relaxed 286 to 358; checked 423 to 518.
   constexpr size_t bent_vertex_bytes = 320, checked_vertex_bytes = 470;
   return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
 }
@@ -202,7 +202,7 @@ size_t count_faces(const Level& level, double threshold, const Context& context)
         Vec3i below = coord;
         --below[axis];
         if (below[axis] >= 0 && level.grid.find(below) >= 0) continue;
-        // Nobody else counts the faces below; what lies there is constant.
+        // The faces below are counted nowhere else; what lies there is constant.
         const bool in = below[axis] >= 0 && level.inside.test(below);
         faces += in ? brick_area - inside_lowest(own, axis) : inside_lowest(own, axis);
       }
@@ -221,7 +221,7 @@ void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& latti
   if (plan.least() <= room.bytes) return;
   const double left = room.bytes > plan.fixed_bytes ? static_cast<double>(room.bytes - plan.fixed_bytes) : 0;
   const auto tables = static_cast<double>(plan.tables_bytes);
-  // Before the samples are sorted the bricks are not known.
+  // Before the samples are sorted the number of bricks is unknown.
   const double bands =
       std::max(static_cast<double>(plan.grid_bytes()) - tables, area / area_per_brick * refined_brick_bytes);
   constexpr double most_times_coarser = 1e9;
@@ -279,7 +279,7 @@ PyramidObserver MemoryBudget::watch(PyramidObserver user, size_t data_bricks) {
 }
 
 void MemoryBudget::plan_level(int level, size_t data_bricks, size_t bricks, size_t beside) {
-  // The largest level counts, instead of what was guessed before the first one.
+  // The largest level counts, and replaces the guess from before the first one.
   const size_t before = plan_.solve.certain < 1 ? 0 : plan_.solve.bytes;
   plan_.solve = {std::max(before, solve_bytes(data_bricks, bricks + beside)), 1};
   if (level == 0 && refines(params_)) plan_.refine = {guess_refine_bytes(bricks), certain_of_refine};

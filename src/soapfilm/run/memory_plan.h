@@ -15,25 +15,26 @@
 
 namespace soapfilm {
 
-/// Bytes that a stage will take. A guess refuses a run only by a share of it: it may be too large by the rest.
+/// Bytes that a stage will need. A run is refused only if the certain share of a guess does not fit; the rest may be an
+/// overestimate.
 struct Planned {
   size_t bytes = 0;
   double certain = 1;
   size_t least() const { return static_cast<size_t>(certain * static_cast<double>(bytes)); }
 };
 
-/// Each stage's part is planned again once its size is known, and takes the place of what was guessed before.
+/// Each stage's part is planned again once its size is known, and replaces the guess.
 struct MemoryPlan {
-  size_t fixed_bytes = 0;    ///< through all stages after placing: the program and what stays of the samples
-  Planned solve;             ///< on top of it: the finest level's band beside the coarser one, the box's tables
+  size_t fixed_bytes = 0;    ///< in all stages after placing: the program and the data kept of the samples
+  Planned solve;             ///< in addition: the finest level's band and the coarser one, the box's tables
   size_t tables_bytes = 0;   ///< those of the solve that span the box
-  Planned refine;            ///< on top of fixed_bytes as well
-  size_t mesh_bytes = 0;     ///< on top of fixed_bytes as well
-  size_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and what
-                             ///< was found around them
+  Planned refine;            ///< in addition to fixed_bytes
+  size_t mesh_bytes = 0;     ///< in addition to fixed_bytes
+  size_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and the
+                             ///< surface found around them
   size_t grid_bytes() const { return std::max({solve.bytes, refine.bytes, mesh_bytes}); }
   size_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes()); }
-  /// What of it is certain.
+  /// The part of it that is certain.
   size_t least() const {
     return std::max(placing_bytes, fixed_bytes + std::max({solve.least(), refine.least(), mesh_bytes}));
   }
@@ -42,66 +43,66 @@ struct MemoryPlan {
 /// What happens to the cloud once its samples are on the grid.
 enum class AfterPlacing { kept, freed };
 
-/// What a reconstruction on this lattice by this method will need. The
-/// band's size follows from the bricks that the samples reach (`support_bricks`), the only part of the grid that is
-/// known before the solve. The mesh is not planned yet.
+/// The needs of a reconstruction on this lattice by this method. The band's size follows from the bricks that the
+/// samples reach (`support_bricks`), the only part of the grid that is known before the solve. The mesh is not planned
+/// yet.
 MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, size_t support_bricks);
 
-/// The same before anything is built: what spans the whole box, whatever the samples.
+/// The same before anything is built: arrays over the whole box, whatever the samples.
 MemoryPlan plan_tables(Method method, const Lattice& lattice);
 
-/// What stays through the solve, whatever the grid: MemoryPlan::fixed_bytes.
+/// What is kept during the solve, whatever the grid: MemoryPlan::fixed_bytes.
 size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after);
 
-/// What it takes to place the samples, whatever the grid: MemoryPlan::placing_bytes.
+/// What placing the samples needs, whatever the grid: MemoryPlan::placing_bytes.
 size_t plan_placing(const PointCloud& cloud);
 
-/// What later stages take beside what the run holds once its samples are placed, from what is known when they begin.
-/// The solve: the data's bricks, and those of the levels that are held at once.
+/// What later stages need in addition to what the run holds once its samples are placed, planned when they begin. The
+/// solve: the data's bricks, and those of the levels that are held at once.
 size_t solve_bytes(size_t data_bricks, size_t level_bricks);
 /// The refinement of a surface in a finest level of so many bricks, guessed; and of one whose band has so many rows of
-/// eight vertices, onto so many samples, where it may look at two grids at once.
+/// eight vertices, with so many samples, where it may hold two grids at once.
 size_t guess_refine_bytes(size_t level_bricks);
 size_t refine_bytes(size_t rows, bool tries_coarser, size_t samples);
-/// The mesh, what bends it and, where it is `checked`, what check_result() takes.
+/// The mesh, its relaxation and, where it is `checked`, the needs of check_result().
 size_t mesh_bytes(size_t vertices, bool checked);
 
 /// Faces between vertices of different sides: about as many as the surface's mesh has vertices.
 size_t count_faces(const Level& level, double threshold, const Context& context);
 
-/// What a run may take: `limit` or, without one, what the machine has free and what this process `held` when the run
-/// began, which the plans count too. `what` names it in messages.
+/// The memory that a run may use: `limit` or, without one, the machine's free memory plus what this process `held` when
+/// the run began, which the plans count too. `what` names it in messages.
 struct Room {
   Room(std::optional<size_t> limit, size_t held);
   size_t bytes;
   const char* what;
 };
 
-/// Throws MemoryError when what is certain of the plan passes the room. The message names the voxel that would fit all
-/// of it, or the resolution where the grid was asked for `by_resolution`: tables of the box grow with the cube of the
+/// Throws MemoryError when the certain part of the plan exceeds the room. The message names the voxel that would fit
+/// all of it, or the resolution where the grid was given `by_resolution`: tables of the box grow with the cube of the
 /// resolution, a surface of `area`, voxel^2, with its square.
 void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice, double area, bool by_resolution);
 
-/// The same of plan_placing().
+/// The same for plan_placing().
 void check_placing(size_t placing_bytes, const Room& room, size_t samples);
 
-/// The plan of one run: made part by part, as the sizes of its stages become known, and refused where it would not fit.
+/// The plan of one run: made part by part, as the sizes of its stages become known; refuses a run that would not fit.
 class MemoryBudget {
  public:
-  /// Keeps a reference to the parameters. Throws MemoryError where the samples alone, on any grid, take more.
+  /// Keeps a reference to the parameters. Throws MemoryError where the samples alone, on any grid, need more.
   MemoryBudget(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after);
 
-  /// Once the grid is known, before anything is built on it: what spans its box. `area` is the surface's, voxel^2. All
-  /// of these throw MemoryError.
+  /// Call once the grid is known, before anything is built on it: plans the arrays that span its box. `area` is the
+  /// surface's, voxel^2. This and the following throw MemoryError.
   void plan_tables(const PointCloud& cloud, const Box3d& box, const Lattice& lattice, double area);
-  /// Once its samples are on it: the bricks that they reach.
+  /// Call once its samples are on it: plans with the bricks that they reach.
   void plan_grid(const PointCloud& cloud, size_t support_bricks);
   /// `user`, which also plans each level of the solve as it begins; `data_bricks` are the data term's.
   PyramidObserver watch(PyramidObserver user, size_t data_bricks);
-  /// The surface is known. `checked`: check_result() will follow on this mesh.
+  /// Call once the surface is known. `checked`: check_result() will follow on this mesh.
   void plan_mesh(const Level& level, bool checked, const Context& context);
-  /// The refinement's band is known.
+  /// Call once the refinement's band is known.
   void plan_refinement(size_t rows, bool tries_coarser, size_t samples);
 
   size_t planned_bytes() const { return plan_.total(); }

@@ -30,7 +30,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// Names every parameter once: visit(group, name, value).
+/// Lists every parameter: visit(group, name, value).
 template <class Params, class Visit>
 void for_each_param(Params& p, Visit&& visit) {
   visit("solve", "method", p.method);
@@ -195,7 +195,7 @@ void require(bool holds, const char* name, double value, const char* constraint)
   if (!holds) throw ParameterError(fmt::format("{} = {:g}, must be {}", name, value, constraint));
 }
 
-/// What one method has and the chosen one lacks must not pass silently.
+/// Parameters of a method that the chosen one does not have are an error.
 void refuse_contradictions(const ReconstructParams& params) {
   const char* method = name_of(params.method);
   const bool film = weighs_area(params.method);

@@ -1,5 +1,5 @@
-// The stages before the solve: from a cloud to samples with directions on a grid, and lambda. What each of them does is
-// in the folder of its name; here each gets its share of the parameters.
+// The stages before the solve: from a cloud to samples with directions on a grid, and lambda. Each stage is implemented
+// in the folder of its name; here it gets its part of the parameters.
 #pragma once
 
 #include <span>
@@ -18,16 +18,16 @@
 namespace soapfilm {
 
 /// The samples' box. Throws SamplesError where there are too few to span a volume; ParameterError where Method::vrip
-/// gets what is no range scan.
+/// gets something else than range scans.
 Box3d check_cloud(const PointCloud& cloud, const ReconstructParams& params, const Context& context);
 
 struct Scanners {
   std::vector<Vec3d> positions;  ///< input frame
-  Surroundings surroundings;     ///< where the border follows from them
+  Surroundings surroundings;     ///< if needed to choose the border
 };
 Scanners find_scanners(const PointCloud& cloud, const ReconstructParams& params, const Context& context);
 
-/// Directions before planes took their place are kept where the refinement asks for them.
+/// Keeps the directions from before planes replaced them if the refinement needs them.
 Orientation find_directions(const PointCloud& cloud, const Box3d& box, const ReconstructParams& params,
                             const Context& context);
 
@@ -35,12 +35,12 @@ struct Placed {
   Grid grid;
   GridSamples samples;
 };
-/// The grid, and the samples sorted into it. Throws MemoryError before what is large beside the samples is allocated.
+/// The grid, and the samples sorted into it. Throws MemoryError before arrays larger than the samples are allocated.
 Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& oriented, const ReconstructParams& params,
              MemoryBudget& memory, const Context& context);
 
-/// Lambda on the grid. Where it is not given, each sample counts by the area that it stands for: its direction gets as
-/// long. (Where it is given, it is the paper's: against one unit vector for each sample.)
+/// Lambda on the grid. Where it is not given, each sample is weighted by the area that it represents: its direction
+/// gets that length. (Where it is given, it is the paper's: against one unit vector for each sample.)
 Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const Grid& grid,
                      const ReconstructParams& params, const Context& context, GridSamples& samples);
 
@@ -48,11 +48,11 @@ Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const
 std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& samples, const Lattice& lattice,
                               const Context& context);
 
-/// What lies beyond the samples' box. `field` comes back as it was.
+/// What lies beyond the samples' box. `field` is restored at the end.
 BorderReport find_border(SupportField& field, const Grid& grid, double lambda, const Surroundings& surroundings,
                          const ReconstructParams& params, const Context& context, Trace& trace);
 
-/// The data term and all directions of the complement: of the solid matter around a hollow.
+/// Reverses the data term and all directions, for the complement: the solid matter around a hollow.
 void turn_inside_out(SupportField& field, GridSamples& samples, std::vector<Vec3f>& views, const Context& context);
 
 }  // namespace soapfilm

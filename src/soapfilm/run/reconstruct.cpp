@@ -1,5 +1,5 @@
-// The page to read first: from a cloud to its mesh. Each stage takes what it needs and returns a value that keeps its
-// meaning; what nobody needs any more is freed here. docs/architecture.md says in which folder each stage is.
+// The file to read first: from a cloud to its mesh. Each stage takes what it needs and returns a value that keeps its
+// meaning; data that is no longer needed is freed here. docs/architecture.md says in which folder each stage is.
 #include <memory>
 #include <utility>
 #include <vector>
@@ -29,14 +29,14 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   Orientation oriented = trace.stage("orient", [&] { return find_directions(cloud, box, params, context); });
   trace.keep(oriented.report.warnings);
 
-  // The grid: how fine, where, and what it will cost.
+  // The grid: its voxel, its position, and the memory needed.
   Placed placed = trace.stage("place", [&] { return place(cloud, box, oriented, params, memory, context); });
   Grid& grid = placed.grid;
   GridSamples& samples = placed.samples;
   const SampleAttributes attributes = sort_attributes(cloud, samples, params.surface.attributes);
   announce_grid(grid, memory, trace);
 
-  // Lambda, what area weighs against the samples; and what these weigh, by the area that they stand for.
+  // Lambda, the weight of area against the samples; and the samples' weights, by the area that they represent.
   const char* weights = weighs_area(params.method) ? "lambda" : "weights";
   const Lambda lambda =
       trace.stage(weights, [&] { return choose_lambda(cloud, oriented, grid, params, context, samples); });
@@ -44,7 +44,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   const auto details = std::make_shared<ReportDetails>();
   ReconstructReport report = facts_of(cloud, box, params, oriented.report, grid, lambda, details);
 
-  // Curless and Levoy's surface needs neither field nor solve: its scans say what is known.
+  // Curless and Levoy's surface needs neither data term nor solve: its scans say what is known.
   if (params.method == Method::vrip) {
     Mesh mesh = fuse(cloud, grid.lattice, params, details->vrip.emplace(), trace, context);
     carry(attributes, samples, grid.lattice, trace, context, mesh);
@@ -64,7 +64,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   if (border.chosen == Border::solid) turn_inside_out(field, samples, views, context);
   announce_border(border, report.input.directions.inward, trace);
 
-  // Inside or outside: the convex problem (4), coarse to fine, on a thin band; or what it is compared with.
+  // Inside or outside: the convex problem (4), coarse to fine, on a narrow band; or one of the methods for comparison.
   std::optional<PagePool::Keep> pages(context.pages());
   Segmentation found = trace.stage("solve", [&] {
     return segment(grid.lattice, field, samples, lambda.value, params,
@@ -85,11 +85,11 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // Components and cavities supported by too few samples are removed. (The certificate is of the solution with them.)
   report.components = drop_unsupported(found.level, samples, grid, params, trace, context);
 
-  // Scanners stand in the air, and a hollow around one has been seen.
+  // Scanners must stand in the air, and a hollow around one must be seen.
   report.scanners = stand_scanners(found.level, scanners, grid, border, params);
 
-  // The level set moves onto the samples; components and genus stay, but for what it leaves nothing of. From here on
-  // directions are those that were found, not those of planes: these know of held-out samples, too.
+  // The level set moves onto the samples; components and genus stay, except for parts that it shrinks to nothing. From
+  // here on the directions are the original ones, not those of planes: the planes depend on held-out samples, too.
   if (!views.empty()) samples.direction = std::move(views);
   Surface surface = trace.stage("refine", [&] {
     return find_surface(std::move(found), samples, grid, params, experiment.robust, memory, context);
@@ -107,7 +107,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   details->refine = std::move(surface.refine);
   surface.field = {};
 
-  // A complement's faces turn back. What closed an open surface along the box goes, and what no sample is near.
+  // Flips a complement's faces. Removes what closed an open surface along the box, and surface far from all samples.
   undo_border(mesh, border, grid.lattice);
   report.trim = trim(mesh, samples, grid, border, params, trace, context);
 

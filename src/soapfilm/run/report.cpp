@@ -62,7 +62,7 @@ ordered_json grid_json(const ReconstructReport& report) {
           {"levels", levels}};
 }
 
-/// Methods without a dual prove no bound: only their energies are told. vrip has none.
+/// Methods without a dual prove no bound: only their energies are reported. vrip has none.
 ordered_json certificate_json(const Certificate& c, Method method) {
   if (method == Method::vrip) return nullptr;
   if (!is_certified(method))
@@ -87,7 +87,7 @@ ordered_json certificate_json(const Certificate& c, Method method) {
           {"max_dual_norm", c.relaxed.max_dual_norm}};
 }
 
-/// What only the chosen method has to tell.
+/// The report of the chosen method alone.
 ordered_json method_json(const ReconstructReport& report) {
   ordered_json json = {{"name", name_of(report.params.method)}};
   if (!report.details->solve.sor.empty()) json["levels"] = ordered_json::array();

@@ -1,4 +1,4 @@
-// The page of reconstruct.cpp, for our own programs and measurements.
+// The steps of reconstruct.cpp, for this project's programs and measurements.
 #pragma once
 
 #include "soapfilm/pyramid/coarse_to_fine.h"
@@ -7,9 +7,9 @@
 
 namespace soapfilm {
 
-/// What is looked at or varied beyond the parameters.
+/// What can be observed or varied beyond the parameters.
 struct Experiment {
-  PyramidObserver observe;  ///< sees the levels of Method::tv
+  PyramidObserver observe;  ///< called for the levels of Method::tv
   RobustParams robust;      ///< of the refinement: fixed by measurement (bench/results/penalties.md)
 };
 

@@ -14,7 +14,7 @@ namespace soapfilm {
 
 namespace {
 
-/// The stage's arguments in one hand.
+/// The stage's arguments.
 struct Task {
   const Lattice& lattice;
   const SupportField& field;

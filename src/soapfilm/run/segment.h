@@ -1,4 +1,4 @@
-// Which side of the surface each vertex is on: the stage that the methods differ in.
+// Which side of the surface each vertex is on: the stage in which the methods differ.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace soapfilm {
 
-/// What a method found, in the form that the one judge and the stages after it take.
+/// The result of a method, in the form needed by the energy evaluator and the later stages.
 struct Segmentation {
   Level level;  ///< u in [0, 1] and, where the method has one, its dual p (else 0); refers to the support field
   std::optional<SurfaceField> surface;  ///< of a method that finds a smooth field itself (poisson): its level set 1/2

@@ -20,7 +20,7 @@ namespace soapfilm {
 
 Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& context) {
   Level closed = closed_at_border(level, context);
-  // What closes it is drawn as well, until it is cut off; what is checked is much smaller.
+  // What closes it is extracted as well, until it is cut off; the mesh that is checked is much smaller.
   memory.plan_mesh(closed, false, context);
   return closed;
 }

@@ -1,4 +1,4 @@
-// The stages after the solve: from a solution to its mesh. What each of them does is in the folder of its name.
+// The stages after the solve: from a solution to its mesh. Each is implemented in the folder of its name.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ namespace soapfilm {
 /// An open solution, closed along the box for the stages until cut_at_border(). Throws MemoryError.
 Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& context);
 
-/// Drops components and cavities that too few samples support, where that is wanted.
+/// Drops components and cavities supported by too few samples, if enabled.
 std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
                                                 const ReconstructParams& params, Trace& trace, const Context& context);
 
@@ -26,33 +26,33 @@ std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples&
 ScannerReport stand_scanners(const Level& level, const Scanners& scanners, const Grid& grid, const BorderReport& border,
                              const ReconstructParams& params);
 
-/// A field, and the level set of it that is the surface.
+/// Values on a grid, and the level set of them that is the surface.
 struct Surface {
   SurfaceField field;
   double isovalue = 0;
   std::optional<FitReport> refine;  ///< when it was moved onto the samples
-  double scale = 0;                 ///< of what samples may still lie off it, voxels
+  double scale = 0;                 ///< of the samples' residuals, voxels
 };
 
-/// What users read of it.
+/// The part of it that users read.
 std::optional<RefineReport> summary_of(const Surface& surface);
 
-/// The level set on the samples, sub-voxel accurate, or the paper's (section 4.4); or the one that the method has found
-/// itself. Throws MemoryError.
+/// The level set moved onto the samples with sub-voxel accuracy, or the paper's (section 4.4); or the surface that the
+/// method itself has found. Throws MemoryError.
 Surface find_surface(Segmentation found, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
                      const RobustParams& robust, MemoryBudget& memory, const Context& context);
 
 /// Throws EmptyResult where the level set is empty.
 Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda, const Context& context);
 
-/// Makes the triangles follow a refined surface where it bends; not under noise.
+/// Makes the triangles follow the curvature of a refined surface; not under noise.
 std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
                                  const ReconstructParams& params, Trace& trace, const Context& context);
 
-/// A complement's faces turn back, and what closed an open surface goes.
+/// Flips the faces of a complement, and removes what closed an open surface.
 void undo_border(Mesh& mesh, const BorderReport& border, const Lattice& lattice);
 
-/// Takes away what no sample is near, where that is wanted.
+/// Removes surface far from all samples, if enabled.
 std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, const Grid& grid, const BorderReport& border,
                                const ReconstructParams& params, Trace& trace, const Context& context);
 

@@ -1,4 +1,4 @@
-// What a run tells while it goes on: the times of its stages, lines and warnings.
+// The output of a run while it goes on: the times of its stages, lines and warnings.
 #pragma once
 
 #include <string>
@@ -13,14 +13,14 @@ class Trace {
  public:
   explicit Trace(const Context& context) : context_(context), stages_(context) {}
 
-  /// work(), as the stage of that name. Throws Cancelled, and what work() throws.
+  /// Runs work() as the stage of that name. Throws Cancelled, and what work() throws.
   template <class Work>
   auto stage(const char* name, Work&& work) {
     return stages_.run(name, std::forward<Work>(work));
   }
 
   void info(const std::string& line) const { context_.progress().info(line); }
-  /// Shown, and kept for the report.
+  /// Printed, and kept for the report.
   void warn(std::string text) {
     context_.progress().warn(text);
     warnings_.push_back(std::move(text));
@@ -28,7 +28,7 @@ class Trace {
   void warn(const std::vector<std::string>& texts) {
     for (const std::string& text : texts) warn(text);
   }
-  /// Kept for the report: a stage has shown them itself.
+  /// Kept for the report: a stage has printed them itself.
   void keep(const std::vector<std::string>& shown) { warnings_.insert(warnings_.end(), shown.begin(), shown.end()); }
 
   const std::vector<StageTime>& times() const { return stages_.times(); }

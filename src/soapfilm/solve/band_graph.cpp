@@ -46,8 +46,8 @@ BandGraph::BandGraph(const VertexMask& band, const LevelBox& box, const SupportF
   // Edges are numbered in 32 bits: one each way per link, and two for the link to a terminal.
   const uint64_t most = std::numeric_limits<uint32_t>::max() / (links.size() + 2);
   if (count > most)
-    throw ParameterError(fmt::format("graph cut: the band has {} vertices, must be <= {} with {} neighbors", count,
-                                     most, links.size()));
+    throw ParameterError(
+        fmt::format("graph cut: the band has {} vertices, must be <= {} with {} neighbors", count, most, links.size()));
   vertices_ = static_cast<uint32_t>(count);
 }
 

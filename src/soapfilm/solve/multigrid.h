@@ -1,8 +1,8 @@
 // Geometric multigrid for -Laplace(u) = b on a box of any size: the preconditioner of conjugate gradients.
 //
-// Briggs, Henson and McCormick, A Multigrid Tutorial (2000), chapters 3 and 4. Coarsening is vertex-centerd: the coarse
-// vertex I is the fine vertex 2 I, and the border of u = 0 stays where it is, at a distance of 1/2 to 3/2 coarse cells
-// from the last coarse vertex (see box_laplacian.h). So a box of any size converges like one of 2^k - 1 vertices.
+// Briggs, Henson and McCormick, A Multigrid Tutorial (2000), chapters 3 and 4. Coarsening is vertex-centered: the
+// coarse vertex I is the fine vertex 2 I, and the border of u = 0 stays where it is, at a distance of 1/2 to 3/2 coarse
+// cells from the last coarse vertex (see box_laplacian.h). So a box of any size converges like one of 2^k - 1 vertices.
 #pragma once
 
 #include <array>

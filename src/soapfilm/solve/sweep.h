@@ -26,8 +26,8 @@
 
 #include "soapfilm/context.h"
 #include "soapfilm/grid/field.h"
-#include "soapfilm/solve/level.h"
 #include "soapfilm/kernels/sweep_kernel.h"
+#include "soapfilm/solve/level.h"
 
 namespace soapfilm {
 

@@ -7,9 +7,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <ctime>
 #include <fstream>
 #include <limits>
-#include <ctime>
 #include <optional>
 #include <string_view>
 
