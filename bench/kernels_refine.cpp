@@ -171,9 +171,9 @@ void merge_samples(benchmark::State& state) {
 }
 
 /// Bends, their means around and the shares: phi, phi0, the old target in, shares and target out, four arrays between.
-void yield_to_bends(benchmark::State& state) {
+void reweight_curvature(benchmark::State& state) {
   Ball& b = ball(state);
-  repeat(state, [&] { b.displacement->yield_to_bends(1.2); });
+  repeat(state, [&] { b.displacement->reweight_curvature(1.2); });
   count(state, b, (5 + 8) * row_bytes + 2 * neighbor_bytes);
 }
 
@@ -196,7 +196,7 @@ BENCHMARK(v_cycles)->Apply(radii);
 BENCHMARK(laplacian)->Apply(radii);
 BENCHMARK(data_term)->Apply(radii);
 BENCHMARK(merge_samples)->Apply(radii);
-BENCHMARK(yield_to_bends)->Apply(radii);
+BENCHMARK(reweight_curvature)->Apply(radii);
 BENCHMARK(two_steps)->Apply(radii);
 
 }  // namespace

@@ -59,11 +59,11 @@ Object scene_object(const ObjectOptions& options, const Context& context) {
 Object mesh_object(const ObjectOptions& options, const Context& context) {
   refuse_shape_options(options, "mesh");
   const auto mesh = std::make_shared<const MeshSurface>(read_surface(options.name), context);
-  if (mesh->turned())
+  if (mesh->reversed())
     context.progress().warn(fmt::format("{}: inside-out (negative volume), its faces are turned", options.name));
   return {mesh,
           {{"file", options.name},
-           {"turned", mesh->turned()},
+           {"turned", mesh->reversed()},
            {"volume", or_null(mesh->volume())},
            {"area", mesh->mesh().area()}}};
 }

@@ -131,7 +131,7 @@ void add_global_options(CLI::App& app, GlobalOptions& options) {
 
 int run(int argc, char** argv) {
   CLI::App app(
-      "Turns raw 3D scans into a watertight surface: a film of least area over the samples,\n"
+      "Turns raw 3D scans into a watertight surface: a minimal surface over the samples,\n"
       "with a proof of how close it is to the global optimum.",
       "soapfilm");
   app.require_subcommand(1);

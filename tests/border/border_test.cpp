@@ -30,7 +30,7 @@ BorderReport chosen_for(const PointCloud& cloud, int threads = 1, const Surround
   return report;
 }
 
-PointCloud turned(PointCloud cloud) {
+PointCloud reversed(PointCloud cloud) {
   for (Vec3f& n : cloud.normals) n = -n;
   return cloud;
 }
@@ -72,14 +72,14 @@ TEST(Border, ABottomThatNobodySawIsClosed) {
 
 TEST(Border, WhatIsSeenFromWithinHasSolidMatterAround) {
   for (const char* shape : {"sphere", "part"}) {
-    const BorderReport report = chosen_for(turned(sampled(shape, resolution, 1)));
+    const BorderReport report = chosen_for(reversed(sampled(shape, resolution, 1)));
     EXPECT_EQ(report.chosen, Border::solid) << shape << ": " << report.reason;
   }
 }
 
 TEST(Border, SheetsAreOpen) {
   for (const bool other_side : {false, true}) {
-    const BorderReport report = chosen_for(other_side ? turned(terrain()) : terrain());
+    const BorderReport report = chosen_for(other_side ? reversed(terrain()) : terrain());
     EXPECT_EQ(report.chosen, Border::open) << report.reason;
     EXPECT_LT(*report.open, *report.air);
     EXPECT_LT(*report.open, *report.solid);
@@ -115,7 +115,7 @@ TEST(Border, NothingGainsMoreThanTheFluxThroughTheBorder) {
 
 /// Fewer conditions, lower energies, and a bound below them all.
 TEST(Border, AnOpenSurfaceCostsNoMoreThanAClosedOne) {
-  for (const PointCloud& cloud : {terrain(), turned(terrain()), upper_part(sampled("part", resolution, 1), 0.3)}) {
+  for (const PointCloud& cloud : {terrain(), reversed(terrain()), upper_part(sampled("part", resolution, 1), 0.3)}) {
     const BorderReport report = chosen_for(cloud);
     ASSERT_TRUE(report.open && report.solid && report.open_bound);
     EXPECT_LE(*report.open, *report.air);
@@ -127,7 +127,7 @@ TEST(Border, AnOpenSurfaceCostsNoMoreThanAClosedOne) {
 /// Both sides of the complement: no data is lost at the border.
 TEST(Border, TurnedDirectionsSwapAirAndSolidMatter) {
   const PointCloud cloud = upper_part(sampled("torus", resolution, 1), 0.4);
-  const BorderReport one = chosen_for(cloud), other = chosen_for(turned(cloud));
+  const BorderReport one = chosen_for(cloud), other = chosen_for(reversed(cloud));
   ASSERT_TRUE(one.solid && other.solid);
   EXPECT_NEAR(*one.air, *other.solid, 1e-3 * std::abs(*one.air));
   EXPECT_NEAR(*one.solid, *other.air, 1e-3 * std::abs(*one.solid));
@@ -148,8 +148,8 @@ TEST(Border, ScannersUnderAnOpenSkyMakeItOpen) {
   ditch.scans.push_back({"ditch", 0, samples, Vec3d{0, 4, 0}, {}, {}});
   const BorderReport unknown = chosen_for(ditch, 1, {}, along_box);
   EXPECT_EQ(unknown.chosen, Border::solid) << unknown.reason;
-  const Surroundings scanners = look_around(ditch, {}, one_thread);
-  EXPECT_TRUE(scanners.all_around());
+  const Surroundings scanners = measure_surroundings(ditch, {}, one_thread);
+  EXPECT_TRUE(scanners.stand_among_samples());
   EXPECT_LT(scanners.covered, 0.75);
   const BorderReport known = chosen_for(ditch, 1, scanners, along_box);
   EXPECT_EQ(known.chosen, Border::open) << known.reason;

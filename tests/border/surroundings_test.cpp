@@ -21,43 +21,43 @@ PointCloud sphere_below(double height) {
 }
 
 TEST(Surroundings, NothingIsKnownWithoutScanners) {
-  const Surroundings around = look_around(sphere_below(2), {}, one_thread);
+  const Surroundings around = measure_surroundings(sphere_below(2), {}, one_thread);
   EXPECT_EQ(around.scanners, 0u);
-  EXPECT_FALSE(around.all_around());
+  EXPECT_FALSE(around.stand_among_samples());
 }
 
 TEST(Surroundings, AScannerInsideSeesSamplesAllAround) {
   for (const Vec3d place : {Vec3d{0, 0, 0}, Vec3d{0.5, -0.3, 0.4}}) {
-    const Surroundings around = look_around(sphere_below(2), place, one_thread);
+    const Surroundings around = measure_surroundings(sphere_below(2), place, one_thread);
     EXPECT_EQ(around.scanners, 1u);
-    EXPECT_TRUE(around.all_around());
+    EXPECT_TRUE(around.stand_among_samples());
     EXPECT_GT(around.covered, 0.98);
   }
 }
 
 TEST(Surroundings, UnderAnOpenSkySomeDirectionsAreFree) {
-  const Surroundings around = look_around(sphere_below(0.4), Vec3d{0, 0, 0}, one_thread);
-  EXPECT_TRUE(around.all_around());
+  const Surroundings around = measure_surroundings(sphere_below(0.4), Vec3d{0, 0, 0}, one_thread);
+  EXPECT_TRUE(around.stand_among_samples());
   EXPECT_NEAR(around.covered, 0.7, 0.05);  // by Archimedes
 }
 
 TEST(Surroundings, ScannersBesideAnObjectAreNotAmongItsSamples) {
   PointCloud cloud = sphere_below(2);
   for (size_t i = 0; i < cloud.size(); ++i) cloud.sensors.push_back(cloud.positions[i] * 3.0);
-  const Surroundings around = look_around(cloud, {}, one_thread);
+  const Surroundings around = measure_surroundings(cloud, {}, one_thread);
   EXPECT_EQ(around.scanners, 16u);
   EXPECT_EQ(around.among, 0u);
-  EXPECT_FALSE(around.all_around());
+  EXPECT_FALSE(around.stand_among_samples());
 }
 
 /// A scanner of each sample's own counts before its scan's, that before the one said of all.
 TEST(Surroundings, TheNearestWordOnTheScannerCounts) {
   PointCloud cloud = sphere_below(2);
-  EXPECT_FALSE(look_around(cloud, Vec3d{4, 0, 0}, one_thread).all_around());
+  EXPECT_FALSE(measure_surroundings(cloud, Vec3d{4, 0, 0}, one_thread).stand_among_samples());
   cloud.scans[0].sensor = Vec3d{0, 0, 0};
-  EXPECT_TRUE(look_around(cloud, Vec3d{4, 0, 0}, one_thread).all_around());
+  EXPECT_TRUE(measure_surroundings(cloud, Vec3d{4, 0, 0}, one_thread).stand_among_samples());
   cloud.sensors.assign(cloud.size(), Vec3d{0, 4, 0});
-  EXPECT_FALSE(look_around(cloud, Vec3d{4, 0, 0}, one_thread).all_around());
+  EXPECT_FALSE(measure_surroundings(cloud, Vec3d{4, 0, 0}, one_thread).stand_among_samples());
 }
 
 TEST(Surroundings, OutliersDoNotCoverTheSky) {
@@ -68,7 +68,7 @@ TEST(Surroundings, OutliersDoNotCoverTheSky) {
     cloud.normals.push_back({0, 0, 1});
   }
   cloud.scans[0].end = cloud.size();
-  EXPECT_NEAR(look_around(cloud, Vec3d{0, 0, 0}, one_thread).covered, 0.7, 0.06);
+  EXPECT_NEAR(measure_surroundings(cloud, Vec3d{0, 0, 0}, one_thread).covered, 0.7, 0.06);
 }
 
 }  // namespace TEST_FILE

@@ -53,7 +53,7 @@ TEST(Samples, AreSortedAlikeByAnyNumberOfThreads) {
   const PointCloud cloud = sampled("knot", 40, 20);
   const Lattice lattice = lattice_of(cloud, 40);
   const GridSamples one = sort_samples(cloud, cloud.normals, lattice, Context(1));
-  for (size_t s = 0; s < one.size(); ++s) ASSERT_EQ(one.lot[s], lot_of(one.source[s]));
+  for (size_t s = 0; s < one.size(); ++s) ASSERT_EQ(one.sample_hash[s], sample_hash_of(one.source[s]));
   const auto third = [](size_t i) { return i % 3 == 0; };
   for (const int threads : {2, 3, 8}) {
     const GridSamples many = sort_samples(cloud, cloud.normals, lattice, Context(threads));
@@ -74,8 +74,8 @@ TEST(Samples, LotsAreEven) {
   constexpr size_t count = 100'000;
   std::array<size_t, 4> found{}, after_zero{};
   for (size_t i = 0; i < count; ++i) {
-    ++found[lot_of(i) & 3];
-    if (i > 0 && (lot_of(i - 1) & 3) == 0) ++after_zero[lot_of(i) & 3];
+    ++found[sample_hash_of(i) & 3];
+    if (i > 0 && (sample_hash_of(i - 1) & 3) == 0) ++after_zero[sample_hash_of(i) & 3];
   }
   for (size_t k = 0; k < 4; ++k) {
     EXPECT_NEAR(static_cast<double>(found[k]), count / 4.0, 5 * std::sqrt(count * 3 / 16.0));

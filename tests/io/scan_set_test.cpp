@@ -49,16 +49,16 @@ TEST(ScanSet, PosesMoveAllThatAScanHas) {
   EXPECT_NE(report.warnings[0].find("set.conf:8"), std::string::npos);
   EXPECT_NE(report.warnings[0].find("'bgcolor'"), std::string::npos);
 
-  const auto turned = [](Vec3d v) { return Vec3d{v.y, -v.x, v.z}; };
+  const auto rotated = [](Vec3d v) { return Vec3d{v.y, -v.x, v.z}; };
   for (size_t i = 0; i < cloud.size(); ++i) {
-    EXPECT_LT(norm(posed.positions[i] - (turned(cloud.positions[i]) + Vec3d{1, 2, 3})), 1e-8);
-    EXPECT_LT(norm(posed.sensors[i] - (turned(cloud.sensors[i]) + Vec3d{1, 2, 3})), 1e-8);
-    const Vec3d normal = turned(static_cast<Vec3d>(cloud.normals[i]));
+    EXPECT_LT(norm(posed.positions[i] - (rotated(cloud.positions[i]) + Vec3d{1, 2, 3})), 1e-8);
+    EXPECT_LT(norm(posed.sensors[i] - (rotated(cloud.sensors[i]) + Vec3d{1, 2, 3})), 1e-8);
+    const Vec3d normal = rotated(static_cast<Vec3d>(cloud.normals[i]));
     EXPECT_LT(norm(static_cast<Vec3d>(posed.normals[i]) - normal), 1e-6 * (1 + norm(normal)));
   }
-  EXPECT_LT(norm(*posed.scans[0].sensor - (turned(*cloud.scans[0].sensor) + Vec3d{1, 2, 3})), 1e-8);
+  EXPECT_LT(norm(*posed.scans[0].sensor - (rotated(*cloud.scans[0].sensor) + Vec3d{1, 2, 3})), 1e-8);
   EXPECT_FALSE(posed.scans[0].view_direction);  // it has sensor positions
-  EXPECT_LT(norm(*posed.scans[1].view_direction - turned(*cloud.scans[1].view_direction)), 1e-8);
+  EXPECT_LT(norm(*posed.scans[1].view_direction - rotated(*cloud.scans[1].view_direction)), 1e-8);
 
   // Without a position or direction of its own a scan was seen along local +Z: here 90 degrees about x, transposed.
   ASSERT_TRUE(posed.scans[2].view_direction);

@@ -159,8 +159,8 @@ INSTANTIATE_TEST_SUITE_P(ThinParts, CrossValidationOf,
                            return c.param.shape + std::to_string(static_cast<int>(10 * c.param.density)) + "per10_Slow";
                          });
 
-/// Half of the knot with one sample in fifty (the paper's figure 4) and outliers: the mean density speaks for the dense
-/// half, and the lambda that usually goes with it cuts the other one off.
+/// Half of the knot with one sample in fifty (the paper's figure 4) and outliers: the mean density takes_part for the
+/// dense half, and the lambda that usually goes with it cuts the other one off.
 TEST(CrossValidation, KeepsASparseHalfThatTheFixedRuleLoses_Slow) {
   PointCloud cloud = dirty("knot", 10, {0, 0.05});
   Random random(3);

@@ -189,7 +189,7 @@ TEST(Orient, SeenFromWithinPropagatedSignsAreTurned) {
   params.from_within = true;
   const Oriented inward = run(cloud, params);
   ASSERT_EQ(inward.report.warnings.size(), 1u);
-  EXPECT_NE(inward.report.warnings[0].find("turned inward"), std::string::npos);
+  EXPECT_NE(inward.report.warnings[0].find("oriented inward"), std::string::npos);
   for (size_t i = 0; i < cloud.size(); ++i) EXPECT_EQ(inward.directions[i], -outward[i]);
   // A scanner tells the side whatever is said.
   params.sensor = Vec3d{0, 0, 50};

@@ -13,7 +13,7 @@
 namespace soapfilm {
 namespace TEST_FILE {
 
-SideTally sides_of(const PointCloud& cloud, int threads = 1) {
+SideStatistics sides_of(const PointCloud& cloud, int threads = 1) {
   return measure_local_surface(cloud.positions, cloud.normals, cloud.box(), Context(threads)).sides;
 }
 
@@ -53,7 +53,7 @@ TEST(Sides, SoundNormalsDoNotContradict) {
     SamplingParams params{.count = 20000};
     for (const double noise : {0.0, 0.006}) {
       params.noise = noise;
-      const SideTally sides = sides_of(sample_surface(*make_shape(name), params, Context(1)));
+      const SideStatistics sides = sides_of(sample_surface(*make_shape(name), params, Context(1)));
       EXPECT_FALSE(sides.contradicts()) << name;
       EXPECT_LT(sides.contradicting(), 0.002) << name;
     }
@@ -63,7 +63,7 @@ TEST(Sides, SoundNormalsDoNotContradict) {
 TEST(Sides, NeitherDoOutliersNorThinSheets) {
   for (const double share : {0.1, 0.4}) EXPECT_FALSE(sides_of(ring(share)).contradicts()) << share;
   for (const double thickness : {0.4, 0.7, 1.0, 1.5}) {
-    const SideTally sides = sides_of(sheet(thickness));
+    const SideStatistics sides = sides_of(sheet(thickness));
     EXPECT_FALSE(sides.contradicts()) << thickness;
     EXPECT_GT(sides.on_sheets(), 0.3) << thickness;
   }
@@ -73,7 +73,7 @@ TEST(Sides, WrongSignsDo) {
   for (const double share : {0.04, 0.1, 0.3, 0.5}) {
     PointCloud cloud = ring();
     turn(cloud, share);
-    const SideTally sides = sides_of(cloud);
+    const SideStatistics sides = sides_of(cloud);
     EXPECT_TRUE(sides.contradicts()) << share;
     // Where two lie together both ways are as likely: 2 p (1 - p), but for places that hold one of a kind.
     EXPECT_NEAR(sides.contradicting(), 2 * share * (1 - share), 0.05) << share;
@@ -85,7 +85,7 @@ TEST(Sides, WrongSignsDo) {
 
 TEST(Sides, KnowHowThickSheetsAre) {
   for (const double thickness : {0.5, 0.8}) {
-    const SideTally::Thin thin = sides_of(sheet(thickness)).thinner_than(1.0 / 60);
+    const SideStatistics::Thin thin = sides_of(sheet(thickness)).thinner_than(1.0 / 60);
     EXPECT_GT(thin.share, 0.5);
     EXPECT_NEAR(thin.thickness * 60, thickness, 0.2 * thickness);
   }
@@ -95,7 +95,7 @@ TEST(Sides, KnowHowThickSheetsAre) {
 TEST(Sides, ThreadsDoNotMatter) {
   PointCloud cloud = ring(0.1);
   turn(cloud, 0.1);
-  const SideTally one = sides_of(cloud), three = sides_of(cloud, 3);
+  const SideStatistics one = sides_of(cloud), three = sides_of(cloud, 3);
   EXPECT_EQ(one.contradicting(), three.contradicting());
   EXPECT_EQ(one.thinner_than(0.1).share, three.thinner_than(0.1).share);
 }
@@ -113,7 +113,7 @@ Doubted doubt(const PointCloud& cloud, DirectionSource source = DirectionSource:
   const Context context(2);
   result.directions = orient(cloud, params, context, result.report);
   const LocalSurface surface = measure_local_surface(cloud.positions, result.directions, cloud.box(), context);
-  result.changed = doubt_signs(cloud, params, surface.sides, context, result.directions, result.report);
+  result.changed = check_signs(cloud, params, surface.sides, context, result.directions, result.report);
   return result;
 }
 
@@ -154,7 +154,7 @@ TEST(DoubtSigns, TurnsNormalsToScanners) {
   cloud.sensors.assign(cloud.size(), {0.1, 0, 0});  // within
   const Doubted found = doubt(cloud);
   EXPECT_EQ(right_share(found.directions, truth.normals), 1);
-  EXPECT_NE(found.report.warnings.at(0).find("turned to the scanners"), std::string::npos);
+  EXPECT_NE(found.report.warnings.at(0).find("oriented towards the scanners"), std::string::npos);
 }
 
 TEST(DoubtSigns, LeavesWhatWasAskedForAndWhatIsSound) {

@@ -69,7 +69,7 @@ double area_of_cap(const Mesh& mesh, Vec3d center, Vec3d axis, double radius) {
 }
 
 /// Turns about a skew axis, so that the hole's plane is no lattice plane.
-Vec3d turned(Vec3d p) {
+Vec3d rotated(Vec3d p) {
   const Vec3d axis = normalized(Vec3d{1, 2, 3});
   const double angle = 0.7;
   return p * std::cos(angle) + cross(axis, p) * std::sin(angle) + axis * (dot(axis, p) * (1 - std::cos(angle)));
@@ -86,11 +86,11 @@ TEST_P(PlanarHole, OfTwentyVoxelsIsClosedByAPatchOfTheDisc) {
   keep_where(cloud, [&](Vec3d p) { return p.z < 0.2 || std::hypot(p.x, p.y) > radius; });
   if (skew)
     cloud = transformed(
-        cloud, [](Vec3d p) { return turned(p); }, [](Vec3f n) { return Vec3f(turned(Vec3d(n))); });
+        cloud, [](Vec3d p) { return rotated(p); }, [](Vec3f n) { return Vec3f(rotated(Vec3d(n))); });
   const Reconstruction result = reconstructed(cloud, voxel);
   EXPECT_EQ(check_topology(result.mesh).components.size(), 1u);
   EXPECT_EQ(check_topology(result.mesh).genus(), 0);
-  const Vec3d center = skew ? turned(top) : top, axis = skew ? turned({0, 0, 1}) : Vec3d{0, 0, 1};
+  const Vec3d center = skew ? rotated(top) : top, axis = skew ? rotated({0, 0, 1}) : Vec3d{0, 0, 1};
   const double disc = std::numbers::pi * radius * radius;
   EXPECT_NEAR(area_of_cap(result.mesh, center, axis, radius), disc, 0.03 * disc);
 }

@@ -202,13 +202,13 @@ TEST(Axes, TurningThemTurnsTheMeshExactly) {
     const Reconstruction original = reconstructed(cloud);
     for (const int turn : {1, 2}) {
       const Reconstruction other = reconstructed(transformed(
-          cloud, [&](Vec3d p) { return turned(p, turn); }, [&](Vec3f n) { return turned(n, turn); }));
+          cloud, [&](Vec3d p) { return permuted(p, turn); }, [&](Vec3f n) { return permuted(n, turn); }));
       EXPECT_NE(other.report.grid.turn, original.report.grid.turn);
       EXPECT_EQ(other.report.certificate.binary.primal, original.report.certificate.binary.primal);
       EXPECT_EQ(other.mesh.triangles, original.mesh.triangles);
       ASSERT_EQ(other.mesh.vertices.size(), original.mesh.vertices.size());
       for (size_t i = 0; i < original.mesh.vertices.size(); ++i)
-        ASSERT_EQ(other.mesh.vertices[i], turned(original.mesh.vertices[i], turn));
+        ASSERT_EQ(other.mesh.vertices[i], permuted(original.mesh.vertices[i], turn));
     }
   }
 }

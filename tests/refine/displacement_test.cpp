@@ -103,7 +103,7 @@ TEST_P(BallDisplacementOn, GivesTheSameBits) {
     displacement.precondition(cells, {0.02f, 0.5f});
     for (int round = 0; round < 2; ++round) {
       displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
-      displacement.yield_to_bends(1);
+      displacement.reweight_curvature(1);
     }
     displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
     return std::vector<float>(displacement.phi().data(), displacement.phi().data() + displacement.phi().size());
@@ -125,7 +125,7 @@ TEST(Displacement, GivesTheSameBitsInSlabsOfLayers) {
     Displacement displacement(band, phi0, context);
     displacement.precondition(cells, {0.02f, 0.5f});
     displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
-    displacement.yield_to_bends(1);
+    displacement.reweight_curvature(1);
     displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
     return std::vector<float>(displacement.phi().data(), displacement.phi().data() + displacement.phi().size());
   };

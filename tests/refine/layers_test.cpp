@@ -55,7 +55,7 @@ Pass run(int layers, const Context& context, std::index_sequence<Stage...>) {
 template <size_t... Stage>
 Pass run_apart(int layers, const Context& context, std::index_sequence<Stage...>) {
   Pass pass(layers, sizeof...(Stage));
-  layer_by_layer(layers, context, pass.stage(Stage)..., Apart{pass.add(sizeof...(Stage))});
+  layer_by_layer(layers, context, pass.stage(Stage)..., EvenOddStage{pass.add(sizeof...(Stage))});
   return pass;
 }
 
@@ -105,7 +105,7 @@ TEST(LayerByLayer, EvenLayersAddBeforeOddOnesOnAnyNumberOfThreads) {
 TEST(ForLayersApart, TakesEachOnce) {
   for (int layers = 0; layers < 6; ++layers) {
     std::vector<int> visits(static_cast<size_t>(layers));
-    for_layers_apart(layers, Context(2), [&](int layer) { ++visits[static_cast<size_t>(layer)]; });
+    for_even_then_odd_layers(layers, Context(2), [&](int layer) { ++visits[static_cast<size_t>(layer)]; });
     EXPECT_EQ(visits, std::vector<int>(visits.size(), 1));
   }
 }

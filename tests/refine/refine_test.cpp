@@ -41,7 +41,7 @@ TEST(Refine, CreasesKeepTheirBendUnderNoiseSlow) {
   // Where each vertex yields to its own curvature, bent by noise, and no neighbor is asked: 0.10.
   const Solved solved("part", 80, 1, {.noise_vox = 1.0 / 3});
   const Refined result = refined(solved);
-  EXPECT_TRUE(result.report.fit_weights.yield);
+  EXPECT_TRUE(result.report.fit_weights.edge_preserving);
   EXPECT_LT(mean_error_vox(solved, result.mesh), 0.085);
 }
 
@@ -357,10 +357,10 @@ TEST(Refine, RefusesParametersOutOfRange) {
   EXPECT_NE(message({{.reach = 9}}).find("refine reach = 9"), std::string::npos);
   EXPECT_NE(message({{.sparse = -1}}).find("refine sparse = -1"), std::string::npos);
   RefineSetup hasty;
-  hasty.robust.yielding_steps = {2, 0};
-  EXPECT_EQ(message(hasty), "refine yielding_steps = 0, must be in [1, 10000]");
-  hasty.robust.yielding_steps = {};
-  EXPECT_EQ(message(hasty), "rounds of refine yielding_steps = 0, must be in [1, 20]");
+  hasty.robust.reweighting_steps = {2, 0};
+  EXPECT_EQ(message(hasty), "refine reweighting_steps = 0, must be in [1, 10000]");
+  hasty.robust.reweighting_steps = {};
+  EXPECT_EQ(message(hasty), "rounds of refine reweighting_steps = 0, must be in [1, 20]");
 }
 
 }  // namespace TEST_FILE

@@ -55,7 +55,8 @@ TEST_P(EverySecondVertex, KeepsEverySampleInItsPlace) {
             EXPECT_GE(x, 0);
             EXPECT_LT(x, brick_side);
           }
-          list.insert({{d.x, d.y, d.z}, {(Vec3d(of.bricks.first_vertex(b)) + Vec3d(local)) * scale, of.lot[s]}});
+          list.insert(
+              {{d.x, d.y, d.z}, {(Vec3d(of.bricks.first_vertex(b)) + Vec3d(local)) * scale, of.sample_hash[s]}});
         }
       return list;
     };

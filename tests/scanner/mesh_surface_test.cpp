@@ -82,12 +82,12 @@ TEST(MeshSurface, TurnsAnInsideOutMesh) {
   for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
   ASSERT_LT(mesh.volume(), 0.0);
   const MeshSurface surface(mesh, Context(1));
-  EXPECT_TRUE(surface.turned());
+  EXPECT_TRUE(surface.reversed());
   EXPECT_GT(surface.mesh().volume(), 0.0);
   const auto hit = surface.intersect({-3.0, 0.01, 0.01}, {1.0, 0.0, 0.0});
   ASSERT_TRUE(hit);
   EXPECT_LT(hit->normal.x, -0.9);
-  EXPECT_FALSE(MeshSurface(surface.mesh(), Context(1)).turned());
+  EXPECT_FALSE(MeshSurface(surface.mesh(), Context(1)).reversed());
 }
 
 /// Two triangles in a plane that no axis lies in.
@@ -117,7 +117,7 @@ TEST(MeshSurface, AnOpenMeshIsTakenAsItIs) {
         for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
       negative += mesh.volume() < 0.0;
       const MeshSurface surface(mesh, Context(1));
-      EXPECT_FALSE(surface.turned());
+      EXPECT_FALSE(surface.reversed());
       EXPECT_FALSE(surface.volume());
       EXPECT_EQ(surface.mesh().triangles, mesh.triangles);
       const Triangle& t = mesh.triangles[0];

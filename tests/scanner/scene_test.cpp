@@ -60,8 +60,8 @@ TEST(MeshSurface, ARoomKeepsItsFacesWhereTheyAreTakenAsGiven) {
   box.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   box.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
   ASSERT_LT(box.volume(), 0);
-  EXPECT_TRUE(MeshSurface(box, Context(1)).turned());
-  EXPECT_FALSE(MeshSurface(box, Context(1), Faces::as_given).turned());
+  EXPECT_TRUE(MeshSurface(box, Context(1)).reversed());
+  EXPECT_FALSE(MeshSurface(box, Context(1), Faces::as_given).reversed());
 }
 
 }  // namespace TEST_FILE

@@ -61,8 +61,8 @@ struct Visibility {
   float sky = 1;
 };
 
-Visibility look_around(const Scene& scene, const SurfacePoint& point, const PixelPattern& pattern, int sample,
-                       int sky_rays) {
+Visibility measure_surroundings(const Scene& scene, const SurfacePoint& point, const PixelPattern& pattern, int sample,
+                                int sky_rays) {
   const int total = key_rays + sky_rays;
   float key = 0;
   float sky = 0;
@@ -102,7 +102,7 @@ void PixelPattern::point(int k, float& u, float& v) const {
 Vec3f shade(const Scene& scene, const SurfacePoint& point, const PixelPattern& pattern, int sample,
             int occlusion_rays) {
   const Vec3f n = point.normal;
-  const Visibility open = look_around(scene, point, pattern, sample, occlusion_rays);
+  const Visibility open = measure_surroundings(scene, point, pattern, sample, occlusion_rays);
   // A triangle that faces away from the light must not get any through its interpolated normal.
   const float key =
       dot(point.geometric_normal, key_direction) > 0 ? std::max(0.f, dot(n, key_direction)) * open.key : 0.f;

@@ -32,7 +32,7 @@ class MeshSurface final : public Surface {
   std::vector<SurfacePoint> closest_points(const std::vector<Vec3d>& points, const Context& context) const override;
 
   const Mesh& mesh() const { return mesh_; }
-  bool turned() const { return turned_; }
+  bool reversed() const { return turned_; }
 
  private:
   struct Rays;

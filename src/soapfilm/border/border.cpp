@@ -141,20 +141,20 @@ std::string percent(double share) {
 }
 
 /// What an open surface would save, as shares of a closed surface's cost of area.
-struct Spared {
+struct Saving {
   double at_least, at_most;
   double width() const { return at_most - at_least; }
 };
 
-std::string reason_of_closed(bool solid, double over_other, const Spared& spared) {
+std::string reason_of_closed(bool solid, double over_other, const Saving& spared) {
   const char* other = solid ? "air" : "solid matter";
   const std::string closed = over_other > little ? fmt::format("which costs less than {} by {} of the surface's area",
                                                                other, percent(over_other))
-                                                 : fmt::format("though {} would do as well", other);
-  if (spared.at_most < little) return closed + "; an open surface would spare nothing";
+                                                 : fmt::format("though {} would be as good", other);
+  if (spared.at_most < little) return closed + "; an open surface would save nothing";
   if (spared.at_most - spared.at_least < little)
-    return fmt::format("{}; an open surface would spare {}", closed, percent(spared.at_least));
-  return fmt::format("{}; an open surface would spare at most {}", closed, percent(spared.at_most));
+    return fmt::format("{}; an open surface would save {}", closed, percent(spared.at_least));
+  return fmt::format("{}; an open surface would save at most {}", closed, percent(spared.at_most));
 }
 
 class Choice {
@@ -162,34 +162,34 @@ class Choice {
   Choice(const BorderParams& params, const Trial& air, const Trial& solid, const Surroundings& scanners)
       : open_gain_(params.open_gain), air_(air), solid_(solid), scanners_(scanners) {
     // What surrounds the scanners is no object, so solid matter is preferred where both fit.
-    const double tie = (scanners.all_around() ? -little : little) * solid.area_cost;
+    const double tie = (scanners.stand_among_samples() ? -little : little) * solid.area_cost;
     is_solid_ = solid.energy < air.energy - tie;
   }
 
   const Trial& closed() const { return is_solid_ ? solid_ : air_; }
 
-  Spared spared_by(double energy, double bound) const {
+  Saving saving_of(double energy, double bound) const {
     const auto share = [&](double e) { return std::max(0.0, (closed().energy - e) / closed().area_cost); };
     return {share(energy), share(bound)};
   }
-  bool under_open_sky(const Spared& spared) const {
-    return scanners_.all_around() && scanners_.covered < all_covered && spared.at_most > little;
+  bool under_open_sky(const Saving& spared) const {
+    return scanners_.stand_among_samples() && scanners_.covered < all_covered && spared.at_most > little;
   }
   /// For a small sheet, the way to the border costs an open surface as much as it saves.
-  bool is_sheet(const Spared& spared) const { return closed().closing > mostly_closing && spared.at_least > little; }
-  bool undecided(const Spared& spared) const {
+  bool is_sheet(const Saving& spared) const { return closed().closing > mostly_closing && spared.at_least > little; }
+  bool undecided(const Saving& spared) const {
     if (under_open_sky(spared) || is_sheet(spared)) return false;
     const double asked = closed().closing > mostly_closing ? little : open_gain_;
     return spared.at_least <= asked && spared.at_most > asked;
   }
 
-  void tell(const Spared& spared, BorderReport& report) const {
+  void tell(const Saving& spared, BorderReport& report) const {
     report.area_cost = closed().area_cost;
     report.closing = closed().closing;
     report.chosen = Border::open;
     if (const double middle = spared.at_least + spared.width() / 2;
         spared.at_least > open_gain_ || (spared.width() < 2 * little && middle > open_gain_)) {
-      report.reason = fmt::format("which spares {} of a closed surface's area", percent(middle));
+      report.reason = fmt::format("which saves {} of a closed surface's area", percent(middle));
     } else if (under_open_sky(spared)) {
       report.reason = fmt::format("the scanners stand among the samples and see none in {} of the directions",
                                   percent(1 - scanners_.covered));
@@ -224,7 +224,7 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
   report.border_flux = air.flux / air.area_cost;
   const double most = (air.energy - air.bound_of_any()) / air.area_cost;
   if (most < little) {
-    report.reason = fmt::format("anything else could spare no more than {} of the surface's area", percent(most));
+    report.reason = fmt::format("anything else could save no more than {} of the surface's area", percent(most));
     return report;
   }
   negate(problem.field, context);
@@ -234,7 +234,7 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
   // A closed surface is an open one, too.
   const double closed = std::min(air.energy, solid.energy);
   const double closed_bound = std::max(air.bound_of_any(), solid.bound_of_any());
-  Spared spared = choice.spared_by(closed, closed_bound);
+  Saving spared = choice.saving_of(closed, closed_bound);
   report.open = closed;
   report.open_bound = closed_bound;
   for (const int iterations : {trial_iterations, more_iterations}) {
@@ -243,7 +243,7 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
     const Trial open = solve(problem, Border::open, level, solver, context);
     report.open = std::min(*report.open, open.energy);
     report.open_bound = std::max(*report.open_bound, open.bound);
-    spared = choice.spared_by(*report.open, *report.open_bound);
+    spared = choice.saving_of(*report.open, *report.open_bound);
   }
   report.solid = solid.energy;
   choice.tell(spared, report);

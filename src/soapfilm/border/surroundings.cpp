@@ -84,7 +84,7 @@ View look_from(Vec3d place, const PointCloud& cloud) {
 
 }  // namespace
 
-Surroundings look_around(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Context& context) {
+Surroundings measure_surroundings(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Context& context) {
   const std::vector<Vec3d> places = places_of_scanners(cloud, sensor);
   std::vector<View> views(places.size());
   parallel_for(context, places.size(), 1, [&](size_t k) { views[k] = look_from(places[k], cloud); });

@@ -17,11 +17,11 @@ struct Surroundings {
   double covered = 0;   ///< mean share of the directions around these that contain samples; 0 to 1
 
   /// Most scanners stand among their samples: these are no object, but surround the scanner.
-  bool all_around() const { return among > 0 && 2 * among > scanners; }
+  bool stand_among_samples() const { return among > 0 && 2 * among > scanners; }
 };
 
 /// Evaluates some of the scanners' positions, and from each some of the samples, both evenly spread over the cloud.
 /// `sensor` is the position for scans without one.
-Surroundings look_around(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Context& context);
+Surroundings measure_surroundings(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Context& context);
 
 }  // namespace soapfilm

@@ -254,16 +254,16 @@ uint32_t PartsAround::further_part(const Holder& holder, int x, int y, int z) co
 }
 
 void Parts::write(const std::vector<uint8_t>& inside, Level& level, const Context& context) const {
-  const auto turned = [&](uint32_t node) { return parts_[part_[node]].inside != (inside[part_[node]] != 0); };
+  const auto flipped = [&](uint32_t node) { return parts_[part_[node]].inside != (inside[part_[node]] != 0); };
   parallel_for(context, grid_.size(), grain, [&](size_t b) {
     float* u = level.u.brick(b);
     for (uint32_t k = first_piece_[b]; k < first_piece_[b + 1]; ++k)
-      if (turned(node_of_piece(k)))
+      if (flipped(node_of_piece(k)))
         pieces_[k].vertices.for_each([&](int i) { u[i] = pieces_[k].inside ? 0.0f : 1.0f; });
   });
   for (size_t g = 0; g < gaps_.size(); ++g) {
     const Gap& gap = gaps_[g];
-    if (gap.bricks == 0 || !turned(node_of_gap(static_cast<int32_t>(g)))) continue;
+    if (gap.bricks == 0 || !flipped(node_of_gap(static_cast<int32_t>(g)))) continue;
     for (int x = 0; x < gap.bricks; ++x) level.inside.set(gap.first + Vec3i{x, 0, 0}, !gap.inside);
   }
 }

@@ -9,6 +9,6 @@ namespace soapfilm {
 inline bool is_certified(Method method) { return method == Method::tv || method == Method::tv_sor; }
 
 /// Does the surface depend on the weight of area, lambda? poisson's is linear in it, vrip knows none.
-inline bool weighs_area(Method method) { return method != Method::poisson && method != Method::vrip; }
+inline bool uses_lambda(Method method) { return method != Method::poisson && method != Method::vrip; }
 
 }  // namespace soapfilm

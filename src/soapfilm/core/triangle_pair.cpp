@@ -107,7 +107,7 @@ bool folded(const LatticePoint& from, const LatticePoint& to, const LatticePoint
 }
 
 /// Turned so that the corner `first` comes first.
-LatticeTriangle turned(const LatticeTriangle& t, int first) {
+LatticeTriangle permuted(const LatticeTriangle& t, int first) {
   return {t[first], t[(first + 1) % 3], t[(first + 2) % 3]};
 }
 
@@ -139,11 +139,11 @@ bool improperly_meet(const LatticeTriangle& a, const LatticeTriangle& b) {
   if (shared == 0) return meet(a, b);
   if (shared == 3) return true;
   if (shared == 2) {
-    const LatticeTriangle t = turned(a, 3 - lone_a);
+    const LatticeTriangle t = permuted(a, 3 - lone_a);
     return folded(t[1], t[2], t[0], b[3 - lone_b]);
   }
   // On one corner: anything else in common reaches the edge opposite to it in one of the two.
-  const LatticeTriangle s = turned(a, in_a), t = turned(b, in_b);
+  const LatticeTriangle s = permuted(a, in_a), t = permuted(b, in_b);
   return segment_meets(s[1], s[2], t) || segment_meets(t[1], t[2], s);
 }
 

@@ -18,7 +18,7 @@ constexpr size_t samples_per_task = size_t{1} << 14;
 
 }  // namespace
 
-uint8_t lot_of(size_t source) {
+uint8_t sample_hash_of(size_t source) {
   constexpr uint64_t stride = 0x51ED2700;  // between seeds
   return static_cast<uint8_t>(Random(1 + stride * (source + 1)).next() >> 11);
 }
@@ -41,7 +41,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   const auto for_each_sample = [&](size_t begin, size_t end, auto&& visit) {
     Vec3i last{INT_MIN, INT_MIN, INT_MIN};
     for (size_t i = begin; i < end; ++i) {
-      if (!speaks(cloud, directions, i) || (wanted && !wanted(i))) continue;
+      if (!takes_part(cloud, directions, i) || (wanted && !wanted(i))) continue;
       const Vec3d position = lattice.to_lattice(cloud.positions[i]);
       const Vec3i brick = brick_of(Vec3i(position));  // in the box, where nothing is negative
       const bool is_new = !(brick == last);
@@ -87,7 +87,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   make_room(samples.direction);
   if (!cloud.weights.empty()) make_room(samples.weight);
   make_room(samples.source);
-  make_room(samples.lot);
+  make_room(samples.sample_hash);
   for_each_place([&](size_t i, size_t k, Vec3f local) {
     samples.local[k] = local;
     const Vec3f direction = lattice.from_world_axes(directions[i]);
@@ -97,7 +97,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
       samples.direction[k] = direction * cloud.weights[i];
     }
     samples.source[k] = static_cast<uint32_t>(i);
-    samples.lot[k] = lot_of(i);
+    samples.sample_hash[k] = sample_hash_of(i);
   });
   return samples;
 }

@@ -25,7 +25,7 @@ struct GridSamples {
                                  ///< the data term: its weight, times that of the area it stands for
   std::vector<float> weight;     ///< as the cloud gives it, > 0; empty: all are 1
   std::vector<uint32_t> source;  ///< index of the sample in the cloud; dropped once nobody asks the cloud any more
-  std::vector<uint8_t> lot;      ///< random bits for each, the same wherever the grid lies: lot_of(source)
+  std::vector<uint8_t> sample_hash;  ///< random bits for each, the same wherever the grid lies: sample_hash_of(source)
 
   size_t size() const { return local.size(); }
   float weight_of(size_t s) const { return weight.empty() ? 1.0f : weight[s]; }
@@ -38,12 +38,12 @@ std::vector<Vec3d> lattice_positions(const GridSamples& samples);
 inline constexpr size_t most_samples = UINT32_MAX;
 
 /// Has the sample a direction and a weight > 0?
-inline bool speaks(const PointCloud& cloud, std::span<const Vec3f> directions, size_t i) {
+inline bool takes_part(const PointCloud& cloud, std::span<const Vec3f> directions, size_t i) {
   return directions[i] != Vec3f{} && (cloud.weights.empty() || cloud.weights[i] > 0);
 }
 
 /// What decides a sample's part where some of them are held out.
-uint8_t lot_of(size_t source);
+uint8_t sample_hash_of(size_t source);
 
 /// Sorts the cloud's samples into bricks. `directions` is as long as the cloud; samples with a zero direction say
 /// nothing and are left out, and so are those that are not `wanted`, where that is given.

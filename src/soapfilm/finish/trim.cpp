@@ -24,7 +24,7 @@ constexpr double search_share = 1.5;    // of the distance: how far samples are 
 constexpr int smoothing_passes = 3;     // otherwise a ragged cut follows single samples
 constexpr double nearest_cut = 0.2;     // share of an edge, from its ends: no slivers at a cut
 constexpr double membrane_share = 0.1;  // of a closed mesh's area: larger regions are no holes to fill
-constexpr double leftover_area = 5;     // times distance^2: a little more than the disk around a single sample
+constexpr double small_piece_area = 5;  // times distance^2: a little more than the disk around a single sample
 
 double area_of(const Mesh& mesh, const Triangle& t) {
   const Vec3d a = mesh.vertices[t[0]];
@@ -134,7 +134,7 @@ class Cut {
   }
 
   /// Removes small pieces that a cut has touched.
-  size_t drop_leftovers() {
+  size_t drop_small_pieces() {
     const size_t count = mesh_.vertices.size();
     DisjointSets pieces(count);
     for (const Triangle& t : mesh_.triangles) {
@@ -151,7 +151,7 @@ class Cut {
     std::vector<uint8_t> drop(count);
     size_t dropped = 0;
     for (uint32_t v = 0; v < count; ++v) {
-      drop[v] = touched[v] && area[v] < leftover_area * distance_ * distance_;
+      drop[v] = touched[v] && area[v] < small_piece_area * distance_ * distance_;
       dropped += drop[v];
     }
     // If nothing else would be left, the pieces stay.
@@ -247,7 +247,7 @@ void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double
   const double before = mesh.area();
   cut.snap_cuts();
   cut.clip();
-  report.leftovers = cut.drop_leftovers();
+  report.leftovers = cut.drop_small_pieces();
   report.removed_area = std::max(0.0, 1 - mesh.area() / before);
 }
 

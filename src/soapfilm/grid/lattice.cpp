@@ -34,13 +34,14 @@ int vertices_along(double length, double voxel, int padding) {
 int turn_of(Vec3i along_world) {
   constexpr double much_larger = 1.25;
   const auto layer = [&](int turn) {
-    const Vec3i size = turned(along_world, turn);
+    const Vec3i size = permuted(along_world, turn);
     return static_cast<double>(size.x) * size.y;
   };
   const double least = std::min({layer(0), layer(1), layer(2)});
   int best = -1;
   for (int turn = 0; turn < 3; ++turn)
-    if (layer(turn) <= much_larger * least && (best < 0 || turned(along_world, turn).x > turned(along_world, best).x))
+    if (layer(turn) <= much_larger * least &&
+        (best < 0 || permuted(along_world, turn).x > permuted(along_world, best).x))
       best = turn;
   return best;
 }

@@ -45,11 +45,11 @@ struct Lattice : GridFacts {
   /// A vector along the world's axes, along the lattice's; and back.
   template <class T>
   Vec3<T> from_world_axes(Vec3<T> v) const {
-    return turned(v, turn);
+    return permuted(v, turn);
   }
   template <class T>
   Vec3<T> to_world_axes(Vec3<T> v) const {
-    return turned(v, 3 - turn);
+    return permuted(v, 3 - turn);
   }
 
   int margin() const { return 1 << (levels - 1); }

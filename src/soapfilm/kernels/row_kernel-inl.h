@@ -48,7 +48,7 @@ HWY_INLINE V one_sided(const BandRows& band, const float* v, size_t row, int x) 
                                                        where(band.mask[n[4]] ^ band.mask[n[5]], sums.z)));
 }
 
-void bend(const BandRows& band, const BendJob& job, size_t begin, size_t end) {
+void bend(const BandRows& band, const CurvatureResidualJob& job, size_t begin, size_t end) {
   const D d;
   const V beta = hn::Set(d, job.beta), gamma = hn::Set(d, job.gamma);
   for (size_t r = begin; r < end; ++r) {

@@ -35,7 +35,7 @@ struct LaplacianJob {
 /// neighbors whose opposite neighbor is not in the band. Where both are, G v is the second difference of v, elsewhere
 /// G v - R start is the slope of v - start alone: curvature is penalized up to the band boundary, and slopes there are
 /// not.
-struct BendJob {
+struct CurvatureResidualJob {
   const float* v;
   const float* start;
   float beta, gamma;
@@ -43,7 +43,7 @@ struct BendJob {
   float* out;
 };
 
-/// First step of Displacement::yield_to_bends(), its input to the local mean. At the band's vertices with six
+/// First step of Displacement::reweight_curvature(), its input to the local mean. At the band's vertices with six
 /// neighbors: their curvature c = -G v, the weight 1 near the surface and `faint` elsewhere, the weight times
 /// (c - target)^2. At the band boundary: c, faint, 0.
 struct CurvatureJob {
@@ -146,7 +146,7 @@ struct BrickTransfer {
 struct RowKernel {
   /// Returns <G v, out>.
   double (*laplacian)(const BandRows& band, const LaplacianJob& job, size_t begin, size_t end);
-  void (*bend)(const BandRows& band, const BendJob& job, size_t begin, size_t end);
+  void (*bend)(const BandRows& band, const CurvatureResidualJob& job, size_t begin, size_t end);
   void (*curvature)(const BandRows& band, const CurvatureJob& job, size_t begin, size_t end);
   void (*saddles)(const BandRows& band, const SaddleJob& job, size_t begin, size_t end);
   void (*share)(const BandRows& band, const ShareJob& job, size_t begin, size_t end);

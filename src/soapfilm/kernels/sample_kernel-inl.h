@@ -73,13 +73,13 @@ HWY_INLINE size_t add_batch(const SampleJob& job, const Vec3f* local, const Vec3
 
   // The weight.
   const auto there = hn::FirstN(d, count);
-  auto speaks = hn::And(hn::And(there, hn::RebindMask(d, hn::Gt(number, hn::Zero(integers)))),
-                        hn::Le(dot(toward, gradient), hn::Mul(hn::Mul(hn::Set(d, outside_cosine), length), slope)));
+  auto takes_part = hn::And(hn::And(there, hn::RebindMask(d, hn::Gt(number, hn::Zero(integers)))),
+                            hn::Le(dot(toward, gradient), hn::Mul(hn::Mul(hn::Set(d, outside_cosine), length), slope)));
   if (active)
-    speaks = hn::And(speaks,
-                     hn::RebindMask(d, hn::Gt(hn::PromoteTo(integers, hn::LoadU(bytes, active)), hn::Zero(integers))));
+    takes_part = hn::And(
+        takes_part, hn::RebindMask(d, hn::Gt(hn::PromoteTo(integers, hn::LoadU(bytes, active)), hn::Zero(integers))));
   const V distance = hn::Div(jet.value, hn::Max(slope, hn::Set(d, least_slope_of_distance)));
-  const V trust = hn::IfThenElseZero(speaks, robust_weights(job.penalty, distance, hn::Set(d, job.scale)));
+  const V trust = hn::IfThenElseZero(takes_part, robust_weights(job.penalty, distance, hn::Set(d, job.scale)));
   const V weight = sample_weight ? hn::Mul(trust, hn::LoadU(d, sample_weight)) : trust;
 
   // The normal.

@@ -20,7 +20,7 @@ std::vector<size_t> scan_sizes(const PointCloud& cloud, std::span<const Vec3f> d
   std::vector<size_t> sizes;
   for (const Scan& scan : cloud.scans) {
     size_t size = 0;
-    for (size_t i = scan.begin; i < scan.end; ++i) size += speaks(cloud, directions, i);
+    for (size_t i = scan.begin; i < scan.end; ++i) size += takes_part(cloud, directions, i);
     sizes.push_back(size);
   }
   return sizes;
@@ -69,7 +69,7 @@ Folds make_folds(const PointCloud& cloud, std::span<const Vec3f> directions, int
     deal_samples(seed, folds);
 
   folds.sizes.assign(static_cast<size_t>(count), 0);
-  for (size_t i = 0; i < cloud.size(); ++i) folds.sizes[folds.of_sample[i]] += speaks(cloud, directions, i);
+  for (size_t i = 0; i < cloud.size(); ++i) folds.sizes[folds.of_sample[i]] += takes_part(cloud, directions, i);
   const auto smallest = std::min_element(folds.sizes.begin(), folds.sizes.end());
   if (*smallest < fewest_held_out)
     throw ParameterError(

@@ -147,8 +147,8 @@ double outward_of(const FacetsAround& around) {
   return all > 0 ? sum / all : 0;
 }
 
-PlaneSides sides_of(const FacetsAround& around, const FacetPlane& plane) {
-  PlaneSidesOfCells sides;
+LocalSides sides_of(const FacetsAround& around, const FacetPlane& plane) {
+  LocalSidesBuilder sides;
   for (size_t k = 0; k < around.count; ++k) {
     const Facet& facet = *around.facet[k];
     sides.add(around.slot[k], facet.count, dot(facet.direction, plane.normal), dot(around.mean[k], plane.normal));
@@ -171,7 +171,7 @@ bool FacetPlane::confirms(Vec3f normal_before) const {
          std::abs(dot(normal, normal_before)) >= least_along_again;
 }
 
-FacetsAround look_around(const SampleCells& cells, size_t c) {
+FacetsAround measure_surroundings(const SampleCells& cells, size_t c) {
   FacetsAround around;
   const std::array<uint32_t, 27> near = cells.around(c);
   for (int slot = 0; slot < 27; ++slot) {

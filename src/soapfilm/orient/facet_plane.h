@@ -24,7 +24,7 @@ struct FacetPlane {
   double outward = 0;  ///< mean cosine between directions and the way from the middle: 0 for outliers, about 1 around a
                        ///< rod or an edge
   bool one_sided = false;  ///< directions around are on one side of the plane, however much they differ
-  PlaneSides sides;
+  LocalSides sides;
 
   bool agrees() const;
   /// Whether it confirms what was found in cells half as large: at least as flat and with directions as equal as for
@@ -41,7 +41,7 @@ struct FacetsAround {
   size_t count = 0;
 };
 
-FacetsAround look_around(const SampleCells& cells, size_t cell);
+FacetsAround measure_surroundings(const SampleCells& cells, size_t cell);
 
 /// `own`: a facet of the cell in the middle.
 FacetPlane plane_of(const FacetsAround& around, const Facet& own);

@@ -13,11 +13,11 @@ Orientation find_directions(const PointCloud& cloud, const Box3d& box, const Ori
     found.surface = measure_local_surface(cloud.positions, found.directions, box, context.part(begin, end));
   };
   measure(0.3, 0.8);
-  if (doubt_signs(cloud, params, found.surface.sides, context, found.directions, found.report)) measure(0.8, 1);
+  if (check_signs(cloud, params, found.surface.sides, context, found.directions, found.report)) measure(0.8, 1);
   // Where each sample has a normal, there is nothing to improve.
   if (params.source != DirectionSource::automatic || found.report.from_normals == cloud.size()) return found;
   found.views = found.directions;
-  turn_to_planes(cloud, found.surface, context, found.directions, found.report);
+  use_plane_normals(cloud, found.surface, context, found.directions, found.report);
   if (found.report.from_planes == 0) release(found.views);
   return found;
 }

@@ -124,8 +124,8 @@ class Survey {
   }
 
   struct Settled {
-    size_t left = 0;  ///< samples that are not settled
-    SideTally sides;  ///< of those settled in this pass
+    size_t left = 0;       ///< samples that are not settled
+    SideStatistics sides;  ///< of those settled in this pass
     void operator+=(const Settled& other) { left += other.left, sides += other.sides; }
   };
 
@@ -139,12 +139,12 @@ class Survey {
   }
 
   /// Returns how many samples of the cell are left.
-  size_t settle_cell(const SampleCells& cells, size_t c, int depth, SideTally& sides) {
+  size_t settle_cell(const SampleCells& cells, size_t c, int depth, SideStatistics& sides) {
     const uint32_t first = cells[c].begin, last = cells[c + 1].begin;
     bool any = false;
     for (uint32_t k = first; k < last && !any; ++k) any = state_[order_.sample(k)] != State::settled;
     if (!any) return 0;
-    const FacetsAround around = look_around(cells, c);
+    const FacetsAround around = measure_surroundings(cells, c);
     std::array<std::optional<FacetPlane>, 2> planes;
     std::array<size_t, 2> found_now{};
     size_t left = 0;

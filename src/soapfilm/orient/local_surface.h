@@ -27,7 +27,7 @@ struct LocalSurface {
   std::vector<Vec3f> normal;   ///< unit, sign arbitrary; zero: no plane
   size_t planes = 0;           ///< samples with both a normal and a spacing
   AreaCoverage coverage;       ///< of all of them
-  SideTally sides;             ///< of those whose directions agree on their side
+  SideStatistics sides;        ///< of those whose directions agree on their side
 
   /// Does the sample lie on a plane whose samples agree on its sides?
   bool is_plane(size_t i) const { return normal[i] != Vec3f{} && spacing[i] > 0; }

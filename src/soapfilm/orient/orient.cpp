@@ -154,7 +154,7 @@ void estimate(const PointCloud& cloud, const OrientSetup& params, const KnownDir
   report.estimated = normals.size() - report.without_direction;
   if (estimated.propagated > 0)
     warn(context, report,
-         fmt::format("{} of {} samples have no direction: normals were estimated from {} neighbors and turned {} by "
+         fmt::format("{} of {} samples have no direction: normals were estimated from {} neighbors and oriented {} by "
                      "propagation over {}, which is a guess (give normals, or scanner positions with --sensor{})",
                      estimated.propagated, cloud.size(), params.neighbors, params.from_within ? "inward" : "outward",
                      plural(estimated.components, "connected part"),
@@ -240,8 +240,8 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientSetup& params, co
   return directions;
 }
 
-bool doubt_signs(const PointCloud& cloud, const OrientSetup& params, const SideTally& sides, const Context& context,
-                 std::vector<Vec3f>& directions, OrientReport& report) {
+bool check_signs(const PointCloud& cloud, const OrientSetup& params, const SideStatistics& sides,
+                 const Context& context, std::vector<Vec3f>& directions, OrientReport& report) {
   constexpr double most_on_sheets = 0.05;  // of the pairs
   report.contradicting = sides.contradicting();
   if (report.from_normals == 0 || !sides.contradicts()) return false;
@@ -271,8 +271,8 @@ bool doubt_signs(const PointCloud& cloud, const OrientSetup& params, const SideT
   const EstimatedNormals propagated = estimate_open(cloud, params, known, cloud.normals, context, turned);
   warn(context, report,
        found + ": used without their signs, " +
-           (open == 0 ? "turned to the scanners"
-                      : fmt::format("turned {} by propagation over {}, which is a guess (give scanner positions "
+           (open == 0 ? "oriented towards the scanners"
+                      : fmt::format("oriented {} by propagation over {}, which is a guess (give scanner positions "
                                     "with --sensor)",
                                     params.from_within ? "inward" : "outward",
                                     plural(propagated.components, "connected part"))) +
@@ -282,8 +282,8 @@ bool doubt_signs(const PointCloud& cloud, const OrientSetup& params, const SideT
   return true;
 }
 
-void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
-                    std::vector<Vec3f>& directions, OrientReport& report) {
+void use_plane_normals(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
+                       std::vector<Vec3f>& directions, OrientReport& report) {
   constexpr float least_incidence = 0.02f;  // cosine: below it the side is unknown
   report.from_planes = sum_chunks<size_t>(cloud.size(), samples_at_once, context, [&](size_t begin, size_t end) {
     size_t turned = 0;

@@ -37,18 +37,18 @@ struct OrientSetup : OrientParams {
 std::vector<Vec3f> orient(const PointCloud& cloud, const OrientSetup& params, const Context& context,
                           OrientReport& report);
 
-/// Checks whether the signs of the given normals contradict each other (SideTally). If so, and with `automatic`, the
-/// `directions` of samples with normals are recomputed without their signs: oriented to the scanner where one is known,
-/// the others by propagation as for estimated normals. One warning says so. Not done where many samples lie on thin
-/// sheets and no scanner is known: propagation cannot distinguish their two sides. Returns whether `directions`
+/// Checks whether the signs of the given normals contradict each other (SideStatistics). If so, and with `automatic`,
+/// the `directions` of samples with normals are recomputed without their signs: oriented to the scanner where one is
+/// known, the others by propagation as for estimated normals. One warning says so. Not done where many samples lie on
+/// thin sheets and no scanner is known: propagation cannot distinguish their two sides. Returns whether `directions`
 /// changed.
-bool doubt_signs(const PointCloud& cloud, const OrientSetup& params, const SideTally& sides, const Context& context,
-                 std::vector<Vec3f>& directions, OrientReport& report);
+bool check_signs(const PointCloud& cloud, const OrientSetup& params, const SideStatistics& sides,
+                 const Context& context, std::vector<Vec3f>& directions, OrientReport& report);
 
 /// A direction towards the scanner shows the outer side of the surface, but its weight is the cosine of its angle to
 /// the normal: a floor that rays graze at 80 degrees has a sixth of the weight. Where `surface` has a plane around a
 /// sample without a normal of its own, the plane's normal on the direction's side replaces it.
-void turn_to_planes(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
-                    std::vector<Vec3f>& directions, OrientReport& report);
+void use_plane_normals(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
+                       std::vector<Vec3f>& directions, OrientReport& report);
 
 }  // namespace soapfilm

@@ -22,7 +22,7 @@ size_t bin_of(double thickness, size_t bins) {
 
 }  // namespace
 
-void PlaneSidesOfCells::add(int cell, uint32_t count, double towards, double height) {
+void LocalSidesBuilder::add(int cell, uint32_t count, double towards, double height) {
   constexpr double told = 0.3;  // cosine of direction and normal; below it the side is unknown
   if (std::abs(towards) <= told * count) return;
   const size_t side = towards > 0 ? 0 : 1;
@@ -31,12 +31,12 @@ void PlaneSidesOfCells::add(int cell, uint32_t count, double towards, double hei
   cells_[side] |= 1u << cell;
 }
 
-PlaneSides PlaneSidesOfCells::result(double spacing) const {
+LocalSides LocalSidesBuilder::result(double spacing) const {
   constexpr double fewest_mixed = 0.25;  // of the cells of the rarer kind, those that the other shares
   constexpr int fewest_alone = 3;        // cells with only one kind, at least so many of each at a seam
   constexpr double seam_share = 0.15;    // of the rarer kind's samples
   constexpr double seam_step = 0.1;      // cells
-  PlaneSides sides;
+  LocalSides sides;
   const double all = samples_[0] + samples_[1], rarer = std::min(samples_[0], samples_[1]);
   if (rarer < 2) return sides;
   sides.pairs = 2 * samples_[0] * samples_[1] / (all * (all - 1));
@@ -49,7 +49,7 @@ PlaneSides PlaneSidesOfCells::result(double spacing) const {
   return sides;
 }
 
-void SideTally::add(const PlaneSides& sides, size_t samples, double area, double cell) {
+void SideStatistics::add(const LocalSides& sides, size_t samples, double area, double cell) {
   const auto count = static_cast<double>(samples);
   samples_ += samples;
   area_ += count * area;
@@ -65,7 +65,7 @@ void SideTally::add(const PlaneSides& sides, size_t samples, double area, double
   }
 }
 
-SideTally& SideTally::operator+=(const SideTally& other) {
+SideStatistics& SideStatistics::operator+=(const SideStatistics& other) {
   for (size_t bin = 0; bin < bins; ++bin) sheet_area_[bin] += other.sheet_area_[bin];
   area_ += other.area_;
   above_ += other.above_, below_ += other.below_, seam_ += other.seam_, sheet_ += other.sheet_;
@@ -73,9 +73,9 @@ SideTally& SideTally::operator+=(const SideTally& other) {
   return *this;
 }
 
-double SideTally::contradicting() const { return share(2 * std::min(above_, below_) + seam_); }
+double SideStatistics::contradicting() const { return share(2 * std::min(above_, below_) + seam_); }
 
-bool SideTally::contradicts() const {
+bool SideStatistics::contradicts() const {
   constexpr size_t fewest = 200;         // samples
   constexpr double most = 0.02;          // share of the pairs
   constexpr double most_at_seams = 0.2;  // times the root of the samples: a line of half the root of the area
@@ -86,7 +86,7 @@ bool SideTally::contradicts() const {
          (seams > few_at_seams && seams * std::sqrt(static_cast<double>(samples_)) > most_at_seams);
 }
 
-SideTally::Thin SideTally::thinner_than(double limit) const {
+SideStatistics::Thin SideStatistics::thinner_than(double limit) const {
   double below = 0;
   for (size_t bin = 0; bin < bins; ++bin)
     if (bin_end(bin) <= limit) below += sheet_area_[bin];

@@ -9,7 +9,7 @@ namespace soapfilm {
 
 /// At one place, the cells around a sample that lies on a plane: the samples in them that look to one side of the
 /// plane, and those that look to the other.
-struct PlaneSides {
+struct LocalSides {
   double pairs = 0;      ///< share of its pairs of samples that look to opposite sides, [0, slightly above 0.5]
   double apart = 0;      ///< mean height of those that look up above the others, spacings; < 0: below them
   double thickness = 0;  ///< the same, cells
@@ -17,13 +17,13 @@ struct PlaneSides {
 };
 
 /// Computes them for the samples in 27 cells.
-class PlaneSidesOfCells {
+class LocalSidesBuilder {
  public:
   /// Adds samples of one cell with similar directions: the sum of their directions along the plane's normal, and their
   /// mean height above the plane, cells.
   void add(int cell, uint32_t count, double towards, double height);
   /// `spacing` of the samples, cells.
-  PlaneSides result(double spacing) const;
+  LocalSides result(double spacing) const;
 
  private:
   std::array<double, 2> samples_{}, height_{};  ///< of those that look up, and down
@@ -31,11 +31,11 @@ class PlaneSidesOfCells {
 };
 
 /// Sums over samples on planes. Shares are of the pairs of neighboring samples on one plane, [0, 1].
-class SideTally {
+class SideStatistics {
  public:
   /// `area`: represented by such a sample, `cell`: side of a cell; in units of the samples' box's longest side.
-  void add(const PlaneSides& sides, size_t samples, double area, double cell);
-  SideTally& operator+=(const SideTally& other);
+  void add(const LocalSides& sides, size_t samples, double area, double cell);
+  SideStatistics& operator+=(const SideStatistics& other);
 
   /// Pairs that look to opposite sides (n . n' < 0, usually near -1) though neither lies above the other. The samples
   /// of the two sides of a sheet always lie on the side to which they look, those of a gap on the other; wrong signs

@@ -18,9 +18,9 @@ constexpr double held_well = 1.4, notable_sheets = 0.1;
 
 /// Two sides of a sheet that are barely a voxel apart merge: the voxel follows the sheets' thickness if they are a
 /// notable part of the surface, as far as their samples determine the side.
-double voxel_of_sheets(double voxel, const SideTally& sides, const Box3d& box) {
+double voxel_of_sheets(double voxel, const SideStatistics& sides, const Box3d& box) {
   constexpr double finest = 0.65;  // smallest factor on the voxel that follows from the spacing
-  const SideTally::Thin sheets = sides.thinner_than(held_well * voxel / box.longest());
+  const SideStatistics::Thin sheets = sides.thinner_than(held_well * voxel / box.longest());
   if (sheets.share < notable_sheets || sides.contradicts()) return voxel;
   return std::clamp(sheets.thickness * box.longest() / held_well, finest * voxel, voxel);
 }
@@ -53,9 +53,10 @@ void warn_of_repeats(const Sampling& sampling, size_t samples, std::vector<std::
 
 /// Sides of a sheet less than a voxel apart merge: measured on a curved sheet, 6 % of the samples see the wrong side at
 /// 0.7 voxels, 26 % at 0.5; 0.3 % at 1.0, and none at 1.4.
-void warn_of_thin_sheets(const SideTally& sides, double longest, double voxel, std::vector<std::string>& warnings) {
+void warn_of_thin_sheets(const SideStatistics& sides, double longest, double voxel,
+                         std::vector<std::string>& warnings) {
   constexpr double held = 0.9;  // voxels
-  const SideTally::Thin thin = sides.thinner_than(held * voxel / longest);
+  const SideStatistics::Thin thin = sides.thinner_than(held * voxel / longest);
   if (thin.share < notable_sheets || sides.contradicts()) return;
   const double thickness = thin.thickness * longest;
   warnings.push_back(

@@ -20,7 +20,7 @@ constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that
 
 /// What a level is solved to. The two finest take almost all of the time. The finest has the tolerance itself:
 /// thresholding leaves a gap of its own, some 1 % on raw scans. From the next one it takes as many iterations, and ends
-/// as near, whether that has this gap or twice as much; what its band leaves out keeps the coarser one's gap. Coarser
+/// as near, whether that has this gap or twice as much; what its band leaves out keeps the coarser one's gap. CoarseFit
 /// ones cost little, and where samples are missing they alone decide: a surface that they leave short of its place over
 /// a hole stays there.
 double tolerance_of(int level, int start, double tolerance) {
@@ -46,7 +46,7 @@ double largest_gain(const SupportField& support) {
 /// How much of lambda each level takes, the finest first, as far as the pyramid goes up. A level takes all of it whose
 /// data pays for the surface's area: f is a dipole some six fine voxels wide; in cells wider than that its two sides
 /// cancel, and a level that sees no surface would leave the finer ones a band without an inside. The area follows from
-/// the bricks that the samples reach: a surface reaches one per 20 voxel^2. Coarser levels take what their data pays
+/// the bricks that the samples reach: a surface reaches one per 20 voxel^2. CoarseFit levels take what their data pays
 /// for, while that is something: they tell roughly where the inside is, which from zero takes an iteration for every
 /// third of a vertex.
 std::vector<double> lambda_shares(const std::vector<const SupportField*>& data, double lambda, Norm norm) {

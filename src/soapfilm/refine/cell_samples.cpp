@@ -272,7 +272,8 @@ double DataTerm::add(int layer) const {
 
 double DataTerm::add(const Context& context) const {
   std::vector<double> energy(static_cast<size_t>(layers_of(band_)));
-  for_layers_apart(layers_of(band_), context, [&](int layer) { energy[static_cast<size_t>(layer)] = add(layer); });
+  for_even_then_odd_layers(layers_of(band_), context,
+                           [&](int layer) { energy[static_cast<size_t>(layer)] = add(layer); });
   return std::accumulate(energy.begin(), energy.end(), 0.0);
 }
 

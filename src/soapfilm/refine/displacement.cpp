@@ -34,16 +34,16 @@ Displacement::Displacement(const NarrowBand& band, const RowArray& phi0, const C
       scratch_(band.make_array()),
       share_(band.make_array()),
       target_(band.make_array()) {
-  stiffen();
+  reset_curvature_weights();
   std::copy_n(phi0.data(), phi0.size(), phi_.data());
 }
 
-void Displacement::stiffen() {
+void Displacement::reset_curvature_weights() {
   std::fill_n(share_.data(), share_.size(), 1.0f);
   drop_target();
 }
 
-void Displacement::yield_to_bends(double medians) {
+void Displacement::reweight_curvature(double medians) {
   constexpr float near = 0.5f,
                   reach = 1;      // voxels from the surface: full weight up to `near`, half of it at `reach` farther
   constexpr float follow = 0.6f;  // the target as a fraction of the local mean
@@ -58,19 +58,20 @@ void Displacement::yield_to_bends(double medians) {
     kernel.saddles(rows, {phi_.data(), weight.data(), product.data()}, begin, end);
   };
   if (!multilevel_.local_mean(find_bends, product, weight, weight, 1, mean, context_)) return;
-  auto squares = gather<float>(telling_rows(band_), rows_per_task, context_, [&](size_t k, std::vector<float>& found) {
-    const size_t first = telling_row(band_, k) * brick_side;
-    for (size_t i = first; i < first + brick_side; ++i)
-      if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach) found.push_back(mean.data()[i]);
-  });
+  auto squares =
+      gather<float>(subsample_rows(band_), rows_per_task, context_, [&](size_t k, std::vector<float>& found) {
+        const size_t first = subsample_row(band_, k) * brick_side;
+        for (size_t i = first; i < first + brick_side; ++i)
+          if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach) found.push_back(mean.data()[i]);
+      });
   if (squares.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
   const float per_square = 1 / std::max(squared_medians * median(std::move(squares)), 1e-12f);
-  const ShareJob yield{mean.data(),   phi0_.data(),     per_square,    near,          reach,
-                       share_.data(), curvature.data(), weight.data(), product.data()};
+  const ShareJob job{mean.data(),   phi0_.data(),     per_square,    near,          reach,
+                     share_.data(), curvature.data(), weight.data(), product.data()};
   const auto find_shares = [&](int layer) {
     const auto [begin, end] = rows_of_layer(band_, layer);
-    kernel.share(rows, yield, begin, end);
+    kernel.share(rows, job, begin, end);
   };
   const RowArray& inside = curvature;  // reused: curvature now holds the vertices with six neighbors
   multilevel_.local_mean(find_shares, product, weight, inside, follow, target_, context_);
@@ -86,7 +87,8 @@ double Displacement::laplacian(const LaplacianJob& job, int layer) const {
 void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
   const RowKernel& kernel = band_.kernel();
   // beta delta + gamma (G delta - k)
-  const BendJob job{phi_.data(), phi0_.data(), smoothness.slope, smoothness.curvature, share_.data(), scratch_.data()};
+  const CurvatureResidualJob job{phi_.data(),          phi0_.data(),  smoothness.slope,
+                                 smoothness.curvature, share_.data(), scratch_.data()};
   const LaplacianJob outer{scratch_.data(), 0, -1, residual_.data()};
   // G is minus the Laplacian.
   const auto add_target = [bent = scratch_.data(), target = target_.data(), share = share_.data(),
@@ -99,7 +101,7 @@ void Displacement::residual(const CellSamples& data, Smoothness smoothness) {
         kernel.bend(band_.view(), job, rows.begin, rows.end);
         for_values(rows, add_target);
       },
-      [&](int layer) { laplacian(outer, layer); }, Apart{[&](int layer) { pull.add(layer); }});
+      [&](int layer) { laplacian(outer, layer); }, EvenOddStage{[&](int layer) { pull.add(layer); }});
 }
 
 void Displacement::precondition(const CellSamples& data, Smoothness smoothness) {
@@ -128,7 +130,7 @@ double Displacement::turn(const CellSamples& data, Smoothness smoothness, float 
       [&](int layer) {
         if (!last) laplacian(outer, layer);
       },
-      Apart{[&](int layer) { pulled[static_cast<size_t>(layer)] = pull.add(layer); }});
+      EvenOddStage{[&](int layer) { pulled[static_cast<size_t>(layer)] = pull.add(layer); }});
   return std::accumulate(smooth.begin(), smooth.end(), 0.0) + std::accumulate(pulled.begin(), pulled.end(), 0.0);
 }
 

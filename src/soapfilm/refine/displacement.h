@@ -26,7 +26,7 @@ struct SolveLimits {
 ///   E = data term of CellSamples (phi) + beta <delta, G delta> + gamma <G delta - k, s (G delta - k)>,
 /// phi = phi0 + delta, k = laplacian phi0 minus its target, along the axes on which both neighbors are in the band. (On
 /// the others only the slope of delta is penalized, so that the band boundary exerts no force and curvature of phi0
-/// along it does not stay.) s = 1 and the target is 0 until yield_to_bends(). Conjugate gradients, multigrid
+/// along it does not stay.) s = 1 and the target is 0 until reweight_curvature(). Conjugate gradients, multigrid
 /// preconditioner.
 class Displacement {
  public:
@@ -45,9 +45,9 @@ class Displacement {
   /// could follow the noise that curved it, and c is only one of a surface's three second derivatives: too few to
   /// distinguish edges from noise so locally. Away from the surface, where phi is curved by a fold nearby, the weight
   /// falls as well; at the band boundary the target stays 0.
-  void yield_to_bends(double medians);
+  void reweight_curvature(double medians);
   /// Undoes that: the same gamma everywhere and no target.
-  void stiffen();
+  void reset_curvature_weights();
   /// Keeps the weights s and sets the target to 0.
   void drop_target() { std::fill_n(target_.data(), target_.size(), 0.0f); }
 

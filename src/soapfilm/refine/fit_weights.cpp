@@ -12,16 +12,17 @@ namespace {
 constexpr double first_smoothing = 0.2;
 constexpr double least_smoothing = 2e-4, most_smoothing = 200;
 constexpr double smoothing_step = 4, normals_step = 4;
-constexpr double shortest_bend = 1.4;         // standard deviations of the noise, which hides smaller detail
-constexpr double indifference = 0.5;          // standard errors of the score within which the smoothest fit is taken
-constexpr double least_noise_to_yield = 0.1;  // voxels; with less, a small gamma suits edges and faces alike
+constexpr double shortest_bend = 1.4;            // standard deviations of the noise, which hides smaller detail
+constexpr double indifference = 0.5;             // standard errors of the score within which the smoothest fit is taken
+constexpr double least_noise_to_reweight = 0.1;  // voxels; with less, a small gamma suits edges and faces alike
 constexpr double first_normals = 0.05, least_normals = 0.003, most_normals = 50;
 constexpr double normals_agree_deg = 40;  // a larger median angle: viewing directions, not normals
 // Directions between this and the above are viewing directions near the normals: the score rises little below the best
 // weight and steeply above it, so they get less.
 constexpr double normals_true_deg = 20;
 constexpr double caution = 0.5;
-constexpr double caution_when_yielding = 0.1;  // the slope term has more effect then, and pulls no normal towards them
+constexpr double caution_when_reweighting =
+    0.1;  // the slope term has more effect then, and pulls no normal towards them
 
 // How much worse, in standard errors, the score may become with directions under edge-preserving reweighting: they keep
 // phi from steepening along the noise of its own slopes, which held-out samples barely show. On smooth shapes they cost
@@ -75,8 +76,8 @@ FitWeights choose_fit_weights(const Start& start, const GridSamples& samples, co
   const double noise = held_out.outcome(best.smoothing, best.normals).noise;
   const double least = std::clamp(std::pow(shortest_bend * noise, 4), least_smoothing, most_smoothing);
   if (!params.smoothing) best.smoothing = std::max(best.smoothing, least);
-  best.yield = noise > least_noise_to_yield;
-  if (!best.yield) held_out.stiffen();
+  best.edge_preserving = noise > least_noise_to_reweight;
+  if (!best.edge_preserving) held_out.reset_curvature_weights();
   const auto score_of_smoothing = [&](double gamma) { return held_out.score(gamma, best.normals); };
   const auto search_smoothing = [&] {
     if (!params.smoothing)
@@ -86,7 +87,7 @@ FitWeights choose_fit_weights(const Start& start, const GridSamples& samples, co
   report.agreement_deg = held_out.outcome(best.smoothing, best.normals).agreement_deg;
   const auto directions_help = [&] {
     const HeldOut::Outcome without = held_out.outcome(best.smoothing, 0);
-    const double allowed_cost = best.yield ? directions_cost * without.standard_error : 0;
+    const double allowed_cost = best.edge_preserving ? directions_cost * without.standard_error : 0;
     return held_out.score(best.smoothing, first_normals) < without.score + allowed_cost;
   };
   if (!params.normals && report.agreement_deg < normals_agree_deg && directions_help()) {
@@ -110,7 +111,7 @@ FitWeights choose_fit_weights(const Start& start, const GridSamples& samples, co
           std::max(lowest, largest_within(best.smoothing, smoothing_step, most_smoothing, allowed, score_of_smoothing));
   }
   if (!params.normals && report.agreement_deg > normals_true_deg)
-    best.normals *= best.yield ? caution_when_yielding : caution;
+    best.normals *= best.edge_preserving ? caution_when_reweighting : caution;
   report.samples = held_out.samples();
   report.candidates = held_out.candidates();
   return best;

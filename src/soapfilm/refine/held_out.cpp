@@ -24,7 +24,7 @@ BrickMask choose_patches(const GridSamples& samples, const HeldOutParams& params
   const BrickGrid& bricks = samples.bricks;
   std::map<std::pair<uint64_t, uint64_t>, std::vector<size_t>> patches;  // by random key, then by place
   for (size_t b = 0; b < bricks.size(); ++b) {
-    const Vec3i c = turned(bricks.coord(b), 3 - samples.turn);  // along the world's axes
+    const Vec3i c = permuted(bricks.coord(b), 3 - samples.turn);  // along the world's axes
     const uint64_t place = (static_cast<uint64_t>(c.z / params.patch_bricks) << 42) +
                            (static_cast<uint64_t>(c.y / params.patch_bricks) << 21) +
                            static_cast<uint64_t>(c.x / params.patch_bricks);
@@ -53,7 +53,7 @@ GridSamples part_of(const GridSamples& samples, const BrickMask& bricks, const C
       part.local.push_back(samples.local[s]);
       part.direction.push_back(samples.direction[s]);
       if (!samples.weight.empty()) part.weight.push_back(samples.weight[s]);
-      part.lot.push_back(samples.lot[s]);
+      part.sample_hash.push_back(samples.sample_hash[s]);
     }
     part.begin.push_back(static_cast<uint32_t>(part.local.size()));
   }
@@ -100,9 +100,9 @@ HeldOut::HeldOut(const Start& start, const GridSamples& samples, const RobustPar
       displacement_(part_.first, part_.second, context),
       train_(samples_.size()),
       first_(jets_at_samples(part_.second, samples_, cells_, part_.first, context)) {
-  for (size_t s = 0; s < samples_.size(); ++s) train_[s] = (samples_.lot[s] & 3) != 0;  // three quarters
+  for (size_t s = 0; s < samples_.size(); ++s) train_[s] = (samples_.sample_hash[s] & 3) != 0;  // three quarters
   robust_.rounds = 2;
-  robust_.yielding_steps = {3, 3, 8};
+  robust_.reweighting_steps = {3, 3, 8};
   robust_.slope_along_directions = robust_.slope;  // a steeper phi overstates the distances
   robust_.solve.tolerance *= 0.5;                  // the scores to compare differ by little
 }
@@ -119,9 +119,9 @@ const HeldOut::Outcome& HeldOut::outcome(double smoothing, double normals) {
   return it->second;
 }
 
-void HeldOut::stiffen() {
+void HeldOut::reset_curvature_weights() {
   yield_ = false;
-  displacement_.stiffen();
+  displacement_.reset_curvature_weights();
   outcomes_.clear();
 }
 

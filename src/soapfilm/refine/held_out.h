@@ -37,7 +37,7 @@ class HeldOut {
   const Outcome& outcome(double smoothing, double normals);
   double score(double smoothing, double normals) { return outcome(smoothing, normals).score; }
   /// No edge-preserving reweighting from now on.
-  void stiffen();
+  void reset_curvature_weights();
 
   /// phi on band(), fitted to the other samples. Each fit starts with the curvature weights of the last one: this saves
   /// rounds.

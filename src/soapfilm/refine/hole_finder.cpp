@@ -114,7 +114,7 @@ Vec3f HoleFinder::gradient(Vec3i v) const {
   return slope;
 }
 
-bool HoleFinder::is_base(const HoleFilm& film) const {
+bool HoleFinder::is_base(const HoleSurface& film) const {
   constexpr float face_within = 2.5f;  // voxels
   constexpr double most = 0.8, steep_share = 0.6;
   constexpr float cosine = 0.5f;  // of 60 degrees
@@ -150,8 +150,8 @@ bool HoleFinder::is_base(const HoleFilm& film) const {
   return rim > 0 && static_cast<double>(steep) >= steep_share * static_cast<double>(rim);
 }
 
-std::vector<HoleFilm> HoleFinder::films_to_bend(HoleReport& report) const {
-  HoleFilm unsampled;
+std::vector<HoleSurface> HoleFinder::holes_to_curve(HoleReport& report) const {
+  HoleSurface unsampled;
   size_t all = 0;
   for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
     if (((v.x | v.y | v.z) & 1) != 0 || std::abs(start_.phi0.data()[k]) > film_depth) return;
@@ -165,8 +165,8 @@ std::vector<HoleFilm> HoleFinder::films_to_bend(HoleReport& report) const {
         return true;
     return false;
   };
-  std::vector<HoleFilm> bend;
-  for (HoleFilm& film : parts_of(unsampled)) {
+  std::vector<HoleSurface> bend;
+  for (HoleSurface& film : parts_of(unsampled)) {
     if (film.size() < least_film) continue;
     const bool stays = static_cast<double>(film.size()) > most_of_surface * static_cast<double>(all) ||
                        std::any_of(film.begin(), film.end(), touches_border) || is_base(film);

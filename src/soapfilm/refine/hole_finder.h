@@ -14,7 +14,7 @@
 namespace soapfilm {
 
 /// The minimal surface over a hole: vertices I of the half-resolution grid (vertex 2 I of the grid).
-using HoleFilm = std::vector<Vec3i>;
+using HoleSurface = std::vector<Vec3i>;
 
 /// Finds parts of the surface without samples. Reads each sample once; otherwise the cost is proportional to their
 /// area.
@@ -27,7 +27,7 @@ class HoleFinder {
   /// connected parts of at least 24, which is a hole about 14 voxels wide. Excluded, and counted in `report`: more than
   /// a fifth of the surface; parts along a face of the samples' box where the surface around meets it steeply (an
   /// unseen base); parts that touch the border of the grid.
-  std::vector<HoleFilm> films_to_bend(HoleReport& report) const;
+  std::vector<HoleSurface> holes_to_curve(HoleReport& report) const;
 
   /// Is a sample near vertex I of the half-resolution grid? Outliers, far from the first surface, do not count.
   bool is_sampled(Vec3i vertex) const;
@@ -37,7 +37,7 @@ class HoleFinder {
 
  private:
   static constexpr int side = half_brick + 1;  // half-resolution vertices around a brick's samples
-  bool is_base(const HoleFilm& film) const;
+  bool is_base(const HoleSurface& film) const;
   Vec3f gradient(Vec3i vertex) const;
   bool is_near_surface(Vec3i vertex) const;
 

@@ -7,7 +7,7 @@
 
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/refine/coarse_film.h"
+#include "soapfilm/refine/coarse_hole_surface.h"
 #include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
@@ -29,29 +29,29 @@ BrickMask in_box(const BrickMask& mask, Vec3i bricks) {
 }
 
 /// Transfers the curved surface over holes from the half-resolution grid to the full grid.
-class FilmToGrid {
+class CurvedToGrid {
  public:
-  FilmToGrid(const Level& fine, float threshold, const CoarseFilm& film, const HoleFinder& finder,
-             const Context& context)
+  CurvedToGrid(const Level& fine, float threshold, const CoarseHoleSurface& film, const HoleFinder& finder,
+               const Context& context)
       : fine_(fine), threshold_(threshold), film_(film), finder_(finder), context_(context) {}
 
   /// The level's indicator with labels that follow the curved surface, on the bricks near the surface.
-  Level bent(const std::vector<HoleFilm>& films, HoleReport& report) const;
+  Level bent(const std::vector<HoleSurface>& films, HoleReport& report) const;
 
  private:
   BrickRows differences(Vec3i brick) const;
   BrickMask differing_bricks() const;
-  void turn(SignBits& signs, const NarrowBand& band, const std::vector<HoleFilm>& films, HoleReport& report) const;
+  void turn(SignBits& signs, const NarrowBand& band, const std::vector<HoleSurface>& films, HoleReport& report) const;
 
   const Level& fine_;
   float threshold_;
-  const CoarseFilm& film_;
+  const CoarseHoleSurface& film_;
   const HoleFinder& finder_;
   const Context& context_;
 };
 
 /// Where a brick of the grid differs from the curved surface.
-BrickRows FilmToGrid::differences(Vec3i brick) const {
+BrickRows CurvedToGrid::differences(Vec3i brick) const {
   // The half-resolution vertices that the brick needs.
   constexpr int side = half_brick + 1;
   std::array<float, static_cast<size_t>(side) * side * side> distance;
@@ -81,7 +81,7 @@ BrickRows FilmToGrid::differences(Vec3i brick) const {
   return found;
 }
 
-BrickMask FilmToGrid::differing_bricks() const {
+BrickMask CurvedToGrid::differing_bricks() const {
   BrickMask found(fine_.box.bricks);
   film_.bricks().for_each([&](Vec3i parent) {
     for (int k = 0; k < 8; ++k) {
@@ -105,8 +105,8 @@ struct Outcome {
 };
 
 /// Changes the labels of the band's vertices where the topology allows, and undoes, hole by hole, what went wrong.
-void FilmToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vector<HoleFilm>& films,
-                      HoleReport& report) const {
+void CurvedToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vector<HoleSurface>& films,
+                        HoleReport& report) const {
   const BrickGrid& grid = band.grid();
   const SignBits before = signs;
   RowArray phi = band.make_array();
@@ -154,7 +154,7 @@ void FilmToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vector
   }
 }
 
-Level FilmToGrid::bent(const std::vector<HoleFilm>& films, HoleReport& report) const {
+Level CurvedToGrid::bent(const std::vector<HoleSurface>& films, HoleReport& report) const {
   const BrickMask differing = differing_bricks();
   BrickMask near_surface = differing;
   const Start& start = finder_.start();
@@ -194,13 +194,13 @@ void make_room(Level& level) {
   level.inside = in_box(level.inside, box.bricks);
 }
 
-bool bend_holes(Level& level, float threshold, const std::vector<HoleFilm>& films, const HoleFinder& finder,
-                const FitWeights& fit_weights, const Context& context, HoleReport& report) {
+bool curve_holes(Level& level, float threshold, const std::vector<HoleSurface>& films, const HoleFinder& finder,
+                 const FitWeights& fit_weights, const Context& context, HoleReport& report) {
   Level bent;
   {
-    CoarseFilm film(level, threshold, finder, fit_weights, context);
+    CoarseHoleSurface film(level, threshold, finder, fit_weights, context);
     if (film.bend(films, report))
-      bent = FilmToGrid(level, threshold, film, finder, context).bent(films, report);
+      bent = CurvedToGrid(level, threshold, film, finder, context).bent(films, report);
     else
       report.left += films.size();
   }

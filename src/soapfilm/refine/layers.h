@@ -12,7 +12,7 @@ namespace soapfilm {
 
 /// Calls body(layer) for each: even layers in parallel, then odd ones, so that no two at a time touch common data.
 template <class Body>
-void for_layers_apart(int layers, const Context& context, Body&& body) {
+void for_even_then_odd_layers(int layers, const Context& context, Body&& body) {
   for (int parity = 0; parity < 2; ++parity)
     parallel_for(context, static_cast<size_t>((layers + 1 - parity) / 2), 1,
                  [&](size_t i) { body(2 * static_cast<int>(i) + parity); });
@@ -21,16 +21,16 @@ void for_layers_apart(int layers, const Context& context, Body&& body) {
 /// A last stage of layer_by_layer() that also adds to the next layer's values: the order of the sums is fixed, even
 /// layers before odd ones.
 template <class Body>
-struct Apart {
+struct EvenOddStage {
   Body body;
 };
 template <class Body>
-Apart(Body) -> Apart<Body>;
+EvenOddStage(Body) -> EvenOddStage<Body>;
 
 template <class Stage>
-inline constexpr bool is_apart = false;
+inline constexpr bool is_even_odd = false;
 template <class Body>
-inline constexpr bool is_apart<Apart<Body>> = true;
+inline constexpr bool is_even_odd<EvenOddStage<Body>> = true;
 
 /// Consecutive layers that one thread takes through all stages. Each stage stays a layer behind the one before, also at
 /// the slab's borders with others.
@@ -42,25 +42,25 @@ struct Slab {
   bool holds(int stage, int layer) const {
     return layer >= begin + from_below * stage && layer < end - from_above * stage;
   }
-  /// The same for a stage of type Apart, whose odd layers wait for both even layers next to them.
+  /// The same for a stage of type EvenOddStage, whose odd layers wait for both even layers next to them.
   int first_even(int stage) const { return from_below ? (begin + stage + 1) & ~1 : begin; }
   int last_even(int stage) const { return (end - from_above * stage - 1) & ~1; }
-  int end_apart(int stage) const { return from_above ? last_even(stage) + 1 : end; }
+  int end_even_odd(int stage) const { return from_above ? last_even(stage) + 1 : end; }
 
   template <class Body>
   void run(int stage, int layer, Body& body) const {
     if (holds(stage, layer)) body(layer);
   }
   template <class Body>
-  void run(int stage, int layer, Apart<Body>& apart) const {
-    if (layer < first_even(stage) || layer >= end_apart(stage)) return;
+  void run(int stage, int layer, EvenOddStage<Body>& apart) const {
+    if (layer < first_even(stage) || layer >= end_even_odd(stage)) return;
     if (layer % 2 == 0 || layer + 1 == end) apart.body(layer);
     if (layer % 2 == 0 && layer > first_even(stage)) apart.body(layer - 1);
   }
 };
 
 /// The layers around the border of two slabs that both left for the end. Between those of one border and the next, a
-/// stage of type Apart has an even layer that did not have to wait: they touch nothing in common.
+/// stage of type EvenOddStage has an even layer that did not have to wait: they touch nothing in common.
 struct SlabBorder {
   const Slab &below, &above;
 
@@ -69,8 +69,8 @@ struct SlabBorder {
     for (int layer = below.end - stage; layer < above.begin + stage; ++layer) body(layer);
   }
   template <class Body>
-  void run(int stage, Apart<Body>& apart) const {
-    const int begin = below.end_apart(stage), end = above.first_even(stage);  // from an odd layer up to an odd one
+  void run(int stage, EvenOddStage<Body>& apart) const {
+    const int begin = below.end_even_odd(stage), end = above.first_even(stage);  // from an odd layer up to an odd one
     for (int layer = begin + 1; layer < end; layer += 2) apart.body(layer);
     for (int layer = begin; layer < end; layer += 2) apart.body(layer);
   }
@@ -82,19 +82,19 @@ void run_stage(int layers, const Context& context, Body& body) {
   parallel_for(context, static_cast<size_t>(layers), 1, [&](size_t layer) { body(static_cast<int>(layer)); });
 }
 template <class Body>
-void run_stage(int layers, const Context& context, Apart<Body>& apart) {
-  for_layers_apart(layers, context, apart.body);
+void run_stage(int layers, const Context& context, EvenOddStage<Body>& apart) {
+  for_even_then_odd_layers(layers, context, apart.body);
 }
 
-/// Calls each of the stages with every layer; the last one may be Apart. What a stage writes in a layer and in those
-/// next to it is complete when the next stage comes to that layer, and mostly still in the cache: each stage follows
-/// the one before at a distance of one layer through slabs of layers, each slab on one thread. Where slabs meet, the
-/// later stages wait until both are done. Where there are too few layers for all threads, stages run one after the
-/// other. A stage must not write what an earlier one reads in other layers.
+/// Calls each of the stages with every layer; the last one may be EvenOddStage. What a stage writes in a layer and in
+/// those next to it is complete when the next stage comes to that layer, and mostly still in the cache: each stage
+/// follows the one before at a distance of one layer through slabs of layers, each slab on one thread. Where slabs
+/// meet, the later stages wait until both are done. Where there are too few layers for all threads, stages run one
+/// after the other. A stage must not write what an earlier one reads in other layers.
 template <class... Stages>
 void layer_by_layer(int layers, const Context& context, Stages&&... stages) {
   constexpr int depth = sizeof...(Stages) - 1;
-  constexpr bool apart[] = {is_apart<std::remove_cvref_t<Stages>>...};
+  constexpr bool apart[] = {is_even_odd<std::remove_cvref_t<Stages>>...};
   static_assert(std::none_of(apart, apart + depth, [](bool is) { return is; }), "only the last stage may be apart");
   const auto take_turn = [&](const Slab& slab, int turn) {
     int stage = 0;

@@ -101,7 +101,7 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Context& context) {
   std::vector<int32_t> parent(grid.size());  // brick that holds a fine brick's first vertex
   parallel_for(context, grid.size(), 256, [&](size_t b) { parent[b] = coarse.find(parent_of(grid.coord(b))); });
   std::vector<uint8_t> vertices(coarse.size() * brick_area);
-  for_layers_apart(layers, context, [&](int layer) {
+  for_even_then_odd_layers(layers, context, [&](int layer) {
     for_bricks(layer, [&](size_t b) { mark_coarse(fine, b, coarse, parent[b], vertices); });
   });
   band_ = NarrowBand(std::move(coarse), vertices, context);
@@ -144,8 +144,8 @@ BrickTransfer CoarseBand::make_transfer(const NarrowBand& fine, size_t brick, in
 
 void CoarseBand::restrict_to(const RowArray& from, RowArray& coarse, const Context& context) const {
   clear(coarse, context);
-  for_layers_apart(static_cast<int>(first_transfer_.size()) - 1, context,
-                   [&](int layer) { restrict_layer(layer, from, coarse); });
+  for_even_then_odd_layers(static_cast<int>(first_transfer_.size()) - 1, context,
+                           [&](int layer) { restrict_layer(layer, from, coarse); });
 }
 
 void CoarseBand::restrict_layer(int layer, const RowArray& from, RowArray& coarse) const {
@@ -201,8 +201,8 @@ bool Multilevel::weigh_little(const RowArray& position_weights) const {
   constexpr double most_share = 0.25;
   double sum = 0;
   size_t count = 0;
-  for (size_t k = 0; k < telling_rows(fine_); ++k) {
-    const size_t first = telling_row(fine_, k) * brick_side;
+  for (size_t k = 0; k < subsample_rows(fine_); ++k) {
+    const size_t first = subsample_row(fine_, k) * brick_side;
     for (size_t i = first; i < first + brick_side; ++i) {
       sum += static_cast<double>(position_weights.data()[i]);
       count += position_weights.data()[i] > 0;
@@ -220,7 +220,7 @@ bool Multilevel::local_mean(const std::function<void(int)>& complete, const RowA
   const NarrowBand& band = c.coarse.band();
   clear(c.b, context);
   clear(c.x, context);
-  layer_by_layer(layers_of(fine_), context, complete, Apart{[&](int layer) {
+  layer_by_layer(layers_of(fine_), context, complete, EvenOddStage{[&](int layer) {
                    c.coarse.restrict_layer(layer, values, c.b);
                    c.coarse.restrict_layer(layer, weights, c.x);
                  }});
@@ -264,7 +264,7 @@ double Multilevel::apply(const std::function<void(int)>& complete, const RowArra
   }
   Coarse& next = coarse_.front();
   const auto restricted = [&](const RowArray& b) {
-    return Apart{[&](int layer) { next.coarse.restrict_residual(layer, fine_, job(0, b), next.b); }};
+    return EvenOddStage{[&](int layer) { next.coarse.restrict_residual(layer, fine_, job(0, b), next.b); }};
   };
   clear(next.b, context);
   layer_by_layer(layers, context, complete, restricted(r));
@@ -308,7 +308,7 @@ void Multilevel::solve(size_t level, const RowArray& b, RowArray& work, RowArray
           work.data()[i] = x.data()[i] * own.extent.data()[i];
         }
       },
-      Apart{[&](int layer) { c.coarse.restrict_residual(layer, band(level), job, c.b); }});
+      EvenOddStage{[&](int layer) { c.coarse.restrict_residual(layer, band(level), job, c.b); }});
   correct(level, b, work, x, nullptr, context);
 }
 

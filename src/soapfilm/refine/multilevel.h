@@ -21,7 +21,7 @@ class CoarseBand {
   const NarrowBand& band() const { return band_; }
   /// coarse = P^T from, which is 0 outside the fine band.
   void restrict_to(const RowArray& from, RowArray& coarse, const Context& context) const;
-  /// coarse += P^T from of a layer of fine bricks along z. Neighboring layers add to common rows: see Apart.
+  /// coarse += P^T from of a layer of fine bricks along z. Neighboring layers add to common rows: see EvenOddStage.
   void restrict_layer(int layer, const RowArray& from, RowArray& coarse) const;
   /// The same for the residual of RowKernel::restrict_residual(), with the same `fine`.
   void restrict_residual(int layer, const NarrowBand& fine, const CycleJob& job, RowArray& coarse) const;

@@ -88,15 +88,15 @@ inline RowRange rows_of_layer(const NarrowBand& band, int z) {
 }
 
 /// A subset of the rows, used for statistics: their number, 8,000 to 16,000 for larger bands, and the k-th of them.
-inline size_t telling_stretch(const NarrowBand& band) {
+inline size_t subsample_step(const NarrowBand& band) {
   constexpr size_t enough_rows = 1 << 13;
   return std::max<size_t>(band.rows() / enough_rows, 1);
 }
-inline size_t telling_rows(const NarrowBand& band) {
-  return (band.rows() + telling_stretch(band) - 1) / telling_stretch(band);
+inline size_t subsample_rows(const NarrowBand& band) {
+  return (band.rows() + subsample_step(band) - 1) / subsample_step(band);
 }
-inline size_t telling_row(const NarrowBand& band, size_t k) {
-  return 1 + one_of_stretch(k, telling_stretch(band), band.rows());
+inline size_t subsample_row(const NarrowBand& band, size_t k) {
+  return 1 + one_of_stretch(k, subsample_step(band), band.rows());
 }
 
 /// body(begin, end) over rows in chunks.

@@ -10,7 +10,7 @@
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
-#include "soapfilm/refine/coarser.h"
+#include "soapfilm/refine/coarse_fit.h"
 #include "soapfilm/refine/holes.h"
 #include "soapfilm/refine/prolong_distance.h"
 #include "soapfilm/refine/start.h"
@@ -47,24 +47,26 @@ RowArray moved_onto(const GridSamples& samples, const Start& start, const FitWei
 
 /// Grids of every second vertex, every fourth, ..., while samples are sparse and noisy there and each grid is as good
 /// as the one before. `indicator`: that of the first one.
-std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float threshold, const GridSamples& samples,
-                                      double density, const RefineSetup& params, const Context& context) {
-  std::vector<Coarser> found;
+std::vector<CoarseFit> sufficient_grids(const Start& start, Level indicator, float threshold,
+                                        const GridSamples& samples, double density, const RefineSetup& params,
+                                        const Context& context) {
+  std::vector<CoarseFit> found;
   for (double spacing = 2; density < params.sparse; density *= 4, spacing *= 2) {
     // Each grid takes half of the rest of the progress bar.
     const Context half = context.part(1 - 2 / spacing, 1 - 1 / spacing);
     const Start& finer = found.empty() ? start : found.back().start;
     const GridSamples& finer_samples = found.empty() ? samples : found.back().samples;
     if (!found.empty()) indicator = every_second_vertex(indicator, threshold, context);
-    Coarser next{start_from(indicator, threshold, params.reach, context),
-                 on_every_second_vertex(finer_samples, context),
-                 {},
-                 {}};
+    CoarseFit next{start_from(indicator, threshold, params.reach, context),
+                   on_every_second_vertex(finer_samples, context),
+                   {},
+                   {}};
     if (next.start.band.rows() == 0) break;
     next.fit_weights = choose(next.start, next.samples, params, spacing, half, next.search);
     // The full grid has no weights yet, and needs none where the coarser one is as good.
     const FitWeights of_finer = found.empty() ? on_half_the_voxel(next.fit_weights) : found.back().fit_weights;
-    if (!next.fit_weights.yield || !serves(next, {finer, finer_samples, of_finer}, params.robust, context.silent()))
+    if (!next.fit_weights.edge_preserving ||
+        !suffices(next, {finer, finer_samples, of_finer}, params.robust, context.silent()))
       break;
     found.push_back(std::move(next));
   }
@@ -72,11 +74,11 @@ std::vector<Coarser> grids_that_serve(const Start& start, Level indicator, float
 }
 
 /// phi by a fit on the coarsest of the grids whose result is near the surface; nothing where there is none.
-std::optional<RowArray> fit_coarser(const Start& start, std::vector<Coarser> grids, const RefineSetup& params,
+std::optional<RowArray> fit_coarser(const Start& start, std::vector<CoarseFit> grids, const RefineSetup& params,
                                     const Context& context, FitReport& report) {
   constexpr double least_far = 1.5, far_of_noise = 2.5;  // coarse voxels
   for (; !grids.empty(); grids.pop_back()) {
-    const Coarser& grid = grids.back();
+    const CoarseFit& grid = grids.back();
     const double spacing = std::ldexp(1.0, static_cast<int>(grids.size()));
     RowArray phi = moved_onto(grid.samples, grid.start, grid.fit_weights, params.robust, context, report);
     report.fit_weights = grid.fit_weights;
@@ -133,9 +135,9 @@ void validate(const RefineSetup& params) {
   require("refine slope", params.robust.slope, 0, 1e3);
   require("refine slope_along_directions", params.robust.slope_along_directions, 0, 1e3);
   require("refine slope_of_curvature", params.robust.slope_of_curvature, 1e-6, 1e3);
-  require("rounds of refine yielding_steps", static_cast<double>(params.robust.yielding_steps.size()), 1, 20);
-  for (const int steps : params.robust.yielding_steps) require("refine yielding_steps", steps, 1, 10000);
-  require("refine yielding_bend", params.robust.yielding_bend, 1e-3, 1e3);
+  require("rounds of refine reweighting_steps", static_cast<double>(params.robust.reweighting_steps.size()), 1, 20);
+  for (const int steps : params.robust.reweighting_steps) require("refine reweighting_steps", steps, 1, 10000);
+  require("refine reweighting_threshold", params.robust.reweighting_threshold, 1e-3, 1e3);
 }
 
 Refinement::Refinement(Level level, float threshold, const GridSamples& samples, double density,
@@ -158,12 +160,12 @@ Refinement::Refinement(Level level, float threshold, const GridSamples& samples,
 
 void Refinement::fill_holes(Level& level) {
   const HoleFinder finder(level, start_, samples_, context_);
-  const auto films = finder.films_to_bend(report_.holes);
+  const auto films = finder.holes_to_curve(report_.holes);
   if (films.empty()) return;
   chosen_ = choose(start_, samples_, params_, 1, context_.part(0, until_chosen), report_.search);
   if (!params_.open) make_room(level);
   const Context bending = context_.part(until_chosen, until_bent);
-  if (bend_holes(level, threshold_, films, finder, *chosen_, bending, report_.holes))
+  if (curve_holes(level, threshold_, films, finder, *chosen_, bending, report_.holes))
     start_ = start_from(level, threshold_, params_.reach, context_);
 }
 
@@ -172,7 +174,7 @@ SurfaceField Refinement::fit() {
   std::optional<RowArray> phi;
   if (sparse_)
     phi = fit_coarser(start_,
-                      grids_that_serve(start_, std::move(indicator_), threshold_, samples_, density_, params_,
+                      sufficient_grids(start_, std::move(indicator_), threshold_, samples_, density_, params_,
                                        context_.part(0, until_bent)),
                       params_, context_.part(until_bent, 1), report_);
   if (!phi) {

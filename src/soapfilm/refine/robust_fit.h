@@ -14,15 +14,15 @@ namespace soapfilm {
 
 /// The weights of the fit, and the noise.
 struct FitWeights {
-  double smoothing = 0;  ///< gamma: weight of curvature against one sample, lattice units
-  double normals = 0;    ///< weight of a direction's error (as a vector of unit length) against a voxel
-  double noise = 0;      ///< standard deviation of the samples along the surface's normal, voxels
-  bool yield = false;    ///< edge-preserving reweighting: less curvature weight at edges; under noise
+  double smoothing = 0;          ///< gamma: weight of curvature against one sample, lattice units
+  double normals = 0;            ///< weight of a direction's error (as a vector of unit length) against a voxel
+  double noise = 0;              ///< standard deviation of the samples along the surface's normal, voxels
+  bool edge_preserving = false;  ///< edge-preserving reweighting: less curvature weight at edges; under noise
 };
 
 /// The same on a grid of half the voxel size, where phi is twice as large and the surface has four times the vertices.
 inline FitWeights on_half_the_voxel(const FitWeights& s) {
-  return {4 * s.smoothing, 4 * s.normals, 2 * s.noise, s.yield};
+  return {4 * s.smoothing, 4 * s.normals, 2 * s.noise, s.edge_preserving};
 }
 
 struct RobustParams {
@@ -45,8 +45,9 @@ struct RobustParams {
   /// With edge-preserving reweighting: iterations, at most, in each round of weighting samples, reweighting curvature
   /// and solving, >= 1; each round starts from the last. Fewer in the first leave smooth faces rough, in the last ones
   /// thin parts
-  std::vector<int> yielding_steps = {2, 3, 2, 4};
-  double yielding_bend = 1.2;  ///< d0 of the reweighting, in medians of the surface's d (see yield_to_bends()), > 0
+  std::vector<int> reweighting_steps = {2, 3, 2, 4};
+  double reweighting_threshold =
+      1.2;  ///< d0 of the reweighting, in medians of the surface's d (see reweight_curvature()), > 0
   /// Of the last round; the first takes a quarter of the iterations, others a sixth; with edge-preserving reweighting
   /// only its tolerance counts
   SolveLimits solve;

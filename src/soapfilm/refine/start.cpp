@@ -134,7 +134,7 @@ GridSamples on_every_second_vertex(const GridSamples& samples, const Context& co
   coarse.local.resize(coarse.begin.back());
   coarse.direction.resize(coarse.begin.back());
   if (!samples.weight.empty()) coarse.weight.resize(coarse.begin.back());
-  coarse.lot.resize(coarse.begin.back());
+  coarse.sample_hash.resize(coarse.begin.back());
   // Rounding must not move a sample into the next brick.
   const float last = std::nextafter(static_cast<float>(brick_side), 0.0f);
   parallel_for(context, coarse.bricks.size(), bricks_of_a_task, [&](size_t b) {
@@ -145,7 +145,7 @@ GridSamples on_every_second_vertex(const GridSamples& samples, const Context& co
         coarse.local[next] = {std::min(local.x, last), std::min(local.y, last), std::min(local.z, last)};
         coarse.direction[next] = samples.direction[s];
         if (!samples.weight.empty()) coarse.weight[next] = samples.weight[s];
-        coarse.lot[next] = samples.lot[s];
+        coarse.sample_hash[next] = samples.sample_hash[s];
       }
     });
   });

@@ -59,7 +59,7 @@ struct Wish {
 };
 
 /// Whether the component (6-connected) or cavity (26-connected) of a vertex has at most so many vertices.
-bool is_speck(const SignBits& signs, Vec3i vertex, size_t most) {
+bool is_small_component(const SignBits& signs, Vec3i vertex, size_t most) {
   const bool object = signs.test(vertex);
   std::vector<Vec3i> part{vertex};
   for (size_t k = 0; k < part.size() && part.size() <= most; ++k)
@@ -111,7 +111,7 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
       if (!is_alone(around)) return false;
       const Vec3i vertex =
           brick_side * band.grid().coord(w.brick) + Vec3i{w.x, band.place(w.row) & 7, band.place(w.row) >> 3};
-      if (!is_speck(before, vertex, speck)) return false;
+      if (!is_small_component(before, vertex, speck)) return false;
       return !(signs.test(vertex) && --left == 0);
     });
   };

@@ -44,9 +44,9 @@ std::vector<Vec3f> vertex_normals(const Mesh& mesh, const SmoothField& field, co
   return normals;
 }
 
-class Bending {
+class Relaxation {
  public:
-  Bending(Mesh& mesh, const SmoothField& field, const Lattice& lattice, double tolerance, const Context& context)
+  Relaxation(Mesh& mesh, const SmoothField& field, const Lattice& lattice, double tolerance, const Context& context)
       : mesh_(mesh), field_(field), lattice_(lattice), tolerance_(tolerance), context_(context) {}
 
   size_t run(const Residuals& leftover) {
@@ -215,7 +215,7 @@ RelaxReport relax_mesh(Mesh& mesh, const SmoothField& field, const GridSamples& 
   // Half edges, and triangles including new ones, are counted in 32 bits.
   if (params.split_tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 4) return report;
   const Residuals leftover(samples, field, scale, context);
-  report.split_edges = Bending(mesh, field, lattice, params.split_tolerance, context).run(leftover);
+  report.split_edges = Relaxation(mesh, field, lattice, params.split_tolerance, context).run(leftover);
   return report;
 }
 

@@ -20,9 +20,9 @@ void announce_grid(const Grid& grid, const MemoryBudget& memory, Trace& trace) {
 }
 
 void announce_lambda(const Lambda& lambda, const Grid& grid, const ReconstructParams& params, Trace& trace) {
-  if (weighs_area(params.method)) trace.info(fmt::format("lambda {:.3g}", lambda.value));
+  if (uses_lambda(params.method)) trace.info(fmt::format("lambda {:.3g}", lambda.value));
   trace.warn(lambda.warnings);
-  if (!weighs_area(params.method)) return;
+  if (!uses_lambda(params.method)) return;
   if (std::optional<std::string> warning = near_empty(lambda.value, grid.density)) trace.warn(std::move(*warning));
 }
 

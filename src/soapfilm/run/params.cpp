@@ -198,7 +198,7 @@ void require(bool holds, const char* name, double value, const char* constraint)
 /// Parameters of a method that the chosen one does not have are an error.
 void refuse_contradictions(const ReconstructParams& params) {
   const char* method = name_of(params.method);
-  const bool film = weighs_area(params.method);
+  const bool film = uses_lambda(params.method);
   if (params.energy.lambda && params.energy.cross_validate)
     throw ParameterError(
         fmt::format("lambda = {:g} and cross_validate: only one of them may be given", *params.energy.lambda));

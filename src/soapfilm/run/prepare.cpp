@@ -39,7 +39,7 @@ Box3d check_cloud(const PointCloud& cloud, const ReconstructParams& params, cons
 Scanners find_scanners(const PointCloud& cloud, const ReconstructParams& params, const Context& context) {
   Scanners found{scanner_positions(cloud, params.orient.sensor), {}};
   if (params.border.outside == Border::automatic && params.method == Method::tv)
-    found.surroundings = look_around(cloud, params.orient.sensor, context);
+    found.surroundings = measure_surroundings(cloud, params.orient.sensor, context);
   return found;
 }
 

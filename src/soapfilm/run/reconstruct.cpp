@@ -37,7 +37,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   announce_grid(grid, memory, trace);
 
   // Lambda, the weight of area against the samples; and the samples' weights, by the area that they represent.
-  const char* weights = weighs_area(params.method) ? "lambda" : "weights";
+  const char* weights = uses_lambda(params.method) ? "lambda" : "weights";
   const Lambda lambda =
       trace.stage(weights, [&] { return choose_lambda(cloud, oriented, grid, params, context, samples); });
   announce_lambda(lambda, grid, params, trace);

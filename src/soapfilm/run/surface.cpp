@@ -86,7 +86,8 @@ Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda,
 
 std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
                                  const ReconstructParams& params, Trace& trace, const Context& context) {
-  if (!surface.refine || surface.refine->fit_weights.yield || !(params.surface.relax.split_tolerance > 0)) return {};
+  if (!surface.refine || surface.refine->fit_weights.edge_preserving || !(params.surface.relax.split_tolerance > 0))
+    return {};
   return trace.stage("relax", [&] {
     return relax_mesh(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples, surface.scale,
                       grid.lattice, params.surface.relax, context);

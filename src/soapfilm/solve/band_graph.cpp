@@ -62,11 +62,11 @@ bool BandGraph::Cursor::next(BandVertex& vertex) {
   const Vec3i local{std::countr_zero(bits_), in_brick % brick_side, in_brick / brick_side};
   bits_ &= bits_ - 1;
   vertex.id = id_++;
-  graph_.look_around(vertex, brick, local);
+  graph_.measure_surroundings(vertex, brick, local);
   return true;
 }
 
-void BandGraph::look_around(BandVertex& vertex, size_t brick, Vec3i local) const {
+void BandGraph::measure_surroundings(BandVertex& vertex, size_t brick, Vec3i local) const {
   vertex.position = grid_.first_vertex(brick) + local;
   const int32_t f = f_brick_[brick];
   vertex.unary =

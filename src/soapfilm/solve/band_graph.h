@@ -61,7 +61,7 @@ class BandGraph {
   };
   static constexpr size_t rows_per_brick = brick_area;
 
-  void look_around(BandVertex& vertex, size_t brick, Vec3i local) const;
+  void measure_surroundings(BandVertex& vertex, size_t brick, Vec3i local) const;
 
   const LevelBox box_;
   const SupportField& support_;

@@ -1,4 +1,4 @@
-#include "soapfilm/refine/coarse_film.h"
+#include "soapfilm/refine/coarse_hole_surface.h"
 
 #include <fmt/core.h>
 
@@ -37,25 +37,25 @@ void set_with_neighbors(BrickMask& bricks, Vec3i vertex) {
 
 }  // namespace
 
-CoarseFilm::CoarseFilm(const Level& fine, float threshold, const HoleFinder& finder, const FitWeights& fit_weights,
-                       const Context& context)
+CoarseHoleSurface::CoarseHoleSurface(const Level& fine, float threshold, const HoleFinder& finder,
+                                     const FitWeights& fit_weights, const Context& context)
     : fine_(fine), threshold_(threshold), finder_(finder), context_(context) {
   // In units of the half-resolution grid, where the surface has a quarter of the vertices.
-  strength_.noise = fit_weights.noise / 2;
-  strength_.smoothing = fit_weights.noise > noise_to_follow
-                            ? std::clamp(fit_weights.smoothing / 4, least_of_holes, most_of_holes)
-                            : least_of_holes;
+  fit_weights_.noise = fit_weights.noise / 2;
+  fit_weights_.smoothing = fit_weights.noise > noise_to_follow
+                               ? std::clamp(fit_weights.smoothing / 4, least_of_holes, most_of_holes)
+                               : least_of_holes;
   robust_.slope_of_curvature = slope_of_curvature;
   robust_.solve = {60, 0.01};
 }
 
-float CoarseFilm::distance(Vec3i v) const {
+float CoarseHoleSurface::distance(Vec3i v) const {
   const float far = static_cast<float>(reach) + 1;
   return value_at(start_.band, phi_, v, level_.u_at(v) > 0.5f ? far : -far);
 }
 
 /// The indicator on the bricks that are needed now; parts already curved are kept.
-void CoarseFilm::make_level() {
+void CoarseHoleSurface::make_level() {
   const BrickMask wanted = with_neighbors(bricks_);
   Level next = every_second_vertex(fine_, threshold_, context_, &wanted);
   for (size_t b = 0; b < level_.grid.size(); ++b)
@@ -65,7 +65,7 @@ void CoarseFilm::make_level() {
 }
 
 /// Fits, and updates the labels.
-FlipCount CoarseFilm::step() {
+FlipCount CoarseHoleSurface::step() {
   make_level();
   start_ = start_from(level_, 0.5f, reach, context_, &bricks_);
   SignBits signs = signs_of(level_, 0.5f, start_, context_);
@@ -73,7 +73,7 @@ FlipCount CoarseFilm::step() {
     const GridSamples samples = on_every_second_vertex(finder_.samples(), context_, &bricks_);
     Displacement displacement(start_.band, start_.phi0, context_);
     CellSamples cells(samples, start_.band, context_);
-    fit_robustly(displacement, samples, cells, {}, strength_, robust_, context_.silent());
+    fit_robustly(displacement, samples, cells, {}, fit_weights_, robust_, context_.silent());
     phi_ = std::move(displacement.phi());
   }
   // Where there are samples near the surface, the labels of the solve are kept.
@@ -96,15 +96,15 @@ FlipCount CoarseFilm::step() {
   return flips;
 }
 
-bool CoarseFilm::bend(const std::vector<HoleFilm>& films, HoleReport& report) {
+bool CoarseHoleSurface::bend(const std::vector<HoleSurface>& films, HoleReport& report) {
   bricks_ = BrickMask(Vec3i{fine_.box.bricks.x + 1, fine_.box.bricks.y + 1, fine_.box.bricks.z + 1} / 2);
-  for (const HoleFilm& film : films)
+  for (const HoleSurface& film : films)
     for (const Vec3i v : film) set_with_neighbors(bricks_, v);
   size_t first = 0;
   for (report.rounds = 1; report.rounds <= most_rounds; ++report.rounds) {
     const FlipCount flips = step();
     context_.progress().advance(static_cast<double>(report.rounds) / most_rounds,
-                                fmt::format("bending over holes, round {}", report.rounds));
+                                fmt::format("curvature over holes, round {}", report.rounds));
     const size_t turned = flips.wanted - flips.refused;
     if (report.rounds == 1) first = turned;
     if (turned > first && static_cast<double>(flips.refused) > most_held * static_cast<double>(turned)) return false;

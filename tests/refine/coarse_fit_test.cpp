@@ -1,4 +1,4 @@
-#include "soapfilm/refine/coarser.h"
+#include "soapfilm/refine/coarse_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ const Context one_thread(1);
 struct TwoGrids {
   Solved solved;
   Start start = start_from(solved.solution.finest, 0.5f, 3, one_thread);
-  Coarser coarse;
+  CoarseFit coarse;
 
   explicit TwoGrids(Solved problem) : solved(std::move(problem)) {
     coarse.start = start_from(every_second_vertex(solved.solution.finest, 0.5f, one_thread), 0.5f, 3, one_thread);
@@ -25,19 +25,19 @@ struct TwoGrids {
     coarse.fit_weights = choose_fit_weights(coarse.start, coarse.samples, {}, {}, one_thread, coarse.search);
   }
   bool coarse_serves() const {
-    return serves(coarse, {start, solved.problem.samples, on_half_the_voxel(coarse.fit_weights)}, {}, one_thread);
+    return suffices(coarse, {start, solved.problem.samples, on_half_the_voxel(coarse.fit_weights)}, {}, one_thread);
   }
 };
 
 TEST(CoarserGrid, ServesForASmoothShapeAndNotForAThinOne) {
   const Disturbance noise{.noise_vox = 0.8};
   const TwoGrids sphere(Solved("sphere", 90, 0.15, noise));
-  EXPECT_TRUE(sphere.coarse.fit_weights.yield);
+  EXPECT_TRUE(sphere.coarse.fit_weights.edge_preserving);
   EXPECT_TRUE(sphere.coarse_serves());
   // Three voxels thick: a cell and a half of every second vertex.
   constexpr int resolution = 90;
   const TwoGrids plate(Solved(make_shape("plate", {.thickness = 3.0 / (resolution - 12)}), resolution, 0.15, noise));
-  EXPECT_TRUE(plate.coarse.fit_weights.yield);
+  EXPECT_TRUE(plate.coarse.fit_weights.edge_preserving);
   EXPECT_FALSE(plate.coarse_serves());
 }
 

@@ -1,4 +1,4 @@
-#include "soapfilm/refine/coarser.h"
+#include "soapfilm/refine/coarse_fit.h"
 
 #include <cmath>
 
@@ -16,7 +16,7 @@ constexpr double most_cost = 1.03;
 
 }  // namespace
 
-bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robust, const Context& context) {
+bool suffices(const CoarseFit& coarse, const FineProblem& finer, const RobustParams& robust, const Context& context) {
   const HeldOutParams patches;
   HeldOutParams same = patches;
   same.patch_bricks *= 2;

@@ -9,7 +9,7 @@
 namespace soapfilm {
 
 /// The problem on every second vertex of a finer grid, in lattice units of its own.
-struct Coarser {
+struct CoarseFit {
   Start start;
   GridSamples samples;
   FitWeights fit_weights;
@@ -17,7 +17,7 @@ struct Coarser {
 };
 
 /// The start, samples and weights of the finer grid that a coarser one is compared with.
-struct Finer {
+struct FineProblem {
   const Start& start;
   const GridSamples& samples;
   FitWeights fit_weights;
@@ -25,7 +25,7 @@ struct Finer {
 
 /// Whether a coarser fit is as good: the mean distance of held-out samples is at most 3 % larger. Both are fitted to
 /// the same patches, as choose_fit_weights() does. False where there is no held-out sample in the band.
-bool serves(const Coarser& coarse, const Finer& finer, const RobustParams& robust, const Context& context);
+bool suffices(const CoarseFit& coarse, const FineProblem& finer, const RobustParams& robust, const Context& context);
 
 /// Whether phi, from a coarser fit, still describes this surface. A vertex within a voxel of the surface fails where
 /// phi differs by more than `far` voxels from its first value (a part was too thin for the coarser cells), or where the
