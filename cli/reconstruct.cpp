@@ -1,4 +1,5 @@
 // soapfilm reconstruct: scans in, watertight mesh out.
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/core/names.h"
 #include "soapfilm/finish/self_check.h"

@@ -11,7 +11,7 @@
 #include "soapfilm/context.h"
 #include "soapfilm/vec.h"
 
-namespace SOAPFILM_API soapfilm {
+namespace soapfilm SOAPFILM_API {
 
 using Rgb8 = std::array<uint8_t, 3>;
 
@@ -63,4 +63,4 @@ struct PointCloud {
   void filter(const std::vector<bool>& keep);
 };
 
-}  // namespace soapfilm
+}  // namespace SOAPFILM_API

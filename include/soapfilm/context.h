@@ -7,7 +7,7 @@
 
 #include "soapfilm/progress.h"
 
-namespace SOAPFILM_API soapfilm {
+namespace soapfilm SOAPFILM_API {
 
 class Threads;
 class PagePool;
@@ -52,4 +52,4 @@ class Context {
 /// the choice.
 std::vector<std::string> simd_targets();
 
-}  // namespace soapfilm
+}  // namespace SOAPFILM_API

@@ -12,7 +12,7 @@
 #include "soapfilm/params.h"
 #include "soapfilm/vec.h"
 
-namespace SOAPFILM_API soapfilm {
+namespace soapfilm SOAPFILM_API {
 
 struct StageTime {
   std::string name;
@@ -169,4 +169,4 @@ struct ReconstructReport {
 
 std::string to_json(const ReconstructReport& report);
 
-}  // namespace soapfilm
+}  // namespace SOAPFILM_API

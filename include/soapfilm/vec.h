@@ -8,7 +8,7 @@
 
 #include "soapfilm/export.h"
 
-namespace SOAPFILM_API soapfilm {
+namespace soapfilm SOAPFILM_API {
 
 template <class T>
 struct Vec3 {
@@ -51,4 +51,4 @@ struct Box3d {
   }
 };
 
-}  // namespace soapfilm
+}  // namespace SOAPFILM_API
