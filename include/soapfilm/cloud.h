@@ -11,7 +11,7 @@
 #include "soapfilm/context.h"
 #include "soapfilm/vec.h"
 
-namespace soapfilm SOAPFILM_API {
+namespace SOAPFILM_API soapfilm {
 
 using Rgb8 = std::array<uint8_t, 3>;
 
@@ -63,4 +63,4 @@ struct PointCloud {
   void filter(const std::vector<bool>& keep);
 };
 
-}  // namespace SOAPFILM_API
+}  // namespace soapfilm

@@ -7,7 +7,7 @@
 
 #include "soapfilm/progress.h"
 
-namespace soapfilm SOAPFILM_API {
+namespace SOAPFILM_API soapfilm {
 
 class Threads;
 class PagePool;
@@ -52,4 +52,4 @@ class Context {
 /// the choice.
 std::vector<std::string> simd_targets();
 
-}  // namespace SOAPFILM_API
+}  // namespace soapfilm

@@ -6,7 +6,7 @@
 
 #include "soapfilm/export.h"
 
-namespace soapfilm SOAPFILM_API {
+namespace SOAPFILM_API soapfilm {
 
 /// A value that the caller gave is refused. The message is one line: what, its value, its constraint.
 struct ParameterError : std::invalid_argument {
@@ -40,4 +40,4 @@ struct Cancelled : std::runtime_error {
   Cancelled() : std::runtime_error("cancelled") {}
 };
 
-}  // namespace SOAPFILM_API
+}  // namespace soapfilm

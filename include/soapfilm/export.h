@@ -2,8 +2,8 @@
 #ifndef SOAPFILM_EXPORT_H
 #define SOAPFILM_EXPORT_H
 
-#if defined(__GNUC__)
-#define SOAPFILM_API __attribute__((visibility("default")))
+#ifdef __cplusplus
+#define SOAPFILM_API [[gnu::visibility("default")]]
 #else
 #define SOAPFILM_API
 #endif

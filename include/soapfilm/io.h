@@ -10,7 +10,7 @@
 #include "soapfilm/context.h"
 #include "soapfilm/mesh.h"
 
-namespace soapfilm SOAPFILM_API {
+namespace SOAPFILM_API soapfilm {
 
 /// What reading one file found.
 struct FileReport {
@@ -70,4 +70,4 @@ WriteReport write_mesh(const std::string& path, const Mesh& mesh, const WriteOpt
 WriteReport write_points(const std::string& path, const PointCloud& cloud, const WriteOptions& options = {},
                          const Context& context = Context(1));
 
-}  // namespace SOAPFILM_API
+}  // namespace soapfilm

@@ -11,7 +11,7 @@
 #include "soapfilm/cloud.h"
 #include "soapfilm/vec.h"
 
-namespace soapfilm SOAPFILM_API {
+namespace SOAPFILM_API soapfilm {
 
 using Triangle = std::array<uint32_t, 3>;
 
@@ -80,4 +80,4 @@ struct DistanceSummary {
   double percentile99 = 0;
 };
 
-}  // namespace SOAPFILM_API
+}  // namespace soapfilm

@@ -9,7 +9,7 @@
 
 #include "soapfilm/vec.h"
 
-namespace soapfilm SOAPFILM_API {
+namespace SOAPFILM_API soapfilm {
 
 enum class Method : uint8_t {
   tv,            ///< total variation (4), primal-dual, coarse to fine on a band, certified
@@ -231,4 +231,4 @@ std::string to_json(const ReconstructParams& params);
 /// ParameterError for text that is not JSON, an unknown key, a value of the wrong type or out of range.
 ReconstructParams params_from_json(const std::string& text);
 
-}  // namespace SOAPFILM_API
+}  // namespace soapfilm

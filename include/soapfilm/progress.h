@@ -7,7 +7,7 @@
 
 #include "soapfilm/error.h"
 
-namespace soapfilm SOAPFILM_API {
+namespace SOAPFILM_API soapfilm {
 
 /// Callbacks arrive on the thread that called the library, never from worker threads. The defaults do nothing.
 class Progress {
@@ -39,4 +39,4 @@ class Progress {
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 
-}  // namespace SOAPFILM_API
+}  // namespace soapfilm

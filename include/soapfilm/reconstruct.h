@@ -10,7 +10,7 @@
 #include "soapfilm/params.h"
 #include "soapfilm/report.h"
 
-namespace soapfilm SOAPFILM_API {
+namespace SOAPFILM_API soapfilm {
 
 struct Reconstruction {
   Mesh mesh;
@@ -29,4 +29,4 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
 /// The same, and frees the cloud once its samples are on the grid: a large cloud does not stay beside the solve.
 Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Context& context);
 
-}  // namespace SOAPFILM_API
+}  // namespace soapfilm

@@ -12,7 +12,7 @@
 #include "soapfilm/params.h"
 #include "soapfilm/vec.h"
 
-namespace soapfilm SOAPFILM_API {
+namespace SOAPFILM_API soapfilm {
 
 struct StageTime {
   std::string name;
@@ -169,4 +169,4 @@ struct ReconstructReport {
 
 std::string to_json(const ReconstructReport& report);
 
-}  // namespace SOAPFILM_API
+}  // namespace soapfilm

@@ -8,7 +8,7 @@
 
 #include "soapfilm/export.h"
 
-namespace soapfilm SOAPFILM_API {
+namespace SOAPFILM_API soapfilm {
 
 template <class T>
 struct Vec3 {
@@ -51,4 +51,4 @@ struct Box3d {
   }
 };
 
-}  // namespace SOAPFILM_API
+}  // namespace soapfilm
