@@ -24,4 +24,4 @@ for kernels in kernels kernels_refine kernels_io; do
   "$programs/bench_$kernels" --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true \
     --benchmark_report_aggregates_only=true --benchmark_out="$out/$kernels.json" --benchmark_out_format=json
 done
-/usr/bin/python3 -B "$here/kernels.py" "$out" "$here/results/kernels.md"
+/usr/bin/python3 -B "$here/kernels/kernels.py" "$out" "$here/results/kernels.md"

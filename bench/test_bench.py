@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE / "speed"), str(HERE / "accuracy")]
+sys.path[:0] = [str(HERE), str(HERE / "speed"), str(HERE / "accuracy"), str(HERE / "kernels")]
 
 import clouds
 import inputs

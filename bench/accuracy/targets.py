@@ -1,11 +1,15 @@
 """What must hold, each target judged by the rows of one run. Every function gives rows of the table:
 (target, where, demanded, measured, verdict)."""
+import sys
 from dataclasses import dataclass
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parent.parent))  # of verdict.py, which all benchmarks share
 
 from cases import FLAT, SERIES_CONDITIONS
 from results import order_of
+from verdict import MET, MISSED, NOT_MEASURED
 
-MET, MISSED, NOT_MEASURED = "met", "**missed**", "not measured"
 LEAST_ORDER = 1.8  # of a slope that counts as second order: random samples scatter it
 SHARE = "CPU time of the refinement over the solve's"
 NOT_SPLIT = "order of the error in the voxel, edges not split"

@@ -2,9 +2,14 @@
 
 A figure is a dictionary of a program's medians in one condition: cpu, user, system, elapsed (seconds), peak_mb, faults,
 and of ours planned_mb."""
+import sys
 from dataclasses import dataclass
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parent.parent))  # of verdict.py, which all benchmarks share
 
 from conditions import CONDITIONS, RESTED
+from verdict import NOT_MEASURED, verdict
 
 OURS, ON_TWO = "soapfilm", "soapfilm, two threads"
 PLAN_WITHIN = 0.15
@@ -34,16 +39,12 @@ CASES = {"512": Case(None, 512, cpu=2.5, elapsed=2, peak_mb=350, ratio=5),
 SMOKE_CASES = {"smoke": Case(4000, 48, cpu=60, elapsed=60, beyond_file_mb=1500, ratio=1)}
 
 
-def verdict(holds):
-    return "met" if holds else "**missed**"
-
-
 def row(case, target, judge, conditions=CONDITIONS):
     """`judge(condition)`: what was measured, as text, and whether it is enough; None where that is not known."""
     cells = []
     for condition in CONDITIONS:
         judged = judge(condition) if condition in conditions else None
-        cells += [judged[0], verdict(judged[1])] if judged else ["", "not measured"]
+        cells += [judged[0], verdict(judged[1])] if judged else ["", NOT_MEASURED]
     return [case, target, *cells]
 
 

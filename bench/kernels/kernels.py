@@ -7,9 +7,10 @@ import sys
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from lab import commit, machine, markdown
+from verdict import NOT_MEASURED, verdict
 
 TITLES = {"kernels": "The solver's", "kernels_refine": "The refinement's passes", "kernels_io": "Everything else"}
 NOTES = {
@@ -62,10 +63,6 @@ def table(found):
     return markdown(header, rows)
 
 
-def verdict(holds):
-    return "met" if holds else "**missed**"
-
-
 def verdicts(found):
     """Rows (target, measured, verdict), `found` by file."""
     rows = []
@@ -75,16 +72,16 @@ def verdicts(found):
             key = (name, f"threads {threads}")
             of_copy = share(sweeps, key) if key in sweeps else None
             rows.append([f"{shown}, {threads} thread{'s' * (threads > 1)}: >= {100 * SHARE:.0f} % of the copy",
-                         *(["", "not measured"] if of_copy is None else
+                         *(["", NOT_MEASURED] if of_copy is None else
                            [f"{100 * of_copy:.0f} %", verdict(of_copy >= SHARE)])])
     eight = sweeps.get(("eight_sweeps", "threads 1"), {}).get("ns_per_vertex")
     rows.append([f"eight sweeps per tile, 1 thread: the mark of {MARK_NS} ns per vertex and sweep",
-                 *(["", "not measured"] if eight is None else
+                 *(["", NOT_MEASURED] if eight is None else
                    [f"{eight:.2f} ns", verdict(eight <= MARK_NS)])])
     for name, least in READING.items():
         rate = found.get("kernels_io", {}).get((name, ""), {}).get("bytes_per_second")
         rows.append([f"{name.replace('_', ' ')}: >= {least / 1e6:.0f} MB/s",
-                     *(["", "not measured"] if rate is None else [f"{rate / 1e6:.0f} MB/s", verdict(rate >= least)])])
+                     *(["", NOT_MEASURED] if rate is None else [f"{rate / 1e6:.0f} MB/s", verdict(rate >= least)])])
     return rows
 
 
