@@ -35,7 +35,7 @@ Band sample(const BrickMask& mask, Function&& f) {
   band.value = Field<float>(band.grid);
   for (size_t b = 0; b < band.grid.size(); ++b) {
     for (int i = 0; i < brick_volume; ++i) {
-      band.value.brick(b)[i] = f(band.grid.first_vertex(b) + Vec3i{i & 7, i >> 3 & 7, i >> 6});
+      band.value.brick(b)[i] = f(band.grid.first_vertex(b) + vertex_in_brick(i));
     }
   }
   return band;

@@ -34,7 +34,7 @@ Seen sample(const BrickMask& mask, Value&& value, Weight&& weight) {
   seen.weight = Field<float>(seen.grid);
   for (size_t b = 0; b < seen.grid.size(); ++b) {
     for (int i = 0; i < brick_volume; ++i) {
-      const Vec3i v = seen.grid.first_vertex(b) + Vec3i{i & 7, i >> 3 & 7, i >> 6};
+      const Vec3i v = seen.grid.first_vertex(b) + vertex_in_brick(i);
       seen.value.brick(b)[i] = value(v);
       seen.weight.brick(b)[i] = weight(v);
     }

@@ -90,7 +90,7 @@ void for_each_seen(const Fusion& fusion, const Lattice& lattice, Visit&& visit) 
   for (size_t b = 0; b < fusion.field.grid.size(); ++b) {
     for (int i = 0; i < brick_volume; ++i) {
       const float weight = fusion.field.weight.brick(b)[i];
-      const Vec3i v = fusion.field.grid.first_vertex(b) + Vec3i{i & 7, i >> 3 & 7, i >> 6};
+      const Vec3i v = fusion.field.grid.first_vertex(b) + vertex_in_brick(i);
       if (weight > 0) visit(lattice.to_world(Vec3d(v)), static_cast<double>(fusion.field.distance.brick(b)[i]), weight);
     }
   }

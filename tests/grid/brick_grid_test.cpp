@@ -148,8 +148,7 @@ TEST(Window, ShowsTheNeighborsAndNamesTheMissing) {
   const auto id = [](Vec3i v) { return static_cast<float>(v.x + 100 * v.y + 10000 * v.z); };
   Field<float> field(grid);
   for (size_t b = 0; b < grid.size(); ++b)
-    for (int i = 0; i < brick_volume; ++i)
-      field.brick(b)[i] = id(grid.first_vertex(b) + Vec3i{i % 8, i / 8 % 8, i / 64});
+    for (int i = 0; i < brick_volume; ++i) field.brick(b)[i] = id(grid.first_vertex(b) + vertex_in_brick(i));
   constexpr int margin = 3;
   Window<float, margin> window;
   for (size_t b = 0; b < grid.size(); ++b) {

@@ -20,8 +20,7 @@ Sampled sampled(Function&& function) {
   result.value = Field<float>(result.grid);
   for (size_t b = 0; b < result.grid.size(); ++b)
     for (int i = 0; i < brick_volume; ++i)
-      result.value.brick(b)[i] =
-          static_cast<float>(function(Vec3d(result.grid.first_vertex(b) + Vec3i{i & 7, i >> 3 & 7, i >> 6})));
+      result.value.brick(b)[i] = static_cast<float>(function(Vec3d(result.grid.first_vertex(b) + vertex_in_brick(i))));
   return result;
 }
 

@@ -55,8 +55,7 @@ inline Vec3i along(int axis) { return {axis == 0, axis == 1, axis == 2}; }
 /// Calls visit(lattice vertex, position in the brick) for the 512 vertices of a brick.
 template <class Visit>
 void for_each_vertex(Vec3i brick, Visit&& visit) {
-  for (int i = 0; i < brick_volume; ++i)
-    visit(brick * brick_side + Vec3i{i % brick_side, i / brick_side % brick_side, i / brick_area}, i);
+  for (int i = 0; i < brick_volume; ++i) visit(brick * brick_side + vertex_in_brick(i), i);
 }
 
 /// u on the whole box: the band's, and what `inside` says elsewhere. With a threshold: 1 where u exceeds it.

@@ -187,7 +187,7 @@ Mesh Knot::local_tessellate(double tolerance) const {
   Field<float> value(grid, one_thread.pages());
   for (size_t b = 0; b < grid.size(); ++b) {
     for (int i = 0; i < brick_volume; ++i) {
-      const Vec3i v = grid.first_vertex(b) + Vec3i{i % brick_side, i / brick_side % brick_side, i / brick_area};
+      const Vec3i v = grid.first_vertex(b) + vertex_in_brick(i);
       value.brick(b)[i] = static_cast<float>(-level(static_cast<Vec3d>(v)));
     }
   }

@@ -81,7 +81,7 @@ class BorderFlux {
     for (int axis = 0; axis < 3; ++axis) {
       const float* p = level.p.brick(b, axis);
       for (int i = 0; i < brick_volume; ++i) {
-        const Vec3i v = level.grid.first_vertex(b) + Vec3i{i % brick_side, i / brick_side % brick_side, i / brick_area};
+        const Vec3i v = level.grid.first_vertex(b) + vertex_in_brick(i);
         Vec3i next = v;
         ++next[axis];
         if (level.box.is_free(v) != level.box.is_free(next)) sum += std::abs(double{p[i]});

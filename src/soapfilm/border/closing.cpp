@@ -41,7 +41,7 @@ Area area_of(const Level& level, size_t b, double flux) {
   const float* u = level.u.brick(b);
   const Vec3i first = level.grid.first_vertex(b);
   for (int i = 0; i < brick_volume; ++i) {
-    const Vec3i v = first + Vec3i{i % brick_side, i / brick_side % brick_side, i / brick_area};
+    const Vec3i v = first + vertex_in_brick(i);
     if (!level.box.is_free(v)) continue;
     for (int axis = 0; axis < 3; ++axis) {
       Vec3i next = v;

@@ -25,6 +25,8 @@ constexpr std::array<int, 2> strides_across(int axis) {
 }
 
 constexpr int brick_offset(int x, int y, int z) { return x + brick_side * y + brick_area * z; }
+/// Its inverse: the vertex in its brick, each coordinate in [0, 8).
+constexpr Vec3i vertex_in_brick(int i) { return {i & 7, i >> 3 & 7, i >> 6}; }
 
 /// The brick that holds a lattice vertex; valid for negative coordinates too.
 constexpr Vec3i brick_of(Vec3i vertex) { return {vertex.x >> 3, vertex.y >> 3, vertex.z >> 3}; }

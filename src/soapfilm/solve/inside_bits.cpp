@@ -46,7 +46,7 @@ BrickBits InsideBits::interface(size_t b) const {
 BrickBits InsideBits::joined_to(size_t b, int axis, int step) const {
   BrickBits found;
   for (int i = 0; i < brick_volume; ++i) {
-    const Vec3i v = level_.grid.first_vertex(b) + Vec3i{i % brick_side, i / brick_side % brick_side, i / brick_area};
+    const Vec3i v = level_.grid.first_vertex(b) + vertex_in_brick(i);
     Vec3i next = v;
     next[axis] += step;
     if (level_.box.is_free(v) && level_.box.is_free(next)) found.set(i);
