@@ -24,15 +24,16 @@ bool names(std::span<const std::string> wanted, const std::string& name) {
          std::find(wanted.begin(), wanted.end(), "all") != wanted.end();
 }
 
-/// The samples that a vertex takes its values from, and what each counts for.
+/// The samples that a vertex takes its values from, nearest first, and what each counts for.
 struct Neighbors {
-  size_t count = 0;
+  size_t count = 0;  ///< within reach, or the nearest one alone
+  size_t found = 0;  ///< and beyond
   std::array<uint32_t, most_neighbors> sample{};
   std::array<double, most_neighbors> weight{};
 
   Neighbors(const KdTree& tree, const GridSamples& samples, Vec3d place) {
     std::array<double, most_neighbors> squared{};
-    const size_t found = tree->knnSearch(&place.x, most_neighbors, sample.data(), squared.data());
+    found = tree->knnSearch(&place.x, most_neighbors, sample.data(), squared.data());
     for (; count < found; ++count) {
       const double near = 1 - squared[count] / (attribute_reach * attribute_reach);
       if (near <= 0) break;
@@ -42,6 +43,13 @@ struct Neighbors {
   }
 };
 
+/// Of the nearest sample that has one.
+float nearest_number(const Neighbors& neighbors, const std::vector<float>& values) {
+  for (size_t k = 0; k < neighbors.found; ++k)
+    if (const float value = values[neighbors.sample[k]]; !std::isnan(value)) return value;
+  return std::numeric_limits<float>::quiet_NaN();
+}
+
 float mean(const Neighbors& neighbors, const std::vector<float>& values) {
   double sum = 0, weights = 0;
   for (size_t k = 0; k < neighbors.count; ++k) {
@@ -50,12 +58,12 @@ float mean(const Neighbors& neighbors, const std::vector<float>& values) {
     sum += neighbors.weight[k] * value;
     weights += neighbors.weight[k];
   }
-  return weights > 0 ? static_cast<float>(sum / weights) : std::numeric_limits<float>::quiet_NaN();
+  return weights > 0 ? static_cast<float>(sum / weights) : nearest_number(neighbors, values);
 }
 
 /// Of several with the same weight, the nearest sample's.
 float majority(const Neighbors& neighbors, const std::vector<float>& values) {
-  float best = std::numeric_limits<float>::quiet_NaN();
+  float best = nearest_number(neighbors, values);
   double most = 0;
   for (size_t k = 0; k < neighbors.count; ++k) {
     const float value = values[neighbors.sample[k]];
