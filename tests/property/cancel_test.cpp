@@ -11,8 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "io/files.h"
 #include "property/each_method.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io.h"
 #include "soapfilm/reconstruct.h"
 #include "support/resident.h"
 #include "support/sanitized.h"
@@ -125,8 +127,20 @@ TEST(ProgressOfStages, RisesFromStageToStage) {
   add_noise(cloud, 0.003, 1);
   ReconstructParams params;
   params.place.resolution = 48;
-  reconstruct(cloud, params, Context(1, bars));
+  const Context context(1, bars);
+  const Reconstruction result = reconstruct(cloud, params, context);
   for (const char* stage : {"orient", "field", "solve", "refine"}) EXPECT_GE(bars.fractions[stage].size(), 3u) << stage;
+  for (const char* stage : {"extract", "self-check"}) EXPECT_GE(bars.fractions[stage].size(), 1u) << stage;
+
+  const TemporaryFolder folder;
+  bars.stage = "write";
+  write_mesh(folder / "mesh.ply", result.mesh, {}, context);
+  EXPECT_GE(bars.fractions["write"].size(), 2u);
+  bars.stage = "read";
+  write_points(folder / "a.ply", cloud);
+  write_points(folder / "b.ply", cloud);
+  EXPECT_EQ(read_points({folder / "a.ply", folder / "b.ply"}, nullptr, context).size(), 2 * cloud.size());
+  EXPECT_EQ(bars.fractions["read"].size(), 2u);
 }
 
 /// Cancels some time after a stage began, from a thread of its own.

@@ -92,6 +92,7 @@ class Extraction {
     if (first_vertex_.back() > std::numeric_limits<uint32_t>::max()) {
       throw ParameterError(fmt::format("the surface has {} vertices, must be < 2^32", first_vertex_.back()));
     }
+    context_.progress().advance(0.5, "cells counted");
     reserve_many(mesh_.vertices, first_vertex_.back(), context_.pages());
     mesh_.vertices.resize(first_vertex_.back());
     reserve_many(mesh_.triangles, first_triangle_.back(), context_.pages());

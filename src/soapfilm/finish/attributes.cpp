@@ -124,6 +124,7 @@ void carry_attributes(const SampleAttributes& attributes, const GridSamples& sam
                       const Context& context, Mesh& mesh) {
   const std::vector<Vec3d> places = lattice_positions(samples);
   const KdTree tree(places);
+  context.progress().advance(0.5, "samples sorted");
   if (!attributes.colors.empty()) mesh.colors.resize(mesh.vertices.size());
   const size_t first = mesh.attributes.size();
   for (const Column& column : attributes.columns)

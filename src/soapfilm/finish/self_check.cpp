@@ -243,6 +243,7 @@ SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const L
   if (!lost.empty()) report.outliers = outlier_share(picked.places, lost, samples);
   if (report.lost > self_check_most_lost && report.lost < 0.5)
     report.noise = noise_of_lost(picked, report.lost, mesh, lattice, context);
+  context.progress().advance(0.6, "samples");
   size_t places = 0;
   const Area area = invented_area(mesh, samples, lattice, context, places);
   if (!(area.all > 0)) return report;

@@ -243,6 +243,7 @@ void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double
   report.distance = params.distance.value_or(spacings * std::max(1.0, spacing) * lattice.voxel);
   Cut cut(mesh, samples, lattice, report.distance, context);
   report.nothing_near = cut.all_far();
+  context.progress().advance(0.6, "distances");
   if (report.nothing_near || !cut.choose_regions(lattice.open, params.holes, report)) return;
   const double before = mesh.area();
   cut.snap_cuts();

@@ -58,6 +58,7 @@ void ByteSource::release(size_t offset) {
   const size_t end = offset / release_step * release_step;
   if (mapping_ != nullptr) ::madvise(static_cast<char*>(mapping_) + released_, end - released_, MADV_DONTNEED);
   released_ = end;
+  if (progress_) progress_->advance(static_cast<double>(end) / static_cast<double>(bytes_.size()), {});
 }
 
 void ByteCursor::fail_truncated(size_t wanted) const {

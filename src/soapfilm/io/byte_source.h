@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "soapfilm/progress.h"
+
 namespace soapfilm::io {
 
 /// The bytes of a file: mapped when it is a regular file, read whole when it is a pipe.
@@ -23,6 +25,9 @@ class ByteSource {
   std::string_view bytes() const { return bytes_; }
   bool begins_with(std::string_view head) const { return bytes_.substr(0, head.size()) == head; }
 
+  /// From now on told what part of the file has been read, on the reading thread.
+  void report_to(Progress& progress) { progress_ = &progress; }
+
   /// The reader has passed `offset`: the memory of what lies before may be released (it stays readable). Cheap to call.
   void release_before(size_t offset) {
     if (offset - released_ >= release_step) release(offset);
@@ -33,6 +38,7 @@ class ByteSource {
   void release(size_t offset);
 
   std::string path_;
+  Progress* progress_ = nullptr;
   std::string_view bytes_;
   void* mapping_ = nullptr;
   std::vector<char> copy_;

@@ -51,6 +51,7 @@ PointCloud read_points(const std::string& path, ReadReport* report, const Contex
   ReadReport unused;
   io::ByteSource source(path);
   const Format& format = require<InputError>(path, io::format_of(source), reads_points, " to be read as points");
+  source.report_to(context.progress());
   return format.read_points(source, report != nullptr ? *report : unused, context);
 }
 
@@ -58,8 +59,9 @@ PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report
   if (paths.empty()) throw ParameterError("0 input files, must be > 0");
   if (paths.size() == 1) return read_points(paths.front(), report, context);
   ReadReport unused;
+  const Context silent = context.silent();
   return io::read_each(paths.size(), report != nullptr ? *report : unused, context,
-                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, context); });
+                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, silent); });
 }
 
 Mesh read_mesh(const std::string& path) {

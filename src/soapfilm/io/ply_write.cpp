@@ -90,6 +90,7 @@ void write_rows(AtomicFile& file, PlyStyle style, size_t rows, size_t values, co
       }
     });
     for (const PlyBody& body : bodies) file.append(body.bytes());
+    context.progress().advance(static_cast<double>(first + count) / static_cast<double>(rows), {});
   }
 }
 
@@ -217,13 +218,13 @@ WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const Writ
   file.append(header);
   const PlyStyle style{options.ascii, report.double_coordinates};
   const size_t vertex_values = 9 + mesh.attributes.size();
-  write_rows(file, style, mesh.vertices.size(), vertex_values, context, [&](size_t i, PlyBody& body) {
+  write_rows(file, style, mesh.vertices.size(), vertex_values, context.part(0, 0.5), [&](size_t i, PlyBody& body) {
     body.put_position(mesh.vertices[i]);
     if (!mesh.normals.empty()) body.put(mesh.normals[i]);
     if (!mesh.colors.empty()) body.put_color(mesh.colors[i]);
     for (const Column& attribute : mesh.attributes) body.put(attribute.values[i]);
   });
-  write_rows(file, style, mesh.triangles.size(), 4, context, [&](size_t i, PlyBody& body) {
+  write_rows(file, style, mesh.triangles.size(), 4, context.part(0.5, 1), [&](size_t i, PlyBody& body) {
     body.put(uint8_t{3});
     for (const uint32_t v : mesh.triangles[i]) body.put(v);
   });

@@ -14,7 +14,7 @@ namespace soapfilm::io {
 
 /// read(i, report) for i in [0, count), as many at once as there are threads, so that no more clouds than that wait to
 /// be appended. Cloud, report and error are those of reading one after the other; after an error the report is
-/// incomplete.
+/// incomplete. read() is not on the calling thread alone: it must not report progress.
 template <class Read>
 PointCloud read_each(size_t count, ReadReport& report, const Context& context, Read&& read) {
   const auto at_once = static_cast<size_t>(context.threads());
@@ -29,6 +29,7 @@ PointCloud read_each(size_t count, ReadReport& report, const Context& context, R
       std::move(reports[i].files.begin(), reports[i].files.end(), std::back_inserter(report.files));
       std::move(reports[i].warnings.begin(), reports[i].warnings.end(), std::back_inserter(report.warnings));
     }
+    context.progress().advance(static_cast<double>(first + files) / static_cast<double>(count), {});
   }
   return all;
 }

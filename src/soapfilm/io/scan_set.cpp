@@ -98,6 +98,7 @@ void write_scan_set(const std::string& path, const std::vector<ScanSetEntry>& en
 PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, const Context& context) {
   const std::filesystem::path folder = std::filesystem::path(source.path()).parent_path();
   const std::vector<ScanSetEntry> entries = parse_scan_set(source, report);
+  const Context silent = context.silent();
   return read_each(entries.size(), report, context, [&](size_t i, ReadReport& to) {
     const ScanSetEntry& entry = entries[i];
     const std::string file = (folder / entry.file).string();
@@ -106,7 +107,7 @@ PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, cons
           fmt::format("{}: bmesh names {}, must be a scan, not a scan set", source.path(), in_quotes(entry.file)));
     PointCloud cloud;
     try {
-      cloud = read_points(file, &to, context);
+      cloud = read_points(file, &to, silent);
     } catch (const InputError& error) {  // the user named the set
       throw InputError(source.path() + ": " + error.what());
     }
