@@ -89,7 +89,7 @@ struct Level {
   }
 };
 
-/// A level whose u and p are zero and whose rim fluxes are zero.
+/// A level whose u and p are zero and whose fluxes at the band boundary are zero.
 Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
                  const Field<float>& f, const Context& context, Norm norm = Norm::isotropic);
 

@@ -22,7 +22,7 @@ constexpr double late_balance = 0.5;
 
 /// With fewer bricks, a few would not be representative, and evaluating all is fast.
 constexpr size_t least_bricks_to_estimate = 4096;
-/// After so many estimates all bricks are evaluated, whatever the estimates are.
+/// At every so many checks all bricks are evaluated, whatever the estimates are.
 constexpr int most_estimates = 4;
 
 /// Predicts the number of iterations left.
