@@ -43,11 +43,9 @@ struct DualJob {
   bool fixed_up[3];                          ///< the flux through the brick's upper face along an axis is fixed
   float sigma;
   float lambda;
-  const float* next_p;  ///< the next brick's p: its p_y and p_z are prefetched here, so each step loads half of the
-                        ///< memory
+  const float* next_p;  ///< the next brick's: its p_y and p_z are prefetched here, so both steps load about half each
   bool at_open_border = false;            ///< faces to, from or between fixed vertices have no flux:
-  Vec3i free_lo{}, free_hi{}, last_up{};  ///< p_k changes in [free_lo, free_hi), along axis k only in [free_lo,
-                                          ///< last_up)
+  Vec3i free_lo{}, free_hi{}, last_up{};  ///< p_k changes in [free_lo, free_hi), along axis k in [free_lo, last_up)
 };
 
 /// The steps of one SIMD target for one norm; both return the rows where a value has changed.
