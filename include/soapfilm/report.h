@@ -59,7 +59,7 @@ struct Energies {
   double data = 0;             ///< <f, u>
   double primal = 0;           ///< lambda TV(u) - <f, u>
   double dual = 0;             ///< D(p), whole domain
-  double gap = 0;              ///< sum of the local terms, each >= 0; equals primal - dual but for rounding
+  double gap = 0;              ///< sum of the local terms, each >= 0; equals primal - dual except for rounding
   double gap_band = 0;         ///< the part of the gap that the band can still reduce
   double max_dual_norm = 0;    ///< max |p| / lambda over the band, before any rescaling
 

@@ -45,7 +45,7 @@ class PresentCells {
   decltype(hn::IndicesFromVec(D(), hn::Zero(hn::Rebind<int32_t, D>()))) rank_;
 };
 
-/// Adds one row of cells; the terms of <v, what is added> go to `energy`.
+/// Adds one row of cells; the terms of <v, what is added> are added to `energy`.
 HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, LaneSum& energy) {
   const D d;
   // The rows of the corners, y fastest, and those right of them.

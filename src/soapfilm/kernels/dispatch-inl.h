@@ -1,6 +1,5 @@
-// Chooses the function of a HWY_EXPORT() table for a run. Highway's own HWY_DYNAMIC_DISPATCH uses a choice of the
-// process, which runs with other targets have in common. Included once, after <hwy/foreach_target.h>, by the file that
-// exports.
+// Chooses the function of a HWY_EXPORT() table for a run. Highway's own HWY_DYNAMIC_DISPATCH chooses per process, for
+// runs of all targets. Included once, after <hwy/foreach_target.h>, by the file that exports.
 #include <hwy/highway.h>
 #include <hwy/targets.h>
 

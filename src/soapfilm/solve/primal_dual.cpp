@@ -46,8 +46,8 @@ class Forecast {
   }
 
  private:
-  /// 1, 2 or 4: the gap has fallen at least as 1 / iterations^power. (Roots and products alone give the same
-  /// bits on every machine.)
+  /// 1, 2 or 4: the gap has fallen at least as 1 / iterations^power. (Only roots and
+  /// products, for the same bits on every machine.)
   int power_since(int iterations, double gap) const {
     const double longer = static_cast<double>(iterations) / iterations_, squared = longer * longer;
     return gap * squared * squared <= gap_ ? 4 : gap * squared <= gap_ ? 2 : 1;
