@@ -176,7 +176,7 @@ TEST(Scan, RefusesAPlaceBeforeTheWork) {
   test::expect_refused({"scan", folder.file("scan_000.ply"), "-o", folder.path().string()},
                        "scan_000.ply: is also an input");
   test::expect_refused({"scan", "sphere", "-o", truth + "/c"}, "cannot make the folder");
-  std::filesystem::create_directory(folder.file("truth.json"));  // where nothing can be written
+  std::filesystem::create_directory(folder.file("truth.json"));  // a path to which nothing is written
   EXPECT_EQ(scan({"sphere", "-o", folder.file("c"), "--samples", "9"}).exit_code, 0);
   EXPECT_EQ(read_file(truth), before);
 }

@@ -97,7 +97,7 @@ TEST_P(CancelledRun, EndsWithinTheStageAtWork) {
   for (size_t at = 0; at < whole.size(); ++at) {
     const auto& [name, reports, late_reports, cut_short] = whole[at];
     EXPECT_FALSE(cut_short);
-    // Methods without lambda have no such stage; Poisson's surface is the result of the solve.
+    // Methods without lambda have nothing to choose there; Poisson's surface is the result of the solve.
     if (name == "weights") continue;
     if (name == "refine" && GetParam() == Method::poisson) continue;
     std::set<int> wanted = {0, std::min(1, reports), reports / 2};

@@ -60,8 +60,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   const size_t bricks = samples.bricks.size();
   const size_t chunks = std::clamp<size_t>(cloud.size() / (2 * std::max<size_t>(bricks, 1)), 1, most_chunks);
   const size_t grain = cloud.size() / chunks + 1;
-  std::vector<uint32_t> next(chunks * bricks);  // of each chunk and brick: first the number of samples, then the next
-                                                // position
+  std::vector<uint32_t> next(chunks * bricks);  // of each chunk and brick: first the number, then the next position
   const auto for_each_place = [&](auto&& visit) {
     parallel_for(context, chunks, 1, [&](size_t c) {
       uint32_t* place = nullptr;

@@ -55,8 +55,7 @@ struct Lattice : GridFacts {
   int margin() const { return 1 << (levels - 1); }
   double vertices() const { return static_cast<double>(size.x) * size.y * size.z; }
 
-  /// Lattice coordinates of a world position, in voxels. In double, so that large (georeferenced) coordinates lose
-  /// nothing.
+  /// Lattice coordinates of a world position, in voxels. In double: georeferenced input loses nothing.
   Vec3d to_lattice(Vec3d world) const {
     const double m = margin();
     return from_world_axes(world - first_vertex) / voxel + Vec3d{m, m, m};

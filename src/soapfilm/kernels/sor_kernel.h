@@ -2,7 +2,7 @@
 // which are compiled once per SIMD target and do not depend on grids or threads.
 //
 // A row is a line of values along x in a whole-box array; its neighbors along y and z are at constant distances. It is
-// cut into runs of 8 values from its first one; only the runs marked active are used.
+// cut into runs of 8 values from its first one; only the runs marked active are processed.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +26,7 @@ inline RunKind run_kind(const float* u, int count) {
   return zero ? RunKind::zero : one ? RunKind::one : RunKind::mixed;
 }
 
-/// The slope of u along a row: by forward differences for the total variation, by the paper's differences for the
-/// diffusivity.
+/// The slope of u along a row: by forward differences for the total variation, by the paper's for the diffusivity.
 struct SlopeJob {
   const float* u;
   const float *front, *above;  ///< the next rows along y and z

@@ -299,8 +299,7 @@ HWY_INLINE Flux with_fixed(const Fixed& fixed, const Flux& old, const Flux& q) {
           hn::IfThenElse(fixed.z, old.z, q.z)};
 }
 
-/// The same at the band boundary: fixed components keep their value, and the others are projected onto the ball's
-/// remaining radius.
+/// The same at the band boundary: fixed components keep their value, the others have the ball's remaining radius.
 HWY_INLINE void project_free(const Flux& old, const Fixed& fixed, V lambda_squared, Flux& q) {
   const D d;
   const Flux moving{hn::IfThenZeroElse(fixed.x, q.x), hn::IfThenZeroElse(fixed.y, q.y),
@@ -377,8 +376,7 @@ RowMask dual(const DualJob& job) {
   return rim ? step_dual(job, OntoBall<true>{job.lambda}) : step_dual(job, OntoBall<false>{job.lambda});
 }
 
-/// The projection for the anisotropic norm: the ball is a cube, so each component is clamped on its own and fixed ones
-/// do not change.
+/// The projection for the anisotropic norm: the ball is a cube, so each component is clamped alone and fixed ones stay.
 struct OntoCube {
   float lambda;
   template <class FixedFlux>

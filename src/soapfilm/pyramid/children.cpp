@@ -54,8 +54,7 @@ Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const Sup
   }
   const float* f = support.f.brick(static_cast<size_t>(n));
   const Vec3i base = octant_base(octant);
-  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));  // at an open border children are free
-                                                                             // where the parents are
+  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));  // at an open border, the children's too
   for (int z = 0; z < brick_side; ++z)
     for (int y = 0; y < brick_side; ++y)
       for (int x = 0; x < brick_side; ++x) {

@@ -69,8 +69,7 @@ double energy_of(const BandGraph& graph, const MinCut& cut) {
   return energy;
 }
 
-/// The free vertices outside the band that can be reached from `sources` by at most `reach` links, without crossing the
-/// band.
+/// The free vertices outside the band that at most `reach` links connect to `sources` without crossing the band.
 VertexMask flooded(const VertexMask& sources, const VertexMask& band, const LevelBox& box,
                    const std::vector<Link>& links, int reach) {
   VertexMask reached(band.bricks());

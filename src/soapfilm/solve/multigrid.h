@@ -2,8 +2,7 @@
 //
 // Briggs, Henson and McCormick, A Multigrid Tutorial (2000), chapters 3 and 4. Coarsening is vertex-centered: the
 // coarse vertex I is the fine vertex 2 I, and the border of u = 0 stays where it is, at a distance of 1/2 to 3/2 coarse
-// cells from the last coarse vertex (see box_laplacian.h). So a box of any size converges as fast as one of 2^k - 1
-// vertices.
+// cells from the last coarse vertex (see box_laplacian.h). So a box of any size converges like one of 2^k - 1 vertices.
 #pragma once
 
 #include <array>
@@ -37,8 +36,7 @@ class Multigrid {
   /// For the 7-point matrix (6, -1 x 6) on `free` vertices along each axis, each >= 1.
   explicit Multigrid(Vec3i free);
 
-  /// z = B r. Both are fields of free + 2 vertices; the border of r is not read, that of z must be zero and is not
-  /// changed.
+  /// z = B r. Both are fields of free + 2 vertices; the border of r is not read, that of z must be zero and stays zero.
   void precondition(const DenseField<float>& r, DenseField<float>& z, const Context& context);
 
   /// The matrix A.

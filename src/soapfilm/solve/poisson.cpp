@@ -22,8 +22,7 @@ void validate(double lambda, const PoissonParams& params) {
     throw ParameterError(fmt::format("max_iterations = {}, must be >= 1", params.max_iterations));
 }
 
-/// Dot product over a row's free vertices, as eight partial sums, so that the order is fixed and SIMD lanes can be
-/// used.
+/// Dot product over a row's free vertices, as eight partial sums, so that the order is fixed for SIMD lanes.
 double dot_row(const float* a, const float* b, int free) {
   constexpr int lanes = 8;
   double partial[lanes] = {};

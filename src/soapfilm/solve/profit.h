@@ -1,6 +1,5 @@
 // Detects when more iterations gain nothing: a minimal surface that the flux around a band cannot support keeps its gap
-// for ever, and where samples are missing the relaxed gap may fall for thousands of iterations without changing a
-// label.
+// for ever, and where samples are missing the relaxed gap may fall for thousands of iterations with no label changed.
 #pragma once
 
 #include <string_view>

@@ -47,8 +47,8 @@ class Sweeper {
   static constexpr int tile_sweeps = 8;
 
   /// `times` iterations of the whole band. The result does not depend on threads or SIMD target. Between the sweeps of
-  /// one Sweeper the level must not change: skipped rows rely on that. With other step sizes than the last ones every
-  /// row is stepped.
+  /// one Sweeper the level must not change: skipped rows rely on that. After a change of step sizes every row is
+  /// stepped.
   void sweep(StepSizes steps, int times = 1);
 
   /// Bytes read and written per vertex by a sweep, for the roofline: u, p in and out, f in. With several sweeps at once
