@@ -13,11 +13,11 @@ class Threads;
 class PagePool;
 struct Kernels;
 
-/// Two contexts in one process never mix: each run gives the bytes that it gives alone.
+/// Two contexts in one process never mix: each run gives the same bytes as it would alone.
 class Context {
  public:
   /// Reports nothing and cannot be cancelled. `threads` >= 1, or 0 for all that this process may use. `simd` is one of
-  /// simd_targets(), or empty for the best. Throws ParameterError for values out of these.
+  /// simd_targets(), or empty for the best. Throws ParameterError for any other value.
   explicit Context(int threads = 0, const std::string& simd = {});
   /// Reports to `progress`, which must outlive the context. Once that is cancelled the call in progress throws
   /// Cancelled within milliseconds.
@@ -28,13 +28,13 @@ class Context {
 
   int threads() const;
   Progress& progress() const;
-  /// CPU time of its threads so far, and of the calling one.
+  /// CPU time so far of its threads and of the calling thread.
   double cpu_seconds() const;
   /// Throws Cancelled once the progress object was cancelled.
   void check() const;
 
-  /// The library's own use, inside a stage: the same context, must not outlive it. silent(): nothing is reported.
-  /// part(): fractions become fractions from `begin` to `end`, in [0, 1], of this one's.
+  /// For use inside the library, within a stage: the same context, and must not outlive it. silent(): reports nothing.
+  /// part(): its fractions [0, 1] are reported as fractions from `begin` to `end`, in [0, 1], of this context.
   Context silent() const;
   Context part(double begin, double end) const;
   const Kernels& kernels() const;
@@ -48,8 +48,8 @@ class Context {
   std::unique_ptr<State> state_;
 };
 
-/// The SIMD instructions that this processor can run, best first; the last is always "scalar". Results do not depend on
-/// the choice.
+/// The SIMD instruction sets that this processor can run, best first; the last is always "scalar". Results do not
+/// depend on the choice.
 std::vector<std::string> simd_targets();
 
 }  // namespace soapfilm

@@ -1,4 +1,4 @@
-// Errors are for bad input; a run that merely did not converge returns a report instead.
+// Errors are for bad input; a run that only did not converge returns a report instead.
 #pragma once
 
 #include <stdexcept>
@@ -29,8 +29,8 @@ struct OutputError : std::runtime_error {
 struct MemoryError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-/// The optimum is the empty surface: its outcome, not a fault of the input. The message names lambda and the largest
-/// one that keeps a surface.
+/// The optimum is the empty surface: a result, not a fault of the input. The message names lambda and the largest
+/// lambda that keeps a surface.
 struct EmptyResult : std::runtime_error {
   EmptyResult(const std::string& message, double largest) : std::runtime_error(message), largest_lambda(largest) {}
   double largest_lambda;  ///< that keeps a surface; 0 when there is none

@@ -1,4 +1,4 @@
-/* What a shared library shows: the declarations of these headers and nothing else. */
+/* A shared library exports only the declarations of these headers. */
 #ifndef SOAPFILM_EXPORT_H
 #define SOAPFILM_EXPORT_H
 

@@ -31,12 +31,12 @@ struct ReadReport {
   size_t dropped() const;
 };
 
-/// Reads a point cloud of one or several scans. Samples with a non-finite coordinate are dropped and counted.
-/// The scans of a set are read as many at once as there are threads, the text of a PLY by all of them. Throws
-/// InputError for a file that cannot be read to its end, holds no sample or no finite one.
+/// Reads a point cloud of one or several scans. Samples with a non-finite coordinate are dropped and counted. As many
+/// scans of a set are read at once as there are threads; the text of a PLY is read by all threads. Throws InputError
+/// for a file that cannot be read to its end, or holds no finite sample.
 PointCloud read_points(const std::string& path, ReadReport* report = nullptr, const Context& context = Context(1));
 
-/// Reads several files, as many at once, and appends them in order as further scans.
+/// Reads several files, as many at once as there are threads, and appends them in order as further scans.
 PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report = nullptr,
                        const Context& context = Context(1));
 
@@ -54,19 +54,19 @@ struct WriteOptions {
 /// What was written.
 struct WriteReport {
   std::string format;                 ///< such as "PLY, binary little-endian"
-  bool double_coordinates = false;    ///< float would have passed coordinate_precision
-  std::vector<std::string> warnings;  ///< STL alone: the detail that its float coordinates lose
+  bool double_coordinates = false;    ///< because float would have exceeded coordinate_precision
+  std::vector<std::string> warnings;  ///< only for STL: the detail that its float coordinates lose
 };
 
-/// Writes a mesh: first under a temporary name in the same folder, then renamed, so the file is whole or absent.
+/// Writes a mesh: first under a temporary name in the same folder, then renamed, so the file is complete or absent.
 /// Coordinates are float where that keeps `coordinate_precision`, otherwise double. The bytes are the same for any
 /// number of threads. Throws ParameterError for an inconsistent mesh, OutputError for an unknown extension or an
 /// unwritable file, Cancelled.
 WriteReport write_mesh(const std::string& path, const Mesh& mesh, const WriteOptions& options = {},
                        const Context& context = Context(1));
 
-/// Likewise a cloud with all it has: normals, sensor positions, weights, colors, and each scan's name, sensor position,
-/// viewing direction and range grid. read_points() gives the same cloud back.
+/// The same for a cloud, with all its columns: normals, sensor positions, weights, colors, and each scan's name, sensor
+/// position, view direction and range grid. read_points() gives the same cloud back.
 WriteReport write_points(const std::string& path, const PointCloud& cloud, const WriteOptions& options = {},
                          const Context& context = Context(1));
 

@@ -1,4 +1,4 @@
-// A triangle mesh: the output, and what it is as a surface.
+// A triangle mesh, the output, and its topology.
 #pragma once
 
 #include <array>
@@ -58,7 +58,7 @@ struct TopologyReport {
   int64_t euler_characteristic() const;  ///< vertices in use - edges + triangles
   /// Sum over the components; absent when one of them is not a closed manifold.
   std::optional<int64_t> genus() const;
-  /// A surface without border: it has triangles, and every edge lies in two or more.
+  /// No boundary: it has triangles, and every edge lies in two or more.
   bool closed() const { return triangles > degenerate_triangles && boundary_edges == 0; }
   /// Every edge in at most two triangles that agree on its direction, every vertex one fan, no triangle twice or with
   /// a repeated vertex.
@@ -67,16 +67,16 @@ struct TopologyReport {
   bool watertight() const;
 };
 
-/// Throws ParameterError when a triangle names a vertex which does not exist.
+/// Throws ParameterError when a triangle names a vertex that does not exist.
 TopologyReport check_topology(const Mesh& mesh);
 
-/// What is said about a set of distances; all zero when the set is empty.
+/// Summary of a set of distances; all zero when the set is empty.
 struct DistanceSummary {
   size_t count = 0;
   double mean = 0;
   double rms = 0;
   double maximum = 0;
-  double percentile95 = 0;  ///< the least value that 95 % of the distances do not exceed
+  double percentile95 = 0;  ///< the smallest value that 95 % of the distances do not exceed
   double percentile99 = 0;
 };
 

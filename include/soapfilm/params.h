@@ -20,28 +20,28 @@ enum class Method : uint8_t {
   vrip,          ///< weighted signed distance of range scans (Curless and Levoy 1996)
 };
 
-/// Where directions come from. A sample for which the chosen source has nothing takes the next one of normals,
-/// sensor, scan, estimate; `automatic` begins with normals.
+/// Where directions come from. A sample without data for the chosen source takes the next one of normals, sensor, scan,
+/// estimate; `automatic` begins with normals.
 enum class DirectionSource : uint8_t {
   automatic,  ///< normals first; without their signs where these contradict each other
   normals,    ///< the given normal as it is, unless it is zero
-  sensor,     ///< towards the scanner's position: the sample's own, its scan's, or OrientParams::sensor
+  sensor,     ///< towards the scanner's position: the sample's, its scan's, or OrientParams::sensor
   scan,       ///< one direction for a whole scan: its viewing direction, or from its mean towards its scanner
   estimate    ///< normal of a plane through the neighbors, on the scanner's side where one is known
 };
 
 struct OrientParams {
   DirectionSource source = DirectionSource::automatic;
-  std::optional<Vec3d> sensor;   ///< scanner position of the scans that name none, input units and frame
+  std::optional<Vec3d> sensor;   ///< scanner position of scans that have none, input units and frame
   int neighbors = 16;            ///< of a sample, for estimated normals; in [3, 1000]
-  std::optional<double> radius;  ///< estimated normals: all samples as near as this count, too; > 0, input units
+  std::optional<double> radius;  ///< estimated normals: also all samples within this distance; > 0, input units
 };
 
 /// Where the grid lies and how fine it is. At most one of `voxel` and `resolution` may be given.
 struct PlaceParams {
   std::optional<double> voxel;    ///< edge of a cell, input units, > 0 and <= the samples' box
   std::optional<int> resolution;  ///< grid vertices along the longest axis, padding included, > 2 padding
-  double samples_per_voxel2 = 1;  ///< without both: the voxel that holds this many samples per voxel^2 of surface, > 0
+  double samples_per_voxel2 = 1;  ///< if neither is given: the voxel with this many samples per voxel^2 of surface, > 0
   int padding = 6;                ///< cells between the samples and the border, 2..4096
   int levels = 0;                 ///< of the pyramid, 1..12; 0: until the coarsest has at most 24 vertices per axis
 };
@@ -49,16 +49,16 @@ struct PlaceParams {
 /// How the area of the surface is measured: the norm in TV(u) = sum over vertices of |grad u|.
 enum class Norm : uint8_t {
   isotropic,   ///< |g| = sqrt(gx^2 + gy^2 + gz^2), area as it is
-  anisotropic  ///< |g| = |gx| + |gy| + |gz|, area seen along the axes: what graph-cut-6 minimizes
+  anisotropic  ///< |g| = |gx| + |gy| + |gz|, area projected along the axes: as graph-cut-6
 };
 
-/// What the energy (4) weighs.
+/// The weights of the energy (4).
 struct EnergyParams {
-  std::optional<double> lambda;      ///< the paper's: weight of a voxel face of area against one unit vector, > 0
-  double lambda_per_density = 0.02;  ///< without it: lambda is this times the samples per voxel^2 of surface, > 0
+  std::optional<double> lambda;      ///< the paper's: cost of a voxel face of area against one unit vector, > 0
+  double lambda_per_density = 0.02;  ///< if not given: lambda is this times the samples per voxel^2 of surface, > 0
   bool cross_validate = false;       ///< choose lambda_per_density from the samples; `lambda` must be absent
-  bool by_area = true;               ///< a sample weighs by the area it stands for, where `lambda` is absent; else 1
-  Norm norm = Norm::isotropic;       ///< of the gradient; anisotropic for Method::tv and graph cuts alone
+  bool by_area = true;          ///< if `lambda` is not given: samples are weighted by the area they stand for; else 1
+  Norm norm = Norm::isotropic;  ///< of the gradient; anisotropic only for Method::tv and graph cuts
 };
 
 enum class Border : uint8_t {
@@ -68,27 +68,28 @@ enum class Border : uint8_t {
   open    ///< the surface may end at the box, at no cost
 };
 
-/// What lies beyond the box of the samples. open: Method::tv alone; automatic: other methods take air.
+/// What lies beyond the box of the samples. open: only Method::tv; automatic: other methods take air.
 struct BorderParams {
   Border outside = Border::automatic;
-  double open_gain = 0.35;  ///< automatic: open where that spares more than this share of the closed surface's cost of
+  double open_gain = 0.35;  ///< automatic: open if that saves more than this share of the closed surface's cost of
                             ///< area, (0, 1]; closing a sheet doubles it
 };
 
 /// What is held out together in cross-validation.
 enum class FoldSource : uint8_t {
   automatic,  ///< single samples, also where there are scans
-  samples,    ///< single samples, dealt at random
+  samples,    ///< single samples, at random
   scans       ///< whole scans
 };
 
 /// Of EnergyParams::cross_validate.
 struct CrossValidationParams {
   int folds = 5;                              ///< parts, each held out once; in [2, 100]
-  FoldSource source = FoldSource::automatic;  ///< what they are made of
+  FoldSource source = FoldSource::automatic;  ///< what the folds are made of
   int max_resolution = 64;                    ///< vertices of the coarse grid along its longest axis; in [32, 512]
-  double indifference = 0.002;                ///< an error this much above the best one's is no difference; in [0, 1)
-  uint64_t seed = 1;                          ///< deals the samples
+  double indifference = 0.002;                ///< errors above the smallest one by at most this share count as equal;
+                                              ///< in [0, 1)
+  uint64_t seed = 1;                          ///< of the random choice of samples
   std::vector<double> candidates = {0.0025, 0.005, 0.01, 0.02,
                                     0.04,   0.08,  0.16, 0.32};  ///< lambda per sample and voxel^2, > 0, increasing
 };
@@ -96,14 +97,14 @@ struct CrossValidationParams {
 /// Method::tv.
 struct PrimalDualParams {
   double tolerance = 1e-3;    ///< of the band's relative gap, > 0 (chosen by bench/results/tolerance.md)
-  int max_iterations = 2000;  ///< per level, its band's growths counted, >= 1
-  bool settle = true;         ///< end a level on a band where the thresholded u has settled, whatever the relaxed gap
-  int check_every = 32;  ///< most iterations between two evaluations of the gap, 1 to 1000; the first comes after half
+  int max_iterations = 2000;  ///< per level, including those after its band grew, >= 1
+  bool settle = true;         ///< end a level when its labels do not change any more, whatever the relaxed gap
+  int check_every = 32;       ///< largest number of iterations between two gaps, 1 to 1000; the first comes after half
   double step_balance = 1.4;  ///< sigma in units of lambda at first, half of it near the end; tau = 1.3 / (12 sigma)
 };
 
 enum class SorOrder : uint8_t {
-  lexicographic,  ///< the paper's: x fastest; two threads at most find work
+  lexicographic,  ///< the paper's: x fastest; uses at most two threads
   red_black,      ///< first the vertices with even x + y + z, then the odd ones; for any number of threads
 };
 enum class SorGradient : uint8_t { central, forward };
@@ -119,7 +120,7 @@ struct SorParams {
   SorOrder order = SorOrder::lexicographic;
   SorGradient gradient = SorGradient::central;  ///< how |grad u| is taken for the diffusivity
   bool skip_empty = true;  ///< leave out runs of vertices that cannot change; the result is the same
-  double snap = 1e-6;      ///< u closer to 0 or 1 than this becomes 0 or 1; >= 0 and < 0.5, 0: the paper's
+  double snap = 1e-6;      ///< u closer to 0 or 1 than this becomes 0 or 1; >= 0 and < 0.5, 0: as the paper
 };
 
 /// Method::poisson.
@@ -141,65 +142,63 @@ struct GraphCutParams {
 struct RangeSurfaceParams {
   double max_edge = 4;            ///< longest edge of a triangle, in distances between the scan's samples, > 1
   double max_incidence_deg = 75;  ///< largest angle between a triangle's normal and its ray, degrees, (0, 90)
-  int taper = 4;                  ///< samples over which the weight falls towards the scan's border, >= 0
+  int taper = 4;                  ///< the weight falls towards the scan's border over so many samples, >= 0
 };
 
-/// Method::vrip: how far in front of its surface and behind it, at right angles, a scan counts, voxels, (0, 1000].
+/// Method::vrip: how far in front of and behind its surface, along the normal, a scan counts, voxels, (0, 1000].
 struct VripParams {
   double front = 6;
   double behind = 2;
   RangeSurfaceParams surface;
 };
 
-/// From flat triangles of one voxel to ones that follow the surface: where it was refined.
+/// Where the surface was refined: moves the flat triangles of one voxel onto the smooth surface.
 struct RelaxParams {
-  double split_tolerance = 0.018;  ///< split edges whose middle lies further from the smooth surface, voxels; [0, 1];
+  double split_tolerance = 0.018;  ///< split edges whose middle lies farther from the smooth surface, voxels; [0, 1];
                                    ///< 0: leave the mesh as marching cubes made it
 };
 
 /// From the relaxed indicator to the surface (section 4.4).
 struct SurfaceParams {
-  double threshold = 0.5;      ///< mu, in (0, 1)
-  std::optional<bool> refine;  ///< move the level set onto the samples; without it: by Method::tv alone
-  std::optional<bool>
-      drop_components;             ///< drop parts that few samples support; without it: where the surface is refined
-  std::optional<double> isovalue;  ///< unrefined: of the smoothed indicator, in (0, 1); without it: its mean at the
-                                   ///< samples
+  double threshold = 0.5;               ///< mu, in (0, 1)
+  std::optional<bool> refine;           ///< move the level set onto the samples; if not given: only for Method::tv
+  std::optional<bool> drop_components;  ///< drop parts with few samples; if not given: where the surface is refined
+  std::optional<double> isovalue;  ///< unrefined: of the smoothed indicator, (0, 1); if not given: its mean at samples
   RelaxParams relax;
-  bool distance = false;  ///< the mesh's vertices get the attribute "distance": to the nearest sample, input units
+  bool distance = false;  ///< adds the attribute "distance" to vertices: to the nearest sample, input units
   std::vector<std::string> attributes = {
       "color"};  ///< of the samples, carried to the vertices: "color", columns, "all"
 };
 
-/// A part's surface is the one between it and the part around it. Its support is the share of the samples that such an
-/// area has in the mean of the whole surface.
+/// A part is a component or cavity; its surface lies between it and the part around it. Support: samples on that
+/// surface, over those that the same area has on average.
 struct ComponentParams {
-  double min_support = 0.2;      ///< parts with less support are dropped, >= 0; 1 is a surface sampled like the whole
-  int few_samples = 5;           ///< parts of fewer samples are dropped whatever their support, >= 0
-  int many_samples = 100;        ///< parts of so many samples stay down to sparse_support, >= 0
+  double min_support = 0.2;      ///< parts with less support are dropped, >= 0; 1: sampled like the whole surface
+  int few_samples = 5;           ///< parts with fewer samples are dropped whatever their support, >= 0
+  int many_samples = 100;        ///< parts with at least so many samples are kept down to sparse_support, >= 0
   double sparse_support = 0.01;  ///< a surface sampled a hundred times less than the whole, >= 0
 };
 
-/// How the surface spans what no sample covers: bent as the surface around, or as the surface of least area.
+/// How holes, where no sample is, are filled: with the curvature around them, or as the minimal surface.
 enum class HoleFill : uint8_t { smooth, flat };
 
 /// How the surface is moved onto the samples.
 struct RefineParams {
-  std::optional<double> smoothing{};  ///< gamma, weight of curvature against one sample, lattice units; [1e-6, 1e6].
-                                      ///< Without it: chosen by held-out samples
-  std::optional<double> normals{};    ///< weight of a unit normal against one voxel; [0, 1e6], 0: viewing directions
-                                      ///< only. Without it: chosen by held-out samples
+  std::optional<double> smoothing{};  ///< gamma, weight of curvature against one sample, lattice units; [1e-6, 1e6]. If
+                                      ///< not given: chosen by held-out samples
+  std::optional<double> normals{};    ///< weight of a unit normal against one voxel; [0, 1e6], 0: directions say only
+                                      ///< which side is outside. If not given: chosen by held-out samples
   double reach = 3;                   ///< half width of the band, voxels; [1, 3]
   double sparse = 0.5;  ///< samples per voxel^2, [0, 1e3]: where there are fewer, a fit on every second vertex, or
-                        ///< every fourth, ..., takes its place if that serves as well
+                        ///< every fourth, ..., replaces the full one if it is as good
   HoleFill holes = HoleFill::smooth;
 };
 
-/// Surface that no sample is near.
+/// Cutting away surface far from all samples.
 struct TrimParams {
-  std::optional<bool> on{};          ///< without it: where the surface may end at the border (Border::open)
-  std::optional<double> distance{};  ///< input units, > 0; without it: 3 voxels, or 3 times a larger spacing of samples
-  bool holes = false;                ///< cut out also the regions that would stay filled
+  std::optional<bool> on{};          ///< if not given: where the surface may end at the border (Border::open)
+  std::optional<double> distance{};  ///< input units, > 0; if not given: 3 voxels, or 3 sample spacings if larger
+  bool holes = false;                ///< also cut out the regions that would otherwise stay filled
 };
 
 struct ReconstructParams {
@@ -217,9 +216,10 @@ struct ReconstructParams {
   SurfaceParams surface;
   ComponentParams components;
   RefineParams refine;
-  TrimParams trim;                     ///< all but Method::vrip, whose surface ends where nothing was seen
-  std::optional<size_t> memory_limit;  ///< bytes; without it: what the machine has free
-  bool checked = false;                ///< the mesh's distance to the samples is asked for next: plan its memory, too
+  TrimParams trim;                     ///< for all but Method::vrip, whose surface ends where nothing was seen
+  std::optional<size_t> memory_limit;  ///< bytes; if not given: the machine's free memory
+  bool checked = false;                ///< the mesh's distance to the samples is computed next: its memory is planned,
+                                       ///< too
 };
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.

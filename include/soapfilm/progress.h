@@ -1,4 +1,4 @@
-// One object for progress, messages and cancelling: the library reports to it and asks it.
+// One object for progress, messages and cancelling, given to the library by the caller.
 #pragma once
 
 #include <atomic>
@@ -19,14 +19,14 @@ class Progress {
   /// `fraction` in [0, 1] of the current stage; `detail` is a short text such as "level 2, gap 3.1e-4".
   virtual void advance(double /*fraction*/, std::string_view /*detail*/) {}
   virtual void end_stage(double /*seconds*/) {}
-  /// Facts worth a line at normal verbosity / only with -v / a warning that is always shown.
+  /// Facts worth a line in normal output / only with -v / a warning that is always shown.
   virtual void info(const std::string& /*line*/) {}
   virtual void detail(const std::string& /*line*/) {}
   virtual void warn(const std::string& /*line*/) {}
 
   /// May be called from any thread and from a signal handler.
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
-  /// After a run was cancelled: another one may begin.
+  /// After a cancelled run: lets another one begin.
   void resume() noexcept { cancelled_.store(false, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
   /// Throws Cancelled once cancel() was called. Called between the library's units of work (milliseconds).

@@ -17,16 +17,16 @@ struct Reconstruction {
   ReconstructReport report;
 };
 
-/// Reconstructs the surface of which the cloud's samples were taken (Pan and Skala 2011, sections 3 and 4). The mesh is
-/// in the cloud's frame and units, closed and manifold; where the surface may end (Border::open, Method::vrip, trimmed)
-/// a manifold with boundary. The same cloud and parameters give the same mesh, bit for bit, for any number of threads
-/// and any SIMD target.
+/// Reconstructs the surface from which the cloud's samples were taken (Pan and Skala 2011, sections 3 and 4). The mesh
+/// is in the cloud's frame and units, closed and manifold; where the surface may end (Border::open, Method::vrip,
+/// trimmed) a manifold with boundary. The same cloud and parameters give the same mesh, bit for bit, for any number of
+/// threads and any SIMD target.
 ///
 /// Throws ParameterError (a parameter out of range, samples that span no volume, coordinates that are not finite),
 /// MemoryError before anything large is allocated, EmptyResult, Cancelled.
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Context& context);
 
-/// The same, and frees the cloud once its samples are on the grid: a large cloud does not stay beside the solve.
+/// The same, and frees the cloud once its samples are on the grid: its memory is free during the solve.
 Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Context& context);
 
 }  // namespace soapfilm

@@ -1,6 +1,6 @@
-/* Soapfilm in C: reconstruct a watertight surface from arrays of samples, or from files, with a proof of its energy. On
- * this interface bindings of other languages sit; everything that the program can do is reached through parameters and
- * report, both JSON (docs/reference/report.md has their keys).
+/* Soapfilm in C: reconstruct a watertight surface from arrays of samples, or from files, with a proof of its energy.
+ * For bindings of other languages. Everything that the program can do is available through parameters and report, both
+ * JSON (keys: docs/reference/report.md).
  *
  *   soapfilm_context* context = soapfilm_context_create(0);
  *   soapfilm_cloud* cloud = soapfilm_cloud_create();
@@ -10,8 +10,8 @@
  *       soapfilm_write_mesh(context, result, "mesh.ply"))
  *     fprintf(stderr, "%s\n", soapfilm_error(context));
  *
- * One context serves one thread at a time, but for soapfilm_cancel(); different contexts serve different threads at
- * once. Strings are UTF-8; those that are returned belong to their object and live until it changes or goes. */
+ * Only one thread at a time may use a context, except for soapfilm_cancel(); different threads may use different
+ * contexts at once. Strings are UTF-8; returned ones belong to their object, valid until it changes or is freed. */
 #ifndef SOAPFILM_SOAPFILM_H
 #define SOAPFILM_SOAPFILM_H
 
@@ -31,9 +31,9 @@ typedef struct soapfilm_result soapfilm_result;
 typedef enum soapfilm_status {
   SOAPFILM_OK = 0,
   SOAPFILM_REFUSED = 1,       /* a value that the caller gave: a parameter, an array, samples without a volume */
-  SOAPFILM_UNREADABLE = 2,    /* an input file or what it holds */
+  SOAPFILM_UNREADABLE = 2,    /* an input file or its contents */
   SOAPFILM_UNWRITABLE = 3,    /* an output file */
-  SOAPFILM_OUT_OF_MEMORY = 4, /* the run would pass its limit or what the machine has free; nothing large was taken */
+  SOAPFILM_OUT_OF_MEMORY = 4, /* more than the limit or than is free; nothing large was allocated */
   SOAPFILM_EMPTY = 5,         /* the optimum is the empty surface */
   SOAPFILM_CANCELLED = 6,
   SOAPFILM_FAILED = 7 /* a fault of the library */
@@ -41,79 +41,79 @@ typedef enum soapfilm_status {
 
 SOAPFILM_API const char* soapfilm_version(void); /* such as "0.1.0" */
 
-/* `threads` >= 1, or 0 for all that the process may use. Null where there is no memory. */
+/* `threads` >= 1, or 0 for all that the process may use. Null if out of memory. */
 SOAPFILM_API soapfilm_context* soapfilm_context_create(int threads);
 SOAPFILM_API void soapfilm_context_destroy(soapfilm_context* context);
 
 /* One line about the last call with this context that did not return SOAPFILM_OK; "" before. */
 SOAPFILM_API const char* soapfilm_error(const soapfilm_context* context);
 
-/* Stops the call at work within milliseconds, or the next one if none is. From any thread or a signal handler. */
+/* Stops the running call within milliseconds, or else the next one. From any thread or a signal handler. */
 SOAPFILM_API void soapfilm_cancel(soapfilm_context* context);
 
 typedef enum soapfilm_event {
   SOAPFILM_STAGE = 0,   /* a stage begins; text: its name */
   SOAPFILM_ADVANCE = 1, /* fraction of the stage in [0, 1]; text: a short detail */
   SOAPFILM_INFO = 2,    /* text: a line */
-  SOAPFILM_WARNING = 3  /* text: a line that ought to be shown; they are in the report, too */
+  SOAPFILM_WARNING = 3  /* text: a line that should be shown; also in the report */
 } soapfilm_event;
 
-/* `callback` gets each event on the thread that called; null: nobody. It must not throw. */
+/* `callback` gets each event, on the calling thread; null: none. It must not throw. */
 SOAPFILM_API void soapfilm_on_event(soapfilm_context* context,
                                     void (*callback)(void* user, soapfilm_event event, double fraction,
                                                      const char* text),
                                     void* user);
 
-/* An empty cloud; null where there is no memory. */
+/* An empty cloud; null if out of memory. */
 SOAPFILM_API soapfilm_cloud* soapfilm_cloud_create(void);
 SOAPFILM_API void soapfilm_cloud_destroy(soapfilm_cloud* cloud);
 SOAPFILM_API size_t soapfilm_cloud_size(const soapfilm_cloud* cloud); /* samples */
 
 typedef enum soapfilm_type { SOAPFILM_FLOAT32 = 0, SOAPFILM_FLOAT64 = 1, SOAPFILM_UINT8 = 2 } soapfilm_type;
 
-/* A column of a table that lies anywhere: row i begins at (char*)data + i * stride. */
+/* A column of a table anywhere in memory: row i begins at (char*)data + i * stride. */
 typedef struct soapfilm_array {
   const void* data; /* null: there is no such column */
   soapfilm_type type;
   ptrdiff_t stride; /* bytes; 0: rows without gaps */
 } soapfilm_array;
 
-/* A scan: samples that belong together. Zero what is absent: soapfilm_samples s = {0}. */
+/* A scan: samples that belong together. Set absent fields to zero: soapfilm_samples s = {0}. */
 typedef struct soapfilm_samples {
   size_t count;
-  soapfilm_array position; /* 3 values a row, input units, finite */
+  soapfilm_array position; /* 3 values per row, input units, finite */
   soapfilm_array normal;   /* 3, outward, any length; zero or not finite: none */
-  soapfilm_array sensor;   /* 3: where the scanner stood for this sample; not finite: unknown */
+  soapfilm_array sensor;   /* 3: scanner position of this sample; not finite: unknown */
   soapfilm_array weight;   /* 1, >= 0 */
   soapfilm_array color;    /* 3, SOAPFILM_UINT8 */
-  const double* scanner;   /* 3 values: where the scanner stood for the whole scan; null: unknown */
+  const double* scanner;   /* 3 values: scanner position of the whole scan; null: unknown */
   const char* name;        /* of the scan; null: none */
 } soapfilm_samples;
 
-/* Appends a copy of the samples as a further scan. Leaves the cloud as it was where it fails. */
+/* Appends a copy of the samples as a further scan. If it fails, the cloud is unchanged. */
 SOAPFILM_API soapfilm_status soapfilm_cloud_append(soapfilm_context* context, soapfilm_cloud* cloud,
                                                    const soapfilm_samples* samples);
-/* Appends what a file holds: .ply, .xyz, .txt, .pts or .conf (docs/reference/formats.md). */
+/* Appends the contents of a file: .ply, .xyz, .txt, .pts or .conf (docs/reference/formats.md). */
 SOAPFILM_API soapfilm_status soapfilm_cloud_read(soapfilm_context* context, soapfilm_cloud* cloud, const char* path);
 
 /* Reconstructs the surface. `parameters`: JSON, such as {"place": {"voxel": 0.002}} or the whole report of an earlier
- * run; absent keys keep their defaults; null: all do. The same cloud and parameters give the same mesh, bit for bit.
- * *result is null where it fails. */
+ * run; absent keys keep their defaults; null: all defaults. The same cloud and parameters give the same mesh, bit for
+ * bit. *result is null if it fails. */
 SOAPFILM_API soapfilm_status soapfilm_reconstruct(soapfilm_context* context, const soapfilm_cloud* cloud,
                                                   const char* parameters, soapfilm_result** result);
 SOAPFILM_API void soapfilm_result_destroy(soapfilm_result* result);
 
-/* Triangles are counter-clockwise seen from outside. Arrays live as long as the result. */
+/* Triangles are counter-clockwise seen from outside. Arrays are valid as long as the result. */
 SOAPFILM_API size_t soapfilm_vertex_count(const soapfilm_result* result);
-SOAPFILM_API const double* soapfilm_vertices(const soapfilm_result* result); /* 3 a vertex, input units */
+SOAPFILM_API const double* soapfilm_vertices(const soapfilm_result* result); /* 3 per vertex, input units */
 SOAPFILM_API size_t soapfilm_triangle_count(const soapfilm_result* result);
-SOAPFILM_API const uint32_t* soapfilm_triangles(const soapfilm_result* result); /* 3 indices a triangle */
-/* One value a vertex, such as "distance" after {"surface": {"distance": true}}; null: no such attribute. */
+SOAPFILM_API const uint32_t* soapfilm_triangles(const soapfilm_result* result); /* 3 indices per triangle */
+/* One value per vertex, such as "distance" after {"surface": {"distance": true}}; null: no such attribute. */
 SOAPFILM_API const float* soapfilm_attribute(const soapfilm_result* result, const char* name);
 /* The report as JSON. */
 SOAPFILM_API const char* soapfilm_report(const soapfilm_result* result);
 
-/* Writes the mesh, whole or not at all: .ply, .obj or .stl. */
+/* Writes the mesh, completely or not at all: .ply, .obj or .stl. */
 SOAPFILM_API soapfilm_status soapfilm_write_mesh(soapfilm_context* context, const soapfilm_result* result,
                                                  const char* path);
 

@@ -16,7 +16,7 @@
 namespace soapfilm::test {
 namespace TEST_FILE {
 
-/// A sphere of diameter 2.2 in a folder of its own.
+/// A sphere of diameter 2.2 in a temporary folder.
 class EvaluateCommand : public testing::Test {
  protected:
   EvaluateCommand() { write_mesh(mesh, make_sphere({.size = 2.2})->tessellate(1e-4)); }
@@ -93,7 +93,7 @@ TEST_F(EvaluateCommand, TheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(read_file(folder.path() / "1.ply"), read_file(folder.path() / "3.ply"));
 }
 
-/// Two triangles in a plane that no axis lies in.
+/// Two triangles in a plane that contains no axis.
 Mesh tilted_sheet() {
   Mesh mesh;
   mesh.vertices = {{0.1, 0.2, 0.7}, {0.4, 1.1, 1.1}, {-0.4, 1.2, 1.65}, {-0.7, 0.3, 1.25}};
@@ -186,7 +186,7 @@ TEST_F(EvaluateCommand, OptionsAreJudgedBeforeFilesAreRead) {
   expect({"--truth", "/nowhere/truth.ply", "--size", "2"}, "--size: only built-in shapes have it");
 }
 
-/// Each is one line and exit code 2, and leaves no output.
+/// Each causes one line and exit code 2, and leaves no output.
 TEST_F(EvaluateCommand, BadFilesLeaveNothingBehind) {
   const std::string json = folder.file("out.json"), ply = folder.file("error.ply");
   const auto file = [&](const std::string& name, const std::string& text) {
@@ -252,7 +252,7 @@ TEST_F(EvaluateCommand, RefusesInOneLine) {
   expect({"--truth", "sphere", "--samples", set, "--error-ply", scan}, "scan.ply: is also an input");
   expect({"--truth", "sphere", "--error-ply", folder.file("e.ply"), "--json", folder.file("e.ply")},
          "e.ply: is named for two outputs");
-  for (const double size : {0.0, 1e200}) {  // no area; none that a double holds
+  for (const double size : {0.0, 1e200}) {  // no area; one too large for a double
     Mesh odd;
     odd.vertices = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}};
     odd.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};

@@ -1,4 +1,4 @@
-// soapfilm reconstruct --method and what belongs to it: --norm, --lambda auto, --write-levels.
+// soapfilm reconstruct --method and its options: --norm, --lambda auto, --write-levels.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -142,7 +142,7 @@ TEST_F(MethodCommand, WritesTheSurfaceOfEveryLevel) {
     EXPECT_TRUE(check_topology(surface).watertight()) << file;
     EXPECT_LT(surface.triangles.size(), finer) << "level 0 is the finest";
     finer = surface.triangles.size();
-    // All of them lie where the mesh lies, to a cell of their own and half a cell of rounding.
+    // All vertices are near the mesh, within one of their cells and half a cell of rounding.
     const double cell = report["grid"]["voxel"].get<double>() * static_cast<double>(size_t{1} << level);
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(surface.box().lo[axis], box.lo[axis], 1.5 * cell) << file;

@@ -20,7 +20,7 @@ class Outside : public ReconstructRuns {
  protected:
   static constexpr size_t samples = 4000;
 
-  /// Samples of a sphere, or of what is left of it above a share of its height; seen from within or from outside.
+  /// Samples of a sphere, or of the part above a fraction of its height; seen from within or from outside.
   std::string sphere(bool from_within, double above = 0) const {
     PointCloud all = sample_surface(*make_sphere(), samples, 1);
     const Box3d box = all.box();
@@ -47,7 +47,7 @@ TEST_F(Outside, AirIsWhatAClosedObjectHas) {
   EXPECT_EQ(read_file(mesh), bytes);
 }
 
-/// The same surface as that of the object, its faces turned.
+/// The same surface as that of the object, with reversed triangles.
 TEST_F(Outside, ARoomSeenFromWithinIsItsComplementTurned) {
   reported({sphere(false), "--resolution", "48", "--outside", "air"});
   const double volume = written().volume();
@@ -86,7 +86,7 @@ TEST_F(Outside, WhatNoSampleIsNearIsTrimmedOfOpenSurfacesByDefault) {
   const json off = reported({bowl, "--resolution", "48", "--outside", "open", "--trim", "off"});
   EXPECT_TRUE(off["surface"]["trim"].is_null());
   EXPECT_GT(written().area(), area);
-  // Of a closed one the lid, when asked for.
+  // With a closed surface also the lid, on request.
   const json closed = reported({bowl, "--resolution", "48", "--outside", "air"});
   EXPECT_TRUE(closed["surface"]["trim"].is_null());
   const double closed_area = written().area();
@@ -96,7 +96,7 @@ TEST_F(Outside, WhatNoSampleIsNearIsTrimmedOfOpenSurfacesByDefault) {
   EXPECT_LT(written().area(), closed_area);
 }
 
-/// Bare points tell no side: with solid matter beyond, they are taken to be seen from within.
+/// Bare points do not show a side: with solid matter beyond, they are assumed to be seen from within.
 TEST_F(Outside, SolidMatterTurnsTheGuessAtBarePoints) {
   PointCloud bare = sample_surface(*make_sphere(), samples, 1);
   bare.normals.clear();
@@ -166,12 +166,12 @@ TEST_F(Outside, DistancesToSamplesAreWrittenOnRequest) {
   const Mesh with = written();
   ASSERT_EQ(with.attributes.size(), 1u);
   EXPECT_EQ(with.attributes[0].name, "distance");
-  // The lid's middle is farthest, next to the bowl's rim.
+  // The lid's middle is farthest, not its edge at the bowl's rim.
   const auto farthest = std::max_element(with.attributes[0].values.begin(), with.attributes[0].values.end());
   const Vec3d at = with.vertices[static_cast<size_t>(farthest - with.attributes[0].values.begin())];
   EXPECT_LT(std::hypot(at.x, at.y), 0.1);
   EXPECT_GT(*farthest, 0.2);
-  EXPECT_LT(*farthest, 0.45);  // that far is the rim
+  EXPECT_LT(*farthest, 0.45);  // that is the distance at the rim
 }
 
 TEST_F(Outside, BadDistancesToTrimAreRefused) {
@@ -187,7 +187,7 @@ TEST_F(Outside, LostSamplesAreWarnedOfAndStrictRunsTellByTheirExitCode) {
   const json good = reported({cloud, "--resolution", "48", "--strict"});
   EXPECT_EQ(good["self_check"]["lost"], 0);
   EXPECT_EQ(good["warnings"].size(), 0u);
-  // One sample in ten far beside the sphere, at distances that form no surface.
+  // One sample in ten far from the sphere, at distances that form no surface.
   PointCloud with = sample_surface(*make_sphere(), samples, 1);
   for (size_t i = 0; i < with.size(); i += 10)
     with.positions[i] = with.positions[i] * (1.6 + 0.1 * static_cast<double>(i / 10 % 7));

@@ -43,7 +43,7 @@ TEST_F(ParamsFile, AReportGivesItsMeshAgain) {
   }
 }
 
-/// On either side of it.
+/// Before or after it.
 TEST_F(ParamsFile, OptionsBesideItHold) {
   const std::string file = written(R"({"place": {"resolution": 60}, "energy": {"lambda": 0.5},
                                        "surface": {"isovalue": 0.4, "refine": false}, "trim": {"on": true}})");

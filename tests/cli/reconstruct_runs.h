@@ -1,4 +1,4 @@
-// Runs of soapfilm reconstruct whose report tells what an option did.
+// Runs of soapfilm reconstruct whose report shows the effect of an option.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace soapfilm::test {
 
 class ReconstructRuns : public testing::Test {
  protected:
-  /// Runs with the report; the report as JSON.
+  /// Runs with a report; returns it as JSON.
   nlohmann::json reported(std::vector<std::string> arguments) const {
     const std::string file = folder.file("report.json");
     arguments.insert(arguments.begin(), "reconstruct");

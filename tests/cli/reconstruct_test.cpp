@@ -1,4 +1,4 @@
-// soapfilm reconstruct as a user runs it: files in, files out, refusals, the empty outcome, cancelling.
+// soapfilm reconstruct as a user runs it: input and output files, refusals, the empty result, cancelling.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ PointCloud sphere_cloud(size_t samples, Vec3d center = {}) {
   return sample_surface(*make_sphere(params), samples, 7);
 }
 
-/// A folder with a small cloud in it.
+/// A folder with a small cloud.
 class Reconstruct : public testing::Test {
  protected:
   void SetUp() override { write_points(cloud, sphere_cloud(6000)); }
@@ -39,7 +39,7 @@ class Reconstruct : public testing::Test {
   size_t files() const {
     return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
   }
-  /// Refused with a message about `what`, and no file more than before.
+  /// Refused with a message about `what`, and without a new file.
   void refused(std::vector<std::string> arguments, const std::string& what) {
     const size_t before = files();
     arguments.insert(arguments.begin(), {"reconstruct", "--quiet"});
@@ -56,11 +56,11 @@ class Reconstruct : public testing::Test {
   std::string mesh = folder.file("mesh.ply");
 };
 
-/// A large program (a notebook, a service) starts a small run: the peak is the run's own.
+/// A large program (a notebook, a service) starts a small run: the peak is that of the run.
 TEST_F(Reconstruct, PeakOfMemoryIsItsOwnNotThatOfWhoStartedIt) {
   const size_t held = size_t{sanitized ? 1024 : 256} << 20;
   const std::vector<char> block(held, 'x');
-  const volatile char* seen = block.data();  // a block that nobody looks at may never be made
+  const volatile char* seen = block.data();  // an unused block might be optimized away
   ASSERT_EQ(seen[block.size() / 2], 'x');
   const std::string report = folder.file("report.json");
   const ProcessResult result =
@@ -71,7 +71,7 @@ TEST_F(Reconstruct, PeakOfMemoryIsItsOwnNotThatOfWhoStartedIt) {
   EXPECT_LT(peak, held);
 }
 
-/// Lambda is so small that single outliers pay for a film.
+/// Lambda is so small that single outliers pay for a surface.
 TEST_F(Reconstruct, TellsWhichIslandsItDropped) {
   SamplingParams scan;
   scan.count = sanitized ? 5500 : 11000;
@@ -209,7 +209,7 @@ TEST_F(Reconstruct, SeveralInputsAreSeveralScansSeenFromASensor) {
 }
 
 TEST_F(Reconstruct, GeoreferencedInputLosesNothing) {
-  // The offset is a multiple of what double resolves there, so the shifted samples are exact.
+  // The offset is a multiple of the resolution of double there, so the shifted samples are exact.
   const Vec3d offset{5000000, -5000000, 5000000};
   PointCloud near = sphere_cloud(6000);
   for (Vec3d& p : near.positions) p = (p + offset) - offset;

@@ -62,7 +62,7 @@ TEST(Scan, ScansAMeshAndTurnsItWhenInsideOut) {
   }
 }
 
-/// One of the two orientations has a negative volume, by the sheet's place in its box; none has an inside.
+/// One of the two orientations has a negative volume, because of the sheet's place in its box; neither has an inside.
 TEST(Scan, AnOpenMeshIsScannedAsItIs) {
   const TemporaryFolder folder;
   Mesh open;
@@ -176,7 +176,7 @@ TEST(Scan, RefusesAPlaceBeforeTheWork) {
   test::expect_refused({"scan", folder.file("scan_000.ply"), "-o", folder.path().string()},
                        "scan_000.ply: is also an input");
   test::expect_refused({"scan", "sphere", "-o", truth + "/c"}, "cannot make the folder");
-  std::filesystem::create_directory(folder.file("truth.json"));  // where nothing is written
+  std::filesystem::create_directory(folder.file("truth.json"));  // a path to which nothing is written
   EXPECT_EQ(scan({"sphere", "-o", folder.file("c"), "--samples", "9"}).exit_code, 0);
   EXPECT_EQ(read_file(truth), before);
 }

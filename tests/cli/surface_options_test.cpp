@@ -86,7 +86,7 @@ TEST_F(SurfaceOptions, IslandsAreKeptWhenAsked) {
   EXPECT_TRUE(kept["surface"]["components"].is_null());
 }
 
-/// Half of a torus, sampled 50 times more thinly than the other.
+/// One half of a torus, sampled 50 times more sparsely than the other.
 TEST_F(SurfaceOptions, WeightsByAreaKeepAThinlySampledHalf) {
   const auto torus = make_torus();
   PointCloud thinned = sample_surface(*torus, 58000, 1);
@@ -113,7 +113,7 @@ TEST_F(SurfaceOptions, BadValuesAreRefusedWithTheirRange) {
   expect_bad("--smoothing", "rough", "--smoothing = rough, must be a number");
   for (const char* value : {"-0.1", "1.5", "inf", "nan"})
     expect_bad("--split-tolerance", value, "split_tolerance = " + std::string(value) + ", must be in [0, 1]");
-  // As of a shell's variable that is not set: CLI11 would take it for 0.
+  // As from an unset shell variable: CLI11 would take it for 0.
   expect_bad("--split-tolerance", "", "--split-tolerance: no value, must be a number");
   expect_bad("--min-support", "", "--min-support: no value, must be a number");
   expect_bad("--threads", "", "--threads: no value, must be a whole number");

@@ -17,7 +17,7 @@
 namespace soapfilm::cli {
 namespace TEST_FILE {
 
-/// What `report` wrote, to a pipe or to a pseudo-terminal of the given width (whose lines end in "\r\n").
+/// The output of `report`, to a pipe or to a pseudo-terminal of the given width (whose lines end in "\r\n").
 std::string captured(const GlobalOptions& options, const std::function<void(Progress&)>& report, int columns = 0) {
   int reader = -1;
   int writer = -1;
@@ -92,7 +92,7 @@ TEST(TerminalProgress, VerboseAddsDetails) {
 
 TEST(TerminalProgress, ATerminalKeepsOnlyFinishedLines) {
   const std::string text = captured({}, two_stages, 80);
-  // What stays on the screen: each "erase the line" takes back what was drawn since the last end of line.
+  // The remaining text on the screen: each "erase the line" removes what was drawn since the last end of line.
   std::string screen;
   for (size_t at = 0; at < text.size(); ++at) {
     if (text.compare(at, 4, "\r\033[K") == 0) {

@@ -1,4 +1,4 @@
-// Cancelling: the stage at work ends early, whichever it is and by every method, and all memory goes back.
+// Cancelling: the running stage ends early, whichever it is and for every method, and all memory is freed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-/// Cancels in a stage: at its n-th report, or, n = 0, when it begins. Remembers the stages.
+/// Cancels in a stage: at its n-th report, or, n = 0, when it begins. Records the stages.
 class Canceller : public Progress {
  public:
   explicit Canceller(std::string stage = {}, int report = 0) : stage_(std::move(stage)), report_(report) {}
@@ -42,7 +42,7 @@ class Canceller : public Progress {
     running_ = true;
     if (report_ == 0 && name == stage_) cancel();
   }
-  /// A stage that was cut short ends while its exception is on the way up.
+  /// A stage that was interrupted ends while its exception propagates.
   void end_stage(double) override {
     stages.back().cut_short = std::uncaught_exceptions() > 0;
     running_ = false;
@@ -99,7 +99,7 @@ TEST_P(CancelledRun, EndsWithinTheStageAtWork) {
   for (size_t at = 0; at < whole.size(); ++at) {
     const auto& [name, reports, late_reports, cut_short] = whole[at];
     EXPECT_FALSE(cut_short);
-    // Methods that know no lambda have nothing to weigh; Poisson's surface comes out of the solve.
+    // Methods without lambda have nothing to choose there; Poisson's surface is the result of the solve.
     if (name == "weights") continue;
     if (name == "refine" && GetParam() == Method::poisson) continue;
     std::set<int> wanted = {0, std::min(1, reports), reports / 2};
@@ -110,7 +110,7 @@ TEST_P(CancelledRun, EndsWithinTheStageAtWork) {
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
 }
 
-/// The bar of every stage that may take long moves, and never back.
+/// The progress of every stage that may take long increases, and never decreases.
 TEST(ProgressOfStages, RisesFromStageToStage) {
   struct Bars : Progress {
     void begin_stage(std::string_view name) override { stage = name; }
@@ -143,7 +143,7 @@ TEST(ProgressOfStages, RisesFromStageToStage) {
   EXPECT_EQ(bars.fractions["read"].size(), 2u);
 }
 
-/// Cancels some time after a stage began, from a thread of its own.
+/// Cancels some time after a stage began, from another thread.
 class LateCanceller : public Progress {
  public:
   LateCanceller(std::string stage, double seconds) : stage_(std::move(stage)), seconds_(seconds) {}
@@ -161,7 +161,7 @@ class LateCanceller : public Progress {
   std::jthread timer_;
 };
 
-/// LeakSanitizer sees no array that came straight from the system, nor the pages that wait for the next one. (Other
+/// LeakSanitizer does not see arrays allocated directly from the system, nor the pages kept for the next one. (Other
 /// sanitizers keep memory of their own: hence Slow.)
 TEST_P(CancelledRun, GivesItsMemoryBackSlow) {
   const int resolution_here = GetParam() == Method::tv ? 160 : 96;
@@ -180,7 +180,7 @@ TEST_P(CancelledRun, GivesItsMemoryBackSlow) {
   int cancelled = 0;
   for (const StageTime& stage : stages)
     for (const double share : {0.0, 0.5}) {
-      if (stage.elapsed < 0.02) continue;  // too little to hold much
+      if (stage.elapsed < 0.02) continue;  // too short to hold much
       LateCanceller canceller(stage.name, share * stage.elapsed);
       try {
         run(large, params, canceller, threads);

@@ -1,4 +1,4 @@
-// Runs in one process that share nothing: threads, SIMD target, progress, pages and limits are each context's own.
+// Runs in one process share nothing: each context has its own threads, SIMD target, progress, pages and limits.
 #include <gtest/gtest.h>
 
 #include <ctime>
@@ -60,13 +60,13 @@ TEST(Contexts, RunsOnThreadsOfTheirOwnGiveWhatEachGivesAlone) {
   for (size_t k = 0; k < runs.size(); ++k) {
     EXPECT_EQ(hash_mesh(at_once[k].mesh), hash_mesh(alone[k].mesh)) << k;
     EXPECT_EQ(at_once[k].report.certificate.binary.dual, alone[k].report.certificate.binary.dual) << k;
-    // Each counts the arrays of its own run alone.
+    // Each counts only the arrays of its own run.
     EXPECT_EQ(at_once[k].report.array_bytes, alone[k].report.array_bytes) << k;
     EXPECT_GT(at_once[k].report.array_bytes, 0u) << k;
     EXPECT_GT(cpu_seconds(at_once[k].report), 0) << k;
     sum += cpu_seconds(at_once[k].report);
   }
-  // Each counts the time of its own threads alone: the process took at least all of them together.
+  // Each counts only the time of its own threads: the process used at least the sum.
   EXPECT_LE(sum, 1.05 * process + 0.02);
 }
 

@@ -1,4 +1,4 @@
-// What one method has and the chosen one lacks is refused; what they have survives JSON.
+// Parameters that the chosen method does not have are refused; those of all methods survive JSON.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -11,7 +11,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-/// Enough bricks that several threads have tiles to sweep at once.
+/// Enough bricks for several threads to sweep tiles at once.
 constexpr int resolution = sanitized ? 36 : 72;
 
 const PointCloud& cloud() {
@@ -31,7 +31,7 @@ Reconstruction reconstructed(const BackEnd& back_end) {
 
 class Determinism : public testing::TestWithParam<std::string> {};
 
-/// Sanitized runs leave out names that end in Slow: the best target and scalar code will do.
+/// Sanitized runs skip names that end in Slow: the best target and scalar code are enough.
 std::string target_name(const testing::TestParamInfo<std::string>& info) {
   const std::vector<std::string> targets = simd_targets();
   return info.param + (info.param == targets.front() || info.param == targets.back() ? "" : "_Slow");

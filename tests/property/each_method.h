@@ -1,4 +1,4 @@
-// Clouds and parameters with which each method is reconstructed.
+// Clouds and parameters for the reconstruction with each method.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -32,8 +32,8 @@ inline Reconstruction reconstructed(const std::string& shape, Method method) {
   return reconstructed(sampled(shape, resolution, density), params_of(method));
 }
 
-/// A sphere of diameter 1 as range scans, about a sample per voxel^2 of a grid with `vertices` along an axis: one scan
-/// for each scanner position, all round without any.
+/// A sphere of diameter 1 as range scans, about one sample per voxel^2 of a grid with `vertices` along an axis: one
+/// scan for each scanner position; without positions, all around.
 inline PointCloud range_scans(const std::vector<Vec3d>& positions = {}, int vertices = resolution) {
   ScannerParams scanner;
   scanner.step = 1.0 / (vertices - 12);
@@ -46,7 +46,7 @@ inline std::string identifier(std::string name) {
   return name;
 }
 
-/// Remembers which stages began.
+/// Records which stages began.
 struct StageList : Progress {
   void begin_stage(std::string_view name) override { names.emplace_back(name); }
   std::vector<std::string> names;

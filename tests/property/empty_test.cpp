@@ -1,4 +1,4 @@
-// The empty surface competes: what happens when it wins, and how near the edge is.
+// The empty surface as a possible optimum: what happens when it is the optimum, and the lambda at which it becomes so.
 #include <gtest/gtest.h>
 
 #include "soapfilm/reconstruct.h"

@@ -1,4 +1,4 @@
-// What holds of every method: bytes, the plan of memory, the report (cancelling: cancel_test.cpp).
+// What holds for every method: bytes, the memory plan, the report (cancelling: cancel_test.cpp).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST_P(EveryMethod, GivesTheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(one.report.certificate.binary.primal, three.report.certificate.binary.primal);
 }
 
-/// tv's plan is made again once the surface is known; before its work, what hardly holds the samples is refused.
+/// tv plans again once the surface is known; a limit that only just holds the samples is refused before the work.
 TEST_P(EveryMethod, IsRefusedBeforeItsWorkWhenThePlanPassesTheLimit) {
   const size_t planned = reconstructed(cloud, params).report.planned_bytes;
   params.memory_limit = planned;
@@ -81,7 +81,7 @@ json method_section(Method method) {
   return json::parse(to_json(reconstructed(range_scans(), params_of(method)).report))["method"];
 }
 
-/// Levels that only tell the next one where to start need not converge, and are not warned of.
+/// Levels that only give the next one its start need not converge, and cause no warning.
 TEST(MethodReport, WarnsOfTheLevelsThatStoppedTooEarly) {
   ReconstructParams params = params_of(Method::tv);
   params.place.resolution = 64;
@@ -98,7 +98,7 @@ TEST(MethodReport, WarnsOfTheLevelsThatStoppedTooEarly) {
   }
   ASSERT_GE(expected.size(), 2u);
   ASSERT_LT(expected.size(), report.details->solve.levels.size());
-  // What a single iteration leaves is mostly far from the samples, which is told last.
+  // After a single iteration most of the mesh is far from the samples, which is the last warning.
   ASSERT_EQ(report.warnings.size(), expected.size() + 1);
   EXPECT_NE(report.warnings.back().find("it closes what was not scanned"), std::string::npos) << report.warnings.back();
   for (size_t k = 0; k < expected.size(); ++k)

@@ -21,7 +21,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-/// Samples of a shape, per voxel^2, and their noise, voxels; whether the cloud may be freed, as the program's may.
+/// Samples of a shape, per voxel^2, and their noise, voxels; whether the cloud may be freed, as the program does.
 struct Planned {
   std::string shape;
   double density, noise;
@@ -35,7 +35,7 @@ void PrintTo(const Planned& p, std::ostream* out) {
 
 class PlannedMemory : public testing::TestWithParam<Planned> {};
 
-/// The process holds little before; what the peak shows is this run (or a sanitizer: hence Slow).
+/// The process holds little before: the peak is that of this run (or of a sanitizer: hence Slow).
 TEST_P(PlannedMemory, IsAboutThePeakSlow) {
   const Planned& p = GetParam();
   PointCloud cloud = sampled(p.shape, p.resolution, p.density);
@@ -53,13 +53,13 @@ TEST_P(PlannedMemory, IsAboutThePeakSlow) {
   EXPECT_GT(peak, 0.85 * planned);
 }
 
-// Measured 1.01, 1.08, 1.03, .91 to 1.0, .99 and 1.16: of samples so few and noisy, two grids are looked at.
+// Measured 1.01, 1.08, 1.03, .91 to 1.0, .99 and 1.16: for samples so few and noisy, two grids are tried.
 INSTANTIATE_TEST_SUITE_P(Samples, PlannedMemory,
                          testing::Values(Planned{"knot", 1, 0}, Planned{"knot", 1, 0, true, 384},
                                          Planned{"torus", 1, 0, true}, Planned{"knot", 0.2, 0, true},
                                          Planned{"part", 1, 0, true}, Planned{"knot", 0.1, 1, false, 256, 1.25}));
 
-/// What is scanned but not closed: parts of a box's faces from within.
+/// Scanned surfaces that are not closed: parts of a box's faces from within.
 struct Scene {
   std::string name;
   bool checked;
@@ -132,8 +132,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, PlannedScene,
                          testing::Values(Scene{"room", false}, Scene{"room", true}, Scene{"corridor", false},
                                          Scene{"corridor", true}, Scene{"waves", false}, Scene{"waves", true}));
 
-/// A sheet is open by itself; with a limit it runs where its plan says so, and is refused else, before or after the
-/// solve has told how much surface there is.
+/// A sheet is open by itself; with a limit it runs if its plan fits, and is refused otherwise, before the solve or
+/// after it, when the size of the surface is known.
 TEST(MemoryPlan, AnOpenSheetRunsWhereItsPlanFits) {
   const PointCloud cloud = waves(sanitized ? 80 : 100);
   for (const Border outside : {Border::open, Border::automatic}) {

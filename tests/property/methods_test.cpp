@@ -1,5 +1,5 @@
-// Every method through the one call: what its surface promises, and what one judge says of all of them on the same
-// grid, from the same data, with the same weight of area.
+// Every method through the one call: the properties of its surface, and one energy for all of them on the same grid,
+// from the same data, with the same weight of area.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -56,8 +56,8 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Segmenting, testing::ValuesIn(all_cases()),
 
 class OneJudge : public testing::TestWithParam<std::string> {};
 
-/// E of the binary labels that each method draws, by the energy that tv minimizes: none may lie below tv's bound, and
-/// tv's own lies so near to it that the bound says something.
+/// E of the binary labels of each method, by the energy that tv minimizes: none may be below tv's bound, and tv's own
+/// is so close to it that the bound is meaningful.
 TEST_P(OneJudge, NoMethodIsBelowTheBoundThatTvProvesSlow) {
   const Certificate tv = reconstructed(GetParam(), Method::tv).report.certificate;
   const double bound = tv.relaxed.dual, scale = std::abs(bound);
@@ -71,7 +71,7 @@ TEST_P(OneJudge, NoMethodIsBelowTheBoundThatTvProvesSlow) {
   }
 }
 
-/// The paper's numerics and ours, side by side: the same energy within 2 %, and two bounds of the same optimum.
+/// The paper's numerics and ours: the same energy within 2 %, and two bounds of the same optimum.
 TEST_P(OneJudge, TheSorOfThePaperAndTvAgree) {
   const Certificate tv = reconstructed(GetParam(), Method::tv).report.certificate;
   const Certificate sor = reconstructed(GetParam(), Method::tv_sor).report.certificate;
@@ -83,7 +83,7 @@ TEST_P(OneJudge, TheSorOfThePaperAndTvAgree) {
   EXPECT_NEAR(sor.relaxed.dual, tv.relaxed.dual, 0.1 * std::abs(tv.relaxed.dual)) << "a bound that says something";
 }
 
-/// With the norm along the axes the coarea formula is exact: the convex problem and the cut have the same minimum.
+/// With the anisotropic norm the coarea formula is exact: the convex problem and the cut have the same minimum.
 TEST_P(OneJudge, AnisotropicTvAndTheCutReachTheSameEnergy) {
   const PointCloud cloud = sampled(GetParam(), resolution, density);
   ReconstructParams params = params_of(Method::tv);
@@ -110,13 +110,13 @@ TEST(Vrip, IsOpenWhereNothingWasSeenAndClosedAllRound) {
   const Mesh whole = reconstructed(range_scans(), params_of(Method::vrip)).mesh;
   EXPECT_TRUE(check_topology(whole).watertight()) << summary(check_topology(whole));
   EXPECT_LT(half.area(), 0.6 * whole.area());
-  // tv closes the half that was not seen, if it is asked to.
+  // tv closes the half that was not seen, if required.
   ReconstructParams closed = params_of(Method::tv);
   closed.border.outside = Border::air;
   EXPECT_TRUE(check_topology(reconstructed(range_scans({{5, 0, 0}}), closed).mesh).watertight());
 }
 
-/// A scanner that the parameters name serves scans that name none; nothing else of the cloud need be changed.
+/// A scanner position in the parameters is used for scans that have none; nothing else of the cloud need be changed.
 TEST(Vrip, ScansWithoutAPositionTakeTheOneThatIsGiven) {
   const PointCloud named = range_scans({{5, 0, 0}});
   PointCloud bare = named;
@@ -160,7 +160,7 @@ TEST(Vrip, ThatSawNoWholeCellIsAnEmptyResult) {
   EXPECT_THROW(reconstructed(range_scans({{5, 0, 0}}), params), EmptyResult);
 }
 
-/// poisson's surface owes nothing to lambda: one at which no film pays must not make it an empty result.
+/// poisson's surface does not depend on lambda: one for which no surface pays must not make it an empty result.
 TEST(Poisson, HasTheSameSurfaceForEveryLambda) {
   const PointCloud cloud = sampled("sphere", resolution, 1);
   ReconstructParams params = params_of(Method::poisson);
@@ -190,7 +190,7 @@ TEST(Poisson, SaysSoWhenTheDirectionsPointInward) {
 
 class EmptyBy : public testing::TestWithParam<Method> {};
 
-/// The message's lambda is one that keeps a surface by the same method and the same norm.
+/// The lambda of the message keeps a surface with the same method and the same norm.
 TEST_P(EmptyBy, NamesALambdaThatKeepsASurfaceSlow) {
   const PointCloud cloud = sampled("sphere", 40, 1);
   ReconstructParams params = params_of(GetParam());
@@ -213,8 +213,8 @@ TEST_P(EmptyBy, NamesALambdaThatKeepsASurfaceSlow) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, EmptyBy, testing::Values(Method::tv, Method::graph_cut_6), method_name);
 
-/// From u = 0 the paper's numerics stop short of a surface that still pays: then the message must not say that none
-/// does.
+/// From u = 0 the paper's numerics stop before a surface that still pays: then the message must not say that no surface
+/// pays.
 TEST(Sor, SaysWhenItLosesASurfaceThatPaysSlow) {
   const PointCloud cloud = sampled("sphere", 40, 1);
   ReconstructParams params = params_of(Method::tv_sor);

@@ -1,4 +1,4 @@
-// The paper's own figures on real data; the folder comes from the environment variable SOAPFILM_DATA.
+// Numbers from the paper on real data; the folder is given by the environment variable SOAPFILM_DATA.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -19,7 +19,7 @@ TEST(Paper, BunnyHasTheCountsOfTable1) {
       {0.1, 1126101}, {0.25, 1124452}, {0.5, 1121936}, {0.75, 1119334}, {0.9, 1117737}};
   for (const auto& [mu, inside] : table) {
     ReconstructParams params;
-    params.orient.source = DirectionSource::scan;  // as weak as the paper's; by default planes tell them
+    params.orient.source = DirectionSource::scan;  // as rough as the paper's; by default they come from planes
     params.place.resolution = 212;
     params.energy.lambda = 0.01;
     params.surface.threshold = mu;

@@ -1,4 +1,4 @@
-// What the reconstructed surface promises, measured on shapes whose truth is known.
+// Properties of the reconstructed surface, measured on shapes whose truth is known.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,8 +32,8 @@ void keep_where(PointCloud& cloud, const auto& condition) {
   cloud.filter(keep);
 }
 
-/// Mean | |vertex| - radius | over meshes of a sphere of diameter 1 around the origin, which the grid cuts in four
-/// ways. Edges are not split: that would put vertices on the sphere that else lie outside it, for the chords' sake.
+/// Mean | |vertex| - radius | over meshes of a sphere of diameter 1 around the origin, at four positions in the grid.
+/// Edges are not split: that would move vertices onto the sphere that otherwise lie outside it, because of the chords.
 double mean_radius_error(double voxel, size_t samples) {
   double sum = 0;
   size_t count = 0;
@@ -68,7 +68,7 @@ double area_of_cap(const Mesh& mesh, Vec3d center, Vec3d axis, double radius) {
   return area;
 }
 
-/// Turns about a skew axis, so that the hole's plane is no lattice plane.
+/// Rotates about a skew axis, so that the hole's plane is no lattice plane.
 Vec3d rotated(Vec3d p) {
   const Vec3d axis = normalized(Vec3d{1, 2, 3});
   const double angle = 0.7;
@@ -97,7 +97,7 @@ TEST_P(PlanarHole, OfTwentyVoxelsIsClosedByAPatchOfTheDisc) {
 
 INSTANTIATE_TEST_SUITE_P(Planes, PlanarHole, testing::Bool(), [](const auto& p) { return p.param ? "skew" : "axis"; });
 
-/// Vertices inside when the lattice's coarsest level is solved on its own.
+/// Vertices inside if the lattice's coarsest level is solved alone.
 size_t inside_on_coarsest_level(const ReconstructReport& report, const PointCloud& cloud) {
   const Lattice lattice{report.grid};
   const Problem problem = make_problem(cloud, lattice);
@@ -129,8 +129,8 @@ enum class Directions { radial, up };
 
 class HalfSphere : public testing::TestWithParam<Directions> {};
 
-/// Scanned from one side: the film closes the open side and stays away from the border. (With directions up it hangs
-/// four voxels below the samples, held by little: that takes a small gap to see.)
+/// Scanned from one side: the minimal surface closes the open side and stays away from the border. (With directions up
+/// it is four voxels below the samples, with a small gain in energy: only a small gap shows that.)
 TEST_P(HalfSphere, ClosesAndTouchesNoBorderVertex) {
   PointCloud cloud = sampled("sphere", 64, 2);
   keep_where(cloud, [](Vec3d p) { return p.z > 0; });
@@ -159,7 +159,7 @@ TEST_P(HalfSphere, ClosesAndTouchesNoBorderVertex) {
 INSTANTIATE_TEST_SUITE_P(Views, HalfSphere, testing::Values(Directions::radial, Directions::up),
                          [](const auto& d) { return d.param == Directions::up ? "up" : "radial"; });
 
-/// What lies beyond the border changes nothing: more padding, the same optimum.
+/// More distance to the border changes nothing: more padding, the same optimum.
 TEST(Border, IsFarEnoughSlow) {
   PointCloud cloud = sampled("sphere", 64, 2);
   keep_where(cloud, [](Vec3d p) { return p.z > 0; });
@@ -172,7 +172,7 @@ TEST(Border, IsFarEnoughSlow) {
   EXPECT_NEAR(energy[0], energy[1], 2e-6 * std::abs(energy[0]));
 }
 
-/// Offsets of 5e6 with detail of 1e-3: the mesh is the same, moved.
+/// Offsets of 5e6 with detail of 1e-3: the mesh is the same, translated.
 TEST(Georeferenced, CoordinatesLoseNothing) {
   PointCloud near = sampled("knot", 64, 1);
   for (Vec3d& p : near.positions)

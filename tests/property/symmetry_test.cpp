@@ -1,4 +1,4 @@
-// The grid has axes, the result must hardly know: permutations, flips, translations, units.
+// The grid has axes, but the result must almost not depend on them: permutations, flips, translations, units.
 #include <gtest/gtest.h>
 
 #include "soapfilm/reconstruct.h"
@@ -54,7 +54,7 @@ Vec3<T> permuted(Vec3<T> v, const std::array<int, 3>& from) {
   return {v[from[0]], v[from[1]], v[from[2]]};
 }
 
-/// The same labels but for ties.
+/// The same labels except for ties.
 TEST_P(Symmetry, AxisPermutationsPermuteTheLabels) {
   for (const std::array<int, 3> from : {std::array{1, 2, 0}, std::array{1, 0, 2}, std::array{2, 1, 0}}) {
     const PointCloud turned = transformed(
@@ -82,7 +82,7 @@ size_t moved_beyond_a_voxel(const Dense<uint8_t>& a, const Dense<uint8_t>& b) {
   return count;
 }
 
-/// Forward differences know one end of an axis from the other: the energy moves a little, the surface hardly.
+/// Forward differences are not symmetric along an axis: the energy changes a little, the surface almost not.
 TEST_P(Symmetry, AxisFlipsHardlyMoveTheSurface) {
   for (int axis = 0; axis < 3; ++axis) {
     const PointCloud flipped = transformed(
@@ -116,7 +116,7 @@ class Translation : public testing::TestWithParam<Case> {
  protected:
   static constexpr double voxel = 0x1p-5;
 
-  /// Room to move in, and samples on a fine dyadic raster: moving them by voxels is exact.
+  /// Room to move, and samples on a fine dyadic raster: moving them by voxels is exact.
   Translation() {
     cloud = noisy(GetParam().shape, GetParam().noise_vox);
     for (Vec3d& p : cloud.positions)
@@ -130,7 +130,7 @@ class Translation : public testing::TestWithParam<Case> {
                       cloud, [&](Vec3d p) { return p + Vec3d(voxels) * voxel; }, [](Vec3f n) { return n; }),
                   lattice);
   }
-  /// Labels that differ although the relaxed u is not within `tie` of the threshold.
+  /// Labels that differ although the relaxed u differs from the threshold by more than `tie`.
   size_t differences(const Solved& other, Vec3i voxels, double tie = 0) const {
     size_t count = 0;
     original.labels.for_each([&](Vec3i v) {
@@ -144,8 +144,8 @@ class Translation : public testing::TestWithParam<Case> {
   Solved original;
 };
 
-/// The same but for the last bits of f (its sums run brick by brick) and the distance to the border, which the dual
-/// feels: the same labels but for ties.
+/// The same except for the last bits of f (its sums are by bricks) and the distance to the border, which has an effect
+/// on the dual: the same labels except for ties.
 TEST_P(Translation, ByTheCoarsestCellMovesTheLabelsAlong) {
   const int cell = lattice.margin();
   ASSERT_GE(cell, 4);
@@ -195,7 +195,7 @@ TEST(Units, PowersOfTwoScaleTheMeshExactly) {
   }
 }
 
-/// Where the lattice turns along, x, y and z in turn change nothing.
+/// If the lattice's axes are permuted too, x, y and z in turn change nothing.
 TEST(Axes, TurningThemTurnsTheMeshExactly) {
   for (const double noise : {0.0, 0.3}) {
     const PointCloud cloud = noisy("part", noise);

@@ -1,11 +1,11 @@
 // Theorem 1: thresholding the relaxed optimum at any mu gives a binary optimum. Exactly for the continuous problem; on
-// the grid, forward-difference TV obeys one half of the coarea formula alone:
+// the grid, forward-difference TV obeys only one half of the coarea formula:
 //
 //   TV(u) <= integral of TV(1[u > mu]) over mu in [0, 1]   (convexity),   so   E(u) <= mean over mu of E(1[u > mu]),
 //
-// and every binary u has E >= E* >= D. What is left of the theorem: every threshold's excess over D is small, and
-// within a factor of 4 of the excess at 1/2, the least (measured: 3.4 at mu = 0.05 and 0.95). That excess is the binary
-// gap that the program reports, whatever the threshold.
+// and every binary u has E >= E* >= D. What remains of the theorem: every threshold's excess over D is small, and
+// within a factor of 4 of the excess at 1/2, the smallest (measured: 3.4 at mu = 0.05 and 0.95). That excess is the
+// binary gap that the program reports, for any threshold.
 #include <gtest/gtest.h>
 
 #include "support/dense.h"

@@ -1,6 +1,6 @@
-// Without lambda every built-in shape keeps its components and its genus, whatever the resolution and the sampling.
-// The full sweep (64 to 512 vertices, 0.3 to 10 samples per voxel^2; half an hour of one core and 2 GB) runs when the
-// environment variable SOAPFILM_FULL_TESTS is set.
+// Without lambda every built-in shape keeps its components and its genus, for any resolution and sampling. The full
+// sweep (64 to 512 vertices, 0.3 to 10 samples per voxel^2; half an hour of one core and 2 GB) runs if the environment
+// variable SOAPFILM_FULL_TESTS is set.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// The weights of samples: one of weight k counts like k of weight 1, in the data term, the fit, the removal of
-// components and the last moves of vertices; one of weight 0 is not there.
+// The weights of samples: one of weight k counts as k samples of weight 1, in the data term, the fit, the removal of
+// components and the last moves of vertices; one of weight 0 has no effect.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -22,7 +22,7 @@ using namespace test;
 constexpr int vertices = sanitized ? 40 : 64;
 constexpr int copies = 4;
 
-/// A torus under noise, of which a half is told `copies` times: as copies, or by weights.
+/// A torus with noise, of which one half counts `copies` times: as copies, or by weights.
 PointCloud told_often(bool by_weight) {
   PointCloud cloud = sampled("torus", vertices, 2);
   add_noise(cloud, 0.3 / (vertices - 12), 1);
@@ -39,8 +39,8 @@ PointCloud told_often(bool by_weight) {
   return often;
 }
 
-/// The paper's lambda, against one vector for each sample: copies are not to count as one sample seen again and again.
-/// The fit's weights are given, as they are chosen by holding samples out: from copies they cannot be held out.
+/// The paper's lambda, against one vector for each sample: copies must not count as one sample seen several times. The
+/// fit weights are given, as they are chosen by held-out samples: from copies they cannot be held out.
 ReconstructParams params_for_weights() {
   ReconstructParams params;
   params.place.resolution = vertices;
@@ -65,7 +65,7 @@ TEST(Weights, OneOfWeightKIsKOfWeightOne) {
   EXPECT_NEAR(by_weights.report.certificate.binary.primal, by_copies.report.certificate.binary.primal,
               1e-5 * std::abs(by_copies.report.certificate.binary.primal));
   EXPECT_LT(farthest_apart(by_copies.mesh, by_weights.mesh), 0.02 * voxel);
-  // And they count for something: without them the surface lies elsewhere.
+  // The weights have an effect: without them the surface is elsewhere.
   PointCloud plain = told_often(true);
   plain.weights.clear();
   EXPECT_GT(farthest_apart(by_copies.mesh, reconstructed(plain, params).mesh), 0.04 * voxel);
@@ -90,7 +90,7 @@ TEST(Weights, ZeroIsAbsent) {
   EXPECT_EQ(hash_mesh(reconstructed(cloud, params).mesh), hash_mesh(without.mesh));
 }
 
-/// Samples of hardly any weight are hardly lost: a wrong copy with a low confidence is no reason to warn.
+/// Samples of very small weight count little as lost: a wrong copy with a low confidence is no reason to warn.
 TEST(Weights, CountInTheSelfCheck) {
   PointCloud cloud = sampled("torus", vertices, 2);
   const size_t good = cloud.size();
@@ -106,7 +106,7 @@ TEST(Weights, CountInTheSelfCheck) {
   EXPECT_TRUE(found.report.warnings.empty()) << found.report.warnings.front();
 }
 
-/// A small component of few samples goes; where these weigh as much as many, it stays.
+/// A small component of few samples is dropped; if these weigh as much as many, it is kept.
 TEST(Weights, CountInTheRemovalOfComponents) {
   PointCloud cloud = sampled("torus", vertices, 2);
   const size_t large = cloud.size();

@@ -67,7 +67,7 @@ inline GridSamples random_samples(int bricks, size_t count, uint64_t seed) {
   return random_samples(Vec3i{bricks, bricks, bricks}, count, seed);
 }
 
-/// What disturbs the samples of a shape.
+/// Errors of a shape's samples.
 struct Disturbance {
   double noise_vox = 0;       ///< along the direction
   bool viewing = true;        ///< directions within 80 degrees of the normal; otherwise the normals
@@ -128,7 +128,7 @@ inline Mesh mesh_of(const SurfaceField& field, float isovalue, const Lattice& la
       field.grid, field.value, [&](Vec3i brick) { return field.missing_value(brick); }, isovalue, lattice, Context(1));
 }
 
-/// What refine() reads of a level, which it takes over.
+/// A copy of the parts of a level that refine() reads, since it takes the level over.
 inline Level copy_of(const Level& level) {
   Level copy;
   copy.box = level.box;

@@ -17,7 +17,7 @@ const Context one_thread(1);
 
 class Pulled : public testing::Test {
  protected:
-  /// A place may round up to the brick's end: the last cell holds it.
+  /// A position may round up to the brick's end: it belongs to the last cell.
   static GridSamples with_rounded_places(GridSamples samples) {
     for (size_t s = 0; s < samples.size(); s += 50) samples.local[s][static_cast<int>(s) / 50 % 3] = brick_side;
     return samples;
@@ -165,7 +165,7 @@ TEST_F(Pulled, MergingKeepsWeightsAndMeans) {
   EXPECT_LT(norm(normal - expected_normal), 1e-4);
 }
 
-/// Merged again with other weights the cells hold these alone; samples that weigh little are counted, unseen ones too.
+/// Merged again with other weights the cells hold only the new sums; samples of small weight, also unseen ones, count.
 TEST_F(Pulled, MergingForgetsWhatWasMerged) {
   std::vector<uint8_t> third(samples.size());
   for (size_t s = 0; s < third.size(); s += 3) third[s] = 1;
@@ -198,7 +198,7 @@ TEST_P(PulledOn, GivesTheSameBits) {
   for (size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out.data()[i], expected.data()[i]);
 }
 
-/// What the samples of each cell say together is what robust.h says of one after the other, to the last bit.
+/// The merged samples of each cell equal the results of robust.h for one sample after the other, to the last bit.
 TEST_P(PulledOn, MergesWhatEachSampleSays) {
   const RowArray phi = random_array(band, 9);
   const auto jets = jets_at_samples(phi, samples, data, band, one_thread);

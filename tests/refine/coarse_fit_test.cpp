@@ -13,7 +13,7 @@ using namespace test;
 
 const Context one_thread(1);
 
-/// A solved shape's problem on the grid itself and on every second vertex, with the fit_weights that suits the latter.
+/// A solved shape's problem on the grid itself and on every second vertex, with fit weights that suit the latter.
 struct TwoGrids {
   Solved solved;
   Start start = start_from(solved.solution.finest, 0.5f, 3, one_thread);

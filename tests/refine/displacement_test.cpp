@@ -52,7 +52,7 @@ class BallDisplacement : public testing::Test {
               static_cast<float>(distance(Vec3d(v)) + 0.5 * std::sin(0.4 * v.x) * std::cos(0.5 * v.y));
       });
   }
-  /// The largest change that solving on to `more` steps brings, over the largest displacement.
+  /// The largest change by solving on to `more` steps, over the largest displacement.
   double left_after(int steps, float gamma) {
     displace();
     const CellSamples cells = fitted(gamma);
@@ -112,7 +112,7 @@ TEST_P(BallDisplacementOn, GivesTheSameBits) {
   EXPECT_EQ(run(context_on(GetParam())), expected);
 }
 
-/// Of 26 layers of bricks two threads and three take several slabs through every pass.
+/// Of 26 layers of bricks two and three threads process several slabs in every pass.
 TEST(Displacement, GivesTheSameBitsInSlabsOfLayers) {
   constexpr Vec3i bricks{2, 2, 26};
   const NarrowBand band = random_band(bricks, 0.97, 1);

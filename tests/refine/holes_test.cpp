@@ -11,7 +11,7 @@ namespace TEST_FILE {
 
 using namespace test;
 
-/// Samples of a shape less those that `gone` takes, solved and refined.
+/// Samples of a shape without those for which `gone` is true, solved and refined.
 template <class Gone>
 Solved with_hole(const std::string& shape, int resolution, Gone&& gone) {
   Solved solved(shape, resolution);
@@ -52,7 +52,7 @@ TEST(Holes, NothingChangesWhereThereIsNone) {
 }
 
 TEST(Holes, AnUnseenBaseStaysFlat) {
-  // The lower third: the sides meet the film at some 70 degrees.
+  // The lower third: the sides meet the minimal surface at about 70 degrees.
   const Solved solved = with_hole("sphere", 50, [](Vec3d p) { return p.z < -0.1; });
   const Refined smooth = filled(solved, HoleFill::smooth);
   EXPECT_EQ(smooth.report.holes.curved, 0u);
@@ -61,7 +61,7 @@ TEST(Holes, AnUnseenBaseStaysFlat) {
 }
 
 TEST(Holes, WhatIsAFifthOfTheSurfaceIsNoHole) {
-  // Samples of the upper third alone, turned so that the film lies along no face of their box.
+  // Samples of the upper third only, rotated so that the minimal surface lies along no face of their box.
   const Solved solved = with_hole("sphere", 50, [](Vec3d p) { return dot(p, normalized(Vec3d{1, 2, 3})) > -0.15; });
   const Refined smooth = filled(solved, HoleFill::smooth);
   EXPECT_EQ(smooth.report.holes.curved, 0u);
@@ -69,8 +69,8 @@ TEST(Holes, WhatIsAFifthOfTheSurfaceIsNoHole) {
   EXPECT_EQ(hash_mesh(smooth.mesh), hash_mesh(filled(solved, HoleFill::flat).mesh));
 }
 
-/// How far the sphere without a cap reaches along x, over its radius, in a box that ends 3 voxels beyond the samples.
-/// The cap's pole lies 27 degrees off that axis, its rim 53 degrees around: samples end at 0.9 radii, 4 voxels below.
+/// Largest x of the sphere without a cap, over its radius, in a box that ends 3 voxels beyond the samples. The cap's
+/// pole is 27 degrees off that axis, its boundary 53 degrees around: samples end at 0.9 radii, 4 voxels below.
 double reach_along_x(bool open, size_t& bent) {
   constexpr int resolution = 100;
   Solved solved("sphere", 30);

@@ -21,7 +21,7 @@ uint64_t around(const Values& values, int layer) {
   return sum;
 }
 
-/// Stages that each add up what the one before wrote in a layer and those next to it.
+/// Stages that each sum up the values that the previous stage wrote in a layer and its neighbors.
 class Pass {
  public:
   Pass(int layers, size_t stages)
@@ -33,7 +33,7 @@ class Pass {
     return
         [this, number](int layer) { values[number + 1][static_cast<size_t>(layer)] += around(values[number], layer); };
   }
-  /// Changes what lies between a layer and the next, in a way that tells in which order.
+  /// Changes values between a layer and the next, so that the result depends on the order.
   auto add(size_t number) {
     return [this, number](int layer) {
       for (const size_t plane : {static_cast<size_t>(layer), static_cast<size_t>(layer) + 1})

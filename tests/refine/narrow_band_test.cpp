@@ -132,7 +132,7 @@ TEST(NarrowBand, MultilevelRestrictsTheResidualOfAJacobiStep) {
   RowArray inverse = members(band), x = band.make_array(), out = band.make_array(), residual = band.make_array();
   RowArray extent = members(band), extended = band.make_array();
   RowArray expected = coarse.band().make_array(), restricted = coarse.band().make_array();
-  // A vertex without neighbors is tied to nothing.
+  // A vertex without neighbors is not coupled to others.
   for (size_t i = 0; i < x.size(); ++i) {
     inverse.data()[i] *= band.degree(0)[i] > 0 ? 0.1f : 0.0f;
     x.data()[i] = inverse.data()[i] * b.data()[i];
@@ -152,7 +152,7 @@ TEST(NarrowBand, MultilevelRestrictsTheResidualOfAJacobiStep) {
   }
 }
 
-/// Steps of one length, of K x = reaction x + diffusion G x, for the vertices that have neighbors.
+/// Steps of uniform length, of K x = reaction x + diffusion G x, for the vertices that have neighbors.
 TEST(NarrowBand, MultilevelTakesEvenSteps) {
   constexpr float step = 0.2f, reaction = 0.3f, diffusion = 0.7f;
   const NarrowBand band = random_band(3, 0.4, 17);
@@ -234,7 +234,7 @@ TEST(NarrowBand, MultilevelIsSymmetricPositiveDefinite) {
 class RowsOn : public testing::TestWithParam<BackEnd> {};
 
 TEST_P(RowsOn, GiveTheSameBits) {
-  const NarrowBand band = random_band(Vec3i{2, 2, 26}, 0.7, 12);  // two threads and three take several slabs of layers
+  const NarrowBand band = random_band(Vec3i{2, 2, 26}, 0.7, 12);  // several slabs for two and three threads
   const RowArray a = random_array(band, 13);
   RowArray weights = band.make_array();
   for (size_t i = 0; i < weights.size(); i += 3) weights.data()[i] = 0.5f;

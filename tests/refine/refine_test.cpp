@@ -31,14 +31,14 @@ TEST_P(SmoothShape, StrengthFollowsTheNoiseSlow) {
   const Refined of_clean = refined(clean), of_noisy = refined(noisy);
   EXPECT_GT(of_noisy.report.fit_weights.smoothing, 5 * of_clean.report.fit_weights.smoothing);
   EXPECT_LT(mean_error_vox(noisy, of_noisy.mesh), 0.08);
-  // Along the normal the noise is that along the ray times its cosine.
+  // The noise along the normal is that along the ray times its cosine.
   EXPECT_NEAR(of_noisy.report.fit_weights.noise, 0.2, 0.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, SmoothShape, testing::Values("sphere", "torus", "knot"), name_of);
 
 TEST(Refine, CreasesKeepTheirBendUnderNoiseSlow) {
-  // Where each vertex yields to its own curvature, bent by noise, and no neighbor is asked: 0.10.
+  // If each vertex were reweighted by its own noisy curvature, without its neighbors: 0.10.
   const Solved solved("part", 80, 1, {.noise_vox = 1.0 / 3});
   const Refined result = refined(solved);
   EXPECT_TRUE(result.report.fit_weights.edge_preserving);
@@ -46,7 +46,7 @@ TEST(Refine, CreasesKeepTheirBendUnderNoiseSlow) {
 }
 
 TEST(Refine, StrongNoiseIsNotFollowedSlow) {
-  // A surface that follows noise of a voxel is off by 0.28 voxel; the smoothing that is best for a sphere leaves 0.1.
+  // A surface that follows noise of a voxel has an error of 0.28 voxel; with the best smoothing for a sphere 0.1.
   const Solved solved("sphere", 70, 1, {.noise_vox = 1});
   const Refined result = refined(solved);
   EXPECT_LT(mean_error_vox(solved, result.mesh), 0.22);
@@ -54,9 +54,9 @@ TEST(Refine, StrongNoiseIsNotFollowedSlow) {
   EXPECT_GT(bend, 1.5 * result.report.fit_weights.noise);
 }
 
-/// Patches that choose the fit_weights, and rows that tell the median of the bends, are the same or as good.
+/// Patches that choose the fit weights, and rows that give the median of the curvatures, are the same or as good.
 TEST(Refine, HardlyKnowsHowTheAxesAreTurnedSlow) {
-  constexpr int resolution = 140;  // more samples than are looked at
+  constexpr int resolution = 140;  // more samples than are used
   const Disturbance noise{.noise_vox = 0.5};
   const Solved turned("plate", resolution, 1, noise);
   Solved along_world("plate", resolution, 1, noise);
@@ -126,7 +126,7 @@ TEST(Refine, FlatFacesHaveNoGroovesSlow) {
 
 class Topology : public testing::TestWithParam<std::string> {};
 
-/// Of the binary field itself, as it is.
+/// Of the binary field itself.
 TopologyReport topology_of_solve(const Solved& solved) {
   SurfaceField binary = smoothed_indicator(solved.solution.finest, 0.5f, Context(1));
   const Dense<double> u = dense_u(solved.solution.finest, 0.5f);
@@ -167,7 +167,7 @@ TEST_P(Topology, SurvivesSmoothingThatWouldFlattenIt) {
 INSTANTIATE_TEST_SUITE_P(Shapes, Topology, testing::Values("plate", "sheets", "knot"), name_of);
 
 TEST(Topology, SurvivesAnyWish) {
-  // Half of the vertices near a solid ball's surface want to change sides.
+  // Half of the vertices near a solid ball's surface should change their label.
   const NarrowBand band = random_band(3, 1, 1);
   BrickMask none(band.grid().bricks());
   SignBits signs(band.grid(), none);
@@ -197,7 +197,7 @@ TEST(Topology, SurvivesAnyWish) {
   EXPECT_EQ(found.genus(), 0);
 }
 
-/// A ball with a void of one vertex, and beside it objects of two, of one and of one vertex.
+/// A ball with a cavity of one vertex, and near it components of two, one and one vertices.
 struct Specks {
   static constexpr Vec3i ball_center{8, 8, 8}, hollow{8, 8, 8}, pair{18, 18, 18}, kept{20, 4, 4}, lost{4, 20, 4};
 
@@ -226,7 +226,7 @@ constexpr float held = 0.05f;
 TEST(Topology, WhatTheFitShrinksToAVertexVanishes) {
   for (const bool vanish : {false, true}) {
     Specks specks(true);
-    specks.at(Specks::hollow) = 0.2f;  // the fit wants these on the other side
+    specks.at(Specks::hollow) = 0.2f;  // the fit puts these on the other side
     specks.at(Specks::lost) = -0.3f;
     for (const int x : {0, 1}) specks.at(Specks::pair + Vec3i{x, 0, 0}) = -0.1f;
     const FlipCount count = follow(specks.phi, specks.band, specks.signs, held, vanish ? 2 : 0);
@@ -244,14 +244,14 @@ TEST(Topology, WhatTheFitShrinksToAVertexVanishes) {
 }
 
 TEST(Topology, OnlySpecksVanish) {
-  // The fit wants nothing to be left of a ball of some 500 vertices, a pair and single ones.
+  // The fit leaves nothing of a ball of about 500 vertices, a pair and single ones.
   for (const size_t most : {1, 2, 600}) {
     Specks specks(true);
     for (size_t i = 0; i < specks.phi.size(); ++i) specks.phi.data()[i] = -std::abs(specks.phi.data()[i]);
     specks.at(Specks::kept) = 1;
     specks.signs.flip(static_cast<size_t>(specks.band.grid().find({1, 1, 1})), 0, 0, 0);  // the hollow, filled
     const FlipCount count = follow(specks.phi, specks.band, specks.signs, held, most);
-    // With the pair and the ball out of reach both are held at a vertex.
+    // With the pair and the ball too large, both are kept by one vertex.
     EXPECT_EQ(count.vanished, most == 1 ? 1u : most == 2 ? 2u : 3u);
     EXPECT_EQ(specks.at(Specks::lost), -1);
     EXPECT_EQ(specks.at(Specks::kept), 1);
@@ -260,7 +260,7 @@ TEST(Topology, OnlySpecksVanish) {
 
 TEST(Topology, WhatASpeckKeptApartMovesOnceItIsGone) {
   Specks specks(true);
-  const Vec3i between{14, 8, 8}, speck{15, 8, 8};  // of the ball and a speck that the fit wants gone
+  const Vec3i between{14, 8, 8}, speck{15, 8, 8};  // between the ball and a small component that the fit removes
   specks.signs.flip(static_cast<size_t>(specks.band.grid().find({1, 1, 1})), speck.x & 7, speck.y & 7, speck.z & 7);
   specks.at(speck) = -0.2f;
   for (const Vec3i v : {Vec3i{13, 8, 8}, between}) specks.at(v) = 0.2f;
@@ -271,10 +271,10 @@ TEST(Topology, WhatASpeckKeptApartMovesOnceItIsGone) {
 }
 
 TEST(Topology, TheLastObjectDoesNotVanish) {
-  // Two of these are one vertex each, and so is what is left of the pair.
+  // Two of these are one vertex each, and so is the rest of the pair.
   for (const bool brick : {false, true}) {
     Specks specks(false);
-    if (brick) specks.none.set({0, 0, 0});  // what is said of bricks that the grid has is old
+    if (brick) specks.none.set({0, 0, 0});  // bits of bricks that the grid has are outdated
     for (const Vec3i v : {Specks::kept, Specks::lost, Specks::pair, Specks::pair + Vec3i{1, 0, 0}})
       specks.at(v) = -0.3f;
     const FlipCount count = follow(specks.phi, specks.band, specks.signs, held, 2);
@@ -294,7 +294,7 @@ TEST(Refine, GivesTheSameBytesForAnyNumberOfThreads) {
 class SparseSamples : public testing::TestWithParam<std::string> {};
 
 TEST_P(SparseSamples, OfNoiseAreFittedOnCoarserVerticesSlow) {
-  // A grid 2.5 times as fine as the samples: on the grid itself the sphere is off by 1.4 times as much.
+  // A grid 2.5 times as fine as the samples: on the grid itself the sphere's error is 1.4 times as large.
   constexpr double finer = 2.5;
   const Solved solved(GetParam(), 12 + static_cast<int>(76 * finer), 1 / (finer * finer), {.noise_vox = finer / 3});
   const Refined coarse = refined(solved), fine = refined(solved, {{.sparse = 0}});
@@ -305,7 +305,7 @@ TEST_P(SparseSamples, OfNoiseAreFittedOnCoarserVerticesSlow) {
   EXPECT_TRUE(of_coarse.watertight());
   EXPECT_EQ(of_coarse.components.size(), of_fine.components.size());
   EXPECT_EQ(of_coarse.genus(), of_fine.genus());
-  // Reported in the grid's voxels.
+  // Reported in voxels of the grid.
   EXPECT_NEAR(coarse.report.fit_weights.noise, fine.report.fit_weights.noise, 0.1);
   EXPECT_NEAR(coarse.report.search.held_out_error, fine.report.search.held_out_error, 0.1);
 }

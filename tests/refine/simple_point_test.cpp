@@ -67,7 +67,7 @@ TEST(SimplePoint, AloneIsWhatIsAComponentByItself) {
   int alone = 0;
   for (int k = 0; k < 20000; ++k) {
     const uint32_t others = random_bits(k % 2 ? 0.1 : 0.97) & ~own;
-    // It is one component more where nothing touches it.
+    // It is an additional component if nothing touches it.
     const bool as_object = components(others | own, 1) == components(others, 1) + 1;
     const uint32_t outside = ~others & all & ~own;
     const bool as_void = components(outside | own, 3) == components(outside, 3) + 1;

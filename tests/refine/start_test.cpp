@@ -112,14 +112,14 @@ TEST_P(EverySecondVertex, ProlongedDistancesAreExactForCubics) {
   size_t cubics = 0, kept = 0;
   const RowArray of_cubic = prolonged(cubic), of_linear = prolonged(linear);
   for_each_value(fine, of_cubic, [&](Vec3i v, double value) {
-    // An odd vertex asks for coarse ones up to three away, of 0 to 15.
+    // An odd vertex reads coarse ones up to three away, of 0 to 15.
     const auto deep = [](int x) { return x % 2 == 0 || (x >= 3 && x <= 27); };
     if (!deep(v.x) || !deep(v.y) || !deep(v.z)) return;
     EXPECT_NEAR(value, cubic(Vec3d(v)), 1e-4) << v.x << ' ' << v.y << ' ' << v.z;
     ++cubics;
   });
   for_each_value(fine, of_linear, [&](Vec3i v, double value) {
-    const bool beyond = std::max({v.x, v.y, v.z}) == 31;  // its cell ends where the coarse band has ended
+    const bool beyond = std::max({v.x, v.y, v.z}) == 31;  // its cell ends where the coarse band ends
     EXPECT_NEAR(value, beyond ? 99 : linear(Vec3d(v)), 1e-4) << v.x << ' ' << v.y << ' ' << v.z;
     kept += beyond;
   });
@@ -128,8 +128,8 @@ TEST_P(EverySecondVertex, ProlongedDistancesAreExactForCubics) {
 }
 
 TEST_P(EverySecondVertex, ProlongationNeedsTheCellsCornersAlone) {
-  // A coarse band with holes: where all corners of a vertex's cell are there the linear function is met, elsewhere
-  // the value stays.
+  // A coarse band with holes: if all corners of a vertex's cell exist the result is the linear function, elsewhere the
+  // value is unchanged.
   const auto linear = [](Vec3d v) { return 0.3 * v.x + 0.1 * v.y - 0.5 * v.z + 1; };
   const NarrowBand fine = whole_band(4), coarse = random_band(2, 0.9, 5);
   Dense<double> there({16, 16, 16});

@@ -41,7 +41,7 @@ TEST_P(CoareaFormula, TvAndGraphCutReachTheSameEnergySlow) {
   EXPECT_NEAR(evaluate_energy(tv.finest, {}, one_thread).primal, best.report.energy, 1e-5 * scale);
   EXPECT_NEAR(evaluate_energy(tv.finest, {.threshold = 0.5f}, one_thread).primal, best.report.energy, 1e-5 * scale);
 
-  // Without a band there is no outside whose dual stays the coarser level's: the gap itself goes to 0.
+  // Without a band there is no outside with a dual of the coarser level: the gap itself becomes 0.
   Level whole =
       make_level(problem.lattice.box(0), static_cast<float>(lambda), BrickMask::whole(problem.lattice.box(0).bricks),
                  problem.support.grid, problem.support.f, one_thread, Norm::anisotropic);
@@ -83,7 +83,7 @@ TEST(CoareaFormula, HoldsForRandomDataSlow) {
   }
 }
 
-/// Beyond the largest lambda that keeps a surface for tv, the cut is empty too.
+/// Above the largest lambda that keeps a surface for tv, the cut is empty too.
 TEST(CoareaFormula, TheCutIsEmptyBeyondTheCriticalLambda) {
   const Problem problem = make_problem(sampled("sphere", 32, 0.5), 32);
   const double critical = critical_lambda(problem.lattice, problem.support, 1, one_thread, Norm::anisotropic);

@@ -1,4 +1,4 @@
-// Graph cuts and problems small enough to try every labeling of.
+// Graph cuts and problems small enough to try every labeling.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ inline Cut cut(const Problem& problem, double lambda, const GraphCutSetup& param
   return result;
 }
 
-/// Normal deviates at some of the vertices of the bricks that a tiny lattice has, fixed ones included.
+/// Normal deviates at some vertices of a tiny lattice's bricks, fixed ones included.
 inline Problem tiny_problem(Vec3i free, uint64_t seed) {
   Problem problem;
   problem.lattice.size = free + Vec3i{2, 2, 2};

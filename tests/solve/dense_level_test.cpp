@@ -1,4 +1,4 @@
-// A dense u carried over to a band keeps its values and its energy.
+// A dense u copied to a band keeps its values and its energy.
 #include "soapfilm/solve/dense_level.h"
 
 #include <gtest/gtest.h>

@@ -65,7 +65,7 @@ TEST_P(EnergyOfRandomLevels, GapIsTheSumOfLocalTermsThatAreNeverNegative) {
     const Energies e = evaluate_energy(level, {}, one_thread);
     EXPECT_NEAR(e.gap, e.primal - e.dual, 1e-9 * (std::abs(e.primal) + std::abs(e.dual)));
     EXPECT_DOUBLE_EQ(e.gap, e.gap_band) << "the outside adds nothing here";
-    if (rim == RimFlux::random) continue;  // beyond the rim nobody carries its flux on
+    if (rim == RimFlux::random) continue;  // beyond the band boundary its flux is not continued
     const Dense<double> u = dense_u(level), f = dense_f(level);
     const DenseVectors p = dense_p(level);
     double sum = 0, least = 0;
@@ -97,7 +97,7 @@ TEST_P(EnergyOfRandomLevels, NoDualGivesTheSumOfTheNegativeData) {
   EXPECT_NEAR(evaluate_energy(level, {}, one_thread).dual, expected, 1e-12 * std::abs(expected));
 }
 
-/// A dual that leaves the ball is brought back before it is a proof.
+/// A dual outside the ball is rescaled before it is used as a bound.
 TEST_P(EnergyOfRandomLevels, CertifyRescalesAnInfeasibleDual) {
   RandomLevel random(seed, {.rim = RimFlux::zero, .norm = norm, .open = open});
   Level& level = random.level;
@@ -117,7 +117,7 @@ TEST_P(EnergyOfRandomLevels, CertifyRescalesAnInfeasibleDual) {
   EXPECT_LE(e.dual, e.primal);
 }
 
-/// Where inactive bricks of different labels touch, TV is bounded from above, so that E is never understated.
+/// Where inactive bricks of different labels touch, TV is bounded from above, so that E is never underestimated.
 TEST_P(EnergyOfRandomLevels, NeverUnderstatesTheVariationOutsideTheBand) {
   RandomLevel random(seed, {.norm = norm, .open = open});
   fill_some_inactive_bricks(random, seed);
@@ -146,8 +146,8 @@ INSTANTIATE_TEST_SUITE_P(Seeds, EnergyOfRandomLevels,
                                   std::to_string(std::get<0>(c.param)) + (std::get<2>(c.param) ? "_open" : "");
                          });
 
-/// The null space of the gradient: a block of ones has variation at its faces only, whether the band covers its inside
-/// or leaves it out.
+/// The null space of the gradient: a block of ones has variation only at its faces, whether the band covers its inside
+/// or not.
 TEST(Energy, ConstantHasVariationAtItsBorderOnly) {
   Lattice lattice;
   lattice.size = {64, 56, 60};

@@ -75,7 +75,7 @@ TEST_P(Gradient, AdjointIsTheBackwardDifferenceWithTheRimsFlux) {
   }
 }
 
-/// <grad u, p> = <u, grad^T p>, both sides from the kernels: u and p are zero beyond the band but for the rim's flux.
+/// <grad u, p> = <u, grad^T p>, both sides from the kernels: beyond the band u and p are zero except the boundary flux.
 TEST_P(Gradient, AndItsAdjointAreAdjointOnRandomBands) {
   for (const RimFlux rim : {RimFlux::zero, RimFlux::random})
     for (const uint64_t seed : {3, 5}) {

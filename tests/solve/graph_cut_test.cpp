@@ -49,7 +49,7 @@ class EveryKind : public testing::TestWithParam<GraphCutSetup> {};
 INSTANTIATE_TEST_SUITE_P(GraphCut, EveryKind, testing::ValuesIn(all_kinds()),
                          [](const auto& c) { return name_of(c.param); });
 
-/// The least energy of all labelings, visited in the order of a Gray code: one label changes at a time.
+/// The lowest energy of all labelings, visited in the order of a Gray code: one label changes at a time.
 double least_energy(const Problem& problem, const std::vector<Link>& links) {
   const LevelBox box = problem.lattice.box(0);
   const Dense<double> f = dense_field(problem.support, box);
@@ -95,7 +95,7 @@ TEST_P(EveryKind, FlowIsTheEnergyLessItsLargestGain) {
   const BandGraph graph(VertexMask(best.level.box.bricks), best.level.box, problem.support,
                         graph_links(GetParam(), 0.2), one_thread);
   EXPECT_EQ(graph.vertices(), 0u);
-  // -unary of each vertex: its f less the links to fixed vertices.
+  // -unary of each vertex: its f minus the links to fixed vertices.
   const std::vector<Link> links = graph_links(GetParam(), 0.2);
   const Dense<double> f = dense_field(problem.support, best.level.box);
   f.for_each([&](Vec3i v) {
@@ -109,7 +109,7 @@ TEST_P(EveryKind, FlowIsTheEnergyLessItsLargestGain) {
   EXPECT_LT(best.report.energy, 0);
 }
 
-/// Half a sphere: its inside and its outside are one part of the box, so the band must grow over the opening.
+/// Half a sphere: its inside and its outside are one part of the box, so the band must grow across the opening.
 Problem half_sphere(int resolution) {
   PointCloud cloud = sampled("sphere", resolution, 2);
   PointCloud half;
@@ -161,7 +161,7 @@ TEST_P(EveryKind, RimsOfAClosedShapeAgreeAtOnce) {
   EXPECT_NEAR(energy_on_links(dense_u(best.level), dense_f(best.level), links), best.report.energy,
               1e-9 * std::abs(best.report.energy));
 
-  // The stages after the solve work on it.
+  // Used by the stages after the solve.
   const SurfaceField surface = smoothed_indicator(best.level, 0.5f, one_thread);
   const Mesh mesh = extract_isosurface(
       surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, problem.lattice,

@@ -19,7 +19,7 @@ float u_at(const Level& level, Vec3i v) {
                 : level.missing_u(n, brick);
 }
 
-/// With bricks outside the band that are inside the surface, and others.
+/// A level with bricks outside the band that are inside the surface, and others.
 struct Filled : RandomLevel {
   explicit Filled(uint64_t seed) : RandomLevel(seed) {
     Random random(seed);

@@ -1,4 +1,4 @@
-// The preconditioner is a symmetric positive definite map, and converges alike on boxes of any size.
+// The preconditioner is a symmetric positive definite map, and converges equally fast on boxes of any size.
 #include "soapfilm/solve/multigrid.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST(BoxLaplacian, IsSymmetricAndFlatFunctionsOnlyLeakThroughTheBorder) {
   EXPECT_NEAR(dot(a, apply(matrix, b)), dot(apply(matrix, a), b), 1e-4);
   EXPECT_GT(dot(a, apply(matrix, a)), 0);
 
-  // Of a function that is 1 at all free vertices only the border's faces (area / distance) are left.
+  // For a function that is 1 at all free vertices only the border's faces (area / distance) remain.
   DenseField<float> one = box_field(free);
   for_each_free(free, [&](Vec3i v) { one.at(v) = 1; });
   const double x = 6 + 0.75, y = 4 + 1.125, z = 6;  // the cells' lengths
@@ -109,7 +109,7 @@ TEST_P(OnBoxes, TheCycleIsSymmetricAndPositiveDefinite) {
   EXPECT_NEAR(dot(a, to_b), dot(to_a, b), 1e-5 * scale);
 }
 
-/// The energy norm's reduction by one step u -= B A u, measured on what is left of a random u after seven of them.
+/// The reduction of the energy norm by one step u -= B A u, measured on the rest of a random u after seven of them.
 TEST_P(OnBoxes, TheCycleReducesTheErrorAlike) {
   const Vec3i free = GetParam();
   Multigrid multigrid(free);

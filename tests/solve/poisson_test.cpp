@@ -151,7 +151,7 @@ TEST(Poisson, NotConvergingIsToldNotThrown) {
   EXPECT_EQ(report.iterations, 2);
   EXPECT_FALSE(report.converged);
   EXPECT_GT(report.residual, 1e-4);
-  // Floats end long before this tolerance.
+  // The resolution of float is reached long before this tolerance.
   solve_poisson(lattice, support, 0.01, {.tolerance = 1e-12, .max_iterations = 30}, one_thread, report);
   EXPECT_FALSE(report.converged);
   EXPECT_LT(report.residual, 1e-5);

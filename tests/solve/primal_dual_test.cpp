@@ -84,12 +84,12 @@ TEST(PrimalDual, ForeseesWhenTheGapIsSmallEnough) {
       const int least = solve(1, always), found = solve(32, seldom);
       EXPECT_EQ(always, least);
       EXPECT_LE(seldom, 4 + found / 32) << late << ' ' << tolerance;
-      // The steps change where the gap is looked at, so the two may take somewhat different ways.
+      // The step sizes change when the gap is evaluated, so the two runs may differ somewhat.
       EXPECT_LE(found, 1.4 * std::max(least, 16) + 2) << late << ' ' << tolerance;
     }
 }
 
-/// Bands, and a box with rows of bricks that estimates must not fall in step with.
+/// Bands, and a box whose number of bricks per row must not coincide with the stride of the estimates.
 TEST(PrimalDual, EstimatesTellALargeLevelsGap) {
   const Problem knot = make_problem(sampled("knot", 192, 1), 192), plate = make_problem(sampled("plate", 128, 1), 128);
   PrimalDualParams params;

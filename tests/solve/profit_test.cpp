@@ -9,7 +9,7 @@
 namespace soapfilm {
 namespace TEST_FILE {
 
-/// The iterations after which a gap is found to have stalled, looked at every so many, 0: never.
+/// The iterations after which a gap is found to have stalled, evaluated every `every` iterations; 0: never.
 int stalls_after(const std::function<double(int)>& gap, int every, bool whole = true) {
   Stall stall;
   for (int iterations = every; iterations <= 20000; iterations += every)
@@ -21,7 +21,7 @@ TEST(Stall, IsNotFoundWhereTheGapFalls) {
   for (const int every : {1, 7, 32, 100})
     for (const double power : {0.5, 1.0, 2.0})
       EXPECT_EQ(stalls_after([&](int k) { return std::pow(k, -power); }, every), 0) << every << ' ' << power;
-  // Nor where it swings while it falls.
+  // Nor if it oscillates while it falls.
   EXPECT_EQ(stalls_after([](int k) { return (1 + 0.5 * (k / 32 % 2)) / k; }, 32), 0);
 }
 
@@ -34,7 +34,7 @@ TEST(Stall, IsFoundSoonWhereTheGapStays) {
   EXPECT_GT(stalls_after([](int k) { return k < 200 ? 1.0 / k : k * 2.5e-5; }, 32), 0) << "it rises";
 }
 
-/// Estimates are compared with estimates: one that is off by a constant tells as much.
+/// Estimates are compared with estimates: a constant error does not matter.
 TEST(Stall, KeepsLooksOfAKindApart) {
   Stall stall;
   for (int k = 32; k <= 2000; k += 32) {

@@ -1,4 +1,4 @@
-// SOR against equation (8) written out in double, and the laws that its fast form must keep.
+// SOR against equation (8) written out in double, and the properties that its fast form must keep.
 #include "soapfilm/solve/sor.h"
 
 #include <gtest/gtest.h>
@@ -18,13 +18,13 @@ using namespace test;
 constexpr double lambda = 0.01;
 const Context one_thread(1);
 
-/// One level, nothing coarser.
+/// A single level.
 Problem tiny_problem(const std::string& shape, int resolution) {
   const PointCloud cloud = sampled(shape, resolution, 1);
   return make_problem(cloud, place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), resolution, 6), 6, 1));
 }
 
-/// Boxes too narrow for a whole run along each axis in turn, and just not.
+/// Boxes just too narrow for a whole run along each axis in turn, and just wide enough.
 std::vector<Problem> narrow_problems() {
   std::vector<Problem> problems;
   for (int axis = 0; axis < 3; ++axis)
@@ -67,7 +67,7 @@ class Reference {
   const std::vector<double>& energies() const { return energy_; }
 
  private:
-  /// The upper one may lie beyond the last brick; its diffusivity counts.
+  /// The upper vertex may be beyond the last brick; its diffusivity counts.
   static constexpr Vec3i fixed_layer{1, 1, 1};
 
   double energy() const {
@@ -224,7 +224,7 @@ TEST(Sor, StopsWhenTheEnergyHoldsStill) {
   const double last = report.energy.back(), before = report.energy[report.energy.size() - 3];
   EXPECT_LE(std::abs(last - before), 1e-6 * std::abs(last));
 
-  // The judge counts the same energy, and the implied dual has the right sign: its bound is near.
+  // evaluate_energy() gives the same energy, and the implied dual has the right sign: its bound is near.
   const Level level = sor_level(u, box, lambda, problem.support, params, one_thread);
   const Energies energies = evaluate_energy(level, {.threshold = {}, .certify = true}, one_thread);
   EXPECT_NEAR(energies.primal, last, 1e-6 * std::abs(last));
@@ -246,7 +246,7 @@ TEST(Sor, LeavesNothingWhereNothingWasSampled) {
 }
 
 TEST(Sor, KeepsTheAxesEqual) {
-  // x -> y -> z -> x. The two colors see the same neighbors; the sums round in another order.
+  // x -> y -> z -> x. The two colors have the same neighbors; the sums round in another order.
   const PointCloud cloud = sampled("part", 40, 1);
   const PointCloud turned = transformed(
       cloud,

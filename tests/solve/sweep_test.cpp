@@ -43,7 +43,7 @@ class Reference {
 
   bool is_face(Vec3i v, int axis) const { return level_.box.is_free(v) && level_.box.is_free(v + along(axis)); }
 
-  /// Projects the free components onto what the fixed ones leave of the ball or the cube.
+  /// Projects the free components onto the part of the ball or the cube that the fixed ones leave.
   void dual_step(Vec3i v, Vec3d gradient) {
     double kept = 0, moved = 0;
     std::array<double, 3> q{};
@@ -105,7 +105,7 @@ TEST_P(Sweep, IsTheIterationOfThePaper) {
     }
 }
 
-/// More sweeps at once than a tile holds, on a band of more rows of bricks than a tile, are sweeps one by one.
+/// More sweeps at once than a tile holds, on a band with more rows of bricks than a tile, equal sweeps one by one.
 TEST_P(Sweep, GivesTheSameBitsOnEveryBackEnd) {
   const Context one_thread(1);
   const Context scalar(1, "scalar");
@@ -119,7 +119,7 @@ TEST_P(Sweep, GivesTheSameBitsOnEveryBackEnd) {
     }
 }
 
-/// A new sweeper steps every row. From zero, with data in a shell alone, most rows rest from the start and wake later.
+/// A new sweeper steps every row. From zero, with data only in a shell, most rows are skipped at first.
 TEST_P(Sweep, RowsThatRestLoseNothing) {
   constexpr int sweeps = 60;
   const Problem problem = make_problem(sampled("sphere", 40, 2), 40);
@@ -131,7 +131,7 @@ TEST_P(Sweep, RowsThatRestLoseNothing) {
     Level resting = make_level(box, 0.02f, band, problem.support.grid, problem.support.f, context, norm);
     Level restless = make_level(box, 0.02f, band, problem.support.grid, problem.support.f, context, norm);
     Sweeper sweeper(resting, context);
-    sweeper.sweep({}, 2);  // steps of no length: every row rests, until other steps wake it
+    sweeper.sweep({}, 2);  // steps of length 0: every row is skipped, until other steps are used
     sweeper.sweep(steps, sweeps);
     for (int i = 0; i < sweeps; ++i) sweep(restless, 1, context);
     EXPECT_EQ(hash_state(resting), hash_state(restless));

@@ -1,4 +1,4 @@
-// Every way that the same loops can run: SIMD targets times threads. Results must not depend on it.
+// All combinations for the same loops: SIMD targets times threads. Results must not depend on them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ inline std::vector<BackEnd> back_ends() {
   return all;
 }
 
-/// Sanitized runs leave out names that end in Slow: one thread and eight on the best target and on scalar code will do.
+/// Sanitized runs skip names that end in Slow: one and eight threads on the best target and on scalar code are enough.
 inline std::string back_end_name(const testing::TestParamInfo<BackEnd>& info) {
   const auto& [target, threads] = info.param;
   const std::vector<std::string> targets = simd_targets();

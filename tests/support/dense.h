@@ -1,5 +1,5 @@
-// Levels spread out on every vertex of their box, and the energy's formulas as plainly as possible: the oracle of the
-// sparse code. All in double.
+// Levels expanded to every vertex of their box, and the energy's formulas written as simply as possible: the reference
+// of the sparse code. All in double.
 #pragma once
 
 #include <algorithm>
@@ -58,7 +58,7 @@ void for_each_vertex(Vec3i brick, Visit&& visit) {
   for (int i = 0; i < brick_volume; ++i) visit(brick * brick_side + vertex_in_brick(i), i);
 }
 
-/// u on the whole box: the band's, and what `inside` says elsewhere. With a threshold: 1 where u exceeds it.
+/// u on the whole box: that of the band, elsewhere from `inside`. With a threshold: 1 where u exceeds it.
 inline Dense<double> dense_u(const Level& level, std::optional<float> threshold = {}) {
   Dense<double> u(level.box.bricks * brick_side);
   level.inside.for_each([&](Vec3i b) { for_each_vertex(b, [&](Vec3i v, int) { u[v] = 1; }); });
@@ -84,7 +84,7 @@ inline Dense<double> dense_field(const SupportField& field, const LevelBox& box)
   return f;
 }
 
-/// Puts the band's p into `p`.
+/// Copies the band's p into `p`.
 inline void insert_band(const Level& level, DenseVectors& p) {
   for (size_t b = 0; b < level.grid.size(); ++b)
     for (int axis = 0; axis < 3; ++axis)
@@ -92,7 +92,7 @@ inline void insert_band(const Level& level, DenseVectors& p) {
                       [&](Vec3i v, int i) { p[static_cast<size_t>(axis)][v] = level.p.brick(b, axis)[i]; });
 }
 
-/// Calls visit(vertex below the face, flux) for the faces through which the band looks down into inactive bricks.
+/// Calls visit(vertex below the face, flux) for the faces between the band and inactive bricks below it.
 template <class Visit>
 void for_each_low_rim_face(const Level& level, size_t brick, int axis, Visit&& visit) {
   const float* plane = level.rim.plane(brick, axis);
@@ -106,7 +106,7 @@ void for_each_low_rim_face(const Level& level, size_t brick, int axis, Visit&& v
   }
 }
 
-/// p of the band and of its rim, zero elsewhere.
+/// p of the band and of its boundary, zero elsewhere.
 inline DenseVectors dense_p(const Level& level) {
   const Dense<double> zero(level.box.bricks * brick_side);
   DenseVectors p{zero, zero, zero};
@@ -122,7 +122,7 @@ inline Vec3d gradient_at(const Dense<double>& u, Vec3i v) {
   return {u.get(v + along(0)) - here, u.get(v + along(1)) - here, u.get(v + along(2)) - here};
 }
 
-/// The same on a level's box: where that is open nothing but between free vertices.
+/// The same on a level's box: if that is open only between free vertices.
 inline Vec3d gradient_at(const Dense<double>& u, Vec3i v, const LevelBox& box) {
   Vec3d g = gradient_at(u, v);
   for (int axis = 0; axis < 3; ++axis)
@@ -179,7 +179,7 @@ inline double inner_product(const Dense<double>& a, const Dense<double>& b) {
   return sum;
 }
 
-/// D(p) = sum of min(0, grad^T p - f) over the vertices that count.
+/// D(p) = sum of min(0, grad^T p - f) over the vertices for which `counts` is true.
 template <class Counts>
 double dual_energy(const DenseVectors& p, const Dense<double>& f, Counts&& counts) {
   double sum = 0;

@@ -1,4 +1,4 @@
-// A fingerprint of results that must be the same bytes.
+// A hash of results that must be the same bytes.
 #pragma once
 
 #include <cstdint>

@@ -1,1 +1,1 @@
-// Nothing: the translation unit that the precompiled headers of all tests come with.
+// Empty: the translation unit for the precompiled headers of all tests.

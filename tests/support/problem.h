@@ -25,7 +25,7 @@ inline Lattice lattice_of(const PointCloud& cloud, int resolution) {
   return place_lattice(cloud.box(), voxel_of_resolution(cloud.box(), resolution, padding), padding);
 }
 
-/// Along the world's axes, whichever is the longest.
+/// With the axes in the world's order, whichever is the longest.
 inline Lattice unturned(Lattice lattice) {
   lattice.size = lattice.to_world_axes(lattice.size);
   lattice.turn = 0;

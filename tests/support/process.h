@@ -1,4 +1,4 @@
-// Runs a program to its end and keeps what it printed.
+// Runs a program to its end and returns its output.
 #pragma once
 
 #include <fcntl.h>
@@ -16,7 +16,7 @@
 
 namespace soapfilm::test {
 
-/// An empty folder of its own that disappears with it.
+/// An empty temporary folder, deleted with the object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

@@ -1,4 +1,4 @@
-// Levels with nothing in common but the contract: random box, band, data, u and p.
+// Random levels that satisfy only the contract: random box, band, data, u and p.
 #pragma once
 
 #include <cmath>
@@ -25,8 +25,8 @@ struct RandomLevelParams {
   double support = 0.6;  ///< share of those that have data
   RimFlux rim = RimFlux::random;
   Norm norm = Norm::isotropic;
-  bool open = false;                      ///< the box; p is 0 where that has no faces
-  int more_layers = sanitized ? 40 : 90;  ///< along z, beside 36 to 51: enough bricks for several tiles of work
+  bool open = false;                      ///< of the box; p is 0 where that has no faces
+  int more_layers = sanitized ? 40 : 90;  ///< along z, in addition to 36 to 51: enough bricks for several tiles of work
 };
 
 /// u is uniform in [0, 1] at free vertices, f normal on the support, p uniform in the ball of lambda. Outside the band

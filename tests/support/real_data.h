@@ -1,4 +1,4 @@
-// Real scans, which are not part of the tree.
+// Real scans, which are not part of the repository.
 #pragma once
 
 #include <cstdlib>
@@ -8,7 +8,7 @@
 
 namespace soapfilm {
 
-/// A file of the folder that SOAPFILM_DATA names; nothing where that is unset or empty, or has no such file.
+/// A file of the folder named by SOAPFILM_DATA; nothing if that is unset or empty, or has no such file.
 inline std::optional<std::string> real_data(const std::string& name) {
   const char* folder = std::getenv("SOAPFILM_DATA");
   if (folder == nullptr || *folder == '\0') return {};

@@ -1,4 +1,4 @@
-// What this process holds of the machine's memory now.
+// The memory that this process holds now.
 #pragma once
 
 #include <malloc.h>
@@ -8,7 +8,7 @@
 
 namespace soapfilm::test {
 
-/// In bytes, once the allocator has handed back what it keeps for later.
+/// In bytes, after the allocator has returned its unused memory.
 inline double resident_bytes() {
   malloc_trim(0);
   std::ifstream rollup("/proc/self/smaps_rollup");

@@ -1,4 +1,4 @@
-// Sanitized code runs some 20 times slower: there a law is tried on fewer or smaller instances.
+// Sanitized code runs about 20 times slower: there a property is tested on fewer or smaller instances.
 #pragma once
 
 namespace soapfilm::test {

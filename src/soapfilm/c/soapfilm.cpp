@@ -1,4 +1,4 @@
-// The C interface on the library's own: every exception ends here as a status and a line.
+// The C interface, implemented on the C++ one: every exception is converted to a status and a line of text.
 #include "soapfilm/soapfilm.h"
 #include "soapfilm/core/vec.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 using namespace soapfilm;
 
-/// Passes what the library reports on to a C function.
+/// Passes events of the library to a C function.
 class Listener : public Progress {
  public:
   void (*callback)(void*, soapfilm_event, double, const char*) = nullptr;
@@ -59,7 +59,7 @@ struct soapfilm_result {
 
 namespace {
 
-/// What `work` throws becomes a status and the context's line.
+/// Converts exceptions from `work` to a status and the context's error line.
 template <class Work>
 soapfilm_status guarded(soapfilm_context* context, Work&& work) noexcept {
   const auto failed = [&](soapfilm_status status, const char* what) {
@@ -95,10 +95,10 @@ soapfilm_status guarded(soapfilm_context* context, Work&& work) noexcept {
   }
 }
 
-/// A column of a C caller's table.
+/// A column of a table of a C caller.
 class Column {
  public:
-  /// `values` of each row. Throws ParameterError.
+  /// `values` per row. Throws ParameterError.
   Column(const soapfilm_array& array, size_t values, const char* name, bool bytes = false)
       : data_(static_cast<const char*>(array.data)), type_(array.type) {
     if (!data_) return;
@@ -120,7 +120,7 @@ class Column {
   Vec3d vector(size_t row) const { return {(*this)(row, 0), (*this)(row, 1), (*this)(row, 2)}; }
 
  private:
-  /// A caller's rows need no alignment.
+  /// A caller's rows may be unaligned.
   template <class T>
   static double load(const char* at) {
     T value;

@@ -4,7 +4,7 @@
 
 namespace soapfilm {
 
-/// std::popcount without the call that it is where the processor's own instruction may be missing.
+/// std::popcount, but without a function call where the processor's instruction may be missing.
 constexpr int count_bits(uint64_t bits) {
   bits -= bits >> 1 & 0x5555555555555555;
   bits = (bits & 0x3333333333333333) + (bits >> 2 & 0x3333333333333333);

@@ -10,7 +10,7 @@ namespace soapfilm {
 
 namespace {
 
-/// Appends `from` to `to`; where one of the two is absent its part is filled with `neutral`.
+/// Appends `from` to `to`; if one of the two is absent its part is filled with `neutral`.
 template <class T>
 void append_column(std::vector<T>& to, size_t to_size, std::vector<T>&& from, size_t from_size, T neutral) {
   if (to.empty() && from.empty()) return;
@@ -19,7 +19,7 @@ void append_column(std::vector<T>& to, size_t to_size, std::vector<T>&& from, si
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Columns of the same name become one.
+/// Columns of the same name are joined.
 void append_columns(std::vector<Column>& to, size_t to_size, std::vector<Column>&& from, size_t from_size) {
   constexpr float none = std::numeric_limits<float>::quiet_NaN();
   for (Column& column : from) {

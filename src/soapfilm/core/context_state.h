@@ -1,4 +1,4 @@
-// What a context holds.
+// The contents of a context.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace soapfilm {
 
-/// Reports fractions of itself as those from `begin` to `end` of a whole.
+/// Reports its fractions as fractions from `begin` to `end` of a whole.
 struct Context::Part : Progress {
   void advance(double fraction, std::string_view detail) override;
   void info(const std::string& line) override;
@@ -22,7 +22,7 @@ struct Context::Part : Progress {
   double begin = 0, end = 1;
 };
 
-/// Of a back end (kernels/back_ends.cpp), by the name of its target; empty: the best. Throws ParameterError.
+/// Kernels of a back end (kernels/back_ends.cpp), by the name of its target; empty: the best. Throws ParameterError.
 std::shared_ptr<const Kernels> kernels_for(const std::string& target);
 
 struct Context::State {

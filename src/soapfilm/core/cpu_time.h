@@ -1,4 +1,4 @@
-// The CPU time of a run's own threads, whatever else the process does.
+// The CPU time of a run's own threads, independent of the rest of the process.
 #pragma once
 
 #include <atomic>
@@ -8,13 +8,13 @@
 
 namespace soapfilm {
 
-/// The time that helping threads spend on a run's work, added up.
+/// The sum of the time that helping threads spend on a run's work.
 class HelpersTime {
  public:
   double seconds() const { return 1e-9 * static_cast<double>(nanoseconds_); }
 
-  /// Counts the calling thread's time from here to its end; not within another one on the same thread, which counts it
-  /// already, or, null, stands for a thread whose time counts otherwise.
+  /// Counts the calling thread's time from here to the end of the object; not inside another one on the same thread,
+  /// which already counts it. Null: the time of this thread is counted elsewhere.
   class Share {
    public:
     explicit Share(HelpersTime* time) : time_(depth()++ == 0 ? time : nullptr), begin_(time_ ? thread_cpu_time() : 0) {}

@@ -1,4 +1,4 @@
-// Sets that are joined two by two (union-find). The result does not depend on the order of the joins.
+// Sets that are joined in pairs (union-find). The result does not depend on the order of the joins.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@ class DisjointSets {
   explicit DisjointSets(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
 
   size_t size() const { return parent_.size(); }
-  /// The least member of i's set.
+  /// The smallest member of i's set.
   uint32_t root(uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  /// Makes one set of two; returns whether they were two.
+  /// Joins two sets; returns whether they were different.
   bool join(uint32_t a, uint32_t b) {
     const uint32_t ra = root(a), rb = root(b);
     parent_[std::max(ra, rb)] = std::min(ra, rb);

@@ -1,4 +1,4 @@
-// Lists and sums that are made by several threads and do not depend on how many.
+// Lists and sums computed by several threads, independent of their number.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,8 @@ std::vector<T> gather(size_t count, size_t grain, const Context& context, Body&&
   return all;
 }
 
-/// What part(begin, end) returns for chunks of [0, count), `grain` of it each, joined in their order:
-/// join(whole, part) from T{} on.
+/// The results of part(begin, end) for chunks of [0, count), `grain` each, joined in order by join(whole, part),
+/// starting from T{}.
 template <class T, class Part, class Join>
 T join_chunks(size_t count, size_t grain, const Context& context, Part&& part, Join&& join) {
   std::vector<T> parts((count + grain - 1) / grain);

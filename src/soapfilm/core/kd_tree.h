@@ -10,12 +10,12 @@
 
 namespace soapfilm {
 
-/// nanoflann's k-d tree over points, which must outlive it and stay where they are. Finds indices into them.
+/// nanoflann's k-d tree over points, which must outlive it and must not move. Returns indices into them.
 class KdTree {
   struct Points {
     std::span<const Vec3d> points;
 
-    // What nanoflann asks for.
+    // Required by nanoflann.
     size_t kdtree_get_point_count() const { return points.size(); }
     double kdtree_get_pt(size_t index, size_t axis) const { return points[index][static_cast<int>(axis)]; }
     template <class Box>

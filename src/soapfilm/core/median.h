@@ -6,7 +6,7 @@
 
 namespace soapfilm {
 
-/// The upper of the two middle values where their number is even; 0 where there is none.
+/// The upper of the two middle values if their number is even; 0 if there is none.
 template <class T>
 T median(std::vector<T> values) {
   if (values.empty()) return 0;

@@ -37,7 +37,7 @@ std::string format_bytes(size_t bytes) {
   constexpr const char* units[] = {"KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
   double value = static_cast<double>(bytes) / 1024;
   size_t unit = 0;
-  // 999.5 would print as 1000: four digits, where the next unit's three say the same.
+  // 999.5 would print as 1000: four digits, where three are enough in the next unit.
   for (; value >= 999.5 && unit + 1 < std::size(units); ++unit) value /= 1024;
   return fmt::format("{:.{}f} {}", value, value < 9.995 ? 2 : value < 99.95 ? 1 : 0, units[unit]);
 }

@@ -1,4 +1,4 @@
-// Vectors on the pages of a run, and memory sizes as people write them.
+// Vectors on the pages of a run, and memory sizes as text.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,16 @@
 
 namespace soapfilm {
 
-/// Empties a vector and hands its memory back. (`v = {}` keeps it: that assigns an empty initializer list.)
+/// Empties a vector and frees its memory. (`v = {}` keeps it: that assigns an empty initializer list.)
 template <class T>
 void release(std::vector<T>& values) {
   std::vector<T>().swap(values);
 }
 
-/// The first multiple of `unit` that is not below `bytes`.
+/// The smallest multiple of `unit` that is at least `bytes`.
 constexpr size_t rounded_up(size_t bytes, size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
-/// Room for `count` values in an empty vector, on large pages where there are many, and on such as the pool has.
+/// Reserves `count` values in an empty vector, for many values on large pages, from the pool if it has some.
 template <class T>
 void reserve_many(std::vector<T>& values, size_t count, const PagePool& pages = {}) {
   values.reserve(count);

@@ -1,5 +1,5 @@
-// Morton keys: the bits of three coordinates interleaved, so that cells near each other are near in order, and the key
-// of the coarser cell that holds one is the key without its last three bits.
+// Morton keys: the bits of three coordinates interleaved, so that cells near each other are close in order, and the key
+// of the coarser cell around a cell is the key without its last three bits.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ constexpr int gather_coordinate(uint64_t v) {
 }
 
 /// The cell of a cube's grid of 2^depth cells along each axis that holds a position; depth in [0, 21]. `from_corner` is
-/// relative to the cube's lowest corner and in its sides, each coordinate >= 0; those of 1 belong to the last cell.
+/// relative to the cube's lowest corner, in lengths of its side, each coordinate >= 0; 1 belongs to the last cell.
 inline uint64_t morton_key(Vec3d from_corner, int depth) {
   const auto cells = static_cast<double>(1 << depth);
   uint64_t key = 0;

@@ -1,4 +1,4 @@
-// What the values of enumerations are called, in parameters, reports and options: here and nowhere else.
+// Names of enumeration values in parameters, reports and options: the only place.
 #pragma once
 
 #include <array>

@@ -10,7 +10,7 @@ namespace soapfilm {
 
 namespace {
 
-/// One loop as the threads see it: chunks by number, each to be run once, in any order, by any thread.
+/// One loop for the threads: numbered chunks, each to be run once, in any order, by any thread.
 class Loop {
  public:
   Loop(const Context& context, HelpersTime& helpers_time, size_t count, size_t grain, void* body, ChunkLoop::Call call)
@@ -24,8 +24,8 @@ class Loop {
     call_(body_, begin, begin + std::min(grain_, count_ - begin));
   }
 
-  /// As run(), but keeps the exception of the lowest chunk that throws. Chunks above it are skipped and chunks below
-  /// it still run, so which exception is kept does not depend on the threads.
+  /// Same as run(), but stores the exception of the lowest chunk that throws. Chunks above it are skipped and chunks
+  /// below it still run, so the stored exception does not depend on the threads.
   void run_guarded(size_t chunk) noexcept {
     if (chunk > lowest_failed_.load(std::memory_order_relaxed)) return;
     const HelpersTime::Share share(&helpers_time_);
@@ -64,7 +64,7 @@ void ChunkLoop::run(const Context& context, size_t count, size_t grain, void* bo
     for (size_t k = 0; k < chunks; ++k) loop.run(k);
     return;
   }
-  const HelpersTime::Share own(nullptr);  // by the calling thread's clock
+  const HelpersTime::Share own(nullptr);  // counted by the calling thread
   context.state_->threads->each(chunks, [&](size_t k) { loop.run_guarded(k); });
   loop.rethrow();
 }

@@ -1,5 +1,5 @@
-// Loops on the threads of a context. Work is cut into chunks whose bounds depend on nothing but `count` and `grain`, so
-// what a chunk computes is the same for any number of threads and for every thread library.
+// Loops on the threads of a context. Work is cut into chunks whose bounds depend only on `count` and `grain`, so the
+// result of a chunk is the same for any number of threads and every thread library.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace soapfilm {
 
-/// A loop's body as the threads see it, whatever its type.
+/// A loop's body for the threads, of any type.
 class ChunkLoop {
  public:
   using Call = void (*)(void* body, size_t begin, size_t end);
@@ -37,8 +37,8 @@ void parallel_for(const Context& context, size_t count, size_t grain, Body&& bod
   });
 }
 
-/// body() once, on the calling thread. A library that brings its own loops on the same thread library (Embree's tree
-/// builder) keeps to the context's threads inside.
+/// body() once, on the calling thread. For a library with its own loops on the same thread library (Embree's tree
+/// builder): these use only the context's threads.
 template <class Body>
 void confine(const Context& context, Body&& body) {
   using Stored = std::remove_reference_t<Body>;

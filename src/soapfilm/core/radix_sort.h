@@ -14,9 +14,9 @@
 
 namespace soapfilm {
 
-/// Sorts items by the lowest `bits` > 0 of key_of(item), and keeps the order of those that agree in these (Knuth, The
-/// Art of Computer Programming 3, section 5.2.5): they are dealt by their highest digit, each thread a run of them;
-/// then each hand is sorted in the cache, lowest digits first. Takes as much memory again as the items while it works.
+/// Sorts items by the lowest `bits` > 0 of key_of(item), and keeps the order of those with equal bits (Knuth, The Art
+/// of Computer Programming 3, section 5.2.5): they are put into groups by highest digit, each thread a run of them;
+/// then each group is sorted in the cache, lowest digits first. Needs as much additional memory as the items.
 template <class T, class KeyOf>
 void radix_sort(std::vector<T>& items, int bits, const Context& context, KeyOf&& key_of) {
   constexpr int high_bits = 12, low_bits = 8;
@@ -29,7 +29,7 @@ void radix_sort(std::vector<T>& items, int bits, const Context& context, KeyOf&&
   prefer_large_pages(other.get(), count * sizeof(T));
 
   const size_t chunks = std::clamp<size_t>(count / least_chunk, 1, most_chunks), grain = count / chunks + 1;
-  std::vector<size_t> next(chunks * hands);  // of each chunk and hand: first how many, then the next place
+  std::vector<size_t> next(chunks * hands);  // of each chunk and group: first the number, then the next position
   const auto for_each_place = [&](auto&& visit) {
     parallel_chunks(context, count, grain, [&](size_t begin, size_t end) {
       size_t* place = next.data() + begin / grain * hands;
@@ -60,7 +60,7 @@ void radix_sort(std::vector<T>& items, int bits, const Context& context, KeyOf&&
   });
 }
 
-/// The same of keys.
+/// The same for keys.
 inline void radix_sort(std::vector<uint64_t>& keys, int bits, const Context& context) {
   radix_sort(keys, bits, context, [](uint64_t key) { return key; });
 }

@@ -7,7 +7,7 @@
 
 namespace soapfilm {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): full-period 2^64, good enough to place and disturb samples.
+/// SplitMix64 (Steele, Lea, Flood 2014): full period 2^64, good enough to place and disturb samples.
 class Random {
  public:
   explicit Random(uint64_t seed) : state_(seed) {}
@@ -32,8 +32,8 @@ class Random {
   uint64_t state_;
 };
 
-/// One index of the k-th stretch of `length` in [0, count), by lot: such at equal distances may all lie alike, as in
-/// one layer of every brick.
+/// A random index in the k-th interval of `length` in [0, count): indices at equal distances might all be in similar
+/// places, for example in one layer of every brick.
 inline size_t one_of_stretch(size_t k, size_t length, size_t count) {
   const size_t begin = k * length;
   return begin + Random(k).next() % std::min(length, count - begin);

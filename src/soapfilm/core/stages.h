@@ -9,7 +9,7 @@
 
 namespace soapfilm {
 
-/// Runs the stages of a pipeline one after the other: tells the progress object and keeps the times.
+/// Runs the stages of a pipeline one after the other: reports them to the progress object and records their times.
 class Stages {
  public:
   explicit Stages(const Context& context) : context_(context) {}

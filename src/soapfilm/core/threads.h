@@ -1,4 +1,4 @@
-// The one place that knows the thread library: oneTBB, or std::thread when built with SOAPFILM_STD_THREADS (the build
+// The only file that uses the thread library: oneTBB, or std::thread when built with SOAPFILM_STD_THREADS (the build
 // for ThreadSanitizer).
 #pragma once
 
@@ -23,7 +23,7 @@ namespace soapfilm {
 
 #ifdef SOAPFILM_STD_THREADS
 
-/// Threads made for each loop: nested loops make their own and cannot wait for one another.
+/// Threads are created for each loop: nested loops create their own and cannot wait for one another.
 class Threads {
  public:
   /// 0: all that this process may use.
@@ -36,7 +36,7 @@ class Threads {
   template <class Run>
   void each(size_t chunks, const Run& run) const {
     std::atomic<size_t> next{0};
-    // Relaxed: handing out chunks must not order them, or ThreadSanitizer would miss races between chunks.
+    // Relaxed: the counter of chunks must not order them, or ThreadSanitizer would miss races between chunks.
     const auto work = [&] {
       for (size_t k; (k = next.fetch_add(1, std::memory_order_relaxed)) < chunks;) run(k);
     };
@@ -47,7 +47,7 @@ class Threads {
     work();
   }
 
-  /// oneTBB's threads are not ours here: who brings oneTBB along must keep it to one thread.
+  /// oneTBB's threads are not controlled here: callers that use oneTBB must limit it to one thread.
   template <class Body>
   void confine(const Body& body) const {
     body();
@@ -61,7 +61,7 @@ class Threads {
 
 #else
 
-/// An arena of its own; it sets no process-wide limit.
+/// An arena of its own, without a process-wide limit.
 class Threads {
  public:
   /// 0: all that this process may use.
@@ -81,7 +81,7 @@ class Threads {
     });
   }
 
-  /// body() on the calling thread; loops of oneTBB inside keep to these threads.
+  /// body() on the calling thread; loops of oneTBB inside use only these threads.
   template <class Body>
   void confine(const Body& body) {
     arena_.execute(body);
@@ -89,9 +89,9 @@ class Threads {
 
  private:
   static int all() { return tbb::this_task_arena::max_concurrency(); }
-  /// oneTBB starts no more workers than there are cores (and says so on stderr) unless allowed before the arena begins.
-  /// The value only permits: no loop takes more than its arena's threads. It is one for all, since the least of those
-  /// alive counts.
+  /// oneTBB starts no more workers than there are cores (and prints so on stderr) unless allowed before the arena
+  /// begins. The value is only a limit: no loop uses more than its arena's threads. There is one object for all arenas,
+  /// since the smallest value of all living objects counts.
   static std::unique_ptr<tbb::global_control> more_than_cores(int count) {
     if (count <= all()) return nullptr;
     return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, 1024);

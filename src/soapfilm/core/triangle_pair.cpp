@@ -11,7 +11,7 @@ __extension__ using Wide = __int128;
 
 int sign(Wide value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 
-/// Side of the plane a, b, c (counter-clockwise seen from +) that d lies on: sign of det [b - a, c - a, d - a].
+/// The side of the plane a, b, c (counter-clockwise seen from +) on which d is: sign of det [b - a, c - a, d - a].
 int side_of_plane(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
   const LatticePoint u = b - a, v = c - a, w = d - a;  // below 2^40: exact as doubles too
   const auto x = static_cast<Vec3d>(u), y = static_cast<Vec3d>(v), z = static_cast<Vec3d>(w);
@@ -27,7 +27,7 @@ int side_of_plane(const LatticePoint& a, const LatticePoint& b, const LatticePoi
   return sign(i * w.x + j * w.y + k * w.z);
 }
 
-/// The plane of a flat figure seen along its largest normal component: two coordinates that keep it a figure.
+/// The plane of a flat figure, projected along its largest normal component: two coordinates in which it keeps an area.
 struct Projection {
   int u = 0;
   int v = 1;
@@ -39,7 +39,7 @@ struct Projection {
     u = (dropped + 1) % 3;
     v = (dropped + 2) % 3;
   }
-  /// +1 when a, b, c turn left.
+  /// +1 if a, b, c are counter-clockwise.
   int turn(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) const {
     return sign(Wide{b[u] - a[u]} * (c[v] - a[v]) - Wide{b[v] - a[v]} * (c[u] - a[u]));
   }
@@ -58,7 +58,7 @@ bool segments_meet(const Projection& seen, const LatticePoint& p, const LatticeP
          (ap == 0 && seen.between(a, b, p)) || (aq == 0 && seen.between(a, b, q));
 }
 
-/// p lies in the plane of t.
+/// Whether p, in the plane of t, lies in t.
 bool contains(const Projection& seen, const LatticeTriangle& t, const LatticePoint& p) {
   const int a = seen.turn(t[0], t[1], p), b = seen.turn(t[1], t[2], p), c = seen.turn(t[2], t[0], p);
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
@@ -72,7 +72,7 @@ bool coplanar_segment_meets(const LatticePoint& p, const LatticePoint& q, const 
   return false;
 }
 
-/// The closed segment and the closed triangle have a point in common.
+/// Whether the closed segment and the closed triangle have a point in common.
 bool segment_meets(const LatticePoint& p, const LatticePoint& q, const LatticeTriangle& t) {
   const int at_p = side_of_plane(t[0], t[1], t[2], p);
   const int at_q = side_of_plane(t[0], t[1], t[2], q);
@@ -80,13 +80,13 @@ bool segment_meets(const LatticePoint& p, const LatticePoint& q, const LatticeTr
   if (at_p == 0 && at_q == 0) return coplanar_segment_meets(p, q, t);
   if (at_p == 0) return contains(Projection(t), t, p);
   if (at_q == 0) return contains(Projection(t), t, q);
-  // The line runs through the triangle when it passes all three edges on the same side.
+  // The line crosses the triangle if it passes all three edges on the same side.
   const int a = side_of_plane(p, q, t[0], t[1]), b = side_of_plane(p, q, t[1], t[2]),
             c = side_of_plane(p, q, t[2], t[0]);
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
-/// All corners of one on one side of the other's plane, strictly.
+/// Whether all corners of one are strictly on one side of the other's plane.
 bool apart(const LatticeTriangle& a, const LatticeTriangle& b) {
   const int s = side_of_plane(a[0], a[1], a[2], b[0]);
   return s != 0 && side_of_plane(a[0], a[1], a[2], b[1]) == s && side_of_plane(a[0], a[1], a[2], b[2]) == s;
@@ -99,14 +99,14 @@ bool meet(const LatticeTriangle& a, const LatticeTriangle& b) {
   return false;
 }
 
-/// Two triangles on one edge meet beyond it only when they are folded onto each other.
+/// Two triangles with a common edge meet beyond it only if they are folded onto each other.
 bool folded(const LatticePoint& from, const LatticePoint& to, const LatticePoint& tip, const LatticePoint& other) {
   if (side_of_plane(from, to, tip, other) != 0) return false;
   const Projection seen({from, to, tip});
   return seen.turn(from, to, tip) == seen.turn(from, to, other);
 }
 
-/// Turned so that the corner `first` comes first.
+/// Permuted cyclically so that the corner `first` comes first.
 LatticeTriangle permuted(const LatticeTriangle& t, int first) {
   return {t[first], t[(first + 1) % 3], t[(first + 2) % 3]};
 }
@@ -124,8 +124,8 @@ bool is_flat(const LatticeTriangle& t) {
 
 bool improperly_meet(const LatticeTriangle& a, const LatticeTriangle& b) {
   int shared = 0;
-  int in_a = 0, in_b = 0;      // a shared corner
-  int lone_a = 0, lone_b = 0;  // sums of the indices of shared corners, then the one that is not
+  int in_a = 0, in_b = 0;      // a common corner
+  int lone_a = 0, lone_b = 0;  // sums of the indices of common corners, then the one that is not common
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       if (!(a[i] == b[j])) continue;
@@ -142,7 +142,7 @@ bool improperly_meet(const LatticeTriangle& a, const LatticeTriangle& b) {
     const LatticeTriangle t = permuted(a, 3 - lone_a);
     return folded(t[1], t[2], t[0], b[3 - lone_b]);
   }
-  // On one corner: anything else in common reaches the edge opposite to it in one of the two.
+  // One common corner: anything else in common reaches the opposite edge of one of the two.
   const LatticeTriangle s = permuted(a, in_a), t = permuted(b, in_b);
   return segment_meets(s[1], s[2], t) || segment_meets(t[1], t[2], s);
 }

@@ -7,7 +7,7 @@
 
 namespace soapfilm {
 
-/// The axes' values moved along by `turn` places: axis k has the value of axis (k + turn) % 3. `turn` in [0, 3].
+/// The values permuted cyclically: axis k has the value of axis (k + turn) % 3. `turn` in [0, 3].
 template <class T>
 constexpr Vec3<T> permuted(Vec3<T> v, int turn) {
   return turn == 1 ? Vec3<T>{v.y, v.z, v.x} : turn == 2 ? Vec3<T>{v.z, v.x, v.y} : v;

@@ -15,10 +15,10 @@ namespace soapfilm {
 namespace {
 
 constexpr int reach = SplatWindow::reach;
-constexpr size_t bricks_per_task = 32;  // of a layer, which may hold few
+constexpr size_t bricks_per_task = 32;  // of a layer, which may have few
 
-/// The vectors that a brick's own samples give to its vertices and to those one beyond. Samples lie on sheets: most
-/// rows stay zero, and are known to.
+/// The vectors that a brick's own samples add to its vertices and to those one beyond. Samples lie on surfaces: most
+/// rows stay zero, and are marked as zero.
 struct Splat {
   static constexpr int side = brick_side + 1;
 
@@ -54,8 +54,8 @@ void splat_brick(const GridSamples& samples, size_t brick, Splat& out) {
   }
 }
 
-/// The part of a window, and of a neighbor's splat, that lies in the other along one axis; in vertices of the window's
-/// brick. The splat covers [8 d, 8 d + 8], the window [-4, 11].
+/// The common part, along one axis, of a window and of a neighbor's splat; in vertices of the window's brick. The splat
+/// covers [8 d, 8 d + 8], the window [-4, 11].
 struct Overlap {
   int first, last;
 };
@@ -63,7 +63,7 @@ constexpr Overlap overlap(int d) {
   return {std::max(-reach, brick_side * d), std::min(brick_side + reach - 1, brick_side * d + brick_side)};
 }
 
-/// Adds what the neighbor at offset d = (dx, ., .) splatted into the part of the window it reaches.
+/// Adds the splat of the neighbor at offset d = (dx, ., .) to the part of the window that it covers.
 template <int dx>
 void add_splat(const Splat& splat, Vec3i d, SplatWindow& window) {
   constexpr Overlap ox = overlap(dx);
@@ -92,7 +92,7 @@ void add_splat(const Splat& splat, Vec3i d, SplatWindow& window) {
   return add_splat<0>(splat, d, window);
 }
 
-/// Bricks lie in order of z: layer k of a grid holds [begin[k], begin[k + 1]).
+/// Bricks are in order of z: layer k of a grid holds [begin[k], begin[k + 1]).
 std::vector<size_t> layers_of(const BrickGrid& grid, int layers) {
   std::vector<size_t> begin(static_cast<size_t>(layers) + 1, 0);
   for (size_t b = 0; b < grid.size(); ++b) ++begin[static_cast<size_t>(grid.coord(b).z) + 1];
@@ -100,13 +100,13 @@ std::vector<size_t> layers_of(const BrickGrid& grid, int layers) {
   return begin;
 }
 
-/// The splats of the three layers of bricks that a layer of the field needs; no more are held.
+/// The splats of the three layers of bricks that a layer of the field needs; no more are kept.
 class SplatLayers {
  public:
   SplatLayers(const GridSamples& samples, int layers, const Context& context)
       : samples_(samples), context_(context), begin_(layers_of(samples.bricks, layers)) {
     for (size_t k = 0; k + 1 < begin_.size(); ++k) widest_ = std::max(widest_, begin_[k + 1] - begin_[k]);
-    // Not set to zero: each layer's are when it is splatted.
+    // Not set to zero here: each layer is set to zero when it is splatted.
     splats_ = std::make_unique_for_overwrite<Splat[]>(held * widest_);
   }
 
@@ -132,7 +132,7 @@ class SplatLayers {
 };
 
 /// Which of a brick's 27 neighbors a sample reaches, as bits by neighbor_slot(), is the product of three factors, one
-/// for each axis, by the sample's cell along it: no two terms of the product share a bit.
+/// for each axis, by the sample's cell along it: no two terms of the product have a bit in common.
 constexpr auto reached_along = [] {
   std::array<std::array<uint32_t, brick_side + 1>, 3> factors{};  // a position may round up to the brick's end
   for (int cell = 0; cell <= brick_side; ++cell) {
@@ -169,7 +169,7 @@ SupportField divergence_field(const GridSamples& samples, const LevelBox& box, c
   field.f = Field<float>(field.grid, context.pages());
 
   constexpr int32_t none = -1;
-  std::vector<int32_t> samples_of(field.grid.size(), none);  // the brick of `samples` that a brick of the field is
+  std::vector<int32_t> samples_of(field.grid.size(), none);  // for each brick of the field, its index in `samples`
   parallel_for(context, samples.bricks.size(), 1024, [&](size_t b) {
     samples_of[static_cast<size_t>(field.grid.find(samples.bricks.coord(b)))] = static_cast<int32_t>(b);
   });

@@ -8,7 +8,7 @@
 
 namespace soapfilm {
 
-/// Values on the bricks that the samples reach, zero elsewhere. Linear in the samples: further evidence can be added.
+/// Values on the bricks that the samples reach, zero elsewhere. Linear in the samples: other data can be added.
 struct SupportField {
   BrickGrid grid;
   Field<float> f;
@@ -19,7 +19,7 @@ struct SupportField {
 /// taken by central differences. f > 0 just inside the surface, < 0 just outside; its sum is 0.
 SupportField divergence_field(const GridSamples& samples, const LevelBox& box, const Context& context);
 
-/// The bricks where that field can differ from zero: within 4 vertices of a sample's eight.
+/// The bricks where that f can differ from zero: within 4 vertices of a sample's eight.
 BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Context& context);
 
 }  // namespace soapfilm

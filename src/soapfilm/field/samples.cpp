@@ -36,14 +36,14 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
                          const Context& context, const std::function<bool(size_t)>& wanted) {
   GridSamples samples;
   samples.turn = lattice.turn;
-  // visit(i, brick, is_new, position) for samples [begin, end) that take part. Neighbors in a scan mostly share a
-  // brick: it is looked up where it changes.
+  // visit(i, brick, is_new, position) for those of samples [begin, end) that are used. Neighbors in a scan mostly lie
+  // in the same brick: it is looked up only when it changes.
   const auto for_each_sample = [&](size_t begin, size_t end, auto&& visit) {
     Vec3i last{INT_MIN, INT_MIN, INT_MIN};
     for (size_t i = begin; i < end; ++i) {
       if (!takes_part(cloud, directions, i) || (wanted && !wanted(i))) continue;
       const Vec3d position = lattice.to_lattice(cloud.positions[i]);
-      const Vec3i brick = brick_of(Vec3i(position));  // in the box, where nothing is negative
+      const Vec3i brick = brick_of(Vec3i(position));  // in the box, where no coordinate is negative
       const bool is_new = !(brick == last);
       visit(i, last = brick, is_new, position);
     }
@@ -56,11 +56,11 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   });
   samples.bricks = BrickGrid(occupied, context);
 
-  // A counting sort, so stable: the order within a brick is the cloud's, whatever the number of chunks.
+  // A counting sort, so it is stable: the order within a brick is the cloud's, for any number of chunks.
   const size_t bricks = samples.bricks.size();
   const size_t chunks = std::clamp<size_t>(cloud.size() / (2 * std::max<size_t>(bricks, 1)), 1, most_chunks);
   const size_t grain = cloud.size() / chunks + 1;
-  std::vector<uint32_t> next(chunks * bricks);  // of each chunk and brick: first how many samples, then the next place
+  std::vector<uint32_t> next(chunks * bricks);  // of each chunk and brick: first the number, then the next position
   const auto for_each_place = [&](auto&& visit) {
     parallel_for(context, chunks, 1, [&](size_t c) {
       uint32_t* place = nullptr;

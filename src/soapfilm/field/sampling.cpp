@@ -1,5 +1,5 @@
-// A sample's companions in a cell are the other samples on the piece of surface that the cell cuts out. That piece is
-// chosen by its area, as samples are, so its mean area is that of a plane's section through a uniform point.
+// The other samples in a sample's cell lie on the piece of surface inside that cell. The piece is chosen by its area,
+// as samples are, so its mean area is that of a plane's section through a uniform point.
 #include "soapfilm/field/sampling.h"
 #include "soapfilm/core/parallel.h"
 
@@ -19,8 +19,8 @@ namespace soapfilm {
 
 namespace {
 
-/// Cells of a grid of 2^depth cells along the longest axis, as interleaved keys: the key of the coarser cell that holds
-/// it is the key without its last three bits.
+/// Cells of a grid of 2^depth cells along the longest axis, as interleaved keys: the key of the coarser cell around a
+/// cell is the key without its last three bits.
 constexpr int deepest = 16;
 constexpr int coarsest = 1;
 constexpr double companions_wanted = 4;
@@ -41,7 +41,7 @@ std::vector<uint64_t> cells_of(std::span<const Vec3d> positions, const Box3d& bo
   return keys;
 }
 
-/// Ordered pairs of samples that share a cell.
+/// Ordered pairs of samples in the same cell.
 struct Pairs {
   uint64_t all = 0;
   uint64_t most = 0;  ///< in one cell
@@ -54,8 +54,8 @@ struct Pairs {
   double companions(size_t samples) const { return static_cast<double>(all) / static_cast<double>(samples); }
 };
 
-/// Cells are `up` depths less deep than the sorted keys say. A run of samples is counted by the chunk that it begins
-/// in.
+/// Cells `up` levels coarser than those of the sorted keys. A run of samples is counted by the chunk in which it
+/// begins.
 Pairs count_pairs(const std::vector<uint64_t>& keys, int up, const Context& context) {
   const auto shares_cell = [&](size_t i) { return keys[i] >> (3 * up) == keys[i - 1] >> (3 * up); };
   return sum_chunks<Pairs>(keys.size(), keys_per_task, context, [&](size_t begin, size_t end) {
@@ -66,7 +66,7 @@ Pairs count_pairs(const std::vector<uint64_t>& keys, int up, const Context& cont
       found.all += 2 * before;
       found.most = std::max(found.most, before);
     };
-    for (size_t i = begin + 1; i < end; ++i) {  // runs are short and their ends follow no rule: no branch on them
+    for (size_t i = begin + 1; i < end; ++i) {  // runs are short, and their ends cannot be predicted: no branch on them
       before = (before + 1) & -uint64_t{shares_cell(i)};
       count();
     }
@@ -79,15 +79,15 @@ Pairs count_pairs(const std::vector<uint64_t>& keys, int up, const Context& cont
   });
 }
 
-/// The cells at the scale where the density shows.
+/// The cells at the scale where the density is measured.
 struct Scale {
   int depth = coarsest;
   double companions = 0;
-  double crowded = 0;  ///< those in the fullest cell, as its share of `companions`
+  double crowded = 0;  ///< the samples in the fullest cell, as a share of `companions`
 };
 
 Scale find_scale(std::span<const Vec3d> positions, const Box3d& box, const Context& context) {
-  // A surface has about 4^depth cells: at this depth mostly less than one sample for each, so few companions.
+  // A surface has about 4^depth cells: at this depth mostly less than one sample each, so few other samples per cell.
   int depth = coarsest;
   while (depth < deepest && size_t{1} << (2 * depth) < positions.size()) ++depth;
   std::vector<uint64_t> keys = cells_of(positions, box, depth, context);
@@ -104,14 +104,14 @@ Scale find_scale(std::span<const Vec3d> positions, const Box3d& box, const Conte
           pairs.all > 0 ? static_cast<double>(pairs.most) / static_cast<double>(pairs.all) : 0};
 }
 
-/// Whether samples at one place may be what was measured: then companions stay down to the finest cells, or one cell
-/// holds many of them.
+/// Whether many samples may be at one place: then pairs remain down to the finest cells, or one cell holds many
+/// samples.
 bool may_repeat(const Scale& scale) {
   constexpr double many = 0.25;
   return scale.depth == deepest || scale.crowded > many;
 }
 
-/// Each place once; tells how many samples that leaves out, and where most of them are.
+/// Each place once; stores how many samples that leaves out, and where most of them are.
 std::vector<Vec3d> places_of(std::vector<Vec3d> positions, Sampling& sampling) {
   const auto before = [](const Vec3d& a, const Vec3d& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); };
   std::sort(positions.begin(), positions.end(), before);

@@ -1,4 +1,4 @@
-// How densely the samples cover the surface: what the default voxel and the default lambda follow from.
+// How densely the samples cover the surface: the default voxel and the default lambda are computed from it.
 #pragma once
 
 #include "soapfilm/cloud.h"
@@ -8,27 +8,27 @@
 namespace soapfilm {
 
 struct Sampling {
-  double per_area = 0;    ///< samples per area of surface, input units^-2, as the samples see it: the mean over them
-  size_t repeats = 0;     ///< samples at another one's place, where they hid the density and were left out of it
-  Vec3d most_repeated{};  ///< the place that most of them share
+  double per_area = 0;    ///< samples per area of surface, input units^-2, averaged over the samples
+  size_t repeats = 0;     ///< samples at the place of another one, left out if they would hide the density
+  Vec3d most_repeated{};  ///< the place with most of them
 
   /// Samples per voxel^2 of surface.
   double density(double voxel) const { return per_area * voxel * voxel; }
-  /// The voxel at which there is `density` samples per voxel^2; 0 when nothing was measured.
+  /// The voxel at which there are `density` samples per voxel^2; 0 if nothing was measured.
   double voxel(double density) const;
 };
 
-/// From how many other samples share a sample's cell, at the finest scale where there are four on average: the cell
-/// then holds 0.94 of its face's area of surface, averaged over where and how a plane crosses it. Fine enough to keep
-/// the two sides of a thin plate apart; outliers, which share their cells with nobody, hardly count. Samples at one and
-/// the same place, such as the (0, 0, 0) of a camera's pixels without depth, share cells at every scale: where they
-/// matter, each place counts once.
+/// From the number of other samples in a sample's cell, at the finest scale where there are four on average: the cell
+/// then holds 0.94 of its face's area of surface, averaged over the places and directions in which a plane crosses it.
+/// Fine enough to separate the two sides of a thin plate; outliers, alone in their cells, have almost no effect.
+/// Samples at exactly the same place, such as the (0, 0, 0) of a camera's pixels without depth, are in the same cell at
+/// every scale: if they would change the result, each place counts once.
 Sampling measure_sampling(const PointCloud& cloud, const Context& context);
-/// The same of a cloud whose box is known, all of it.
+/// The same for a cloud whose box is known, all of it.
 Sampling measure_sampling(const PointCloud& cloud, const Box3d& box, const Context& context);
 
-/// A film over even samples of less than lambda / critical_density per voxel^2 costs more than it gains: the optimum
-/// is empty. Measured on spheres and tori (tests/field repeats it); flat parts and edges stand a little more.
+/// A surface over even samples with less than lambda / critical_density per voxel^2 costs more than it gains: the
+/// optimum is empty. Measured on spheres and tori (repeated in tests/field); flat parts and edges allow slightly more.
 inline constexpr double critical_density = 0.2;
 
 }  // namespace soapfilm

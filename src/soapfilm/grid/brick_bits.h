@@ -24,7 +24,7 @@ struct BrickBits {
     for (size_t row = 0; row < brick_area; ++row) {
       uint64_t bytes;  // the first vertex in the lowest one
       std::memcpy(&bytes, above.data() + brick_side * row, brick_side);
-      const uint64_t byte = bytes * 0x0102040810204080 >> 56;  // byte x moves to bit 56 + x
+      const uint64_t byte = bytes * 0x0102040810204080 >> 56;  // byte x is moved to bit 56 + x
       bits.layer[row / brick_side] |= byte << brick_side * (row % brick_side);
     }
     return bits;
@@ -44,7 +44,7 @@ struct BrickBits {
     for (const uint64_t word : layer) n += static_cast<size_t>(count_bits(word));
     return n;
   }
-  /// The first set bit alone.
+  /// Only the first set bit.
   BrickBits first() const {
     BrickBits one;
     for (size_t z = 0; z < layer.size(); ++z)
@@ -85,7 +85,7 @@ struct BrickBits {
   friend BrickBits operator&(BrickBits a, const BrickBits& b) { return a &= b; }
 };
 
-/// The bits one vertex further along an axis, up (step 1) or down (-1); those that leave the brick are lost.
+/// The bits moved by one vertex along an axis, up (step 1) or down (-1); bits that leave the brick are lost.
 inline BrickBits moved(const BrickBits& bits, int axis, int step) {
   constexpr uint64_t lowest_x = 0x0101010101010101, highest_x = lowest_x << 7;
   BrickBits out;
@@ -101,7 +101,7 @@ inline BrickBits moved(const BrickBits& bits, int axis, int step) {
   return out;
 }
 
-/// What moved() loses, at its place in the next brick.
+/// The bits lost by moved(), at their place in the next brick.
 inline BrickBits carried(const BrickBits& bits, int axis, int step) {
   constexpr uint64_t lowest_x = 0x0101010101010101;
   constexpr int last = brick_side - 1;

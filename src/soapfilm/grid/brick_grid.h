@@ -1,4 +1,4 @@
-// The topology of one level: which bricks are active, in what order, and who is next to whom.
+// The topology of one level: which bricks are active, their order, and their neighbors.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 namespace soapfilm {
 
 /// A sparse set of bricks in lexicographic order (x fastest, then y, then z), so that of two neighbors along an axis
-/// the lower one always comes first: the fused sweeps rely on it. Immutable once built.
+/// the lower one always comes first: the fused sweeps rely on it. Immutable.
 class BrickGrid {
  public:
   using Neighbors = std::array<int32_t, 27>;
@@ -24,14 +24,14 @@ class BrickGrid {
 
   size_t size() const { return coords_.size(); }
   size_t vertices() const { return size() * brick_volume; }
-  /// Size of the box of bricks that the active ones lie in.
+  /// Size of the box of bricks around the active ones.
   Vec3i bricks() const { return bricks_; }
 
   Vec3i coord(size_t brick) const { return coords_[brick]; }
   /// Lattice coordinates of a brick's first vertex.
   Vec3i first_vertex(size_t brick) const { return coords_[brick] * brick_side; }
 
-  /// Index of the active brick at `b`; `outside_band` or `outside_box` where there is none.
+  /// Index of the active brick at `b`; `outside_band` or `outside_box` if there is none.
   int32_t find(Vec3i b) const {
     if (!in_box(b)) return outside_box;
     const size_t i = BrickMask::index(bricks_, b);
@@ -43,7 +43,7 @@ class BrickGrid {
     const size_t first = BrickMask::index(bricks_, {0, y, z});
     return {static_cast<size_t>(rank(first)), static_cast<size_t>(rank(first + static_cast<size_t>(bricks_.x)))};
   }
-  /// Those of all rows with the same z.
+  /// The same for all rows with this z.
   std::pair<size_t, size_t> layer(int z) const { return {row(0, z).first, row(bricks_.y - 1, z).second}; }
   /// Number, from 0 in lexicographic order, of the run along x of missing bricks that holds the missing brick `b` of
   /// the box. A row with k active bricks has k + 1 runs, before, between and after them; some are empty.
@@ -54,13 +54,13 @@ class BrickGrid {
   size_t bytes() const { return size() * (sizeof(Vec3i) + sizeof(Neighbors)) + words_.size() * sizeof(Word); }
 
  private:
-  /// 64 bricks of the box, active or not: with how many come before them, any brick is found in constant time
-  /// (Jacobson 1989, "Space-efficient static trees and graphs": rank).
+  /// 64 bricks of the box, active or not, and the number of active bricks before them: so any brick is found in
+  /// constant time (Jacobson 1989, "Space-efficient static trees and graphs": rank).
   struct Word {
     uint64_t bits;
     int32_t before;
   };
-  /// How many active bricks come before brick `i` of the box, or before its end.
+  /// Number of active bricks before brick `i` of the box, or before its end.
   int32_t rank(size_t i) const {
     const Word& word = words_[i >> 6];
     return word.before + count_bits(word.bits & ((uint64_t{1} << (i & 63)) - 1));

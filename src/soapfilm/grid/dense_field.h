@@ -1,4 +1,4 @@
-// One value at every vertex of a level's box: what solvers that know no band work on.
+// One value at every vertex of a level's box, for solvers without a band.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 namespace soapfilm {
 
 /// A box of values in one flat array, x fastest: the level's free vertices and one layer of fixed ones around them, so
-/// the finest level has as many values along each axis as the lattice reports vertices. Zero at first.
+/// the finest level has as many values along each axis as the lattice reports vertices. Initially zero.
 template <class T>
 class DenseField {
  public:
@@ -61,8 +61,8 @@ class DenseField {
   AlignedArray<T> values_;
 };
 
-/// The part of the box that a brick covers: `visit(row, x, y, z, n)` for every run of n values, x the position in the
-/// brick's row (y, z) where `row` begins.
+/// The part of the box that a brick covers: `visit(row, x, y, z, n)` for every run of n values, where `row` begins at
+/// position x of the brick's row (y, z).
 template <class T, class Visit>
 void for_each_run(DenseField<T>& field, Vec3i brick, Visit&& visit) {
   const Vec3i first = brick * brick_side - field.origin();

@@ -10,7 +10,7 @@
 namespace soapfilm {
 
 /// An array of zeros, aligned to 64 bytes. The 64 bytes before the first and after the last value may be read: a vector
-/// load may reach past a row's ends.
+/// load may extend beyond a row's ends.
 template <class T>
 class AlignedArray {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -25,7 +25,7 @@ class AlignedArray {
   size_t bytes() const { return count_ * sizeof(T); }
   T* data() { return reinterpret_cast<T*>(memory_.get() + lead_bytes); }
   const T* data() const { return reinterpret_cast<const T*>(memory_.get() + lead_bytes); }
-  /// Values before `end` are not read any more: their memory goes back early.
+  /// Values before `end` are not read any more: frees their memory early.
   void give_back_before(size_t end) { given_back_ = give_back(memory_, given_back_, lead_bytes + end * sizeof(T)); }
   /// Values [begin, end), still zero, will soon be written.
   void take_pages(size_t begin, size_t end) { pages_.serve(data() + begin, (end - begin) * sizeof(T)); }
@@ -39,7 +39,7 @@ class AlignedArray {
 };
 
 /// `components` values of type T at each vertex of a grid's bricks: brick after brick, in a brick component after
-/// component, 512 values each. Bound to the topology that it was made for; zero at first.
+/// component, 512 values each. Valid only for the grid for which it was made; initially zero.
 template <class T, int components = 1>
 class Field {
  public:
@@ -55,7 +55,7 @@ class Field {
     return values_.data() + b * values_per_brick + component * brick_volume;
   }
   size_t bytes() const { return values_.bytes(); }
-  /// Bricks before `end` are not read any more: their memory goes back early.
+  /// Bricks before `end` are not read any more: frees their memory early.
   void give_back_before(size_t end) { values_.give_back_before(end * values_per_brick); }
   /// Bricks [begin, end), still zero, will soon be written.
   void take_pages(size_t begin, size_t end) { values_.take_pages(begin * values_per_brick, end * values_per_brick); }

@@ -11,16 +11,16 @@ namespace soapfilm {
 
 namespace {
 
-/// Margins, and boxes rounded up, of the deepest pyramid stay below 2^31. Memory sets the limit long before.
+/// Keeps margins, and rounded-up boxes, of the deepest pyramid below 2^31. Memory is the limit long before.
 constexpr int max_vertices_per_axis = 1 << 28;
 constexpr int coarsest_vertices = 24;
 constexpr int paper_levels = 3;
-/// Every box is rounded up to whole bricks of the coarsest level: these may be so many times as long as the shortest
-/// axis.
+/// Every box is rounded up to whole bricks of the coarsest level: the largest length of such a brick, in lengths of the
+/// shortest axis.
 constexpr int longest_brick = 16;
 
 int vertices_along(double length, double voxel, int padding) {
-  // A length that is a whole number of voxels but for rounding must not gain a cell.
+  // A length that is a whole number of voxels except for rounding must not get an additional cell.
   const double cells = std::max(1.0, std::ceil(length / voxel - 1e-6));
   const double vertices = cells + 2.0 * padding;
   if (vertices > max_vertices_per_axis)
@@ -30,7 +30,7 @@ int vertices_along(double length, double voxel, int padding) {
   return static_cast<int>(vertices);
 }
 
-/// Rows are what memory is fetched ahead along: short ones cost more than layers somewhat larger.
+/// Memory is prefetched along rows: short rows cost more than slightly larger layers.
 int turn_of(Vec3i along_world) {
   constexpr double much_larger = 1.25;
   const auto layer = [&](int turn) {

@@ -1,7 +1,7 @@
-// Where the grid lies in the world, and the boxes of its pyramid.
+// Where the grid is in the world, and the boxes of its pyramid.
 //
-// Reported vertices are counted as the paper does: N along an axis, padding included, the outermost layer fixed to
-// u = 0. Lattice coordinates, which all arrays use, add a margin of one coarsest cell on the low side:
+// Reported vertices are counted as in the paper: N along an axis, padding included, the outermost layer fixed to u = 0.
+// Lattice coordinates, which all arrays use, add a margin of one coarsest cell on the low side:
 //
 //   lattice vertex = reported vertex + 2^(levels - 1),    coarse vertex I = lattice vertices 2I and 2I + 1 along an
 //   axis
@@ -9,8 +9,8 @@
 // so on every level vertex 0 is fixed and the faces of the fixed layer exist. Beyond the free vertices u = 0
 // everywhere.
 //
-// The axes are the world's, turned among themselves so that layers along z are small: passes go through the lattice
-// layer by layer, and the smaller these are, the more of what one pass leaves is still in the cache for the next.
+// The axes are those of the world, permuted so that layers along z are small: passes go through the lattice layer by
+// layer, and the smaller these are, the more of one pass is still in the cache for the next.
 #pragma once
 
 #include "soapfilm/core/vec.h"
@@ -26,7 +26,7 @@ inline constexpr double area_per_face = 2.0 / 3;
 struct LevelBox {
   int level = 0;
   Vec3i free_lo;      ///< first vertex that is not fixed to u = 0
-  Vec3i free_hi;      ///< last one; inclusive
+  Vec3i free_hi;      ///< last such vertex; inclusive
   Vec3i bricks;       ///< size of the box of bricks, from brick (0, 0, 0)
   bool open = false;  ///< instead of u = 0 beyond: faces between a free and a fixed vertex have no area and no flux
 
@@ -36,13 +36,13 @@ struct LevelBox {
   }
 };
 
-/// The coarsest level whose open border is the finest one's.
+/// The coarsest level with the same open border as the finest one.
 inline constexpr int same_border_levels = 3;
 
-/// A surface that may end at the border (`open`): free vertices then go on to the ends of whole cells of level 3, so
-/// that the levels down from there have the same border; coarser ones have whole cells around it.
+/// With a surface that may end at the border (`open`) the free vertices extend to the ends of whole cells of level 3,
+/// so that the levels from there down have the same border; coarser ones have whole cells around it.
 struct Lattice : GridFacts {
-  /// A vector along the world's axes, along the lattice's; and back.
+  /// Components of a vector along the lattice's axes, from those along the world's; and back.
   template <class T>
   Vec3<T> from_world_axes(Vec3<T> v) const {
     return permuted(v, turn);
@@ -55,7 +55,7 @@ struct Lattice : GridFacts {
   int margin() const { return 1 << (levels - 1); }
   double vertices() const { return static_cast<double>(size.x) * size.y * size.z; }
 
-  /// Lattice coordinates of a world position, in voxels. Computed in double: georeferenced input loses nothing.
+  /// Lattice coordinates of a world position, in voxels. In double: georeferenced input loses nothing.
   Vec3d to_lattice(Vec3d world) const {
     const double m = margin();
     return from_world_axes(world - first_vertex) / voxel + Vec3d{m, m, m};
@@ -66,16 +66,16 @@ struct Lattice : GridFacts {
   }
 
   LevelBox box(int level) const;
-  /// A level of its own, such as to draw it: its vertices have there the lattice coordinates that they have in
-  /// box(level), and lie in the world where they lie here.
+  /// A lattice for one level, for example to draw it: its vertices have the same lattice coordinates as in box(level),
+  /// and the same positions in the world.
   Lattice of_level(int level) const;
 };
 
 /// Places a grid of the given voxel around the samples' box: N_k = ceil(L_k / voxel) + 2 padding, the first vertex
-/// (padding - 1/2) voxels below the box. The axes are turned so that layers along z are at most a quarter larger than
-/// the smallest, and of such turns the one with the longest rows along x is taken. `levels` 0 chooses: at least the
-/// paper's three, more until the coarsest level has at most 24 vertices along its longest axis or another one would
-/// have less than 2 along its shortest. Throws ParameterError when voxel <= 0, padding < 2, or an axis would pass 2^28
+/// (padding - 1/2) voxels below the box. The axes are permuted so that layers along z are at most a quarter larger than
+/// the smallest; of such permutations the one with the longest rows along x is used. `levels` 0: at least the paper's
+/// three, more until the coarsest level has at most 24 vertices along its longest axis or another one would have less
+/// than 2 along its shortest. Throws ParameterError if voxel <= 0, padding < 2, or an axis would have more than 2^28
 /// vertices.
 Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels = 0);
 

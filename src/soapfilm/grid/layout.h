@@ -19,7 +19,7 @@ inline constexpr int brick_volume = brick_side * brick_side * brick_side;
 
 /// Distance in a brick's values between neighbors along x, y, z.
 inline constexpr int brick_stride[3] = {1, brick_side, brick_area};
-/// The same along the two axes across `axis`, the lower one first.
+/// The same along the two axes other than `axis`, the lower one first.
 constexpr std::array<int, 2> strides_across(int axis) {
   return {brick_stride[axis == 0 ? 1 : 0], brick_stride[axis == 2 ? 1 : 2]};
 }
@@ -30,13 +30,13 @@ constexpr Vec3i vertex_in_brick(int i) { return {i & 7, i >> 3 & 7, i >> 6}; }
 
 /// The brick that holds a lattice vertex; valid for negative coordinates too.
 constexpr Vec3i brick_of(Vec3i vertex) { return {vertex.x >> 3, vertex.y >> 3, vertex.z >> 3}; }
-/// The brick whose cube, from its first vertex to the next brick's, holds a place in lattice coordinates.
+/// The brick whose cube, from its first vertex to that of the next brick, holds a place in lattice coordinates.
 inline Vec3i brick_around(Vec3d place) {
   const auto index = [](double x) { return static_cast<int32_t>(std::floor(x / brick_side)); };
   return {index(place.x), index(place.y), index(place.z)};
 }
 
-/// A brick of the next coarser level, its parent, covers eight bricks, its children: one per octant, of twice its
+/// A brick of the next coarser level, the parent, covers eight bricks, its children: one per octant, of twice its
 /// resolution. Octants are numbered x fastest.
 inline constexpr int half_brick = brick_side / 2;
 inline constexpr int octant_volume = half_brick * half_brick * half_brick;
@@ -47,7 +47,7 @@ constexpr Vec3i child_of(Vec3i parent, int k) { return child_of(parent, octant_o
 constexpr Vec3i parent_of(Vec3i child) { return {child.x >> 1, child.y >> 1, child.z >> 1}; }
 /// Which octant of its parent a brick covers.
 constexpr Vec3i octant_in_parent(Vec3i child) { return {child.x & 1, child.y & 1, child.z & 1}; }
-/// Where an octant begins in its brick, coarse vertices.
+/// First vertex of an octant in its brick, coarse vertices.
 constexpr Vec3i octant_base(Vec3i octant) { return octant * half_brick; }
 
 /// Position among a brick's 27 neighbors (itself in the middle) of the one at (dx, dy, dz), each in -1..1.
@@ -59,7 +59,7 @@ inline constexpr int own_slot = neighbor_slot(0, 0, 0);
 inline constexpr int slot_down[3] = {neighbor_slot(-1, 0, 0), neighbor_slot(0, -1, 0), neighbor_slot(0, 0, -1)};
 inline constexpr int slot_up[3] = {neighbor_slot(1, 0, 0), neighbor_slot(0, 1, 0), neighbor_slot(0, 0, 1)};
 
-/// Slots that stand for "no such brick".
+/// Slot values for "no such brick".
 inline constexpr int outside_band = -1;  ///< inside the domain, but not active
 inline constexpr int outside_box = -2;   ///< beyond the domain, where u = 0
 

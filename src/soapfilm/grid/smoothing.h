@@ -5,7 +5,7 @@
 
 namespace soapfilm {
 
-/// Taps that reach 3 vertices to either side.
+/// Taps, 3 vertices to either side.
 inline constexpr std::array<float, 7> smoothing_taps = {1.0f / 27, 3.0f / 27, 6.0f / 27, 7.0f / 27,
                                                         6.0f / 27, 3.0f / 27, 1.0f / 27};
 inline constexpr int smoothing_reach = 3;

@@ -8,7 +8,7 @@ namespace soapfilm {
 
 namespace {
 
-/// Dilates one row of bits: a vertex is set when the last set one before it, or the next one after, is near enough.
+/// Dilates one row of bits: a vertex is set if the last set one before it, or the next one after, is close enough.
 void dilate_row(uint8_t* bytes, int count, int radius) {
   if (std::all_of(bytes, bytes + count, [](uint8_t byte) { return byte == 0; })) return;
   const int n = count * brick_side;

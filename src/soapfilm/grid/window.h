@@ -1,4 +1,4 @@
-// Copies of a brick together with a margin of its neighbors: what stencils wider than one vertex work on.
+// Copies of a brick together with a margin of its neighbors, for stencils wider than one vertex.
 #pragma once
 
 #include <algorithm>
@@ -23,15 +23,15 @@ struct Window {
   }
 };
 
-/// Fills a window around `brick`. source(slot, neighbor) gives the 512 values of the neighbor in that slot (see
-/// neighbor_slot), or null where it is missing; then missing(slot, neighbor) gives the one value of that whole part.
+/// Fills a window around `brick`. source(slot, neighbor) returns the 512 values of the neighbor in that slot (see
+/// neighbor_slot), or null if it is missing; then missing(slot, neighbor) returns one value for that whole part.
 template <class T, int margin, class Source, class Missing>
 void fill_window(const BrickGrid& grid, size_t brick, Source&& source, Missing&& missing, Window<T, margin>& window) {
   const BrickGrid::Neighbors& neighbors = grid.neighbors(brick);
   struct Span {
     int first, last;
   };
-  // Along an axis the lower neighbor gives [-margin, 0), the brick [0, 8), the upper one [8, 8 + margin).
+  // Along an axis the lower neighbor covers [-margin, 0), the brick [0, 8), the upper one [8, 8 + margin).
   constexpr Span spans[3] = {{-margin, 0}, {0, brick_side}, {brick_side, brick_side + margin}};
   for (int dz = -1; dz <= 1; ++dz) {
     for (int dy = -1; dy <= 1; ++dy) {

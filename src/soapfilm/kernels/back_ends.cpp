@@ -1,4 +1,4 @@
-// The table of back ends, and what a context takes of it.
+// The table of back ends, and the choice of a context's kernels from it.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-// Where a row is one vector, its lanes are shuffled in registers.
+// If a row is one vector, its lanes are shuffled in registers.
 #undef SOAPFILM_ROW_IN_A_VECTOR
 #define SOAPFILM_ROW_IN_A_VECTOR (HWY_ARCH_X86 && HWY_MAX_BYTES >= 32)
 
@@ -43,7 +43,7 @@ HWY_INLINE V coupling(const CycleJob& job, const Values& x, const Extended& exte
   return hn::Mul(hn::Set(d, 0.5f * job.diffusion), hn::Add(hn::Mul(here, sum), neighbor_sum(extended, n, row, lane)));
 }
 
-/// A brick's values at the places of its rows, 0 where it has none.
+/// A brick's values in the order of its rows, 0 for rows that it does not have.
 struct PlacedRows {
   HWY_ALIGN float row[brick_area][brick_side] = {};
 };
@@ -51,7 +51,7 @@ struct PlacedRows {
 /// The five coarse values below one row of fine ones, from `half` on.
 HWY_INLINE void add_across(const float* fine, int half, float* row, float* right) {
 #if SOAPFILM_ROW_IN_A_VECTOR
-  // The fine vertices on, left and right of the coarse ones.
+  // The fine vertices at, left of and right of the coarse ones.
   HWY_ALIGN static constexpr int32_t index[2][3][brick_side] = {
       {{0, 2, 4, 6, 0, 0, 0, 0}, {0, 1, 3, 5, 7, 0, 0, 0}, {1, 3, 5, 7, 0, 0, 0, 0}},
       {{0, 0, 0, 0, 0, 2, 4, 6}, {0, 0, 0, 0, 0, 1, 3, 5}, {0, 0, 0, 0, 1, 3, 5, 7}}};
@@ -95,7 +95,7 @@ HWY_INLINE void add_restricted(const PlacedRows& fine, const BrickTransfer& tran
   for (size_t z = 0; z < brick_side; ++z)
     sum_along(fine.row[z * brick_side], brick_side, along_y[z * side], brick_side);
   for (size_t y = 0; y < side; ++y) sum_along(along_y[y], side * brick_side, along_z[y], side * brick_side);
-  HWY_ALIGN float nowhere[brick_side] = {};  // stands in for missing coarse rows, which only get zeros
+  HWY_ALIGN float nowhere[brick_side] = {};  // used for missing coarse rows, which only get zeros
   for (size_t k = 0; k < side * side; ++k) {
     if ((transfer.row[k] | transfer.right[k]) == 0) continue;
     const auto to = [&](uint32_t row) { return row == 0 ? nowhere : coarse + size_t{row} * brick_side; };

@@ -18,7 +18,7 @@ constexpr Ranks make_ranks() {
 }
 constexpr Ranks ranks = make_ranks();
 
-/// The cells of a row from x on, as many as there are lanes: stored values, which exist for present cells only, moved
+/// The cells of a row from x on, as many as there are lanes: values are stored only for cells that exist, and are moved
 /// to their lanes.
 class PresentCells {
  public:
@@ -45,7 +45,7 @@ class PresentCells {
   decltype(hn::IndicesFromVec(D(), hn::Zero(hn::Rebind<int32_t, D>()))) rank_;
 };
 
-/// Adds one row of cells; the terms of <v, what is added> go to `energy`.
+/// Adds one row of cells; the terms of <v, what is added> are added to `energy`.
 HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, LaneSum& energy) {
   const D d;
   // The rows of the corners, y fastest, and those right of them.
@@ -53,7 +53,7 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
   const size_t own = job.row[k], rows[4] = {own, next(own, 3), next(own, 5), next(next(own, 3), 5)};
   const size_t right[4] = {next(rows[0], 1), next(rows[1], 1), next(rows[2], 1), next(rows[3], 1)};
   const int lanes = lane_count();
-  // Lanes moved up by one, round the end.
+  // Lanes moved up by one, cyclic.
   HWY_ALIGN int32_t up[brick_side];
   for (int i = 0; i < lanes; ++i) up[i] = (i + lanes - 1) % lanes;
   const auto moved_up = hn::SetTableIndices(d, up);
@@ -114,7 +114,7 @@ HWY_INLINE void add_cells(const BandRows& band, const DataJob& job, size_t k, La
   }
   energy.end_row();
   if (!job.out) return;
-  if (job.present[k] >> (brick_side - 1) != 0)  // else there may be no such row, and row 0 must stay 0
+  if (job.present[k] >> (brick_side - 1) != 0)  // otherwise there may be no such row, and row 0 must stay 0
     for (size_t c = 0; c < 4; ++c) job.out[right[c] * brick_side] += carry[c];
 }
 

@@ -1,5 +1,5 @@
-// Which function of a HWY_EXPORT() table serves a run. Highway's own HWY_DYNAMIC_DISPATCH asks the process, which runs
-// of other targets share. Included once, after <hwy/foreach_target.h>, by the file that exports.
+// Chooses the function of a HWY_EXPORT() table for a run. Highway's own HWY_DYNAMIC_DISPATCH chooses per process, for
+// runs of all targets. Included once, after <hwy/foreach_target.h>, by the file that exports.
 #include <hwy/highway.h>
 #include <hwy/targets.h>
 
@@ -11,7 +11,7 @@ namespace soapfilm {
 /// The index in this file's tables of the best target among those of `bits`, as Highway numbers them.
 inline size_t table_index([[maybe_unused]] int64_t bits) {
 #if HWY_IDE || ((HWY_TARGETS & (HWY_TARGETS - 1)) == 0)
-  return 0;  // one target was compiled
+  return 0;  // only one target was compiled
 #else
   hwy::ChosenTarget chosen;
   chosen.Update(bits);

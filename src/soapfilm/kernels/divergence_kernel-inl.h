@@ -1,6 +1,6 @@
 // The smoothed divergence of one brick, compiled once per SIMD target (no include guard: see Highway's
-// foreach_target.h). No fused multiply-add: every target rounds alike. Rows that are zero are left out, which changes
-// no sum: these begin at +0 and never become -0.
+// foreach_target.h). No fused multiply-add: every target rounds in the same way. Rows that are zero are left out, which
+// changes no sum: sums start at +0 and never become -0.
 
 #include <hwy/highway.h>
 
@@ -9,7 +9,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {
-namespace {  // the scalar target is compiled twice: among the dispatched ones and on its own
+namespace {  // the scalar target is compiled twice: as a dispatched one and alone
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -30,7 +30,7 @@ struct Taps {
   float difference[taps] = {};
 };
 constexpr Taps make_taps() {
-  // Output x takes sum_j in(x + j) * (k(j - 1) - k(j + 1)) / 2: k is even.
+  // Output x is sum_j in(x + j) * (k(j - 1) - k(j + 1)) / 2: k is even.
   constexpr int k[] = {0, 0, 1, 3, 6, 7, 6, 3, 1, 0, 0};
   Taps t;
   for (int j = 0; j < taps; ++j) t.difference[j] = static_cast<float>(k[j] - k[j + 2]) / 54.0f;
@@ -40,7 +40,7 @@ constexpr Taps make_taps() {
 }
 constexpr Taps weights = make_taps();
 
-/// One pass along x: lanes of 8 outputs from a row of 16. Taps that are zero lie at the ends and in the middle.
+/// One pass along x: lanes of 8 outputs from a row of 16. Taps of zero are at the ends and in the middle.
 template <int first>
 HWY_INLINE V filter_x(const float* row, const float (&tap)[taps]) {
   V sum = hn::Zero(D());
@@ -49,11 +49,11 @@ HWY_INLINE V filter_x(const float* row, const float (&tap)[taps]) {
 }
 
 struct Passes {
-  // Rows of 8 after the pass along x: [z][y][component]; after y: [z][y], components x and y added (they want the same
-  // last pass), and component z.
+  // Rows of 8 after the pass along x: [z][y][component]; after y: [z][y], the sum of the components x and y (they have
+  // the same last pass), and component z.
   alignas(64) float after_x[side * side * 3 * brick_side];
   alignas(64) float after_y[side * brick_side * 2 * brick_side];
-  uint16_t layers[brick_side];  // bit z of [y]: after y the row may hold other values than zero
+  uint16_t layers[brick_side];  // bit z of [y]: after y the row may have values other than zero
 
   float* x(int y, int z, int component) { return after_x + ((z * side + y) * 3 + component) * brick_side; }
   float* y(int y, int z, int part) { return after_y + ((z * brick_side + y) * 2 + part) * brick_side; }

@@ -1,5 +1,5 @@
-// What one brick's share of the field needs, as plain arrays: the contract between divergence.cpp and the kernels,
-// which exist once per SIMD target and know nothing of grids or threads.
+// Data for one brick's part of the data term, as plain arrays: the interface between divergence.cpp and the kernels,
+// which are compiled once per SIMD target and do not depend on grids or threads.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@
 
 namespace soapfilm {
 
-/// The vectors around a brick, from vertex (-4, -4, -4) to (11, 11, 11): what its field follows from. Samples lie on
-/// sheets, so most rows are zero and known to be.
+/// The vectors around a brick, from vertex (-4, -4, -4) to (11, 11, 11), from which its data term is computed. Samples
+/// lie on surfaces, so most rows are zero and marked as zero.
 struct SplatWindow {
   static constexpr int reach = 4;
   static constexpr int side = brick_side + 2 * reach;
@@ -27,13 +27,13 @@ struct SplatWindow {
   }
 
   alignas(64) std::array<float, static_cast<size_t>(components) * side * side * side> values{};
-  Rows occupied{};  ///< bit y of [z]: the row may hold other values than zero
+  Rows occupied{};  ///< bit y of [z]: the row may have values other than zero
 };
 
 /// Writes div (k * v) at the brick's 512 vertices and clears the window. f must be zero before.
 using DivergenceKernel = void (*)(SplatWindow& window, float* f);
 
-/// Of Highway's SIMD targets among `bits`, and the scalar twin.
+/// Of Highway's SIMD targets among `bits`, and of the scalar version.
 DivergenceKernel highway_divergence_kernel(int64_t bits);
 DivergenceKernel scalar_divergence_kernel();
 

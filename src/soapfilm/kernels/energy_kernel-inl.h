@@ -1,5 +1,5 @@
 // The kernel of evaluate_energy, compiled once per SIMD target (no include guard: see Highway's foreach_target.h).
-// In double, from stored floats; no fused multiply-add: every target rounds alike.
+// In double, from stored floats; no fused multiply-add: every target rounds in the same way.
 
 #include <hwy/highway.h>
 
@@ -7,7 +7,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {
-namespace {  // the scalar target is compiled twice: among the dispatched ones and on its own
+namespace {  // the scalar target is compiled twice: as a dispatched one and alone
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -18,7 +18,7 @@ using V = hn::Vec<D>;
 
 HWY_INLINE V load(const float* row) { return hn::PromoteTo(D(), hn::LoadU(Stored(), row)); }
 
-/// The row of in-brick neighbors below x: lane 0 of a row's first lane group comes from outside.
+/// The neighbors below x in a row of the brick: lane 0 of a row's first lane group comes from outside.
 HWY_INLINE V load_below(const float* row, int x, float outside) {
   const V shifted = load(row + x - 1);
   return x != 0 ? shifted : hn::IfThenElse(hn::FirstN(D(), 1), hn::Set(D(), static_cast<double>(outside)), shifted);
@@ -91,7 +91,7 @@ EnergyTerms brick_terms(const EnergyJob& job, const UpperWindow& u) {
         }
         const V px = load(p + x), py = load(p + x + brick_volume), pz = load(p + x + 2 * brick_volume);
         max_norm.max(x, dual_norm_squared<norm>(px, py, pz));
-        // Most rows are flat: nothing to add.
+        // Most rows are constant: nothing to add.
         if (!hn::AllTrue(d, hn::Eq(hn::Or(hn::Or(gx, gy), gz), zero))) {
           const V slope = length<norm>(gx, gy, gz);
           const V coupling = hn::Add(hn::Add(hn::Mul(px, gx), hn::Mul(py, gy)), hn::Mul(pz, gz));

@@ -1,5 +1,5 @@
-// What one brick adds to the energies, as plain pointers: the contract between energy.cpp and its kernel, which exists
-// once per SIMD target and knows nothing of grids or threads.
+// One brick's contribution to the energies, as plain pointers: the interface between energy.cpp and its kernel, which
+// is compiled once per SIMD target and does not depend on grids or threads.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace soapfilm {
 
-/// u of a brick and of the vertices one above it: (x, y, z) in [0, 9)^3, without the far edges. Rows are 16 floats
+/// u of a brick and of the next vertices above it: (x, y, z) in [0, 9)^3, without the far edges. Rows are 16 floats
 /// apart, so that a row shifted by one can be loaded.
 struct UpperWindow {
   static constexpr int row = 16;
@@ -26,8 +26,8 @@ struct EnergyJob {
   LowFace low_x, low_y, low_z;  ///< p below the brick
   Vec3i free_lo, free_hi;       ///< local range [lo, hi) of the vertices that count in data and dual
   double lambda;
-  double p_scale;  ///< p counts times this
-  bool open;       ///< fixed vertices add nothing to the variation; `u` has no steps from free to fixed ones above
+  double p_scale;  ///< factor of p
+  bool open;       ///< fixed vertices add nothing to the variation; `u` has no steps from free to fixed vertices above
 };
 
 /// Summed lane by lane, the 8 lanes in a fixed tree: the same bits on every target.
@@ -49,7 +49,7 @@ struct EnergyTerms {
 
 using EnergyKernel = EnergyTerms (*)(const EnergyJob& job, const UpperWindow& u);
 
-/// Of Highway's SIMD targets among `bits`, and the scalar twin.
+/// Of Highway's SIMD targets among `bits`, and of the scalar version.
 EnergyKernel highway_energy_kernel(int64_t bits, Norm norm);
 EnergyKernel scalar_energy_kernel(Norm norm);
 

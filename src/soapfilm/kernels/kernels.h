@@ -1,5 +1,5 @@
-// What operations on whole levels (sweeps, energies, the data term, the fit) are made of: one brick's or one row's
-// work, once for each back end. A run's context holds those of its own; back_ends.cpp has the table.
+// The parts of operations on whole levels (sweeps, energies, the data term, the fit): the work on one brick or row,
+// once for each back end. A run's context holds those of its back end; back_ends.cpp has the table.
 #pragma once
 
 #include <array>
@@ -27,13 +27,13 @@ struct Kernels {
   const EnergyKernel& energy(Norm norm) const { return energies[static_cast<size_t>(norm)]; }
 };
 
-/// A way to run them. All give the same bits.
+/// A set of kernels for some processors. All give the same bits.
 struct BackEnd {
   std::vector<std::string> (*targets)();          ///< that this machine can run, best first
   Kernels (*kernels)(const std::string& target);  ///< `target`: one of these
 };
 
-/// Highway's SIMD targets, and the scalar twin.
+/// Highway's SIMD targets, and the scalar version.
 BackEnd highway_back_end();
 BackEnd scalar_back_end();
 

@@ -3,9 +3,8 @@
 namespace soapfilm {
 
 /// The values of p_axis just below a brick, through its 64 low faces. Along x the two remaining axes are (y, z), along
-/// y (x, z), along z (x, y). Below y and z rows along x are contiguous: inner is 1. Below z they follow one another:
-/// outer is 8.
-/// Below x the values of row y + 8 z follow one another: outer is 8 inner.
+/// y (x, z), along z (x, y). Below y and z rows along x are contiguous: inner is 1. Below z they are adjacent: outer is
+/// 8. Below x the values of row y + 8 z are adjacent: outer is 8 inner.
 struct LowFace {
   const float* base;  ///< first of 64 values
   int inner;          ///< distance between values along the lower remaining axis

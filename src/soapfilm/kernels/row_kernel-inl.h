@@ -1,5 +1,5 @@
 // The loops over rows, compiled once per SIMD target (no include guard: see Highway's foreach_target.h).
-// No fused multiply-add, no reciprocal estimates, sums by lane of the row: every target rounds alike.
+// No fused multiply-add, no reciprocal estimates, sums by lane of the row: every target rounds in the same way.
 
 #include "soapfilm/kernels/row_ops-inl.h"
 //

@@ -167,7 +167,7 @@ struct RowKernel {
   void (*prolong_brick)(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer);
 };
 
-/// Of Highway's SIMD targets among `bits`, and the scalar twin.
+/// Of Highway's SIMD targets among `bits`, and of the scalar version.
 RowKernel highway_row_kernel(int64_t bits);
 RowKernel scalar_row_kernel();
 

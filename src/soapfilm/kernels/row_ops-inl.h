@@ -12,7 +12,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {
-namespace {  // the scalar target is compiled twice: among the dispatched ones and on its own
+namespace {  // the scalar target is compiled twice: as a dispatched one and alone
 
 namespace hn = hwy::HWY_NAMESPACE;
 

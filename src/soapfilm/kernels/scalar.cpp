@@ -1,4 +1,4 @@
-// The back end without SIMD instructions: for machines that have none, and the oracle of the tests.
+// The back end without SIMD instructions: for machines that have none, and as the reference of the tests.
 #include "soapfilm/kernels/kernels.h"
 
 namespace soapfilm {

@@ -1,11 +1,11 @@
 // The kernels of an SOR iteration, compiled once per SIMD target (no include guard: see Highway's foreach_target.h).
-// No fused multiply-add, no reciprocal estimates: every target rounds alike.
+// No fused multiply-add, no reciprocal estimates: every target rounds in the same way.
 //
-// Equation (8) is written as a correction, lambda divided out and g_ij = (g_i + g_j) / 2 freed of its half:
+// Equation (8) is written as a correction, divided by lambda and without the factor 1/2 of g_ij = (g_i + g_j) / 2:
 //
 //   u_i <- u_i + omega (sum_j (g_i + g_j) (u_j - u_i) + 2 f_i / lambda) / sum_j (g_i + g_j)
 //
-// so that where u is constant and f = 0 it changes nothing, not even by rounding: empty runs can be skipped exactly.
+// so that if u is constant and f = 0 it changes nothing, not even by rounding: empty runs can be skipped exactly.
 
 #include <hwy/highway.h>
 
@@ -15,7 +15,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {
-namespace {  // the scalar target is compiled twice: among the dispatched ones and on its own
+namespace {  // the scalar target is compiled twice: as a dispatched one and alone
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -101,7 +101,7 @@ struct Stencil {
   }
 };
 
-/// Clips to [0, 1], and to its ends what is nearer to them than the snap.
+/// Clips to [0, 1], and sets values closer to 0 or 1 than the snap to 0 or 1.
 template <class D>
 HWY_INLINE hn::Vec<D> snapped(D, hn::Vec<D> u, hn::Vec<D> low, hn::Vec<D> high, hn::Vec<D> one) {
   return hn::IfThenElse(hn::Gt(u, high), one, hn::IfThenZeroElse(hn::Lt(u, low), u));
@@ -120,8 +120,8 @@ RunKind kind_of(const float* u, int count) {
   return zero ? RunKind::zero : one ? RunKind::one : RunKind::mixed;
 }
 
-/// Rows side by side, so that a vector holds the same x of four rows: the recursion along x cannot be vectorized along
-/// x. Four is what Highway interleaves; two such groups hide one another's latency.
+/// Several rows together, so that a vector holds the same x of four rows: the recursion along x cannot be vectorized
+/// along x. Highway interleaves four; two such groups hide each other's latency.
 constexpr int group_rows = 4;
 constexpr int groups = sor_rows / group_rows;
 using GroupTag = hn::CappedTag<float, group_rows>;
@@ -129,8 +129,8 @@ using GroupTag = hn::CappedTag<float, group_rows>;
 /// One run of a group: [value][row].
 struct RunBlock {
   alignas(64) float u[sor_run * group_rows];
-  alignas(64) float base[sor_run * group_rows];   ///< new u but for what the neighbor below along x adds
-  alignas(64) float slope[sor_run * group_rows];  ///< and how much that is, per difference
+  alignas(64) float base[sor_run * group_rows];   ///< new u without the contribution of the neighbor below along x
+  alignas(64) float slope[sor_run * group_rows];  ///< that contribution, per difference
 };
 
 HWY_INLINE void fill_block(const RelaxJob& job, const SorRow* rows, int x0, RunBlock& block) {
@@ -146,7 +146,7 @@ HWY_INLINE void fill_block(const RelaxJob& job, const SorRow* rows, int x0, RunB
   }
 }
 
-/// u of the values [lo, hi) of the run, each from the one before.
+/// u of the values [lo, hi) of the run, each computed from the one before.
 HWY_INLINE void recur(const RelaxJob& job, RunBlock* blocks, int lo, int hi, float* previous) {
   const GroupTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -164,7 +164,7 @@ HWY_INLINE void recur(const RelaxJob& job, RunBlock* blocks, int lo, int hi, flo
   }
 }
 
-/// Puts the values [lo, hi) of a group's first `count` rows back.
+/// Writes back the values [lo, hi) of a group's first `count` rows.
 HWY_INLINE void store_block(const RunBlock& block, const SorRow* rows, int count, int run, int lo, int hi, int size) {
   const RunTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -188,11 +188,11 @@ HWY_INLINE void store_block(const RunBlock& block, const SorRow* rows, int count
 }
 
 void relax(const RelaxJob& job, const SorRow* given, int count, const uint8_t* active) {
-  SorRow rows[sor_rows];  // groups are filled up with a row's doubles, which are not put back
+  SorRow rows[sor_rows];  // groups are filled up with copies of a row, which are not written back
   for (int k = 0; k < sor_rows; ++k) rows[k] = given[std::min(k, count - 1)];
   RunBlock blocks[groups];
   alignas(64) float previous[sor_rows] = {};
-  bool carried = false;  // the run before has been relaxed: `previous` holds its last values
+  bool carried = false;  // the previous run was relaxed: `previous` holds its last values
   for (int run = 0, x0 = 0; x0 < job.size; ++run, x0 += sor_run) {
     if (!active[run]) {
       bool changed = false;
@@ -226,7 +226,7 @@ HWY_INLINE void color_at(D d, const RelaxJob& job, const SorRow& row, int x, hn:
 void relax_color(const RelaxJob& job, const SorRow& row, int parity, const uint8_t* active) {
   const RunTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  HWY_ALIGN float chosen[2][sor_run];  // of the first run, whose first value is fixed, and of the others
+  HWY_ALIGN float chosen[2][sor_run];  // for the first run, whose first value is fixed, and for the others
   for (int x = 0; x < sor_run; ++x) {
     chosen[1][x] = x % 2 == parity ? 1.0f : 0.0f;
     chosen[0][x] = x == 0 ? 0.0f : chosen[1][x];

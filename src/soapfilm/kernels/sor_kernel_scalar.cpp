@@ -1,4 +1,4 @@
-// The scalar target: one float per lane, for machines without SIMD and as the oracle of the tests.
+// The scalar target: one float per lane, for machines without SIMD and as the reference of the tests.
 #define HWY_COMPILE_ONLY_SCALAR
 #include "soapfilm/kernels/sor_kernel-inl.h"
 

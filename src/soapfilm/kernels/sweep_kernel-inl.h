@@ -1,5 +1,5 @@
 // The kernels of a sweep, compiled once per SIMD target (no include guard: see Highway's foreach_target.h).
-// No fused multiply-add, no reciprocal estimates: every target rounds alike.
+// No fused multiply-add, no reciprocal estimates: every target rounds in the same way.
 
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
@@ -10,12 +10,12 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace soapfilm::HWY_NAMESPACE {
-namespace {  // the scalar target is compiled twice: among the dispatched ones and on its own
+namespace {  // the scalar target is compiled twice: as a dispatched one and alone
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Two rows of a brick that follow each other along y, a line of the cache, are stepped together: as one vector where
-// there are 512 bits, elsewhere by at most 8 lanes.
+// Two rows of a brick that are adjacent along y, one cache line, are stepped together: as one vector with 512 bits,
+// otherwise by at most 8 lanes.
 constexpr int pair_size = 2 * brick_side;
 #undef SOAPFILM_PAIR_IN_A_VECTOR
 #define SOAPFILM_PAIR_IN_A_VECTOR (HWY_ARCH_X86 && HWY_MAX_BYTES >= 64)
@@ -29,7 +29,7 @@ using M = hn::Mask<D>;
 
 HWY_INLINE int lane_count() { return static_cast<int>(hn::Lanes(D())); }
 
-/// The lanes from x on of a pair of rows that are at two places.
+/// The lanes from x on of a pair of rows stored in two places.
 HWY_INLINE V load_rows(const float* first, const float* second, int x) {
 #if SOAPFILM_PAIR_IN_A_VECTOR
   const hn::Half<D> row;
@@ -39,7 +39,7 @@ HWY_INLINE V load_rows(const float* first, const float* second, int x) {
 #endif
 }
 
-/// `v`, the lanes from x on, with other values in the marked ones: one for each row.
+/// `v`, the lanes from x on, with the marked lanes replaced: one value for each row.
 HWY_INLINE V with_ends(M ends, const float* first, const float* second, int x, V v) {
   const D d;
 #if SOAPFILM_PAIR_IN_A_VECTOR
@@ -51,7 +51,7 @@ HWY_INLINE V with_ends(M ends, const float* first, const float* second, int x, V
 #endif
 }
 
-/// The lanes from x on, of the 16 of a pair as bits.
+/// The lanes from x on, of the 16 of a pair given as bits.
 HWY_INLINE M lanes_of(unsigned pair, int x) {
   const uint8_t bits[8] = {static_cast<uint8_t>(pair >> x & 0xff), static_cast<uint8_t>(pair >> x >> 8)};
   return hn::LoadMaskBits(D(), bits);
@@ -69,9 +69,9 @@ HWY_INLINE RowMask rows_with(uint64_t vertices) {
   return (high_bits >> 7) * 0x0102040810204080 >> 56;
 }
 
-/// Makes layer_at(z) for each layer of the brick that has marked pairs of rows, and calls its step(y) for each of these
-/// by the first row. A step returns which of the layer's vertices have moved; the rows that have are gathered. A step's
-/// y is a constant: so is the distance of all that it loads from the layer's first values.
+/// Calls layer_at(z) for each layer of the brick with marked pairs of rows, and its step(y) for each of these pairs by
+/// its first row. A step returns which of the layer's vertices have changed; their rows are collected. A step's y is a
+/// constant: so is the distance of all its loads from the layer's first values.
 template <class LayerAt>
 HWY_INLINE RowMask step_pairs(RowMask pairs, LayerAt&& layer_at) {
   RowMask moved = 0;
@@ -95,7 +95,7 @@ HWY_INLINE V primal_step(V u, V grad_t_p, V f, V tau, V cap) {
   return hn::Min(hn::Max(moved, hn::Zero(D())), cap);
 }
 
-/// What u is clipped to on a layer: 1 at free vertices, elsewhere 0.
+/// The upper bound of u on a layer: 1 at free vertices, elsewhere 0.
 class Caps {
  public:
   HWY_INLINE Caps(Vec3i lo, Vec3i hi) : lo_z_(lo.z), hi_z_(hi.z) {
@@ -123,7 +123,7 @@ class Caps {
   int lo_z_, hi_z_;
 };
 
-/// The primal step's layer z.
+/// Layer z of the primal step.
 class PrimalLayer {
  public:
   HWY_INLINE PrimalLayer(const PrimalJob& job, const float* cap, int z)
@@ -172,13 +172,13 @@ class PrimalLayer {
   }
 
  private:
-  /// p_x before the vertices from x on of a pair. Nothing is loaded from before the brick: that belongs to another
-  /// brick, which another thread may be writing.
+  /// p_x before the vertices from x on of a pair. Nothing is loaded from memory before the brick: that belongs to
+  /// another brick, which another thread may be writing.
   HWY_INLINE V lower_along_x(int y, int x, V here) const {
     const D d;
     const float* before = p_ + y * brick_side + x - 1;
     if (x % brick_side != 0) return hn::LoadU(d, before);
-    // Lanes moved up by one, round the end.
+    // Lanes moved up by one, cyclic.
     HWY_ALIGN int32_t up[pair_size];
     for (int i = 0; i < lane_count(); ++i) up[i] = (i + lane_count() - 1) % lane_count();
     const V lower = y == 0 && x == 0 ? hn::TableLookupLanes(here, hn::SetTableIndices(d, up)) : hn::LoadU(d, before);
@@ -208,7 +208,7 @@ struct Gradient {
   V x, y, z;
 };
 
-/// The u_bar that the dual step of layer z reads.
+/// The u_bar read by the dual step of layer z.
 class UBarLayer {
  public:
   HWY_INLINE UBarLayer(const DualJob& job, int z)
@@ -217,7 +217,7 @@ class UBarLayer {
         back_(job.above_y + z * brick_side),
         above_(z == brick_side - 1 ? job.above_z : u_bar_ + brick_area) {}
 
-  /// Of the vertices from x on of the pair whose first row is y.
+  /// For the vertices from x on of the pair whose first row is y.
   HWY_INLINE Gradient forward_difference(int y, int x) const {
     const D d;
     const int row = y * brick_side;
@@ -268,7 +268,7 @@ HWY_INLINE void project(V lambda, V lambda_squared, Flux& q) {
   q = {hn::Mul(q.x, scale), hn::Mul(q.y, scale), hn::Mul(q.z, scale)};
 }
 
-/// Where a component of p is fixed: on the brick's upper faces at the band's rim, and at an open border.
+/// Where a component of p is fixed: on the brick's upper faces at the band boundary, and at an open border.
 struct Fixed {
   M x, y, z;
 };
@@ -276,7 +276,7 @@ struct Fixed {
 /// The vertices [lo, hi) of a row, as bits.
 HWY_INLINE unsigned row_bits(int lo, int hi) { return lo < hi ? (0xffu << lo) & (0xffu >> (brick_side - hi)) : 0; }
 
-/// The vertices of a row whose p along an axis may not move at an open border, as bits.
+/// The vertices of a row whose p along an axis must not change at an open border, as bits.
 HWY_INLINE unsigned held_at_border(const DualJob& job, int axis, int y, int z) {
   Vec3i end = job.free_hi;
   end[axis] = job.last_up[axis];
@@ -299,7 +299,7 @@ HWY_INLINE Flux with_fixed(const Fixed& fixed, const Flux& old, const Flux& q) {
           hn::IfThenElse(fixed.z, old.z, q.z)};
 }
 
-/// The same on the band's rim: fixed components keep their value and leave the others the ball's remaining radius.
+/// The same at the band boundary: fixed components keep their value, the others have the ball's remaining radius.
 HWY_INLINE void project_free(const Flux& old, const Fixed& fixed, V lambda_squared, Flux& q) {
   const D d;
   const Flux moving{hn::IfThenZeroElse(fixed.x, q.x), hn::IfThenZeroElse(fixed.y, q.y),
@@ -317,7 +317,7 @@ HWY_INLINE void project_free(const Flux& old, const Fixed& fixed, V lambda_squar
   q = with_fixed(fixed, old, q);
 }
 
-/// The dual step's layer z.
+/// Layer z of the dual step.
 template <class Projection>
 class DualLayer {
  public:
@@ -356,7 +356,7 @@ HWY_INLINE RowMask step_dual(const DualJob& job, const Projection& projection) {
   return step_pairs(job.pairs, [&](int z) HWY_ATTR { return DualLayer<Projection>(job, projection, z); });
 }
 
-/// The isotropic norm's.
+/// The projection for the isotropic norm.
 template <bool rim>
 struct OntoBall {
   float lambda;
@@ -376,7 +376,7 @@ RowMask dual(const DualJob& job) {
   return rim ? step_dual(job, OntoBall<true>{job.lambda}) : step_dual(job, OntoBall<false>{job.lambda});
 }
 
-/// The anisotropic norm's: the ball is a cube, so each component is clamped on its own and fixed ones stay.
+/// The projection for the anisotropic norm: the ball is a cube, so each component is clamped alone and fixed ones stay.
 struct OntoCube {
   float lambda;
   template <class FixedFlux>

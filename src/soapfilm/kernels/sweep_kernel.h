@@ -1,5 +1,5 @@
-// What one brick's share of a sweep needs, as plain pointers: the contract between sweep.cpp and the kernels, which
-// exist once per SIMD target and know nothing of grids or threads.
+// Data for one brick's part of a sweep, as plain pointers: the interface between sweep.cpp and the kernels, which are
+// compiled once per SIMD target and do not depend on grids or threads.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace soapfilm {
 
-/// One bit per row of a brick: row (y, z) is bit y + 8 z. Rows 2 i and 2 i + 1 share a line of the cache.
+/// One bit per row of a brick: row (y, z) is bit y + 8 z. Rows 2 i and 2 i + 1 are in one cache line.
 using RowMask = uint64_t;
 
 /// u_bar of one brick; the values after the last row may be read.
@@ -28,8 +28,8 @@ struct PrimalJob {
   float tau;
   float* u_bar;   ///< 512, out
   float* face_x;  ///< 64, out: u_bar at x = 0 of each stepped row
-  // What the next brick reads: on its way into the cache while this one is worked on. Its low_x is most often the p_x
-  // of the brick after it, so that p_x is fetched a brick earlier than the rest.
+  // Data of the next brick, prefetched while this one is processed. Its low_x is mostly the p_x of the brick after it,
+  // so that p_x is prefetched one brick earlier than the rest.
   const float *next_u, *next_f;
   LowFace next_low_y, next_low_z;
   const float* after_next_p;
@@ -43,9 +43,9 @@ struct DualJob {
   bool fixed_up[3];                          ///< the flux through the brick's upper face along an axis is fixed
   float sigma;
   float lambda;
-  const float* next_p;  ///< the next brick's: its p_y and p_z are fetched here, half of the memory's work in each step
+  const float* next_p;  ///< the next brick's: its p_y and p_z are prefetched here, so both steps load about half each
   bool at_open_border = false;            ///< faces to, from or between fixed vertices have no flux:
-  Vec3i free_lo{}, free_hi{}, last_up{};  ///< p_k moves in [free_lo, free_hi), along axis k in [free_lo, last_up) only
+  Vec3i free_lo{}, free_hi{}, last_up{};  ///< p_k changes in [free_lo, free_hi), along axis k in [free_lo, last_up)
 };
 
 /// The steps of one SIMD target for one norm; both return the rows where a value has changed.
@@ -54,7 +54,7 @@ struct SweepKernel {
   RowMask (*dual)(const DualJob& job);
 };
 
-/// Of Highway's SIMD targets among `bits`, and the scalar twin.
+/// Of Highway's SIMD targets among `bits`, and of the scalar version.
 SweepKernel highway_sweep_kernel(int64_t bits, Norm norm);
 SweepKernel scalar_sweep_kernel(Norm norm);
 

@@ -1,5 +1,5 @@
-// What the system says of its memory and of this process. platform/linux asks Linux, platform/portable the C++ library
-// alone.
+// The system's data on its memory and on this process. platform/linux uses Linux, platform/portable only the C++
+// library.
 #pragma once
 
 #include <cstddef>
@@ -8,23 +8,22 @@
 
 namespace soapfilm {
 
-/// Most memory that this process has held at once so far (resident set), in bytes; 0 where the system does not say.
+/// Most memory that this process has held at once so far (resident set), in bytes; 0 if unknown.
 size_t peak_memory_bytes();
 
-/// Memory that this process holds now, beside files that are mapped or shared, in bytes; 0 where the system does not
-/// say.
+/// Memory that this process holds now, without mapped or shared files, in bytes; 0 if unknown.
 size_t held_memory_bytes();
 
-/// Memory that this process can still take without swapping or being killed, in bytes: what the system has available,
-/// or less where a control group (v1 or v2, such as a container's) limits it. SIZE_MAX where the system does not say.
-/// `root` is where proc/ and sys/ lie: a test may bring its own.
+/// Memory that this process can still use without swapping or being killed, in bytes: the system's available memory, or
+/// less where a control group (v1 or v2, as of a container) limits it. SIZE_MAX if unknown. `root` is the folder with
+/// proc/ and sys/: tests may use their own.
 size_t available_memory_bytes(const std::string& root = "/");
 
-/// Asks the system to back [memory, memory + bytes), not touched yet, with large pages: fewer faults, and fewer misses
-/// of the address cache. Advice: where the system does not take it, nothing changes.
+/// Asks the system to use large pages for [memory, memory + bytes), not touched yet: fewer page faults, and fewer TLB
+/// misses. Advice: if the system ignores it, nothing changes.
 void prefer_large_pages(void* memory, size_t bytes);
 
-/// CPU time that the calling thread has taken so far, nanoseconds; elapsed time where the system does not say.
+/// CPU time of the calling thread so far, nanoseconds; elapsed time if unknown.
 int64_t thread_cpu_time();
 
 }  // namespace soapfilm

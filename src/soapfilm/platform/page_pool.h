@@ -1,4 +1,4 @@
-// Memory for large arrays, straight from the system: zero without being written, and taken page by page.
+// Memory for large arrays, directly from the system: zero without being written, and used page by page.
 #pragma once
 
 #include <cstddef>
@@ -15,33 +15,33 @@ struct FreeZeroed {
 };
 using ZeroedMemory = std::unique_ptr<std::byte, FreeZeroed>;
 
-/// Of smaller arrays the ends that fill no large page would cost more memory than keeping their pages saves time.
+/// For smaller arrays the memory lost at ends that fill no large page outweighs the time saved by keeping their pages.
 inline constexpr size_t least_kept_bytes = size_t{12} << 20;
 
-/// The arrays of a run. While a Keep of it lives, pages of arrays of `least_kept_bytes` and more that are freed, and of
-/// any that are given back early, do not go back to the system but serve the pool's next large arrays, and whatever
-/// else asks for them: a fresh page can cost more than the work on it, most of all on virtual machines. The process
-/// holds no more pages of arrays than it did when most of them were in use; what it takes otherwise meanwhile, as for
-/// most vectors, comes on top. Copies are the same pool, which lives until its last array is freed.
+/// The arrays of a run. While a Keep of it lives, the pages of freed arrays of at least `least_kept_bytes`, and all
+/// pages given back early, are not returned to the system but reused for the pool's next large arrays and other
+/// requests: a fresh page can cost more than the work on it, most of all on virtual machines. The process holds no more
+/// pages of arrays than when most of them were in use; other memory, as of most vectors, is additional. Copies are the
+/// same pool, which lives until its last array is freed.
 class PagePool {
  public:
-  /// A pool of its own.
+  /// A new pool.
   static PagePool make();
-  /// Can this platform keep pages of freed arrays for others? Elsewhere arrays come from the allocator and go back to
-  /// it whole, and give_back() does nothing.
+  /// Whether this platform can reuse pages of freed arrays. If not, arrays are allocated and freed whole by the
+  /// allocator, and give_back() does nothing.
   static bool moves_pages();
-  /// None: arrays come from the system and go back to it.
+  /// No pool: arrays come from the system and are returned to it.
   PagePool() = default;
 
-  /// `bytes` > 0 zero bytes, aligned to 64. What is large costs no memory until it is touched, and all of it goes back
-  /// to the system when it is freed, unless a Keep lives. Throws std::bad_alloc.
+  /// `bytes` > 0 zero bytes, aligned to 64. Large arrays use no memory until touched, and all of it is returned to the
+  /// system when freed, unless a Keep lives. Throws std::bad_alloc.
   ZeroedMemory allocate(size_t bytes) const;
 
-  /// Memory that is about to be written: pages that were kept, zero, serve large pages of [begin, begin + bytes) of
-  /// which nothing has been touched. Throws std::bad_alloc.
+  /// For memory that will soon be written: kept pages, set to zero, are used for large pages of [begin, begin + bytes)
+  /// that have not been touched. Throws std::bad_alloc.
   void serve(void* begin, size_t bytes) const;
 
-  /// The most that its arrays took at once so far, since it was last restarted.
+  /// The largest total size of its arrays at one time, since the last restart.
   size_t peak_bytes() const;
   void restart_peak() const;
 
@@ -60,9 +60,9 @@ class PagePool {
   std::shared_ptr<SpareBlocks> spare_;
 };
 
-/// Of an array that lives on, bytes before `end` are not read any more: their pages go back to the system, or those of
-/// whole large pages to the pool's Keep. What they held is lost: it may be written, not read. `gone`: bytes that went
-/// before. Returns how many have gone by now.
+/// For an array that is still in use: bytes before `end` are not read any more, so their pages are returned to the
+/// system, or whole large pages to the pool's Keep. Their contents are lost: they may be written, not read. `gone`:
+/// bytes given back before. Returns the number given back so far.
 size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end);
 
 }  // namespace soapfilm

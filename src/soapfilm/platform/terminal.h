@@ -1,4 +1,4 @@
-// Is somebody looking?
+// Properties of the terminal.
 #pragma once
 
 #include <cstddef>
@@ -6,10 +6,10 @@
 
 namespace soapfilm {
 
-/// A terminal that can redraw its lines; never where the system does not say.
+/// Whether it is a terminal that can redraw its lines; false if unknown.
 bool is_terminal(std::FILE* out);
 
-/// Columns of the terminal; 80 where it does not say.
+/// Columns of the terminal; 80 if unknown.
 size_t terminal_columns(std::FILE* out);
 
 }  // namespace soapfilm

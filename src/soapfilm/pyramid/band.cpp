@@ -29,7 +29,7 @@ unsigned octants_of(const BrickBits& bits) {
   return octants;
 }
 
-/// The children within two fine vertices of the interface: room to move for it.
+/// The children within two fine vertices of the interface, so that it can move.
 BrickMask beside_interface(const Level& coarse, const std::vector<BrickBits>& interface, Vec3i fine_bricks,
                            const Context& context) {
   BrickMask mask(fine_bricks);
@@ -52,8 +52,8 @@ BrickMask beside_interface(const Level& coarse, const std::vector<BrickBits>& in
   return mask;
 }
 
-/// Octants with a vertex where the prolonged dual might leave the ball. The anisotropic norm's cube it cannot leave:
-/// its components are means of feasible ones.
+/// Octants with a vertex where the prolonged dual might leave the ball. It cannot leave the cube of the anisotropic
+/// norm: its components are means of feasible ones.
 unsigned infeasible_octants(const Level& level, size_t brick) {
   if (level.norm == Norm::anisotropic) return 0;
   std::array<std::array<double, octant_volume>, 8> bound{};
@@ -75,7 +75,7 @@ unsigned infeasible_octants(const Level& level, size_t brick) {
   return octants;
 }
 
-/// Those with a part of the interface, or where the prolonged dual might leave the ball.
+/// The children with a part of the interface, or where the prolonged dual might leave the ball.
 BrickMask interface_children(const Level& coarse, const std::vector<BrickBits>& interface, Vec3i fine_bricks,
                              const Context& context) {
   BrickMask mask(fine_bricks);
@@ -92,8 +92,8 @@ bool is_free(const FreeRange& range, int offset) {
   return range.contains(offset % brick_side, offset / brick_side % brick_side, offset / brick_area);
 }
 
-/// Where the coarser level's cells reach beyond an open border its flux through that is cut off: the vertices there
-/// take part.
+/// Where the coarser level's cells extend beyond an open border its flux through the border is set to 0: the vertices
+/// there must be in the band.
 void add_upper_border(const LevelBox& box, BrickMask& band) {
   BrickMask::whole(box.bricks).for_each([&](Vec3i brick) {
     if (!has_free(box, brick)) return;

@@ -1,4 +1,4 @@
-// Which bricks a level works on.
+// The bricks on which a level is solved.
 #pragma once
 
 #include "soapfilm/context.h"
@@ -8,28 +8,28 @@
 
 namespace soapfilm {
 
-/// The bricks of a level that is solved whole: those with free vertices, with the faces around these, and those of its
-/// data, `support`. In the rest of the box, which is rounded up to whole bricks of the coarsest level and so may be
-/// many times larger, u = 0 and p = 0.
+/// The bricks of a level that is solved without a band: those with free vertices, including the faces around these, and
+/// those of its data, `support`. In the rest of the box, which is rounded up to whole bricks of the coarsest level and
+/// so may be many times larger, u = 0 and p = 0.
 BrickMask free_bricks(const LevelBox& box, const BrickGrid& support);
 
-/// The band of the level below `coarse`: the bricks of its data, `support`, and of the children of the coarse bricks
-/// those that hold
+/// The band of the level below `coarse`: the bricks of its data, `support`, and those children of the coarse bricks
+/// that hold
 ///   every pair of neighbors whose rounded u differ (the interface), and
 ///   every vertex I where sqrt(sum_k max(|P_k[I - e_k]|, |P_k[I]|)^2) > lambda: elsewhere the prolonged dual is
 ///   feasible on all finer levels (with the anisotropic norm it is everywhere: prolongation takes means), so leaving
-///   the brick out costs the certificate nothing but this level's own gap.
-/// The finest level leaves bricks of its data out that lie two vertices and more from the interface and whose data the
-/// prolonged state serves already, as long as this adds no more than `allowed` to the gap.
+///   the brick out adds only this level's own gap to the certificate.
+/// The finest level leaves out bricks of its data at least two vertices from the interface if the prolonged state
+/// already fits their data, as long as this adds no more than `allowed` to the gap.
 BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
                       const Context& context);
 
-/// The bricks just outside the band that its interface has reached (rounded u differs across the rim) and whose parent
-/// the coarse band holds: where the band must grow.
+/// The bricks just outside the band that its interface has reached (rounded u differs across the band boundary) and
+/// whose parent is in the coarse band: where the band must grow.
 BrickMask growth(const Level& level, const BrickGrid& coarse, const Context& context);
 
-/// `band` and the bricks beside it whose parents the coarse band holds: for a band that does not converge. A rim close
-/// to where the flux must turn may fix a flux that the finer ball cannot carry on.
+/// `band` and its neighboring bricks whose parents are in the coarse band: for a band that does not converge. A band
+/// boundary close to where the flux must change direction may fix a flux that is not feasible on the finer level.
 BrickMask widened(const BrickMask& band, const BrickGrid& coarse);
 
 }  // namespace soapfilm

@@ -7,7 +7,7 @@ namespace soapfilm {
 
 bool inside_child(const Level& coarse, size_t brick, Vec3i octant) {
   Vec3i at = octant_base(octant);
-  if (coarse.box.open && at_border(coarse.box, coarse.grid.coord(brick))) {  // what is free there tells
+  if (coarse.box.open && at_border(coarse.box, coarse.grid.coord(brick))) {  // decided by the vertices that are free
     const Vec3i first = coarse.grid.first_vertex(brick);
     const Vec3i free = nearest_free(coarse.box, first + at) - first;
     for (int axis = 0; axis < 3; ++axis)
@@ -37,8 +37,8 @@ std::array<double, octant_volume> fluxes_in(const Level& coarse, size_t brick, V
 
 }  // namespace
 
-/// Each fine vertex has an eighth of the coarse divergence. (Where a coarse vertex is free but some of its children are
-/// fixed, this counts terms <= 0 too many: the bound stays a bound.)
+/// Each fine vertex has an eighth of the coarse divergence. (If a coarse vertex is free but some of its children are
+/// fixed, this adds too many terms <= 0: the result is still a bound.)
 Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const SupportField& support) {
   const std::array<double, octant_volume> in = fluxes_in(coarse, brick, octant);
   const double u = inside_child(coarse, brick, octant) ? 1 : 0;
@@ -54,7 +54,7 @@ Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const Sup
   }
   const float* f = support.f.brick(static_cast<size_t>(n));
   const Vec3i base = octant_base(octant);
-  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));  // an open one's children are as free
+  const FreeRange range = free_range(coarse.box, coarse.grid.coord(brick));  // at an open border, the children's too
   for (int z = 0; z < brick_side; ++z)
     for (int y = 0; y < brick_side; ++y)
       for (int x = 0; x < brick_side; ++x) {

@@ -1,4 +1,4 @@
-// What a coarse brick hands to its eight children.
+// The data that the eight children of a coarse brick get from it.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct CoarseFlux {
     if (axis == 2 && Z < 0) return low.at(X, Y);
     return own[brick_offset(X, Y, Z)];
   }
-  /// Of the vertex below that one along the axis.
+  /// Of the vertex below (X, Y, Z) along the axis.
   float below(int X, int Y, int Z) const { return at(X - (axis == 0), Y - (axis == 1), Z - (axis == 2)); }
 
   /// Of four vertices along x: an octant's row.
@@ -63,7 +63,7 @@ void for_each_flux(const Level& coarse, size_t brick, Visit&& visit) {
 /// Whether u = 1 in a child that is left out of the band.
 bool inside_child(const Level& coarse, size_t brick, Vec3i octant);
 
-/// What such a child adds to the fine level's energies.
+/// The contribution of such a child to the fine level's energies.
 Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const SupportField& support);
 
 }  // namespace soapfilm

@@ -15,24 +15,24 @@ namespace soapfilm {
 namespace {
 
 constexpr int max_growths = 8;
-constexpr int patience = 128;           // iterations; bands with room enough take 16 to 112
+constexpr int patience = 128;           // iterations; wide enough bands take 16 to 112
 constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that the finest band leaves out
 
-/// What a level is solved to. The two finest take almost all of the time. The finest has the tolerance itself:
-/// thresholding leaves a gap of its own, some 1 % on raw scans. From the next one it takes as many iterations, and ends
-/// as near, whether that has this gap or twice as much; what its band leaves out keeps the coarser one's gap. CoarseFit
-/// ones cost little, and where samples are missing they alone decide: a surface that they leave short of its place over
-/// a hole stays there.
+/// The tolerance of a level. The two finest take almost all of the time. The finest has the tolerance itself:
+/// thresholding leaves a gap of its own, about 1 % on raw scans. From the next level it takes as many iterations, and
+/// ends at the same gap, whether that has this gap or twice as much; the data that its band leaves out keeps the
+/// coarser gap. Coarser levels cost little, and where samples are missing they alone decide: over a hole, a surface
+/// that they leave before it is in place stays there.
 double tolerance_of(int level, int start, double tolerance) {
   constexpr double next_to_finest = 2, coarse_tolerance = 3e-4;
-  constexpr double rough = 1e-2;  // of levels that only tell where to start
+  constexpr double rough = 1e-2;  // of levels that only give a start
   if (level > start) return rough;
   if (level == 0) return tolerance;
   return level == 1 && level < start ? next_to_finest * tolerance : std::min(tolerance, coarse_tolerance);
 }
 
-/// sigma in units of the one that the parameters ask for. Where faded flux (flux_kept()) has to come back, and the band
-/// leaves it room to, more of it per iteration saves some; elsewhere it costs some.
+/// sigma in units of the given parameter's. Where flux that was reduced (flux_kept()) must be restored, and the band is
+/// wide enough for it, larger steps of p save some iterations; elsewhere they cost some.
 double balance_of(int level, int start) { return level > 1 && level < start ? 1.4 : 1.0; }
 
 /// An upper bound of what any surface can gain from a level's data: the sum of its positive part.
@@ -43,12 +43,12 @@ double largest_gain(const SupportField& support) {
   return sum;
 }
 
-/// How much of lambda each level takes, the finest first, as far as the pyramid goes up. A level takes all of it whose
-/// data pays for the surface's area: f is a dipole some six fine voxels wide; in cells wider than that its two sides
-/// cancel, and a level that sees no surface would leave the finer ones a band without an inside. The area follows from
-/// the bricks that the samples reach: a surface reaches one per 20 voxel^2. CoarseFit levels take what their data pays
-/// for, while that is something: they tell roughly where the inside is, which from zero takes an iteration for every
-/// third of a vertex.
+/// The fraction of lambda used on each level, the finest first, up to the end of the pyramid. A level uses all of
+/// lambda if its data pays for the surface's area: f is a dipole about six fine voxels wide; in wider cells its two
+/// sides cancel, and a level without a surface would leave the finer ones a band without an inside. The area is
+/// estimated from the bricks that the samples reach: a surface reaches one per 20 voxel^2. Coarser levels use the
+/// fraction that their data pays for, if there is any: they show roughly where the inside is, which from zero takes one
+/// iteration per third of a vertex.
 std::vector<double> lambda_shares(const std::vector<const SupportField*>& data, double lambda, Norm norm) {
   constexpr double area_per_brick = 20;
   constexpr double gain_per_cost = 1.5;
@@ -65,7 +65,7 @@ std::vector<double> lambda_shares(const std::vector<const SupportField*>& data, 
   return shares;
 }
 
-/// The way down from the coarsest level.
+/// Solves from the coarsest level down.
 class Descent {
  public:
   Descent(const Lattice& lattice, const SupportField& support, double lambda, const PrimalDualParams& params,
@@ -78,8 +78,8 @@ class Descent {
         norm_(norm),
         observe_(observe) {}
 
-  /// Solves the levels down to `last`, or to the first one that takes all of lambda, roughly: those that do to the
-  /// tolerance itself.
+  /// Solves the levels down to `last`, or to the first one that uses all of lambda. Those below all of lambda are
+  /// solved roughly, the others to the given tolerance.
   PyramidSolution roughly_to(int last) {
     last_ = last;
     return to(last);
@@ -106,7 +106,8 @@ class Descent {
         level = on_whole_box(std::move(level), field, report);
         solve(level, report, params_.max_iterations);
       } else {
-        coarser.erase(coarser.begin() + l, coarser.end());  // its work is done: nobody reads coarse.data() from here
+        coarser.erase(coarser.begin() + l, coarser.end());  // not needed any more: coarse.data() is not read from here
+                                                            // on
         const double scale = std::max(std::abs(solution.reports.back().energies.dual), 1000 * lambda_);
         level = solve_on_band(std::move(level), field, share_left_out * params_.tolerance * scale, report);
       }
@@ -119,7 +120,7 @@ class Descent {
   }
 
  private:
-  /// A level without a band, from what the coarser one found with less of lambda, where there is one.
+  /// A level without a band, started from the coarser one, solved with less of lambda, if there is one.
   Level on_whole_box(Level coarse, const SupportField& field, const LevelReport& report) const {
     const LevelBox box = lattice_.box(report.level);
     const auto scale = static_cast<double>(size_t{1} << (2 * box.level));
@@ -132,16 +133,16 @@ class Descent {
     return level;
   }
 
-  /// The level below `coarse`, on a band that grows until its interface stays within; above the finest level it is
+  /// The level below `coarse`, on a band that grows until its interface stays inside; above the finest level it is
   /// widened once if it does not converge.
   Level solve_on_band(Level coarse, const SupportField& field, double allowed, LevelReport& report) {
     const LevelBox box = lattice_.box(report.level);
     if (report.level > 0) scale_flux(coarse, flux_kept(report.level), context_);
     BrickMask band = choose_band(coarse, box, field, allowed, context_);
-    // A quarter of the finest level's memory would wait for the rare band that has to grow. It goes; should the band
-    // grow after all, the way down to there is taken once more.
+    // Keeping a quarter of the finest level's memory for the rare band that has to grow is too much. It is freed; if
+    // the band grows after all, the levels down to this one are solved once more.
     const bool finest = report.level == 0;
-    constexpr size_t kept = 10;  // a tenth of the coarser level is left while it goes
+    constexpr size_t kept = 10;  // a tenth of the coarser level remains while it is freed
     begin(report.level, band, finest ? coarse.grid.size() / kept : coarse.grid.size());
     Level level = finest ? prolong_level(std::move(coarse), box, band, field, context_)
                          : prolong_level(coarse, box, band, field, context_);
@@ -183,7 +184,7 @@ class Descent {
         rough ? params_.tolerance : tolerance_of(report.level, start_, params_.tolerance);
     params.step_balance *= balance_of(report.level, start_);
     PrimalDualRun run;
-    // Flux that has faded (flux_kept()) has yet to settle: of the levels on a band the finest alone keeps it all.
+    // Reduced flux (flux_kept()) has not settled yet: of the levels on a band only the finest keeps all flux.
     run.late = report.level == 0 && start_ > 0;
     run.stalls = report.level < start_;
     run.settles = run.stalls && report.level <= 1;
@@ -212,17 +213,17 @@ class Descent {
   PyramidObserver observe_;
   int last_ = 0;  ///< of roughly_to()
   int coarsest_ = 0;
-  int start_ = 0;  ///< the coarsest level that takes all of lambda: the last one without a band
+  int start_ = 0;  ///< the coarsest level that uses all of lambda: the last one without a band
 };
 
 }  // namespace
 
-// A level that hardly sees the data sends flux through all of the interior to spread it, up to |p| = lambda; finer
-// levels need nothing of it. At full size it would stay: no finer ball holds it, so those bricks would belong to every
-// band, and u sink there while waves of p, a third of a vertex per iteration, cross from side to side. Each level that
-// takes some off leaves it well inside the ball, and what an interface needs comes back within a few iterations. Where
-// the band's rim runs close to the interface p is fixed there, so less may go: at level 1 half of that, at the finest
-// nothing.
+// A level whose data is very weak sends flux through all of the interior to spread it, up to |p| = lambda; finer levels
+// do not need that flux. At full size it would stay: no finer ball contains it, so those bricks would belong to every
+// band, and u would fall there while waves of p, a third of a vertex per iteration, cross from side to side. Reducing
+// it on each level keeps it well inside the ball, and the flux that an interface needs is restored within a few
+// iterations. Where the band boundary is close to the interface p is fixed there, so less may be removed: at level 1
+// half as much, at the finest level nothing.
 float flux_kept(int level) { return level == 0 ? 1.0f : level == 1 ? 0.95f : 0.9f; }
 
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,

@@ -1,6 +1,6 @@
-// Section 4.3: the problem solved from the coarsest level to the finest, each on a thin band around what the coarser
-// one found, with a certificate for the whole domain. Above them, on levels too coarse to pay for the surface's area,
-// an easier problem tells the first one where to start.
+// Section 4.3: the problem solved from the coarsest level to the finest, each on a narrow band around the coarser
+// solution, with a certificate for the whole domain. Above them, on levels too coarse to pay for the surface's area, an
+// easier problem gives the first one its start.
 #pragma once
 
 #include <functional>
@@ -17,35 +17,35 @@ namespace soapfilm {
 
 struct LevelReport {
   int level = 0;
-  double lambda_share = 1;  ///< of lambda that it took; below 1 the next finer level only started from it
+  double lambda_share = 1;  ///< fraction of lambda used; below 1 it only gave the next finer level its start
   size_t active_vertices = 0;
   int iterations = 0;
-  double tolerance = 0;  ///< that it was solved to: twice that of the finest at level 1, at most 3e-4 at coarser ones,
-                         ///< 1e-2 where it took less than lambda
+  double tolerance = 0;  ///< of its solution: twice that of the finest at level 1, at most 3e-4 at coarser ones, 1e-2
+                         ///< if it used less than lambda
   int band_growths = 0;
   bool converged = false;
   Stop stop = Stop::limit;
   Energies energies;  ///< of the relaxed u, whole domain
-  Energies binary;    ///< of u thresholded at 1/2; the finest level's is in the certificate
+  Energies binary;    ///< of u thresholded at 1/2; the finest level's are in the certificate
 };
 
 struct PyramidSolution {
-  Level finest;                      ///< refers to the support field that was passed in
+  Level finest;                      ///< refers to the support field passed in
   std::vector<LevelReport> reports;  ///< coarsest first
 };
 
-/// Share of the coarser level's flux p that `level`, on a band, starts from; the finest one starts from all of it.
+/// Fraction of the coarser level's flux p from which `level`, on a band, starts; the finest level keeps all of it.
 float flux_kept(int level);
 
-/// Called while it works, from the calling thread, of levels that take all of lambda; either may be empty.
+/// Called during the solve, from the calling thread, for levels that use all of lambda; each may be empty.
 struct PyramidObserver {
-  /// Each level when it is solved, coarsest first, and where its vertices lie in the world.
+  /// Each level when it is solved, coarsest first, and where its vertices are in the world.
   std::function<void(const Level&, const Lattice& of_level)> solved;
-  /// Each evaluation of the relaxed u, `iterations` on this level so far. Where it is set no gap is estimated: large
-  /// levels may stop an iteration or two from where they would.
+  /// Each evaluation of the relaxed u, after `iterations` on this level. If it is set no gap is estimated: large levels
+  /// may stop an iteration or two earlier or later.
   std::function<void(const Level&, int iterations, const Energies&)> evaluated;
-  /// Of every level, before its memory is taken: its bricks, and those of coarser levels that are held beside it. May
-  /// throw.
+  /// For every level, before its memory is allocated: its bricks, and those of coarser levels held at the same time.
+  /// May throw.
   std::function<void(int level, size_t bricks, size_t beside)> begins;
 };
 
@@ -55,15 +55,15 @@ PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField&
                                      const PrimalDualParams& params, const Context& context,
                                      Norm norm = Norm::isotropic, const PyramidObserver& observe = {});
 
-/// A rough look at the problem.
+/// Parameters of a rough solution.
 struct RoughParams {
-  int last = 2;             ///< level to stop at, or the first one that takes all of lambda, if that is finer
-  PrimalDualParams solver;  ///< its tolerance is that of all levels that take all of lambda
+  int last = 2;             ///< level to stop at, or the first one that uses all of lambda, if that is finer
+  PrimalDualParams solver;  ///< its tolerance is that of all levels that use all of lambda
   Norm norm = Norm::isotropic;
 };
 
-/// The levels down to one above the finest, for what they tell of it. The data f of the one returned is gone unless it
-/// is level 0: only `observe` sees it.
+/// Solves the levels down to one above the finest, for decisions made from it. The data f of the returned level is
+/// freed unless it is level 0: only `observe` can read it.
 PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
                                     const RoughParams& params, const Context& context,
                                     const PyramidObserver& observe = {});

@@ -23,7 +23,7 @@ double critical_lambda(const Lattice& lattice, const SupportField& support, doub
   double largest = 0;
   for (int halvings = 0; halvings < 12 && largest == 0; ++halvings)
     largest = ratio_at(lattice, support, lambda *= 0.5, context, norm);
-  // The ratio itself is where the surface found so far breaks even; a better one, if any, still gains just below it.
+  // At that ratio itself the surface found so far gains nothing; a better one, if any, still gains just below it.
   for (int step = 0; step < 4 && largest > 0; ++step) {
     const double better = ratio_at(lattice, support, 0.99 * largest, context, norm);
     if (better <= 1.005 * largest) break;

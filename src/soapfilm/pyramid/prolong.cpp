@@ -11,7 +11,7 @@ namespace soapfilm {
 
 namespace {
 
-/// Beyond an open border u goes on as it is there.
+/// Beyond an open border u is continued with the values at the border.
 void go_on_beyond_border(const Level& coarse, size_t brick, Window<float, 1>& u) {
   const Vec3i first = coarse.grid.first_vertex(brick);
   if (!has_free(coarse.box, coarse.grid.coord(brick))) return;
@@ -23,10 +23,10 @@ void go_on_beyond_border(const Level& coarse, size_t brick, Window<float, 1>& u)
       }
 }
 
-/// Trilinear, an axis at a time: a fine vertex is 3/4 the coarse vertex that holds it and 1/4 the nearer neighbor,
+/// Trilinear, one axis at a time: a fine vertex is 3/4 the coarse vertex that holds it and 1/4 the nearer neighbor,
 /// below for even, above for odd fine vertices.
 void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
-  constexpr int around = half_brick + 2;  // coarse vertices that reach into an octant
+  constexpr int around = half_brick + 2;  // coarse vertices used by an octant
   const Vec3i first = octant_base(octant) - Vec3i{1, 1, 1};
   const auto near = [](int x) { return 1 + x / 2; };
   const auto far = [](int x) { return x / 2 + 2 * (x & 1); };
@@ -46,7 +46,7 @@ void prolong_u(const Window<float, 1>& coarse, Vec3i octant, float* fine) {
         fine[brick_offset(x, y, z)] = blend(along_y[near(z)][y][x], along_y[far(z)][y][x]);
 }
 
-/// A coarse vertex's upper face is that of its upper children; within its cell lies the mean of its two faces.
+/// A coarse vertex's upper face is that of its upper children; inside its cell the flux is the mean of its two faces.
 template <int axis>
 void prolong_p(const CoarseFlux<axis>& coarse, Vec3i octant, float* fine) {
   coarse.for_each_row(octant, [&](int y, int z, const auto& upper, const auto& below) {
@@ -65,7 +65,7 @@ void prolong_p(const CoarseFlux<axis>& coarse, Vec3i octant, float* fine) {
   });
 }
 
-/// The flux through the low faces of the fine brick in `octant`: a matching coarse face, so an exact quarter of it.
+/// The flux through the low faces of the fine brick in `octant`: exactly a quarter of a matching coarse face.
 template <int axis>
 void prolong_rim(const CoarseFlux<axis>& coarse, Vec3i octant, float* plane) {
   const Vec3i base = octant_base(octant);
@@ -113,7 +113,7 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
   }
 }
 
-/// No flux on faces that an open box lacks: those of a coarser level whose cells reach beyond the border.
+/// Sets the flux to 0 on faces that an open box does not have: a coarser level's cells may extend beyond the border.
 void cut_off_flux(Level& level, const Context& context) {
   parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     if (!at_border(level.box, level.grid.coord(b))) return;
@@ -133,10 +133,10 @@ void cut_off_flux(Level& level, const Context& context) {
   });
 }
 
-/// What the children of one coarse brick that the fine band leaves out are.
+/// The state of the children of one coarse brick that are not in the fine band.
 struct LeftOut {
   std::array<Outside, 8> outside;
-  uint8_t inside = 0;  // a bit per child, those of the band too
+  uint8_t inside = 0;  // a bit per child, also for those in the band
 };
 
 LeftOut left_out_children(const Level& coarse, size_t brick, const Level& fine, const SupportField& support) {
@@ -151,15 +151,15 @@ LeftOut left_out_children(const Level& coarse, size_t brick, const Level& fine, 
   return children;
 }
 
-/// What lies below a layer along z.
+/// Frees the memory below a layer along z.
 void give_back_below(Level& level, int z) {
   const size_t end = level.grid.layer(std::clamp(z, 0, level.grid.bricks().z - 1)).first;
   level.u.give_back_before(end);
   level.p.give_back_before(end);
 }
 
-/// For the children of a coarse layer, and of the next one, for large pages lie across both: pages that the coarse
-/// level has given back.
+/// For the children of a coarse layer, and of the next one, as large pages extend across both: uses pages that the
+/// coarse level has freed.
 void take_pages(Level& fine, int coarse_z) {
   const int lowest = 2 * coarse_z, top = fine.grid.bricks().z - 1;
   if (lowest > top) return;
@@ -168,8 +168,8 @@ void take_pages(Level& fine, int coarse_z) {
   fine.p.take_pages(begin, end);
 }
 
-/// Layer by layer of coarse bricks along z; used(z) is called when of the coarse level nothing below layer z is read
-/// any more, and of the previous one no child of layer z.
+/// By layers of coarse bricks along z; used(z) is called when nothing of the coarse level below layer z is read any
+/// more, and of the previous level no child of layer z.
 template <class Used>
 Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                      const Context& context, const Level* previous, Used&& used) {
@@ -213,7 +213,7 @@ Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& b
 
 Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context) {
-  // The next layer looks at this one through its low faces and windows.
+  // The next layer reads this one through its low faces and windows.
   return prolong_layers(coarse, box, band, support, context, nullptr, [&](int z) { give_back_below(coarse, z); });
 }
 

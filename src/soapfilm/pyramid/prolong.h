@@ -9,18 +9,18 @@ namespace soapfilm {
 
 /// The next finer level on `band`, its state prolonged from `coarse`:
 ///   u by trilinear interpolation (fine vertices at -1/4 and +1/4 of the coarse one: weights 3/4 and 1/4),
-///   p as face fluxes: the flux of a coarse face lands on the matching fine faces, a face inside a coarse cell takes
+///   p as face fluxes: the flux of a coarse face is given to the matching fine faces, a face inside a coarse cell has
 ///   the mean of its two parallel neighbors, all times 1/4 (lowest-order Raviart-Thomas: keeps the divergence), the
-///   rim's fluxes, u outside, and what the outside adds to D and to the gap, exactly.
+///   band boundary's fluxes, u outside, and the contribution of the outside to D and to the gap, exactly.
 /// `band` may hold only children of the coarse band's bricks; all children of its support bricks must be among these.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context);
-/// The same, but bricks that `previous` (the same level on a smaller band) has keep their state; its u and p go back to
-/// the system as they are copied.
+/// The same, but bricks of `previous` (the same level on a smaller band) keep their state; the memory of its u and p is
+/// freed as they are copied.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context, Level&& previous);
-/// The same without one, but u and p of `coarse` go back to the system as they are used: beside its grid it may only be
-/// destroyed then.
+/// The same without `previous`, but u and p of `coarse` are freed as they are used: afterwards only its grid may be
+/// used.
 Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context);
 

@@ -18,7 +18,7 @@ struct Parents {
   explicit Parents(int x) : near(x >> 1), far((x >> 1) + 2 * (x & 1) - 1) {}
 };
 
-/// out = the row (Y, Z) of `coarse` times `weight`, added; nothing beyond the box.
+/// Adds `weight` times the row (Y, Z) of `coarse` to `out`; nothing beyond the box.
 void add_row(const DenseField<float>& coarse, int Y, int Z, float weight, std::vector<float>& out) {
   const int y = Y - coarse.origin().y, z = Z - coarse.origin().z;
   if (y < 0 || z < 0 || y >= coarse.size().y || z >= coarse.size().z) return;

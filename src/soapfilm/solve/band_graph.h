@@ -1,5 +1,5 @@
 // The vertices of a band as the nodes of a graph: numbered brick after brick, with links to the neighbors of a fixed
-// set of directions. Nothing is stored per link: a cursor works them out again whenever they are asked for.
+// set of directions. Links are not stored: a cursor computes them each time.
 #pragma once
 
 #include <array>
@@ -39,7 +39,7 @@ class BandGraph {
   const std::vector<Link>& links() const { return links_; }
   size_t bytes() const { return grid_.bytes() + rows_.size() * sizeof(Row); }
 
-  /// Goes through the vertices in the order of their numbers.
+  /// Visits the vertices in the order of their numbers.
   class Cursor {
    public:
     explicit Cursor(const BandGraph& graph) : graph_(graph) {}
@@ -49,12 +49,12 @@ class BandGraph {
    private:
     const BandGraph& graph_;
     size_t row_ = 0;     ///< the next one
-    unsigned bits_ = 0;  ///< of the row before it, still to come
+    unsigned bits_ = 0;  ///< of the row before it, still to be visited
     uint32_t id_ = 0;
   };
 
  private:
-  /// A brick's row: its vertices' bits and how many vertices come before it.
+  /// A brick's row: the bits of its vertices, and the number of vertices before it.
   struct Row {
     uint32_t before = 0;
     uint8_t bits = 0;

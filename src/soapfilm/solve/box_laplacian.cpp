@@ -4,7 +4,7 @@ namespace soapfilm {
 
 namespace {
 
-// Differences first: on a plateau they are exact, where 6 u minus six neighbors would leave u's rounding.
+// Differences first: on a plateau they are exact, where 6 u minus six neighbors would leave a rounding error of u.
 inline float flux_out(const Stencil& s, const Rows& u, int i) {
   const float here = u.here[i];
   return (s.x_down * (here - u.here[i - 1]) + s.x_up * (here - u.here[i + 1])) +

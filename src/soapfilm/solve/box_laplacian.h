@@ -1,7 +1,7 @@
-// -Laplace(u) on a box of vertices, u = 0 on its border: what Poisson's equation and its multigrid levels are made of.
+// -Laplace(u) on a box of vertices, u = 0 on its border: the matrix of Poisson's equation and its multigrid levels.
 //
-// An axis has the free vertices 1 .. free between the fixed ones 0 and free + 1. All intervals have length 1 but the
-// last one, before vertex free + 1: a coarse level keeps the box's exact length whatever its number of vertices.
+// An axis has the free vertices 1 .. free between the fixed ones 0 and free + 1. All intervals have length 1 except the
+// last one, before vertex free + 1: so a coarse level keeps the exact length of the box for any number of vertices.
 //
 //   |----o----o----o--|        free = 3, last = 1/2
 //   0    1    2    3  4
@@ -58,7 +58,7 @@ class BoxLaplacian {
 /// A field of zeros on `free` vertices along each axis and one layer of fixed ones around them.
 DenseField<float> box_field(Vec3i free);
 
-/// Calls body(z) for the layers 1 .. free.z, in chunks that depend on the box alone.
+/// Calls body(z) for the layers 1 .. free.z, in chunks that depend only on the box.
 template <class Body>
 void for_layers(Vec3i free, const Context& context, Body&& body) {
   constexpr size_t vertices_per_task = size_t{1} << 16;
@@ -68,7 +68,7 @@ void for_layers(Vec3i free, const Context& context, Body&& body) {
   });
 }
 
-/// A row and the four next to it; each begins with the fixed vertex 0.
+/// A row and the four neighboring rows; each begins with the fixed vertex 0.
 struct Rows {
   const float *here, *y_down, *y_up, *z_down, *z_up;
 };
@@ -80,8 +80,8 @@ inline Rows rows_around(const DenseField<float>& u, int y, int z) {
 void apply_row(const RowStencils& stencils, const Rows& u, int free, float* out);
 /// out = b - A u.
 void residual_row(const RowStencils& stencils, const Rows& u, const float* b, int free, float* out);
-/// Gauss-Seidel: solves the equations of every second vertex, from `first` (1 or 2) on, for u there; `here` is what
-/// u.here reads.
+/// Gauss-Seidel: solves the equations of every second vertex, from `first` (1 or 2) on, for u there; writes u through
+/// `here`, the row that u.here reads.
 void relax_row(const RowStencils& stencils, const Rows& u, const float* b, int first, int free, float* here);
 
 }  // namespace soapfilm

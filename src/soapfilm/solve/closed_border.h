@@ -1,4 +1,4 @@
-// An open solution as a closed one: for stages that know closed surfaces alone.
+// Converts an open solution to a closed one, for stages that handle only closed surfaces.
 #pragma once
 
 #include "soapfilm/context.h"
@@ -6,8 +6,8 @@
 
 namespace soapfilm {
 
-/// The same u, with u = 0 at fixed vertices taken at its word: the surface is closed along the border of the box, on
-/// bricks that the band gains there. Without p and f.
+/// The same u, where the u = 0 of fixed vertices now means outside: the surface is closed along the border of the box,
+/// on bricks that are added to the band there. Without p and f.
 Level closed_at_border(const Level& level, const Context& context);
 
 }  // namespace soapfilm

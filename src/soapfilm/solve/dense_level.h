@@ -1,4 +1,4 @@
-// From the whole box to a band: the u of a solver that knows no band, for the one judge and the stages after it.
+// From the whole box to a band: the u of a solver that has no band, for the energy evaluation and the later stages.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,10 @@ namespace soapfilm {
 /// What a brick holds.
 enum class BrickContent : uint8_t { zero, one, mixed };
 
-/// The bricks in which, or next to which (also by an edge or a corner), the content is not the same constant 0 or 1.
-/// `content` of all bricks of the box, x fastest; zero beyond it.
+/// The bricks that are not the same constant 0 or 1 as all their neighbors (also across edges and corners). `content`
+/// of all bricks of the box, x fastest; zero beyond it.
 BrickMask interface_bricks(const std::vector<BrickContent>& content, Vec3i bricks);
-/// The same from u: the bricks in which, or next to which (also by an edge or a corner), u is not the same constant 0
-/// or 1.
+/// The same, with the content computed from u.
 BrickMask interface_bricks(const DenseField<float>& u, const LevelBox& box, const Context& context);
 
 /// A level with this u and p = 0, on the support's bricks and the interface's; elsewhere u is constant, 0 or 1.

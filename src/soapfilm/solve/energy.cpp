@@ -42,7 +42,7 @@ struct Evaluator {
     }
   }
 
-  /// No step from the last free vertices to the fixed ones above them.
+  /// Removes the step from the last free vertices to the fixed ones above them.
   void end_at_border(Vec3i brick, UpperWindow& u) const {
     const Vec3i first = brick * brick_side;
     for (int axis = 0; axis < 3; ++axis) {
@@ -87,7 +87,7 @@ struct Evaluator {
                   u);
   }
 
-  /// Of the differences from a vertex up, none is left to or from a fixed vertex.
+  /// Sets the differences from a vertex to its upper neighbors to 0 if they involve a fixed vertex.
   void leave_out_border(Vec3i v, double (&g)[3]) const {
     for (int axis = 0; axis < 3; ++axis) {
       Vec3i next = v;
@@ -96,7 +96,7 @@ struct Evaluator {
     }
   }
 
-  /// The faces through which an inactive brick looks up into the band: u is constant below them.
+  /// The faces between an inactive brick and the band above it: u is constant below them.
   EnergyTerms rim_terms(Vec3i coord) const {
     const float constant = level.missing_u(outside_band, coord);
     int32_t up[3];
@@ -155,7 +155,7 @@ std::vector<Vec3i> bricks_below_band(const Level& level, const Context& context)
   return bricks;
 }
 
-/// A bound on the variation between inactive bricks of different constant u: none, unless a band is too thin.
+/// A bound of the variation between inactive bricks of different constant u: 0, unless a band is too narrow.
 double outside_variation(const Level& level, const Context& context) {
   BrickMask band(level.box.bricks);
   parallel_for(context, level.grid.size(), 1024, [&](size_t b) { band.set_shared(level.grid.coord(b)); });
@@ -187,7 +187,7 @@ EnergyTerms sum_of(const std::vector<EnergyTerms>& terms) {
   return sum;
 }
 
-/// The sum over `count` bricks from some of them.
+/// The sum over `count` bricks, extrapolated from some of them.
 EnergyTerms sum_from(const std::vector<EnergyTerms>& some, size_t count) {
   EnergyTerms sum = sum_of(some);
   const double share = some.empty() ? 1 : static_cast<double>(count) / static_cast<double>(some.size());
@@ -195,7 +195,7 @@ EnergyTerms sum_from(const std::vector<EnergyTerms>& some, size_t count) {
   return sum;
 }
 
-/// Of the sum over the band and the rim below it.
+/// From the sum over the band and the inactive bricks below it.
 Energies energies_of(const Level& level, const EnergyTerms& sum, double p_scale, const Context& context) {
   const double outside = outside_variation(level, context);
   Energies e;

@@ -22,7 +22,7 @@ constexpr double share_of_sphere[4] = {0, 0.04577789120476, 0.03698062787608, 0.
 constexpr int first_dilation = 1;
 constexpr int first_growth = 8;
 
-/// A brick's vertices in a mask: 64 rows.
+/// Visits a brick's vertices in a mask: 64 rows.
 template <class Visit>
 void for_each_brick_row(Vec3i brick, Visit&& visit) {
   for (int r = 0; r < brick_area; ++r)
@@ -69,7 +69,7 @@ double energy_of(const BandGraph& graph, const MinCut& cut) {
   return energy;
 }
 
-/// The free vertices outside the band that at most `reach` links lead to from `sources`, without crossing the band.
+/// The free vertices outside the band that at most `reach` links connect to `sources` without crossing the band.
 VertexMask flooded(const VertexMask& sources, const VertexMask& band, const LevelBox& box,
                    const std::vector<Link>& links, int reach) {
   VertexMask reached(band.bricks());
@@ -89,8 +89,8 @@ VertexMask flooded(const VertexMask& sources, const VertexMask& band, const Leve
   return reached;
 }
 
-/// Adds to the band what lies near both labels of a rim that disagrees: there the film wants to pass. Reaches further
-/// until there is something new, at last to everything.
+/// Adds to the band the vertices near both labels of a boundary that disagrees: the minimal surface passes there.
+/// Increases `reach` until new vertices are found, at last to all vertices.
 void grow(VertexMask& band, const RimVotes& votes, const LevelBox& box, const std::vector<Link>& links, int& reach) {
   for (;; reach *= 2) {
     VertexMask between = flooded(votes.inside, band, box, links, reach);

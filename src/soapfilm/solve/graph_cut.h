@@ -2,7 +2,7 @@
 //
 //   min over binary u of  sum over links of w |u_i - u_j| - <f, u>,   u = 0 at fixed vertices
 //
-// with the same f as `tv` and links to 6 or 26 neighbors. Exact, but the area it measures depends on direction.
+// with the same f as `tv` and links to 6 or 26 neighbors. Exact, but its measure of area depends on direction.
 #pragma once
 
 #include <cstddef>
@@ -29,9 +29,9 @@ struct GraphCutReport {
   bool globally_optimal = false;  ///< all labels at the band's boundary agree, for each outside part
 };
 
-/// A graph's links and their weights. cauchy_crofton: to the solid angle of the directions nearest to the link over its
-/// length, so that with 26 neighbors the cost of a plane deviates from its mean by 1.6 % (root mean square; 1.8 % by
-/// edge_length), with 6 by 10 % whatever the weights.
+/// A graph's links and their weights. cauchy_crofton: the solid angle of the directions nearest to the link, over its
+/// length: with 26 neighbors the cost of a plane deviates from its mean by 1.6 % (root mean square; edge_length: 1.8
+/// %), with 6 by 10 % for any weights.
 struct GraphCutSetup {
   int neighbors = 6;  ///< 6 or 26
   LinkWeights weights = LinkWeights::edge_length;
@@ -44,11 +44,11 @@ struct GraphCutSetup {
 /// Throws ParameterError when neighbors is neither 6 nor 26 or lambda <= 0.
 std::vector<Link> graph_links(const GraphCutSetup& params, double lambda);
 
-/// The global optimum on the whole finest level. The graph holds the vertices with f != 0 and one around them, without
-/// links to what it leaves out: a lower bound, which the labels reach when each outside part can take the label of its
-/// whole rim. Where a part's rim disagrees the graph grows between its two labels and is cut again.
-/// The level returned has u binary, p = 0 and the norm of the parameters. `support` must outlive it.
-/// One thread cuts. Throws ParameterError as above and where the graph passes 2^32 edges.
+/// The global optimum on the whole finest level. The graph holds the vertices with f != 0 and one layer around them,
+/// without links to other vertices. That gives a lower bound, which the labels reach if each outside part can take the
+/// label of its whole boundary with the band. Where the boundary of a part disagrees the graph grows between its two
+/// labels and is cut again. The returned level has binary u, p = 0 and the norm of the parameters. `support` must
+/// outlive it. The cut uses one thread. Throws ParameterError as above and if the graph has more than 2^32 edges.
 Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutSetup& params,
                       const Context& context, GraphCutReport& report);
 

@@ -6,7 +6,7 @@ namespace soapfilm {
 
 namespace {
 
-/// Of a brick outside the band.
+/// For a brick outside the band.
 const BrickBits& constant_bits(const Level& level, float threshold, int32_t n, Vec3i brick) {
   static const BrickBits none, all = BrickBits::full();
   return level.missing_u(n, brick) > threshold ? all : none;

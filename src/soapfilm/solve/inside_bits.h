@@ -1,4 +1,4 @@
-// Where a level's u is above a threshold, a bit per vertex.
+// Where a level's u is above a threshold, one bit per vertex.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace soapfilm {
 
-/// u > threshold in one brick of the domain, given as BrickGrid::find gives it.
+/// u > threshold in one brick of the domain; `n` is the result of BrickGrid::find.
 BrickBits inside_of(const Level& level, float threshold, int32_t n, Vec3i brick);
 
 /// u > threshold in the level's bricks and in the constant ones of its domain. The level must outlive it.
@@ -18,8 +18,8 @@ class InsideBits {
 
   /// As inside_of().
   const BrickBits& of(int32_t n, Vec3i brick) const;
-  /// The vertices of brick b of the level with one of their six neighbors on the other side; an open border has no
-  /// sides.
+  /// The vertices of brick b of the level that have one of their six neighbors on the other side; none across an open
+  /// border.
   BrickBits interface(size_t b) const;
   std::vector<BrickBits> interfaces(const Context& context) const;  ///< of all bricks
 

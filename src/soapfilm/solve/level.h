@@ -1,4 +1,4 @@
-// One level's convex problem on its band, and the state that the solver moves.
+// One level's convex problem on its band, and the state that the solver changes.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@
 namespace soapfilm {
 
 /// Where a brick's lower neighbor along an axis is inside the domain but not active, the flux through that face is
-/// fixed: 64 values, the p_axis of the vertices on the far side. (The fluxes through upper faces to inactive bricks
-/// are fixed too; they live in the band's own p.)
+/// fixed: 64 values, the p_axis of the vertices on the far side. (The fluxes through upper faces to inactive bricks are
+/// fixed too; they are stored in the band's own p.)
 class Rim {
  public:
   static constexpr int32_t no_plane = -1;
@@ -25,7 +25,7 @@ class Rim {
   Rim() = default;
   explicit Rim(const BrickGrid& grid, const PagePool& pages = {});
 
-  /// 64 fluxes, the lower of the two remaining coordinates fastest; null where the face is not on the rim.
+  /// 64 fluxes, the lower of the two remaining coordinates fastest; null if the face is not on the band boundary.
   float* plane(size_t brick, int axis) {
     const int32_t k = plane_[brick][static_cast<size_t>(axis)];
     return k == no_plane ? nullptr : flux_.data() + static_cast<size_t>(k) * brick_area;
@@ -38,7 +38,7 @@ class Rim {
   AlignedArray<float> flux_;
 };
 
-/// What a part of the domain where u is constant, 0 or 1, and p is not moved adds to the energies.
+/// Contribution to the energies of a part of the domain where u is constant, 0 or 1, and p is not changed.
 struct Outside {
   double data = 0;  ///< to <f, u>
   double gain = 0;  ///< sum of max(0, f): minus what it adds to D(0)
@@ -58,13 +58,13 @@ struct Outside {
 };
 
 /// min lambda TV(u) - <f, u> over 0 <= u <= 1, u = 0 at fixed vertices (equation (4)), restricted to a band of bricks.
-/// Where the box is open TV is the sum over faces between free vertices alone, so p = 0 on all others; the 0 that fixed
-/// vertices hold means nothing there, and a constant brick that is partly fixed is so where it is free.
-/// Outside the band u is constant (0 or 1) on every connected part and p is the coarser level's, prolonged; through
-/// the band's rim that p is the boundary flux. Lattice units: h = 1 on every level.
+/// If the box is open TV is the sum over faces between free vertices only, so p = 0 on all others; then the 0 of fixed
+/// vertices has no meaning, and "constant" for a brick that is partly fixed means constant at its free vertices.
+/// Outside the band u is constant (0 or 1) on every connected part and p is prolonged from the coarser level; at the
+/// band boundary that p is the boundary flux. Lattice units: h = 1 on every level.
 struct Level {
   LevelBox box;
-  float lambda = 0;  ///< 4^level times the finest level's, the area of a face in fine faces, or a share of that
+  float lambda = 0;  ///< 4^level (area of a face in fine faces) times the finest level's, or a share of that
   Norm norm = Norm::isotropic;
   BrickGrid grid;    ///< the band
   BrickMask inside;  ///< for bricks outside the band: is u = 1 there
@@ -74,7 +74,7 @@ struct Level {
   Rim rim;
   const Field<float>* f = nullptr;  ///< on the support bricks
   std::vector<int32_t> f_brick;     ///< index into f of each brick of the band, -1: zero
-  Outside outside;                  ///< what the domain outside the band adds to the energies
+  Outside outside;                  ///< contribution of the domain outside the band to the energies
 
   /// 512 values of f.
   const float* data(size_t brick) const;
@@ -89,11 +89,11 @@ struct Level {
   }
 };
 
-/// A level whose u and p are zero and whose rim fluxes are zero.
+/// A level whose u and p are zero and whose fluxes at the band boundary are zero.
 Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
                  const Field<float>& f, const Context& context, Norm norm = Norm::isotropic);
 
-/// p *= share on the band, its rim and outside, 0 <= share <= 1: it stays feasible, and the certificate one.
+/// p *= share on the band, its boundary and outside, 0 <= share <= 1: it stays feasible, and the certificate valid.
 void scale_flux(Level& level, float share, const Context& context);
 
 /// See kernels/low_face.h.
@@ -117,7 +117,7 @@ struct FreeRange {
   }
 };
 FreeRange free_range(const LevelBox& box, Vec3i brick);
-/// Whether any of them is.
+/// Whether any vertex of the brick is free.
 bool has_free(const LevelBox& box, Vec3i brick);
 /// Whether a vertex of the brick is fixed or next to a fixed one.
 bool at_border(const LevelBox& box, Vec3i brick);

@@ -1,6 +1,6 @@
-// Boost.Graph's max-flow on its compressed sparse row graph, with as little memory per link as that takes: 4 bytes for
-// the edge's end and 8 for its residual capacity. Reverse edges are worked out: the edges of a vertex are in the order
-// of directions, so the way back of its k-th edge is found by counting bits in the two vertices' sets of directions.
+// Boost.Graph's max-flow on its compressed sparse row graph, with as little memory per link as possible: 4 bytes for
+// the edge's end and 8 for its residual capacity. Reverse edges are computed: the edges of a vertex are in the order of
+// directions, so the reverse of its k-th edge is found by counting bits in the two vertices' sets of directions.
 #include "soapfilm/solve/min_cut.h"
 
 #include <bit>
@@ -21,12 +21,12 @@ using Graph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_pro
                                                  boost::no_property, uint32_t, uint32_t>;
 using Edge = boost::graph_traits<Graph>::edge_descriptor;
 
-/// In a vertex's set of directions, after those of its links: it has an edge to the source, to the sink.
+/// Bits in a vertex's set of directions, after those of its links: it has an edge to the source, to the sink.
 constexpr int bit_of_source = max_links;
 constexpr uint32_t to_source = 1u << bit_of_source;
 constexpr uint32_t to_sink = to_source << 1;
 
-/// What is known of the vertices before there are edges.
+/// The vertices' data before there are edges.
 struct Nodes {
   std::vector<uint32_t> directions;  ///< the links as in BandVertex, and to_source or to_sink
   std::vector<double> unary;
@@ -44,7 +44,7 @@ struct Nodes {
   }
 };
 
-/// The edges in the order of their sources, made up as the graph's constructor asks for them: those of the vertices,
+/// The edges in the order of their sources, generated when the graph's constructor reads them: those of the vertices,
 /// then those of the source and of the sink.
 class EdgeStream {
  public:
@@ -76,9 +76,9 @@ class EdgeStream {
   const Nodes& nodes_;
   BandGraph::Cursor cursor_;
   BandVertex vertex_;
-  uint32_t source_;    ///< the sink is the next
-  uint32_t from_ = 0;  ///< vertex or terminal whose edges are handed out
-  uint32_t rest_ = 0;  ///< its directions still to come
+  uint32_t source_;    ///< the sink is source_ + 1
+  uint32_t from_ = 0;  ///< vertex or terminal whose edges are being generated
+  uint32_t rest_ = 0;  ///< its remaining directions
   uint32_t to_ = 0;    ///< next candidate of a terminal's edges
 };
 
@@ -126,7 +126,7 @@ int nth_direction(uint32_t directions, uint32_t k) {
   return std::countr_zero(directions);
 }
 
-/// Finds the way back of an edge.
+/// Finds the reverse of an edge.
 struct Reverse {
   const Graph* graph;
   const uint32_t* directions;     ///< per vertex
@@ -155,7 +155,7 @@ struct ReverseMap {
 };
 Edge get(const ReverseMap& map, Edge edge) { return map.reverse(edge); }
 
-/// Capacities that the algorithm turns into residual ones.
+/// The algorithm changes these capacities into residual ones.
 struct ResidualMap {
   using key_type = Edge;
   using value_type = double;
@@ -166,8 +166,8 @@ struct ResidualMap {
 double get(const ResidualMap& map, Edge edge) { return map.values[edge.idx]; }
 void put(const ResidualMap& map, Edge edge, double value) { map.values[edge.idx] = value; }
 
-/// A vertex's edge from its parent in the source's tree, or to it in the sink's tree, in one byte: which of its own
-/// edges leads to the parent, and the tree.
+/// A vertex's edge from its parent in the source's tree, or to it in the sink's tree, in one byte: the number of its
+/// edge to the parent, and the tree.
 struct ParentMap {
   using key_type = uint32_t;
   using value_type = Edge;
@@ -201,7 +201,7 @@ std::vector<uint32_t> terminal_edges(const Graph& graph, uint32_t vertices) {
   return edge;
 }
 
-/// Both ways of a link have its weight, the edges from the source and to the sink what the vertex's term costs.
+/// Both directions of a link have its weight; the edges from the source and to the sink have the vertex's unary term.
 std::vector<double> capacities(const Graph& graph, const Nodes& nodes, const std::vector<Link>& links,
                                const std::vector<uint32_t>& terminal_edge) {
   std::vector<double> capacity(graph.m_forward.m_column.size(), 0.0);
@@ -217,7 +217,7 @@ std::vector<double> capacities(const Graph& graph, const Nodes& nodes, const std
   return capacity;
 }
 
-/// Boost keeps a time stamp of 8 bytes and two bits per vertex of its own, and a queue of 4 bytes per active vertex.
+/// Boost stores per vertex a time stamp of 8 bytes and two bits, and a queue of 4 bytes per active vertex.
 constexpr double own_bytes_per_vertex = sizeof(long) + 2.0 / 8;
 
 }  // namespace

@@ -10,13 +10,13 @@
 namespace soapfilm {
 
 struct MinCut {
-  std::vector<bool> inside;  ///< u of each vertex: of all optimal cuts the one with the fewest vertices inside
+  std::vector<bool> inside;  ///< u of each vertex, from the optimal cut with the fewest vertices inside
   double flow = 0;           ///< min of the energy plus the sum of max(0, -unary)
   size_t links = 0;          ///< between vertices, each counted once
   size_t bytes = 0;          ///< of the graph and of the search trees
 };
 
-/// Minimises sum of unary u + sum over links of weight |u_i - u_j|, in double. One thread.
+/// Minimizes sum of unary u + sum over links of weight |u_i - u_j|, in double. One thread.
 MinCut min_cut(const BandGraph& graph, const Context& context);
 
 }  // namespace soapfilm

@@ -8,20 +8,20 @@ namespace soapfilm {
 
 namespace {
 
-/// An axis of fewer free vertices ends the coarsening: its border alone makes the problem well conditioned.
+/// Coarsening ends at an axis with fewer free vertices: its border alone makes the problem well conditioned.
 constexpr int fewest_to_coarsen = 3;
 /// Gauss-Seidel sweeps in each direction on the coarsest level.
 constexpr int coarsest_sweeps = 8;
 
 BoxAxis coarsened(const BoxAxis& axis) {
-  // Intervals of the coarse axis are twice as long. An even fine vertex too close to the border is no coarse one.
+  // Intervals of the coarse axis are twice as long. An even fine vertex too close to the border is not a coarse vertex.
   const double beyond = (axis.free % 2 + axis.last) / 2;
   return beyond < 0.5 ? BoxAxis{axis.free / 2 - 1, beyond + 1} : BoxAxis{axis.free / 2, beyond};
 }
 
 enum class Color { red = 0, black = 1 };
 
-/// Solves the equations of one color, x + y + z even (red) or odd (black); the other color's x stays.
+/// Solves the equations of one color, x + y + z even (red) or odd (black); x of the other color is unchanged.
 void relax(const BoxLaplacian& matrix, const DenseField<float>& b, Color color, DenseField<float>& x,
            const Context& context) {
   const Vec3i free = matrix.free();
@@ -33,7 +33,7 @@ void relax(const BoxLaplacian& matrix, const DenseField<float>& b, Color color, 
   });
 }
 
-/// The red half of a sweep that starts from x = 0. Black vertices are filled alike: their turn comes next.
+/// The red half of a sweep that starts from x = 0. Black vertices are filled in the same way: they are solved next.
 void relax_red_from_zero(const BoxLaplacian& matrix, const DenseField<float>& b, DenseField<float>& x,
                          const Context& context) {
   const Vec3i free = matrix.free();
@@ -74,7 +74,7 @@ AxisTransfer::AxisTransfer(const BoxAxis& axis) : fine(axis), coarse(coarsened(a
 
 std::array<AxisTransfer::Share, 2> AxisTransfer::at(int i) const {
   const int below = std::min(i / 2, coarse.free);
-  const float way = static_cast<float>(i - 2 * below) / 2;  // in coarse cells from the vertex below
+  const float way = static_cast<float>(i - 2 * below) / 2;  // in coarse cells, from the vertex below
   if (below == coarse.free) return {{{below, 1 - way / static_cast<float>(coarse.last)}, {below + 1, 0}}};
   return {{{below, below > 0 ? 1 - way : 0}, {below + 1, way}}};
 }
@@ -126,7 +126,7 @@ void Multigrid::restrict_residual(size_t l, const DenseField<float>& b, const De
   const AxisTransfer along_x(fine.matrix.axis(0)), along_y(fine.matrix.axis(1)), along_z(fine.matrix.axis(2));
   const Vec3i free = fine.matrix.free();
   const Vec3i coarse = levels_[l + 1].matrix.free();
-  // A chunk owns its coarse layers and recomputes the one residual layer that it shares with the next chunk.
+  // Each chunk owns its coarse layers and recomputes the one residual layer that it has in common with the next chunk.
   constexpr size_t layers_per_task = 8;
   parallel_chunks(context, static_cast<size_t>(coarse.z), layers_per_task, [&](size_t begin, size_t end) {
     const int first = static_cast<int>(begin) + 1, last = static_cast<int>(end);

@@ -24,7 +24,7 @@ struct AxisTransfer {
   BoxAxis fine, coarse;
 
   explicit AxisTransfer(const BoxAxis& axis);
-  /// What fine vertex i takes of the coarse vertex below (or at) it and of the one above; 0 where that is fixed.
+  /// Weights of the coarse vertex below (or at) fine vertex i and of the one above; 0 where that is fixed.
   std::array<Share, 2> at(int i) const;
 };
 
@@ -36,19 +36,19 @@ class Multigrid {
   /// For the 7-point matrix (6, -1 x 6) on `free` vertices along each axis, each >= 1.
   explicit Multigrid(Vec3i free);
 
-  /// z = B r. Both are fields of free + 2 vertices; the border of r is not read, that of z must be zero and stays so.
+  /// z = B r. Both are fields of free + 2 vertices; the border of r is not read, that of z must be zero and stays zero.
   void precondition(const DenseField<float>& r, DenseField<float>& z, const Context& context);
 
-  /// A itself.
+  /// The matrix A.
   const BoxLaplacian& matrix() const { return levels_.front().matrix; }
   size_t levels() const { return levels_.size(); }
-  /// Of the coarse levels' fields.
+  /// Memory of the coarse levels' fields.
   size_t bytes() const;
 
  private:
   struct Level {
     BoxLaplacian matrix;
-    DenseField<float> b, x;  ///< the coarse levels' own; empty at the finest
+    DenseField<float> b, x;  ///< of the coarse levels; empty at the finest
   };
 
   void cycle(size_t level, const DenseField<float>& b, DenseField<float>& x, const Context& context);

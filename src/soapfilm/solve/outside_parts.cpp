@@ -24,7 +24,7 @@ OutsideParts::OutsideParts(const VertexMask& band, const LevelBox& box, const st
     }
   row_begin_.push_back(static_cast<uint32_t>(runs_.size()));
 
-  // Rows that a link joins: with the steps along x left out, and how far the link reaches along x.
+  // Rows that a link joins: without the steps along x, and how far the link reaches along x.
   for (const Link& link : links) {
     const Vec3i s = link.step;
     if (s.z > 0 || (s.z == 0 && s.y >= 0)) continue;
@@ -46,14 +46,14 @@ uint32_t OutsideParts::root(uint32_t run) {
   return run;
 }
 
-/// Joins the runs of two rows of which one, moved by `shift`, touches the other.
+/// Joins the runs of two rows that touch after one is moved by `shift`.
 void OutsideParts::join_rows(size_t row, size_t other, int shift) {
   uint32_t a = row_begin_[row], b = row_begin_[other];
   while (a < row_begin_[row + 1] && b < row_begin_[other + 1]) {
     const int first = runs_[a].first + shift, last = runs_[a].last + shift;
     if (first <= runs_[b].last && runs_[b].first <= last) {
       const uint32_t ra = root(a), rb = root(b);
-      // The smaller root stays, so the part of the fixed vertices is that of run 0.
+      // The smaller root is kept, so the part of the fixed vertices has root 0.
       runs_[std::max(ra, rb)].parent = std::min(ra, rb);
     }
     last < runs_[b].last ? ++a : ++b;

@@ -1,4 +1,4 @@
-// The connected parts of a level's box that a band of vertices leaves out.
+// The connected parts of a level's box outside a band of vertices.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,21 @@
 
 namespace soapfilm {
 
-/// What a cut says about the parts: a part has one label when all band vertices that are linked to it agree.
+/// The labels of the parts after a cut: a part has one label if all band vertices linked to it have the same.
 struct RimVotes {
-  VertexMask inside;   ///< band vertices with u = 1 linked to a part whose rim disagrees
-  VertexMask outside;  ///< and those with u = 0, or the border's, where only that has u = 0
+  VertexMask inside;   ///< band vertices with u = 1 linked to a part whose boundary disagrees
+  VertexMask outside;  ///< the same with u = 0, or those at the border if only that has u = 0
   bool agree = true;
 };
 
-/// The vertices outside the band, fixed ones included, as runs along x; runs that a link joins are one part. The part
-/// of the fixed vertices must have u = 0.
+/// The vertices outside the band, fixed ones included, as runs along x; runs joined by a link are one part. The part of
+/// the fixed vertices must have u = 0.
 class OutsideParts {
  public:
   OutsideParts(const VertexMask& band, const LevelBox& box, const std::vector<Link>& links);
 
   RimVotes vote(const VertexMask& inside);
-  /// Sets the vertices of the parts whose rim has u = 1. Only after a vote in which all rims agreed.
+  /// Sets the vertices of the parts whose boundary has u = 1. Only after a vote in which all boundaries agreed.
   void fill(VertexMask& inside) const;
 
  private:
@@ -47,7 +47,7 @@ class OutsideParts {
   const VertexMask& band_;
   const LevelBox box_;
   const std::vector<Link>& links_;
-  Vec3i lo_, size_;                  ///< of the free vertices and a layer of fixed ones
+  Vec3i lo_, size_;                  ///< of the free vertices and one layer of fixed ones
   std::vector<uint32_t> row_begin_;  ///< first run of each row; one more at the end
   std::vector<Run> runs_;
   std::vector<Count> count_;  ///< per run, used at roots

@@ -22,7 +22,7 @@ void validate(double lambda, const PoissonParams& params) {
     throw ParameterError(fmt::format("max_iterations = {}, must be >= 1", params.max_iterations));
 }
 
-/// Sum of products of a row's free vertices: eight partial sums, so that the order is fixed and lanes fit.
+/// Dot product over a row's free vertices, as eight partial sums, so that the order is fixed for SIMD lanes.
 double dot_row(const float* a, const float* b, int free) {
   constexpr int lanes = 8;
   double partial[lanes] = {};
@@ -35,7 +35,7 @@ double dot_row(const float* a, const float* b, int free) {
   return sum;
 }
 
-/// The steps of conjugate gradients on whole fields; every sum runs over rows, then layers, in fixed order.
+/// The steps of conjugate gradients on whole fields; every sum is over rows, then layers, in fixed order.
 class FieldAlgebra {
  public:
   FieldAlgebra(const BoxLaplacian& matrix, const Context& context)
@@ -148,7 +148,7 @@ DenseField<float> solve_poisson(const Lattice& lattice, const SupportField& supp
     multigrid.precondition(r, z, context);
     const double previous = std::exchange(r_z, fields.dot(r, z));
     fields.renew_direction(z, previous > 0 ? r_z / previous : 0.0, p);
-    DenseField<float>& q = z;  // z has done its work: one field less
+    DenseField<float>& q = z;  // z is not needed any more: saves one field
     const double alpha = r_z / fields.apply(p, q);
     r_r = fields.step(alpha, p, q, u, r);
     ++report.iterations;
@@ -157,7 +157,7 @@ DenseField<float> solve_poisson(const Lattice& lattice, const SupportField& supp
                                fmt::format("{} iterations, residual {:.1e}", report.iterations, relative()));
   }
 
-  // The recurrence's r drifts away from u's by rounding: what is reported is computed anew.
+  // The r of the recurrence drifts from the true one by rounding: the reported residual is computed again.
   fill_data(support, lambda, r, context);
   const double b_u = fields.dot(r, u);
   r_r = fields.residual(u, r);

@@ -15,23 +15,23 @@ namespace {
 /// primal-dual algorithms"), where |grad|^2 <= 12: a third more than Chambolle and Pock's own bound.
 constexpr double step_product = 1.3 / 12;
 
-/// Where the gap has come to this multiple of the tolerance, sigma is halved and tau doubled: what is left is mostly u
-/// on its way between 0 and 1 where data is scarce, and p has settled.
+/// When the gap reaches this multiple of the tolerance, sigma is halved and tau doubled: what remains is mostly u still
+/// moving between 0 and 1 where data is sparse, while p has settled.
 constexpr double late_gap = 10;
 constexpr double late_balance = 0.5;
 
-/// Of fewer bricks a few would not tell the gap, and all of them are looked at soon.
+/// With fewer bricks, a few would not be representative, and evaluating all is fast.
 constexpr size_t least_bricks_to_estimate = 4096;
-/// Whatever estimates say, at every so many checks all bricks are looked at.
+/// At every so many checks all bricks are evaluated, whatever the estimates are.
 constexpr int most_estimates = 4;
 
-/// Tells how many iterations are left.
+/// Predicts the number of iterations left.
 class Forecast {
  public:
   explicit Forecast(double tolerance) : tolerance_(tolerance) {}
 
-  /// After each look at the gap, of all bricks or of some. It falls about as 1 / iterations^2, when it gets late
-  /// somewhat faster; between two late looks of one kind as they tell.
+  /// Call after each evaluation of the gap, of all bricks or of some. The gap falls about as 1 / iterations^2, somewhat
+  /// faster when late; between two late evaluations of one kind the power is taken from these.
   double left(int iterations, double gap, bool late, bool whole) {
     constexpr double late_share = 0.7;
     const double left = late && iterations_ > 0 && whole == whole_
@@ -46,13 +46,13 @@ class Forecast {
   }
 
  private:
-  /// 1, 2 or 4: the gap has fallen at least as 1 / iterations^power. (What only takes roots and products is the same on
-  /// every machine.)
+  /// 1, 2 or 4: the gap has fallen at least as 1 / iterations^power. (Only roots and
+  /// products, for the same bits on every machine.)
   int power_since(int iterations, double gap) const {
     const double longer = static_cast<double>(iterations) / iterations_, squared = longer * longer;
     return gap * squared * squared <= gap_ ? 4 : gap * squared <= gap_ ? 2 : 1;
   }
-  /// Where the gap falls as 1 / iterations^power.
+  /// If the gap falls as 1 / iterations^power.
   double until(int iterations, double gap, int power) const {
     double longer = gap / tolerance_;
     for (; power > 1; power /= 2) longer = std::sqrt(longer);
@@ -60,7 +60,7 @@ class Forecast {
   }
 
   double tolerance_;
-  int iterations_ = 0;  ///< at the last late look, 0: there was none
+  int iterations_ = 0;  ///< at the last late evaluation, 0: none yet
   double gap_ = 0;
   bool whole_ = false;
 };

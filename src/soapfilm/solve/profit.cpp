@@ -10,19 +10,19 @@ namespace soapfilm {
 
 namespace {
 
-/// A wave of p or u crosses a band within so many iterations; before that a gap may wait for one.
+/// A wave of p or u crosses a band within so many iterations; before that the gap may stand still until one arrives.
 constexpr int least_before_stall = 128;
-/// A gap above this part of the lowest one before the last third has not fallen.
+/// The gap counts as not fallen if it is above this fraction of the lowest one before the last third of the iterations.
 constexpr double no_longer_falls = 0.9;
 
-/// Iterations between two looks at the labels: a label that is on its way changes within so many.
+/// Iterations between two comparisons of the labels: a label that is about to change does so within so many.
 constexpr int label_look_every = 32;
-/// Labels that may change in so many iterations, per vertex^2 of the thresholded surface: they move it by this part of
-/// a vertex in the mean.
+/// Labels that may change in so many iterations, per vertex^2 of the thresholded surface: the mean movement of the
+/// surface, in vertices.
 constexpr double labels_per_area = 0.01;
-/// The thresholded gap may fall by this part of it between two looks.
+/// The thresholded gap counts as unchanged if it falls by at most this fraction between two comparisons.
 constexpr double same_gap = 0.01;
-/// The relaxed gap, which bounds what the dual can still gain, is at most this part of the thresholded one.
+/// The relaxed gap, a bound of what the dual can still gain, is at most this fraction of the thresholded one.
 constexpr double little_to_gain = 0.125;
 constexpr double labels_matter = 10;  // times the tolerance
 
@@ -35,7 +35,7 @@ std::string_view name_of(Stop stop) {
 
 bool Stall::found(int iterations, double gap, bool whole) {
   std::vector<Look>& looks = looks_[whole];
-  double before = 0;  // lowest gap of the looks that lie far enough back, two looks at least; 0: there is none
+  double before = 0;  // lowest gap of the evaluations long enough ago, at least two; 0: none
   for (size_t k = 0; k + 1 < looks.size() && 3 * looks[k].iterations <= 2 * iterations; ++k) before = looks[k].lowest;
   const double lowest = looks.empty() ? gap : std::min(gap, looks.back().lowest);
   looks.push_back({iterations, lowest});

@@ -1,5 +1,5 @@
-// Tells from when on more iterations buy nothing: a film that the flux around a band cannot carry keeps its gap for
-// ever, and where samples are missing the relaxed gap may fall for thousands of iterations that no label hears of.
+// Detects when more iterations gain nothing: a minimal surface that the flux around a band cannot support keeps its gap
+// for ever, and where samples are missing the relaxed gap may fall for thousands of iterations with no label changed.
 #pragma once
 
 #include <string_view>
@@ -23,39 +23,39 @@ enum class Stop : uint8_t {
 
 std::string_view name_of(Stop stop);
 
-/// Finds that the gap no longer falls.
+/// Detects that the gap no longer falls.
 class Stall {
  public:
-  /// After each look at the gap, of all bricks (`whole`) or of some: has it found no new low in a third of all
-  /// iterations? A gap that falls as 1 / sqrt(iterations) or faster does.
+  /// Call after each computation of the gap, from all bricks (`whole`) or some. True if there was no new minimum in the
+  /// last third of all iterations. A gap that falls as 1 / sqrt(iterations) or faster has new minima there.
   bool found(int iterations, double gap, bool whole);
 
  private:
   struct Look {
     int iterations;
-    double lowest;  ///< gap of that kind so far
+    double lowest;  ///< smallest gap of that kind so far
   };
   std::vector<Look> looks_[2];
 };
 
-/// Finds that the thresholded u has settled.
+/// Detects that the thresholded u has settled.
 class Settling {
  public:
   Settling(const Level& level, const Context& context) : level_(level), context_(context) {}
 
-  /// Is it time to look at the labels? The relaxed gap is within ten times the tolerance.
+  /// Whether to compare the labels now: the relaxed gap is within ten times the tolerance.
   bool due(int iterations, double gap, double tolerance) const;
-  /// `relaxed` is of the level as it is. True when since the last look hardly a label has changed, the thresholded gap
-  /// has not fallen, and the relaxed one is so small a part of it that no p could make it much smaller.
+  /// `relaxed` is that of the level now. True if since the last comparison almost no label has changed, the thresholded
+  /// gap has not fallen, and the relaxed gap is so small a fraction of it that no p could make it much smaller.
   bool found(int iterations, const Energies& relaxed);
 
  private:
-  /// Remembers the labels; how many are not those of the last look.
+  /// Stores the labels; returns how many differ from the last comparison.
   size_t changed_labels();
 
   const Level& level_;
   const Context& context_;
-  int iterations_ = 0;  ///< at the last look, 0: there was none
+  int iterations_ = 0;  ///< at the last comparison, 0: none yet
   double gap_ = 0;      ///< thresholded
   std::vector<BrickBits> inside_;
 };

@@ -19,9 +19,9 @@ void require(bool holds, const char* name, double value, const char* constraint)
   if (!holds) throw ParameterError(fmt::format("{} = {:g}, must be {}", name, value, constraint));
 }
 
-/// Did each of the last pass's iterations change E by no more than rounding does?
+/// Whether each of the last pass's iterations changed E by no more than rounding does.
 bool settled(const std::vector<double>& energy, size_t pass_begin, double tolerance) {
-  if (pass_begin == 0) return false;  // from E(0) = 0 nothing follows
+  if (pass_begin == 0) return false;  // E(0) = 0 shows nothing
   for (size_t k = pass_begin; k < energy.size(); ++k)
     if (std::abs(energy[k] - energy[k - 1]) > tolerance * std::abs(energy[k])) return false;
   return true;

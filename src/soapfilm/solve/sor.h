@@ -5,9 +5,9 @@
 //
 //   u_i <- (1 - omega) u_i + omega (lambda sum_j g_ij u_j + f_i) / (lambda sum_j g_ij),   g_ij = (g_i + g_j) / 2
 //
-// Where the paper is silent: u is clipped to [0, 1] at each update, |grad u| in g is taken by central differences
-// (SorGradient; E(u) by forward ones, as the judge's), u = 0 on the box's outermost layer. pyramid/sor_pyramid.h runs
-// it over the levels.
+// Choices that the paper leaves open: u is clipped to [0, 1] at each update, |grad u| in g is by central differences
+// (SorGradient; in E(u) by forward ones, as in energy.h), u = 0 on the box's outermost layer. pyramid/sor_pyramid.h
+// runs it over the levels.
 #pragma once
 
 #include <functional>
@@ -23,15 +23,15 @@
 
 namespace soapfilm {
 
-// SorGradient: central, (u(x + 1) - u(x - 1)) / 2, as usual where g_ij is the mean of two vertices; forward, as the
-// total variation takes it: a jump's upper vertex sees none of it, and the iteration cycles.
+// SorGradient: central, (u(x + 1) - u(x - 1)) / 2, is usual where g_ij is the mean of two vertices; forward, as in the
+// total variation: the upper vertex of a jump does not see the jump, and the iteration cycles.
 
 struct SorLevelReport {
   int level = 0;
   int iterations = 0;
   bool converged = false;
   std::vector<double> energy;   ///< E(u) after k iterations, k = 0 .. iterations (sums in double, on the whole box)
-  std::vector<double> seconds;  ///< since the level began, when energy[k]'s pass was done; without the observer's time
+  std::vector<double> seconds;  ///< from the level's begin to the end of energy[k]'s pass; without the observer's time
   size_t bytes = 0;             ///< u, diffusivity, kinds of runs and data term
 };
 
@@ -49,12 +49,12 @@ struct SorState {
 };
 using SorObserver = std::function<void(const SorState&)>;
 
-/// Moves u, which is 0 on the box's outermost layer, until every iteration of a pass changes E by less than the
+/// Changes u, which is 0 on the box's outermost layer, until every iteration of a pass changes E by less than the
 /// tolerance, or to the limit. `lambda` is this level's. The result does not depend on threads or SIMD target.
 SorLevelReport relax_sor(DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
                          const SorParams& params, const Context& context, const SorObserver& observe = {});
 
-/// The whole-box u as a level whose p is the dual that equation (8) implies, p = lambda g_ij (u_j - u_i) on the face
+/// The whole-box u as a level whose p is the dual implied by equation (8), p = lambda g_ij (u_j - u_i) on the face
 /// between i and j, scaled to |p| <= lambda where it is longer. Outside the band u is constant and p = 0. `support`
 /// must outlive the level.
 Level sor_level(const DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,

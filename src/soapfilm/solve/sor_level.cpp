@@ -1,4 +1,4 @@
-// The dual that equation (8) implies, for the one judge.
+// The dual implied by equation (8), for the energy evaluation.
 #include <algorithm>
 #include <cmath>
 
@@ -43,7 +43,7 @@ Diffusivity diffusivity_of(const Values& u, const SorParams& params) {
   return g;
 }
 
-/// grad^T p = -lambda sum_j g_ij (u_j - u_i): where (8) holds still it equals f, and the dual energy's term is 0.
+/// grad^T p = -lambda sum_j g_ij (u_j - u_i): at a fixed point of (8) it equals f, and the dual energy's term is 0.
 void imply_dual(const Values& u, const Diffusivity& g, float lambda, float* px, float* py, float* pz) {
   for (int z = 0; z < brick_side; ++z)
     for (int y = 0; y < brick_side; ++y)

@@ -10,11 +10,11 @@ namespace soapfilm {
 
 namespace {
 
-/// Layers that a stage takes at a step. The lexicographic kernel needs that many rows at once; fewer keep the ring of
-/// red-black's many stages short.
+/// Layers that a stage processes per step. The lexicographic kernel needs that many rows at once; for the many stages
+/// of red-black fewer keep the ring short.
 int slab_of(SorOrder order) { return order == SorOrder::lexicographic ? sor_rows : 4; }
 
-/// visit(begin, end) for the stretches of active (or of inactive) runs, in values.
+/// visit(begin, end) for the contiguous active (or inactive) runs, in values.
 template <class Visit>
 void for_each_stretch(const std::vector<uint8_t>& active, uint8_t wanted, int size, Visit&& visit) {
   const int runs = static_cast<int>(active.size());
@@ -26,7 +26,8 @@ void for_each_stretch(const std::vector<uint8_t>& active, uint8_t wanted, int si
   }
 }
 
-/// A row of values with room for a run on either side: kernels read whole runs, pieces of data may overhang.
+/// Room for a run before and after a row of values: kernels read whole runs, and pieces of data may extend beyond the
+/// row.
 constexpr size_t row_begin = sor_run;
 size_t padded(int size) { return static_cast<size_t>(size) + 2 * row_begin; }
 
@@ -64,7 +65,7 @@ std::vector<SorPass::Stage> SorPass::stages(int iterations) const {
     if (params_.order == SorOrder::lexicographic) {
       list.push_back({relax, k, 0});
     } else {
-      // A vertex's gradient looks at neighbors of the other color: E must be known before either moves.
+      // A vertex's gradient reads neighbors of the other color: E must be computed before either color changes.
       if (k > 0) list.push_back({measure, k, 0});
       list.push_back({relax_color, k, 0});
       list.push_back({relax_color, k, 1});
@@ -104,8 +105,7 @@ void SorPass::run(int iterations, std::vector<double>& energy) {
   const int layers = u_.size().z, last_stage = static_cast<int>(list.size()) - 1;
   clear_sums(iterations);
   const int steps = (layers + last_stage + slab_ - 1) / slab_ + last_stage;
-  // Layers of one color stage do not depend on each other's values, but look at each other's kinds of runs: every
-  // second one waits.
+  // Layers of one color stage do not read each other's values, but their kinds of runs: every second layer waits.
   std::vector<Task> tasks, waiting;
   for (int t = 0; t < steps; ++t) {
     context_.check();
@@ -173,8 +173,7 @@ void SorPass::measure_row(int y, int z, int iteration, bool renew, std::vector<u
   SlopeJob job = slope_job(y, z);
   job.g = renew ? g_row(y, z) : nullptr;
   job.variation = variation;
-  // The values before a row's first one and after its last one belong to its neighbors' ends, which are 0 as they
-  // should be.
+  // The values before a row's first one and after its last one are the ends of neighboring rows, which are 0 as needed.
   for_each_stretch(active, 1, u_.size().x, [&](int begin, int end) { kernel_.slope(job, begin, end); });
   if (renew)
     for_each_stretch(active, 0, u_.size().x,
@@ -199,11 +198,12 @@ void SorPass::relax_slab(int begin, int end, int iteration) {
   std::vector<float> f(pitch * sor_rows);
   std::vector<uint8_t> active(static_cast<size_t>(kinds_.runs()));
   SorRow rows[sor_rows];
-  // Row (y, z) needs the new values of (y - 1, z) and (y, z - 1) and the old ones of (y + 1, z) and (y, z + 1): the
-  // rows with the same y + z do not depend on one another.
+  // Row (y, z) needs the new values of (y - 1, z) and (y, z - 1) and the old ones of (y + 1, z) and (y, z + 1): rows
+  // with the same y + z do not depend on one another.
   for (int diagonal = 0; diagonal < size.y - 1 + end - begin; ++diagonal) {
     const int z_lo = std::max(begin, begin + diagonal - (size.y - 2)), z_hi = std::min(end - 1, begin + diagonal);
-    // The renewal has measured the first iteration's start. A row's gradient looks up only, at rows not yet relaxed.
+    // The renewal has already measured the start of the first iteration. A row's gradient only reads rows above, not
+    // yet relaxed.
     if (iteration > 0)
       for (int z = z_lo; z <= z_hi; ++z) measure_row(begin + diagonal - z, z, iteration, false, active);
     std::fill(active.begin(), active.end(), uint8_t{0});

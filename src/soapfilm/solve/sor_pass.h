@@ -1,14 +1,13 @@
-// Several SOR iterations in one pass over the box, with the diffusivity between two renewals kept for a few layers
-// only.
+// Several SOR iterations in one pass over the box; the diffusivity between two renewals is kept for a few layers only.
 //
-// g belongs to the u that the pass starts from, but no iteration needs more of it than three layers. So the stages of a
+// g is that of the u at the start of the pass, but no iteration needs more of it than three layers. So the stages of a
 // pass (renew g, iterate, iterate, ...) follow one another through the layers at a distance, like a pipeline:
 //
 //   stage s works at step t on the layers [L (t - s) - s, L (t - s) - s + L),   L = 8 (red-black 4)
 //
-// Each finds below it what the stage before has left and above it what that has not touched: the result is that of
-// stage after stage over the whole box. The stages of one step meet no common layer, so they run in parallel. What is
-// kept is u and a ring of some 30 layers of g: about the paper's one float per vertex.
+// Below it each stage finds the results of the previous stage, above it layers that the previous stage has not changed:
+// the result equals running stage after stage over the whole box. The stages of one step have no layer in common, so
+// they run in parallel. Memory: u and a ring of about 30 layers of g, about the paper's one float per vertex.
 #pragma once
 
 #include <vector>
@@ -21,21 +20,21 @@ namespace soapfilm {
 
 class SorPass {
  public:
-  /// `lambda` is this level's. What is referred to must outlive the pass.
+  /// `lambda` is this level's. The referenced arguments must outlive the pass.
   SorPass(DenseField<float>& u, double lambda, const SupportField& support, const SorParams& params,
           const Context& context);
 
   /// Renews g once, then iterates. Appends E(u) before each of the iterations to `energy`.
   void run(int iterations, std::vector<double>& energy);
-  /// E(u) = lambda TV(u) - <f, u> of the u as it is.
+  /// E(u) = lambda TV(u) - <f, u> of the current u.
   double energy();
-  /// Of u, g, the kinds of runs and the data term.
+  /// Memory of u, g, the kinds of runs and the data term.
   size_t bytes() const { return u_.bytes() + g_.bytes() + kinds_.bytes() + data_.bytes(); }
 
  private:
   struct Stage {
     enum class Kind { renew, measure, relax, relax_color } kind;
-    int iteration;  ///< of the pass; E before it is measured
+    int iteration;  ///< of the pass; E is measured before it
     int parity;     ///< of x + y + z (relax_color)
   };
   struct Task {
@@ -67,7 +66,7 @@ class SorPass {
   RelaxJob job_;
   float flat_g_;              ///< g where u is constant
   std::vector<float> zeros_;  ///< a row of them
-  int slab_;                  ///< layers that a stage takes at a step
+  int slab_;                  ///< layers that a stage processes per step
   int ring_ = 0;              ///< layers of g
   AlignedArray<float> g_;
   std::vector<double> variation_, product_;  ///< per iteration of the pass and layer: sum of |grad u|, <f, u>

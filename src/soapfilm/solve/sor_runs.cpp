@@ -43,7 +43,7 @@ void RunKinds::mark(int y, int z, uint8_t* active) const {
 
 DataRows::DataRows(const DenseField<float>& u, const SupportField& support, double scale)
     : size_(u.size()), row_begin_(static_cast<size_t>(u.size().y) * static_cast<size_t>(u.size().z) + 1) {
-  // Twice over the support: count the pieces of each row, then put them where they belong.
+  // Two loops over the support: count the pieces of each row, then store them.
   const auto for_each_piece = [&](auto&& visit) {
     for (size_t b = 0; b < support.grid.size(); ++b) {
       const Vec3i first = support.grid.first_vertex(b) - u.origin();
@@ -80,7 +80,7 @@ bool DataRows::spread(int y, int z, float* out, uint8_t* active) const {
 
 double DataRows::product(int y, int z, const float* u) const {
   const size_t row = row_index(y, z);
-  double sums[brick_side] = {};  // several, so that one need not wait for the other
+  double sums[brick_side] = {};  // several, so that one does not wait for the other
   for (size_t k = row_begin_[row]; k < row_begin_[row + 1]; ++k) {
     const Piece& piece = pieces_[k];
     for (int i = 0; i < brick_side; ++i)

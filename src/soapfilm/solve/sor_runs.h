@@ -1,5 +1,5 @@
-// Two views of a whole-box array row by row, in runs of 8 values: which runs can change at all (the paper's bitmap of
-// empty cubes), and the sparse data term spread out.
+// Two views of a whole-box array, row by row in runs of 8 values: which runs can change at all (the paper's bitmap of
+// empty cubes), and the data term as dense rows.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@ namespace soapfilm {
 /// The kind of every run of every row: one byte for 8 values.
 class RunKinds {
  public:
-  /// With `skip_empty` false every run counts as mixed and nothing is kept.
+  /// If `skip_empty` is false every run counts as mixed and nothing is stored.
   RunKinds(const DenseField<float>& u, bool skip_empty, const Context& context);
 
   int runs() const { return runs_; }
-  /// Null when nothing is kept.
+  /// Null if nothing is stored.
   RunKind* row(int y, int z) { return kinds_.empty() ? nullptr : kinds_.data() + offset(y, z); }
   size_t bytes() const { return kinds_.size() * sizeof(RunKind); }
 
-  /// Sets active[r] where a run, or one of the six around it, is not the same constant. Beyond the box lies 0.
+  /// Sets active[r] where a run, or one of the six around it, is not the same constant. Beyond the box u is 0.
   void mark(int y, int z, uint8_t* active) const;
 
  private:
@@ -35,14 +35,14 @@ class RunKinds {
   std::vector<RunKind> beyond_;  ///< a row of zero runs
 };
 
-/// The data term in the order of a whole-box array's rows: pieces of 8 values, those without any left out.
+/// The data term in the row order of a whole-box array: pieces of 8 values; pieces without data are not stored.
 class DataRows {
  public:
-  /// Holds scale times f.
+  /// Stores scale times f.
   DataRows(const DenseField<float>& u, const SupportField& support, double scale);
 
-  /// Fills out[0 .. size) and marks the runs with data; false, with nothing done, where the row has none. There must be
-  /// room for 8 values before and after: pieces may reach beyond the row (with zeros).
+  /// Fills out[0 .. size) and marks the runs with data; if the row has none does nothing and returns false. There must
+  /// be room for 8 values before and after: pieces may extend beyond the row (with zeros).
   bool spread(int y, int z, float* out, uint8_t* active) const;
   /// <scale f, u> over the row.
   double product(int y, int z, const float* u) const;

@@ -18,9 +18,9 @@ constexpr RowMask first_y = 0x0101010101010101;  // rows with y = 0
 constexpr RowMask last_y = first_y << 7;
 constexpr RowMask first_z = 0xFF;  // rows with z = 0
 
-/// A tile's rows of bricks along y and z. Each of 8 sweeps works on 4 rows at a time, a row lower along y and z than
-/// the one before. A row of a scan's band holds some ten bricks of 11 kB at 512 vertices, twenty at 1024: all of them a
-/// share of the last cache.
+/// A tile's rows of bricks along y and z. Each of 8 sweeps works on 4 rows at a time, one row lower along y and z than
+/// the sweep before. A row of a scan's band holds about ten bricks of 11 kB at 512 vertices, twenty at 1024: all of
+/// them fit in part of the last-level cache.
 constexpr int tile_y = 4;
 constexpr int tile_z = 4;
 
@@ -41,7 +41,7 @@ const float* above(const BrickGrid& grid, size_t brick, int axis, const float* f
   return up < 0 ? zeros : faces + static_cast<size_t>(up) * faces_per_brick + axis * brick_area;
 }
 
-/// The brick that is visited after this one, in descending order; after the last one itself.
+/// The brick visited after this one, in descending order; the last one returns itself.
 size_t next_of(size_t brick) { return brick > 0 ? brick - 1 : 0; }
 
 PrimalJob primal_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, float* u_bar, float* faces) {
@@ -66,8 +66,8 @@ PrimalJob primal_job(Level& level, size_t brick, RowMask pairs, StepSizes steps,
           level.p.brick(after_next)};
 }
 
-/// Rounding moves a projected p by at most 3.5e-7 of lambda: projected onto a ball this much smaller it stays feasible
-/// to the last bit, and the certificate needs no rescaling.
+/// Rounding moves a projected p by at most 3.5e-7 of lambda: projected onto a ball this much smaller it stays exactly
+/// feasible, and the certificate needs no rescaling.
 constexpr float within_ball = 1 - 0x1p-21f;
 
 DualJob dual_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, const float* u_bar, const float* faces) {
@@ -95,7 +95,7 @@ DualJob dual_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, con
   return job;
 }
 
-/// Fetches who is next to a brick that comes soon: all other addresses follow from it.
+/// Prefetches the neighbors' indices of a brick that follows soon: all other addresses depend on them.
 void fetch_neighbors(const BrickGrid& grid, size_t brick) {
   const auto* bytes = reinterpret_cast<const char*>(&grid.neighbors(brick));
   for (const size_t byte : {size_t{0}, size_t{64}, sizeof(BrickGrid::Neighbors) - 1}) __builtin_prefetch(bytes + byte);
@@ -184,7 +184,7 @@ void Sweeper::sweep_brick(size_t brick, StepSizes steps) {
   const RowMask moved = primal == 0 ? 0 : kernel_.primal(primal_job(level_, brick, primal, steps, bar.values, faces));
   u_bar_moved_[brick] = u_moved_[brick] | moved;
   u_moved_[brick] = moved;
-  // The first layers of u_bar stay behind for the lower neighbors.
+  // The first layers of u_bar are stored for the lower neighbors.
   for_each_row(stepped & first_y, [&](int row) { copy_row(bar.values + brick_side * row, faces + brick_area + row); });
   for_each_row(stepped & first_z,
                [&](int row) { copy_row(bar.values + brick_side * row, faces + 2 * brick_area + brick_side * row); });

@@ -8,17 +8,17 @@
 //
 // Bricks are visited in descending order. A brick's primal step reads the old p of itself and of its lower neighbors
 // (not visited yet); its dual step reads u_bar of itself (still in L1) and of the first layers of its upper neighbors
-// (just visited: they left those layers behind). So u_bar is never stored whole, and the sweep is the exact Jacobi-like
-// iteration whatever the order.
+// (just visited: they stored those layers). So u_bar is never stored completely, and the sweep is the exact Jacobi-like
+// iteration for any order.
 //
 // Several sweeps at once: sweep k + 1 may step a brick as soon as sweep k has stepped it and its lower neighbors. With
-// rows of bricks along x numbered from the upper end of y and z, and sweep k's row shifted by k along both, every row
-// depends on rows before it alone, so the shifted rows are cut into rectangular tiles: all sweeps of a tile are done
+// rows of bricks along x numbered from the upper end of y and z, and sweep k's rows shifted by k along both, every row
+// depends only on rows before it, so the shifted rows are cut into rectangular tiles: all sweeps of a tile are done
 // while its bricks are in the cache, and tiles on a diagonal run in parallel.
 //
-// Rows rest: a step whose inputs are those of the last sweep gives what it gave then, so a row is stepped only when a
-// value that it reads has changed. That is exact: the bits are those of sweeps that step every row. On scans half of
-// the band is soon at rest, since u stays clipped and p idle away from the film.
+// Rows are skipped: a step with the same inputs as in the last sweep has the same result, so a row is stepped only when
+// a value that it reads has changed. That is exact: the bits are those of sweeps that step every row. On scans half of
+// the band soon stops changing, since u stays clipped and p constant away from the surface.
 #pragma once
 
 #include <optional>
@@ -38,24 +38,25 @@ struct StepSizes {
   bool operator==(const StepSizes&) const = default;
 };
 
-/// Owns what the sweeps of one level keep between bricks.
+/// Holds the data that one level's sweeps keep between bricks.
 class Sweeper {
  public:
   Sweeper(Level& level, const Context& context);
 
-  /// Most sweeps that are done while a tile is in the cache.
+  /// Largest number of sweeps done while a tile is in the cache.
   static constexpr int tile_sweeps = 8;
 
   /// `times` iterations of the whole band. The result does not depend on threads or SIMD target. Between the sweeps of
-  /// one Sweeper the level must stay as it is: rows rest on that. Other steps than the last wake every row.
+  /// one Sweeper the level must not change: skipped rows rely on that. After a change of step sizes every row is
+  /// stepped.
   void sweep(StepSizes steps, int times = 1);
 
-  /// Bytes that a sweep reads and writes per vertex, for the roofline: u, p in and out, f in. Of several sweeps at once
+  /// Bytes read and written per vertex by a sweep, for the roofline: u, p in and out, f in. With several sweeps at once
   /// most come from the cache.
   static constexpr double bytes_per_vertex = 4 * (2 + 6 + 1);
 
  private:
-  /// Some rows of bricks, shifted, of `sweeps` sweeps.
+  /// Some shifted rows of bricks, for `sweeps` sweeps.
   struct Tile {
     int y, z;
     int sweeps;
@@ -72,9 +73,9 @@ class Sweeper {
   SweepKernel kernel_;
   std::optional<StepSizes> last_steps_;
   AlignedArray<float> faces_;         ///< u_bar of each brick's first layers: 3 x 64
-  std::vector<RowMask> u_moved_;      ///< per brick: rows that the last primal step moved
-  std::vector<RowMask> p_moved_;      ///< and the last dual step
-  std::vector<RowMask> u_bar_moved_;  ///< rows whose u_bar is not the last sweep's
+  std::vector<RowMask> u_moved_;      ///< per brick: rows changed by the last primal step
+  std::vector<RowMask> p_moved_;      ///< and by the last dual step
+  std::vector<RowMask> u_bar_moved_;  ///< rows whose u_bar differs from that of the last sweep
 };
 
 }  // namespace soapfilm

@@ -28,7 +28,7 @@ std::optional<uint64_t> read_entry(const std::string& file, std::string_view key
   return {};
 }
 
-/// The number that a one-number file holds; nothing if it is absent or says "max".
+/// The number in a file with one number; nothing if the file is absent or contains "max".
 std::optional<uint64_t> read_number(const std::string& file) {
   std::ifstream in(file);
   uint64_t value = 0;
@@ -36,19 +36,19 @@ std::optional<uint64_t> read_number(const std::string& file) {
   return {};
 }
 
-/// File names by which a version of control groups tells a group's memory.
+/// File names with a group's memory, in one version of control groups.
 struct GroupFiles {
   const char* mount;
   const char* limit;
   const char* usage;
-  const char* cache;  ///< entry of memory.stat: file cache that is given back on demand
+  const char* cache;  ///< entry of memory.stat: file cache that the system can free
 };
 constexpr GroupFiles group_v1{"sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes",
                               "total_inactive_file"};
 constexpr GroupFiles group_v2{"sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"};
 
-/// Least room in the group `path` and in those above it. A path that the process cannot see (a container's outer one)
-/// has no files and sets no limit.
+/// Smallest room in the group `path` and in those above it. A path that the process cannot see (a container's outer
+/// one) has no files and sets no limit.
 uint64_t room_in_group(const std::string& root, const GroupFiles& files, std::string path) {
   uint64_t room = UINT64_MAX;
   for (;;) {
@@ -98,8 +98,8 @@ void prefer_large_pages(void* memory, size_t bytes) {
 }
 
 size_t peak_memory_bytes() {
-  // getrusage's maximum is also that of the program which was replaced by this one (exec), such as a large one that
-  // started it.
+  // getrusage's maximum includes that of the program that was replaced by this one (exec), for example a large program
+  // that started it.
   if (const auto kilobytes = read_entry("/proc/self/status", "VmHWM:")) return *kilobytes * 1024;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

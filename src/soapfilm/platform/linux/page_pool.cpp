@@ -21,22 +21,23 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t alignment = 64;
-/// A large page. Arrays that fill one begin at a multiple of it, so that pages move from one to the other in whole
-/// large pages. Smaller ones come and go within a stage: the allocator keeps theirs for the next one.
+/// Size of a large page. Arrays of at least this size begin at a multiple of it, so that pages move between arrays as
+/// whole large pages. Smaller arrays are allocated and freed within a stage: the allocator keeps their memory for the
+/// next one.
 constexpr size_t block_bytes = size_t{1} << 21;
 
 constexpr size_t rounded_up(size_t bytes, size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
 size_t page_bytes() { return static_cast<size_t>(sysconf(_SC_PAGESIZE)); }
 
-/// Anywhere, or in place of what is mapped there; null where the system refuses.
+/// Maps memory anywhere, or replaces the mapping at `there`; null if the system refuses.
 std::byte* map(size_t bytes, std::byte* there = nullptr) {
   const int flags = MAP_PRIVATE | MAP_ANONYMOUS | (there ? MAP_FIXED : 0);
   void* memory = mmap(there, bytes, PROT_READ | PROT_WRITE, flags, -1, 0);
   return memory == MAP_FAILED ? nullptr : static_cast<std::byte*>(memory);
 }
 
-/// Address space that begins at a block, all of it untouched; null where the system refuses.
+/// Address space that begins at a block, all of it untouched; null if the system refuses.
 std::byte* map_blocks(size_t bytes) {
   if (bytes > SIZE_MAX / 2) return nullptr;
   const size_t length = rounded_up(bytes, page_bytes());
@@ -51,7 +52,7 @@ std::byte* map_blocks(size_t bytes) {
   return memory;
 }
 
-/// How many pages of a block are there: those that are not untouched, nor given back early.
+/// Number of resident pages of a block: those that were touched and not freed early.
 size_t resident_pages(std::byte* block) {
   std::array<unsigned char, block_bytes / 4096> pages{};
   if (mincore(block, block_bytes, pages.data()) != 0) return 0;
@@ -65,7 +66,7 @@ std::byte* next_block(void* memory) {
 
 }  // namespace
 
-/// Blocks of freed arrays, a list that lies in the blocks themselves: freeing needs no memory.
+/// Blocks of freed arrays, as a list stored in the blocks themselves: freeing needs no memory.
 class SpareBlocks {
  public:
   SpareBlocks() = default;
@@ -96,10 +97,10 @@ class SpareBlocks {
     unmap_all();
   }
 
-  /// The end of a large array: its blocks are kept where somebody wants them, the rest goes.
+  /// Frees a large array: its blocks are kept if a Keep lives, the rest is returned to the system.
   void take_over(std::byte* memory, size_t bytes) {
     const std::lock_guard lock(mutex_);
-    size_t rest = bytes;  // from the end on: the first block is taken first, so neighbors stay neighbors
+    size_t rest = bytes;  // from the end on: the first block is reused first, so neighbors stay neighbors
     if (keepers_ > 0 && bytes >= least_kept_bytes)
       for (size_t k = bytes / block_bytes; k-- > 0;) {
         std::byte* const block = memory + k * block_bytes;
@@ -111,8 +112,8 @@ class SpareBlocks {
     if (rest > 0) munmap(memory, rest);
   }
 
-  /// Some blocks of an array that lives on: untouched ones take their places. False where the system cannot do that, or
-  /// nobody wants them.
+  /// Takes some blocks of an array that is still in use: untouched blocks replace them. False if the system cannot do
+  /// that, or no Keep lives.
   bool take_over_early(std::byte* begin, std::byte* end) {
     const std::lock_guard lock(mutex_);
     if (keepers_ == 0) return false;
@@ -125,7 +126,7 @@ class SpareBlocks {
       if (!block) return false;
       if (mremap(begin, block_bytes, block_bytes, MREMAP_MAYMOVE | MREMAP_FIXED | MREMAP_DONTUNMAP, block) ==
           MAP_FAILED) {
-        // An old kernel refuses at once. After any other refusal `block` may be gone, and be somebody else's.
+        // An old kernel refuses at once. After any other failure `block` may be unmapped, and used by something else.
         if (errno == EINVAL) munmap(block, block_bytes);
         return false;
       }
@@ -134,8 +135,7 @@ class SpareBlocks {
     return true;
   }
 
-  /// Blocks that there are move into memory, zero: in place of its blocks of which nothing is there. `fresh`: it is all
-  /// untouched.
+  /// Moves kept blocks, set to zero, in place of blocks without resident pages. `fresh`: all of these are untouched.
   void fill(std::byte* begin, std::byte* end, bool fresh) {
     for (std::byte* to = next_block(begin); to < end && static_cast<size_t>(end - to) >= block_bytes;
          to += block_bytes) {
@@ -154,7 +154,7 @@ class SpareBlocks {
     Block* next;
   };
 
-  /// The system may refuse, as when it counts too many mappings. What was at `to` may be gone by then.
+  /// The system may refuse, for example because of too many mappings. The memory at `to` may be unmapped by then.
   static bool move(Block* block, std::byte* to) {
     if (mremap(block, block_bytes, block_bytes, MREMAP_MAYMOVE | MREMAP_FIXED, to) != MAP_FAILED) return true;
     munmap(block, block_bytes);
@@ -169,8 +169,8 @@ class SpareBlocks {
   std::mutex mutex_;
   int keepers_ = 0;
   Block* first_ = nullptr;
-  std::atomic<size_t> taken_{0};  // by arrays that live
-  std::atomic<size_t> most_{0};   // of taken_ so far
+  std::atomic<size_t> taken_{0};  // by living arrays
+  std::atomic<size_t> most_{0};   // maximum of taken_ so far
 };
 
 ZeroedMemory PagePool::allocate(size_t bytes) const {
@@ -178,7 +178,7 @@ ZeroedMemory PagePool::allocate(size_t bytes) const {
   if (bytes >= block_bytes) {
     address = map_blocks(bytes);
     if (!address && spare_) {
-      spare_->clear();  // the address space may be what is short
+      spare_->clear();  // the address space may be exhausted
       address = map_blocks(bytes);
     }
     if (!address) throw std::bad_alloc();
@@ -206,13 +206,13 @@ void FreeZeroed::operator()(std::byte* memory) const {
 
 size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end) {
   const auto& [bytes, spare] = memory.get_deleter();
-  if (bytes < block_bytes) return gone;  // the allocator's
-  // Arrays that fill a block begin at one.
+  if (bytes < block_bytes) return gone;  // belongs to the allocator
+  // Arrays of at least one block begin at a block.
   const size_t blocks_end = end / block_bytes * block_bytes, pages_end = end / page_bytes() * page_bytes();
   if (gone >= blocks_end) return gone;
   if (spare && spare->take_over_early(memory.get() + gone / block_bytes * block_bytes, memory.get() + blocks_end))
     return blocks_end;
-  // Advice: where the system does not take it, the pages stay.
+  // Advice: if the system ignores it, the pages stay.
   static_cast<void>(madvise(memory.get() + gone, pages_end - gone, MADV_DONTNEED));
   return pages_end;
 }

@@ -1,4 +1,4 @@
-// What the C++ library alone can say: next to nothing.
+// The memory data available from the C++ library alone: almost none.
 #include "soapfilm/platform/memory.h"
 
 #include <chrono>

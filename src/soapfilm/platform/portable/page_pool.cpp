@@ -1,4 +1,4 @@
-// Large arrays from the C++ library's allocator: zero since they are written, and freed whole.
+// Large arrays from the C++ library's allocator: set to zero explicitly, and freed whole.
 #include "soapfilm/platform/page_pool.h"
 
 #include <atomic>
@@ -13,7 +13,7 @@ constexpr std::align_val_t alignment{64};
 
 }  // namespace
 
-/// Keeps no blocks: counts.
+/// Keeps no blocks, only counts.
 class SpareBlocks {
  public:
   void count(size_t bytes) {
@@ -26,8 +26,8 @@ class SpareBlocks {
   void restart_peak() { most_ = taken_.load(); }
 
  private:
-  std::atomic<size_t> taken_{0};  // by arrays that live
-  std::atomic<size_t> most_{0};   // of taken_ so far
+  std::atomic<size_t> taken_{0};  // by living arrays
+  std::atomic<size_t> most_{0};   // maximum of taken_ so far
 };
 
 ZeroedMemory PagePool::allocate(size_t bytes) const {
