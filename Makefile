@@ -3,7 +3,7 @@ PROGRAM := build/release/bin/soapfilm
 JOBS := $(shell nproc)
 # Further arguments to cmake when a build is configured for the first time, such as -DSOAPFILM_WERROR=ON.
 CONFIGURE :=
-SOURCES = find include src cli tests examples bench -name '*.h' -o -name '*.cpp'
+SOURCES = find include src tools cli tests examples bench -name '*.h' -o -name '*.cpp'
 
 .PHONY: help build demo test bench paper accuracy scenes format format-check tidy clean
 .SUFFIXES:
@@ -55,7 +55,7 @@ format-check: packages-format ## fail if `make format` would change anything
 	$(SOURCES) | xargs clang-format --dry-run -Werror
 
 tidy: packages-tidy build-dev ## lint with clang-tidy
-	find src cli -name '*.cpp' | xargs -n 1 -P $(JOBS) clang-tidy --quiet -p build/dev --extra-arg=-Wno-unknown-warning-option
+	find src tools cli -name '*.cpp' | xargs -n 1 -P $(JOBS) clang-tidy --quiet -p build/dev --extra-arg=-Wno-unknown-warning-option
 
 clean: ## remove build/ and out/
 	rm -rf build out

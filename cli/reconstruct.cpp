@@ -1,9 +1,9 @@
 // soapfilm reconstruct: scans in, watertight mesh out.
-#include "soapfilm/mesh/topology.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/core/names.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/io/files.h"
+#include "soapfilm/mesh/topology.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 
 #include <fmt/format.h>

@@ -17,7 +17,7 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t most_neighbors = 16;
-constexpr size_t vertices_per_task = 1024;
+constexpr size_t vertices_per_chunk = 1024;
 
 bool names(std::span<const std::string> wanted, const std::string& name) {
   return std::find(wanted.begin(), wanted.end(), name) != wanted.end() ||
@@ -129,7 +129,7 @@ void carry_attributes(const SampleAttributes& attributes, const GridSamples& sam
   const size_t first = mesh.attributes.size();
   for (const Column& column : attributes.columns)
     mesh.attributes.push_back({column.name, std::vector<float>(mesh.vertices.size()), column.is_label});
-  parallel_for(context, mesh.vertices.size(), vertices_per_task, [&](size_t v) {
+  parallel_for(context, mesh.vertices.size(), vertices_per_chunk, [&](size_t v) {
     const Neighbors neighbors(tree, samples, lattice.to_lattice(mesh.vertices[v]));
     if (!attributes.colors.empty()) mesh.colors[v] = mean(neighbors, attributes.colors);
     for (size_t c = 0; c < attributes.columns.size(); ++c) {
