@@ -1,10 +1,5 @@
 // soapfilm reconstruct: scans in, watertight mesh out.
 #include "soapfilm/reconstruct.h"
-#include "soapfilm/core/names.h"
-#include "soapfilm/finish/self_check.h"
-#include "soapfilm/io/files.h"
-#include "soapfilm/mesh/topology.h"
-#include "soapfilm/pyramid/coarse_to_fine.h"
 
 #include <fmt/format.h>
 
@@ -24,9 +19,14 @@
 #include "cli/read_cloud.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/names.h"
 #include "soapfilm/core/stages.h"
 #include "soapfilm/extract/isosurface.h"
+#include "soapfilm/finish/self_check.h"
 #include "soapfilm/io.h"
+#include "soapfilm/io/files.h"
+#include "soapfilm/mesh/topology.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/run/run.h"
 #include "tools/evaluate/check_result.h"

@@ -1,10 +1,11 @@
 #include "soapfilm/solve/profit.h"
-#include "soapfilm/core/names.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
+
+#include "soapfilm/core/names.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -1,6 +1,5 @@
 // The C interface, implemented on the C++ one: every exception is converted to a status and a line of text.
 #include "soapfilm/soapfilm.h"
-#include "soapfilm/core/vec.h"
 
 #include <fmt/core.h>
 
@@ -11,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
 #include "soapfilm/reconstruct.h"

@@ -1,7 +1,6 @@
 // The other samples in a sample's cell lie on the piece of surface inside that cell. The piece is chosen by its area,
 // as samples are, so its mean area is that of a plane's section through a uniform point.
 #include "soapfilm/field/sampling.h"
-#include "soapfilm/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/morton.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/core/radix_sort.h"
 
 namespace soapfilm {
