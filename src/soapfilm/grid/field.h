@@ -23,8 +23,8 @@ class AlignedArray {
 
   size_t size() const { return count_; }
   size_t bytes() const { return count_ * sizeof(T); }
-  T* data() { return reinterpret_cast<T*>(memory_.get() + lead_bytes); }
-  const T* data() const { return reinterpret_cast<const T*>(memory_.get() + lead_bytes); }
+  T* data() { return memory_ ? reinterpret_cast<T*>(memory_.get() + lead_bytes) : nullptr; }
+  const T* data() const { return memory_ ? reinterpret_cast<const T*>(memory_.get() + lead_bytes) : nullptr; }
   /// Values before `end` are not read any more: frees their memory early.
   void give_back_before(size_t end) { given_back_ = give_back(memory_, given_back_, lead_bytes + end * sizeof(T)); }
   /// Values [begin, end), still zero, will soon be written.

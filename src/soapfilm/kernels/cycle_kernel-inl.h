@@ -218,11 +218,12 @@ constexpr auto coarse_slots = [] {
 void prolong_brick(const BandRows& band, const CycleJob& job, const BrickTransfer& transfer) {
   constexpr int side = BrickTransfer::side;
   const D d;
-  HWY_ALIGN float coarse[side * side][brick_side];  // five values in each row
+  HWY_ALIGN float coarse[side * side * brick_side];  // row after row, five values in each
   for (size_t k = 0; k < side * side; ++k) {
+    float* row = coarse + k * brick_side;
     const float* from = job.x + size_t{transfer.row[k]} * brick_side + transfer.half;
-    for (int x = 0; x < brick_side; x += lane_count()) hn::Store(hn::LoadU(d, from + x), d, coarse[k] + x);
-    if (transfer.half != 0) coarse[k][4] = job.x[size_t{transfer.right[k]} * brick_side];
+    for (int x = 0; x < brick_side; x += lane_count()) hn::Store(hn::LoadU(d, from + x), d, row + x);
+    if (transfer.half != 0) row[4] = job.x[size_t{transfer.right[k]} * brick_side];
   }
   const size_t first = transfer.first * size_t{brick_side};
   const float *inverses = job.inverse ? job.inverse + first : nullptr, *b = job.b ? job.b + first : nullptr;
@@ -233,7 +234,7 @@ void prolong_brick(const BandRows& band, const CycleJob& job, const BrickTransfe
   for (size_t k = 0; k < count; ++k) {
     const std::array<uint16_t, 4>& slots = coarse_slots[place[k]];
     const auto mean = [&](int x) {
-      const auto at = [&](size_t corner) { return hn::Load(d, coarse[0] + slots[corner] + x); };
+      const auto at = [&](size_t corner) { return hn::Load(d, coarse + slots[corner] + x); };
       return hn::Mul(hn::Set(d, 0.25f), hn::Add(hn::Add(at(0), at(1)), hn::Add(at(2), at(3))));
     };
     HWY_ALIGN float values[brick_side];
