@@ -3,7 +3,7 @@
 
 namespace soapfilm::test {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(SOAPFILM_SANITIZED)
 constexpr bool sanitized = true;
 #else
 constexpr bool sanitized = false;
