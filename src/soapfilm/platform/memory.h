@@ -25,5 +25,7 @@ void prefer_large_pages(void* memory, size_t bytes);
 
 /// CPU time of the calling thread so far, nanoseconds; elapsed time if unknown.
 int64_t thread_cpu_time();
+/// Does the system say it?
+bool knows_cpu_time();
 
 }  // namespace soapfilm

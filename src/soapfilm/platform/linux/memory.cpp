@@ -89,6 +89,8 @@ int64_t thread_cpu_time() {
   return int64_t{1'000'000'000} * time.tv_sec + time.tv_nsec;
 }
 
+bool knows_cpu_time() { return true; }
+
 void prefer_large_pages(void* memory, size_t bytes) {
   constexpr size_t large_page = size_t{2} << 20;
   if (bytes < large_page) return;
