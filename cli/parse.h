@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/names.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm::cli {
@@ -42,6 +43,14 @@ CLI::Validator named(std::vector<std::pair<std::string, T>> names) {
     return fmt::format("Value {} not one of {}", text, known);
   };
   return CLI::Validator(replace, "");
+}
+
+/// The same for all values of an enumeration that parameters have, by their names there.
+template <class Enum>
+CLI::Validator named() {
+  std::vector<std::pair<std::string, Enum>> names;
+  for (size_t i = 0; i < names_of<Enum>.size(); ++i) names.emplace_back(names_of<Enum>[i], static_cast<Enum>(i));
+  return named(std::move(names));
 }
 
 }  // namespace soapfilm::cli

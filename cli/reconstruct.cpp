@@ -9,10 +9,10 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/level_files.h"
 #include "cli/overwrite.h"
 #include "cli/params_file.h"
 #include "cli/parse.h"
@@ -21,13 +21,10 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/names.h"
 #include "soapfilm/core/stages.h"
-#include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/mesh/topology.h"
-#include "soapfilm/pyramid/coarse_to_fine.h"
-#include "soapfilm/refine/indicator.h"
 #include "soapfilm/run/run.h"
 #include "tools/evaluate/check_result.h"
 
@@ -99,45 +96,6 @@ PointCloud read_input(const ReconstructOptions& options, const Context& context,
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));
   return cloud;
 }
-
-/// The surfaces of the pyramid's levels in a folder, each written as soon as it is solved; removed again, but not the
-/// folder, when the run fails.
-class LevelFiles {
- public:
-  LevelFiles() = default;
-  LevelFiles(const LevelFiles&) = delete;
-  LevelFiles& operator=(const LevelFiles&) = delete;
-  ~LevelFiles() {
-    std::error_code ignored;
-    for (const std::filesystem::path& file : written_) std::filesystem::remove(file, ignored);
-  }
-
-  /// Writes nothing without a folder, which is made when there is a first level.
-  PyramidObserver writer(const std::filesystem::path& folder, double threshold, const Context& context) {
-    if (folder.empty()) return {};
-    PyramidObserver observer;
-    observer.solved = [this, folder, threshold, &context](const Level& level, const Lattice& lattice) {
-      std::error_code error;
-      std::filesystem::create_directories(folder, error);
-      if (error) throw OutputError(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
-      const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), context);
-      const Mesh mesh = extract_isosurface(
-          surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice,
-          context);
-      if (mesh.triangles.empty()) return;  // no surface pays for its area on this level
-      const std::filesystem::path file = folder / name(level.box.level);
-      write_mesh(file.string(), mesh, {}, context);
-      written_.push_back(file);
-    };
-    return observer;
-  }
-  static std::string name(int level) { return fmt::format("level_{}.ply", level); }
-  /// Call when the run succeeded.
-  void keep() { written_.clear(); }
-
- private:
-  std::vector<std::filesystem::path> written_;
-};
 
 void check_names(const ReconstructOptions& options, const ReadReport& read) {
   std::vector<std::string> inputs = options.inputs;
@@ -255,11 +213,7 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
           "--directions", p.orient.source,
           "Where each sample's outward direction comes from:\nauto (normals that contradict each other lose their "
           "signs), normals (as\ngiven), sensor, scan or estimate"))
-      ->transform(named<DirectionSource>({{"auto", DirectionSource::automatic},
-                                          {"normals", DirectionSource::normals},
-                                          {"sensor", DirectionSource::sensor},
-                                          {"scan", DirectionSource::scan},
-                                          {"estimate", DirectionSource::estimate}}))
+      ->transform(named<DirectionSource>())
       ->option_text("SOURCE [auto]");
   directions(app.add_option("--sensor", o.sensor, "Scanner position for scans that do not say it"))
       ->delimiter(',')
@@ -272,14 +226,11 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
                             "Of estimated directions: all samples as near as this count too, in the\ninput's units"))
       ->option_text("R");
 
-  std::vector<std::pair<std::string, Border>> borders;
-  for (size_t i = 0; i < names_of<Border>.size(); ++i)
-    borders.emplace_back(names_of<Border>[i], static_cast<Border>(i));
   grid(app.add_option(
            "--outside", p.border.outside,
            "What lies beyond the samples' box: air, around an object; solid, around a\nroom seen from inside; "
            "open: neither, the surface is a sheet that ends"))
-      ->transform(named<Border>(borders))
+      ->transform(named<Border>())
       ->option_text("WHAT [auto]");
 
   const auto energy = [&](auto* option) { return option->group("Energy"); };
@@ -294,7 +245,7 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->option_text("area|samples [area]");
   energy(app.add_option("--norm", p.energy.norm,
                         "How area is measured: isotropic, as it is, or anisotropic, along the\ngrid's axes"))
-      ->transform(named<Norm>({{"isotropic", Norm::isotropic}, {"anisotropic", Norm::anisotropic}}))
+      ->transform(named<Norm>())
       ->option_text("NORM [isotropic]");
   energy(app.add_option("--tolerance", p.solve.tolerance,
                         "Relative gap at which the finest level is solved; the next one: twice\nthat, coarser ones: at "
@@ -310,18 +261,14 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
 
 void add_method_options(CLI::App& app, ReconstructOptions& o) {
   ReconstructParams& p = o.params;
-  std::vector<std::pair<std::string, Method>> methods;
-  for (size_t i = 0; i < names_of<Method>.size(); ++i)
-    methods.emplace_back(names_of<Method>[i], static_cast<Method>(i));
   const auto method = [&](auto* option) { return option->group("Method"); };
   method(app.add_option("--method", p.method,
                         fmt::format("One of {}\n(docs/reference/methods.md)", fmt::join(names_of<Method>, ", "))))
-      ->transform(named<Method>(methods))
+      ->transform(named<Method>())
       ->option_text("NAME [tv]");
   method(app.add_option("--link-weights", p.graph_cut.weights,
                         "Of graph-cut-26: edge-length, or cauchy-crofton (less dependent on direction)"))
-      ->transform(named<LinkWeights>(
-          {{"edge-length", LinkWeights::edge_length}, {"cauchy-crofton", LinkWeights::cauchy_crofton}}))
+      ->transform(named<LinkWeights>())
       ->option_text("W [edge-length]");
   method(app.add_option("--front", p.vrip.front, "Of vrip: reach of a scan before its surface, voxels"))
       ->option_text(fmt::format("V [{:g}]", p.vrip.front));
@@ -331,8 +278,7 @@ void add_method_options(CLI::App& app, ReconstructOptions& o) {
       app.add_option("--folds", p.cross_validation.folds, "Of --lambda auto: parts of the samples, each held out once"))
       ->option_text(fmt::format("N [{}]", p.cross_validation.folds));
   method(app.add_option("--fold-source", p.cross_validation.source, "Of --lambda auto: auto, samples, or whole scans"))
-      ->transform(named<FoldSource>(
-          {{"auto", FoldSource::automatic}, {"samples", FoldSource::samples}, {"scans", FoldSource::scans}}))
+      ->transform(named<FoldSource>())
       ->option_text("SOURCE [auto]");
 }
 
@@ -365,7 +311,7 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
   surface(app.add_option("--holes", p.refine.holes,
                          "Of the refined surface, where no sample covers it: smooth, bent as the\nsurface around, or "
                          "flat, of least area; unseen bases are flat"))
-      ->transform(named<HoleFill>({{"smooth", HoleFill::smooth}, {"flat", HoleFill::flat}}))
+      ->transform(named<HoleFill>())
       ->option_text("smooth|flat [smooth]");
   surface(app.add_option("--split-tolerance", p.surface.relax.split_tolerance,
                          "Of the refined surface: split edges whose middle lies further from it,\nvoxels; 0: leave the "

@@ -1,7 +1,7 @@
-# Labels of tests, read by ctest after it has found them. slow: those whose names end in Slow; sanitizer presets leave them
-# out. repeated: instances that the asan preset leaves out, by their whole names; each runs code that another one runs
-# there, too, and costs a third of a second or more under AddressSanitizer. (The test repeated_names fails for a name that is
-# no test's.)
+# Labels of tests, read by ctest after it has found them. slow: those whose names end in Slow; sanitizer presets leave
+# them out. repeated: instances that the asan preset leaves out, by their whole names; each runs code that another one
+# runs there, too, and costs a third of a second or more under AddressSanitizer. (The test repeated_names fails for a
+# name that is no test's.)
 get_cmake_property(variables VARIABLES)
 foreach(variable IN LISTS variables)
   if(variable MATCHES "^test_[a-z]+_TESTS$")  # what gtest_discover_tests() has found in a program

@@ -1,10 +1,6 @@
 """What must hold, each target judged by the rows of one run. Every function gives rows of the table:
 (target, where, demanded, measured, verdict)."""
-import sys
 from dataclasses import dataclass
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).resolve().parent.parent))  # of verdict.py, which all benchmarks share
 
 from cases import FLAT, SERIES_CONDITIONS
 from results import order_of

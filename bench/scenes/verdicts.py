@@ -1,8 +1,4 @@
 """What must hold, judged by the results: rows (what, demanded, measured, verdict)."""
-import sys
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).resolve().parent.parent))  # of verdict.py, which all benchmarks share
 
 from verdict import MET, MISSED, NOT_MEASURED
 

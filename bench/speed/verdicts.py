@@ -2,11 +2,7 @@
 
 A figure is a dictionary of a program's medians in one condition: cpu, user, system, elapsed (seconds), peak_mb, faults,
 and of ours planned_mb."""
-import sys
 from dataclasses import dataclass
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).resolve().parent.parent))  # of verdict.py, which all benchmarks share
 
 from conditions import CONDITIONS, RESTED
 from verdict import NOT_MEASURED, verdict

@@ -17,9 +17,6 @@ void release(std::vector<T>& values) {
   std::vector<T>().swap(values);
 }
 
-/// The smallest multiple of `unit` that is at least `bytes`.
-constexpr size_t rounded_up(size_t bytes, size_t unit) { return (bytes + unit - 1) / unit * unit; }
-
 /// Reserves `count` values in an empty vector, for many values on large pages, from the pool if it has some.
 template <class T>
 void reserve_many(std::vector<T>& values, size_t count, const PagePool& pages = {}) {

@@ -38,8 +38,6 @@ std::vector<std::string> split(std::string_view extensions) {
 
 }  // namespace
 
-std::span<const Format> formats() { return table; }
-
 const Format* format_of_extension(const std::string& path) {
   const std::string extension = lower_case(std::filesystem::path(path).extension().string());
   for (const Format& format : table)

@@ -1,7 +1,6 @@
 // The table of file formats: one row each. Reading, writing, error messages and help pages follow from it.
 #pragma once
 
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -22,8 +21,6 @@ struct Format {
   WriteReport (*write_mesh)(const std::string& path, const Mesh& mesh, const WriteOptions& options,
                             const Context& context) = nullptr;
 };
-
-std::span<const Format> formats();
 
 /// Null where there is none.
 const Format* format_of_extension(const std::string& path);

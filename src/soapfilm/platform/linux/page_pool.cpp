@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
@@ -14,6 +13,7 @@
 #include <new>
 #include <utility>
 
+#include "soapfilm/platform/array_bytes.h"
 #include "soapfilm/platform/memory.h"
 
 namespace soapfilm {
@@ -73,14 +73,7 @@ class SpareBlocks {
   SpareBlocks(const SpareBlocks&) = delete;
   SpareBlocks& operator=(const SpareBlocks&) = delete;
 
-  void count(size_t bytes) {
-    const size_t now = taken_.fetch_add(bytes) + bytes;
-    for (size_t most = most_.load(); most < now && !most_.compare_exchange_weak(most, now);) {
-    }
-  }
-  void count_freed(size_t bytes) { taken_ -= bytes; }
-  size_t most() const { return most_; }
-  void restart_peak() { most_ = taken_.load(); }
+  ArrayBytes arrays;
 
   void keep() {
     const std::lock_guard lock(mutex_);
@@ -169,8 +162,6 @@ class SpareBlocks {
   std::mutex mutex_;
   int keepers_ = 0;
   Block* first_ = nullptr;
-  std::atomic<size_t> taken_{0};  // by living arrays
-  std::atomic<size_t> most_{0};   // maximum of taken_ so far
 };
 
 ZeroedMemory PagePool::allocate(size_t bytes) const {
@@ -189,7 +180,7 @@ ZeroedMemory PagePool::allocate(size_t bytes) const {
   }
   ZeroedMemory memory(address, {bytes, spare_});
   if (!spare_) return memory;
-  spare_->count(bytes);
+  spare_->arrays.add(bytes);
   if (bytes >= block_bytes) spare_->fill(address, address + bytes, true);
   return memory;
 }
@@ -201,7 +192,7 @@ void FreeZeroed::operator()(std::byte* memory) const {
     spare->take_over(memory, bytes);
   else
     munmap(memory, bytes);
-  if (spare) spare->count_freed(bytes);
+  if (spare) spare->arrays.remove(bytes);
 }
 
 size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end) {
@@ -230,10 +221,10 @@ void PagePool::serve(void* begin, size_t bytes) const {
   if (spare_) spare_->fill(first, first + bytes, false);
 }
 
-size_t PagePool::peak_bytes() const { return spare_ ? spare_->most() : 0; }
+size_t PagePool::peak_bytes() const { return spare_ ? spare_->arrays.peak() : 0; }
 
 void PagePool::restart_peak() const {
-  if (spare_) spare_->restart_peak();
+  if (spare_) spare_->arrays.restart_peak();
 }
 
 PagePool::Keep::Keep(const PagePool& pool) : spare_(pool.spare_) {
