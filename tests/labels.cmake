@@ -21,7 +21,7 @@ endfunction()
 
 # Whole tests, of which these run the same code: Scan.TheSameBytesForAnyNumberOfThreads and
 # Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads; Reconstruct.GeoreferencedInputLosesNothing;
-# CoarseToFine.LevelsThatDoNotPayTellWhereToStart; Units.PowersOfTwoScaleTheMeshExactly.
+# CoarseToFine.EmptyCoarseLevelsShowWhereToStart; Units.PowersOfTwoScaleTheMeshExactly.
 foreach(test
     Reconstruct.TheSameBytesForAnyNumberOfThreads
     Georeferenced.CoordinatesLoseNothing
@@ -84,7 +84,7 @@ foreach(law IsTheSmoothedThresholdedField MeanAtTheSamplesIsTheMeanOfTheTrilinea
 endforeach()
 repeated(Shapes/Topology.IsThatOfTheThresholdedSolve knot sheets)
 
-foreach(law AxisPermutationsPermuteTheLabels AxisFlipsHardlyMoveTheSurface)
+foreach(law AxisPermutationsPermuteTheLabels AxisFlipsMoveTheSurfaceLittle)
   repeated(Shapes/Symmetry.${law} knot sphere part torus_noisy)
 endforeach()
 foreach(law ByTheCoarsestCellMovesTheLabelsAlong ByOneVoxelStaysWithinTheGap)
@@ -96,8 +96,8 @@ repeated(Methods/EveryMethod.IsRefusedBeforeItsWorkWhenThePlanPassesTheLimit tv_
 repeated(Shapes/Segmenting.GivesAWatertightMeshWithTheShapesComponentsAndGenus torus_tv_sor
   sphere_tv sphere_tv_sor sphere_graph_cut_6 sphere_graph_cut_26
   sheets_tv sheets_tv_sor sheets_graph_cut_6 sheets_graph_cut_26)
-repeated(Shapes/OneJudge.TheSorOfThePaperAndTvAgree sphere torus)
-repeated(Shapes/OneJudge.AnisotropicTvAndTheCutReachTheSameEnergy sphere sheets)
+repeated(Shapes/SharedEnergy.TheSorOfThePaperAndTvAgree sphere torus)
+repeated(Shapes/SharedEnergy.AnisotropicTvAndTheCutReachTheSameEnergy sphere sheets)
 foreach(shape arch knot part plate sheets sphere torus)
   repeated(Sweep/BuiltInShape.KeepsItsComponentsAndGenus ${shape}_64_3per10 ${shape}_64_100per10)
   if(NOT shape STREQUAL "plate")

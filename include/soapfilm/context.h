@@ -1,4 +1,4 @@
-// What all stages of a run share: threads, progress and cancelling, SIMD instructions, memory pages.
+// What all stages of a run share: threads, progress and cancelling, SIMD instructions, memory.
 #pragma once
 
 #include <memory>
@@ -8,10 +8,6 @@
 #include "soapfilm/progress.h"
 
 namespace SOAPFILM_API soapfilm {
-
-class Threads;
-class PagePool;
-struct Kernels;
 
 /// Two contexts in one process never mix: each run gives the same bytes as it would alone.
 class Context {
@@ -33,18 +29,11 @@ class Context {
   /// Throws Cancelled once the progress object was cancelled.
   void check() const;
 
-  /// For use inside the library, within a stage: the same context, and must not outlive it. silent(): reports nothing.
-  /// part(): its fractions [0, 1] are reported as fractions from `begin` to `end`, in [0, 1], of this context.
-  Context silent() const;
-  Context part(double begin, double end) const;
-  const Kernels& kernels() const;
-  const PagePool& pages() const;
+  struct State;  ///< for use inside the library
+  explicit Context(std::unique_ptr<State> state);
+  State& state() const { return *state_; }
 
  private:
-  friend class ChunkLoop;
-  struct Part;
-  struct State;
-  explicit Context(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

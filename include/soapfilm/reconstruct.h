@@ -1,7 +1,6 @@
 // From a point cloud to a watertight surface: the whole pipeline in one call.
 #pragma once
 
-#include <stdexcept>
 #include <string>
 
 #include "soapfilm/cloud.h"

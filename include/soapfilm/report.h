@@ -45,7 +45,7 @@ struct InputFacts {
 /// The finest grid.
 struct GridFacts {
   Vec3i size;          ///< vertices along each of its axes, padding included
-  int turn = 0;        ///< its axis k is the world's axis (k + turn) % 3
+  int axis_shift = 0;  ///< its axis k is the world's axis (k + axis_shift) % 3
   int levels = 1;      ///< of the pyramid; level 0 is the finest
   int padding = 6;     ///< cells between the samples' box and the border
   double voxel = 1;    ///< edge of a cell, input units

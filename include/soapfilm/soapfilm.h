@@ -78,6 +78,13 @@ typedef struct soapfilm_array {
   ptrdiff_t stride; /* bytes; 0: rows without gaps */
 } soapfilm_array;
 
+/* A value of each sample, carried to the vertices by {"surface": {"attributes": ["all"]}} or its name there. */
+typedef struct soapfilm_column {
+  const char* name;
+  soapfilm_array values; /* 1 per row; not-a-number: none */
+  int is_label;          /* 1: of several samples the most frequent value counts; 0: their mean */
+} soapfilm_column;
+
 /* A scan: samples that belong together. Set absent fields to zero: soapfilm_samples s = {0}. */
 typedef struct soapfilm_samples {
   size_t count;
@@ -88,6 +95,8 @@ typedef struct soapfilm_samples {
   soapfilm_array color;    /* 3, SOAPFILM_UINT8 */
   const double* scanner;   /* 3 values: scanner position of the whole scan; null: unknown */
   const char* name;        /* of the scan; null: none */
+  const soapfilm_column* columns;
+  size_t column_count;
 } soapfilm_samples;
 
 /* Appends a copy of the samples as a further scan. If it fails, the cloud is unchanged. */
@@ -108,8 +117,10 @@ SOAPFILM_API size_t soapfilm_vertex_count(const soapfilm_result* result);
 SOAPFILM_API const double* soapfilm_vertices(const soapfilm_result* result); /* 3 per vertex, input units */
 SOAPFILM_API size_t soapfilm_triangle_count(const soapfilm_result* result);
 SOAPFILM_API const uint32_t* soapfilm_triangles(const soapfilm_result* result); /* 3 indices per triangle */
+SOAPFILM_API const uint8_t* soapfilm_colors(const soapfilm_result* result);     /* 3 per vertex; null: none */
 /* One value per vertex, such as "distance" after {"surface": {"distance": true}}; null: no such attribute. */
 SOAPFILM_API const float* soapfilm_attribute(const soapfilm_result* result, const char* name);
+SOAPFILM_API const char* soapfilm_attribute_name(const soapfilm_result* result, size_t index); /* null: no more */
 /* The report as JSON. */
 SOAPFILM_API const char* soapfilm_report(const soapfilm_result* result);
 

@@ -172,7 +172,7 @@ TEST_F(EvaluateCommand, TrianglesWithoutAreaHaveNoAngle) {
   EXPECT_TRUE(contains(result.out, "  truth to mesh      none: ")) << result.out;
 }
 
-TEST_F(EvaluateCommand, OptionsAreJudgedBeforeFilesAreRead) {
+TEST_F(EvaluateCommand, OptionsAreCheckedBeforeFilesAreRead) {
   const auto expect = [](std::vector<std::string> options, const std::string& what) {
     options.insert(options.begin(), {"evaluate", "/nowhere/mesh.ply", "--quiet"});
     expect_refused(options, what);

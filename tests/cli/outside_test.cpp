@@ -182,7 +182,7 @@ TEST_F(Outside, BadDistancesToTrimAreRefused) {
   refused({cloud, "--trim", "1", "--method", "vrip"}, "method vrip");
 }
 
-TEST_F(Outside, LostSamplesAreWarnedOfAndStrictRunsTellByTheirExitCode) {
+TEST_F(Outside, LostSamplesAreWarnedOfAndSetTheExitCodeOfStrictRuns) {
   const std::string cloud = sphere(false);
   const json good = reported({cloud, "--resolution", "48", "--strict"});
   EXPECT_EQ(good["self_check"]["lost"], 0);

@@ -44,7 +44,7 @@ TEST_F(ParamsFile, AReportGivesItsMeshAgain) {
 }
 
 /// Before or after it.
-TEST_F(ParamsFile, OptionsBesideItHold) {
+TEST_F(ParamsFile, OptionsBesidesItApply) {
   const std::string file = written(R"({"place": {"resolution": 60}, "energy": {"lambda": 0.5},
                                        "surface": {"isovalue": 0.4, "refine": false}, "trim": {"on": true}})");
   const json run = reported({cloud, "--lambda", "auto", "--params", file, "--voxel", "0.04", "--refine", "on",

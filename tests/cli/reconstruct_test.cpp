@@ -72,7 +72,7 @@ TEST_F(Reconstruct, PeakOfMemoryIsItsOwnNotThatOfWhoStartedIt) {
 }
 
 /// Lambda is so small that single outliers pay for a surface.
-TEST_F(Reconstruct, TellsWhichIslandsItDropped) {
+TEST_F(Reconstruct, ReportsWhichComponentsItDropped) {
   SamplingParams scan;
   scan.count = sanitized ? 5500 : 11000;
   scan.outliers = 0.03;
@@ -294,7 +294,7 @@ TEST_F(Reconstruct, OutputsTakeTheirOwnPlacesOnly) {
   EXPECT_EQ(read_file(cloud), before);
 }
 
-TEST_F(Reconstruct, AMeshWithoutItsReportIsToldOf) {
+TEST_F(Reconstruct, AMeshWithoutItsReportIsWarnedOf) {
   expect_refused({"reconstruct", "-q", cloud, "-o", mesh, "--resolution", "24", "--report", "/dev/full"},
                  "mesh.ply is written all the same");
   EXPECT_TRUE(std::filesystem::exists(mesh));

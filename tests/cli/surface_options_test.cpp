@@ -77,7 +77,7 @@ TEST_F(SurfaceOptions, BendToleranceDecidesHowManyEdgesAreSplit) {
   EXPECT_GT(by_default["mesh"]["triangles"], none["mesh"]["triangles"]);
 }
 
-TEST_F(SurfaceOptions, IslandsAreKeptWhenAsked) {
+TEST_F(SurfaceOptions, ComponentsAreKeptWhenAsked) {
   const json dropped = with({}), kept = with({"--drop-components", "off"});
   ASSERT_FALSE(dropped.is_null() || kept.is_null());
   EXPECT_TRUE(dropped["parameters"]["surface"]["drop_components"].is_null());

@@ -62,7 +62,7 @@ constexpr double big_radius = 20;
 constexpr int big_samples = 5000;  // one per voxel^2
 const Ball big{{30, 30, 30}, big_radius, big_samples};
 
-TEST(Islands, AreDroppedForLackOfSamplesAndSamplesPerArea) {
+TEST(Components, AreDroppedForLackOfSamplesAndSamplesPerArea) {
   // Of radius 5: 314 voxel^2.
   const Vec3d center{64, 30, 30};
   const auto dropped = [&](int count, const ComponentParams& params) {
@@ -84,7 +84,7 @@ TEST(Islands, AreDroppedForLackOfSamplesAndSamplesPerArea) {
   EXPECT_TRUE(dropped(9, {.min_support = 0, .few_samples = 10}));
 }
 
-TEST(Islands, AThinlySampledObjectSurvivesByItsManySamples) {
+TEST(Components, ASparselySampledObjectIsKeptForItsManySamples) {
   // 1 sample per 10 voxel^2, on a surface of 1250 voxel^2; the other has 1 per voxel^2.
   Drawing drawing({{{24, 30, 30}, 15, 2800}, {{60, 30, 30}, 10, 125}});
   EXPECT_EQ(drawing.drop().objects.dropped, 0u);
@@ -94,14 +94,14 @@ TEST(Islands, AThinlySampledObjectSurvivesByItsManySamples) {
   EXPECT_EQ(again.drop({.many_samples = 130}).objects.dropped, 1u);
 }
 
-TEST(Islands, SamplesThatWereWeighedUpVouchByTheirWeight) {
+TEST(Components, SamplesCountByTheirWeight) {
   Drawing drawing({big, {{64, 30, 30}, 5, 30}});
   for (size_t s = 0; s < drawing.samples.size(); ++s)
     if (drawing.samples.source[s] >= big_samples) drawing.samples.direction[s] = 5.0f * drawing.samples.direction[s];
   EXPECT_EQ(drawing.drop().objects.dropped, 0u);
 }
 
-TEST(Islands, BubblesAreFilledAndSampledVoidsStay) {
+TEST(Components, CavitiesAreFilledUnlessTheyAreSampled) {
   const Vec3d bubble{22, 30, 30}, hollow{38, 30, 30};
   Drawing drawing({big, {bubble, 4, 6, false}, {hollow, 6, 300, false}});
   const ComponentReport report = drawing.drop();
@@ -112,7 +112,7 @@ TEST(Islands, BubblesAreFilledAndSampledVoidsStay) {
   EXPECT_FALSE(drawing.inside(hollow));
 }
 
-TEST(Islands, SamplesThatLookTheWrongWayDoNotCount) {
+TEST(Components, SamplesThatLookTheWrongWayDoNotCount) {
   Drawing drawing({big, {{64, 30, 30}, 5, 300}});
   for (Vec3f& direction : drawing.samples.direction)
     if (direction.x != 0) direction = -direction;
@@ -121,7 +121,7 @@ TEST(Islands, SamplesThatLookTheWrongWayDoNotCount) {
 }
 
 /// What lies in a dropped part goes with it: no void stays where an island of a bubble was.
-TEST(Islands, OfABubbleVanishIntoTheSolid) {
+TEST(Components, WithinADroppedCavityAreDroppedWithIt) {
   Drawing drawing({big, {{30, 30, 30}, 12, 3, false}, {{30, 30, 30}, 5, 2}});
   const ComponentReport report = drawing.drop();
   EXPECT_EQ(report.cavities.dropped, 1u);
@@ -131,7 +131,7 @@ TEST(Islands, OfABubbleVanishIntoTheSolid) {
   EXPECT_TRUE(drawing.inside({30, 30, 40}));
 }
 
-TEST(Islands, OneObjectAlwaysStays) {
+TEST(Components, OneObjectIsAlwaysKept) {
   Drawing drawing({big, {{64, 30, 30}, 5, 300}});
   const ComponentReport report = drawing.drop({.min_support = 1e9, .many_samples = 1000000});
   EXPECT_EQ(report.objects.kept, 1u);
@@ -141,7 +141,7 @@ TEST(Islands, OneObjectAlwaysStays) {
 }
 
 /// In noise with thousands of parts and samples at random: what is done is done, and threads do not matter.
-TEST(Islands, DroppingTwiceChangesNothingMore) {
+TEST(Components, DroppingTwiceChangesNothingMore) {
   Lattice lattice;
   lattice.size = {60, 50, 100};
   Random random(11);
@@ -175,7 +175,7 @@ TEST(Islands, DroppingTwiceChangesNothingMore) {
   }
 }
 
-TEST(Islands, ParametersOutOfRangeAreRefused) {
+TEST(Components, ParametersOutOfRangeAreRefused) {
   EXPECT_THROW(validate(ComponentParams{.min_support = -0.1}), ParameterError);
   EXPECT_THROW(validate(ComponentParams{.min_support = std::nan("")}), ParameterError);
   EXPECT_THROW(validate(ComponentParams{.few_samples = -1}), ParameterError);
@@ -193,7 +193,7 @@ Reconstruction reconstructed(const PointCloud& cloud, bool drop) {
   return reconstruct(cloud, params, Context(2));
 }
 
-TEST(Islands, OfOutliersGoAndTheSphereStays) {
+TEST(Components, OfOutliersAreDroppedAndTheSphereIsKept) {
   const auto sphere = make_shape("sphere");
   const double voxel = voxel_of_resolution(sphere->box(), resolution, 6);
   SamplingParams scan;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
 #include "soapfilm/platform/page_pool.h"
@@ -22,13 +23,13 @@ struct Heard : Progress {
 TEST(Context, PartsReportTheirShareOfTheWhole) {
   Heard heard;
   const Context whole(1, heard);
-  const Context part = whole.part(0.2, 0.6);
+  const Context part = part_of(whole, 0.2, 0.6);
   part.progress().advance(0, {});
   part.progress().advance(0.5, {});
-  part.part(0.5, 1).progress().advance(1, {});
-  part.silent().progress().advance(0.9, {});
+  part_of(part, 0.5, 1).progress().advance(1, {});
+  silenced(part).progress().advance(0.9, {});
   part.progress().warn("a line");
-  whole.silent().progress().warn("nobody is told");
+  silenced(whole).progress().warn("nobody is told");
   ASSERT_EQ(heard.fractions.size(), 3u);
   EXPECT_DOUBLE_EQ(heard.fractions[0], 0.2);
   EXPECT_DOUBLE_EQ(heard.fractions[1], 0.4);
@@ -39,7 +40,7 @@ TEST(Context, PartsReportTheirShareOfTheWhole) {
 TEST(Context, PartsAndSilentOnesStopWithTheWhole) {
   Progress progress;
   const Context whole(2, progress);
-  const Context part = whole.part(0, 0.5), silent = part.silent();
+  const Context part = part_of(whole, 0, 0.5), silent = silenced(part);
   for (const Context* context : {&whole, &part, &silent}) EXPECT_NO_THROW(context->check());
   progress.cancel();
   for (const Context* context : {&whole, &part, &silent}) {
@@ -53,11 +54,11 @@ TEST(Context, PartsAndSilentOnesStopWithTheWhole) {
 TEST(Context, PartsShareThreadsTargetAndPages) {
   Progress progress;
   const Context whole(3, progress, "scalar");
-  const Context part = whole.part(0, 1);
+  const Context part = part_of(whole, 0, 1);
   EXPECT_EQ(part.threads(), 3);
-  EXPECT_EQ(&part.kernels(), &whole.kernels());
-  { const ZeroedMemory memory = part.silent().pages().allocate(12345); }
-  EXPECT_EQ(whole.pages().peak_bytes(), 12345u);
+  EXPECT_EQ(&kernels_of(part), &kernels_of(whole));
+  { const ZeroedMemory memory = pages_of(silenced(part)).allocate(12345); }
+  EXPECT_EQ(pages_of(whole).peak_bytes(), 12345u);
 }
 
 }  // namespace TEST_FILE

@@ -32,7 +32,7 @@ TEST(PagePool, IsZeroAlignedAndWritable) {
   }
 }
 
-TEST(PagePool, WhatIsNotGivenBackStays) {
+TEST(PagePool, WhatIsNotReleasedStays) {
   const PagePool pool = PagePool::make();
   constexpr size_t bytes = size_t{5} << 20;
   const ZeroedMemory memory = pool.allocate(bytes);
@@ -40,7 +40,7 @@ TEST(PagePool, WhatIsNotGivenBackStays) {
   size_t gone = 0;
   for (const size_t end : {size_t{5}, size_t{1'000'000}, size_t{999'999}, size_t{3'000'001}}) {
     const size_t before = gone;
-    gone = give_back(memory, before, end);
+    gone = release_pages(memory, before, end);
     EXPECT_LE(gone, std::max(before, end));
     EXPECT_EQ(std::count(memory.get() + gone, memory.get() + bytes, std::byte{0x5A}),
               static_cast<ptrdiff_t>(bytes - gone));
@@ -58,7 +58,7 @@ constexpr size_t large = 20 * block + 12345;
 // The sanitizers' shadow comes on top: some kernels count it in large pages. Release builds judge.
 constexpr double slack = test::sanitized ? 0.75 * large : 3 * block;
 
-TEST(PagePool, ServeTheNextArraysAndThenGoBack) {
+TEST(PagePool, AreReusedByTheNextArraysAndThenReleased) {
   const PagePool pool = PagePool::make();
   const double before = test::resident_bytes();
   {
@@ -102,7 +102,7 @@ TEST(PagePool, AreNoneThatNobodyTouched) {
   EXPECT_NEAR(test::resident_bytes(), before + large, slack);
 }
 
-TEST(PagePool, ServeOthersBeforeTheirArrayEnds) {
+TEST(PagePool, AreReusedBeforeTheirArrayEnds) {
   const PagePool pool = PagePool::make();
   const double before = test::resident_bytes();
   {
@@ -114,12 +114,12 @@ TEST(PagePool, ServeOthersBeforeTheirArrayEnds) {
     std::memset(next.get() + 5 * block, 3, block);        // touched already: stays as it is
     size_t gone = 0;
     for (const size_t end : {block / 2, 3 * block + 7, 3 * block + 8, 12 * block}) {
-      gone = give_back(old, gone, end);
+      gone = release_pages(old, gone, end);
       EXPECT_EQ(gone, end / block * block);
     }
     EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     std::byte* const from = next.get() + 100;
-    pool.serve(from, large - 100);  // whole large pages after the first
+    pool.supply(from, large - 100);  // whole large pages after the first
     EXPECT_NEAR(test::resident_bytes(), before + large, slack);
     // Only what is there: some kernels count the zero page that reading maps elsewhere as resident.
     for (size_t i = 0; i < 12 * block; ++i) ASSERT_EQ(next.get()[i], i / block == 5 ? std::byte{3} : std::byte{0}) << i;
@@ -134,7 +134,7 @@ TEST(PagePool, ServeOthersBeforeTheirArrayEnds) {
   EXPECT_NEAR(test::resident_bytes(), before, slack);
 }
 
-TEST(PagePool, ServeVectors) {
+TEST(PagePool, AreReusedByVectors) {
   const PagePool pool = PagePool::make();
   const double before = test::resident_bytes();
   {

@@ -114,7 +114,7 @@ TEST_P(ParallelLoop, ANestedLoopStartsNoOuterChunkOnTheThreadThatWaits) {
   EXPECT_EQ(broken, 0);
 }
 
-TEST_P(ParallelLoop, ServesSeveralCallersAtOnce) {
+TEST_P(ParallelLoop, RunsForSeveralCallersAtOnce) {
   const Context context(GetParam());
   std::vector<std::vector<int>> visits(3, std::vector<int>(500));
   std::vector<std::jthread> callers;

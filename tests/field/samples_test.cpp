@@ -70,7 +70,7 @@ TEST(Samples, AreSortedAlikeByAnyNumberOfThreads) {
 }
 
 /// Three quarters of the samples are fitted, one is held out: two bits of the lots are even and independent.
-TEST(Samples, LotsAreEven) {
+TEST(Samples, HashBitsAreEven) {
   constexpr size_t count = 100'000;
   std::array<size_t, 4> found{}, after_zero{};
   for (size_t i = 0; i < count; ++i) {

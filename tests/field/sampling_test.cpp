@@ -39,7 +39,7 @@ TEST(Sampling, FindsTheScaleOfASmallPatch) {
   EXPECT_NEAR(measure_sampling(cloud, Context()).per_area, alone, 0.2 * alone);
 }
 
-TEST(Sampling, HardlySeesOutliers) {
+TEST(Sampling, IsRobustAgainstOutliers) {
   PointCloud cloud = sample_surface(*make_torus(), 20000, 1);
   const double clean = measure_sampling(cloud, Context()).per_area;
   Random random(2);

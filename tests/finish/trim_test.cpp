@@ -139,7 +139,7 @@ TEST(Trim, HolesInsideStayFilledUnlessAskedFor) {
   EXPECT_NEAR(open.before.area() - open.after.area(), hole, 0.25 * hole);
 }
 
-TEST(Trim, OfAClosedLatticeLargeMembranesGoAndSmallOnesStay) {
+TEST(Trim, OfAClosedLatticeLargeMembranesAreCutAndSmallOnesKept) {
   // The skirt is no border there, but most of the area; the hole is 3 % of it.
   EXPECT_EQ(Trimmed(false, middle).report.removed, 1u);
   EXPECT_EQ(Trimmed(false, but_a_hole).report.removed, 0u);

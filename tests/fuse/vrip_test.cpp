@@ -276,7 +276,7 @@ TEST(Vrip, TurnedAxesTurnTheMeshExactly) {
     const Mesh mesh = fuse(cloud, lattice_of(16)).mesh;
     for (const int turn : {1, 2}) {
       Lattice lattice = lattice_of(16);
-      lattice.turn = turn;
+      lattice.axis_shift = turn;
       lattice.first_vertex = lattice.to_world_axes(lattice.first_vertex);
       PointCloud other = cloud;
       for (Vec3d& p : other.positions) p = lattice.to_world_axes(p);

@@ -24,22 +24,23 @@ TEST(Lattice, FirstVertexIsHalfAVoxelShortOfThePaddingBelowTheSamples) {
 }
 
 TEST(Lattice, TurnsItsAxesUntilLayersAlongZAreSmall) {
-  const auto turn = [](Vec3d length) { return place_lattice(box({1, 2, 3}, length), 0.5, 6).turn; };
-  EXPECT_EQ(turn({50, 50, 50}), 0);
-  EXPECT_EQ(turn({5, 6, 90}), 0);
-  EXPECT_EQ(turn({90, 5, 6}), 1);
-  EXPECT_EQ(turn({6, 90, 5}), 2);
+  const auto axis_shift = [](Vec3d length) { return place_lattice(box({1, 2, 3}, length), 0.5, 6).axis_shift; };
+  EXPECT_EQ(axis_shift({50, 50, 50}), 0);
+  EXPECT_EQ(axis_shift({5, 6, 90}), 0);
+  EXPECT_EQ(axis_shift({90, 5, 6}), 1);
+  EXPECT_EQ(axis_shift({6, 90, 5}), 2);
   // Layers hardly differ: long rows.
-  EXPECT_EQ(turn({90, 90, 5}), 1);
-  EXPECT_EQ(turn({5, 90, 90}), 2);
-  EXPECT_EQ(turn({90, 5, 90}), 0);
+  EXPECT_EQ(axis_shift({90, 90, 5}), 1);
+  EXPECT_EQ(axis_shift({5, 90, 90}), 2);
+  EXPECT_EQ(axis_shift({90, 5, 90}), 0);
   for (const Vec3d length : {Vec3d{50, 40, 30}, {30, 50, 40}, {40, 30, 50}, {90, 5, 6}, {6, 90, 5}}) {
     const Lattice lattice = place_lattice(box({1, 2, 3}, length), 0.5, 6);
     const Vec3d p{4, 4.5, 4.75};
     const Vec3d q = lattice.to_lattice(p) - lattice.to_lattice({1, 2, 3});
     EXPECT_EQ(lattice.to_world_axes(q), (Vec3d{6, 5, 3.5}));
     EXPECT_EQ(lattice.to_world(lattice.to_lattice(p)), p);
-    for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(lattice.size[axis], 2 * length[(axis + lattice.turn) % 3] + 12);
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(lattice.size[axis], 2 * length[(axis + lattice.axis_shift) % 3] + 12);
   }
 }
 

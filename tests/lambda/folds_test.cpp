@@ -81,7 +81,7 @@ TEST(Folds, OfScansNeverDivideAScan) {
 
 TEST(Folds, AutomaticallyAreOfSamples) { EXPECT_FALSE(folds_of(in_scans(9), 4, FoldSource::automatic).whole_scans); }
 
-TEST(Folds, CountOnlySamplesThatSpeak) {
+TEST(Folds, CountOnlySamplesWithDirectionAndWeight) {
   PointCloud cloud = sampled("torus", 48, 1);
   cloud.weights.assign(cloud.size(), 1.0f);
   for (size_t i = 0; i < 100; ++i) cloud.normals[i] = {};

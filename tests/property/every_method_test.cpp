@@ -50,7 +50,7 @@ TEST_P(EveryMethod, IsRefusedBeforeItsWorkWhenThePlanPassesTheLimit) {
   EXPECT_EQ(stages.names, (std::vector<std::string>{"orient", "place"}));
 }
 
-TEST_P(EveryMethod, TellsWhatItDid) {
+TEST_P(EveryMethod, ReportsWhatItDid) {
   Reconstruction result = reconstructed(cloud, params);
   check_result(result, cloud, Context(1));
   const json report = json::parse(to_json(result.report));

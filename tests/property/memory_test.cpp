@@ -176,7 +176,7 @@ TEST(MemoryPlan, ARefusalNamesAVoxelThatFits) {
   EXPECT_EQ(refusal(cloud, params), "");
 }
 
-TEST(MemoryPlan, ARefusalTellsOfFarSamplesWhereThereAreSome) {
+TEST(MemoryPlan, ARefusalNamesFarSamplesWhereThereAreSome) {
   PointCloud cloud = sampled("torus", 64, 1);
   cloud.positions[7] = {1e6, 0, 0};
   ReconstructParams params;

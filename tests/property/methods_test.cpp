@@ -54,11 +54,11 @@ TEST_P(Segmenting, GivesAWatertightMeshWithTheShapesComponentsAndGenus) {
 INSTANTIATE_TEST_SUITE_P(Shapes, Segmenting, testing::ValuesIn(all_cases()),
                          [](const auto& c) { return c.param.shape + "_" + identifier(name_of(c.param.method)); });
 
-class OneJudge : public testing::TestWithParam<std::string> {};
+class SharedEnergy : public testing::TestWithParam<std::string> {};
 
 /// E of the binary labels of each method, by the energy that tv minimizes: none may be below tv's bound, and tv's own
 /// is so close to it that the bound is meaningful.
-TEST_P(OneJudge, NoMethodIsBelowTheBoundThatTvProvesSlow) {
+TEST_P(SharedEnergy, NoMethodIsBelowTheBoundThatTvProvesSlow) {
   const Certificate tv = reconstructed(GetParam(), Method::tv).report.certificate;
   const double bound = tv.relaxed.dual, scale = std::abs(bound);
   ASSERT_LT(bound, 0);
@@ -72,7 +72,7 @@ TEST_P(OneJudge, NoMethodIsBelowTheBoundThatTvProvesSlow) {
 }
 
 /// The paper's numerics and ours: the same energy within 2 %, and two bounds of the same optimum.
-TEST_P(OneJudge, TheSorOfThePaperAndTvAgree) {
+TEST_P(SharedEnergy, TheSorOfThePaperAndTvAgree) {
   const Certificate tv = reconstructed(GetParam(), Method::tv).report.certificate;
   const Certificate sor = reconstructed(GetParam(), Method::tv_sor).report.certificate;
   EXPECT_NEAR(sor.binary.primal, tv.binary.primal, 0.02 * std::abs(tv.binary.primal));
@@ -84,7 +84,7 @@ TEST_P(OneJudge, TheSorOfThePaperAndTvAgree) {
 }
 
 /// With the anisotropic norm the coarea formula is exact: the convex problem and the cut have the same minimum.
-TEST_P(OneJudge, AnisotropicTvAndTheCutReachTheSameEnergy) {
+TEST_P(SharedEnergy, AnisotropicTvAndTheCutReachTheSameEnergy) {
   const PointCloud cloud = sampled(GetParam(), resolution, density);
   ReconstructParams params = params_of(Method::tv);
   params.energy.norm = Norm::anisotropic;
@@ -101,7 +101,7 @@ TEST_P(OneJudge, AnisotropicTvAndTheCutReachTheSameEnergy) {
   EXPECT_LE(tv.certificate.relaxed.dual, energy + 1e-12 * std::abs(energy)) << "a bound, to the rounding of double";
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, OneJudge, testing::ValuesIn(shapes), [](const auto& s) { return s.param; });
+INSTANTIATE_TEST_SUITE_P(Shapes, SharedEnergy, testing::ValuesIn(shapes), [](const auto& s) { return s.param; });
 
 TEST(Vrip, IsOpenWhereNothingWasSeenAndClosedAllRound) {
   const Mesh half = reconstructed(range_scans({{5, 0, 0}}), params_of(Method::vrip)).mesh;

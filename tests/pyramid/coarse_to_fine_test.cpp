@@ -107,7 +107,7 @@ TEST(CoarseToFine, ReportsEveryLevelCoarsestFirst) {
 
 /// Levels whose data does not pay for the surface take less of lambda: they tell the first one that does where to
 /// start, and change nothing else.
-TEST(CoarseToFine, LevelsThatDoNotPayTellWhereToStart) {
+TEST(CoarseToFine, EmptyCoarseLevelsShowWhereToStart) {
   constexpr double lambda = 0.02, tolerance = 1e-4;
   const PointCloud cloud = sampled("knot", 128, 1);
   const auto problem = [&](int levels) {
@@ -304,7 +304,7 @@ TEST(CoarseToFine, ALevelEndsWhenItsLabelsHaveSettled) {
 
 /// A film needs lambda times its area from either side of the band. With less it can only tear, whatever the
 /// iterations: the solver says so.
-TEST(CoarseToFine, AFilmThatTheRimCannotFeedEndsStalled) {
+TEST(CoarseToFine, ASurfaceThatTheBandBoundaryCannotFeedEndsStalled) {
   const Problem problem = make_problem(without_end(sampled("sphere", 64, 1), 0.4), 64);
   PrimalDualParams params;
   params.max_iterations = 20000;

@@ -128,7 +128,7 @@ TEST_F(Pulled, GradientIsTheEnergysDerivative) {
   EXPECT_NEAR(2 * dot(gradient(phi, true), step), energy(forth) - energy(back), 1e-3 * energy(phi));
 }
 
-TEST_F(Pulled, IsSymmetricAndTellsItsEnergy) {
+TEST_F(Pulled, IsSymmetricAndGivesItsEnergy) {
   const RowArray a = random_array(band, 5), b = random_array(band, 6);
   const double scale = dot(a, gradient(a, false));
   EXPECT_NEAR(dot(gradient(a, false), b), dot(a, gradient(b, false)), 1e-4 * scale);

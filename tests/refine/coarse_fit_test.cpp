@@ -29,7 +29,7 @@ struct TwoGrids {
   }
 };
 
-TEST(CoarserGrid, ServesForASmoothShapeAndNotForAThinOne) {
+TEST(CoarserGrid, IsUsedForASmoothShapeAndNotForAThinOne) {
   const Disturbance noise{.noise_vox = 0.8};
   const TwoGrids sphere(Solved("sphere", 90, 0.15, noise));
   EXPECT_TRUE(sphere.coarse.fit_weights.edge_preserving);
@@ -41,7 +41,7 @@ TEST(CoarserGrid, ServesForASmoothShapeAndNotForAThinOne) {
   EXPECT_FALSE(plate.coarse_serves());
 }
 
-TEST(CoarserGrid, DoesNotServeWhereNoSampleTells) {
+TEST(CoarserGrid, IsNotUsedWhereNoSampleDecides) {
   Solved inward("sphere", 60, 0.2, {.noise_vox = 0.8, .viewing = false});
   for (Vec3f& direction : inward.problem.samples.direction) direction = -direction;  // all seen from inside
   EXPECT_FALSE(TwoGrids(std::move(inward)).coarse_serves());

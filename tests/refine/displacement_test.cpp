@@ -74,7 +74,7 @@ TEST_F(BallDisplacement, TwelveStepsConvergeForAnySmoothness) {
   for (const float gamma : {0.01f, 1.0f, 200.0f}) EXPECT_LT(left_after(12, gamma), 0.02) << "gamma " << gamma;
 }
 
-TEST_F(BallDisplacement, APreconditionerOfOtherWeightsServes) {
+TEST_F(BallDisplacement, APreconditionerOfOtherWeightsConverges) {
   displace();
   CellSamples cells = fitted(1);
   const Smoothness smoothness{0.02f, 1};

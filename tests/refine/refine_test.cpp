@@ -55,14 +55,14 @@ TEST(Refine, StrongNoiseIsNotFollowedSlow) {
 }
 
 /// Patches that choose the fit weights, and rows that give the median of the curvatures, are the same or as good.
-TEST(Refine, HardlyKnowsHowTheAxesAreTurnedSlow) {
+TEST(Refine, DependsLittleOnTheOrderOfTheAxesSlow) {
   constexpr int resolution = 140;  // more samples than are used
   const Disturbance noise{.noise_vox = 0.5};
   const Solved turned("plate", resolution, 1, noise);
   Solved along_world("plate", resolution, 1, noise);
   along_world.problem = make_problem(disturbed(*turned.truth, resolution, 1, noise), unturned(turned.problem.lattice));
   along_world.solution = solve(along_world.problem, 0.02, 1e-3);
-  ASSERT_NE(turned.problem.lattice.turn, 0);
+  ASSERT_NE(turned.problem.lattice.axis_shift, 0);
   const Refined a = refined(turned), b = refined(along_world);
   EXPECT_NEAR(a.report.fit_weights.smoothing, b.report.fit_weights.smoothing, 0.01 * b.report.fit_weights.smoothing);
   const auto flips = static_cast<double>(b.report.flips);
@@ -71,7 +71,7 @@ TEST(Refine, HardlyKnowsHowTheAxesAreTurnedSlow) {
   EXPECT_NEAR(mean_error_vox(turned, a.mesh), error, 0.02 * error);
 }
 
-TEST(Refine, StaysModestWhereNoSampleTellsTheStrength) {
+TEST(Refine, IsModestWhereNoSampleDecidesTheSmoothing) {
   Solved solved("sphere", 40, 1, {.viewing = false});
   for (Vec3f& direction : solved.problem.samples.direction) direction = -direction;  // all seen from inside
   const Refined result = refined(solved);
@@ -166,7 +166,7 @@ TEST_P(Topology, SurvivesSmoothingThatWouldFlattenIt) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Topology, testing::Values("plate", "sheets", "knot"), name_of);
 
-TEST(Topology, SurvivesAnyWish) {
+TEST(Topology, IsKeptForAnyRequest) {
   // Half of the vertices near a solid ball's surface should change their label.
   const NarrowBand band = random_band(3, 1, 1);
   BrickMask none(band.grid().bricks());

@@ -98,7 +98,7 @@ GridSamples on_plane(double shift, Vec3f direction) {
   return near_plane(direction, [&](double, double) { return shift; });
 }
 
-TEST(Residuals, TellsHowFarTheSamplesLieInwards) {
+TEST(Residuals, MeasureHowFarTheSamplesLieInwards) {
   const Sampled field = sampled([](Vec3d p) { return p.x - 12; });  // inside: larger x
   const SmoothField smooth(field.grid, field.value, Context(1));
   const Vec3d inwards{1, 0, 0}, at{12, 12.3, 11.9};

@@ -49,7 +49,7 @@ std::vector<CrossingSearch::Pair> crossings(const Drawn& d, const std::vector<Ve
   return search.find(places, all);
 }
 
-TEST(Crossings, AreThePairsThatTheJudgeCounts) {
+TEST(Crossings, AreThePairsThatTheCheckCounts) {
   const Drawn d = drawn("knot", few);
   for (const int every : {1, 20, 200})
     for (const double deviation : {0.03, 0.2, 1.0}) {

@@ -195,7 +195,7 @@ TEST_P(EveryKind, DoesNotDependOnThreads) {
 }
 
 /// Both outside and inside at once: the optimum fills the box up to its fixed layer.
-TEST_P(EveryKind, FilmMayLieOnTheBorder) {
+TEST_P(EveryKind, SurfaceMayLieOnTheBorder) {
   Problem problem = tiny_problem({14, 13, 12}, 6);
   const LevelBox box = problem.lattice.box(0);
   for (size_t b = 0; b < problem.support.grid.size(); ++b)

@@ -27,7 +27,7 @@ struct Filled : RandomLevel {
   }
 };
 
-TEST(InsideBits, TellWhereUIsAboveTheThreshold) {
+TEST(InsideBits, AreSetWhereUIsAboveTheThreshold) {
   const Filled filled(3);
   const Level& level = filled.level;
   const InsideBits inside(level, 0.3f, one_thread);

@@ -144,7 +144,7 @@ TEST(Poisson, AnIterationReducesTheResidualFivefoldWhateverTheSize) {
   }
 }
 
-TEST(Poisson, NotConvergingIsToldNotThrown) {
+TEST(Poisson, NotConvergingIsReportedNotThrown) {
   const auto [lattice, support] = random_data({40, 40, 40}, 1);
   PoissonReport report;
   solve_poisson(lattice, support, 0.01, {.tolerance = 1e-4, .max_iterations = 2}, one_thread, report);

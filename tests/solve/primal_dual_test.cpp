@@ -90,7 +90,7 @@ TEST(PrimalDual, ForeseesWhenTheGapIsSmallEnough) {
 }
 
 /// Bands, and a box whose number of bricks per row must not coincide with the stride of the estimates.
-TEST(PrimalDual, EstimatesTellALargeLevelsGap) {
+TEST(PrimalDual, EstimatesPredictALargeLevelsGap) {
   const Problem knot = make_problem(sampled("knot", 192, 1), 192), plate = make_problem(sampled("plate", 128, 1), 128);
   PrimalDualParams params;
   params.tolerance = 0.01;

@@ -28,7 +28,7 @@ inline Lattice lattice_of(const PointCloud& cloud, int resolution) {
 /// With the axes in the world's order, whichever is the longest.
 inline Lattice unturned(Lattice lattice) {
   lattice.size = lattice.to_world_axes(lattice.size);
-  lattice.turn = 0;
+  lattice.axis_shift = 0;
   return lattice;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/extract/isosurface.h"
 #include "tools/scanner/shape.h"
 #include "tools/scanner/trefoil.h"
@@ -184,7 +185,7 @@ Mesh Knot::local_tessellate(double tolerance) const {
 
   const Context one_thread(1);
   const BrickGrid grid(active, one_thread);
-  Field<float> value(grid, one_thread.pages());
+  Field<float> value(grid, pages_of(one_thread));
   for (size_t b = 0; b < grid.size(); ++b) {
     for (int i = 0; i < brick_volume; ++i) {
       const Vec3i v = grid.first_vertex(b) + vertex_in_brick(i);

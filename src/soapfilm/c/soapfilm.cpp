@@ -96,10 +96,10 @@ soapfilm_status guarded(soapfilm_context* context, Work&& work) noexcept {
 }
 
 /// A column of a table of a C caller.
-class Column {
+class Table {
  public:
   /// `values` per row. Throws ParameterError.
-  Column(const soapfilm_array& array, size_t values, const char* name, bool bytes = false)
+  Table(const soapfilm_array& array, size_t values, const char* name, bool bytes = false)
       : data_(static_cast<const char*>(array.data)), type_(array.type) {
     if (!data_) return;
     const size_t size = type_ == SOAPFILM_FLOAT64 ? sizeof(double) : type_ == SOAPFILM_FLOAT32 ? sizeof(float) : 1;
@@ -134,8 +134,19 @@ class Column {
   ptrdiff_t stride_ = 0;
 };
 
+/// A further column for a cloud. Throws ParameterError.
+Column column_of(const soapfilm_column& given, const PointCloud& cloud) {
+  Column column{given.name ? given.name : "", std::vector<float>(cloud.size()), given.is_label != 0};
+  const Table values(given.values, 1, "column");
+  if (column.name.empty() || !values) throw ParameterError("column: name or data = null, both must be given");
+  for (const Column& other : cloud.columns)
+    if (other.name == column.name) throw ParameterError(fmt::format("column \"{}\" is given twice", column.name));
+  for (size_t i = 0; i < cloud.size(); ++i) column.values[i] = static_cast<float>(values(i, 0));
+  return column;
+}
+
 PointCloud cloud_of(const soapfilm_samples& samples) {
-  const Column position(samples.position, 3, "position"), normal(samples.normal, 3, "normal"),
+  const Table position(samples.position, 3, "position"), normal(samples.normal, 3, "normal"),
       sensor(samples.sensor, 3, "sensor"), weight(samples.weight, 1, "weight"), color(samples.color, 3, "color", true);
   const size_t count = samples.count;
   if (count == 0) throw SamplesError("count = 0, must be at least 1");
@@ -164,6 +175,7 @@ PointCloud cloud_of(const soapfilm_samples& samples) {
     if (color)
       for (size_t k = 0; k < 3; ++k) cloud.colors[i][k] = static_cast<uint8_t>(color(i, k));
   }
+  for (size_t c = 0; c < samples.column_count; ++c) cloud.columns.push_back(column_of(samples.columns[c], cloud));
   Scan scan;
   scan.name = samples.name ? samples.name : "";
   scan.end = count;
@@ -248,6 +260,16 @@ size_t soapfilm_triangle_count(const soapfilm_result* result) { return result->r
 const uint32_t* soapfilm_triangles(const soapfilm_result* result) {
   static_assert(sizeof(Triangle) == 3 * sizeof(uint32_t));
   return result->reconstruction.mesh.triangles.data()->data();
+}
+
+const uint8_t* soapfilm_colors(const soapfilm_result* result) {
+  const auto& colors = result->reconstruction.mesh.colors;
+  return colors.empty() ? nullptr : colors.data()->data();
+}
+
+const char* soapfilm_attribute_name(const soapfilm_result* result, size_t index) {
+  const auto& attributes = result->reconstruction.mesh.attributes;
+  return index < attributes.size() ? attributes[index].name.c_str() : nullptr;
 }
 
 const float* soapfilm_attribute(const soapfilm_result* result, const char* name) {

@@ -7,16 +7,16 @@
 
 namespace soapfilm {
 
-void Context::Part::advance(double fraction, std::string_view detail) {
+void PartOfProgress::advance(double fraction, std::string_view detail) {
   if (whole) whole->advance(begin + fraction * (end - begin), detail);
 }
-void Context::Part::info(const std::string& line) {
+void PartOfProgress::info(const std::string& line) {
   if (whole) whole->info(line);
 }
-void Context::Part::detail(const std::string& line) {
+void PartOfProgress::detail(const std::string& line) {
   if (whole) whole->detail(line);
 }
-void Context::Part::warn(const std::string& line) {
+void PartOfProgress::warn(const std::string& line) {
   if (whole) whole->warn(line);
 }
 
@@ -44,12 +44,6 @@ Context::Context(int threads, Progress& progress, const std::string& simd)
 Context::Context(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Context::~Context() = default;
 
-Context Context::silent() const { return Context(std::make_unique<State>(*state_, nullptr, 0, 1)); }
-
-Context Context::part(double begin, double end) const {
-  return Context(std::make_unique<State>(*state_, state_->reports, begin, end));
-}
-
 double Context::cpu_seconds() const {
   return state_->threads->helpers_time().seconds() + 1e-9 * static_cast<double>(thread_cpu_time());
 }
@@ -57,7 +51,12 @@ double Context::cpu_seconds() const {
 int Context::threads() const { return state_->threads->count(); }
 Progress& Context::progress() const { return *state_->reports; }
 void Context::check() const { state_->stopped_by->check(); }
-const Kernels& Context::kernels() const { return *state_->kernels; }
-const PagePool& Context::pages() const { return state_->pages; }
+
+Context silenced(const Context& context) {
+  return Context(std::make_unique<Context::State>(context.state(), nullptr, 0, 1));
+}
+Context part_of(const Context& context, double begin, double end) {
+  return Context(std::make_unique<Context::State>(context.state(), context.state().reports, begin, end));
+}
 
 }  // namespace soapfilm

@@ -1,4 +1,4 @@
-// The contents of a context.
+// The contents of a context, for use inside the library.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,10 @@
 
 namespace soapfilm {
 
+struct Kernels;
+
 /// Reports its fractions as fractions from `begin` to `end` of a whole.
-struct Context::Part : Progress {
+struct PartOfProgress : Progress {
   void advance(double fraction, std::string_view detail) override;
   void info(const std::string& line) override;
   void detail(const std::string& line) override;
@@ -29,12 +31,20 @@ struct Context::State {
   State(int thread_count, const std::string& simd_target, Progress* progress);
   State(const State& parent, Progress* whole, double begin, double end);
 
-  Part part;
+  PartOfProgress part;
   Progress* reports;
   const Progress* stopped_by;
   std::shared_ptr<const Kernels> kernels;
   std::shared_ptr<Threads> threads;
   PagePool pages;
 };
+
+/// Within a stage: the same context, and must not outlive it. It reports nothing.
+Context silenced(const Context& context);
+/// Its fractions [0, 1] are reported as fractions from `begin` to `end`, in [0, 1], of `context`.
+Context part_of(const Context& context, double begin, double end);
+
+inline const Kernels& kernels_of(const Context& context) { return *context.state().kernels; }
+inline const PagePool& pages_of(const Context& context) { return context.state().pages; }
 
 }  // namespace soapfilm

@@ -22,7 +22,7 @@ template <class T>
 void reserve_many(std::vector<T>& values, size_t count, const PagePool& pages = {}) {
   values.reserve(count);
   prefer_large_pages(values.data(), count * sizeof(T));
-  if (count * sizeof(T) >= least_kept_bytes) pages.serve(values.data(), count * sizeof(T));
+  if (count * sizeof(T) >= least_kept_bytes) pages.supply(values.data(), count * sizeof(T));
 }
 
 /// Reads "600M", "2G", "1.5GiB", "800 MB" or plain bytes. K, M, G, T and KiB, MiB, GiB, TiB are powers of 1024; KB, MB,

@@ -58,19 +58,19 @@ class Loop {
 }  // namespace
 
 void ChunkLoop::run(const Context& context, size_t count, size_t grain, void* body, Call call) {
-  Loop loop(context, context.state_->threads->helpers_time(), count, grain, body, call);
+  Loop loop(context, context.state().threads->helpers_time(), count, grain, body, call);
   const size_t chunks = loop.chunks();
   if (context.threads() == 1 || chunks <= 1) {
     for (size_t k = 0; k < chunks; ++k) loop.run(k);
     return;
   }
   const HelpersTime::Share own(nullptr);  // counted by the calling thread
-  context.state_->threads->each(chunks, [&](size_t k) { loop.run_guarded(k); });
+  context.state().threads->each(chunks, [&](size_t k) { loop.run_guarded(k); });
   loop.rethrow();
 }
 
 void ChunkLoop::confine(const Context& context, void* body, Call call) {
-  context.state_->threads->confine([&] { call(body, 0, 1); });
+  context.state().threads->confine([&] { call(body, 0, 1); });
 }
 
 }  // namespace soapfilm

@@ -40,7 +40,7 @@ struct Projection {
     v = (dropped + 2) % 3;
   }
   /// +1 if a, b, c are counter-clockwise.
-  int turn(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) const {
+  int orientation(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) const {
     return sign(Wide{b[u] - a[u]} * (c[v] - a[v]) - Wide{b[v] - a[v]} * (c[u] - a[u]));
   }
   bool between(const LatticePoint& a, const LatticePoint& b, const LatticePoint& on_line) const {
@@ -51,8 +51,8 @@ struct Projection {
 
 bool segments_meet(const Projection& seen, const LatticePoint& p, const LatticePoint& q, const LatticePoint& a,
                    const LatticePoint& b) {
-  const int pa = seen.turn(p, q, a), pb = seen.turn(p, q, b);
-  const int ap = seen.turn(a, b, p), aq = seen.turn(a, b, q);
+  const int pa = seen.orientation(p, q, a), pb = seen.orientation(p, q, b);
+  const int ap = seen.orientation(a, b, p), aq = seen.orientation(a, b, q);
   if (pa * pb < 0 && ap * aq < 0) return true;
   return (pa == 0 && seen.between(p, q, a)) || (pb == 0 && seen.between(p, q, b)) ||
          (ap == 0 && seen.between(a, b, p)) || (aq == 0 && seen.between(a, b, q));
@@ -60,7 +60,8 @@ bool segments_meet(const Projection& seen, const LatticePoint& p, const LatticeP
 
 /// Whether p, in the plane of t, lies in t.
 bool contains(const Projection& seen, const LatticeTriangle& t, const LatticePoint& p) {
-  const int a = seen.turn(t[0], t[1], p), b = seen.turn(t[1], t[2], p), c = seen.turn(t[2], t[0], p);
+  const int a = seen.orientation(t[0], t[1], p), b = seen.orientation(t[1], t[2], p),
+            c = seen.orientation(t[2], t[0], p);
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
@@ -103,7 +104,7 @@ bool meet(const LatticeTriangle& a, const LatticeTriangle& b) {
 bool folded(const LatticePoint& from, const LatticePoint& to, const LatticePoint& tip, const LatticePoint& other) {
   if (side_of_plane(from, to, tip, other) != 0) return false;
   const Projection seen({from, to, tip});
-  return seen.turn(from, to, tip) == seen.turn(from, to, other);
+  return seen.orientation(from, to, tip) == seen.orientation(from, to, other);
 }
 
 /// Permuted cyclically so that the corner `first` comes first.

@@ -7,10 +7,10 @@
 
 namespace soapfilm {
 
-/// The values permuted cyclically: axis k has the value of axis (k + turn) % 3. `turn` in [0, 3].
+/// The values permuted cyclically: axis k has the value of axis (k + shift) % 3. `shift` in [0, 3].
 template <class T>
-constexpr Vec3<T> permuted(Vec3<T> v, int turn) {
-  return turn == 1 ? Vec3<T>{v.y, v.z, v.x} : turn == 2 ? Vec3<T>{v.z, v.x, v.y} : v;
+constexpr Vec3<T> permuted(Vec3<T> v, int shift) {
+  return shift == 1 ? Vec3<T>{v.y, v.z, v.x} : shift == 2 ? Vec3<T>{v.z, v.x, v.y} : v;
 }
 
 template <class T>

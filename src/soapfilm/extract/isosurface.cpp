@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "soapfilm/core/bits.h"
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
@@ -93,9 +94,9 @@ class Extraction {
       throw ParameterError(fmt::format("the surface has {} vertices, must be < 2^32", first_vertex_.back()));
     }
     context_.progress().advance(0.5, "cells counted");
-    reserve_many(mesh_.vertices, first_vertex_.back(), context_.pages());
+    reserve_many(mesh_.vertices, first_vertex_.back(), pages_of(context_));
     mesh_.vertices.resize(first_vertex_.back());
-    reserve_many(mesh_.triangles, first_triangle_.back(), context_.pages());
+    reserve_many(mesh_.triangles, first_triangle_.back(), pages_of(context_));
     mesh_.triangles.resize(first_triangle_.back());
     for_blocks([this](size_t block) { return has_vertices(block) || has_triangles(block); },
                [this](size_t block, CellWindow& window) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/kernels/divergence_kernel.h"
 #include "soapfilm/kernels/kernels.h"
@@ -166,7 +167,7 @@ BrickMask support_mask(const GridSamples& samples, const LevelBox& box, const Co
 SupportField divergence_field(const GridSamples& samples, const LevelBox& box, const Context& context) {
   SupportField field;
   field.grid = BrickGrid(support_mask(samples, box, context), context);
-  field.f = Field<float>(field.grid, context.pages());
+  field.f = Field<float>(field.grid, pages_of(context));
 
   constexpr int32_t none = -1;
   std::vector<int32_t> samples_of(field.grid.size(), none);  // for each brick of the field, its index in `samples`
@@ -177,7 +178,7 @@ SupportField divergence_field(const GridSamples& samples, const LevelBox& box, c
   const int layers = box.bricks.z;
   const std::vector<size_t> begin = layers_of(field.grid, layers);
   SplatLayers splats(samples, layers, context);
-  const DivergenceKernel divergence = context.kernels().divergence;
+  const DivergenceKernel divergence = kernels_of(context).divergence;
   splats.splat(0);
   for (int layer = 0; layer < layers; ++layer) {
     if (layer + 1 < layers) splats.splat(layer + 1);

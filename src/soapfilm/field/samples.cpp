@@ -35,7 +35,7 @@ std::vector<Vec3d> lattice_positions(const GridSamples& samples) {
 GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
                          const Context& context, const std::function<bool(size_t)>& wanted) {
   GridSamples samples;
-  samples.turn = lattice.turn;
+  samples.axis_shift = lattice.axis_shift;
   // visit(i, brick, is_new, position) for those of samples [begin, end) that are used. Neighbors in a scan mostly lie
   // in the same brick: it is looked up only when it changes.
   const auto for_each_sample = [&](size_t begin, size_t end, auto&& visit) {

@@ -18,7 +18,7 @@ namespace soapfilm {
 /// threads. Positions are relative to the brick: float has a resolution of 2^-21 voxel in every brick.
 struct GridSamples {
   BrickGrid bricks;                  ///< the bricks that hold at least one sample
-  int turn = 0;                      ///< permutation of the lattice's axes
+  int axis_shift = 0;                ///< permutation of the lattice's axes
   std::vector<uint32_t> begin;       ///< brick b holds samples [begin[b], begin[b + 1])
   std::vector<Vec3f> local;          ///< position relative to the brick's first vertex, voxels, each in [0, 8)
   std::vector<Vec3f> direction;      ///< rough outward direction along the lattice's axes; its length is the sample's

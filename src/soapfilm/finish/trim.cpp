@@ -125,8 +125,8 @@ class Cut {
       const auto length = [&](size_t i, size_t j) {
         return norm(mesh_.vertices[polygon[i]] - mesh_.vertices[polygon[j]]);
       };
-      const size_t turn = length(0, 2) <= length(1, 3) ? 0 : 1;
-      const auto corner = [&](size_t i) { return polygon[(i + turn) % 4]; };
+      const size_t first = length(0, 2) <= length(1, 3) ? 0 : 1;
+      const auto corner = [&](size_t i) { return polygon[(i + first) % 4]; };
       kept.push_back({corner(0), corner(1), corner(2)});
       kept.push_back({corner(0), corner(2), corner(3)});
     }

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
 
@@ -189,8 +190,8 @@ class Fusion {
                                        report.scans, report.scans == 1 ? "" : "s", report.triangles,
                                        report.dropped_triangles));
     fused_.grid = BrickGrid(near, context_);
-    fused_.distance = Field<float>(fused_.grid, context_.pages());
-    fused_.weight = Field<float>(fused_.grid, context_.pages());
+    fused_.distance = Field<float>(fused_.grid, pages_of(context_));
+    fused_.weight = Field<float>(fused_.grid, pages_of(context_));
     for (size_t k = 0; k < surfaces_.size(); ++k) {
       add(place(k));
       context_.progress().advance(static_cast<double>(k + 1) / static_cast<double>(surfaces_.size()),

@@ -26,14 +26,14 @@ class AlignedArray {
   T* data() { return memory_ ? reinterpret_cast<T*>(memory_.get() + lead_bytes) : nullptr; }
   const T* data() const { return memory_ ? reinterpret_cast<const T*>(memory_.get() + lead_bytes) : nullptr; }
   /// Values before `end` are not read any more: frees their memory early.
-  void give_back_before(size_t end) { given_back_ = give_back(memory_, given_back_, lead_bytes + end * sizeof(T)); }
+  void release_before(size_t end) { released_ = release_pages(memory_, released_, lead_bytes + end * sizeof(T)); }
   /// Values [begin, end), still zero, will soon be written.
-  void take_pages(size_t begin, size_t end) { pages_.serve(data() + begin, (end - begin) * sizeof(T)); }
+  void supply_pages(size_t begin, size_t end) { pages_.supply(data() + begin, (end - begin) * sizeof(T)); }
 
  private:
   static constexpr size_t lead_bytes = 64;
   size_t count_ = 0;
-  size_t given_back_ = 0;  // bytes, lead included
+  size_t released_ = 0;  // bytes, lead included
   PagePool pages_;
   ZeroedMemory memory_;
 };
@@ -56,9 +56,11 @@ class Field {
   }
   size_t bytes() const { return values_.bytes(); }
   /// Bricks before `end` are not read any more: frees their memory early.
-  void give_back_before(size_t end) { values_.give_back_before(end * values_per_brick); }
+  void release_before(size_t end) { values_.release_before(end * values_per_brick); }
   /// Bricks [begin, end), still zero, will soon be written.
-  void take_pages(size_t begin, size_t end) { values_.take_pages(begin * values_per_brick, end * values_per_brick); }
+  void supply_pages(size_t begin, size_t end) {
+    values_.supply_pages(begin * values_per_brick, end * values_per_brick);
+  }
 
  private:
   AlignedArray<T> values_;

@@ -31,18 +31,18 @@ int vertices_along(double length, double voxel, int padding) {
 }
 
 /// Memory is prefetched along rows: short rows cost more than slightly larger layers.
-int turn_of(Vec3i along_world) {
+int axis_shift_of(Vec3i along_world) {
   constexpr double much_larger = 1.25;
-  const auto layer = [&](int turn) {
-    const Vec3i size = permuted(along_world, turn);
+  const auto layer = [&](int shift) {
+    const Vec3i size = permuted(along_world, shift);
     return static_cast<double>(size.x) * size.y;
   };
   const double least = std::min({layer(0), layer(1), layer(2)});
   int best = -1;
-  for (int turn = 0; turn < 3; ++turn)
-    if (layer(turn) <= much_larger * least &&
-        (best < 0 || permuted(along_world, turn).x > permuted(along_world, best).x))
-      best = turn;
+  for (int shift = 0; shift < 3; ++shift)
+    if (layer(shift) <= much_larger * least &&
+        (best < 0 || permuted(along_world, shift).x > permuted(along_world, best).x))
+      best = shift;
   return best;
 }
 
@@ -89,7 +89,7 @@ Lattice place_lattice(const Box3d& samples, double voxel, int padding, int level
   const Vec3d length = samples.size();
   Vec3i along_world;
   for (int axis = 0; axis < 3; ++axis) along_world[axis] = vertices_along(length[axis], voxel, padding);
-  lattice.turn = turn_of(along_world);
+  lattice.axis_shift = axis_shift_of(along_world);
   lattice.size = lattice.from_world_axes(along_world);
   const double below = (padding - 0.5) * voxel;
   lattice.first_vertex = samples.lo - Vec3d{below, below, below};

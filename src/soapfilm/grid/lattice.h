@@ -45,11 +45,11 @@ struct Lattice : GridFacts {
   /// Components of a vector along the lattice's axes, from those along the world's; and back.
   template <class T>
   Vec3<T> from_world_axes(Vec3<T> v) const {
-    return permuted(v, turn);
+    return permuted(v, axis_shift);
   }
   template <class T>
   Vec3<T> to_world_axes(Vec3<T> v) const {
-    return permuted(v, 3 - turn);
+    return permuted(v, 3 - axis_shift);
   }
 
   int margin() const { return 1 << (levels - 1); }

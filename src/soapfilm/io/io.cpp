@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/formats.h"
@@ -59,7 +60,7 @@ PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report
   if (paths.empty()) throw ParameterError("0 input files, must be > 0");
   if (paths.size() == 1) return read_points(paths.front(), report, context);
   ReadReport unused;
-  const Context silent = context.silent();
+  const Context silent = silenced(context);
   return io::read_each(paths.size(), report != nullptr ? *report : unused, context,
                        [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, silent); });
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <unordered_set>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/atomic_file.h"
@@ -218,13 +219,13 @@ WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const Writ
   file.append(header);
   const PlyStyle style{options.ascii, report.double_coordinates};
   const size_t vertex_values = 9 + mesh.attributes.size();
-  write_rows(file, style, mesh.vertices.size(), vertex_values, context.part(0, 0.5), [&](size_t i, PlyBody& body) {
+  write_rows(file, style, mesh.vertices.size(), vertex_values, part_of(context, 0, 0.5), [&](size_t i, PlyBody& body) {
     body.put_position(mesh.vertices[i]);
     if (!mesh.normals.empty()) body.put(mesh.normals[i]);
     if (!mesh.colors.empty()) body.put_color(mesh.colors[i]);
     for (const Column& attribute : mesh.attributes) body.put(attribute.values[i]);
   });
-  write_rows(file, style, mesh.triangles.size(), 4, context.part(0.5, 1), [&](size_t i, PlyBody& body) {
+  write_rows(file, style, mesh.triangles.size(), 4, part_of(context, 0.5, 1), [&](size_t i, PlyBody& body) {
     body.put(uint8_t{3});
     for (const uint32_t v : mesh.triangles[i]) body.put(v);
   });

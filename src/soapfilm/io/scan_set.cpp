@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/read_each.h"
@@ -98,7 +99,7 @@ void write_scan_set(const std::string& path, const std::vector<ScanSetEntry>& en
 PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, const Context& context) {
   const std::filesystem::path folder = std::filesystem::path(source.path()).parent_path();
   const std::vector<ScanSetEntry> entries = parse_scan_set(source, report);
-  const Context silent = context.silent();
+  const Context silent = silenced(context);
   return read_each(entries.size(), report, context, [&](size_t i, ReadReport& to) {
     const ScanSetEntry& entry = entries[i];
     const std::string file = (folder / entry.file).string();

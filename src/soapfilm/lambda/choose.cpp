@@ -41,7 +41,7 @@ std::optional<std::string> near_empty(double lambda, double density) {
   const double edge = critical_density * density;
   if (3 * lambda <= edge) return {};
   return fmt::format(
-      "lambda = {:.3g} is {} {:.3g}, above which a film over {:.2g} samples per voxel^2 vanishes: expect "
+      "lambda = {:.3g} is {} {:.3g}, above which a surface with {:.2g} samples per voxel^2 vanishes: expect "
       "missing parts (smaller --lambda, or coarser voxels)",
       lambda, lambda > edge ? "above" : "near", edge, density);
 }

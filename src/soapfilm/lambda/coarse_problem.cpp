@@ -1,4 +1,5 @@
 #include "soapfilm/lambda/coarse_problem.h"
+#include "soapfilm/core/context_state.h"
 
 #include <algorithm>
 
@@ -23,7 +24,7 @@ PyramidSolution solve_coarse(const Lattice& lattice, const SupportField& field, 
                              const Context& context) {
   solver.tolerance = std::max(solver.tolerance, coarse_tolerance);
   solver.max_iterations = std::min(solver.max_iterations, coarse_iterations);
-  return solve_coarse_to_fine(lattice, field, lambda, solver, context.silent());
+  return solve_coarse_to_fine(lattice, field, lambda, solver, silenced(context));
 }
 
 }  // namespace soapfilm

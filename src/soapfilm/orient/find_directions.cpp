@@ -1,5 +1,6 @@
 #include "soapfilm/orient/find_directions.h"
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
 
 namespace soapfilm {
@@ -10,7 +11,7 @@ Orientation find_directions(const PointCloud& cloud, const Box3d& box, const Ori
   found.directions = orient(cloud, params, context, found.report);
   context.progress().advance(0.3, "directions");
   const auto measure = [&](double begin, double end) {
-    found.surface = measure_local_surface(cloud.positions, found.directions, box, context.part(begin, end));
+    found.surface = measure_local_surface(cloud.positions, found.directions, box, part_of(context, begin, end));
   };
   measure(0.3, 0.8);
   if (check_signs(cloud, params, found.surface.sides, context, found.directions, found.report)) measure(0.8, 1);

@@ -28,7 +28,7 @@ class PagePool {
   /// A new pool.
   static PagePool make();
   /// Whether this platform can reuse pages of freed arrays. If not, arrays are allocated and freed whole by the
-  /// allocator, and give_back() does nothing.
+  /// allocator, and release_pages() does nothing.
   static bool moves_pages();
   /// No pool: arrays come from the system and are returned to it.
   PagePool() = default;
@@ -39,7 +39,7 @@ class PagePool {
 
   /// For memory that will soon be written: kept pages, set to zero, are used for large pages of [begin, begin + bytes)
   /// that have not been touched. Throws std::bad_alloc.
-  void serve(void* begin, size_t bytes) const;
+  void supply(void* begin, size_t bytes) const;
 
   /// The largest total size of its arrays at one time, since the last restart.
   size_t peak_bytes() const;
@@ -63,6 +63,6 @@ class PagePool {
 /// For an array that is still in use: bytes before `end` are not read any more, so their pages are returned to the
 /// system, or whole large pages to the pool's Keep. Their contents are lost: they may be written, not read. `gone`:
 /// bytes given back before. Returns the number given back so far.
-size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end);
+size_t release_pages(const ZeroedMemory& memory, size_t gone, size_t end);
 
 }  // namespace soapfilm

@@ -154,18 +154,18 @@ LeftOut left_out_children(const Level& coarse, size_t brick, const Level& fine, 
 /// Frees the memory below a layer along z.
 void give_back_below(Level& level, int z) {
   const size_t end = level.grid.layer(std::clamp(z, 0, level.grid.bricks().z - 1)).first;
-  level.u.give_back_before(end);
-  level.p.give_back_before(end);
+  level.u.release_before(end);
+  level.p.release_before(end);
 }
 
 /// For the children of a coarse layer, and of the next one, as large pages extend across both: uses pages that the
 /// coarse level has freed.
-void take_pages(Level& fine, int coarse_z) {
+void supply_pages(Level& fine, int coarse_z) {
   const int lowest = 2 * coarse_z, top = fine.grid.bricks().z - 1;
   if (lowest > top) return;
   const size_t begin = fine.grid.layer(lowest).first, end = fine.grid.layer(std::min(lowest + 3, top)).second;
-  fine.u.take_pages(begin, end);
-  fine.p.take_pages(begin, end);
+  fine.u.supply_pages(begin, end);
+  fine.p.supply_pages(begin, end);
 }
 
 /// By layers of coarse bricks along z; used(z) is called when nothing of the coarse level below layer z is read any
@@ -176,7 +176,7 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
   Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, context, coarse.norm);
   std::vector<LeftOut> left_out(coarse.grid.size());
   for (int z = 0; z < coarse.grid.bricks().z; ++z) {
-    take_pages(fine, z);
+    supply_pages(fine, z);
     const auto [begin, end] = coarse.grid.layer(z);
     parallel_for(context, end - begin, 16, [&, first = begin](size_t i) {
       prolong_children(coarse, first + i, fine, previous);

@@ -1,5 +1,6 @@
 #include "soapfilm/pyramid/restrict.h"
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
@@ -20,7 +21,7 @@ void add_child(const float* child, Vec3i octant, float* coarse) {
 SupportField restrict_field(const SupportField& fine, const LevelBox& coarse_box, const Context& context) {
   SupportField coarse;
   coarse.grid = BrickGrid(parents_of(fine.grid, coarse_box.bricks, context), context);
-  coarse.f = Field<float>(coarse.grid, context.pages());
+  coarse.f = Field<float>(coarse.grid, pages_of(context));
   parallel_for(context, coarse.grid.size(), 64, [&](size_t b) {
     for (int k = 0; k < 8; ++k) {
       const int32_t child = fine.grid.find(child_of(coarse.grid.coord(b), k));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/pyramid/restrict.h"
 
@@ -29,7 +30,7 @@ void add_row(const DenseField<float>& coarse, int Y, int Z, float weight, std::v
 }  // namespace
 
 DenseField<float> prolong_dense(const DenseField<float>& coarse, const LevelBox& fine_box, const Context& context) {
-  DenseField<float> fine(fine_box, context.pages());
+  DenseField<float> fine(fine_box, pages_of(context));
   const Vec3i size = fine.size(), origin = fine.origin();
   parallel_for(context, static_cast<size_t>(size.z - 2), 1, [&](size_t layer) {
     const int z = static_cast<int>(layer) + 1;
@@ -60,7 +61,7 @@ Level solve_sor(const Lattice& lattice, const SupportField& support, double lamb
   validate(params);
   const int levels = std::min(params.levels, lattice.levels);
   const std::vector<SupportField> coarser = coarser_fields(support, lattice, levels, context);
-  DenseField<float> u(lattice.box(levels - 1), context.pages());
+  DenseField<float> u(lattice.box(levels - 1), pages_of(context));
   for (int l = levels - 1; l >= 0; --l) {
     const LevelBox box = lattice.box(l);
     if (l < levels - 1) u = prolong_dense(u, box, context);

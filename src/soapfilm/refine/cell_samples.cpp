@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "soapfilm/core/bits.h"
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/refine/layers.h"
@@ -173,7 +174,7 @@ CellSamples::CellSamples(const GridSamples& samples, const NarrowBand& band, con
   }
   for (size_t b = 0; b < bricks; ++b) brick_[b + 1] = std::max(brick_[b], brick_[b + 1]);
   for (size_t z = 1; z < layer_.size(); ++z) layer_[z] = std::max(layer_[z - 1], layer_[z]);
-  values_ = AlignedArray<float>(DataJob::values * size_t{first_.back()}, context.pages());
+  values_ = AlignedArray<float>(DataJob::values * size_t{first_.back()}, pages_of(context));
 }
 
 MergedCell CellSamples::cell(size_t row, int x) const {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
@@ -73,7 +74,7 @@ FlipCount CoarseHoleSurface::step() {
     const GridSamples samples = on_every_second_vertex(finder_.samples(), context_, &bricks_);
     Displacement displacement(start_.band, start_.phi0, context_);
     CellSamples cells(samples, start_.band, context_);
-    fit_robustly(displacement, samples, cells, {}, fit_weights_, robust_, context_.silent());
+    fit_robustly(displacement, samples, cells, {}, fit_weights_, robust_, silenced(context_));
     phi_ = std::move(displacement.phi());
   }
   // Where there are samples near the surface, the labels of the solve are kept.
@@ -96,10 +97,10 @@ FlipCount CoarseHoleSurface::step() {
   return flips;
 }
 
-bool CoarseHoleSurface::bend(const std::vector<HoleSurface>& films, HoleReport& report) {
+bool CoarseHoleSurface::bend(const std::vector<HoleSurface>& holes, HoleReport& report) {
   bricks_ = BrickMask(Vec3i{fine_.box.bricks.x + 1, fine_.box.bricks.y + 1, fine_.box.bricks.z + 1} / 2);
-  for (const HoleSurface& film : films)
-    for (const Vec3i v : film) set_with_neighbors(bricks_, v);
+  for (const HoleSurface& surface : holes)
+    for (const Vec3i v : surface) set_with_neighbors(bricks_, v);
   size_t first = 0;
   for (report.rounds = 1; report.rounds <= most_rounds; ++report.rounds) {
     const FlipCount flips = step();

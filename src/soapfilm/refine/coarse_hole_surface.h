@@ -20,7 +20,7 @@ class CoarseHoleSurface {
   /// Fits, changes labels at simple points to follow the fit, and repeats until almost none changes, in 12 rounds at
   /// most. Returns false where more of them change than in the first round and the topology refuses more than 3 %: this
   /// would not end.
-  bool bend(const std::vector<HoleSurface>& films, HoleReport& report);
+  bool bend(const std::vector<HoleSurface>& holes, HoleReport& report);
 
   const BrickMask& bricks() const { return bricks_; }
   /// Approximate distance in units of the half-resolution grid; beyond the band only its sign.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
 #include "soapfilm/solve/dense_level.h"
@@ -37,7 +38,7 @@ DenseSurface dense_surface(const DenseField<float>& u, double isovalue, const Le
     throw ParameterError(fmt::format("isovalue = {:.4g}, must be > 0, the value of u outside the box", isovalue));
   const auto scale = static_cast<float>(0.5 / isovalue);
   DenseSurface surface;
-  surface.binary = DenseField<float>(box, context.pages());
+  surface.binary = DenseField<float>(box, pages_of(context));
   parallel_chunks(context, u.count(), size_t{1} << 16, [&](size_t begin, size_t end) {
     const float* in = u.data();
     float* out = surface.binary.data();
@@ -47,7 +48,7 @@ DenseSurface dense_surface(const DenseField<float>& u, double isovalue, const Le
   SurfaceField& field = surface.field;
   const BrickMask bricks = interface_bricks(surface.binary, box, context);
   field.grid = BrickGrid(bricks, context);
-  field.value = Field<float>(field.grid, context.pages());
+  field.value = Field<float>(field.grid, pages_of(context));
   parallel_for(context, field.grid.size(), 64, [&](size_t b) {
     for_each_run(u, field.grid.coord(b), [&](const float* row, int x, int y, int z, int n) {
       std::transform(row, row + n, field.value.brick(b) + brick_offset(x, y, z), [&](float v) { return scale * v; });

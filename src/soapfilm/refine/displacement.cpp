@@ -110,7 +110,7 @@ void Displacement::precondition(const CellSamples& data, Smoothness smoothness) 
   multilevel_.set_operator(scratch_, smoothness.slope, smoothness.curvature, context_);
 }
 
-double Displacement::turn(const CellSamples& data, Smoothness smoothness, float ratio, bool last) {
+double Displacement::search_direction(const CellSamples& data, Smoothness smoothness, float ratio, bool last) {
   if (ratio == 0) std::swap(direction_, scratch_);
   float* direction = direction_.data();
   const float* preconditioned = scratch_.data();
@@ -154,7 +154,8 @@ int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const
     if (iteration == 0) first = new_rz;
     if (!(new_rz > 0)) break;
     last = new_rz <= limits.tolerance * limits.tolerance * first || iteration + 1 == limits.iterations;
-    const double curvature = turn(data, smoothness, iteration == 0 ? 0.0f : static_cast<float>(new_rz / rz), last);
+    const double curvature =
+        search_direction(data, smoothness, iteration == 0 ? 0.0f : static_cast<float>(new_rz / rz), last);
     rz = new_rz;
     if (!(curvature > 0)) break;
     step = static_cast<float>(rz / curvature);

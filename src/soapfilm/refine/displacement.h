@@ -60,7 +60,7 @@ class Displacement {
   /// The next conjugate direction z + ratio direction, z in scratch_ (whose array it takes over where ratio is 0);
   /// returns <direction, A direction>. A direction is in image_ afterwards, except in the last step, which does not
   /// need it.
-  double turn(const CellSamples& data, Smoothness smoothness, float ratio, bool last);
+  double search_direction(const CellSamples& data, Smoothness smoothness, float ratio, bool last);
   /// The kernel of that name on a layer of bricks.
   double laplacian(const LaplacianJob& job, int layer) const;
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/median.h"
 #include "soapfilm/core/random.h"
 
@@ -24,7 +25,7 @@ BrickMask choose_patches(const GridSamples& samples, const HeldOutParams& params
   const BrickGrid& bricks = samples.bricks;
   std::map<std::pair<uint64_t, uint64_t>, std::vector<size_t>> patches;  // by random key, then by place
   for (size_t b = 0; b < bricks.size(); ++b) {
-    const Vec3i c = permuted(bricks.coord(b), 3 - samples.turn);  // along the world's axes
+    const Vec3i c = permuted(bricks.coord(b), 3 - samples.axis_shift);  // along the world's axes
     const uint64_t place = (static_cast<uint64_t>(c.z / params.patch_bricks) << 42) +
                            (static_cast<uint64_t>(c.y / params.patch_bricks) << 21) +
                            static_cast<uint64_t>(c.x / params.patch_bricks);
@@ -44,7 +45,7 @@ BrickMask choose_patches(const GridSamples& samples, const HeldOutParams& params
 
 GridSamples part_of(const GridSamples& samples, const BrickMask& bricks, const Context& context) {
   GridSamples part;
-  part.turn = samples.turn;
+  part.axis_shift = samples.axis_shift;
   part.bricks = BrickGrid(bricks, context);
   part.begin.push_back(0);
   for (size_t b = 0; b < part.bricks.size(); ++b) {
@@ -128,7 +129,7 @@ void HeldOut::reset_curvature_weights() {
 const RowArray& HeldOut::fit(const FitWeights& fit_weights) {
   std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
   // Its rounds report no progress: a search makes several such fits.
-  fit_robustly(displacement_, samples_, cells_, train_, fit_weights, robust_, context_.silent());
+  fit_robustly(displacement_, samples_, cells_, train_, fit_weights, robust_, silenced(context_));
   return displacement_.phi();
 }
 

@@ -12,8 +12,8 @@ namespace soapfilm {
 namespace {
 
 constexpr float sampled_within = 1;  // in half-resolution cells: two voxels
-constexpr size_t least_film = 24;    // half-resolution vertices: a hole about 14 voxels wide
-constexpr float film_depth = 1;      // voxels on either side; farther away, samples of the surface do not constrain it
+constexpr size_t least_hole = 24;    // half-resolution vertices: a hole about 14 voxels wide
+constexpr float hole_depth = 1;      // voxels on either side; farther away, samples of the surface do not constrain it
 constexpr double most_of_surface = 0.2;  // a larger part is no hole, but closes a surface that ends
 constexpr int border_within = 2;         // voxels: nearer, the hole ends at the border
 
@@ -114,13 +114,13 @@ Vec3f HoleFinder::gradient(Vec3i v) const {
   return slope;
 }
 
-bool HoleFinder::is_base(const HoleSurface& film) const {
+bool HoleFinder::is_base(const HoleSurface& hole) const {
   constexpr float face_within = 2.5f;  // voxels
   constexpr double most = 0.8, steep_share = 0.6;
   constexpr float cosine = 0.5f;  // of 60 degrees
   constexpr int far = 4;          // half-resolution cells, from the hole to where the surface around it is examined
   Vec3f normal{};
-  for (const Vec3i v : film) normal = normal + gradient(2 * v);
+  for (const Vec3i v : hole) normal = normal + gradient(2 * v);
   const float length = norm(normal);
   if (!(length > 0)) return false;
   normal = normal / length;
@@ -128,14 +128,14 @@ bool HoleFinder::is_base(const HoleSurface& film) const {
   for (int axis = 0; axis < 3; ++axis)
     for (const float face : {lo_[axis], hi_[axis]}) {
       size_t count = 0;
-      for (const Vec3i v : film) count += std::abs(2 * static_cast<float>(v[axis]) - face) <= face_within + film_depth;
+      for (const Vec3i v : hole) count += std::abs(2 * static_cast<float>(v[axis]) - face) <= face_within + hole_depth;
       at_face = at_face || (std::abs(normal[axis]) > 0.9f &&
-                            static_cast<double>(count) >= most * static_cast<double>(film.size()));
+                            static_cast<double>(count) >= most * static_cast<double>(hole.size()));
     }
   if (!at_face) return false;
   std::unordered_map<uint64_t, bool> seen;
   size_t rim = 0, steep = 0;
-  for (const Vec3i v : film)
+  for (const Vec3i v : hole)
     for (int dz = -far; dz <= far; ++dz)
       for (int dy = -far; dy <= far; ++dy)
         for (int dx = -far; dx <= far; ++dx) {
@@ -154,7 +154,7 @@ std::vector<HoleSurface> HoleFinder::holes_to_curve(HoleReport& report) const {
   HoleSurface unsampled;
   size_t all = 0;
   for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
-    if (((v.x | v.y | v.z) & 1) != 0 || std::abs(start_.phi0.data()[k]) > film_depth) return;
+    if (((v.x | v.y | v.z) & 1) != 0 || std::abs(start_.phi0.data()[k]) > hole_depth) return;
     ++all;
     if (!is_sampled(v / 2)) unsampled.push_back(v / 2);
   });
@@ -166,14 +166,14 @@ std::vector<HoleSurface> HoleFinder::holes_to_curve(HoleReport& report) const {
     return false;
   };
   std::vector<HoleSurface> bend;
-  for (HoleSurface& film : parts_of(unsampled)) {
-    if (film.size() < least_film) continue;
-    const bool stays = static_cast<double>(film.size()) > most_of_surface * static_cast<double>(all) ||
-                       std::any_of(film.begin(), film.end(), touches_border) || is_base(film);
+  for (HoleSurface& hole : parts_of(unsampled)) {
+    if (hole.size() < least_hole) continue;
+    const bool stays = static_cast<double>(hole.size()) > most_of_surface * static_cast<double>(all) ||
+                       std::any_of(hole.begin(), hole.end(), touches_border) || is_base(hole);
     if (stays)
       ++report.left;
     else
-      bend.push_back(std::move(film));
+      bend.push_back(std::move(hole));
   }
   return bend;
 }

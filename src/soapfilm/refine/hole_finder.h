@@ -37,7 +37,7 @@ class HoleFinder {
 
  private:
   static constexpr int side = half_brick + 1;  // half-resolution vertices around a brick's samples
-  bool is_base(const HoleSurface& film) const;
+  bool is_base(const HoleSurface& hole) const;
   Vec3f gradient(Vec3i vertex) const;
   bool is_near_surface(Vec3i vertex) const;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/refine/coarse_hole_surface.h"
@@ -31,21 +32,21 @@ BrickMask in_box(const BrickMask& mask, Vec3i bricks) {
 /// Transfers the curved surface over holes from the half-resolution grid to the full grid.
 class CurvedToGrid {
  public:
-  CurvedToGrid(const Level& fine, float threshold, const CoarseHoleSurface& film, const HoleFinder& finder,
+  CurvedToGrid(const Level& fine, float threshold, const CoarseHoleSurface& surface, const HoleFinder& finder,
                const Context& context)
-      : fine_(fine), threshold_(threshold), film_(film), finder_(finder), context_(context) {}
+      : fine_(fine), threshold_(threshold), surface_(surface), finder_(finder), context_(context) {}
 
   /// The level's indicator with labels that follow the curved surface, on the bricks near the surface.
-  Level bent(const std::vector<HoleSurface>& films, HoleReport& report) const;
+  Level bent(const std::vector<HoleSurface>& holes, HoleReport& report) const;
 
  private:
   BrickRows differences(Vec3i brick) const;
   BrickMask differing_bricks() const;
-  void turn(SignBits& signs, const NarrowBand& band, const std::vector<HoleSurface>& films, HoleReport& report) const;
+  void flip(SignBits& signs, const NarrowBand& band, const std::vector<HoleSurface>& holes, HoleReport& report) const;
 
   const Level& fine_;
   float threshold_;
-  const CoarseHoleSurface& film_;
+  const CoarseHoleSurface& surface_;
   const HoleFinder& finder_;
   const Context& context_;
 };
@@ -59,7 +60,7 @@ BrickRows CurvedToGrid::differences(Vec3i brick) const {
   for (int k = 0; k < side * side * side; ++k) {
     const Vec3i v = half_brick * brick + Vec3i{k % side, k / side % side, k / side / side};
     bends[static_cast<size_t>(k)] = !finder_.is_sampled(v);
-    distance[static_cast<size_t>(k)] = bends[static_cast<size_t>(k)] ? film_.distance(v) : 0;
+    distance[static_cast<size_t>(k)] = bends[static_cast<size_t>(k)] ? surface_.distance(v) : 0;
   }
   const BrickBits inside = inside_of(fine_, threshold_, fine_.grid.find(brick), brick);
   const FreeRange free = free_range(fine_.box, brick);
@@ -83,7 +84,7 @@ BrickRows CurvedToGrid::differences(Vec3i brick) const {
 
 BrickMask CurvedToGrid::differing_bricks() const {
   BrickMask found(fine_.box.bricks);
-  film_.bricks().for_each([&](Vec3i parent) {
+  surface_.bricks().for_each([&](Vec3i parent) {
     for (int k = 0; k < 8; ++k) {
       const Vec3i brick = child_of(parent, k);
       if (!found.contains(brick)) continue;
@@ -105,7 +106,7 @@ struct Outcome {
 };
 
 /// Changes the labels of the band's vertices where the topology allows, and undoes, hole by hole, what went wrong.
-void CurvedToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vector<HoleSurface>& films,
+void CurvedToGrid::flip(SignBits& signs, const NarrowBand& band, const std::vector<HoleSurface>& holes,
                         HoleReport& report) const {
   const BrickGrid& grid = band.grid();
   const SignBits before = signs;
@@ -130,14 +131,14 @@ void CurvedToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vect
       outcome_of(b).refused += wanted - turned;
     }
   // A hole belongs to every set that it passes through.
-  std::vector<std::vector<uint32_t>> sets_of(films.size());
-  for (size_t f = 0; f < films.size(); ++f) {
-    for (const Vec3i v : films[f])
+  std::vector<std::vector<uint32_t>> sets_of(holes.size());
+  for (size_t f = 0; f < holes.size(); ++f) {
+    for (const Vec3i v : holes[f])
       if (const int32_t b = grid.find(brick_of(2 * v)); b >= 0 && differs(static_cast<size_t>(b)))
         sets_of[f].push_back(sets.root(static_cast<uint32_t>(b)));
     std::sort(sets_of[f].begin(), sets_of[f].end());
     sets_of[f].erase(std::unique(sets_of[f].begin(), sets_of[f].end()), sets_of[f].end());
-    const double area = 4 * static_cast<double>(films[f].size());  // voxel^2: each has vertices on both sides
+    const double area = 4 * static_cast<double>(holes[f].size());  // voxel^2: each has vertices on both sides
     for (const uint32_t s : sets_of[f]) outcome[s].most += most_bulge * area * std::sqrt(area);
   }
   report.flips = report.refused = 0;
@@ -154,7 +155,7 @@ void CurvedToGrid::turn(SignBits& signs, const NarrowBand& band, const std::vect
   }
 }
 
-Level CurvedToGrid::bent(const std::vector<HoleSurface>& films, HoleReport& report) const {
+Level CurvedToGrid::bent(const std::vector<HoleSurface>& holes, HoleReport& report) const {
   const BrickMask differing = differing_bricks();
   BrickMask near_surface = differing;
   const Start& start = finder_.start();
@@ -173,8 +174,8 @@ Level CurvedToGrid::bent(const std::vector<HoleSurface>& films, HoleReport& repo
     const BrickRows rows = differences(brick);
     std::copy(rows.begin(), rows.end(), vertices.begin() + static_cast<std::ptrdiff_t>(b * brick_area));
   });
-  turn(signs, NarrowBand(bent.grid, vertices, context_), films, report);
-  bent.u = Field<float>(bent.grid, context_.pages());
+  flip(signs, NarrowBand(bent.grid, vertices, context_), holes, report);
+  bent.u = Field<float>(bent.grid, pages_of(context_));
   parallel_for(context_, bent.grid.size(), 64, [&](size_t b) {
     float* u = bent.u.brick(b);
     for (int k = 0; k < brick_volume; ++k) u[k] = signs.test(b, k & 7, k >> 3 & 7, k >> 6) ? 1.0f : 0.0f;
@@ -194,15 +195,15 @@ void make_room(Level& level) {
   level.inside = in_box(level.inside, box.bricks);
 }
 
-bool curve_holes(Level& level, float threshold, const std::vector<HoleSurface>& films, const HoleFinder& finder,
+bool curve_holes(Level& level, float threshold, const std::vector<HoleSurface>& holes, const HoleFinder& finder,
                  const FitWeights& fit_weights, const Context& context, HoleReport& report) {
   Level bent;
   {
-    CoarseHoleSurface film(level, threshold, finder, fit_weights, context);
-    if (film.bend(films, report))
-      bent = CurvedToGrid(level, threshold, film, finder, context).bent(films, report);
+    CoarseHoleSurface surface(level, threshold, finder, fit_weights, context);
+    if (surface.bend(holes, report))
+      bent = CurvedToGrid(level, threshold, surface, finder, context).bent(holes, report);
     else
-      report.left += films.size();
+      report.left += holes.size();
   }
   if (report.flips > 0) level = std::move(bent);
   return report.flips > 0;

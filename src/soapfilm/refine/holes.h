@@ -20,7 +20,7 @@ void make_room(Level& level);
 /// `fit_weights`: those of the samples on the full grid.
 /// A hole stays as it was where the topology refuses more than 6 % of the changes, and where it would bulge by much
 /// more than half a ball on its area. Bulges end at the border of the box. Results do not depend on threads.
-bool curve_holes(Level& level, float threshold, const std::vector<HoleSurface>& films, const HoleFinder& finder,
+bool curve_holes(Level& level, float threshold, const std::vector<HoleSurface>& holes, const HoleFinder& finder,
                  const FitWeights& fit_weights, const Context& context, HoleReport& report);
 
 }  // namespace soapfilm

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/smoothing.h"
 #include "soapfilm/solve/inside_bits.h"
@@ -115,7 +116,7 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Conte
     field.inside.set(brick, bits.of(static_cast<int32_t>(b), brick).test(0, 0, 0));
   }
   field.grid = BrickGrid(mask, context);
-  field.value = Field<float>(field.grid, context.pages());
+  field.value = Field<float>(field.grid, pages_of(context));
   parallel_for(context, field.grid.size(), 64, [&](size_t b) {
     std::array<const BrickBits*, 27> around;
     const Vec3i own = field.grid.coord(b);

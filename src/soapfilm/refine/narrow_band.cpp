@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "soapfilm/core/bits.h"
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/kernels/kernels.h"
 
@@ -28,10 +29,10 @@ constexpr auto bytes_of_bits = [] {
 }  // namespace
 
 NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Context& context)
-    : kernel_(context.kernels().rows),
-      pages_(context.pages()),
+    : kernel_(kernels_of(context).rows),
+      pages_(pages_of(context)),
       grid_(std::move(grid)),
-      row_of_(vertices.size(), context.pages()),
+      row_of_(vertices.size(), pages_of(context)),
       first_row_(grid_.size() + 1) {
   parallel_for(context, grid_.size(), 256, [&](size_t b) {
     const auto first = vertices.begin() + static_cast<std::ptrdiff_t>(b * brick_area);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
 #include "soapfilm/refine/coarse_fit.h"
@@ -53,7 +54,7 @@ std::vector<CoarseFit> sufficient_grids(const Start& start, Level indicator, flo
   std::vector<CoarseFit> found;
   for (double spacing = 2; density < params.sparse; density *= 4, spacing *= 2) {
     // Each grid takes half of the rest of the progress bar.
-    const Context half = context.part(1 - 2 / spacing, 1 - 1 / spacing);
+    const Context half = part_of(context, 1 - 2 / spacing, 1 - 1 / spacing);
     const Start& finer = found.empty() ? start : found.back().start;
     const GridSamples& finer_samples = found.empty() ? samples : found.back().samples;
     if (!found.empty()) indicator = every_second_vertex(indicator, threshold, context);
@@ -66,7 +67,7 @@ std::vector<CoarseFit> sufficient_grids(const Start& start, Level indicator, flo
     // The full grid has no weights yet, and needs none where the coarser one is as good.
     const FitWeights of_finer = found.empty() ? on_half_the_voxel(next.fit_weights) : found.back().fit_weights;
     if (!next.fit_weights.edge_preserving ||
-        !suffices(next, {finer, finer_samples, of_finer}, params.robust, context.silent()))
+        !suffices(next, {finer, finer_samples, of_finer}, params.robust, silenced(context)))
       break;
     found.push_back(std::move(next));
   }
@@ -98,7 +99,7 @@ std::optional<RowArray> fit_coarser(const Start& start, std::vector<CoarseFit> g
 
 /// The distance on the band, and only its sign beyond it; moves the start's grid.
 SurfaceField distance_field(Start& start, const RowArray& distance, const SignBits& signs, const Context& context) {
-  Field<float> value(start.grid, context.pages());
+  Field<float> value(start.grid, pages_of(context));
   parallel_for(context, start.grid.size(), 64, [&](size_t b) {
     float* out = value.brick(b);
     for (int row = 0; row < brick_area; ++row) {
@@ -160,12 +161,12 @@ Refinement::Refinement(Level level, float threshold, const GridSamples& samples,
 
 void Refinement::fill_holes(Level& level) {
   const HoleFinder finder(level, start_, samples_, context_);
-  const auto films = finder.holes_to_curve(report_.holes);
-  if (films.empty()) return;
-  chosen_ = choose(start_, samples_, params_, 1, context_.part(0, until_chosen), report_.search);
+  const auto holes = finder.holes_to_curve(report_.holes);
+  if (holes.empty()) return;
+  chosen_ = choose(start_, samples_, params_, 1, part_of(context_, 0, until_chosen), report_.search);
   if (!params_.open) make_room(level);
-  const Context bending = context_.part(until_chosen, until_bent);
-  if (curve_holes(level, threshold_, films, finder, *chosen_, bending, report_.holes))
+  const Context bending = part_of(context_, until_chosen, until_bent);
+  if (curve_holes(level, threshold_, holes, finder, *chosen_, bending, report_.holes))
     start_ = start_from(level, threshold_, params_.reach, context_);
 }
 
@@ -175,12 +176,12 @@ SurfaceField Refinement::fit() {
   if (sparse_)
     phi = fit_coarser(start_,
                       sufficient_grids(start_, std::move(indicator_), threshold_, samples_, density_, params_,
-                                       context_.part(0, until_bent)),
-                      params_, context_.part(until_bent, 1), report_);
+                                       part_of(context_, 0, until_bent)),
+                      params_, part_of(context_, until_bent, 1), report_);
   if (!phi) {
-    if (!chosen_) chosen_ = choose(start_, samples_, params_, 1, context_.part(0, until_bent), report_.search);
+    if (!chosen_) chosen_ = choose(start_, samples_, params_, 1, part_of(context_, 0, until_bent), report_.search);
     report_.fit_weights = *chosen_;
-    phi = moved_onto(samples_, start_, report_.fit_weights, params_.robust, context_.part(until_bent, 1), report_);
+    phi = moved_onto(samples_, start_, report_.fit_weights, params_.robust, part_of(context_, until_bent, 1), report_);
   }
 
   // Labels follow where the topology allows.

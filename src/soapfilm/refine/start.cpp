@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/solve/inside_bits.h"
@@ -98,7 +99,7 @@ Level every_second_vertex(const Level& fine, float threshold, const Context& con
   fine.inside.for_each([&](Vec3i b) {
     if (octant_in_parent(b) == Vec3i{}) coarse.inside.set(parent_of(b));
   });
-  coarse.u = Field<float>(coarse.grid, context.pages());
+  coarse.u = Field<float>(coarse.grid, pages_of(context));
   parallel_for(context, coarse.grid.size(), bricks_of_a_task, [&](size_t b) {
     float* out = coarse.u.brick(b);
     for (int k = 0; k < 8; ++k) {
@@ -119,7 +120,7 @@ Level every_second_vertex(const Level& fine, float threshold, const Context& con
 
 GridSamples on_every_second_vertex(const GridSamples& samples, const Context& context, const BrickMask* where) {
   GridSamples coarse;
-  coarse.turn = samples.turn;
+  coarse.axis_shift = samples.axis_shift;
   coarse.bricks = where ? BrickGrid(*where, context) : every_second_vertex(samples.bricks, context);
   const auto for_children = [&](size_t b, auto&& visit) {
     for (int k = 0; k < 8; ++k)

@@ -52,7 +52,7 @@ size_t SignBits::count() const {
 
 namespace {
 
-struct Wish {
+struct Change {
   uint32_t brick;
   uint32_t row;
   uint8_t x;
@@ -78,7 +78,7 @@ bool is_small_component(const SignBits& signs, Vec3i vertex, size_t most) {
 
 FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float held, size_t speck) {
   const SignBits before = signs;
-  std::vector<Wish> wishes;
+  std::vector<Change> changes;
   for (size_t b = 0; b < band.grid().size(); ++b)
     for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
       const float* values = phi.data() + static_cast<size_t>(r) * brick_side;
@@ -86,28 +86,30 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
       for (unsigned x = 0; x < brick_side; ++x) positive |= static_cast<unsigned>(values[x] > 0) << x;
       unsigned wanted = (positive ^ signs.row(b, band.place(r) & 7, band.place(r) >> 3)) & band.mask(r);
       for (; wanted != 0; wanted &= wanted - 1)
-        wishes.push_back({static_cast<uint32_t>(b), r, static_cast<uint8_t>(std::countr_zero(wanted))});
+        changes.push_back({static_cast<uint32_t>(b), r, static_cast<uint8_t>(std::countr_zero(wanted))});
     }
   FlipCount count;
-  count.wanted = wishes.size();
+  count.wanted = changes.size();
   // Changes the labels that may change; returns how many did.
-  const auto turn = [&](auto&& may) {
-    const size_t all = wishes.size();
+  const auto flip_where = [&](auto&& may) {
+    const size_t all = changes.size();
     size_t left = 0;
-    for (const Wish& w : wishes) {
+    for (const Change& w : changes) {
       const int y = band.place(w.row) & 7, z = band.place(w.row) >> 3;
       if (may(w, signs.neighborhood(w.brick, w.x, y, z)))
         signs.flip(w.brick, w.x, y, z);
       else
-        wishes[left++] = w;
+        changes[left++] = w;
     }
-    wishes.resize(left);
+    changes.resize(left);
     return all - left;
   };
-  const auto turn_simple = [&] { return turn([](const Wish&, Neighborhood around) { return is_simple(around); }); };
-  const auto turn_alone = [&] {
+  const auto flip_simple = [&] {
+    return flip_where([](const Change&, Neighborhood around) { return is_simple(around); });
+  };
+  const auto flip_alone = [&] {
     size_t left = signs.count();
-    return turn([&](const Wish& w, Neighborhood around) {
+    return flip_where([&](const Change& w, Neighborhood around) {
       if (!is_alone(around)) return false;
       const Vec3i vertex =
           brick_side * band.grid().coord(w.brick) + Vec3i{w.x, band.place(w.row) & 7, band.place(w.row) >> 3};
@@ -118,11 +120,11 @@ FlipCount follow(RowArray& phi, const NarrowBand& band, SignBits& signs, float h
   // A vertex may become simple once its neighbors have changed: repeat until nothing changes. A vertex that is a
   // component by itself then cannot move elsewhere, and once it is removed others that it separated may change.
   for (size_t gone = 1; gone > 0; count.vanished += gone) {
-    while (turn_simple() > 0) continue;
-    gone = speck > 0 ? turn_alone() : 0;
+    while (flip_simple() > 0) continue;
+    gone = speck > 0 ? flip_alone() : 0;
   }
-  count.refused = wishes.size();
-  for (const Wish& w : wishes) {
+  count.refused = changes.size();
+  for (const Change& w : changes) {
     const bool inside = signs.test(w.brick, w.x, band.place(w.row) & 7, band.place(w.row) >> 3);
     phi.data()[static_cast<size_t>(w.row) * brick_side + w.x] = inside ? held : -held;
   }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/finish/sample_distance.h"
 #include "soapfilm/finish/self_check.h"
@@ -50,7 +51,7 @@ Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& sa
   report.warnings = trace.warnings();
   report.planned_bytes = memory.planned_bytes();
   report.peak_bytes = peak_memory_bytes();
-  report.array_bytes = context.pages().peak_bytes();
+  report.array_bytes = pages_of(context).peak_bytes();
   return {std::move(mesh), std::move(report)};
 }
 

@@ -198,13 +198,13 @@ void require(bool holds, const char* name, double value, const char* constraint)
 /// Parameters of a method that the chosen one does not have are an error.
 void refuse_contradictions(const ReconstructParams& params) {
   const char* method = name_of(params.method);
-  const bool film = uses_lambda(params.method);
+  const bool by_energy = uses_lambda(params.method);
   if (params.energy.lambda && params.energy.cross_validate)
     throw ParameterError(
         fmt::format("lambda = {:g} and cross_validate: only one of them may be given", *params.energy.lambda));
-  if (params.energy.cross_validate && !film)
+  if (params.energy.cross_validate && !by_energy)
     throw ParameterError(fmt::format("lambda = auto: the surface of method {} does not depend on lambda", method));
-  if (params.energy.norm != Norm::isotropic && (!film || params.method == Method::tv_sor))
+  if (params.energy.norm != Norm::isotropic && (!by_energy || params.method == Method::tv_sor))
     throw ParameterError(fmt::format("norm = anisotropic: method {} has none", method));
   const Border outside = params.border.outside;
   if ((outside == Border::open && params.method != Method::tv) ||
@@ -212,14 +212,14 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(fmt::format("outside = {}: method {} cannot have it", name_of(outside), method));
   if (params.surface.threshold != SurfaceParams{}.threshold && !is_certified(params.method))
     throw ParameterError(fmt::format("threshold = {:g}: method {} has none", params.surface.threshold, method));
-  if (params.surface.isovalue && !film)
+  if (params.surface.isovalue && !by_energy)
     throw ParameterError(fmt::format("isovalue = {:g}: method {} finds its own", *params.surface.isovalue, method));
-  if (params.surface.refine.value_or(false) && !film)
+  if (params.surface.refine.value_or(false) && !by_energy)
     throw ParameterError(fmt::format("refine = on: method {} finds its own surface", method));
   if (params.surface.refine.value_or(false) && params.surface.isovalue)
     throw ParameterError(
         fmt::format("isovalue = {:g} and refine = on: only one of them may be given", *params.surface.isovalue));
-  if (params.surface.drop_components.value_or(false) && !film)
+  if (params.surface.drop_components.value_or(false) && !by_energy)
     throw ParameterError(fmt::format("drop_components = on: method {} finds its own surface", method));
   if (params.components.min_support != ComponentParams{}.min_support && !drops_components(params))
     throw ParameterError(

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "soapfilm/components/scanners.h"
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
@@ -80,7 +81,7 @@ std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& s
                               const Context& context) {
   std::vector<Vec3f> sorted;
   if (views.empty()) return sorted;
-  reserve_many(sorted, samples.size(), context.pages());
+  reserve_many(sorted, samples.size(), pages_of(context));
   sorted.resize(samples.size());
   parallel_for(context, samples.size(), samples_per_task, [&](size_t k) {
     sorted[k] = normalized(lattice.from_world_axes(views[samples.source[k]])) * norm(samples.direction[k]);

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/method.h"
 #include "soapfilm/run/announce.h"
@@ -19,7 +20,7 @@ namespace soapfilm {
 Reconstruction run(const PointCloud& cloud, PointCloud* owned, const ReconstructParams& params, const Context& context,
                    const Experiment& experiment) {
   validate(params);
-  context.pages().restart_peak();
+  pages_of(context).restart_peak();
   Trace trace(context);
   const Box3d box = check_cloud(cloud, params, context);
   MemoryBudget memory(params, cloud, owned ? AfterPlacing::freed : AfterPlacing::kept);
@@ -65,7 +66,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   announce_border(border, report.input.directions.inward, trace);
 
   // Inside or outside: the convex problem (4), coarse to fine, on a narrow band; or one of the methods for comparison.
-  std::optional<PagePool::Keep> pages(context.pages());
+  std::optional<PagePool::Keep> pages(pages_of(context));
   Segmentation found = trace.stage("solve", [&] {
     return segment(grid.lattice, field, samples, lambda.value, params,
                    memory.watch(experiment.observe, field.grid.size()), context);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
@@ -19,7 +20,7 @@ Level closed_at_border(const Level& level, const Context& context) {
   closed.norm = level.norm;
   closed.grid = BrickGrid(band, context);
   closed.inside = level.inside;
-  closed.u = Field<float>(closed.grid, context.pages());
+  closed.u = Field<float>(closed.grid, pages_of(context));
   parallel_for(context, closed.grid.size(), 64, [&](size_t b) {
     const Vec3i brick = closed.grid.coord(b);
     float* u = closed.u.brick(b);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/kernels/energy_kernel.h"
@@ -216,7 +217,7 @@ double Energies::relative_gap(double lambda) const { return gap / std::max(std::
 double Energies::relative_gap_band(double lambda) const { return gap_band / std::max(std::abs(dual), 1000 * lambda); }
 
 Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Context& context) {
-  Evaluator evaluator{level, options.threshold, 1.0, context.kernels().energy(level.norm)};
+  Evaluator evaluator{level, options.threshold, 1.0, kernels_of(context).energy(level.norm)};
   const auto evaluate_band = [&] {
     return sum_of(terms_of_every(1, level.grid.size(), context, [&](size_t b) { return evaluator.brick_terms(b); }));
   };
@@ -237,7 +238,7 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
 
 double estimate_gap(const Level& level, const Context& context) {
   constexpr size_t stride = 7;
-  const Evaluator evaluator{level, {}, 1.0, context.kernels().energy(level.norm)};
+  const Evaluator evaluator{level, {}, 1.0, kernels_of(context).energy(level.norm)};
   const size_t bricks = level.grid.size();
   EnergyTerms sum =
       sum_from(terms_of_every(stride, bricks, context, [&](size_t b) { return evaluator.brick_terms(b); }), bricks);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
@@ -33,9 +34,9 @@ Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const
   level.norm = norm;
   level.grid = BrickGrid(band, context);
   level.inside = BrickMask(box.bricks);
-  level.u = Field<float>(level.grid, context.pages());
-  level.p = Field<float, 3>(level.grid, context.pages());
-  level.rim = Rim(level.grid, context.pages());
+  level.u = Field<float>(level.grid, pages_of(context));
+  level.p = Field<float, 3>(level.grid, pages_of(context));
+  level.rim = Rim(level.grid, pages_of(context));
   level.f = &f;
   level.f_brick.resize(level.grid.size());
   parallel_for(context, level.grid.size(), 1024,

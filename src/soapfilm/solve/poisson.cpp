@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
 #include "soapfilm/solve/multigrid.h"
@@ -133,7 +134,7 @@ DenseField<float> solve_poisson(const Lattice& lattice, const SupportField& supp
   const Vec3i free = box.free_hi - box.free_lo + Vec3i{1, 1, 1};
   Multigrid multigrid(free);
   FieldAlgebra fields(multigrid.matrix(), context);
-  const PagePool& pages = context.pages();
+  const PagePool& pages = pages_of(context);
   DenseField<float> u(box, pages), r(box, pages), p(box, pages), z(box, pages);
   report = {};
   report.unknowns = static_cast<size_t>(free.x) * static_cast<size_t>(free.y) * static_cast<size_t>(free.z);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/kernels/kernels.h"
 
@@ -39,7 +40,7 @@ SorPass::SorPass(DenseField<float>& u, double lambda, const SupportField& suppor
       params_(params),
       context_(context),
       lambda_(lambda),
-      kernel_(context.kernels().sor),
+      kernel_(kernels_of(context).sor),
       kinds_(u, params.skip_empty, context),
       data_(u, support, 2 / lambda),
       zeros_(padded(u.size().x), 0.0f),
@@ -55,7 +56,7 @@ SorPass::SorPass(DenseField<float>& u, double lambda, const SupportField& suppor
   // From the lowest layer that the last stage reads to the highest one that the first stage writes.
   const int stage_count = static_cast<int>(stages(params.renew_every).size());
   ring_ = std::min(u.size().z, (slab_ + 1) * stage_count + 1);
-  g_ = AlignedArray<float>(static_cast<size_t>(ring_) * u.stride(2), context.pages());
+  g_ = AlignedArray<float>(static_cast<size_t>(ring_) * u.stride(2), pages_of(context));
 }
 
 std::vector<SorPass::Stage> SorPass::stages(int iterations) const {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/kernels/kernels.h"
 
@@ -106,8 +107,8 @@ void fetch_neighbors(const BrickGrid& grid, size_t brick) {
 Sweeper::Sweeper(Level& level, const Context& context)
     : level_(level),
       context_(context),
-      kernel_(context.kernels().sweep(level.norm)),
-      faces_(level.grid.size() * faces_per_brick, context.pages()),
+      kernel_(kernels_of(context).sweep(level.norm)),
+      faces_(level.grid.size() * faces_per_brick, pages_of(context)),
       u_moved_(level.grid.size()),
       p_moved_(level.grid.size()),
       u_bar_moved_(level.grid.size()) {}

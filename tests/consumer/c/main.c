@@ -10,6 +10,8 @@ struct row { /* a table of a caller: more than we need, float beside double */
   double position[3];
   int other;
   float normal[3];
+  unsigned char color[3];
+  float height;
 };
 
 static int failed(const char* what) {
@@ -40,7 +42,9 @@ int main(void) {
     for (int k = 0; k < 3; ++k) {
       rows[i].position[k] = 5 + 2 * at[k];
       rows[i].normal[k] = (float)at[k];
+      rows[i].color[k] = (unsigned char)(100 + 50 * k);
     }
+    rows[i].height = (float)at[2];
   }
   soapfilm_samples samples = {0};
   samples.count = count;
@@ -50,6 +54,12 @@ int main(void) {
   samples.normal.data = rows[0].normal;
   samples.normal.type = SOAPFILM_FLOAT32;
   samples.normal.stride = sizeof *rows;
+  samples.color.data = rows[0].color;
+  samples.color.type = SOAPFILM_UINT8;
+  samples.color.stride = sizeof *rows;
+  soapfilm_column height = {"height", {&rows[0].height, SOAPFILM_FLOAT32, sizeof *rows}, 0};
+  samples.columns = &height;
+  samples.column_count = 1;
 
   soapfilm_context* context = soapfilm_context_create(2);
   soapfilm_cloud* cloud = soapfilm_cloud_create();
@@ -58,9 +68,13 @@ int main(void) {
   soapfilm_on_event(context, on_event, &watch);
 
   if (soapfilm_cloud_append(context, cloud, &samples)) return failed(soapfilm_error(context));
+  samples.column_count = 2;
+  const soapfilm_column twice[2] = {height, height};
+  samples.columns = twice;
+  if (soapfilm_cloud_append(context, cloud, &samples) != SOAPFILM_REFUSED) return failed("a column given twice");
   free(rows);
   if (soapfilm_cloud_size(cloud) != count) return failed("the cloud's size");
-  const char* parameters = "{\"place\": {\"resolution\": 64}, \"surface\": {\"distance\": true}}";
+  const char* parameters = "{\"place\": {\"resolution\": 64}, \"surface\": {\"distance\": true, \"attributes\": [\"all\"]}}";
   if (soapfilm_reconstruct(context, cloud, parameters, &result))
     return failed(soapfilm_error(context));
   if (watch.stages < 8) return failed("stages were not told");
@@ -70,10 +84,15 @@ int main(void) {
   if (triangles < 5000 || 2 * vertices != triangles + 4) return failed("the mesh is no closed surface of genus 0");
   const double* at = soapfilm_vertices(result);
   const float* distance = soapfilm_attribute(result, "distance");
-  if (!distance || soapfilm_attribute(result, "no such")) return failed("attributes");
+  const float* heights = soapfilm_attribute(result, "height");
+  const uint8_t* color = soapfilm_colors(result);
+  if (!distance || !heights || !color || soapfilm_attribute(result, "no such")) return failed("attributes");
+  if (!soapfilm_attribute_name(result, 1) || soapfilm_attribute_name(result, 2)) return failed("attribute names");
   for (size_t v = 0; v < vertices; ++v) {
     const double x = at[3 * v] - 5, y = at[3 * v + 1] - 5, z = at[3 * v + 2] - 5;
     if (fabs(sqrt(x * x + y * y + z * z) - 2) > 0.02) return failed("a vertex lies off the sphere");
+    if (fabs(heights[v] - z / 2) > 0.05) return failed("a vertex' height");
+    if (color[3 * v] != 100 || color[3 * v + 1] != 150 || color[3 * v + 2] != 200) return failed("a vertex' color");
     if (!(distance[v] >= 0 && distance[v] < 0.2f)) return failed("a vertex' distance");
   }
   const uint32_t* corner = soapfilm_triangles(result);

@@ -195,7 +195,7 @@ void FreeZeroed::operator()(std::byte* memory) const {
   if (spare) spare->arrays.remove(bytes);
 }
 
-size_t give_back(const ZeroedMemory& memory, size_t gone, size_t end) {
+size_t release_pages(const ZeroedMemory& memory, size_t gone, size_t end) {
   const auto& [bytes, spare] = memory.get_deleter();
   if (bytes < block_bytes) return gone;  // belongs to the allocator
   // Arrays of at least one block begin at a block.
@@ -216,7 +216,7 @@ PagePool PagePool::make() {
   return pool;
 }
 
-void PagePool::serve(void* begin, size_t bytes) const {
+void PagePool::supply(void* begin, size_t bytes) const {
   auto* const first = static_cast<std::byte*>(begin);
   if (spare_) spare_->fill(first, first + bytes, false);
 }

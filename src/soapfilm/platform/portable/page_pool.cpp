@@ -32,7 +32,7 @@ void FreeZeroed::operator()(std::byte* memory) const {
   if (spare) spare->arrays.remove(bytes);
 }
 
-size_t give_back(const ZeroedMemory&, size_t gone, size_t) { return gone; }
+size_t release_pages(const ZeroedMemory&, size_t gone, size_t) { return gone; }
 
 bool PagePool::moves_pages() { return false; }
 
@@ -42,7 +42,7 @@ PagePool PagePool::make() {
   return pool;
 }
 
-void PagePool::serve(void*, size_t) const {}
+void PagePool::supply(void*, size_t) const {}
 
 size_t PagePool::peak_bytes() const { return spare_ ? spare_->arrays.peak() : 0; }
 
