@@ -49,8 +49,9 @@ struct PointCloud {
   std::vector<Vec3d> sensors;  ///< scanner position of each sample
   std::vector<float> weights;  ///< >= 0
   std::vector<Rgb8> colors;
-  std::vector<Column> columns;  ///< whatever else a file has; names differ
-  std::vector<Scan> scans;      ///< in order, without gaps: together they cover all samples
+  std::vector<Column> columns;    ///< whatever else a file has; names differ
+  std::vector<Scan> scans;        ///< in order, without gaps: together they cover all samples
+  std::string coordinate_system;  ///< of a georeferenced file: WKT or "EPSG:NUMBER"; empty if unknown
 
   size_t size() const { return positions.size(); }
   Box3d box(const Context& context = Context(1)) const;

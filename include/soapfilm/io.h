@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/cloud.h"
-#include "soapfilm/context.h"
 #include "soapfilm/mesh.h"
 
 namespace SOAPFILM_API soapfilm {
@@ -17,28 +15,36 @@ struct FileReport {
   std::string path;
   std::string format;                   ///< such as "PLY, binary little-endian"
   size_t samples = 0;                   ///< kept
-  size_t dropped = 0;                   ///< dropped because a coordinate was not finite
+  size_t dropped = 0;                   ///< because a coordinate was not finite
+  size_t no_return = 0;                 ///< dropped rows or cells of rays that met nothing
   size_t ignored_normals = 0;           ///< normals with a non-finite part, set to zero (absent)
   std::vector<std::string> properties;  ///< names of what each sample carries in the file, used or not
 };
 
-/// What reading a list of files found; a scan set has one entry for each of its scans.
 struct ReadReport {
-  std::vector<FileReport> files;
+  std::vector<FileReport> files;      ///< of a scan set: one for each of its scans
   std::vector<std::string> warnings;  ///< one line each, naming the file
 
   size_t samples() const;
   size_t dropped() const;
 };
 
+/// What a file cannot say by itself.
+struct ReadOptions {
+  std::string columns;           ///< of text, such as "x,y,z,-,nx,ny,nz" ("-": skipped); empty: by header or values
+  std::string trajectory;        ///< of LAS: a text file `time x y z`, the scanner's way; empty: none
+  bool trust_viewpoint = false;  ///< of PCD: a VIEWPOINT at the origin, the default, is the scanner's position, too
+};
+
 /// Reads a point cloud of one or several scans. Samples with a non-finite coordinate are dropped and counted. As many
 /// scans of a set are read at once as there are threads; the text of a PLY is read by all threads. Throws InputError
-/// for a file that cannot be read to its end, or holds no finite sample.
-PointCloud read_points(const std::string& path, ReadReport* report = nullptr, const Context& context = Context(1));
+/// for a file that cannot be read to its end, or holds no finite sample; MemoryError before large ones are read.
+PointCloud read_points(const std::string& path, ReadReport* report = nullptr, const Context& context = Context(1),
+                       const ReadOptions& options = {});
 
 /// Reads several files, as many at once as there are threads, and appends them in order as further scans.
 PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report = nullptr,
-                       const Context& context = Context(1));
+                       const Context& context = Context(1), const ReadOptions& options = {});
 
 /// Reads a triangle mesh; polygons become fans of triangles. Throws InputError for a file that cannot be read to its
 /// end, has no faces, an index out of range or a non-finite coordinate.
@@ -51,7 +57,6 @@ struct WriteOptions {
   std::vector<std::string> comments;  ///< lines for the head of a PLY or OBJ file
 };
 
-/// What was written.
 struct WriteReport {
   std::string format;                 ///< such as "PLY, binary little-endian"
   bool double_coordinates = false;    ///< because float would have exceeded coordinate_precision

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "soapfilm/cloud.h"
-#include "soapfilm/vec.h"
 
 namespace SOAPFILM_API soapfilm {
 
@@ -40,7 +39,6 @@ struct MeshComponent {
   std::optional<int64_t> genus() const;
 };
 
-/// Counts of everything that can be wrong with a mesh, and what kind of surface it is.
 struct TopologyReport {
   size_t vertices = 0;
   size_t triangles = 0;

@@ -71,8 +71,7 @@ enum class Border : uint8_t {
 /// What lies beyond the box of the samples. open: only Method::tv; automatic: other methods take air.
 struct BorderParams {
   Border outside = Border::automatic;
-  double open_gain = 0.35;  ///< automatic: open if that saves more than this share of the closed surface's cost of
-                            ///< area, (0, 1]; closing a sheet doubles it
+  double open_gain = 0.35;  ///< automatic: open if that saves more than this share of the closed surface's area, (0, 1]
 };
 
 /// What is held out together in cross-validation.
@@ -87,8 +86,7 @@ struct CrossValidationParams {
   int folds = 5;                              ///< parts, each held out once; in [2, 100]
   FoldSource source = FoldSource::automatic;  ///< what the folds are made of
   int max_resolution = 64;                    ///< vertices of the coarse grid along its longest axis; in [32, 512]
-  double indifference = 0.002;                ///< errors above the smallest one by at most this share count as equal;
-                                              ///< in [0, 1)
+  double indifference = 0.002;                ///< errors above the smallest by at most this share are equal; in [0, 1)
   uint64_t seed = 1;                          ///< of the random choice of samples
   std::vector<double> candidates = {0.0025, 0.005, 0.01, 0.02,
                                     0.04,   0.08,  0.16, 0.32};  ///< lambda per sample and voxel^2, > 0, increasing
@@ -154,8 +152,8 @@ struct VripParams {
 
 /// Where the surface was refined: moves the flat triangles of one voxel onto the smooth surface.
 struct RelaxParams {
-  double split_tolerance = 0.018;  ///< split edges whose middle lies farther from the smooth surface, voxels; [0, 1];
-                                   ///< 0: leave the mesh as marching cubes made it
+  double split_tolerance =
+      0.018;  ///< split edges whose middle is farther from the smooth surface, voxels; 0: none; [0, 1]
 };
 
 /// From the relaxed indicator to the surface (section 4.4).
@@ -166,8 +164,7 @@ struct SurfaceParams {
   std::optional<double> isovalue;  ///< unrefined: of the smoothed indicator, (0, 1); if not given: its mean at samples
   RelaxParams relax;
   bool distance = false;  ///< adds the attribute "distance" to vertices: to the nearest sample, input units
-  std::vector<std::string> attributes = {
-      "color"};  ///< of the samples, carried to the vertices: "color", columns, "all"
+  std::vector<std::string> attributes = {"color"};  ///< of samples, carried to vertices: "color", columns, "all"
 };
 
 /// A part is a component or cavity; its surface lies between it and the part around it. Support: samples on that
@@ -218,8 +215,7 @@ struct ReconstructParams {
   RefineParams refine;
   TrimParams trim;                     ///< for all but Method::vrip, whose surface ends where nothing was seen
   std::optional<size_t> memory_limit;  ///< bytes; if not given: the machine's free memory
-  bool checked = false;                ///< the mesh's distance to the samples is computed next: its memory is planned,
-                                       ///< too
+  bool checked = false;                ///< distances from samples to the mesh are computed next: plans their memory too
 };
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.

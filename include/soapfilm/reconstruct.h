@@ -3,10 +3,6 @@
 
 #include <string>
 
-#include "soapfilm/cloud.h"
-#include "soapfilm/context.h"
-#include "soapfilm/mesh.h"
-#include "soapfilm/params.h"
 #include "soapfilm/report.h"
 
 namespace SOAPFILM_API soapfilm {

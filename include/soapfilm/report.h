@@ -10,7 +10,6 @@
 
 #include "soapfilm/mesh.h"
 #include "soapfilm/params.h"
-#include "soapfilm/vec.h"
 
 namespace SOAPFILM_API soapfilm {
 

@@ -64,6 +64,7 @@ void PointCloud::append(PointCloud&& other) {
   append_column(weights, n, std::move(other.weights), m, 1.0f);
   append_column(colors, n, std::move(other.colors), m, Rgb8{128, 128, 128});
   append_columns(columns, n, std::move(other.columns), m);
+  if (coordinate_system.empty()) coordinate_system = std::move(other.coordinate_system);
   positions.insert(positions.end(), other.positions.begin(), other.positions.end());
   for (Scan& scan : other.scans) {
     scan.begin += n;

@@ -14,7 +14,8 @@ struct Format {
   std::string_view extensions;                         ///< with dots, separated by spaces; compared without case
   bool (*begins)(const ByteSource& source) = nullptr;  ///< is a file of any name known by how it begins?
   bool (*has_faces)(ByteSource& source) = nullptr;     ///< of a format of clouds and meshes, which is it?
-  PointCloud (*read_points)(ByteSource& source, ReadReport& report, const Context& context) = nullptr;
+  PointCloud (*read_points)(ByteSource& source, ReadReport& report, const ReadOptions& options,
+                            const Context& context) = nullptr;
   Mesh (*read_mesh)(ByteSource& source) = nullptr;
   WriteReport (*write_points)(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
                               const Context& context) = nullptr;

@@ -48,21 +48,23 @@ size_t ReadReport::dropped() const {
   return sum;
 }
 
-PointCloud read_points(const std::string& path, ReadReport* report, const Context& context) {
+PointCloud read_points(const std::string& path, ReadReport* report, const Context& context,
+                       const ReadOptions& options) {
   ReadReport unused;
   io::ByteSource source(path);
   const Format& format = require<InputError>(path, io::format_of(source), reads_points, " to be read as points");
   source.report_to(context.progress());
-  return format.read_points(source, report != nullptr ? *report : unused, context);
+  return format.read_points(source, report != nullptr ? *report : unused, options, context);
 }
 
-PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report, const Context& context) {
+PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report, const Context& context,
+                       const ReadOptions& options) {
   if (paths.empty()) throw ParameterError("0 input files, must be > 0");
-  if (paths.size() == 1) return read_points(paths.front(), report, context);
+  if (paths.size() == 1) return read_points(paths.front(), report, context, options);
   ReadReport unused;
   const Context silent = silenced(context);
   return io::read_each(paths.size(), report != nullptr ? *report : unused, context,
-                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, silent); });
+                       [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, silent, options); });
 }
 
 Mesh read_mesh(const std::string& path) {

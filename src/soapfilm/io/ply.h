@@ -7,7 +7,7 @@
 namespace soapfilm::io {
 
 /// The vertices as samples, with range grids and scans; other elements are ignored.
-PointCloud read_ply_points(ByteSource& source, ReadReport& report, const Context& context);
+PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
 
 /// Vertices and faces (or triangle strips); scalar properties without a known meaning become attributes.
 Mesh read_ply_mesh(ByteSource& source);

@@ -24,24 +24,25 @@ void read_vertices(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayou
   check_count(vertex, UINT32_MAX, path);  // triangles hold indices of 32 bits
   mesh.vertices.reserve(vertex.count);
   if (layout.normal.present()) mesh.normals.reserve(vertex.count);
-  if (layout.color.present()) mesh.colors.reserve(vertex.count);
+  PlyColors colors(layout, vertex.count);
   std::vector<size_t> extra = layout.others;
-  if (layout.weight != PlyElement::absent) extra.push_back(layout.weight);
+  if (layout.weight != Triple::absent) extra.push_back(layout.weight);
   for (const size_t k : extra) {
     mesh.attributes.push_back({vertex.properties[k].name, {}});
     mesh.attributes.back().values.reserve(vertex.count);
   }
   for (uint64_t i = 0; i < vertex.count; ++i) {
     rows.next();
-    const Vec3d position = layout.position.read(rows);
+    const Vec3d position = read(rows, layout.position);
     if (!is_finite(position))
       rows.fail(fmt::format("position = ({}, {}, {}), must be finite", position.x, position.y, position.z));
     mesh.vertices.push_back(position);
-    if (layout.normal.present()) mesh.normals.push_back(static_cast<Vec3f>(layout.normal.read(rows)));
-    if (layout.color.present()) mesh.colors.push_back(layout.read_color(rows));
+    if (layout.normal.present()) mesh.normals.push_back(static_cast<Vec3f>(read(rows, layout.normal)));
+    colors.add(rows);
     for (size_t a = 0; a < extra.size(); ++a)
       mesh.attributes[a].values.push_back(static_cast<float>(rows.scalar(extra[a])));
   }
+  mesh.colors = colors.finish();
 }
 
 uint32_t vertex_index(const PlyRows& rows, double value, uint64_t vertices) {

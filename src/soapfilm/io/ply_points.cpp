@@ -4,12 +4,11 @@
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
-#include "soapfilm/io/columns.h"
 #include "soapfilm/io/ply.h"
 #include "soapfilm/io/ply_rows.h"
 #include "soapfilm/io/ply_scans.h"
 #include "soapfilm/io/ply_vertex.h"
-#include "soapfilm/io/sanitize.h"
+#include "soapfilm/io/point_table.h"
 
 namespace soapfilm::io {
 
@@ -17,24 +16,23 @@ namespace {
 
 /// One column of rows of nothing but floats.
 template <class T>
-void append_column(const char* rows, size_t count, size_t row_bytes, const PlyTriple& triple,
+void append_column(const char* rows, size_t count, size_t row_bytes, const Triple& triple,
                    std::vector<Vec3<T>>& column) {
   if (!triple.present()) return;
   const size_t first = column.size();
   column.resize(first + count);
   for (size_t i = 0; i < count; ++i)
     for (int axis = 0; axis < 3; ++axis)
-      column[first + i][axis] = static_cast<T>(
-          load<float>(rows + i * row_bytes + triple.index[static_cast<size_t>(axis)] * sizeof(float), false));
+      column[first + i][axis] =
+          static_cast<T>(load<float>(rows + i * row_bytes + triple[static_cast<size_t>(axis)] * sizeof(float), false));
 }
 
-/// A column for each scalar property that has no meaning here.
-void add_columns(const PlyElement& vertex, const PlyVertexLayout& layout, PointCloud& cloud) {
-  for (const size_t k : layout.others) {
-    const PlyProperty& property = vertex.properties[k];
-    Column& column = cloud.columns.emplace_back(Column{property.name, {}, holds_labels(property.name)});
-    column.values.reserve(vertex.count);
-  }
+/// What the header says: a column for each scalar property that has no meaning here.
+PointHeader point_header(const PlyElement& vertex, const PlyVertexLayout& layout) {
+  PointHeader header{vertex.count, layout.normal.present(), layout.sensor.present(), layout.weight != Triple::absent,
+                     layout.color.present(), {}};
+  for (const size_t k : layout.others) header.columns.push_back(vertex.properties[k].name);
+  return header;
 }
 
 /// Rows of nothing but floats, some at a time while they are in the cache.
@@ -56,22 +54,17 @@ void read_floats(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout&
 void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, const std::string& path,
                   PointCloud& cloud) {
   rows.begin(vertex);
-  check_count(vertex, INT32_MAX, path);  // range grids hold indices of 32 bits
-  reserve_many(cloud.positions, vertex.count);
-  if (layout.normal.present()) reserve_many(cloud.normals, vertex.count);
-  if (layout.sensor.present()) reserve_many(cloud.sensors, vertex.count);
-  if (layout.color.present()) cloud.colors.reserve(vertex.count);
-  add_columns(vertex, layout, cloud);
-  const bool weighted = layout.weight != PlyElement::absent;
-  if (weighted) cloud.weights.reserve(vertex.count);
+  cloud = cloud_for(point_header(vertex, layout), path);
+  const bool weighted = layout.weight != Triple::absent;
   if (rows.plain_floats() && !weighted && !layout.color.present()) return read_floats(rows, vertex, layout, cloud);
 
+  PlyColors colors(layout, vertex.count);
   for (uint64_t i = 0; i < vertex.count; ++i) {
     rows.next();
-    cloud.positions.push_back(layout.position.read(rows));
-    if (layout.normal.present()) cloud.normals.push_back(static_cast<Vec3f>(layout.normal.read(rows)));
-    if (layout.sensor.present()) cloud.sensors.push_back(layout.sensor.read(rows));
-    if (layout.color.present()) cloud.colors.push_back(layout.read_color(rows));
+    cloud.positions.push_back(read(rows, layout.position));
+    if (layout.normal.present()) cloud.normals.push_back(static_cast<Vec3f>(read(rows, layout.normal)));
+    if (layout.sensor.present()) cloud.sensors.push_back(read(rows, layout.sensor));
+    colors.add(rows);
     if (weighted) {
       const float weight = static_cast<float>(rows.scalar(layout.weight));
       if (!(weight >= 0) || !std::isfinite(weight))
@@ -81,6 +74,7 @@ void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout
     for (size_t c = 0; c < layout.others.size(); ++c)
       cloud.columns[c].values.push_back(static_cast<float>(rows.scalar(layout.others[c])));
   }
+  cloud.colors = colors.finish();
 }
 
 /// One entry per cell of the range grids: a sample's index in the file, -1 for none.
@@ -130,7 +124,7 @@ void share_out_range_grids(const std::vector<int32_t>& cells, std::vector<PlySca
 
 }  // namespace
 
-PointCloud read_ply_points(ByteSource& source, ReadReport& report, const Context& context) {
+PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOptions&, const Context& context) {
   const PlyHeader header = read_ply_header(source);
   const PlyElement& vertex = vertex_element(header, source.path());
   const PlyVertexLayout layout = find_vertex_layout(vertex, source.path());
@@ -159,8 +153,9 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report, const Context
   file.path = source.path();
   file.format = describe(header.format);
   file.properties = layout.names;
-  drop_non_finite(cloud, file);
-  report.files.push_back(std::move(file));
+  const bool float32 = std::all_of(layout.position.index.begin(), layout.position.index.end(),
+                                   [&](size_t k) { return vertex.properties[k].type == PlyType::float32; });
+  finish_points(cloud, std::move(file), {.float32 = float32}, report);
   return cloud;
 }
 

@@ -3,55 +3,49 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "soapfilm/error.h"
 
 namespace soapfilm::io {
 
-namespace {
-
-PlyTriple find_triple(const PlyElement& vertex, std::string_view a, std::string_view b, std::string_view c) {
-  return {{vertex.find_scalar(a), vertex.find_scalar(b), vertex.find_scalar(c)}};
+PlyColors::PlyColors(const PlyVertexLayout& layout, size_t count) : layout_(layout) {
+  if (!layout.color.present()) return;
+  if (layout.byte_colors)
+    bytes_.reserve(count);
+  else
+    numbers_.reserve(count);
 }
 
-/// Float colors run from 0 to 1, 16-bit ones to 65535, all others to 255.
-double color_scale(PlyType type) {
-  if (!is_integer(type)) return 255.0;
-  return type == PlyType::uint16 ? 1.0 / 257.0 : 1.0;
+void PlyColors::add(const PlyRows& rows) {
+  if (!layout_.color.present()) return;
+  const Vec3d color = read(rows, layout_.color);
+  if (layout_.byte_colors)
+    bytes_.push_back({static_cast<uint8_t>(color.x), static_cast<uint8_t>(color.y), static_cast<uint8_t>(color.z)});
+  else
+    numbers_.add(color.x, color.y, color.z);
 }
 
-}  // namespace
-
-Rgb8 PlyVertexLayout::read_color(const PlyRows& rows) const {
-  Rgb8 rgb{};
-  for (size_t c = 0; c < 3; ++c) {
-    const double value = rows.scalar(color.index[c]) * color_scale;
-    rgb[c] = value > 0 ? static_cast<uint8_t>(std::min(std::lround(std::min(value, 255.0)), 255L)) : uint8_t{0};
-  }
-  return rgb;
+std::vector<Rgb8> PlyColors::finish() {
+  return layout_.byte_colors ? std::move(bytes_) : numbers_.bytes(layout_.whole_colors);
 }
 
 PlyVertexLayout find_vertex_layout(const PlyElement& vertex, const std::string& path) {
   PlyVertexLayout layout;
-  layout.position = find_triple(vertex, "x", "y", "z");
+  std::vector<std::string> scalars;  // a list has no meaning here
+  for (const PlyProperty& property : vertex.properties) {
+    layout.names.push_back(property.name);
+    scalars.push_back(property.is_list() ? std::string() : property.name);
+  }
+  static_cast<PointColumns&>(layout) = meaning_of(scalars);
+  std::erase_if(layout.others, [&](size_t k) { return vertex.properties[k].is_list(); });
   if (!layout.position.present())
     throw InputError(fmt::format("{}:{}: element 'vertex' lacks a property, must have x, y and z", path, vertex.line));
-  layout.normal = find_triple(vertex, "nx", "ny", "nz");
-  layout.sensor = find_triple(vertex, "sensor_x", "sensor_y", "sensor_z");
-  layout.color = find_triple(vertex, "red", "green", "blue");
-  if (!layout.color.present()) layout.color = find_triple(vertex, "diffuse_red", "diffuse_green", "diffuse_blue");
-  if (layout.color.present()) layout.color_scale = color_scale(vertex.properties[layout.color.index[0]].type);
-  layout.weight = vertex.find_scalar("weight");
-
-  std::vector<bool> used(vertex.properties.size(), false);
-  for (const PlyTriple& triple : {layout.position, layout.normal, layout.sensor, layout.color})
-    if (triple.present())
-      for (const size_t k : triple.index) used[k] = true;
-  if (layout.weight != PlyElement::absent) used[layout.weight] = true;
-  for (size_t k = 0; k < vertex.properties.size(); ++k) {
-    layout.names.push_back(vertex.properties[k].name);
-    if (!used[k] && !vertex.properties[k].is_list()) layout.others.push_back(k);
+  if (layout.color.present()) {
+    const PlyType type = vertex.properties[layout.color[0]].type;
+    layout.whole_colors = is_integer(type);
+    layout.byte_colors = std::all_of(layout.color.index.begin(), layout.color.index.end(),
+                                     [&](size_t k) { return vertex.properties[k].type == PlyType::uint8; });
   }
   return layout;
 }

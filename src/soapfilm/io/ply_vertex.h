@@ -1,38 +1,37 @@
 // The meaning of the properties of a PLY's vertices; docs/reference/formats.md has the table.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
 #include "soapfilm/cloud.h"
 #include "soapfilm/io/ply_rows.h"
+#include "soapfilm/io/point_columns.h"
+#include "soapfilm/io/point_table.h"
 
 namespace soapfilm::io {
 
-/// Three scalar properties that belong together; used only if all exist.
-struct PlyTriple {
-  std::array<size_t, 3> index{PlyElement::absent, PlyElement::absent, PlyElement::absent};
-
-  bool present() const {
-    return index[0] != PlyElement::absent && index[1] != PlyElement::absent && index[2] != PlyElement::absent;
-  }
-  Vec3d read(const PlyRows& rows) const {
-    return {rows.scalar(index[0]), rows.scalar(index[1]), rows.scalar(index[2])};
-  }
+struct PlyVertexLayout : PointColumns {
+  bool whole_colors = false;       ///< of an integer type
+  bool byte_colors = false;        ///< from 0 to 255 whatever their values
+  std::vector<std::string> names;  ///< of all properties, in the file's order
 };
 
-struct PlyVertexLayout {
-  PlyTriple position;
-  PlyTriple normal;
-  PlyTriple sensor;
-  PlyTriple color;
-  size_t weight = PlyElement::absent;
-  double color_scale = 1;          ///< maps a stored color to 0 .. 255
-  std::vector<size_t> others;      ///< scalar properties without a known meaning
-  std::vector<std::string> names;  ///< of all properties, in the file's order
+inline Vec3d read(const PlyRows& rows, const Triple& triple) {
+  return {rows.scalar(triple[0]), rows.scalar(triple[1]), rows.scalar(triple[2])};
+}
 
-  Rgb8 read_color(const PlyRows& rows) const;
+/// The colors of vertices: bytes as they are, others once their range is known.
+class PlyColors {
+ public:
+  PlyColors(const PlyVertexLayout& layout, size_t count);
+  void add(const PlyRows& rows);
+  std::vector<Rgb8> finish();
+
+ private:
+  const PlyVertexLayout& layout_;
+  std::vector<Rgb8> bytes_;
+  ColorNumbers numbers_;
 };
 
 /// Throws InputError when x, y or z is missing.

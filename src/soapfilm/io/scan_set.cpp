@@ -96,7 +96,8 @@ void write_scan_set(const std::string& path, const std::vector<ScanSetEntry>& en
   write_text_file(path, text);
 }
 
-PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, const Context& context) {
+PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, const ReadOptions& options,
+                                    const Context& context) {
   const std::filesystem::path folder = std::filesystem::path(source.path()).parent_path();
   const std::vector<ScanSetEntry> entries = parse_scan_set(source, report);
   const Context silent = silenced(context);
@@ -108,7 +109,7 @@ PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, cons
           fmt::format("{}: bmesh names {}, must be a scan, not a scan set", source.path(), in_quotes(entry.file)));
     PointCloud cloud;
     try {
-      cloud = read_points(file, &to, silent);
+      cloud = read_points(file, &to, silent, options);
     } catch (const InputError& error) {  // the user named the set
       throw InputError(source.path() + ": " + error.what());
     }

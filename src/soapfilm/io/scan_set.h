@@ -42,7 +42,8 @@ namespace io {
 
 /// All scans of the set, posed. A scan without a sensor position or a viewing direction of its own was seen along its
 /// local +Z axis: its viewing direction becomes R (0, 0, 1).
-PointCloud read_scan_set_points(ByteSource& source, ReadReport& report, const Context& context);
+PointCloud read_scan_set_points(ByteSource& source, ReadReport& report, const ReadOptions& options,
+                                const Context& context);
 
 }  // namespace io
 }  // namespace soapfilm

@@ -8,7 +8,7 @@
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
-#include "soapfilm/io/sanitize.h"
+#include "soapfilm/io/point_table.h"
 #include "soapfilm/io/text.h"
 
 namespace soapfilm::io {
@@ -55,8 +55,7 @@ class XyzReader {
     reinterpret_colors();
     std::string_view names = six_are_colors_ ? "x y z red green blue" : layout_->names;
     for (std::string_view name; next_field(names, name);) file.properties.emplace_back(name);
-    drop_non_finite(cloud_, file);
-    report.files.push_back(std::move(file));
+    finish_points(cloud_, std::move(file), {}, report);
     return std::move(cloud_);
   }
 
@@ -158,6 +157,8 @@ class XyzReader {
 
 }  // namespace
 
-PointCloud read_xyz(ByteSource& source, ReadReport& report, const Context&) { return XyzReader(source).read(report); }
+PointCloud read_xyz(ByteSource& source, ReadReport& report, const ReadOptions&, const Context&) {
+  return XyzReader(source).read(report);
+}
 
 }  // namespace soapfilm::io

@@ -7,6 +7,6 @@
 namespace soapfilm::io {
 
 /// A line with a single integer begins a scan of that many samples (as in .pts files).
-PointCloud read_xyz(ByteSource& source, ReadReport& report, const Context& context);
+PointCloud read_xyz(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
 
 }  // namespace soapfilm::io

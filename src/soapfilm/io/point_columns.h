@@ -1,0 +1,45 @@
+// What the columns of a table of samples mean, by their names: for every format whose files name them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace soapfilm::io {
+
+/// Three columns that belong together; used only if all exist.
+struct Triple {
+  static constexpr size_t absent = static_cast<size_t>(-1);
+  std::array<size_t, 3> index{absent, absent, absent};
+
+  bool present() const { return index[0] != absent && index[1] != absent && index[2] != absent; }
+  size_t operator[](size_t k) const { return index[k]; }
+};
+
+/// Indices into the list of names.
+struct PointColumns {
+  Triple position;
+  Triple normal;
+  Triple sensor;  ///< the scanner's position, per sample
+  Triple color;
+  size_t weight = Triple::absent;
+  std::vector<size_t> others;  ///< without a meaning here, in order; of transparency nothing is kept
+};
+
+/// Names are compared without case, quotes, blanks, '_', '.', '-', leading '/' and '#', and units in brackets. Of equal
+/// ones the first counts. (docs/reference/formats.md has the table.)
+PointColumns meaning_of(const std::vector<std::string>& names);
+
+/// Does any of these names say what its column is? (Then a line of them is a header.)
+bool is_known_column(std::string_view name);
+
+/// The name of a further column, as it is carried to vertices: without quotes and blanks around it, "scalar_" before
+/// it.
+std::string column_name(std::string_view name);
+
+/// Do the values of a column of this name say what a sample is, so that a mean of them means nothing?
+bool holds_labels(std::string_view name);
+
+}  // namespace soapfilm::io

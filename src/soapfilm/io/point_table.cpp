@@ -1,0 +1,161 @@
+#include "soapfilm/io/point_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "soapfilm/core/memory.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io/point_columns.h"
+#include "soapfilm/io/text.h"
+
+namespace soapfilm::io {
+
+namespace {
+
+constexpr uint64_t most_samples = INT32_MAX;  // range grids hold indices of 32 bits
+constexpr size_t worth_planning = size_t{64} << 20;
+
+size_t bytes_per_sample(const PointHeader& header) {
+  return sizeof(Vec3d) + header.normals * sizeof(Vec3f) + header.sensors * sizeof(Vec3d) +
+         header.weights * sizeof(float) + header.colors * (sizeof(Rgb8) + sizeof(Vec3f)) +
+         header.columns.size() * sizeof(float);
+}
+
+/// The names, a number added to those that are there already.
+std::vector<std::string> made_different(const std::vector<std::string>& names) {
+  std::vector<std::string> all;
+  for (const std::string& given : names) {
+    const std::string name = given.empty() ? "column" : given;
+    std::string unused = name;
+    for (int k = 2; std::find(all.begin(), all.end(), unused) != all.end(); ++k) unused = fmt::format("{}_{}", name, k);
+    all.push_back(std::move(unused));
+  }
+  return all;
+}
+
+/// The distance between neighboring 32-bit numbers at the farthest coordinate.
+double float_step(double farthest) { return std::ldexp(1.0, std::ilogb(farthest) - 23); }
+
+void warn_of_steps(const PointCloud& cloud, const std::string& path, ReadReport& report) {
+  constexpr double harmless = 0.1;  // of the spacing: rounding is then noise of 0.03 voxels
+  const Box3d box = cloud.box();
+  double farthest = 0;
+  for (int axis = 0; axis < 3; ++axis) farthest = std::max({farthest, std::abs(box.lo[axis]), std::abs(box.hi[axis])});
+  const double spacing = box.diagonal() / std::sqrt(static_cast<double>(cloud.size()));
+  if (farthest == 0 || float_step(farthest) <= harmless * spacing) return;
+  report.warnings.push_back(fmt::format(
+      "{}: coordinates near {:.6g} are stored as 32-bit numbers, in steps of {:.3g}; samples are about {:.3g} apart: "
+      "the surface will have steps (write the file in double precision, or subtract an offset before)",
+      path, farthest, float_step(farthest), spacing));
+}
+
+void drop(PointCloud& cloud, const std::vector<bool>& keep, size_t dropped) {
+  if (dropped > 0) cloud.filter(keep);
+}
+
+size_t drop_no_returns(PointCloud& cloud, bool zero_is_none) {
+  const auto is_none = [](const Vec3d& p) { return p == Vec3d{}; };
+  const auto count = static_cast<size_t>(std::count_if(cloud.positions.begin(), cloud.positions.end(), is_none));
+  if (count == 0 || (count == 1 && !zero_is_none)) return 0;
+  std::vector<bool> keep(cloud.size());
+  for (size_t i = 0; i < keep.size(); ++i) keep[i] = !is_none(cloud.positions[i]);
+  drop(cloud, keep, count);
+  return count;
+}
+
+size_t drop_non_finite(PointCloud& cloud) {
+  const auto bad = [](const Vec3d& p) { return !is_finite(p); };
+  const auto count = static_cast<size_t>(std::count_if(cloud.positions.begin(), cloud.positions.end(), bad));
+  if (count == 0) return 0;
+  std::vector<bool> keep(cloud.size());
+  for (size_t i = 0; i < keep.size(); ++i) keep[i] = !bad(cloud.positions[i]);
+  drop(cloud, keep, count);
+  return count;
+}
+
+}  // namespace
+
+PointCloud cloud_for(const PointHeader& header, const std::string& path) {
+  if (header.samples > most_samples)
+    throw InputError(fmt::format("{}: holds {} samples, must be at most {}", path, header.samples, most_samples));
+  const auto count = static_cast<size_t>(header.samples);
+  const size_t bytes = count * bytes_per_sample(header);
+  if (bytes > worth_planning && bytes > available_memory_bytes())
+    throw MemoryError(fmt::format("{}: its {} samples need {}, more than the {} that are free", path, count,
+                                  format_bytes(bytes), format_bytes(available_memory_bytes())));
+  PointCloud cloud;
+  reserve_many(cloud.positions, count);
+  if (header.normals) reserve_many(cloud.normals, count);
+  if (header.sensors) reserve_many(cloud.sensors, count);
+  if (header.weights) cloud.weights.reserve(count);
+  if (header.colors) cloud.colors.reserve(count);
+  std::vector<std::string> names;
+  for (const std::string& name : header.columns) names.push_back(column_name(name));
+  for (std::string& name : made_different(names)) {
+    const bool is_label = holds_labels(name);
+    cloud.columns.push_back({std::move(name), {}, is_label});
+    cloud.columns.back().values.reserve(count);
+  }
+  return cloud;
+}
+
+void ColorNumbers::add(double red, double green, double blue) {
+  values_.push_back({static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)});
+}
+
+float ColorNumbers::largest() const {
+  float largest = 0;
+  for (const Vec3f& c : values_)
+    for (int k = 0; k < 3; ++k)
+      if (std::isfinite(c[k])) largest = std::max(largest, c[k]);
+  return largest;
+}
+
+std::vector<Rgb8> ColorNumbers::bytes(bool whole) const {
+  constexpr Rgb8 gray{128, 128, 128};  // as PointCloud::append() fills
+  const float range = largest();
+  const double scale = !whole && range <= 1 ? 255.0 : range <= 255 ? 1.0 : 1.0 / 257;
+  std::vector<Rgb8> colors;
+  colors.reserve(values_.size());
+  for (const Vec3f& c : values_) {
+    Rgb8 rgb = gray;
+    if (c.x >= 0 && c.y >= 0 && c.z >= 0 && is_finite(c))
+      for (int k = 0; k < 3; ++k)
+        rgb[static_cast<size_t>(k)] = static_cast<uint8_t>(std::min(std::lround(c[k] * scale), 255L));
+    colors.push_back(rgb);
+  }
+  return colors;
+}
+
+void finish_points(PointCloud& cloud, FileReport file, const PointTraits& traits, ReadReport& report) {
+  const size_t read = cloud.size() + file.no_return;
+  if (read == 0) throw InputError(file.path + ": holds no samples");
+  for (Vec3f& normal : cloud.normals) {
+    if (is_finite(normal)) continue;
+    normal = {};
+    ++file.ignored_normals;
+  }
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (Vec3d& sensor : cloud.sensors)
+    if (!is_finite(sensor)) sensor = {nan, nan, nan};
+
+  const size_t zeros = drop_no_returns(cloud, traits.zero_is_none);
+  if (zeros > 0 && !traits.zero_is_none)
+    report.warnings.push_back(fmt::format(
+        "{}: {} of {} samples are at (0, 0, 0): taken for rays without a return, and dropped", file.path, zeros, read));
+  file.no_return += zeros;
+  file.dropped = drop_non_finite(cloud);
+  file.samples = cloud.size();
+  if (file.samples == 0)
+    throw InputError(fmt::format("{}: none of its {} samples is usable: {} have a non-finite coordinate, {} no return",
+                                 file.path, read, file.dropped, file.no_return));
+  if (traits.float32) warn_of_steps(cloud, file.path, report);
+  report.files.push_back(std::move(file));
+}
+
+}  // namespace soapfilm::io
