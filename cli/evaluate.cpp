@@ -13,8 +13,10 @@
 #include "cli/evaluation_report.h"
 #include "cli/object.h"
 #include "cli/overwrite.h"
+#include "cli/print.h"
 #include "cli/read_cloud.h"
 #include "cli/terminal.h"
+#include "soapfilm/core/json_text.h"
 #include "soapfilm/core/stages.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
@@ -81,7 +83,7 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
     mesh = read_surface(options.mesh);
     if (!options.samples.empty()) {
       ReadReport read;
-      samples = read_cloud({options.samples}, context, read);
+      samples = read_cloud({options.samples}, {}, context, read);
       std::vector<std::string> scans;  // of a set
       for (const FileReport& file : read.files) scans.push_back(file.path);
       refuse_overwriting({options.json, options.error_ply}, scans);
@@ -94,10 +96,10 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
   if (!options.json.empty() || !options.error_ply.empty()) {
     stages.run("write", [&] {
       if (!options.error_ply.empty()) write_errors(options, std::move(mesh), *truth.surface, evaluation, context);
-      if (!options.json.empty()) write_text_file(options.json, evaluation_json(subject, evaluation).dump(2) + "\n");
+      if (!options.json.empty()) write_text_file(options.json, json_text(evaluation_json(subject, evaluation)) + "\n");
     });
   }
-  fmt::print("{}", evaluation_table(subject, evaluation));
+  print(stdout, evaluation_table(subject, evaluation));
   return 0;
 }
 

@@ -11,6 +11,9 @@
 
 #include "cli/command.h"
 #include "cli/json.h"
+#include "cli/print.h"
+#include "cli/read_cloud.h"
+#include "soapfilm/core/json_text.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/precision.h"
@@ -25,6 +28,7 @@ using nlohmann::ordered_json;
 
 struct InfoOptions {
   std::vector<std::string> files;
+  ReadOptions read;
   bool as_json = false;
 };
 
@@ -40,14 +44,15 @@ ordered_json scan_facts(const Scan& scan) {
   return facts;
 }
 
-ordered_json point_facts(const std::string& path) {
+ordered_json point_facts(const std::string& path, const ReadOptions& options) {
   ReadReport report;
-  const PointCloud cloud = read_points(path, &report);
+  const PointCloud cloud = read_points(path, &report, Context(0), options);
   const CloudSummary summary = summarize(cloud);
   ordered_json facts = {{"file", path},
                         {"kind", "points"},
                         {"samples", cloud.size()},
                         {"dropped_non_finite", report.dropped()},
+                        {"no_return", no_returns(report)},
                         {"box", json_of(summary.box)},
                         {"size", json_of(summary.box.size())},
                         {"spacing", summary.spacing},
@@ -58,8 +63,11 @@ ordered_json point_facts(const std::string& path) {
                         {"scans_with_range_grid", summary.scans_with_range_grid},
                         {"weights", !cloud.weights.empty()},
                         {"colors", !cloud.colors.empty()},
+                        {"columns", ordered_json::array()},
                         {"scans", ordered_json::array()},
                         {"warnings", report.warnings}};
+  for (const Column& column : cloud.columns) facts["columns"].push_back(column.name);
+  if (!cloud.coordinate_system.empty()) facts["coordinate_system"] = cloud.coordinate_system;
   std::vector<std::string> formats;  // each once, in order
   std::vector<std::string> properties;
   const auto add = [](std::vector<std::string>& to, const std::string& name) {
@@ -127,7 +135,7 @@ using Lines = std::vector<std::pair<std::string, std::string>>;
 void print_lines(const Lines& lines) {
   size_t width = 0;
   for (const auto& line : lines) width = std::max(width, line.first.size());
-  for (const auto& [label, text] : lines) fmt::print("  {:<{}}  {}\n", label, width, text);
+  for (const auto& [label, text] : lines) print(stdout, fmt::format("  {:<{}}  {}\n", label, width, text));
 }
 
 void add_box(Lines& lines, const ordered_json& facts, double resolution) {
@@ -156,8 +164,8 @@ void print_scans(const ordered_json& scans, double spacing) {
   size_t name_width = 4;
   for (const ordered_json& scan : scans)
     name_width = std::max(name_width, scan["name"].get_ref<const std::string&>().size());
-  fmt::print("\n  {:<{}}  {:>11}  {:>11}  {:>6}  {}\n", "scan", name_width, "samples", "range grid", "filled",
-             "seen from");
+  print(stdout, fmt::format("\n  {:<{}}  {:>11}  {:>11}  {:>6}  {}\n", "scan", name_width, "samples", "range grid",
+                            "filled", "seen from"));
   for (const ordered_json& scan : scans) {
     std::string grid = "-";
     std::string filled = "-";
@@ -173,8 +181,8 @@ void print_scans(const ordered_json& scans, double spacing) {
       seen = "position  " + triple(scan["sensor"], spacing);
     else if (scan.contains("view_direction"))
       seen = "direction  " + triple(scan["view_direction"], 1e-3);
-    fmt::print("  {:<{}}  {:>11}  {:>11}  {:>6}  {}\n", scan["name"].get_ref<const std::string&>(), name_width,
-               grouped(scan["samples"]), grid, filled, seen);
+    print(stdout, fmt::format("  {:<{}}  {:>11}  {:>11}  {:>6}  {}\n", scan["name"].get_ref<const std::string&>(),
+                              name_width, grouped(scan["samples"]), grid, filled, seen));
   }
 }
 
@@ -184,6 +192,7 @@ void print_points(const ordered_json& facts) {
               {"samples", grouped(facts["samples"])}};
   if (facts["dropped_non_finite"] > 0)
     lines.emplace_back("dropped", grouped(facts["dropped_non_finite"]) + " with a non-finite coordinate");
+  if (facts["no_return"] > 0) lines.emplace_back("no return", grouped(facts["no_return"]) + " rays, dropped");
   lines.emplace_back("properties",
                      fmt::format("{}", fmt::join(facts["properties"].get<std::vector<std::string>>(), " ")));
   add_box(lines, facts, 0.1 * spacing);
@@ -191,6 +200,10 @@ void print_points(const ordered_json& facts) {
   lines.emplace_back("directions", direction_sources(facts));
   lines.emplace_back("weights", facts["weights"].get<bool>() ? "yes" : "no");
   lines.emplace_back("colors", facts["colors"].get<bool>() ? "yes" : "no");
+  if (!facts["columns"].empty())
+    lines.emplace_back("columns", fmt::format("{}", fmt::join(facts["columns"].get<std::vector<std::string>>(), " ")));
+  if (facts.contains("coordinate_system"))
+    lines.emplace_back("coordinates", facts["coordinate_system"].get<std::string>());
   lines.emplace_back("scans", grouped(facts["scans"].size()));
   print_lines(lines);
   print_scans(facts["scans"], 0.1 * spacing);
@@ -228,20 +241,21 @@ void print_mesh(const ordered_json& facts) {
 int run_info(const InfoOptions& options) {
   ordered_json all = ordered_json::array();
   for (const std::string& path : options.files) {
-    const ordered_json facts = file_kind(path) == FileKind::mesh ? mesh_facts(path) : point_facts(path);
+    const ordered_json facts = file_kind(path) == FileKind::mesh ? mesh_facts(path) : point_facts(path, options.read);
     if (options.as_json) {
       all.push_back(facts);
       continue;
     }
-    fmt::print("{}{}\n", path == options.files.front() ? "" : "\n", path);
+    print(stdout, fmt::format("{}{}\n", path == options.files.front() ? "" : "\n", path));
     if (facts["kind"] == "mesh") {
       print_mesh(facts);
       continue;
     }
     print_points(facts);
-    for (const ordered_json& warning : facts["warnings"]) fmt::print("  warning: {}\n", warning.get<std::string>());
+    for (const ordered_json& warning : facts["warnings"])
+      print(stdout, fmt::format("  warning: {}\n", warning.get<std::string>()));
   }
-  if (options.as_json) fmt::print("{}\n", all.dump(2));
+  if (options.as_json) print(stdout, json_text(all) + "\n");
   return 0;
 }
 
@@ -252,6 +266,7 @@ void add_info(CLI::App& app, const GlobalOptions& /*options*/, Runner& runner) {
   auto options = std::make_shared<InfoOptions>();
   command->add_option("files", options->files, "Point clouds, scan sets or meshes")->required()->type_name("FILE");
   command->add_flag("--json", options->as_json, "Print a JSON array, one object per file");
+  add_read_options(*command, options->read);
   command->callback([options, &runner] { runner = [options] { return run_info(*options); }; });
 }
 

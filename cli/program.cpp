@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/print.h"
 #include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/version.h"
@@ -47,7 +48,7 @@ EXIT CODES
 int fail(ExitCode code, std::string message) {
   while (!message.empty() && std::isspace(static_cast<unsigned char>(message.back()))) message.pop_back();
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "soapfilm: {}\n", message);
+  print(stderr, fmt::format("soapfilm: {}\n", message));
   return code;
 }
 
@@ -172,7 +173,8 @@ int run(int argc, char** argv) {
 /// Results may go to standard output; a full disk there must be an error.
 int finish(int code) {
   std::cout.flush();
-  if (std::fflush(stdout) != 0 || !std::cout) return fail(refused, "standard output: cannot write");
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout)
+    return fail(refused, "standard output: cannot write");
   return code;
 }
 

@@ -1,6 +1,7 @@
 // Reads the samples of a command; common to all commands.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,14 @@
 
 namespace soapfilm::cli {
 
+/// Options for what a file cannot say by itself.
+void add_read_options(CLI::App& app, ReadOptions& options);
+
 /// Several files are several scans. Warns of what was ignored while reading.
-PointCloud read_cloud(const std::vector<std::string>& files, const Context& context, ReadReport& read);
+PointCloud read_cloud(const std::vector<std::string>& files, const ReadOptions& options, const Context& context,
+                      ReadReport& read);
+
+/// Rays that met nothing, of all files.
+size_t no_returns(const ReadReport& read);
 
 }  // namespace soapfilm::cli

@@ -34,6 +34,7 @@ namespace {
 
 struct ReconstructOptions {
   std::vector<std::string> inputs;
+  ReadOptions read;
   std::string output;
   std::string report;
   std::string memory;
@@ -91,16 +92,21 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
 }
 
 PointCloud read_input(const ReconstructOptions& options, const Context& context, ReadReport& read) {
-  PointCloud cloud = read_cloud(options.inputs, context, read);
+  PointCloud cloud = read_cloud(options.inputs, options.read, context, read);
   context.progress().info(
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));
   return cloud;
 }
 
+/// Beside the mesh, whose formats have no place for its coordinate system.
+std::string coordinate_system_file(const ReconstructOptions& options) {
+  return std::filesystem::path(options.output).replace_extension(".prj").string();
+}
+
 void check_names(const ReconstructOptions& options, const ReadReport& read) {
   std::vector<std::string> inputs = options.inputs;
   for (const FileReport& file : read.files) inputs.push_back(file.path);  // the scans of a set
-  std::vector<std::string> outputs{options.output, options.report};
+  std::vector<std::string> outputs{options.output, options.report, coordinate_system_file(options)};
   constexpr int most_levels = 28;
   for (int level = 0; level < most_levels && !options.levels_folder.empty(); ++level)
     outputs.push_back((std::filesystem::path(options.levels_folder) / LevelFiles::name(level)).string());
@@ -162,8 +168,11 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
       report.warnings.push_back(warning);
     }
   });
+  if (!report.input.coordinate_system.empty())
+    write_text_file(coordinate_system_file(options), report.input.coordinate_system + "\n");
   report.command = global.command;
   report.input.dropped = read.dropped();
+  report.input.no_return = no_returns(read);
   report.warnings.insert(report.warnings.begin(), read.warnings.begin(), read.warnings.end());
   // The program's own stages: reading before the library's, checking and writing after them.
   for (const StageTime& stage : stages.times())
@@ -192,6 +201,8 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
   app.add_option("-o,--output", o.output, "Mesh to write: " + mesh_output_extensions())
       ->required()
       ->option_text("FILE");
+
+  add_read_options(app, o.read);
 
   const auto grid = [&](auto* option) { return option->group("Grid"); };
   CLI::Option* voxel =

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "cli/print.h"
 #include "command.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
@@ -142,7 +143,7 @@ int run(const Request& request, const GlobalOptions& options) {
   }
   const Image image = render(items, params, Context(options.threads));
   write_png(request.output, image);
-  if (!options.quiet) fmt::print("{}: {} x {} pixels\n", request.output, image.width, image.height);
+  if (!options.quiet) print(stdout, fmt::format("{}: {} x {} pixels\n", request.output, image.width, image.height));
   return 0;
 }
 

@@ -13,6 +13,7 @@
 #include "cli/overwrite.h"
 #include "cli/scan_options.h"
 #include "cli/terminal.h"
+#include "soapfilm/core/json_text.h"
 #include "soapfilm/core/stages.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
@@ -163,7 +164,7 @@ void write(const ScanOptions& options, const Object& object, const Mesh& truth, 
                          {"mesh", truth_mesh_file}};
   report["object"]["box"] = json_of(box);
   report.update(measured.files);
-  write_text_file((folder / truth_file).string(), report.dump(2) + "\n");
+  write_text_file((folder / truth_file).string(), json_text(report) + "\n");
   if (options.even_samples()) {
     write_points((folder / samples_file).string(), measured.scans.cloud);
   } else {

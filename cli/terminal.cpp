@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "cli/command.h"
+#include "cli/print.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/platform/signals.h"
@@ -104,19 +105,19 @@ void TerminalProgress::draw() {
                                  stage_detail_, stage_detail_.empty() ? "" : "  ", seconds);
   // A line that wraps could not be erased.
   line.resize(std::min(line.size(), terminal_columns(out_) - 1));
-  fmt::print(out_, "\r\033[K{}", line);
+  print(out_, fmt::format("\r\033[K{}", line));
   std::fflush(out_);
   drawn_ = true;
 }
 
 void TerminalProgress::erase() {
-  if (drawn_) fmt::print(out_, "\r\033[K");
+  if (drawn_) print(out_, "\r\033[K");
   drawn_ = false;
 }
 
 void TerminalProgress::write_line(const std::string& line) {
   erase();
-  fmt::print(out_, "{}\n", line);
+  print(out_, fmt::format("{}\n", line));
   if (live_ && !stage_.empty()) draw();
   std::fflush(out_);
 }

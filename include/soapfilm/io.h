@@ -1,5 +1,4 @@
-// Reading and writing files, by their extension (docs/reference/formats.md): clouds from .ply, .xyz, .txt, .pts and
-// .conf, to .ply; meshes from .ply, .obj, .off and .stl, to .ply, .obj and .stl.
+// Reading and writing files, by how they begin or by their extension (docs/reference/formats.md).
 #pragma once
 
 #include <cstddef>

@@ -34,10 +34,12 @@ struct OrientReport {
 
 struct InputFacts {
   size_t samples = 0;
-  size_t dropped = 0;  ///< by the reader: not finite
+  size_t dropped = 0;    ///< by the reader: not finite
+  size_t no_return = 0;  ///< by the reader: rays that met nothing
   size_t scans = 0;
   Box3d box;
-  double density = 0;  ///< samples per voxel^2 of surface
+  std::string coordinate_system;  ///< see PointCloud
+  double density = 0;             ///< samples per voxel^2 of surface
   OrientReport directions;
 };
 

@@ -102,7 +102,7 @@ typedef struct soapfilm_samples {
 /* Appends a copy of the samples as a further scan. If it fails, the cloud is unchanged. */
 SOAPFILM_API soapfilm_status soapfilm_cloud_append(soapfilm_context* context, soapfilm_cloud* cloud,
                                                    const soapfilm_samples* samples);
-/* Appends the contents of a file: .ply, .xyz, .txt, .pts or .conf (docs/reference/formats.md). */
+/* Appends the contents of a file (docs/reference/formats.md). */
 SOAPFILM_API soapfilm_status soapfilm_cloud_read(soapfilm_context* context, soapfilm_cloud* cloud, const char* path);
 
 /* Reconstructs the surface. `parameters`: JSON, such as {"place": {"voxel": 0.002}} or the whole report of an earlier
@@ -124,7 +124,7 @@ SOAPFILM_API const char* soapfilm_attribute_name(const soapfilm_result* result, 
 /* The report as JSON. */
 SOAPFILM_API const char* soapfilm_report(const soapfilm_result* result);
 
-/* Writes the mesh, completely or not at all: .ply, .obj or .stl. */
+/* Writes the mesh, completely or not at all: .ply, .obj, .glb or .stl. */
 SOAPFILM_API soapfilm_status soapfilm_write_mesh(soapfilm_context* context, const soapfilm_result* result,
                                                  const char* path);
 

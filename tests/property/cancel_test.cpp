@@ -6,6 +6,7 @@
 #include <exception>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -196,6 +197,33 @@ INSTANTIATE_TEST_SUITE_P(Methods, CancelledRun,
                          testing::Values(Method::tv, Method::tv_sor, Method::poisson, Method::graph_cut_6,
                                          Method::graph_cut_26, Method::vrip),
                          method_name);
+
+/// Throws from one of its calls, as a callback of an embedding program may.
+class Throwing : public Progress {
+ public:
+  explicit Throwing(std::string call) : call_(std::move(call)) {}
+  void begin_stage(std::string_view name) override { fail("begin", name); }
+  void end_stage(double) override { fail("end", "solve"); }
+  void advance(double, std::string_view) override { fail("advance", "solve"); }
+
+ private:
+  void fail(const char* call, std::string_view stage) const {
+    if (call_ == call && stage == "solve") throw std::runtime_error("callback");
+  }
+  std::string call_;
+};
+
+TEST(Callbacks, MayThrowAndTheLibraryIsUsableAfterwards) {
+  const PointCloud cloud = range_scans({}, 32);
+  ReconstructParams params;
+  params.place.resolution = 32;
+  for (const char* call : {"begin", "advance"}) {
+    Throwing progress(call);
+    EXPECT_THROW(run(cloud, params, progress, 2), std::runtime_error) << call;
+  }
+  Throwing progress("end");  // reported by a destructor, which must not throw: what it cannot tell is not told
+  EXPECT_NO_THROW(run(cloud, params, progress, 2));
+}
 
 }  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -2,10 +2,13 @@
 // components and the last moves of vertices; one of weight 0 has no effect.
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <string>
 #include <vector>
 
 #include "property/each_method.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
 #include "support/hash.h"
 #include "support/problem.h"
@@ -129,6 +132,39 @@ TEST(Weights, CountInTheRemovalOfComponents) {
   const Reconstruction with = reconstructed(cloud, params);
   EXPECT_EQ(with.report.components->objects.dropped, 0u);
   EXPECT_EQ(with.report.components->objects.kept, 2u);
+}
+
+/// A confidence that some program wrote as a weight: 0.001 everywhere. Without a scale nothing would pay for its area.
+TEST(Weights, ThatMeanSomethingElseAreScaledAndSaidSo) {
+  ReconstructParams params;
+  params.place.resolution = vertices;
+  PointCloud cloud = sampled("torus", vertices, 2);
+  cloud.weights.assign(cloud.size(), 1);
+  const Reconstruction ones = reconstructed(cloud, params);
+  EXPECT_TRUE(ones.report.warnings.empty());
+  for (const float weight : {0.001f, 4096.0f, 1e-30f}) {
+    cloud.weights.assign(cloud.size(), weight);
+    const Reconstruction found = reconstructed(cloud, params);
+    EXPECT_EQ(hash_mesh(found.mesh), hash_mesh(ones.mesh)) << weight;
+    ASSERT_EQ(found.report.warnings.size(), 1u);
+    EXPECT_NE(found.report.warnings[0].find("weights"), std::string::npos);
+  }
+}
+
+TEST(Weights, BeyondAllOthersAreRefused) {
+  ReconstructParams params = params_for_weights();
+  PointCloud cloud = sampled("sphere", vertices, 1);
+  for (const float bad :
+       {3.4e38f, 2e6f, -1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    cloud.weights.assign(cloud.size(), 1);
+    cloud.weights[17] = bad;
+    for (const Method method : {Method::tv, Method::graph_cut_6}) {
+      params = {};
+      params.place.resolution = vertices;
+      params.method = method;
+      EXPECT_THROW(reconstructed(cloud, params), SamplesError) << bad;
+    }
+  }
 }
 
 }  // namespace TEST_FILE

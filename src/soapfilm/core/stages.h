@@ -34,8 +34,11 @@ class Stages {
     ~Timer() {
       const double elapsed = std::chrono::duration<double>(Clock::now() - begin).count();
       const double cpu = stages.context_.cpu_seconds() - cpu_begin;
-      stages.times_.push_back({name, elapsed, cpu});
-      stages.context_.progress().end_stage(elapsed);
+      try {  // a destructor must not throw: what cannot be told is not told
+        stages.times_.push_back({name, elapsed, cpu});
+        stages.context_.progress().end_stage(elapsed);
+      } catch (...) {
+      }
     }
   };
 

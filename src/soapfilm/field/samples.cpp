@@ -1,5 +1,7 @@
 #include "soapfilm/field/samples.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <climits>
 #include <cmath>
@@ -8,6 +10,7 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 
@@ -30,6 +33,28 @@ std::vector<Vec3d> lattice_positions(const GridSamples& samples) {
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
       positions.push_back(Vec3d(samples.bricks.first_vertex(b)) + Vec3d(samples.local[s]));
   return positions;
+}
+
+double weight_scale(const PointCloud& cloud) {
+  constexpr float smallest = 0.1f, largest = 10;  // medians that are left as they are
+  constexpr float most_above_median = 1e6f;       // sums over a level stay exact enough
+  if (cloud.weights.empty()) return 1;
+  std::vector<float> positive;
+  positive.reserve(cloud.size());
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const float weight = cloud.weights[i];
+    if (!(weight >= 0) || !std::isfinite(weight))
+      throw SamplesError(fmt::format("sample {}: weight = {}, must be finite and >= 0", i, weight));
+    if (weight > 0) positive.push_back(weight);
+  }
+  if (positive.empty()) throw SamplesError("the weights of all samples are 0, some must be > 0");
+  const auto middle = positive.begin() + static_cast<std::ptrdiff_t>(positive.size() / 2);
+  std::nth_element(positive.begin(), middle, positive.end());
+  const float median = *middle;
+  if (const float most = *std::max_element(middle, positive.end()); most / most_above_median > median)
+    throw SamplesError(fmt::format("the largest weight = {:g}, must be at most {:g} times the median one, {:g}", most,
+                                   most_above_median, median));
+  return median >= smallest && median <= largest ? 1 : 1 / static_cast<double>(median);
 }
 
 GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice,
@@ -83,6 +108,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
     reserve_many(values, count);
     values.resize(count);
   };
+  const double scale = weight_scale(cloud);
   make_room(samples.local);
   make_room(samples.direction);
   if (!cloud.weights.empty()) make_room(samples.weight);
@@ -93,8 +119,9 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
     const Vec3f direction = lattice.from_world_axes(directions[i]);
     samples.direction[k] = direction;
     if (!cloud.weights.empty()) {
-      samples.weight[k] = cloud.weights[i];
-      samples.direction[k] = direction * cloud.weights[i];
+      const auto weight = static_cast<float>(scale * cloud.weights[i]);
+      samples.weight[k] = weight;
+      samples.direction[k] = direction * weight;
     }
     samples.source[k] = static_cast<uint32_t>(i);
     samples.sample_hash[k] = sample_hash_of(i);

@@ -23,7 +23,7 @@ struct GridSamples {
   std::vector<Vec3f> local;          ///< position relative to the brick's first vertex, voxels, each in [0, 8)
   std::vector<Vec3f> direction;      ///< rough outward direction along the lattice's axes; its length is the sample's
                                      ///< weight in the data term: its own, times the area it stands for
-  std::vector<float> weight;         ///< as given in the cloud, > 0; empty: all are 1
+  std::vector<float> weight;         ///< as given in the cloud, times weight_scale(); > 0; empty: all are 1
   std::vector<uint32_t> source;      ///< index of the sample in the cloud; freed when the cloud is no longer needed
   std::vector<uint8_t> sample_hash;  ///< random bits per sample, the same for any grid: sample_hash_of(source)
 
@@ -41,6 +41,11 @@ inline constexpr size_t most_samples = UINT32_MAX;
 inline bool takes_part(const PointCloud& cloud, std::span<const Vec3f> directions, size_t i) {
   return directions[i] != Vec3f{} && (cloud.weights.empty() || cloud.weights[i] > 0);
 }
+
+/// What a cloud's weights are multiplied by. A weight of 1 is one sample; if the median of the positive ones is below
+/// 0.1 or above 10 they mean something else, such as a confidence: the median then becomes 1. Throws SamplesError for a
+/// weight that is negative, not finite, or more than 1e6 times the median.
+double weight_scale(const PointCloud& cloud);
 
 /// Decides which samples are held out.
 uint8_t sample_hash_of(size_t source);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "soapfilm/io/gltf.h"
 #include "soapfilm/io/obj.h"
 #include "soapfilm/io/off.h"
 #include "soapfilm/io/ply.h"
@@ -17,12 +18,13 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr std::array<Format, 6> table{{
+constexpr std::array<Format, 7> table{{
     {".ply", looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
     {.extensions = ".xyz .txt .pts", .read_points = read_xyz},
     {.extensions = ".conf", .read_points = read_scan_set_points},
     {.extensions = ".obj", .read_mesh = read_obj, .write_mesh = write_obj},
     {.extensions = ".off", .read_mesh = read_off},
+    {.extensions = ".glb", .write_mesh = write_glb},
     {.extensions = ".stl", .read_mesh = read_stl, .write_mesh = write_stl},
 }};
 

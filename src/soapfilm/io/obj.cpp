@@ -169,7 +169,7 @@ WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOpti
   check_mesh(mesh);
   WriteReport report;
   report.format = "OBJ";
-  report.double_coordinates = float_rounding_error(mesh.vertices) > mesh_precision(mesh, options.coordinate_precision);
+  report.double_coordinates = needs_double(mesh, options.coordinate_precision);
 
   AtomicFile file(path);
   for (const std::string& comment : options.comments) {

@@ -29,8 +29,12 @@ void append_column(const char* rows, size_t count, size_t row_bytes, const Tripl
 
 /// What the header says: a column for each scalar property that has no meaning here.
 PointHeader point_header(const PlyElement& vertex, const PlyVertexLayout& layout) {
-  PointHeader header{vertex.count, layout.normal.present(), layout.sensor.present(), layout.weight != Triple::absent,
-                     layout.color.present(), {}};
+  PointHeader header{vertex.count,
+                     layout.normal.present(),
+                     layout.sensor.present(),
+                     layout.weight != Triple::absent,
+                     layout.color.present(),
+                     {}};
   for (const size_t k : layout.others) header.columns.push_back(vertex.properties[k].name);
   return header;
 }

@@ -212,7 +212,7 @@ WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const Writ
   check_mesh(mesh);
   WriteReport report;
   report.format = format_name(options.ascii);
-  report.double_coordinates = float_rounding_error(mesh.vertices) > mesh_precision(mesh, options.coordinate_precision);
+  report.double_coordinates = needs_double(mesh, options.coordinate_precision);
   const std::string header = mesh_header(mesh, options, report.double_coordinates ? "double" : "float");
 
   AtomicFile file(path);

@@ -5,14 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/core/has_area.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 
 namespace soapfilm::io {
 
-double float_rounding_error(const std::vector<Vec3d>& points) {
+double float_rounding_error(const std::vector<Vec3d>& points, Vec3d origin) {
   double largest = 0;
-  for (const Vec3d& p : points) {
+  for (const Vec3d& point : points) {
+    const Vec3d p = point - origin;
     const Vec3d moved = p - static_cast<Vec3d>(static_cast<Vec3f>(p));
     largest = std::max({largest, std::abs(moved.x), std::abs(moved.y), std::abs(moved.z)});
   }
@@ -27,6 +29,22 @@ double mean_edge(const Mesh& mesh) {
 }
 
 double mesh_precision(const Mesh& mesh, double wanted) { return wanted > 0 ? wanted : 1e-3 * mean_edge(mesh); }
+
+size_t collapsed_by_float(const Mesh& mesh, Vec3d origin) {
+  const auto rounded = [&](uint32_t v) { return static_cast<Vec3d>(static_cast<Vec3f>(mesh.vertices[v] - origin)); };
+  size_t count = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3d a = rounded(t[0]);
+    if (has_area(rounded(t[1]) - a, rounded(t[2]) - a)) continue;
+    const Vec3d& exact = mesh.vertices[t[0]];
+    count += has_area(mesh.vertices[t[1]] - exact, mesh.vertices[t[2]] - exact);
+  }
+  return count;
+}
+
+bool needs_double(const Mesh& mesh, double wanted) {
+  return float_rounding_error(mesh.vertices) > mesh_precision(mesh, wanted) || collapsed_by_float(mesh) > 0;
+}
 
 void check_mesh(const Mesh& mesh) {
   const size_t n = mesh.vertices.size();

@@ -212,6 +212,16 @@ WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOpti
   check_mesh(mesh);
   if (mesh.triangles.size() > UINT32_MAX)
     throw ParameterError(fmt::format("mesh: {} triangles, STL holds at most {}", mesh.triangles.size(), UINT32_MAX));
+  // Below the first, coordinates lose digits or become zero; above the second, they become infinite.
+  constexpr double smallest = 1e-30, largest = 1e38;
+  const Box3d box = mesh.box();
+  const double farthest = std::max({std::abs(box.lo.x), std::abs(box.lo.y), std::abs(box.lo.z), std::abs(box.hi.x),
+                                    std::abs(box.hi.y), std::abs(box.hi.z)});
+  if (farthest < smallest || farthest > largest)
+    throw OutputError(
+        fmt::format("{}: the mesh's largest coordinate = {:g}, STL holds {:g} to {:g}: write PLY or OBJ, "
+                    "or change the unit",
+                    path, farthest, smallest, largest));
   AtomicFile file(path);
   if (options.ascii)
     write_ascii(file, mesh);
@@ -228,6 +238,10 @@ WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOpti
         fmt::format("{}: STL has 32-bit coordinates: vertices moved by up to {:.2g}, more than "
                     "{:.2g}; PLY and OBJ keep them",
                     path, loss, precision));
+  if (const size_t collapsed = collapsed_by_float(mesh); collapsed > 0)
+    report.warnings.push_back(
+        fmt::format("{}: STL has 32-bit coordinates: {} triangle{} lost all area; PLY and OBJ keep them", path,
+                    collapsed, collapsed == 1 ? "" : "s"));
   if (!mesh.colors.empty() || !mesh.attributes.empty())
     report.warnings.push_back(path + ": STL holds no colors or attributes: they were left out; PLY keeps them");
   return report;

@@ -15,7 +15,7 @@ ReconstructReport facts_of(const PointCloud& cloud, const Box3d& box, const Reco
                            const std::shared_ptr<ReportDetails>& details) {
   ReconstructReport report;
   report.params = params;
-  report.input = {cloud.size(), 0, cloud.scans.size(), box, grid.density, directions};
+  report.input = {cloud.size(), 0, 0, cloud.scans.size(), box, cloud.coordinate_system, grid.density, directions};
   report.grid = grid.lattice;
   report.certificate.lambda = lambda.value;
   details->select = lambda.select;

@@ -12,6 +12,7 @@
 
 #include "soapfilm/border/border.h"
 #include "soapfilm/components/components.h"
+#include "soapfilm/core/json_text.h"
 #include "soapfilm/core/method.h"
 #include "soapfilm/core/names.h"
 #include "soapfilm/error.h"
@@ -282,7 +283,7 @@ std::string to_json(const ReconstructParams& params) {
   ordered_json json;
   for_each_param(params,
                  [&](const char* group, const char* name, const auto& value) { json[group][name] = json_of(value); });
-  return json.dump(2);
+  return json_text(json);
 }
 
 ReconstructParams params_from_json(const std::string& text) {

@@ -59,6 +59,9 @@ Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& orien
   const Lattice& lattice = placed.grid.lattice;
   memory.plan_tables(cloud, box, lattice, placed.grid.area);
   placed.samples = sort_samples(cloud, oriented.directions, lattice, context);
+  if (const double scale = weight_scale(cloud); scale != 1)
+    placed.grid.warnings.push_back(
+        fmt::format("weights: their median is {:.3g}; all are divided by it, as 1 means one sample", 1 / scale));
   if (placed.samples.size() == 0)
     throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
   memory.plan_grid(cloud, support_mask(placed.samples, lattice.box(0), context).count());

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "soapfilm/core/json_text.h"
 #include "soapfilm/core/method.h"
 #include "soapfilm/core/names.h"
 #include "soapfilm/finish/self_check.h"
@@ -20,20 +21,23 @@ ordered_json vector_json(const Vec3i& v) { return {v.x, v.y, v.z}; }
 
 ordered_json input_json(const InputFacts& input) {
   const OrientReport& d = input.directions;
-  return {{"samples", input.samples},
-          {"dropped", input.dropped},
-          {"scans", input.scans},
-          {"box", {{"lo", vector_json(input.box.lo)}, {"hi", vector_json(input.box.hi)}}},
-          {"samples_per_voxel2", input.density},
-          {"directions",
-           {{"normals", d.from_normals},
-            {"sensor", d.from_sensor},
-            {"scan", d.from_scan},
-            {"planes", d.from_planes},
-            {"estimated", d.estimated},
-            {"none", d.without_direction},
-            {"contradicting", d.contradicting},
-            {"reoriented", d.reoriented}}}};
+  return {
+      {"samples", input.samples},
+      {"dropped", input.dropped},
+      {"no_return", input.no_return},
+      {"scans", input.scans},
+      {"box", {{"lo", vector_json(input.box.lo)}, {"hi", vector_json(input.box.hi)}}},
+      {"coordinate_system", input.coordinate_system.empty() ? ordered_json() : ordered_json(input.coordinate_system)},
+      {"samples_per_voxel2", input.density},
+      {"directions",
+       {{"normals", d.from_normals},
+        {"sensor", d.from_sensor},
+        {"scan", d.from_scan},
+        {"planes", d.from_planes},
+        {"estimated", d.estimated},
+        {"none", d.without_direction},
+        {"contradicting", d.contradicting},
+        {"reoriented", d.reoriented}}}};
 }
 
 ordered_json grid_json(const ReconstructReport& report) {
@@ -279,7 +283,7 @@ std::string to_json(const ReconstructReport& report) {
         {"peak_bytes", report.peak_bytes},
         {"array_bytes", report.array_bytes}}},
       {"warnings", report.warnings}};
-  return json.dump(2) + "\n";
+  return json_text(json) + "\n";
 }
 
 }  // namespace soapfilm

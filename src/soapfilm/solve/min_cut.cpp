@@ -39,7 +39,7 @@ struct Nodes {
       directions[v.id] = v.links | (v.unary < 0 ? to_source : v.unary > 0 ? to_sink : 0u);
       unary[v.id] = v.unary;
       links += static_cast<size_t>(count_bits(v.links));
-      terminals += v.unary != 0;
+      terminals += v.unary < 0 || v.unary > 0;  // as above: not-a-number has no edge
     }
   }
 };
