@@ -12,19 +12,21 @@
 #include "soapfilm/io/scan_set.h"
 #include "soapfilm/io/stl.h"
 #include "soapfilm/io/text.h"
+#include "soapfilm/io/vdb.h"
 #include "soapfilm/io/xyz.h"
 
 namespace soapfilm::io {
 
 namespace {
 
-constexpr std::array<Format, 7> table{{
+constexpr std::array<Format, 8> table{{
     {".ply", looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
     {.extensions = ".xyz .txt .pts", .read_points = read_xyz},
     {.extensions = ".conf", .read_points = read_scan_set_points},
     {.extensions = ".obj", .read_mesh = read_obj, .write_mesh = write_obj},
     {.extensions = ".off", .read_mesh = read_off},
     {.extensions = ".glb", .write_mesh = write_glb},
+    {.extensions = ".vdb", .write_mesh = write_vdb},
     {.extensions = ".stl", .read_mesh = read_stl, .write_mesh = write_stl},
 }};
 
