@@ -26,15 +26,18 @@ size_t bytes_per_sample(const PointHeader& header) {
          header.columns.size() * sizeof(float);
 }
 
-/// The names, a number added to those that are there already.
+/// The names, a number added to those that are there already, or mean something in the PLY files that we write.
 std::vector<std::string> made_different(const std::vector<std::string>& names) {
-  std::vector<std::string> all;
+  std::vector<std::string> all{"x",     "y",    "z",        "nx",       "ny",       "nz",    "red",
+                               "green", "blue", "sensor_x", "sensor_y", "sensor_z", "weight"};
+  const auto reserved = static_cast<std::ptrdiff_t>(all.size());
   for (const std::string& given : names) {
     const std::string name = given.empty() ? "column" : given;
     std::string unused = name;
     for (int k = 2; std::find(all.begin(), all.end(), unused) != all.end(); ++k) unused = fmt::format("{}_{}", name, k);
     all.push_back(std::move(unused));
   }
+  all.erase(all.begin(), all.begin() + reserved);
   return all;
 }
 
