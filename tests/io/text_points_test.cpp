@@ -306,6 +306,7 @@ TEST(Text, WhatIsNoTextIsRefused) {
   expect_refused(bytes, {"t.xyz", "must be text"});
   expect_refused(std::string("1 2 3\n\0 5 6\n", 12), {"byte 6", "must be text"});
   expect_refused("C 0 0 0\nH 0 0 1\n", {"t.xyz:1:", "column 1 = 'C'", "--columns"});
+  expect_refused("ncols 3\nnrows 2\n1 2 3\n4 5 6\n", {"t.asc:1:", "grid of heights"}, "t.asc");
   expect_refused("P1 1 2 3\n5 6 7 8\n", {"t.xyz:1:", "column 1 = 'P1'"});
   expect_refused("x y z\n", {"holds no samples"});
   expect_refused("5\n", {"holds no samples"});

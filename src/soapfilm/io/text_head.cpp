@@ -14,7 +14,8 @@ namespace soapfilm::io {
 namespace {
 
 constexpr size_t most_columns = 256;
-constexpr size_t most_titles = 20;  // lines of text before the first row
+constexpr size_t most_titles = 20;    // lines of text before the first row
+constexpr size_t last_header = 1000;  // line
 constexpr size_t longest_header = size_t{1} << 14;
 constexpr size_t first_rows = size_t{1} << 16;  // bytes of them, which tell the separators
 
@@ -110,8 +111,12 @@ class HeadReader {
       const TextLine line = line_at(text_, head_.offset);
       if (is_row(line.text)) return;
       if (std::string_view after; is_comment(line.text, after)) {
-        if (is_header(line.text)) before_.push_back({line.text, head_.line, true});
+        if (head_.line <= last_header && is_header(line.text)) before_.push_back({line.text, head_.line, true});
       } else if (!fields_.empty() && !is_count() && lower_case(line.text.substr(0, 4)) != "sep=") {
+        if (lower_case(fields_[0]) == "ncols")
+          fail(head_.line,
+               "'ncols' begins an ESRI ASCII grid of heights, must be samples as lines x y z: convert it "
+               "(gdal_translate -of XYZ)");
         if (++titles > most_titles) break;
         before_.push_back({line.text, head_.line, false});
       }
@@ -185,8 +190,7 @@ class HeadReader {
       while (!fields_.empty() && fields_.back().empty()) fields_.pop_back();
       if (fields_.size() <= first.size()) given = std::max(given, fields_.size());
       head_.decimal_commas |= std::any_of(fields_.begin(), fields_.end(), has_decimal_comma);
-      if (head_.separator == ',' && !head_.decimal_commas)
-        refuse_blank_after_comma(line.text, head_.line + lines);
+      if (head_.separator == ',' && !head_.decimal_commas) refuse_blank_after_comma(line.text, head_.line + lines);
       if (fields_.size() > 1) whole_pairs = whole_pairs && are_whole_pairs(leading_zero);
     }
     head_.row_bytes = std::max<size_t>((offset - head_.offset) / std::max<size_t>(lines, 1), 1);
