@@ -58,12 +58,12 @@ template <class T>
 void append_triples(const RowChunk& chunk, size_t columns, const Triple& triple, std::vector<Vec3<T>>& all) {
   if (!triple.present()) return;
   const double* row = chunk.values.data();
-  for (size_t i = 0; i < chunk.values.size(); i += columns, row += columns)
+  for (size_t i = 0; i < chunk.rows; ++i, row += columns)
     all.push_back({static_cast<T>(row[triple[0]]), static_cast<T>(row[triple[1]]), static_cast<T>(row[triple[2]])});
 }
 
 void append_values(const RowChunk& chunk, size_t columns, size_t column, std::vector<float>& all) {
-  for (size_t i = column; i < chunk.values.size(); i += columns) all.push_back(static_cast<float>(chunk.values[i]));
+  for (size_t i = 0; i < chunk.rows; ++i) all.push_back(static_cast<float>(chunk.values[i * columns + column]));
 }
 
 class TextReader {
@@ -151,14 +151,17 @@ class TextReader {
   void read_rows() {
     const std::string_view text = text_.text();
     const size_t at_once = std::min(most_text_chunks, 2 * static_cast<size_t>(context_.threads()));
+    std::vector<RowChunk> chunks(at_once);
     size_t line = head_.line;
     for (size_t begin = head_.offset; begin < text.size();) {
       context_.check();
-      std::vector<RowChunk> chunks;
-      for (; begin < text.size() && chunks.size() < at_once; begin = chunks.back().end)
-        chunks.push_back({begin, line_at(text, std::min(begin + text_chunk_bytes, text.size())).next});
-      parallel_for(context_, chunks.size(), 1, [&](size_t k) { io::read_rows(text, rules_, chunks[k]); });
-      for (const RowChunk& chunk : chunks) line = append(chunk, line);
+      size_t count = 0;
+      for (; begin < text.size() && count < at_once; begin = chunks[count++].end) {
+        chunks[count].begin = begin;
+        chunks[count].end = line_at(text, std::min(begin + text_chunk_bytes, text.size())).next;
+      }
+      parallel_for(context_, count, 1, [&](size_t k) { io::read_rows(text, rules_, chunks[k]); });
+      for (size_t k = 0; k < count; ++k) line = append(chunks[k], line);
       text_.release_before(begin);
     }
   }
@@ -169,14 +172,14 @@ class TextReader {
     const size_t before = cloud_.size();
     for (const CountLine& count : chunk.counts) begin_scan_at(before + count.row, count.count, line + count.line);
     if (chunk.error) fail(line + chunk.lines, *chunk.error);
-    if (chunk.values.size() / columns > static_cast<size_t>(INT32_MAX) - before)
+    if (chunk.rows > static_cast<size_t>(INT32_MAX) - before)
       throw InputError(fmt::format("{}: holds more than {} samples, must be at most so many", path_, INT32_MAX));
     append_triples(chunk, columns, columns_.position, cloud_.positions);
     append_triples(chunk, columns, columns_.normal, cloud_.normals);
     append_triples(chunk, columns, columns_.sensor, cloud_.sensors);
     if (columns_.weight != Triple::absent) append_values(chunk, columns, columns_.weight, cloud_.weights);
     if (const Triple& c = columns_.color; c.present())
-      for (size_t i = 0; i < chunk.values.size(); i += columns)
+      for (size_t i = 0; i < chunk.rows * columns; i += columns)
         colors_.add(chunk.values[i + c[0]], chunk.values[i + c[1]], chunk.values[i + c[2]]);
     for (size_t k = 0; k < columns_.others.size(); ++k)
       append_values(chunk, columns, columns_.others[k], cloud_.columns[k].values);
@@ -190,7 +193,7 @@ class TextReader {
     if (unnamed_->fourth.size() != before) return;
     for (size_t i = before; i < cloud_.size(); ++i)
       if (i > 0 && !(cloud_.positions[i].x > cloud_.positions[i - 1].x)) return release(unnamed_->fourth);
-    for (size_t i = 3; i < chunk.values.size(); i += names_.size()) unnamed_->fourth.push_back(chunk.values[i]);
+    for (size_t i = 3; i < chunk.rows * names_.size(); i += names_.size()) unnamed_->fourth.push_back(chunk.values[i]);
   }
 
   void add_text(const TextFields& found, size_t line) {

@@ -69,17 +69,19 @@ class RowReader {
   void read() {
     const size_t columns = rules_.fields.size();
     for (size_t at = 0; at < text_.size(); ++chunk_.lines) {
-      const size_t row = chunk_.values.size();
-      chunk_.values.resize(row + columns);
-      if (const size_t next = read_usual_row(at, chunk_.values.data() + row); next != 0) {
+      const size_t first = chunk_.rows * columns;
+      if (first + columns > chunk_.values.size()) chunk_.values.resize(std::max(2 * first, first + columns));
+      double* const row = chunk_.values.data() + first;
+      if (const size_t next = read_usual_row(at, row); next != 0) {
         at = next;
+        ++chunk_.rows;
       } else {
         const TextLine line = line_at(text_, at);
-        if (!read_any_row(line.text, row)) return chunk_.values.resize(row);
+        if (read_any_row(line.text, row)) ++chunk_.rows;
         at = line.next;
       }
-      if (chunk_.values.size() > row && rules_.weight < columns && !check_weight(chunk_.values[row + rules_.weight]))
-        return chunk_.values.resize(row);
+      if (rules_.weight < columns && chunk_.rows * columns > first) check_weight(row[rules_.weight]);
+      if (chunk_.error) return;
     }
   }
 
@@ -114,27 +116,20 @@ class RowReader {
     return static_cast<size_t>(at - numbers_.data());
   }
 
-  /// Any line. False if it is refused; a line without a row takes the room of its values back.
-  bool read_any_row(std::string_view line, size_t row) {
+  /// Any line; false if it is no row.
+  bool read_any_row(std::string_view line, double* row) {
     split_fields(line, rules_.separator, fields_);
     const size_t columns = rules_.fields.size();
-    if (fields_.empty() || (!rules_.header.empty() && line == rules_.header)) {
-      chunk_.values.resize(row);
-      return true;
-    }
-    if (fields_.size() == 1) {
-      chunk_.values.resize(row);
-      return read_count();
-    }
+    if (fields_.empty() || (!rules_.header.empty() && line == rules_.header)) return false;
+    if (fields_.size() == 1) return read_count();
     while (fields_.size() > columns && fields_.back().empty()) fields_.pop_back();
     if (fields_.size() != columns)
       return refuse(fmt::format("{} columns, must be {} {}", fields_.size(), columns, rules_.expected));
     for (size_t k = 0; k < columns; ++k) {
-      double& value = chunk_.values[row + k];
-      value = 0;
-      if (rules_.fields[k] == FieldRule::skipped || parse_field(fields_[k], rules_.decimal_commas, value)) continue;
+      row[k] = 0;
+      if (rules_.fields[k] == FieldRule::skipped || parse_field(fields_[k], rules_.decimal_commas, row[k])) continue;
       if (rules_.fields[k] == FieldRule::number) return refuse(not_a_number(k + 1, fields_[k], rules_.decimal_commas));
-      value = std::numeric_limits<double>::quiet_NaN();
+      row[k] = std::numeric_limits<double>::quiet_NaN();
       add_text(k, fields_[k]);
     }
     return true;
@@ -147,13 +142,12 @@ class RowReader {
     if (!(count >= 0) || !std::isfinite(count) || count != std::floor(count))
       return refuse(
           fmt::format("{} alone on a line, must be a count of samples or at least 3 columns", in_quotes(fields_[0])));
-    chunk_.counts.push_back({chunk_.values.size() / rules_.fields.size(), chunk_.lines, count});
-    return true;
+    chunk_.counts.push_back({chunk_.rows, chunk_.lines, count});
+    return false;
   }
 
-  bool check_weight(double weight) {
-    return (weight >= 0 && std::isfinite(weight)) ||
-           refuse(fmt::format("weight = {}, must be finite and >= 0", weight));
+  void check_weight(double weight) {
+    if (!(weight >= 0) || !std::isfinite(weight)) refuse(fmt::format("weight = {}, must be finite and >= 0", weight));
   }
 
   void add_text(size_t column, std::string_view field) {
@@ -238,7 +232,13 @@ bool parse_field(std::string_view field, bool decimal_commas, double& value) {
   return parse_number(point, value);
 }
 
-void read_rows(std::string_view text, const RowRules& rules, RowChunk& chunk) { RowReader(text, rules, chunk).read(); }
+void read_rows(std::string_view text, const RowRules& rules, RowChunk& chunk) {
+  chunk.rows = chunk.lines = 0;
+  chunk.counts.clear();
+  chunk.texts.clear();
+  chunk.error.reset();
+  RowReader(text, rules, chunk).read();
+}
 
 std::string not_a_number(size_t column, std::string_view field, bool decimal_commas) {
   std::string text = fmt::format("column {} = {}, must be a number", column, in_quotes(field));

@@ -60,13 +60,15 @@ struct TextFields {
 struct RowChunk {
   size_t begin = 0;
   size_t end = 0;
-  std::vector<double> values{};  ///< row by row
+  size_t rows = 0;
+  std::vector<double> values{};  ///< row by row; longer than that, for the memory is used again and again
   size_t lines = 0;
   std::vector<CountLine> counts{};
   std::vector<TextFields> texts{};
   std::optional<std::string>
       error{};  ///< what is wrong with the line after `lines` ones; nothing is read from there on
 };
+/// Fills the chunk from `begin` to `end`, whatever it held.
 void read_rows(std::string_view text, const RowRules& rules, RowChunk& chunk);
 
 /// "column 3 = 'x6', must be a number", and what else there is to say about it.
