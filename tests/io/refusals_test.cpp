@@ -83,7 +83,7 @@ TEST(Refusals, PlyBodies) {
   expect_points_refused("b.ply", vertex_head + "property float weight\nend_header\n1 2 3 1\n1 2 3 -1\n",
                         {"b.ply:10:", "vertex 1", "weight = -1", ">= 0"});
   expect_points_refused("b.ply", vertex_head + "end_header\nnan 2 3\n1 inf 3\n",
-                        {"all of its 2 samples", "non-finite"});
+                        {"none of its 2 samples", "non-finite"});
   expect_points_refused("b.ply", vertex_head + "property list int int l\nend_header\n1 2 3 999999999 1\n1 2 3 0\n",
                         {"b.ply:9:", "count = 999999999", "hold"});
   expect_points_refused("b.ply", vertex_head + "property list int int l\nend_header\n1 2 3 -1\n1 2 3 0\n",
