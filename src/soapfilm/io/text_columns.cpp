@@ -16,25 +16,25 @@ namespace soapfilm::io {
 
 namespace {
 
-using Columns = std::vector<Column>;
+using TextColumns = std::vector<Column>;
 
-bool is_whole(double value) { return value == std::floor(value); }
+bool is_whole_number(double value) { return value == std::floor(value); }
 
 /// So many rows may differ from what all others are.
-size_t odd_rows(size_t rows) { return std::max<size_t>(rows >= 4 ? 1 : 0, rows / 50); }
+size_t odd_rows_of(size_t rows) { return std::max<size_t>(rows >= 4 ? 1 : 0, rows / 50); }
 
-Vec3f triple(const Columns& columns, size_t first, size_t row) {
+Vec3f row_of_three(const TextColumns& columns, size_t first, size_t row) {
   return {columns[first].values[row], columns[first + 1].values[row], columns[first + 2].values[row]};
 }
 
 /// Lengths of about 1, or of about one value in many directions; zero is no normal.
-bool are_normals(const Columns& columns, size_t first) {
+bool are_normals(const TextColumns& columns, size_t first) {
   const size_t rows = columns[first].values.size();
   std::vector<float> lengths;
   Vec3d sum{};
   bool negative = false;
   for (size_t i = 0; i < rows; ++i) {
-    const Vec3f n = triple(columns, first, i);
+    const Vec3f n = row_of_three(columns, first, i);
     if (!is_finite(n) || n == Vec3f{}) continue;
     const double length = norm(static_cast<Vec3d>(n));
     lengths.push_back(static_cast<float>(length));
@@ -45,7 +45,7 @@ bool are_normals(const Columns& columns, size_t first) {
   const auto near = [&](float length, float tolerance) {
     const auto count = std::count_if(lengths.begin(), lengths.end(),
                                      [&](float l) { return std::abs(l - length) <= tolerance * length; });
-    return static_cast<size_t>(count) + odd_rows(lengths.size()) >= lengths.size();
+    return static_cast<size_t>(count) + odd_rows_of(lengths.size()) >= lengths.size();
   };
   if (near(1, 0.05f)) return true;
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
@@ -58,18 +58,18 @@ bool are_normals(const Columns& columns, size_t first) {
 enum class ColorRange { none = 0, one = 1, byte = 255, word = 65535 };
 
 /// What the channels of three columns have in common.
-struct Channels {
+struct ChannelRanges {
   std::array<float, 3> least{}, most{};  // of the rows within the range
   size_t outside = 0;                    // rows beyond it, or negative, or not finite
   size_t fractional = 0;                 // rows of the others whose numbers are not whole
 };
 
-Channels channels(const Columns& columns, size_t first, ColorRange range) {
+ChannelRanges channel_ranges(const TextColumns& columns, size_t first, ColorRange range) {
   const float limit = static_cast<float>(range);
-  Channels all;
+  ChannelRanges all;
   all.least.fill(limit);
   for (size_t i = 0; i < columns[first].values.size(); ++i) {
-    const Vec3f c = triple(columns, first, i);
+    const Vec3f c = row_of_three(columns, first, i);
     if (!(c.x >= 0 && c.y >= 0 && c.z >= 0 && c.x <= limit && c.y <= limit && c.z <= limit)) {
       ++all.outside;
       continue;
@@ -79,26 +79,26 @@ Channels channels(const Columns& columns, size_t first, ColorRange range) {
       all.least[k] = std::min(all.least[k], value);
       all.most[k] = std::max(all.most[k], value);
     }
-    all.fractional += !(is_whole(c.x) && is_whole(c.y) && is_whole(c.z));
+    all.fractional += !(is_whole_number(c.x) && is_whole_number(c.y) && is_whole_number(c.z));
   }
   return all;
 }
 
-/// Colors are numbers of one range in which the channels are alike; a count of returns or a class beside an intensity
-/// is not.
-ColorRange color_range(const Columns& columns, size_t first) {
+/// Colors are numbers of one range in which the channels are alike; a count of returns or a class beside an
+/// intensity is not.
+ColorRange color_range(const TextColumns& columns, size_t first) {
   constexpr float most_returns = 15;
   for (const ColorRange range : {ColorRange::one, ColorRange::byte, ColorRange::word}) {
-    const Channels all = channels(columns, first, range);
+    const ChannelRanges all = channel_ranges(columns, first, range);
     const size_t rows = columns[first].values.size();
-    if (all.outside > odd_rows(rows) || all.outside == rows) continue;
+    if (all.outside > odd_rows_of(rows) || all.outside == rows) continue;
     if (range == ColorRange::one) {
       if (all.fractional == 0) continue;
       return range;
     }
     const float largest = *std::max_element(all.most.begin(), all.most.end());
     const float smallest = *std::min_element(all.most.begin(), all.most.end());
-    if (all.outside + all.fractional > odd_rows(rows) || largest <= 1) return ColorRange::none;
+    if (all.outside + all.fractional > odd_rows_of(rows) || largest <= 1) return ColorRange::none;
     if (range == ColorRange::word) return smallest >= largest / 16 && all.least != all.most ? range : ColorRange::none;
     for (size_t k = 0; k < 3; ++k)
       if (all.least[k] >= 1 && all.most[k] <= most_returns && largest > 4 * most_returns) return ColorRange::none;
@@ -108,20 +108,20 @@ ColorRange color_range(const Columns& columns, size_t first) {
 }
 
 /// The largest value of its kind in all rows, as opacity mostly is.
-bool is_opaque(const Column& column) {
+bool is_all_opaque(const Column& column) {
   const float value = column.values.empty() ? 0 : column.values[0];
   return (value == 255 || value == 1 || value == 65535) &&
          std::all_of(column.values.begin(), column.values.end(), [&](float v) { return v == value; });
 }
 
 /// Where normals and colors begin among the further columns.
-struct Layout {
+struct TextLayout {
   std::optional<size_t> normal, color, opacity;
   ColorRange range = ColorRange::none;
 };
 
-Layout find_layout(const Columns& columns) {
-  Layout layout;
+TextLayout find_text_layout(const TextColumns& columns) {
+  TextLayout layout;
   const size_t count = columns.size();
   for (size_t k = 0; k + 3 <= count;) {
     if (!layout.normal && are_normals(columns, k)) {
@@ -134,7 +134,7 @@ Layout find_layout(const Columns& columns) {
       ++k;
       continue;
     }
-    const bool opaque = k + 4 <= count && is_opaque(columns[k + 3]);
+    const bool opaque = k + 4 <= count && is_all_opaque(columns[k + 3]);
     // i r g b looks like r g b with a further value: the intensity is first in all programs that write it.
     const bool after_intensity = !opaque && k + 4 <= count && color_range(columns, k + 1) != ColorRange::none &&
                                  (k + 4 == count || (k + 7 <= count && are_normals(columns, k + 4)));
@@ -146,18 +146,18 @@ Layout find_layout(const Columns& columns) {
   return layout;
 }
 
-std::vector<Vec3f> normals_of(const Columns& columns, size_t first) {
+std::vector<Vec3f> normals_of(const TextColumns& columns, size_t first) {
   std::vector<Vec3f> normals(columns[first].values.size());
-  for (size_t i = 0; i < normals.size(); ++i) normals[i] = triple(columns, first, i);
+  for (size_t i = 0; i < normals.size(); ++i) normals[i] = row_of_three(columns, first, i);
   return normals;
 }
 
-std::vector<Rgb8> colors_of(const Columns& columns, size_t first, ColorRange range) {
+std::vector<Rgb8> colors_of(const TextColumns& columns, size_t first, ColorRange range) {
   const float limit = static_cast<float>(range);
   ColorNumbers numbers;
   numbers.reserve(columns[first].values.size());
   for (size_t i = 0; i < columns[first].values.size(); ++i) {
-    const Vec3f c = triple(columns, first, i);
+    const Vec3f c = row_of_three(columns, first, i);
     const bool is_color = c.x <= limit && c.y <= limit && c.z <= limit;  // else an odd row
     numbers.add(is_color ? c.x : -1, is_color ? c.y : -1, is_color ? c.z : -1);
   }
@@ -165,13 +165,13 @@ std::vector<Rgb8> colors_of(const Columns& columns, size_t first, ColorRange ran
 }
 
 /// What the first column is where it rises in all rows.
-enum class Leading { position, number, time, unknown };
+enum class LeadingColumn { position, number, time, unknown };
 
 /// Counted from row to row; some numbers may be missing.
-bool counts(const std::vector<Vec3d>& positions) {
+bool counts_up(const std::vector<Vec3d>& positions) {
   size_t ones = 0;
   for (size_t i = 0; i < positions.size(); ++i) {
-    if (!is_whole(positions[i].x)) return false;
+    if (!is_whole_number(positions[i].x)) return false;
     ones += i > 0 && positions[i].x - positions[i - 1].x == 1;
   }
   const size_t steps = positions.size() - 1;
@@ -180,7 +180,7 @@ bool counts(const std::vector<Vec3d>& positions) {
 
 /// Do the values go from row to row in steps that are small beside their range, as a scanner's do?
 template <class Value>
-bool is_smooth(size_t rows, Value&& value) {
+bool goes_in_small_steps(size_t rows, Value&& value) {
   constexpr double small = 0.1;  // 1/3 for values in any order
   double least = value(0), most = value(0), way = 0;
   for (size_t i = 1; i < rows; ++i) {
@@ -192,28 +192,28 @@ bool is_smooth(size_t rows, Value&& value) {
 }
 
 bool may_be_intensity(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return is_whole(v); }) ||
+  return std::all_of(values.begin(), values.end(), [](double v) { return is_whole_number(v); }) ||
          std::all_of(values.begin(), values.end(), [](double v) { return v >= 0 && v <= 1; });
 }
 
-Leading judge_leading(const PointCloud& cloud, const std::vector<double>& fourth) {
+LeadingColumn judge_leading(const PointCloud& cloud, const std::vector<double>& fourth) {
   constexpr size_t few = 20;
   const size_t rows = cloud.size();
-  if (fourth.size() != rows || rows < 4) return Leading::position;
+  if (fourth.size() != rows || rows < 4) return LeadingColumn::position;
   const size_t others = cloud.columns.size();
-  if (others >= 3 && are_normals(cloud.columns, 0)) return Leading::position;
-  if (others == 3 && color_range(cloud.columns, 0) != ColorRange::none) return Leading::position;
-  if (counts(cloud.positions)) return Leading::number;
-  if (rows < few) return Leading::position;
-  if (is_smooth(rows, [&](size_t i) { return cloud.positions[i].y; }) &&
-      is_smooth(rows, [&](size_t i) { return cloud.positions[i].z; }) &&
-      is_smooth(rows, [&](size_t i) { return fourth[i]; }))
-    return Leading::time;
-  return may_be_intensity(fourth) ? Leading::position : Leading::unknown;
+  if (others >= 3 && are_normals(cloud.columns, 0)) return LeadingColumn::position;
+  if (others == 3 && color_range(cloud.columns, 0) != ColorRange::none) return LeadingColumn::position;
+  if (counts_up(cloud.positions)) return LeadingColumn::number;
+  if (rows < few) return LeadingColumn::position;
+  if (goes_in_small_steps(rows, [&](size_t i) { return cloud.positions[i].y; }) &&
+      goes_in_small_steps(rows, [&](size_t i) { return cloud.positions[i].z; }) &&
+      goes_in_small_steps(rows, [&](size_t i) { return fourth[i]; }))
+    return LeadingColumn::time;
+  return may_be_intensity(fourth) ? LeadingColumn::position : LeadingColumn::unknown;
 }
 
 /// The first column is no coordinate: those are the next three.
-void shift(PointCloud& cloud, UnnamedColumns& unnamed, const std::string& name) {
+void shift_positions(PointCloud& cloud, UnnamedTextColumns& unnamed, const std::string& name) {
   Column& leading = cloud.columns[0];
   leading.name = name;
   leading.is_label = holds_labels(name);
@@ -227,8 +227,8 @@ void shift(PointCloud& cloud, UnnamedColumns& unnamed, const std::string& name) 
 }
 
 /// Gives the columns that are left over a name if their place says one, else a remark.
-void name_others(Columns& columns, const Layout& layout, const std::vector<bool>& used, UnnamedColumns& unnamed,
-                 size_t first_column) {
+void name_others(TextColumns& columns, const TextLayout& layout, const std::vector<bool>& used,
+                 UnnamedTextColumns& unnamed, size_t first_column) {
   const bool alone = columns.size() == 1;
   const auto others = std::count(used.begin(), used.end(), false);
   std::string left;
@@ -251,28 +251,28 @@ void name_others(Columns& columns, const Layout& layout, const std::vector<bool>
 
 }  // namespace
 
-void judge_columns(PointCloud& cloud, UnnamedColumns& unnamed) {
+void judge_text_columns(PointCloud& cloud, UnnamedTextColumns& unnamed) {
   if (cloud.columns.empty() || cloud.size() == 0) return;
-  const Leading leading = judge_leading(cloud, unnamed.fourth);
-  Columns front;
-  if (leading == Leading::number || leading == Leading::time) {
-    shift(cloud, unnamed, leading == Leading::number ? "id" : "time");
+  const LeadingColumn leading = judge_leading(cloud, unnamed.fourth);
+  TextColumns front;
+  if (leading == LeadingColumn::number || leading == LeadingColumn::time) {
+    shift_positions(cloud, unnamed, leading == LeadingColumn::number ? "id" : "time");
     front.push_back(std::move(cloud.columns[0]));
     cloud.columns.erase(cloud.columns.begin());
     unnamed.remarks.push_back(
         fmt::format("column 1 {}: taken for the {}, columns 2 to 4 for x y z (else: --columns "
                     "x,y,z,...)",
-                    leading == Leading::number ? "counts the rows" : "rises from row to row",
-                    leading == Leading::number ? "point's number" : "time"));
-  } else if (leading == Leading::unknown) {
+                    leading == LeadingColumn::number ? "counts the rows" : "rises from row to row",
+                    leading == LeadingColumn::number ? "point's number" : "time"));
+  } else if (leading == LeadingColumn::unknown) {
     unnamed.remarks.push_back(
         "column 1 rises from row to row, as a time does; it is taken for x (else: --columns time,x,y,z)");
   }
   release(unnamed.fourth);
 
-  Columns& columns = cloud.columns;
+  TextColumns& columns = cloud.columns;
   const size_t first_column = 3 + front.size();
-  const Layout layout = find_layout(columns);
+  const TextLayout layout = find_text_layout(columns);
   std::vector<bool> used(columns.size());
   const auto use = [&](size_t first, std::initializer_list<const char*> names) {
     size_t k = first;

@@ -9,7 +9,7 @@
 namespace soapfilm::io {
 
 /// A cloud whose positions are the first three columns of a text, with all further ones in cloud.columns.
-struct UnnamedColumns {
+struct UnnamedTextColumns {
   std::vector<std::string> names;      ///< of the text's columns, in order
   std::vector<double> fourth;          ///< the fourth column, if the first rises from row to row; else empty
   std::vector<std::string> remarks{};  ///< what the user should know
@@ -17,6 +17,6 @@ struct UnnamedColumns {
 
 /// Makes normals, colors, an intensity, numbers or times of the further columns, as far as their values say that they
 /// are. Then `names` say what was found.
-void judge_columns(PointCloud& cloud, UnnamedColumns& unnamed);
+void judge_text_columns(PointCloud& cloud, UnnamedTextColumns& unnamed);
 
 }  // namespace soapfilm::io

@@ -12,12 +12,12 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr std::string_view little_mark = "\xFF\xFE", big_mark = "\xFE\xFF";
+constexpr std::string_view utf16_little_mark = "\xFF\xFE", utf16_big_mark = "\xFE\xFF";
 
 /// The byte order of UTF-16, known by its mark or, for numbers and Latin letters, by a zero in every second byte.
 std::optional<std::endian> utf16_order(std::string_view bytes) {
-  if (bytes.substr(0, 2) == little_mark) return std::endian::little;
-  if (bytes.substr(0, 2) == big_mark) return std::endian::big;
+  if (bytes.substr(0, 2) == utf16_little_mark) return std::endian::little;
+  if (bytes.substr(0, 2) == utf16_big_mark) return std::endian::big;
   constexpr size_t looked_at = 512;
   const size_t size = std::min(bytes.size(), looked_at) / 2 * 2;
   size_t zeros[2] = {0, 0};
@@ -32,7 +32,7 @@ std::string utf8_of(std::string_view bytes, std::endian order) {
   const bool swap = order != std::endian::native;
   std::string text;
   text.reserve(bytes.size() / 2);
-  const bool marked = bytes.substr(0, 2) == little_mark || bytes.substr(0, 2) == big_mark;
+  const bool marked = bytes.substr(0, 2) == utf16_little_mark || bytes.substr(0, 2) == utf16_big_mark;
   for (size_t i = marked ? 2 : 0; i + 1 < bytes.size(); i += 2) {
     const unsigned code = load<uint16_t>(bytes.data() + i, swap);
     if (code < 0x80) {

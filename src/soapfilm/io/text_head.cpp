@@ -19,11 +19,11 @@ constexpr size_t last_header = 1000;  // line
 constexpr size_t longest_header = size_t{1} << 14;
 constexpr size_t first_rows = size_t{1} << 16;  // bytes of them, which tell the separators
 
-using Fields = std::vector<std::string_view>;
+using HeadFields = std::vector<std::string_view>;
 
 /// The separator of a row; with neither commas nor semicolons: blanks.
-char separator_of(std::string_view row) {
-  Fields fields;
+char separator_of_row(std::string_view row) {
+  HeadFields fields;
   split_fields(row, ';', fields);
   if (fields.size() > 1) return ';';
   split_fields(row, ',', fields);
@@ -31,7 +31,7 @@ char separator_of(std::string_view row) {
     return std::any_of(field.begin(), field.end(), [](char c) { return is_blank(c); });
   };
   if (fields.size() < 2 || std::count_if(fields.begin(), fields.end(), has_blank) > 0) {
-    Fields words;
+    HeadFields words;
     split_fields(row, ' ', words);
     const auto is_part = [](std::string_view word) { return word.find(',') == std::string_view::npos; };
     if (fields.size() < 2 ||
@@ -43,7 +43,7 @@ char separator_of(std::string_view row) {
 
 /// The names in a line, with units in brackets at the end of theirs.
 std::vector<std::string> split_names(std::string_view line, char separator) {
-  Fields fields;
+  HeadFields fields;
   split_fields(line.substr(0, longest_header), separator, fields);
   std::vector<std::string> names;
   for (const std::string_view field : fields) {
@@ -131,7 +131,7 @@ class HeadReader {
 
   /// A line of numbers. Once names are known one number is enough: others may be text. Fills fields_.
   bool is_row(std::string_view line) {
-    const char separator = separator_of(line);
+    const char separator = separator_of_row(line);
     split_fields(line, separator, fields_);
     if (fields_.size() < 2) return false;
     const auto is_number = [](std::string_view field) {
@@ -170,14 +170,14 @@ class HeadReader {
   }
 
   [[noreturn]] void refuse_text(const HeadLine& line) {
-    split_fields(line.text, separator_of(line.text), fields_);
+    split_fields(line.text, separator_of_row(line.text), fields_);
     fail(line.line, not_a_number(1, fields_.empty() ? line.text : fields_[0], false) +
                         ", or the name of a column (--columns says what columns are: -,x,y,z)");
   }
 
   /// The number of columns is the first row's; if that ends with absent values, the longest of the first rows'.
   void find_columns() {
-    Fields first;
+    HeadFields first;
     split_fields(line_at(text_, head_.offset).text, head_.separator, first);
     if (first.size() > most_columns)
       fail(head_.line, fmt::format("more than {} columns, must be at most as many", most_columns));
@@ -236,7 +236,7 @@ class HeadReader {
   /// The last line with names for all columns is the header.
   void find_names() {
     if (named_ > 0) return;
-    Fields first;
+    HeadFields first;
     split_fields(line_at(text_, head_.offset).text, head_.separator, first);
     const HeadLine* header = nullptr;
     for (const HeadLine& line : before_)
@@ -273,7 +273,7 @@ class HeadReader {
            "latitude and longitude are angles, must be lengths: project them to meters first (or say with "
            "--columns which columns are x, y and z)");
     double value = 0;
-    Fields row;
+    HeadFields row;
     split_fields(line.text, head_.separator, row);
     const auto numbers = std::count_if(row.begin(), row.end(),
                                        [&](std::string_view f) { return parse_field(f, head_.decimal_commas, value); });
@@ -304,7 +304,7 @@ class HeadReader {
   size_t named_;
   const std::string& path_;
   TextHead head_;
-  Fields fields_;
+  HeadFields fields_;
   std::vector<HeadLine> before_;  // the last lines that are neither rows nor counts
 };
 

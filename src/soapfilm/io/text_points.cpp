@@ -263,7 +263,7 @@ class TextReader {
 
   void judge() {
     unnamed_->names = std::move(names_);
-    judge_columns(cloud_, *unnamed_);
+    judge_text_columns(cloud_, *unnamed_);
     names_ = std::move(unnamed_->names);
     for (const std::string& remark : unnamed_->remarks) head_.warnings.push_back(path_ + ": " + remark);
   }
@@ -294,7 +294,7 @@ class TextReader {
   RowRules rules_;
   std::vector<std::string> names_;
   PointColumns columns_;
-  std::optional<UnnamedColumns> unnamed_;  // of columns that their values must tell
+  std::optional<UnnamedTextColumns> unnamed_;  // of columns that their values must tell
   PointCloud cloud_;
   ColorNumbers colors_;
   std::vector<TextFields> texts_;

@@ -12,14 +12,14 @@ namespace soapfilm::io {
 
 namespace {
 
-bool is_line_end(char c) { return c == '\n' || c == '\r'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_end_of_line(char c) { return c == '\n' || c == '\r'; }
+bool is_decimal_digit(char c) { return c >= '0' && c <= '9'; }
 
 bool begins_comment(std::string_view text) {
   return !text.empty() && (text.front() == '#' || text.substr(0, 2) == "//");
 }
 
-std::string_view without_blanks(std::string_view text) {
+std::string_view without_blanks_around(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
@@ -35,7 +35,7 @@ std::string_view take_field(std::string_view& line, char separator) {
         (close + 1 == line.size() || is_blank(line[close + 1]) || line[close + 1] == separator)) {
       const std::string_view field = line.substr(1, close - 1);
       line.remove_prefix(close + 1);
-      return without_blanks(field);
+      return without_blanks_around(field);
     }
   }
   size_t end = 0;
@@ -45,10 +45,10 @@ std::string_view take_field(std::string_view& line, char separator) {
   }
   const std::string_view field = line.substr(0, end);
   line.remove_prefix(end);
-  return without_blanks(field);
+  return without_blanks_around(field);
 }
 
-bool is_absent(std::string_view field) {
+bool is_absent_field(std::string_view field) {
   if (field.empty()) return true;
   if (field.size() > 4) return false;
   const std::string word = lower_case(field);
@@ -111,7 +111,7 @@ class RowReader {
       skip();
     }
     if (at == end) return numbers_.size();
-    if (!is_line_end(*at)) return 0;
+    if (!is_end_of_line(*at)) return 0;
     at += *at == '\r' && end - at > 1 && at[1] == '\n' ? 2 : 1;
     return static_cast<size_t>(at - numbers_.data());
   }
@@ -176,7 +176,7 @@ class RowReader {
 
 TextLine line_at(std::string_view text, size_t offset) {
   size_t end = offset;
-  while (end < text.size() && !is_line_end(text[end])) ++end;
+  while (end < text.size() && !is_end_of_line(text[end])) ++end;
   const bool two = text.substr(end, 2) == "\r\n";
   return {text.substr(offset, end - offset), std::min(end + (two ? 2 : 1), text.size())};
 }
@@ -187,7 +187,7 @@ void split_fields(std::string_view line, char separator, std::vector<std::string
   bool after_separator = false;
   while (fields.size() < most_fields) {
     while (!line.empty() && is_blank(line.front()) && line.front() != separator) line.remove_prefix(1);
-    while (separator == ' ' && !line.empty() && line.front() == ' ') line = without_blanks(line);
+    while (separator == ' ' && !line.empty() && line.front() == ' ') line = without_blanks_around(line);
     if (line.empty() || begins_comment(line)) {
       if (after_separator) fields.emplace_back();
       return;
@@ -201,10 +201,10 @@ void split_fields(std::string_view line, char separator, std::vector<std::string
 }
 
 bool is_comment(std::string_view line, std::string_view& after) {
-  line = without_blanks(line);
+  line = without_blanks_around(line);
   if (!begins_comment(line)) return false;
   while (!line.empty() && (line.front() == '#' || line.front() == '/')) line.remove_prefix(1);
-  after = without_blanks(line);
+  after = without_blanks_around(line);
   return true;
 }
 
@@ -215,11 +215,11 @@ bool has_decimal_comma(std::string_view field) {
   double value = 0;
   std::string point(field);
   point[comma] = '.';
-  return is_digit(field[comma - 1]) && is_digit(field[comma + 1]) && parse_number(point, value);
+  return is_decimal_digit(field[comma - 1]) && is_decimal_digit(field[comma + 1]) && parse_number(point, value);
 }
 
 bool parse_field(std::string_view field, bool decimal_commas, double& value) {
-  if (is_absent(field)) {
+  if (is_absent_field(field)) {
     value = std::numeric_limits<double>::quiet_NaN();
     return true;
   }
