@@ -13,7 +13,7 @@
 #include "soapfilm/io/stl.h"
 #include "soapfilm/io/text.h"
 #include "soapfilm/io/vdb.h"
-#include "soapfilm/io/xyz.h"
+#include "soapfilm/io/text_points.h"
 
 namespace soapfilm::io {
 
@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::array<Format, 8> table{{
     {".ply", looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
-    {.extensions = ".xyz .txt .pts", .read_points = read_xyz},
+    {.extensions = ".xyz .txt .csv .asc .pts .xyzn .xyzrgb .pwn .npts", .read_points = read_text_points},
     {.extensions = ".conf", .read_points = read_scan_set_points},
     {.extensions = ".obj", .read_mesh = read_obj, .write_mesh = write_obj},
     {.extensions = ".off", .read_mesh = read_off},

@@ -125,7 +125,10 @@ std::string column_name(std::string_view name) {
   constexpr std::string_view before = "scalar_";
   if (name.size() > before.size() && lower_case(name.substr(0, before.size())) == before)
     name.remove_prefix(before.size());
-  return std::string(name);
+  std::string word(name);
+  std::replace_if(
+      word.begin(), word.end(), [](char c) { return c <= ' ' || c > '~'; }, '_');
+  return word;
 }
 
 bool holds_labels(std::string_view name) {

@@ -26,15 +26,18 @@ size_t bytes_per_sample(const PointHeader& header) {
          header.columns.size() * sizeof(float);
 }
 
-/// The names, a number added to those that are there already.
+/// The names, a number added to those that are there already, or mean something in the PLY files that we write.
 std::vector<std::string> made_different(const std::vector<std::string>& names) {
-  std::vector<std::string> all;
+  std::vector<std::string> all{"x",     "y",    "z",        "nx",       "ny",       "nz",    "red",
+                               "green", "blue", "sensor_x", "sensor_y", "sensor_z", "weight"};
+  const auto reserved = static_cast<std::ptrdiff_t>(all.size());
   for (const std::string& given : names) {
     const std::string name = given.empty() ? "column" : given;
     std::string unused = name;
     for (int k = 2; std::find(all.begin(), all.end(), unused) != all.end(); ++k) unused = fmt::format("{}_{}", name, k);
     all.push_back(std::move(unused));
   }
+  all.erase(all.begin(), all.begin() + reserved);
   return all;
 }
 
@@ -47,7 +50,7 @@ void warn_of_steps(const PointCloud& cloud, const std::string& path, ReadReport&
   double farthest = 0;
   for (int axis = 0; axis < 3; ++axis) farthest = std::max({farthest, std::abs(box.lo[axis]), std::abs(box.hi[axis])});
   const double spacing = box.diagonal() / std::sqrt(static_cast<double>(cloud.size()));
-  if (farthest == 0 || float_step(farthest) <= harmless * spacing) return;
+  if (farthest == 0 || spacing == 0 || float_step(farthest) <= harmless * spacing) return;
   report.warnings.push_back(fmt::format(
       "{}: coordinates near {:.6g} are stored as 32-bit numbers, in steps of {:.3g}; samples are about {:.3g} apart: "
       "the surface will have steps (write the file in double precision, or subtract an offset before)",

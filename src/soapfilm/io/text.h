@@ -20,9 +20,9 @@ std::string lower_case(std::string_view text);
 /// "1.#INF"; true when the whole token is one. Beyond the range of double: infinity or zero.
 bool parse_number(std::string_view token, double& value);
 
-/// The number at `at`, if it is followed by a blank or `end` and has the usual spelling; returns where it ends. Null
-/// for any other text, which may still be a number for parse_number().
-const char* parse_usual_number(const char* at, const char* end, double& value);
+/// The number at `at`, if it is followed by a blank, `separator` or `end` and has the usual spelling; returns where it
+/// ends. Null for any other text, which may still be a number for parse_number().
+const char* parse_usual_number(const char* at, const char* end, double& value, char separator = ' ');
 
 /// A decimal integer; true when the whole token is one that fits.
 bool parse_integer(std::string_view token, int64_t& value);
