@@ -5,6 +5,9 @@
 #include <vector>
 
 #include "soapfilm/io/gltf.h"
+#include "soapfilm/io/kitti.h"
+#include "soapfilm/io/las.h"
+#include "soapfilm/io/npy.h"
 #include "soapfilm/io/obj.h"
 #include "soapfilm/io/off.h"
 #include "soapfilm/io/ply.h"
@@ -18,13 +21,16 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr std::array<Format, 7> table{{
+constexpr std::array<Format, 10> table{{
     {".ply", looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
     {.extensions = ".xyz .txt .pts", .read_points = read_xyz},
     {.extensions = ".conf", .read_points = read_scan_set_points},
     {.extensions = ".obj", .read_mesh = read_obj, .write_mesh = write_obj},
     {.extensions = ".off", .read_mesh = read_off},
     {.extensions = ".glb", .write_mesh = write_glb},
+    {.extensions = ".las .laz", .begins = looks_like_las, .read_points = read_las},
+    {.extensions = ".bin", .read_points = read_kitti},
+    {.extensions = ".npy", .begins = looks_like_npy, .read_points = read_npy},
     {.extensions = ".stl", .read_mesh = read_stl, .write_mesh = write_stl},
 }};
 

@@ -26,15 +26,25 @@ size_t bytes_per_sample(const PointHeader& header) {
          header.columns.size() * sizeof(float);
 }
 
-/// The names, a number added to those that are there already.
+/// In one word of ASCII, as PLY needs it.
+std::string one_word(std::string name) {
+  for (char& c : name)
+    if (c <= ' ' || c > '~') c = '_';
+  return name.empty() ? "column" : name;
+}
+
+/// The names as words, a number added to those that are there already, or that PLY gives a meaning.
 std::vector<std::string> made_different(const std::vector<std::string>& names) {
-  std::vector<std::string> all;
+  const std::vector<std::string> taken{"x",     "y",    "z",        "nx",       "ny",       "nz",    "red",
+                                       "green", "blue", "sensor_x", "sensor_y", "sensor_z", "weight"};
+  std::vector<std::string> all = taken;
   for (const std::string& given : names) {
-    const std::string name = given.empty() ? "column" : given;
+    const std::string name = one_word(given);
     std::string unused = name;
     for (int k = 2; std::find(all.begin(), all.end(), unused) != all.end(); ++k) unused = fmt::format("{}_{}", name, k);
     all.push_back(std::move(unused));
   }
+  all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(taken.size()));
   return all;
 }
 
