@@ -83,28 +83,37 @@ size_t FieldReader::read(const Triple& triple) {
   return count;
 }
 
+/// The block's values of the triple, at the end of `column`, which has the room.
+template <class T>
+void FieldReader::append_triple(const Triple& triple, std::vector<Vec3<T>>& column) {
+  const size_t count = read(triple), before = column.size();
+  column.resize(before + count);
+  Vec3<T>* to = column.data() + before;
+  const auto& [x, y, z] = block_;
+  for (size_t i = 0; i < count; ++i) to[i] = {static_cast<T>(x[i]), static_cast<T>(y[i]), static_cast<T>(z[i])};
+}
+
 void FieldReader::append(size_t first, size_t count, const std::vector<uint32_t>* kept, PointCloud& cloud) {
   first_ = first;
   count_ = count;
   kept_ = kept;
   const size_t rows_before = cloud.size();
-  const auto& [x, y, z] = block_;
-  for (size_t i = 0, n = read(meaning_.position); i < n; ++i) cloud.positions.push_back({x[i], y[i], z[i]});
-  if (meaning_.normal.present())
-    for (size_t i = 0, n = read(meaning_.normal); i < n; ++i)
-      cloud.normals.push_back({static_cast<float>(x[i]), static_cast<float>(y[i]), static_cast<float>(z[i])});
-  if (meaning_.sensor.present())
-    for (size_t i = 0, n = read(meaning_.sensor); i < n; ++i) cloud.sensors.push_back({x[i], y[i], z[i]});
-  if (meaning_.color.present()) {
-    constexpr double none = -1;
-    for (size_t i = 0, n = read(meaning_.color); i < n; ++i) {
-      const bool usable = is_color(x[i]) && is_color(y[i]) && is_color(z[i]);
-      without_color_ += !usable;
-      colors_.add(usable ? x[i] : none, usable ? y[i] : none, usable ? z[i] : none);
-    }
-  }
+  append_triple(meaning_.position, cloud.positions);
+  if (meaning_.normal.present()) append_triple(meaning_.normal, cloud.normals);
+  if (meaning_.sensor.present()) append_triple(meaning_.sensor, cloud.sensors);
+  if (meaning_.color.present()) append_colors();
   if (meaning_.weight != Triple::absent) append_weights(cloud);
   for (size_t c = 0; c < meaning_.others.size(); ++c) append_column(meaning_.others[c], cloud.columns[c], rows_before);
+}
+
+void FieldReader::append_colors() {
+  constexpr double none = -1;
+  const auto& [red, green, blue] = block_;
+  for (size_t i = 0, n = read(meaning_.color); i < n; ++i) {
+    const bool usable = is_color(red[i]) && is_color(green[i]) && is_color(blue[i]);
+    without_color_ += !usable;
+    colors_.add(usable ? red[i] : none, usable ? green[i] : none, usable ? blue[i] : none);
+  }
 }
 
 void FieldReader::append_weights(PointCloud& cloud) {
@@ -128,9 +137,10 @@ void FieldReader::append_column(size_t field, Column& column, size_t rows_before
     if (std::all_of(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count),
                     [](double v) { return v == 0; }))
       return;
-    column.values.resize(rows_before, 0.0f);
   }
-  for (size_t i = 0; i < count; ++i) column.values.push_back(static_cast<float>(values[i]));
+  column.values.resize(rows_before + count, 0.0f);
+  float* to = column.values.data() + rows_before;
+  for (size_t i = 0; i < count; ++i) to[i] = static_cast<float>(values[i]);
 }
 
 void FieldReader::finish(PointCloud& cloud) {

@@ -77,6 +77,9 @@ class FieldReader {
   bool is_color(double value) const { return value >= 0 && value <= largest_color_; }
   size_t read(size_t field, Block& to) const;
   size_t read(const Triple& triple);
+  template <class T>
+  void append_triple(const Triple& triple, std::vector<Vec3<T>>& column);
+  void append_colors();
   void append_weights(PointCloud& cloud);
   void append_column(size_t field, Column& column, size_t rows_before);
 
