@@ -38,9 +38,9 @@ struct LasFile {
 
   size_t header_bytes() const { return minor >= 4 ? 375 : minor == 3 ? 235 : 227; }
   size_t points_offset() const {
-    size_t offset = header_bytes();
-    for (const std::string& record : records) offset += record.size();
-    return offset;
+    size_t sum = header_bytes();
+    for (const std::string& one : records) sum += one.size();
+    return sum;
   }
   size_t record_bytes() const {
     return lengths[static_cast<size_t>(format)] + (points.empty() ? 0 : points[0].extra.size());
