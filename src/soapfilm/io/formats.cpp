@@ -5,6 +5,9 @@
 #include <vector>
 
 #include "soapfilm/io/gltf.h"
+#include "soapfilm/io/kitti.h"
+#include "soapfilm/io/las.h"
+#include "soapfilm/io/npy.h"
 #include "soapfilm/io/obj.h"
 #include "soapfilm/io/off.h"
 #include "soapfilm/io/ply.h"
@@ -12,14 +15,14 @@
 #include "soapfilm/io/scan_set.h"
 #include "soapfilm/io/stl.h"
 #include "soapfilm/io/text.h"
-#include "soapfilm/io/vdb.h"
 #include "soapfilm/io/text_points.h"
+#include "soapfilm/io/vdb.h"
 
 namespace soapfilm::io {
 
 namespace {
 
-constexpr std::array<Format, 8> table{{
+constexpr std::array<Format, 11> table{{
     {".ply", looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
     {.extensions = ".xyz .txt .csv .asc .pts .xyzn .xyzrgb .pwn .npts", .read_points = read_text_points},
     {.extensions = ".conf", .read_points = read_scan_set_points},
@@ -27,6 +30,9 @@ constexpr std::array<Format, 8> table{{
     {.extensions = ".off", .read_mesh = read_off},
     {.extensions = ".glb", .write_mesh = write_glb},
     {.extensions = ".vdb", .write_mesh = write_vdb},
+    {.extensions = ".las .laz", .begins = looks_like_las, .read_points = read_las},
+    {.extensions = ".bin", .read_points = read_kitti},
+    {.extensions = ".npy", .begins = looks_like_npy, .read_points = read_npy},
     {.extensions = ".stl", .read_mesh = read_stl, .write_mesh = write_stl},
 }};
 

@@ -134,7 +134,7 @@ std::string column_name(std::string_view name) {
 bool holds_labels(std::string_view name) {
   constexpr std::string_view labels[] = {"label",  "classification", "class",  "category",     "instance", "segment",
                                          "scanid", "pointsourceid",  "object", "returnnumber", "ring",     "id",
-                                         "index"};
+                                         "index",  "scannerchannel"};
   return is_one_of(bare(name), labels);
 }
 

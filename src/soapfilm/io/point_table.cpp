@@ -26,18 +26,25 @@ size_t bytes_per_sample(const PointHeader& header) {
          header.columns.size() * sizeof(float);
 }
 
-/// The names, a number added to those that are there already, or mean something in the PLY files that we write.
+/// In one word of ASCII, as PLY needs it.
+std::string one_word(std::string name) {
+  for (char& c : name)
+    if (c <= ' ' || c > '~') c = '_';
+  return name.empty() ? "column" : name;
+}
+
+/// The names as words, a number added to those that are there already, or that PLY gives a meaning.
 std::vector<std::string> made_different(const std::vector<std::string>& names) {
-  std::vector<std::string> all{"x",     "y",    "z",        "nx",       "ny",       "nz",    "red",
-                               "green", "blue", "sensor_x", "sensor_y", "sensor_z", "weight"};
-  const auto reserved = static_cast<std::ptrdiff_t>(all.size());
+  const std::vector<std::string> taken{"x",     "y",    "z",        "nx",       "ny",       "nz",    "red",
+                                       "green", "blue", "sensor_x", "sensor_y", "sensor_z", "weight"};
+  std::vector<std::string> all = taken;
   for (const std::string& given : names) {
-    const std::string name = given.empty() ? "column" : given;
+    const std::string name = one_word(given);
     std::string unused = name;
     for (int k = 2; std::find(all.begin(), all.end(), unused) != all.end(); ++k) unused = fmt::format("{}_{}", name, k);
     all.push_back(std::move(unused));
   }
-  all.erase(all.begin(), all.begin() + reserved);
+  all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(taken.size()));
   return all;
 }
 
@@ -95,17 +102,19 @@ PointCloud cloud_for(const PointHeader& header, const std::string& path) {
   reserve_many(cloud.positions, count);
   if (header.normals) reserve_many(cloud.normals, count);
   if (header.sensors) reserve_many(cloud.sensors, count);
-  if (header.weights) cloud.weights.reserve(count);
-  if (header.colors) cloud.colors.reserve(count);
+  if (header.weights) reserve_many(cloud.weights, count);
+  if (header.colors) reserve_many(cloud.colors, count);
   std::vector<std::string> names;
   for (const std::string& name : header.columns) names.push_back(column_name(name));
   for (std::string& name : made_different(names)) {
     const bool is_label = holds_labels(name);
     cloud.columns.push_back({std::move(name), {}, is_label});
-    cloud.columns.back().values.reserve(count);
+    reserve_many(cloud.columns.back().values, count);
   }
   return cloud;
 }
+
+void ColorNumbers::reserve(size_t count) { reserve_many(values_, count); }
 
 void ColorNumbers::add(double red, double green, double blue) {
   values_.push_back({static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)});
@@ -124,7 +133,7 @@ std::vector<Rgb8> ColorNumbers::bytes(bool whole) const {
   const float range = largest();
   const double scale = !whole && range <= 1 ? 255.0 : range <= 255 ? 1.0 : 1.0 / 257;
   std::vector<Rgb8> colors;
-  colors.reserve(values_.size());
+  reserve_many(colors, values_.size());
   for (const Vec3f& c : values_) {
     Rgb8 rgb = gray;
     if (c.x >= 0 && c.y >= 0 && c.z >= 0 && is_finite(c))
