@@ -39,7 +39,7 @@ TEST(Refusals, FilesThatCannotBeOpened) {
 }
 
 TEST(Refusals, UnknownExtensions) {
-  expect_points_refused("cloud.las", "LASF", {"'.las'", ".ply, .xyz, .txt, .pts or .conf"});
+  expect_points_refused("cloud.las", "LASF", {"'.las'", ".ply, .xyz, .txt, .pts, .e57, .conf, .mlp or .aln"});
   expect_points_refused("mesh.obj", "v 0 0 0", {"'.obj'", "points"});
   expect_mesh_refused("mesh.xyz", "0 0 0", {"'.xyz'", ".ply, .obj, .off or .stl"});
   const TemporaryFolder folder;

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "soapfilm/io/e57.h"
+#include "soapfilm/io/meshlab.h"
 #include "soapfilm/io/obj.h"
 #include "soapfilm/io/off.h"
 #include "soapfilm/io/ply.h"
@@ -17,10 +19,13 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr std::array<Format, 6> table{{
+constexpr std::array<Format, 9> table{{
     {".ply", looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
     {.extensions = ".xyz .txt .pts", .read_points = read_xyz},
+    {.extensions = ".e57", .begins = looks_like_e57, .read_points = read_e57},
     {.extensions = ".conf", .read_points = read_scan_set_points},
+    {.extensions = ".mlp", .read_points = read_mlp},
+    {.extensions = ".aln", .read_points = read_aln},
     {.extensions = ".obj", .read_mesh = read_obj, .write_mesh = write_obj},
     {.extensions = ".off", .read_mesh = read_off},
     {.extensions = ".stl", .read_mesh = read_stl, .write_mesh = write_stl},
