@@ -42,7 +42,7 @@ TEST(E57, IntegersOfEveryWidthComeBackFromPacketsSplitAnywhere) {
   Random random(5);
   for (int bits = 0; bits <= 64; ++bits) {
     const uint64_t span = bits == 64 ? UINT64_MAX : (uint64_t{1} << bits) - 1;
-    const int64_t minimum = bits == 64 ? INT64_MIN : bits % 2 == 0 ? -static_cast<int64_t>(span / 3) : 17;
+    const int64_t minimum = bits >= 63 ? INT64_MIN : bits % 2 == 0 ? -static_cast<int64_t>(span / 3) : 17;
     const auto maximum = static_cast<int64_t>(static_cast<uint64_t>(minimum) + span);
     E57TestScan scan;
     for (const char* name : {"cartesianX", "cartesianY", "cartesianZ"}) {

@@ -58,16 +58,10 @@ E57Section read_e57_section(E57Pages& pages, const E57Scan& scan) {
     refuse(fmt::format("section length = {}, must be from {} to the {} bytes that are left", length, header_size,
                        pages.size() - scan.section));
   const uint64_t end = scan.section + length;
-  for (const E57Field& field : scan.fields) {
-    const uint64_t most = field.bits == 0 ? UINT64_MAX : 8 * length / static_cast<uint64_t>(field.bits);
-    if (scan.records > most)
-      refuse(fmt::format("recordCount = {}, must be at most {}: a section of {} bytes cannot hold more {} bits each",
-                         scan.records, most, length, field.bits));
-  }
-  const uint64_t bits = scan.bits();
-  if (bits > 0 && scan.records > 8 * length / bits)
-    refuse(fmt::format("recordCount = {}, must be at most {}: a section of {} bytes cannot hold more of {} bits each",
-                       scan.records, 8 * length / bits, length, bits));
+  const uint64_t room = length - header_size, bits = scan.bits();
+  if (bits > 0 && scan.records > 8 * room / bits)
+    refuse(fmt::format("recordCount = {}, must be at most {}: {} bytes cannot hold more of {} bits each", scan.records,
+                       8 * room / bits, room, bits));
   if (bits == 0) return {scan.section, end, end};  // all is constant: there may be no packets
   const uint64_t data = pages.logical(pages.read<uint64_t>(scan.section + 16), what + ": offset of the data");
   if (data < scan.section + header_size || data >= end)

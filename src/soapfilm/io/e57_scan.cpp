@@ -36,7 +36,7 @@ std::optional<std::array<double, 2>> e57_color_limits(const E57Scan& scan, const
 
 template <class T>
 void keep_only(std::vector<T>& values, size_t begin, const std::vector<bool>& keep) {
-  if (values.size() == begin) return;
+  if (values.empty()) return;
   size_t kept = begin;
   for (size_t i = 0; i < keep.size(); ++i)
     if (keep[i]) values[kept++] = values[begin + i];
@@ -92,6 +92,7 @@ void E57ScanReader::append_block(const E57Records& records, size_t count) {
   for (size_t i = 0; i < count; ++i)
     if (valid(state, i) && !(range != nullptr && range[i] <= 0)) kept_.push_back(static_cast<uint16_t>(i));
   no_return_ += count - kept_.size();
+  all_kept_ = kept_.size() == count;
 
   append_positions(records);
   append(records, layout_.normal, cloud_.normals);
@@ -115,15 +116,26 @@ void E57ScanReader::append_block(const E57Records& records, size_t count) {
   for (const size_t i : kept_) cells_.add(rows[i], columns[i], order != nullptr ? order[i] : 0);
 }
 
+/// use(k, i) for the k-th of the block's samples, which is record i. Blocks without gaps are made of longer loops that
+/// the compiler can vectorize.
+template <class Use>
+void E57ScanReader::for_kept(Use&& use) const {
+  const size_t count = kept_.size();
+  if (all_kept_)
+    for (size_t k = 0; k < count; ++k) use(k, k);
+  else
+    for (size_t k = 0; k < count; ++k) use(k, kept_[k]);
+}
+
 template <class T>
 void E57ScanReader::append(const E57Records& records, const Triple& fields, std::vector<Vec3<T>>& to) {
   if (!fields.present()) return;
   const double* x = records.values(fields[0]);
   const double* y = records.values(fields[1]);
   const double* z = records.values(fields[2]);
-  size_t k = to.size();
-  to.resize(k + kept_.size());
-  for (const size_t i : kept_) to[k++] = {static_cast<T>(x[i]), static_cast<T>(y[i]), static_cast<T>(z[i])};
+  to.resize(to.size() + kept_.size());
+  Vec3<T>* out = to.data() + (to.size() - kept_.size());
+  for_kept([&](size_t k, size_t i) { out[k] = {static_cast<T>(x[i]), static_cast<T>(y[i]), static_cast<T>(z[i])}; });
 }
 
 void E57ScanReader::append_positions(const E57Records& records) {
@@ -156,15 +168,14 @@ void E57ScanReader::append_colors(const E57Records& records) {
   }
   const double low = (*color_limits_)[0];
   const double scale = 255 / ((*color_limits_)[1] - low);
-  for (const size_t i : kept_) {
-    Rgb8 color{128, 128, 128};
-    if (state == nullptr || state[i] == 0)
-      for (size_t c = 0; c < 3; ++c) {
-        const double value = (channels[c][i] - low) * scale;
-        color[c] = value > 0 ? static_cast<uint8_t>(std::min(value, 255.0) + 0.5) : uint8_t{0};
-      }
-    cloud_.colors.push_back(color);
-  }
+  cloud_.colors.resize(cloud_.size(), {128, 128, 128});
+  Rgb8* out = cloud_.colors.data() + (cloud_.size() - kept_.size());
+  for (size_t c = 0; c < 3; ++c)
+    for_kept([&, values = channels[c]](size_t k, size_t i) {
+      const double value = (values[i] - low) * scale;  // may be not-a-number
+      if (state == nullptr || state[i] == 0)
+        out[k][c] = static_cast<uint8_t>(value > 0 ? std::min(value, 255.0) + 0.5 : 0.0);
+    });
 }
 
 void E57ScanReader::append_further(const E57Records& records) {
@@ -173,14 +184,18 @@ void E57ScanReader::append_further(const E57Records& records) {
     const double* values = records.values(further.field);
     const double* state = given(further.state) ? records.values(further.state) : nullptr;
     std::vector<float>& to = cloud_.columns[column_of_[f]].values;
-    for (const size_t i : kept_) {
-      if (state != nullptr && state[i] != 0) {
-        to.push_back(e57_no_value);
-        continue;
-      }
-      if (further.from_first && std::isnan(first_time_[f])) first_time_[f] = values[i];
-      to.push_back(static_cast<float>(further.from_first ? values[i] - first_time_[f] : values[i]));
+    to.resize(cloud_.size());
+    float* out = to.data() + (cloud_.size() - kept_.size());
+    if (state == nullptr && !further.from_first) {
+      for_kept([&](size_t k, size_t i) { out[k] = static_cast<float>(values[i]); });
+      continue;
     }
+    double& first = first_time_[f];
+    for_kept([&](size_t k, size_t i) {
+      const bool none = state != nullptr && state[i] != 0;
+      if (!none && further.from_first && std::isnan(first)) first = values[i];
+      out[k] = none ? e57_no_value : static_cast<float>(further.from_first ? values[i] - first : values[i]);
+    });
   }
 }
 

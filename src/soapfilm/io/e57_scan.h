@@ -34,6 +34,8 @@ class E57ScanReader {
   void drop_origins();
   template <class T>
   void append(const E57Records& records, const Triple& fields, std::vector<Vec3<T>>& to);
+  template <class Use>
+  void for_kept(Use&& use) const;
 
   const E57Scan& scan_;
   const E57Layout& layout_;
@@ -42,6 +44,7 @@ class E57ScanReader {
   PointCloud& cloud_;
   size_t begin_;                ///< of the scan's samples in the cloud
   std::vector<uint16_t> kept_;  ///< records of the block that are samples
+  bool all_kept_ = true;        ///< of the block
   CellGrid cells_;
   ColorNumbers colors_;  ///< if the file does not say from where to where they go
   std::optional<std::array<double, 2>> color_limits_;
