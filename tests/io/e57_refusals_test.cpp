@@ -126,9 +126,14 @@ TEST(E57, XmlThatCannotBeIsRefused) {
   expect_e57_refused(E57Writer::paged(std::string(48, ' ') + "<other/>", 8), {"'other'", "e57Root"});
 }
 
+TEST(E57, WeightsThatCannotBeAreRefused) {
+  expect_e57_refused(E57Writer::file({line_scan(2, {floats("a:weight", {1, -2})})}),
+                     {"byte ", "'scan 1'", "weight = -2", ">= 0"});
+}
+
 TEST(E57, XmlOfTooManyElementsIsRefused) {
   std::string xml = "<e57Root>";
-  for (int i = 0; i < 1 << 20; ++i) xml += "<a/>";
+  for (int i = 0; i < 600000; ++i) xml += "<a/>";
   xml += "</e57Root>";
   expect_e57_refused(E57Writer::paged(std::string(48, ' ') + xml, xml.size()), {"XML of", "at most"});
 }

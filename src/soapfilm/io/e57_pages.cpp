@@ -30,7 +30,7 @@ E57Pages::E57Pages(ByteSource& source) : source_(source) {
                     "there{}",
                     path(), length, page, file_size(), length > file_size() ? " (truncated)" : ""));
   pages_ = length / page;
-  xml_offset_ = logical(load<uint64_t>(header + 24, swap), "offset of the XML");
+  xml_offset_ = logical(load<uint64_t>(header + 24, swap), "byte 24: offset of the XML");
   xml_length_ = load<uint64_t>(header + 32, swap);
   if (xml_length_ == 0 || xml_length_ > size() - xml_offset_)
     throw InputError(fmt::format("{}: byte 32: length of the XML = {}, must be from 1 to {}", path(), xml_length_,

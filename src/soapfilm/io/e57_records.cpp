@@ -63,7 +63,9 @@ E57Section read_e57_section(E57Pages& pages, const E57Scan& scan) {
     refuse(fmt::format("recordCount = {}, must be at most {}: {} bytes cannot hold more of {} bits each", scan.records,
                        8 * room / bits, room, bits));
   if (bits == 0) return {scan.section, end, end};  // all is constant: there may be no packets
-  const uint64_t data = pages.logical(pages.read<uint64_t>(scan.section + 16), what + ": offset of the data");
+  const uint64_t data =
+      pages.logical(pages.read<uint64_t>(scan.section + 16),
+                    fmt::format("byte {}: {}: offset of the data", pages.physical(scan.section + 16), what));
   if (data < scan.section + header_size || data >= end)
     refuse(fmt::format("offset of the data = {}, must be from {} to {}", pages.physical(data),
                        pages.physical(scan.section + header_size), pages.physical(end - 1)));
@@ -101,8 +103,7 @@ size_t E57Records::next() {
   uint64_t count = available();
   for (; count == 0; count = available())
     if (!read_packet())
-      pages_.fail(section_.end - 1, fmt::format("points of {}: truncated: {} records, must be {} as recordCount says",
-                                                in_quotes(scan_.name), done_, scan_.records));
+      fail(fmt::format("truncated: {} records, must be {} as recordCount says", done_, scan_.records));
   count = std::min<uint64_t>(count, block);
   for (Stream& stream : streams_) decode(stream, count);
   done_ += count;
@@ -166,6 +167,10 @@ void E57Records::append(Stream& stream, uint64_t at, size_t count) {
   if (stream.bytes.size() < needed) stream.bytes.resize(std::max(needed, 2 * stream.end));
   pages_.read(at, stream.bytes.data() + stream.end, count);
   stream.end += count;
+}
+
+void E57Records::fail(const std::string& message) const {
+  pages_.fail(std::min(packet_, section_.end - 1), fmt::format("points of {}: {}", in_quotes(scan_.name), message));
 }
 
 bool E57Records::more_left() const {

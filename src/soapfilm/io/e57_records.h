@@ -36,6 +36,9 @@ class E57Records {
   /// After the last record: has the last packet brought more of them?
   bool more_left() const;
 
+  /// Throws InputError that names the scan and its last packet.
+  [[noreturn]] void fail(const std::string& message) const;
+
  private:
   /// What packets have brought of a field and no block has taken.
   struct Stream {

@@ -6,9 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "soapfilm/error.h"
-#include "soapfilm/io/text.h"
-
 namespace soapfilm::io {
 
 namespace {
@@ -104,8 +101,7 @@ void E57ScanReader::append_block(const E57Records& records, size_t count) {
     for (const size_t i : kept_) {
       const auto weight = static_cast<float>(weights[i]);
       if (!(weight >= 0) || !std::isfinite(weight))
-        throw InputError(
-            fmt::format("points of {}: weight = {}, must be finite and >= 0", in_quotes(scan_.name), weights[i]));
+        records.fail(fmt::format("weight = {}, must be finite and >= 0", weights[i]));
       cloud_.weights.push_back(weight);
     }
   }
