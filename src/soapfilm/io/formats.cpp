@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <vector>
 
+#include "soapfilm/io/e57.h"
 #include "soapfilm/io/gltf.h"
 #include "soapfilm/io/kitti.h"
 #include "soapfilm/io/las.h"
+#include "soapfilm/io/meshlab.h"
 #include "soapfilm/io/npy.h"
 #include "soapfilm/io/obj.h"
 #include "soapfilm/io/off.h"
@@ -22,10 +24,13 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr std::array<Format, 11> table{{
+constexpr std::array<Format, 15> table{{
     {".ply", looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
     {.extensions = ".xyz .txt .csv .asc .pts .xyzn .xyzrgb .pwn .npts", .read_points = read_text_points},
+    {.extensions = ".e57", .begins = looks_like_e57, .read_points = read_e57},
     {.extensions = ".conf", .read_points = read_scan_set_points},
+    {.extensions = ".mlp", .read_points = read_mlp},
+    {.extensions = ".aln", .read_points = read_aln},
     {.extensions = ".obj", .read_mesh = read_obj, .write_mesh = write_obj},
     {.extensions = ".off", .read_mesh = read_off},
     {.extensions = ".glb", .write_mesh = write_glb},

@@ -132,9 +132,9 @@ std::string column_name(std::string_view name) {
 }
 
 bool holds_labels(std::string_view name) {
-  constexpr std::string_view labels[] = {"label",  "classification", "class",  "category",     "instance", "segment",
-                                         "scanid", "pointsourceid",  "object", "returnnumber", "ring",     "id",
-                                         "index",  "scannerchannel"};
+  constexpr std::string_view labels[] = {
+      "label",  "classification", "class",       "category",    "instance", "segment", "scanid", "pointsourceid",
+      "object", "returnnumber",   "returnindex", "returncount", "ring",     "id",      "index",  "scannerchannel"};
   return is_one_of(bare(name), labels);
 }
 
