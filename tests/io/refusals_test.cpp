@@ -39,8 +39,8 @@ TEST(Refusals, FilesThatCannotBeOpened) {
 }
 
 TEST(Refusals, UnknownExtensions) {
-  expect_points_refused("cloud.las", "LASF", {"'.las'", ".ply, .xyz, .txt, .pts or .conf"});
-  expect_points_refused("mesh.obj", "v 0 0 0", {"'.obj'", "points"});
+  expect_points_refused("cloud.las", "LASF", {"'.las'", ".ply, .xyz, .txt, .pts, .ptx, .pcd, .conf or .obj"});
+  expect_points_refused("mesh.off", "OFF", {"'.off'", "points"});
   expect_mesh_refused("mesh.xyz", "0 0 0", {"'.xyz'", ".ply, .obj, .off or .stl"});
   const TemporaryFolder folder;
   const Mesh mesh = torus_mesh(4, 1);

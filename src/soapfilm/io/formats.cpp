@@ -6,8 +6,11 @@
 
 #include "soapfilm/io/obj.h"
 #include "soapfilm/io/off.h"
+#include "soapfilm/io/pcd.h"
+#include "soapfilm/io/pcd_header.h"
 #include "soapfilm/io/ply.h"
 #include "soapfilm/io/ply_header.h"
+#include "soapfilm/io/ptx.h"
 #include "soapfilm/io/scan_set.h"
 #include "soapfilm/io/stl.h"
 #include "soapfilm/io/text.h"
@@ -17,11 +20,17 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr std::array<Format, 6> table{{
+constexpr std::array<Format, 8> table{{
     {".ply", looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
     {.extensions = ".xyz .txt .pts", .read_points = read_xyz},
+    {.extensions = ".ptx", .begins = looks_like_ptx, .read_points = read_ptx},
+    {.extensions = ".pcd", .begins = looks_like_pcd, .read_points = read_pcd},
     {.extensions = ".conf", .read_points = read_scan_set_points},
-    {.extensions = ".obj", .read_mesh = read_obj, .write_mesh = write_obj},
+    {.extensions = ".obj",
+     .has_faces = obj_has_faces,
+     .read_points = read_obj_points,
+     .read_mesh = read_obj,
+     .write_mesh = write_obj},
     {.extensions = ".off", .read_mesh = read_off},
     {.extensions = ".stl", .read_mesh = read_stl, .write_mesh = write_stl},
 }};
