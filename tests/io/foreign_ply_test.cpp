@@ -195,7 +195,7 @@ TEST(ForeignPly, StripsAndFacesWithBrokenVerticesTellNormals) {
   EXPECT_EQ(broken.normals, std::vector<Vec3f>(4, {0, 0, 1}));
   const TemporaryFolder folder;
   const std::string path = folder.write("a.ply", head + "0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 2 2\n3 0 1 5\n");
-  expect_refusal<InputError>([&] { read_points(path); }, {"a.ply:14:", "index = 5", "0 to 4"});
+  expect_refusal<InputError>([&] { read_points(path); }, {"a.ply:15:", "index = 5", "0 to 4"});
 }
 
 TEST(ForeignPly, ElementsAndListsWithoutMeaningAreNamedOnce) {

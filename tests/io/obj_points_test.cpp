@@ -54,9 +54,9 @@ TEST(ObjPoints, OfAMeshTheNormalsOfVnLinesOrElseOfTheFacesAreUsed) {
             std::vector<Vec3f>(5, {0, 0, -1}));
   EXPECT_EQ(report.files.at(0).format, "OBJ");
   const std::vector<Vec3f> up{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 0}};
-  for (const std::string text : {vertices + "f 1 2 3 4\n", "f 1 2 3 4\n" + vertices, vertices + "f -5 -4 -3 -2\n",
-                                 vertices + normals + "f 1//1 2//1 3//1 4//1\n", vertices + normals + "f 1 2 3 4\n",
-                                 "v 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 0 1 0\nf 1 3 4\nv 5 5 5\n"}) {
+  for (const std::string& text : {vertices + "f 1 2 3 4\n", "f 1 2 3 4\n" + vertices, vertices + "f -5 -4 -3 -2\n",
+                                  vertices + normals + "f 1//1 2//1 3//1 4//1\n", vertices + normals + "f 1 2 3 4\n",
+                                  std::string("v 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 0 1 0\nf 1 3 4\nv 5 5 5\n")}) {
     report = {};
     EXPECT_EQ(read_text(text, &report).normals, up) << text;
     EXPECT_EQ(report.files.at(0).format, "OBJ, normals from its faces");

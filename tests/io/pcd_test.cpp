@@ -298,12 +298,14 @@ TEST_P(PcdCodings, EveryCutIsRefused) {
   }
 }
 
+std::string coding_name(const testing::TestParamInfo<Coding>& test) {
+  constexpr const char* names[] = {"ascii", "binary", "compressed", "stored"};
+  return names[static_cast<size_t>(test.param)];
+}
+
 INSTANTIATE_TEST_SUITE_P(AllCodings, PcdCodings,
                          testing::Values(Coding::ascii, Coding::binary, Coding::compressed, Coding::stored),
-                         [](const auto& test) {
-                           constexpr const char* names[] = {"ascii", "binary", "compressed", "stored"};
-                           return std::string(names[static_cast<size_t>(test.param)]);
-                         });
+                         coding_name);
 
 TEST(Pcd, CompressedContentMayLackThePadding) {
   Pcd whole;
@@ -319,7 +321,7 @@ TEST(Pcd, ColorsOfTextMayBeWholeNumbersWhateverTheirType) {
   Pcd pcd;
   pcd.fields.push_back({"rgb", "F"});
   pcd.rows = {{1, 2, 3, 16744449}, {1, 2, 4, 4.2108e6}};
-  EXPECT_EQ(read_pcd(pcd.text(Coding::ascii)).colors, std::vector<Rgb8>({{255, 128, 1}, {64, 64, 96}}));
+  EXPECT_EQ(read_pcd(pcd.text(Coding::ascii)).colors, std::vector<Rgb8>({{255, 128, 1}, {64, 64, 112}}));
 }
 
 TEST(Pcd, TheViewpointIsTheScannersPositionUnlessItIsTheDefault) {
@@ -376,6 +378,14 @@ TEST(Pcd, BytesAfterTheLastPointAreNamed) {
     ASSERT_EQ(report.warnings.size(), 1u);
     EXPECT_NE(report.warnings[0].find("24 bytes after the last of 2 points"), std::string::npos);
   }
+}
+
+TEST(Pcd, ZerosAfterCompressedDataArePadding) {
+  Pcd pcd;
+  pcd.rows = {{1, 2, 3}, {4, 5, 6}};
+  ReadReport report;
+  EXPECT_EQ(read_pcd(pcd.text(Coding::compressed) + std::string(3000, '\0'), &report).size(), 2u);
+  EXPECT_EQ(report.warnings, std::vector<std::string>());
 }
 
 TEST(Pcd, Refusals) {

@@ -261,7 +261,9 @@ class PcdReader {
         source_.release_before(begin + (is_lzf ? bytes.used() : raw));
       }
     }
-    warn_of_rest(cursor.remaining(), report);
+    const std::string_view rest = source_.bytes().substr(cursor.offset());
+    if (rest.find_first_not_of('\0') != std::string_view::npos)  // the library fills the last page with zeros
+      warn_of_rest(rest.size(), report);
   }
 
   /// Does the decoded content hold the padding between the fields, too? Some writers leave it out.

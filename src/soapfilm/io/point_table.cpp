@@ -47,7 +47,7 @@ void warn_of_steps(const PointCloud& cloud, const std::string& path, ReadReport&
   double farthest = 0;
   for (int axis = 0; axis < 3; ++axis) farthest = std::max({farthest, std::abs(box.lo[axis]), std::abs(box.hi[axis])});
   const double spacing = box.diagonal() / std::sqrt(static_cast<double>(cloud.size()));
-  if (farthest == 0 || float_step(farthest) <= harmless * spacing) return;
+  if (spacing == 0 || farthest == 0 || float_step(farthest) <= harmless * spacing) return;
   report.warnings.push_back(fmt::format(
       "{}: coordinates near {:.6g} are stored as 32-bit numbers, in steps of {:.3g}; samples are about {:.3g} apart: "
       "the surface will have steps (write the file in double precision, or subtract an offset before)",
