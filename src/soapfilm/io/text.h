@@ -46,8 +46,8 @@ inline std::string_view after_byte_order_mark(std::string_view text) {
   return text.substr(text.substr(0, mark.size()) == mark ? mark.size() : 0);
 }
 
-/// Reads text in order, after any byte order mark. Lines end with LF or CRLF, or with CR if end_lines_with() says so, and
-/// are counted from 1.
+/// Reads text in order, after any byte order mark. Lines end with LF or CRLF, or with CR if end_lines_with() says so,
+/// and are counted from 1.
 class TextCursor {
  public:
   explicit TextCursor(ByteSource& source, size_t offset = 0, size_t line = 1)
