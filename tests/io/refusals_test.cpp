@@ -40,7 +40,7 @@ TEST(Refusals, FilesThatCannotBeOpened) {
 
 TEST(Refusals, UnknownExtensions) {
   expect_points_refused("cloud.doc", "words", {"'.doc'", ".ply, .xyz, .txt, .csv", ".las"});
-  expect_points_refused("mesh.obj", "v 0 0 0", {"'.obj'", "points"});
+  expect_points_refused("mesh.off", "OFF", {"'.off'", "points"});
   expect_mesh_refused("mesh.xyz", "0 0 0", {"'.xyz'", ".ply, .obj, .off or .stl"});
   const TemporaryFolder folder;
   const Mesh mesh = torus_mesh(4, 1);

@@ -69,7 +69,7 @@ bool TextCursor::next_line(std::string_view& line) {
   if (at_ == end_) return false;
   line_ = next_line_ == 0 ? line_ : next_line_;
   next_line_ = line_ + 1;
-  const void* found = std::memchr(at_, '\n', remaining());
+  const void* found = std::memchr(at_, line_end_, remaining());
   const char* line_end = found != nullptr ? static_cast<const char*>(found) : end_;
   line = {at_, static_cast<size_t>(line_end - at_)};
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
