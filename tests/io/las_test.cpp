@@ -325,6 +325,15 @@ TEST(Las, CanBeWrittenAsPlyWithAllItsColumns) {
   expect_same_cloud(read_points(folder / "a.ply"), cloud);
 }
 
+TEST(Las, ReadingCanBeCancelled) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.las", three_points(3).bytes());
+  Progress progress;
+  progress.cancel();
+  const Context context(1, progress);
+  EXPECT_THROW(read_points(path, nullptr, context), Cancelled);
+}
+
 TEST(Las, RealFilesAreReadAsAnIndependentReaderDoes) {
   const auto simple = real_data("formats/las-simple.las"), new_one = real_data("formats/las-1.4.las");
   if (!simple || !new_one) GTEST_SKIP() << "no LAS files in SOAPFILM_DATA";
