@@ -312,13 +312,13 @@ TEST_F(Reconstruct, ASampleFarAwayIsNamed) {
 TEST_F(Reconstruct, SamplesAtOnePlaceDoNotRefineTheGrid) {
   constexpr size_t repeated = sanitized ? 500 : 1500, others = 4 * repeated;
   PointCloud pixels = sphere_cloud(others);
-  pixels.positions.insert(pixels.positions.end(), repeated, Vec3d{});
+  pixels.positions.insert(pixels.positions.end(), repeated, Vec3d{0.01, 0, 0});
   pixels.normals.insert(pixels.normals.end(), repeated, Vec3f{});
   pixels.scans[0].end += repeated;
   write_points(folder.file("pixels.ply"), pixels);
   const ProcessResult result = run({"reconstruct", folder.file("pixels.ply"), "-o", mesh, "--directions", "normals"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  const std::string warning = fmt::format("warning: {} of {} samples are where another one is, most at (0, 0, 0)",
+  const std::string warning = fmt::format("warning: {} of {} samples are where another one is, most at (0.01, 0, 0)",
                                           repeated - 1, others + repeated);
   EXPECT_TRUE(contains(result.err, warning)) << result.err;
 }

@@ -19,7 +19,7 @@ Mesh far_torus(double distance) {
   // One vertex close to a neighbor: a triangle much smaller than the mean edge, as marching cubes makes them.
   const Triangle& t = mesh.triangles.front();
   mesh.vertices[t[0]] = mesh.vertices[t[1]] + (mesh.vertices[t[0]] - mesh.vertices[t[1]]) * 1e-5;
-  for (Vec3d& v : mesh.vertices) v = v + Vec3d{distance, 0, 0};
+  for (Vec3d& v : mesh.vertices) v = v + Vec3d{distance, distance, distance};
   return mesh;
 }
 

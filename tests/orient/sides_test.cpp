@@ -137,6 +137,21 @@ TEST(DoubtSigns, TurnsNormalsByPropagation) {
   }
 }
 
+/// Some hundred samples of an ellipsoid, of which an estimator left all normals upward.
+TEST(DoubtSigns, OfFewSamplesAreFoundToo) {
+  const PointCloud sphere = sample_surface(*make_sphere(), 150, 1);
+  for (const bool upward : {false, true}) {
+    PointCloud cloud = sphere;
+    if (upward)
+      for (Vec3f& n : cloud.normals)
+        if (n.z < 0) n = -n;
+    const Doubted found = doubt(cloud);
+    EXPECT_EQ(found.changed, upward);
+    EXPECT_EQ(right_share(found.directions, sphere.normals), 1);
+    EXPECT_EQ(found.report.warnings.size(), upward ? 1u : 0u);
+  }
+}
+
 /// A hollow seen from within: most of the normals know.
 TEST(DoubtSigns, FollowsTheMajorityOfAPart) {
   PointCloud truth = sample_surface(*make_sphere(), 20000, 1);

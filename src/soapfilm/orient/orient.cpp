@@ -32,6 +32,32 @@ void check(const PointCloud& cloud) {
   }
 }
 
+/// Of so few samples that no planes are measured: the share of pairs of near neighbors that lie beside each other, not
+/// above each other as the sides of a sheet do, and look to opposite sides. 0 for more samples.
+double opposed_neighbors(const PointCloud& cloud, const std::vector<Vec3f>& directions) {
+  constexpr size_t few = 400;  // sides.cpp judges more than 200 whose planes it knows
+  constexpr size_t neighbors = 8;
+  constexpr float opposed = -0.3f;  // cosine
+  constexpr double beside = 0.5;    // of the distance, along the normal
+  if (cloud.size() > few || cloud.size() <= neighbors) return 0;
+  size_t pairs = 0, opposite = 0;
+  std::vector<std::pair<double, size_t>> near(cloud.size());
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    for (size_t k = 0; k < cloud.size(); ++k)
+      near[k] = {dot(cloud.positions[k] - cloud.positions[i], cloud.positions[k] - cloud.positions[i]), k};
+    std::nth_element(near.begin(), near.begin() + neighbors, near.end());
+    for (size_t n = 0; n <= neighbors; ++n) {
+      const auto [squared, k] = near[n];
+      const Vec3d step = cloud.positions[k] - cloud.positions[i];
+      const double height = std::abs(dot(step, static_cast<Vec3d>(directions[i])));
+      if (k == i || !(height * height <= beside * beside * squared)) continue;
+      ++pairs;
+      opposite += dot(directions[i], directions[k]) < opposed;
+    }
+  }
+  return pairs > 0 ? static_cast<double>(opposite) / static_cast<double>(pairs) : 0;
+}
+
 /// Zero when `v` is zero or not finite.
 Vec3f unit_or_zero(Vec3d v) { return is_finite(v) ? static_cast<Vec3f>(normalized(v)) : Vec3f{}; }
 
@@ -243,8 +269,13 @@ std::vector<Vec3f> orient(const PointCloud& cloud, const OrientSetup& params, co
 bool check_signs(const PointCloud& cloud, const OrientSetup& params, const SideStatistics& sides,
                  const Context& context, std::vector<Vec3f>& directions, OrientReport& report) {
   constexpr double most_on_sheets = 0.05;  // of the pairs
+  constexpr double most_opposed = 0.1;     // of the pairs of few samples
   report.contradicting = sides.contradicting();
-  if (report.from_normals == 0 || !sides.contradicts()) return false;
+  if (report.from_normals == 0) return false;
+  if (!sides.contradicts()) {
+    report.contradicting = std::max(report.contradicting, opposed_neighbors(cloud, directions));
+    if (report.contradicting <= most_opposed) return false;
+  }
   const std::string found = fmt::format(
       "neighboring normals contradict each other ({:.2g} % of the pairs on one plane)", 100 * report.contradicting);
   if (params.source != DirectionSource::automatic) {
