@@ -9,6 +9,13 @@
 
 namespace soapfilm::io {
 
+namespace {
+
+/// Text may say more than a byte holds.
+uint8_t byte_of(double value) { return value > 0 ? static_cast<uint8_t>(std::min(value, 255.0)) : uint8_t{0}; }
+
+}  // namespace
+
 PlyColors::PlyColors(const PlyVertexLayout& layout, size_t count) : layout_(layout) {
   if (!layout.color.present()) return;
   if (layout.byte_colors)
@@ -21,7 +28,7 @@ void PlyColors::add(const PlyRows& rows) {
   if (!layout_.color.present()) return;
   const Vec3d color = read(rows, layout_.color);
   if (layout_.byte_colors)
-    bytes_.push_back({static_cast<uint8_t>(color.x), static_cast<uint8_t>(color.y), static_cast<uint8_t>(color.z)});
+    bytes_.push_back({byte_of(color.x), byte_of(color.y), byte_of(color.z)});
   else
     numbers_.add(color.x, color.y, color.z);
 }
