@@ -162,6 +162,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
     WriteOptions write;
     write.ascii = options.ascii;
     write.coordinate_precision = 1e-3 * report.grid.voxel;
+    write.voxel = report.grid.voxel;
     const WriteReport written = write_mesh(options.output, result.mesh, write, context);
     for (const std::string& warning : written.warnings) {
       progress.warn(warning);
@@ -349,6 +350,8 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
   output(app.add_flag("--distance", p.surface.distance,
                       "Each vertex' distance to the nearest sample, in the input's units, as the\nPLY's attribute "
                       "'distance' (soapfilm render --color-by distance)"));
+  output(app.add_flag("--support", p.surface.support,
+                      "The samples per voxel^2 of surface at each vertex, as the attribute 'support'"));
   output(app.add_flag("--check", o.check, "Check the mesh's topology and its distance to the samples"));
   output(app.add_flag(
       "--strict", o.strict,

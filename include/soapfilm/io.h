@@ -54,6 +54,7 @@ struct WriteOptions {
   double coordinate_precision = 0;    ///< largest rounding error allowed, input units; 0: 1e-3 of a mesh's mean edge,
                                       ///< none for a cloud
   std::vector<std::string> comments;  ///< lines for the head of a PLY or OBJ file
+  double voxel = 0;                   ///< of .vdb: edge of a cell, input units; 0: the mesh's mean edge
 };
 
 struct WriteReport {

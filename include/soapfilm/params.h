@@ -164,6 +164,7 @@ struct SurfaceParams {
   std::optional<double> isovalue;  ///< unrefined: of the smoothed indicator, (0, 1); if not given: its mean at samples
   RelaxParams relax;
   bool distance = false;  ///< adds the attribute "distance" to vertices: to the nearest sample, input units
+  bool support = false;   ///< adds the attribute "support" to vertices: samples per voxel^2 of surface there
   std::vector<std::string> attributes = {"color"};  ///< of samples, carried to vertices: "color", columns, "all"
 };
 

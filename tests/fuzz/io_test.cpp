@@ -129,10 +129,17 @@ TEST(Fuzz, Meshes) {
 
 TEST(Fuzz, Text) {
   const TemporaryFolder folder;
-  folder.write("p.xyz", "# x y z\n1 2 3 0 0 1 10 20 30\n4,5,6,0,1,0,10,20,30\n7;8;9;1;0;0;255;0;0\n");
+  folder.write("p.xyz",
+               "//X Y Z Nx Ny Nz R G B\n1 2 3 0 0 1 10 20 30\n4 5 6 0 1 0 10 20 30 # said\n7 8 9 1 0 0 255 0 0\n");
   folder.write("p.pts", "2\n1 2 3 -100 1 2 3\n4 5 6 -100 1 2 3\n1\n7 8 9 5 1 2 3\n");
-  for (const char* name : {"p.xyz", "p.pts"})
-    fuzz(folder, name, 300, [](const std::string& path) { check_cloud(read_points(path)); });
+  folder.write("p.csv", "\"x\",\"y\",\"z\",sx,sy,sz,weight,note\n1.5,2,3,,,,1,\"a, b\"\n4,5,6,0,1,NA,2,\n");
+  folder.write("p.txt", "1;1,5;2,25;3,125\r\n2;1,5;2,5;3\r\n3;1;2;1e3\r\n4;2;2,5;-3\r\n");
+  folder.write("p.pwn", "2\n1 2 3\n4 5 6\n0 0 1\n0 0.6 -0.8\n");
+  uint64_t seed = 300;
+  for (const char* name : {"p.xyz", "p.pts", "p.csv", "p.txt", "p.pwn"}) {
+    check_cloud(read_points(folder / name));
+    fuzz(folder, name, ++seed, [](const std::string& path) { check_cloud(read_points(path)); });
+  }
 }
 
 TEST(Fuzz, ScanSets) {

@@ -1,4 +1,4 @@
-// XYZ text, OBJ, OFF, STL: what is read, and round trips of what is written.
+// Numbers in text, OBJ, OFF, STL: what is read, and round trips of what is written.
 #include "files.h"
 #include "samples.h"
 #include "soapfilm/core/vec.h"
@@ -28,16 +28,6 @@ TEST(Numbers, AreReadAsProgramsWriteThem) {
     EXPECT_FALSE(io::parse_number(text, value)) << text;
 }
 
-TEST(Xyz, SeparatorsCommentsAndLineEndsAreFree) {
-  const TemporaryFolder folder;
-  const PointCloud cloud = read_points(
-      folder.write("p.txt", "# head\r\n//X,Y,Z\n\n 1 2\t3\r\n4,5,6 # the second\n7; 8;9 // the third\n\t+1e1, -2 ;.5"));
-  EXPECT_EQ(cloud.positions, std::vector<Vec3d>({{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, -2, 0.5}}));
-  ASSERT_EQ(cloud.scans.size(), 1u);
-  EXPECT_EQ(cloud.scans[0].name, "p");
-  EXPECT_EQ(cloud.scans[0].end, 4u);
-}
-
 TEST(Text, ByteOrderMarkIsPassedOverAtTheStartAlone) {
   const TemporaryFolder folder;
   const std::string mark = "\xEF\xBB\xBF";
@@ -54,46 +44,6 @@ TEST(Text, ByteOrderMarkIsPassedOverAtTheStartAlone) {
             std::vector<Vec3d>({{1, 2, 3}}));
   EXPECT_THROW(read_points(folder.write("q.txt", "1 2 3\n" + mark + "4 5 6")), InputError);
   EXPECT_THROW(read_points(folder.write("r.txt", mark)), InputError);
-}
-
-TEST(Xyz, ColumnsAreKnownByTheirCount) {
-  const TemporaryFolder folder;
-  ReadReport report;
-  const PointCloud four = read_points(folder.write("p.xyz", "1 2 3 700\n"), &report);
-  EXPECT_TRUE(four.normals.empty() && four.colors.empty());
-  const PointCloud six = read_points(folder.write("p.xyz", "1 2 3 0 0 -1\n"), &report);
-  EXPECT_EQ(six.normals, std::vector<Vec3f>({{0, 0, -1}}));
-  const PointCloud colors = read_points(folder.write("p.xyz", "1 2 3 0 0 0\n4 5 6 255 1 2\n"), &report);
-  EXPECT_EQ(colors.colors, std::vector<Rgb8>({{0, 0, 0}, {255, 1, 2}}));
-  EXPECT_TRUE(colors.normals.empty());
-  const PointCloud axes = read_points(folder.write("p.xyz", "1 2 3 0 0 1\n4 5 6 1 0 0\n"), &report);
-  EXPECT_EQ(axes.normals, std::vector<Vec3f>({{0, 0, 1}, {1, 0, 0}}));
-  const PointCloud seven = read_points(folder.write("p.xyz", "1 2 3 -90 10 20 30\n"), &report);
-  EXPECT_EQ(seven.colors, std::vector<Rgb8>({{10, 20, 30}}));
-  const PointCloud nine = read_points(folder.write("p.xyz", "1 2 3 0 1 0 10 20 30\n"), &report);
-  EXPECT_EQ(nine.normals, std::vector<Vec3f>({{0, 1, 0}}));
-  EXPECT_EQ(nine.colors, std::vector<Rgb8>({{10, 20, 30}}));
-  EXPECT_EQ(report.files.back().properties.size(), 9u);
-  EXPECT_EQ(report.files[2].properties.back(), "blue");
-}
-
-TEST(Xyz, CountLinesBeginScans) {
-  const TemporaryFolder folder;
-  const PointCloud cloud = read_points(folder.write("p.pts", "2\n0 0 0 5\n1 1 1 6\n0\n1\n2 2 2 7\n"));
-  EXPECT_EQ(cloud.size(), 3u);
-  ASSERT_EQ(cloud.scans.size(), 2u);
-  EXPECT_EQ(cloud.scans[0].end, 2u);
-  EXPECT_EQ(cloud.scans[1].begin, 2u);
-  EXPECT_EQ(cloud.scans[1].end, 3u);
-}
-
-TEST(Xyz, NonFiniteSamplesAreDroppedAndCounted) {
-  const TemporaryFolder folder;
-  ReadReport report;
-  const PointCloud cloud = read_points(folder.write("p.xyz", "1 nan 3\n4 5 6\n7 8 -inf\n"), &report);
-  EXPECT_EQ(cloud.positions, std::vector<Vec3d>({{4, 5, 6}}));
-  EXPECT_EQ(report.dropped(), 2u);
-  EXPECT_EQ(cloud.scans.at(0).end, 1u);
 }
 
 TEST(Files, SeveralAreSeveralScans) {

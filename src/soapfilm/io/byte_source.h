@@ -33,7 +33,7 @@ class ByteSource {
 
   /// The reader has passed `offset`: the memory of what lies before may be released (it stays readable). Cheap to call.
   void release_before(size_t offset) {
-    if (offset - released_ >= release_step) release(offset);
+    if (offset >= released_ + release_step) release(offset);
   }
 
  private:

@@ -4,27 +4,49 @@
 #include <filesystem>
 #include <vector>
 
+#include "soapfilm/io/e57.h"
 #include "soapfilm/io/gltf.h"
+#include "soapfilm/io/kitti.h"
+#include "soapfilm/io/las.h"
+#include "soapfilm/io/meshlab.h"
+#include "soapfilm/io/npy.h"
 #include "soapfilm/io/obj.h"
 #include "soapfilm/io/off.h"
+#include "soapfilm/io/pcd.h"
+#include "soapfilm/io/pcd_header.h"
 #include "soapfilm/io/ply.h"
 #include "soapfilm/io/ply_header.h"
+#include "soapfilm/io/ptx.h"
 #include "soapfilm/io/scan_set.h"
 #include "soapfilm/io/stl.h"
 #include "soapfilm/io/text.h"
-#include "soapfilm/io/xyz.h"
+#include "soapfilm/io/text_points.h"
+#include "soapfilm/io/vdb.h"
 
 namespace soapfilm::io {
 
 namespace {
 
-constexpr std::array<Format, 7> table{{
+constexpr std::array<Format, 16> table{{
     {".ply", looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
-    {.extensions = ".xyz .txt .pts", .read_points = read_xyz},
+    {.extensions = ".xyz .txt .csv .asc .pts .xyzn .xyzrgb .pwn .npts", .read_points = read_text_points},
+    {.extensions = ".ptx", .begins = looks_like_ptx, .read_points = read_ptx},
+    {.extensions = ".pcd", .begins = looks_like_pcd, .read_points = read_pcd},
+    {.extensions = ".las .laz", .begins = looks_like_las, .read_points = read_las},
+    {.extensions = ".e57", .begins = looks_like_e57, .read_points = read_e57},
+    {.extensions = ".bin", .read_points = read_kitti},
+    {.extensions = ".npy", .begins = looks_like_npy, .read_points = read_npy},
     {.extensions = ".conf", .read_points = read_scan_set_points},
-    {.extensions = ".obj", .read_mesh = read_obj, .write_mesh = write_obj},
+    {.extensions = ".mlp", .read_points = read_mlp},
+    {.extensions = ".aln", .read_points = read_aln},
+    {.extensions = ".obj",
+     .has_faces = obj_has_faces,
+     .read_points = read_obj_points,
+     .read_mesh = read_obj,
+     .write_mesh = write_obj},
     {.extensions = ".off", .read_mesh = read_off},
     {.extensions = ".glb", .write_mesh = write_glb},
+    {.extensions = ".vdb", .write_mesh = write_vdb},
     {.extensions = ".stl", .read_mesh = read_stl, .write_mesh = write_stl},
 }};
 

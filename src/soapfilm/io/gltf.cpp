@@ -13,11 +13,11 @@
 #include <cmath>
 #include <cstring>
 #include <ostream>
-#include <streambuf>
 
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/atomic_file.h"
+#include "soapfilm/io/file_buffer.h"
 #include "soapfilm/io/precision.h"
 
 namespace soapfilm::io {
@@ -25,25 +25,6 @@ namespace soapfilm::io {
 namespace {
 
 constexpr size_t most_bytes = UINT32_MAX;  // a GLB file counts its bytes in 32 bits
-
-/// What the library writes goes to an atomic file.
-class FileBuffer : public std::streambuf {
- public:
-  explicit FileBuffer(AtomicFile& file) : file_(file) {}
-
- protected:
-  std::streamsize xsputn(const char* bytes, std::streamsize count) override {
-    file_.append({bytes, static_cast<size_t>(count)});
-    return count;
-  }
-  int overflow(int c) override {
-    if (c != traits_type::eof()) file_.append(std::string(1, static_cast<char>(c)));
-    return c;
-  }
-
- private:
-  AtomicFile& file_;
-};
 
 /// A glTF scene of one mesh, its arrays one after the other in one buffer.
 class GltfScene {

@@ -8,6 +8,8 @@
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/atomic_file.h"
+#include "soapfilm/io/number_line.h"
+#include "soapfilm/io/obj_text.h"
 #include "soapfilm/io/polygon.h"
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/text.h"
@@ -15,6 +17,17 @@
 namespace soapfilm::io {
 
 namespace {
+
+/// Converts from 1 upwards, or from -1 (the last one so far) downwards, to from 0 upwards.
+uint32_t parse_obj_index(const TextCursor& cursor, std::string_view text, size_t so_far) {
+  int64_t index = 0;
+  if (!parse_integer(text, index)) cursor.fail("index " + in_quotes(text) + ", must be an integer");
+  if (index <= 0 && (index == 0 || index < -static_cast<int64_t>(so_far)))
+    cursor.fail(fmt::format("index {}, must be from 1 up or from -1 down to -{}", index, so_far));
+  const int64_t from_zero = index > 0 ? index - 1 : static_cast<int64_t>(so_far) + index;
+  if (from_zero > INT32_MAX) cursor.fail(fmt::format("index {}, must be at most {}", index, INT32_MAX));
+  return static_cast<uint32_t>(from_zero);
+}
 
 class ObjReader {
  public:
@@ -43,19 +56,9 @@ class ObjReader {
   }
 
  private:
-  /// Parses the numbers of a line; returns how many.
-  size_t numbers(std::string_view line, std::array<double, 8>& values) const {
-    size_t count = 0;
-    for (std::string_view field; next_field(line, field); ++count) {
-      if (count == values.size()) cursor_.fail(fmt::format("more than {} numbers", values.size()));
-      if (!parse_number(field, values[count])) cursor_.fail(in_quotes(field) + ", must be a number");
-    }
-    return count;
-  }
-
   void read_vertex(std::string_view line) {
     std::array<double, 8> v{};
-    const size_t count = numbers(line, v);
+    const size_t count = parse_number_line(cursor_, line, v);
     if (count < 3) cursor_.fail(fmt::format("vertex of {} numbers, must be at least 3", count));
     const Vec3d position{v[0], v[1], v[2]};
     if (!is_finite(position)) cursor_.fail(fmt::format("position = ({}, {}, {}), must be finite", v[0], v[1], v[2]));
@@ -69,7 +72,7 @@ class ObjReader {
 
   void read_normal(std::string_view line) {
     std::array<double, 8> n{};
-    if (numbers(line, n) != 3) cursor_.fail("a normal must have 3 numbers");
+    if (parse_number_line(cursor_, line, n) != 3) cursor_.fail("a normal must have 3 numbers");
     normals_.push_back({static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])});
   }
 
@@ -80,29 +83,14 @@ class ObjReader {
     append_fan(mesh_.triangles, corners_.size(), [&](size_t c) { return corners_[c]; });
   }
 
-  /// "v", "v/vt", "v//vn" or "v/vt/vn".
   uint32_t read_corner(std::string_view field) {
-    const size_t slash = field.find('/');
-    const uint32_t vertex = read_index(field.substr(0, slash), mesh_.vertices.size());
-    if (vertex > largest_vertex_ || largest_vertex_line_ == 0) {  // may be defined later in the file
-      largest_vertex_ = vertex;
+    const ObjCorner corner = parse_obj_corner(cursor_, field, mesh_.vertices.size(), normals_.size());
+    if (corner.vertex > largest_vertex_ || largest_vertex_line_ == 0) {  // may be defined later in the file
+      largest_vertex_ = corner.vertex;
       largest_vertex_line_ = cursor_.line();
     }
-    const size_t second = slash == std::string_view::npos ? slash : field.find('/', slash + 1);
-    const bool same_normal =
-        second != std::string_view::npos && read_index(field.substr(second + 1), normals_.size()) == vertex;
-    normals_match_ = normals_match_ && same_normal;
-    return vertex;
-  }
-
-  /// Converts from 1 upwards, or from -1 (the last one so far) downwards, to from 0 upwards.
-  uint32_t read_index(std::string_view text, size_t so_far) const {
-    int64_t index = 0;
-    if (!parse_integer(text, index)) cursor_.fail("index " + in_quotes(text) + ", must be an integer");
-    const int64_t from_zero = index > 0 ? index - 1 : static_cast<int64_t>(so_far) + index;
-    if (index == 0 || from_zero < 0 || from_zero > INT32_MAX)
-      cursor_.fail(fmt::format("index {}, must be from 1 up or from -1 down to -{}", index, so_far));
-    return static_cast<uint32_t>(from_zero);
+    normals_match_ = normals_match_ && corner.normal == corner.vertex;
+    return corner.vertex;
   }
 
   ByteSource& source_;
@@ -162,6 +150,16 @@ class ObjWriter {
 };
 
 }  // namespace
+
+ObjCorner parse_obj_corner(const TextCursor& cursor, std::string_view field, size_t vertices_so_far,
+                           size_t normals_so_far) {
+  const size_t slash = field.find('/');
+  ObjCorner corner{parse_obj_index(cursor, field.substr(0, slash), vertices_so_far), {}};
+  const size_t second = slash == std::string_view::npos ? slash : field.find('/', slash + 1);
+  if (second != std::string_view::npos)
+    corner.normal = parse_obj_index(cursor, field.substr(second + 1), normals_so_far);
+  return corner;
+}
 
 Mesh read_obj(ByteSource& source) { return ObjReader(source).read(); }
 

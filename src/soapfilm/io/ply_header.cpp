@@ -33,10 +33,27 @@ constexpr std::array<TypeName, 16> type_names{{{"char", PlyType::int8},
                                                {"double", PlyType::float64},
                                                {"float64", PlyType::float64}}};
 
+/// The text of a PLY from the end of its first line on; empty if it does not begin with `ply` and perhaps blanks.
+std::string_view after_first_line(const ByteSource& source) {
+  const std::string_view text = after_byte_order_mark(source.bytes());
+  if (text.substr(0, 3) != "ply") return {};
+  const size_t end = text.find_first_not_of(" \t", 3);
+  if (end == std::string_view::npos || (text[end] != '\n' && text[end] != '\r')) return {};
+  return text.substr(end);
+}
+
+char line_end_of(const ByteSource& source) {
+  const std::string_view rest = after_first_line(source);
+  return !rest.empty() && rest[0] == '\r' && rest.substr(0, 2) != "\r\n" ? '\r' : '\n';
+}
+
 /// One pass over the header's lines; a member function per keyword.
 class HeaderParser {
  public:
-  explicit HeaderParser(ByteSource& source) : cursor_(source) {}
+  explicit HeaderParser(ByteSource& source) : cursor_(source) {
+    header_.line_end = line_end_of(source);
+    cursor_.end_lines_with(header_.line_end);
+  }
 
   PlyHeader parse() {
     std::string_view line;
@@ -169,10 +186,7 @@ const PlyElement* PlyHeader::find(std::string_view element) const {
   return found == elements.end() ? nullptr : &*found;
 }
 
-bool looks_like_ply(const ByteSource& source) {
-  const std::string_view text = after_byte_order_mark(source.bytes());
-  return text.substr(0, 4) == "ply\n" || text.substr(0, 5) == "ply\r\n";
-}
+bool looks_like_ply(const ByteSource& source) { return !after_first_line(source).empty(); }
 
 PlyHeader read_ply_header(ByteSource& source) {
   if (!looks_like_ply(source))

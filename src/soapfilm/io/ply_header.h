@@ -59,12 +59,14 @@ struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
   std::vector<PlyNote> notes;
+  char line_end = '\n';  ///< or '\r'
   size_t body_offset = 0;
   size_t body_line = 0;
 
   const PlyElement* find(std::string_view element) const;
 };
 
+/// Does it begin with a line `ply`? (Blanks may follow; lines may end with LF, CRLF or CR.)
 bool looks_like_ply(const ByteSource& source);
 
 /// Throws InputError "file:line: ..." for a header that breaks the format's rules.

@@ -3,6 +3,7 @@
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/ply.h"
+#include "soapfilm/io/ply_faces.h"
 #include "soapfilm/io/ply_rows.h"
 #include "soapfilm/io/ply_vertex.h"
 #include "soapfilm/io/polygon.h"
@@ -10,13 +11,6 @@
 namespace soapfilm::io {
 
 namespace {
-
-/// The list of vertex indices, by either of its two names; `absent` if the element is not a face.
-size_t index_list(const PlyElement& element) {
-  if (element.name != "face" && element.name != "tristrips") return PlyElement::absent;
-  const size_t plural = element.find_list("vertex_indices");
-  return plural != PlyElement::absent ? plural : element.find_list("vertex_index");
-}
 
 void read_vertices(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, const std::string& path,
                    Mesh& mesh) {
@@ -45,42 +39,14 @@ void read_vertices(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayou
   mesh.colors = colors.finish();
 }
 
-uint32_t vertex_index(const PlyRows& rows, double value, uint64_t vertices) {
-  if (!(value >= 0) || value >= static_cast<double>(vertices) || value != std::floor(value))
-    rows.fail(fmt::format("vertex index = {}, must be an integer from 0 to {}", value, vertices - 1));
-  return static_cast<uint32_t>(value);
-}
-
-void read_faces(PlyRows& rows, const PlyElement& face, size_t list, uint64_t vertices, Mesh& mesh) {
-  rows.begin(face);
-  mesh.triangles.reserve(mesh.triangles.size() + face.count);
-  for (uint64_t i = 0; i < face.count; ++i) {
-    rows.next();
-    const std::span<const double> corners = rows.list(list);
+void read_faces(PlyRows& rows, const PlyElement& element, size_t list, uint64_t vertices, Mesh& mesh) {
+  bool reserved = false;
+  read_ply_faces(rows, element, list, vertices, [&](std::span<const uint32_t> corners) {
+    if (!reserved && element.name == "face") mesh.triangles.reserve(mesh.triangles.size() + element.count);
+    reserved = true;
     if (corners.size() < 3) rows.fail(fmt::format("{} vertices, must be at least 3", corners.size()));
-    append_fan(mesh.triangles, corners.size(), [&](size_t c) { return vertex_index(rows, corners[c], vertices); });
-  }
-}
-
-/// Strips as in Stanford's volumetric merges: -1 begins a new strip, every second triangle has the opposite
-/// orientation.
-void read_strips(PlyRows& rows, const PlyElement& strips, size_t list, uint64_t vertices, Mesh& mesh) {
-  rows.begin(strips);
-  for (uint64_t i = 0; i < strips.count; ++i) {
-    rows.next();
-    Triangle last{};
-    size_t length = 0;
-    for (const double value : rows.list(list)) {
-      if (value == -1) {
-        length = 0;
-        continue;
-      }
-      last = {last[1], last[2], vertex_index(rows, value, vertices)};
-      ++length;
-      if (length < 3) continue;
-      mesh.triangles.push_back(length % 2 == 1 ? last : Triangle{last[1], last[0], last[2]});
-    }
-  }
+    append_fan(mesh.triangles, corners.size(), [&](size_t c) { return corners[c]; });
+  });
 }
 
 }  // namespace
@@ -103,10 +69,8 @@ Mesh read_ply_mesh(ByteSource& source) {
       read_vertices(rows, element, layout, source.path(), mesh);
     else if (list == PlyElement::absent)
       rows.skip(element);
-    else if (element.name == "face")
-      read_faces(rows, element, list, vertex.count, mesh);
     else
-      read_strips(rows, element, list, vertex.count, mesh);
+      read_faces(rows, element, list, vertex.count, mesh);
   }
   rows.finish();
   if (mesh.triangles.empty()) throw InputError(source.path() + ": holds no faces, must be a mesh");

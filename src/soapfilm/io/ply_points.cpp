@@ -1,14 +1,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/face_normals.h"
 #include "soapfilm/io/ply.h"
+#include "soapfilm/io/ply_faces.h"
 #include "soapfilm/io/ply_rows.h"
 #include "soapfilm/io/ply_scans.h"
 #include "soapfilm/io/ply_vertex.h"
 #include "soapfilm/io/point_table.h"
+#include "soapfilm/io/text.h"
 
 namespace soapfilm::io {
 
@@ -126,6 +131,68 @@ void share_out_range_grids(const std::vector<int32_t>& cells, std::vector<PlySca
   }
 }
 
+/// What the header says of elements besides the vertices.
+struct PlyPlan {
+  bool faces_tell_normals = false;  ///< the vertices have none
+  bool faces_first = false;         ///< before the vertices
+  Triple camera;                    ///< where the scanner stood, among the properties of element `camera`
+  bool grid_sizes_known = false;
+};
+
+PlyPlan plan_of(const PlyHeader& header, const PlyVertexLayout& layout, const std::vector<PlyScan>& scans) {
+  PlyPlan plan;
+  for (const PlyElement& element : header.elements) {
+    if (element.count > 0 && index_list(element) != PlyElement::absent && !layout.normal.present())
+      plan.faces_tell_normals = true;
+    if (element.name == "vertex") plan.faces_first = plan.faces_tell_normals;
+    if (element.name == "camera" && element.count == 1 && scans.size() == 1)
+      plan.camera.index = {element.find_scalar("view_px"), element.find_scalar("view_py"),
+                           element.find_scalar("view_pz")};
+  }
+  plan.grid_sizes_known = std::any_of(scans.begin(), scans.end(), [](const PlyScan& scan) { return scan.cells() > 0; });
+  return plan;
+}
+
+/// The camera of a range mesh stood where the scanner did. Programs that do not know write zeros.
+void read_camera(PlyRows& rows, const PlyElement& camera, const Triple& place, Scan& scan) {
+  rows.begin(camera);
+  rows.next();
+  const Vec3d position = read(rows, place);
+  if (is_finite(position) && !(position == Vec3d{}) && !scan.sensor && !scan.view_direction) scan.sensor = position;
+}
+
+void add_faces(PlyRows& rows, const PlyElement& element, uint64_t vertices, FaceNormals& normals) {
+  read_ply_faces(rows, element, index_list(element), vertices,
+                 [&](std::span<const uint32_t> corners) { normals.add(corners); });
+}
+
+/// The faces of a file that has them before its vertices, once those were read.
+void add_all_faces(ByteSource& source, const PlyHeader& header, uint64_t vertices, FaceNormals& normals) {
+  PlyRows rows(source, header);
+  for (const PlyElement& element : header.elements) {
+    if (index_list(element) == PlyElement::absent)
+      rows.skip(element);
+    else
+      add_faces(rows, element, vertices, normals);
+  }
+}
+
+void warn_of_unused(const PlyHeader& header, const PlyPlan& plan, const std::string& path, ReadReport& report) {
+  std::vector<std::string> unused;
+  for (const PlyElement& element : header.elements) {
+    const bool is_used = element.name == "vertex" ||
+                         (element.name == "range_grid" && element.find_list("vertex_indices") != PlyElement::absent) ||
+                         index_list(element) != PlyElement::absent ||
+                         (element.name == "camera" && plan.camera.present());
+    if (!is_used && element.count > 0 && !element.properties.empty())
+      unused.push_back("element " + in_quotes(element.name));
+    if (element.name != "vertex") continue;
+    for (const PlyProperty& property : element.properties)
+      if (property.is_list()) unused.push_back("list " + in_quotes(property.name) + " of the vertices");
+  }
+  if (!unused.empty()) report.warnings.push_back(fmt::format("{}: not used: {}", path, fmt::join(unused, ", ")));
+}
+
 }  // namespace
 
 PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOptions&, const Context& context) {
@@ -133,29 +200,40 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOpt
   const PlyElement& vertex = vertex_element(header, source.path());
   const PlyVertexLayout layout = find_vertex_layout(vertex, source.path());
   std::vector<PlyScan> scans = find_scans(header, vertex.count, source.path());
-  bool grid_sizes_known = false;
-  for (const PlyScan& scan : scans) grid_sizes_known = grid_sizes_known || scan.cells() > 0;
+  const PlyPlan plan = plan_of(header, layout, scans);
+  warn_of_unused(header, plan, source.path(), report);
 
   PointCloud cloud;
+  std::optional<FaceNormals> normals;
   PlyRows rows(source, header, &context);
   for (const PlyElement& element : header.elements) {
     const bool is_grid = element.name == "range_grid" && element.find_list("vertex_indices") != PlyElement::absent;
     if (element.name == "vertex") {
       read_samples(rows, element, layout, source.path(), cloud);
-    } else if (is_grid && grid_sizes_known) {
+      if (plan.faces_tell_normals) normals.emplace(cloud.positions);
+    } else if (normals && !plan.faces_first && index_list(element) != PlyElement::absent) {
+      add_faces(rows, element, vertex.count, *normals);
+    } else if (is_grid && plan.grid_sizes_known) {
       share_out_range_grids(read_range_grid(rows, element, vertex.count), scans, source.path());
+    } else if (element.name == "camera" && plan.camera.present()) {
+      read_camera(rows, element, plan.camera, scans[0].scan);
     } else {
       rows.skip(element);
       if (is_grid)
         report.warnings.push_back(source.path() + ": range grid ignored: the header lacks num_cols and num_rows");
     }
   }
-  rows.finish();
+  if (const size_t rest = rows.finish(); rest > 0)
+    report.warnings.push_back(fmt::format(
+        "{}: {} bytes after the last element are not read: the header's counts, such as {} vertices, may be too small",
+        source.path(), rest, vertex.count));
+  if (plan.faces_first) add_all_faces(source, header, vertex.count, *normals);
+  if (normals) cloud.normals = normals->finish();
 
   for (PlyScan& scan : scans) cloud.scans.push_back(std::move(scan.scan));
   FileReport file;
   file.path = source.path();
-  file.format = describe(header.format);
+  file.format = std::string(describe(header.format)) + (plan.faces_tell_normals ? ", normals from its faces" : "");
   file.properties = layout.names;
   const bool float32 = std::all_of(layout.position.index.begin(), layout.position.index.end(),
                                    [&](size_t k) { return vertex.properties[k].type == PlyType::float32; });

@@ -72,11 +72,13 @@ void read_chunk(std::string_view text, size_t columns, TextChunk& chunk) {
 
 PlyRows::PlyRows(ByteSource& source, const PlyHeader& header, const Context* context)
     : source_(source), header_(header), context_(context) {
-  if (header.format == PlyFormat::ascii)
+  if (header.format == PlyFormat::ascii) {
     text_.emplace(source, header.body_offset, header.body_line);
-  else
-    binary_.emplace(source, header.body_offset,
-                    header.format == PlyFormat::binary_big_endian ? std::endian::big : std::endian::little);
+    text_->end_lines_with(header.line_end);
+    return;
+  }
+  binary_.emplace(source, header.body_offset,
+                  header.format == PlyFormat::binary_big_endian ? std::endian::big : std::endian::little);
 }
 
 void PlyRows::begin(const PlyElement& element) {
@@ -195,10 +197,11 @@ void PlyRows::skip(const PlyElement& element) {
   for (uint64_t i = 0; i < element.count; ++i) next();
 }
 
-void PlyRows::finish() {
-  if (!text_) return;
+size_t PlyRows::finish() {
+  if (!text_) return binary_->remaining();
   const std::string_view rest = text_->token();
   if (!rest.empty()) text_->fail(in_quotes(rest) + " after the last element, must be the end of the file");
+  return 0;
 }
 
 void PlyRows::fail(const std::string& message) const {

@@ -40,8 +40,9 @@ class PlyRows {
   /// Skips all rows of `element`, the next of the header.
   void skip(const PlyElement& element);
 
-  /// Throws InputError when text follows the last element: then some row had too many values.
-  void finish();
+  /// Throws InputError when text follows the last element: then some row had too many values. Returns how many bytes
+  /// follow the last element of a binary file.
+  size_t finish();
 
   /// Throws InputError "place: element row: message" for the row that next() read.
   [[noreturn]] void fail(const std::string& message) const;

@@ -125,13 +125,16 @@ std::string column_name(std::string_view name) {
   constexpr std::string_view before = "scalar_";
   if (name.size() > before.size() && lower_case(name.substr(0, before.size())) == before)
     name.remove_prefix(before.size());
-  return std::string(name);
+  std::string word(name);
+  std::replace_if(
+      word.begin(), word.end(), [](char c) { return c <= ' ' || c > '~'; }, '_');
+  return word;
 }
 
 bool holds_labels(std::string_view name) {
-  constexpr std::string_view labels[] = {"label",  "classification", "class",  "category",     "instance", "segment",
-                                         "scanid", "pointsourceid",  "object", "returnnumber", "ring",     "id",
-                                         "index"};
+  constexpr std::string_view labels[] = {
+      "label",  "classification", "class",       "category",    "instance", "segment", "scanid", "pointsourceid",
+      "object", "returnnumber",   "returnindex", "returncount", "ring",     "id",      "index",  "scannerchannel"};
   return is_one_of(bare(name), labels);
 }
 

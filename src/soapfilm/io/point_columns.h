@@ -35,8 +35,8 @@ PointColumns meaning_of(const std::vector<std::string>& names);
 /// Does any of these names say what its column is? (Then a line of them is a header.)
 bool is_known_column(std::string_view name);
 
-/// The name of a further column, as it is carried to vertices: without quotes and blanks around it, "scalar_" before
-/// it.
+/// The name of a further column, as it is carried to vertices: without quotes and blanks around it and "scalar_" before
+/// it; one word, as PLY needs it.
 std::string column_name(std::string_view name);
 
 /// Do the values of a column of this name say what a sample is, so that a mean of them means nothing?

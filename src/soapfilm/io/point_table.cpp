@@ -26,15 +26,25 @@ size_t bytes_per_sample(const PointHeader& header) {
          header.columns.size() * sizeof(float);
 }
 
-/// The names, a number added to those that are there already.
+/// In one word of ASCII, as PLY needs it.
+std::string one_word(std::string name) {
+  for (char& c : name)
+    if (c <= ' ' || c > '~') c = '_';
+  return name.empty() ? "column" : name;
+}
+
+/// The names as words, a number added to those that are there already, or that PLY gives a meaning.
 std::vector<std::string> made_different(const std::vector<std::string>& names) {
-  std::vector<std::string> all;
+  const std::vector<std::string> taken{"x",     "y",    "z",        "nx",       "ny",       "nz",    "red",
+                                       "green", "blue", "sensor_x", "sensor_y", "sensor_z", "weight"};
+  std::vector<std::string> all = taken;
   for (const std::string& given : names) {
-    const std::string name = given.empty() ? "column" : given;
+    const std::string name = one_word(given);
     std::string unused = name;
     for (int k = 2; std::find(all.begin(), all.end(), unused) != all.end(); ++k) unused = fmt::format("{}_{}", name, k);
     all.push_back(std::move(unused));
   }
+  all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(taken.size()));
   return all;
 }
 
@@ -47,7 +57,7 @@ void warn_of_steps(const PointCloud& cloud, const std::string& path, ReadReport&
   double farthest = 0;
   for (int axis = 0; axis < 3; ++axis) farthest = std::max({farthest, std::abs(box.lo[axis]), std::abs(box.hi[axis])});
   const double spacing = box.diagonal() / std::sqrt(static_cast<double>(cloud.size()));
-  if (farthest == 0 || float_step(farthest) <= harmless * spacing) return;
+  if (farthest == 0 || spacing == 0 || float_step(farthest) <= harmless * spacing) return;
   report.warnings.push_back(fmt::format(
       "{}: coordinates near {:.6g} are stored as 32-bit numbers, in steps of {:.3g}; samples are about {:.3g} apart: "
       "the surface will have steps (write the file in double precision, or subtract an offset before)",
@@ -92,17 +102,19 @@ PointCloud cloud_for(const PointHeader& header, const std::string& path) {
   reserve_many(cloud.positions, count);
   if (header.normals) reserve_many(cloud.normals, count);
   if (header.sensors) reserve_many(cloud.sensors, count);
-  if (header.weights) cloud.weights.reserve(count);
-  if (header.colors) cloud.colors.reserve(count);
+  if (header.weights) reserve_many(cloud.weights, count);
+  if (header.colors) reserve_many(cloud.colors, count);
   std::vector<std::string> names;
   for (const std::string& name : header.columns) names.push_back(column_name(name));
   for (std::string& name : made_different(names)) {
     const bool is_label = holds_labels(name);
     cloud.columns.push_back({std::move(name), {}, is_label});
-    cloud.columns.back().values.reserve(count);
+    reserve_many(cloud.columns.back().values, count);
   }
   return cloud;
 }
+
+void ColorNumbers::reserve(size_t count) { reserve_many(values_, count); }
 
 void ColorNumbers::add(double red, double green, double blue) {
   values_.push_back({static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)});
@@ -121,7 +133,7 @@ std::vector<Rgb8> ColorNumbers::bytes(bool whole) const {
   const float range = largest();
   const double scale = !whole && range <= 1 ? 255.0 : range <= 255 ? 1.0 : 1.0 / 257;
   std::vector<Rgb8> colors;
-  colors.reserve(values_.size());
+  reserve_many(colors, values_.size());
   for (const Vec3f& c : values_) {
     Rgb8 rgb = gray;
     if (c.x >= 0 && c.y >= 0 && c.z >= 0 && is_finite(c))

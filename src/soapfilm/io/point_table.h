@@ -29,7 +29,7 @@ PointCloud cloud_for(const PointHeader& header, const std::string& path);
 /// 65535. A negative or not finite number is no color: gray.
 class ColorNumbers {
  public:
-  void reserve(size_t count) { values_.reserve(count); }
+  void reserve(size_t count);
   void add(double red, double green, double blue);
   /// The largest number that was added; 0 if there is none.
   float largest() const;

@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-
-#include "soapfilm/core/context_state.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/files.h"
-#include "soapfilm/io/read_each.h"
+#include "soapfilm/io/placement.h"
+#include "soapfilm/io/set_members.h"
 #include "soapfilm/io/text.h"
 
 namespace soapfilm {
@@ -72,15 +70,7 @@ Vec3d ScanPose::rotate(Vec3d v) const {
   return v + 2.0 * cross(q, cross(q, v) + quaternion[3] * v);
 }
 
-void apply_pose(const ScanPose& pose, PointCloud& cloud) {
-  for (Vec3d& p : cloud.positions) p = pose.apply(p);
-  for (Vec3f& n : cloud.normals) n = static_cast<Vec3f>(pose.rotate(static_cast<Vec3d>(n)));
-  for (Vec3d& s : cloud.sensors) s = pose.apply(s);
-  for (Scan& scan : cloud.scans) {
-    if (scan.sensor) scan.sensor = pose.apply(*scan.sensor);
-    if (scan.view_direction) scan.view_direction = pose.rotate(*scan.view_direction);
-  }
-}
+void apply_pose(const ScanPose& pose, PointCloud& cloud) { io::place(pose, cloud); }
 
 std::vector<ScanSetEntry> read_scan_set(const std::string& path, ReadReport* report) {
   io::ByteSource source(path);
@@ -102,26 +92,15 @@ void write_scan_set(const std::string& path, const std::vector<ScanSetEntry>& en
 
 PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, const ReadOptions& options,
                                     const Context& context) {
-  const std::filesystem::path folder = std::filesystem::path(source.path()).parent_path();
-  const std::vector<ScanSetEntry> entries = parse_scan_set(source, report);
-  const Context silent = silenced(context);
-  return read_each(entries.size(), report, context, [&](size_t i, ReadReport& to) {
-    const ScanSetEntry& entry = entries[i];
-    const std::string file = (folder / entry.file).string();
-    if (lower_case(std::filesystem::path(file).extension().string()) == ".conf")
-      throw InputError(
-          fmt::format("{}: bmesh names {}, must be a scan, not a scan set", source.path(), in_quotes(entry.file)));
-    PointCloud cloud;
-    try {
-      cloud = read_points(file, &to, silent, options);
-    } catch (const InputError& error) {  // the user named the set
-      throw InputError(source.path() + ": " + error.what());
-    }
-    for (Scan& scan : cloud.scans)
-      if (!scan.sensor && !scan.view_direction && cloud.sensors.empty()) scan.view_direction = Vec3d{0, 0, 1};
-    apply_pose(entry.pose, cloud);
-    return cloud;
-  });
+  std::vector<SetMember> members;
+  for (const ScanSetEntry& entry : parse_scan_set(source, report))
+    members.push_back({entry.file, [pose = entry.pose](PointCloud& cloud) {
+                         for (Scan& scan : cloud.scans)
+                           if (!scan.sensor && !scan.view_direction && cloud.sensors.empty())
+                             scan.view_direction = Vec3d{0, 0, 1};
+                         apply_pose(pose, cloud);
+                       }});
+  return read_members(source, "bmesh", members, report, options, context);
 }
 
 }  // namespace soapfilm

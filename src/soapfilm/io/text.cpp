@@ -69,7 +69,7 @@ bool TextCursor::next_line(std::string_view& line) {
   if (at_ == end_) return false;
   line_ = next_line_ == 0 ? line_ : next_line_;
   next_line_ = line_ + 1;
-  const void* found = std::memchr(at_, '\n', remaining());
+  const void* found = std::memchr(at_, line_end_, remaining());
   const char* line_end = found != nullptr ? static_cast<const char*>(found) : end_;
   line = {at_, static_cast<size_t>(line_end - at_)};
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
@@ -139,10 +139,11 @@ const char* parse_plain_number(const char* at, const char* end, double& value) {
 
 }  // namespace
 
-const char* parse_usual_number(const char* at, const char* end, double& value) {
-  if (const char* after = parse_plain_number(at, end, value); after && (after == end || is_blank(*after))) return after;
+const char* parse_usual_number(const char* at, const char* end, double& value, char separator) {
+  const auto ends = [&](const char* after) { return after == end || is_blank(*after) || *after == separator; };
+  if (const char* after = parse_plain_number(at, end, value); after && ends(after)) return after;
   const std::from_chars_result parsed = std::from_chars(at, end, value);
-  return parsed.ec == std::errc{} && (parsed.ptr == end || is_blank(*parsed.ptr)) ? parsed.ptr : nullptr;
+  return parsed.ec == std::errc{} && ends(parsed.ptr) ? parsed.ptr : nullptr;
 }
 
 double TextCursor::number(std::string_view what) {

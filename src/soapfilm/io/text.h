@@ -20,9 +20,9 @@ std::string lower_case(std::string_view text);
 /// "1.#INF"; true when the whole token is one. Beyond the range of double: infinity or zero.
 bool parse_number(std::string_view token, double& value);
 
-/// The number at `at`, if it is followed by a blank or `end` and has the usual spelling; returns where it ends. Null
-/// for any other text, which may still be a number for parse_number().
-const char* parse_usual_number(const char* at, const char* end, double& value);
+/// The number at `at`, if it is followed by a blank, `separator` or `end` and has the usual spelling; returns where it
+/// ends. Null for any other text, which may still be a number for parse_number().
+const char* parse_usual_number(const char* at, const char* end, double& value, char separator = ' ');
 
 /// A decimal integer; true when the whole token is one that fits.
 bool parse_integer(std::string_view token, int64_t& value);
@@ -46,7 +46,8 @@ inline std::string_view after_byte_order_mark(std::string_view text) {
   return text.substr(text.substr(0, mark.size()) == mark ? mark.size() : 0);
 }
 
-/// Reads text in order, after any byte order mark. Lines end with LF or CRLF and are counted from 1.
+/// Reads text in order, after any byte order mark. Lines end with LF or CRLF, or with CR if end_lines_with() says so,
+/// and are counted from 1.
 class TextCursor {
  public:
   explicit TextCursor(ByteSource& source, size_t offset = 0, size_t line = 1)
@@ -56,6 +57,9 @@ class TextCursor {
         line_(line) {
     if (offset == 0) at_ = end_ - after_byte_order_mark(source.bytes()).size();
   }
+
+  /// '\n', or '\r' for text with bare CR (no LF belongs to its line ends).
+  void end_lines_with(char end) { line_end_ = end; }
 
   size_t offset() const { return static_cast<size_t>(at_ - source_.bytes().data()); }
   size_t remaining() const { return static_cast<size_t>(end_ - at_); }
@@ -97,7 +101,7 @@ class TextCursor {
       line_ = next_line_;
       next_line_ = 0;
     }
-    for (; at_ != end_ && is_blank(*at_); ++at_) line_ += *at_ == '\n';
+    for (; at_ != end_ && is_blank(*at_); ++at_) line_ += *at_ == line_end_;
   }
   /// Continues at `offset`, which is on the given line.
   void jump(size_t offset, size_t line) {
@@ -114,6 +118,7 @@ class TextCursor {
   const char* at_;
   const char* end_;
   size_t line_;
+  char line_end_ = '\n';
   size_t next_line_ = 0;  // number of the line that next_line() reads next; 0 before its first call
 };
 

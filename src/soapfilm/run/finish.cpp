@@ -4,7 +4,7 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
-#include "soapfilm/finish/sample_distance.h"
+#include "soapfilm/finish/vertex_evidence.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/run/announce.h"
 
@@ -41,9 +41,12 @@ Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& sa
                       const MemoryBudget& memory, Trace& trace, const Context& context) {
   report.self_check = trace.stage("self-check", [&] { return self_check(mesh, samples, lattice, context); });
   announce_self_check(report, trace);
-  if (report.params.surface.distance)
-    trace.stage("distance", [&] {
-      mesh.attributes.push_back({"distance", distances_to_samples(mesh, samples, lattice, context)});
+  const bool distance = report.params.surface.distance, support = report.params.surface.support;
+  if (distance || support)
+    trace.stage("evidence", [&] {
+      VertexEvidence found = vertex_evidence(mesh, samples, lattice, distance, support, context);
+      if (distance) mesh.attributes.push_back({"distance", std::move(found.distance)});
+      if (support) mesh.attributes.push_back({"support", std::move(found.support)});
     });
   report.mesh_vertices = mesh.vertices.size();
   report.mesh_triangles = mesh.triangles.size();

@@ -86,6 +86,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("surface", "drop_components", p.surface.drop_components);
   visit("surface", "split_tolerance", p.surface.relax.split_tolerance);
   visit("surface", "distance", p.surface.distance);
+  visit("surface", "support", p.surface.support);
   visit("surface", "attributes", p.surface.attributes);
   visit("components", "min_support", p.components.min_support);
   visit("components", "few_samples", p.components.few_samples);

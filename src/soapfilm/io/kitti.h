@@ -1,0 +1,13 @@
+// Reads sweeps of a turning scanner as the KITTI and nuScenes data sets store them: rows of 32-bit numbers, no header.
+#pragma once
+
+#include "soapfilm/io.h"
+#include "soapfilm/io/byte_source.h"
+
+namespace soapfilm::io {
+
+/// x y z intensity, or (nuScenes) x y z intensity ring; the scanner stands at the origin. Throws InputError for bytes
+/// that cannot be such a sweep: files of many kinds end with .bin.
+PointCloud read_kitti(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
+
+}  // namespace soapfilm::io

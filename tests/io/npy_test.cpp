@@ -1,0 +1,264 @@
+// NumPy arrays of numbers and of named fields.
+#include "binary_bytes.h"
+#include "files.h"
+#include "soapfilm/core/random.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/io.h"
+
+namespace soapfilm {
+namespace TEST_FILE {
+
+std::string npy(const std::string& literal, const std::string& data, int version = 1) {
+  std::string head = "\x93NUMPY";
+  head += static_cast<char>(version);
+  head += '\0';
+  const size_t before = head.size() + (version == 1 ? 2 : 4);
+  std::string text = literal;
+  while ((before + text.size() + 1) % 64 != 0) text += ' ';
+  text += '\n';
+  return head +
+         (version == 1 ? bytes_of(static_cast<uint16_t>(text.size())) : bytes_of(static_cast<uint32_t>(text.size()))) +
+         text + data;
+}
+
+std::string literal(const std::string& type, const std::string& shape, bool fortran = false) {
+  return "{'descr': " + type + ", 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': " + shape + ", }";
+}
+
+template <class T>
+std::string numbers(const std::vector<double>& values, bool big_endian = false) {
+  std::string bytes;
+  for (const double v : values) bytes += bytes_of(static_cast<T>(v), big_endian);
+  return bytes;
+}
+
+/// Of `columns` floats.
+PointCloud read_floats(const TemporaryFolder& folder, const std::vector<double>& values, size_t columns,
+                       ReadReport* report = nullptr) {
+  const std::string shape = "(" + std::to_string(values.size() / columns) + ", " + std::to_string(columns) + ")";
+  return read_points(folder.write("a.npy", npy(literal("'<f4'", shape), numbers<float>(values))), report);
+}
+
+TEST(Npy, PositionsOfAllTypesOrdersAndVersions) {
+  const TemporaryFolder folder;
+  const std::vector<Vec3d> expected{{1, 2, 3}, {4, 5, 6}};
+  const std::vector<double> rows{1, 2, 3, 4, 5, 6}, columns{1, 4, 2, 5, 3, 6};
+  for (const bool fortran : {false, true}) {
+    const auto check = [&](const std::string& type, const std::string& data) {
+      for (const int version : {1, 2, 3})
+        EXPECT_EQ(read_points(folder.write("a.npy", npy(literal(type, "(2, 3)", fortran), data, version))).positions,
+                  expected)
+            << type;
+    };
+    const std::vector<double>& v = fortran ? columns : rows;
+    check("'<f4'", numbers<float>(v));
+    check("'>f4'", numbers<float>(v, true));
+    check("'<f8'", numbers<double>(v));
+    check("\">f8\"", numbers<double>(v, true));
+    check("'|i1'", numbers<int8_t>(v));
+    check("'|u1'", numbers<uint8_t>(v));
+    check("'<i2'", numbers<int16_t>(v));
+    check("'>u2'", numbers<uint16_t>(v, true));
+    check("'<i4'", numbers<int32_t>(v));
+    check("'>u4'", numbers<uint32_t>(v, true));
+    check("'<i8'", numbers<int64_t>(v));
+    check("'>u8'", numbers<uint64_t>(v, true));
+  }
+}
+
+TEST(Npy, DoublesKeepAllTheirDigitsAndTheNameIsTheScans) {
+  const TemporaryFolder folder;
+  ReadReport report;
+  const PointCloud cloud = read_points(
+      folder.write("left.npy", npy(literal("'<f8'", "(1, 3)"), numbers<double>({512345.678901, 1e-9, -3}))), &report);
+  EXPECT_EQ(cloud.positions[0], (Vec3d{512345.678901, 1e-9, -3}));
+  ASSERT_EQ(cloud.scans.size(), 1u);
+  EXPECT_EQ(cloud.scans[0].name, "left");
+  EXPECT_EQ(report.files.at(0).properties, std::vector<std::string>({"x", "y", "z"}));
+  EXPECT_TRUE(report.warnings.empty());
+}
+
+TEST(Npy, FourthColumnIsAnIntensity) {
+  const TemporaryFolder folder;
+  const PointCloud cloud = read_floats(folder, {1, 2, 3, 0.5, 4, 5, 6, 0.25}, 4);
+  ASSERT_EQ(cloud.columns.size(), 1u);
+  EXPECT_EQ(cloud.columns[0].name, "intensity");
+  EXPECT_EQ(cloud.columns[0].values, std::vector<float>({0.5, 0.25}));
+}
+
+std::vector<double> normal(Random& random) {
+  const Vec3d v = normalized(Vec3d{random.normal(), random.normal(), random.normal()});
+  return {v.x, v.y, v.z};
+}
+std::vector<double> color(Random& random, double range) {
+  std::vector<double> rgb;
+  for (int k = 0; k < 3; ++k) rgb.push_back(range == 1 ? random.uniform() : std::floor(random.uniform(0, 256)));
+  rgb[0] = range == 1 ? rgb[0] : 255;
+  return rgb;
+}
+
+/// Rows of x y z and of what the letters say: n(ormal), c(olor to 255), u(nit color), i(ntensity), l(abel).
+std::vector<double> rows_of(const std::string& kinds, size_t rows = 50) {
+  Random random(7);
+  std::vector<double> values;
+  for (size_t i = 0; i < rows; ++i) {
+    for (int axis = 0; axis < 3; ++axis) values.push_back(random.uniform(-10, 10));
+    for (const char kind : kinds) {
+      std::vector<double> part{kind == 'i' ? random.uniform(0, 4000) : static_cast<double>(i % 13)};
+      if (kind == 'n') part = normal(random);
+      if (kind == 'c' || kind == 'u') part = color(random, kind == 'c' ? 255 : 1);
+      values.insert(values.end(), part.begin(), part.end());
+    }
+  }
+  return values;
+}
+
+TEST(Npy, FurtherColumnsAreJudgedByTheirValues) {
+  const TemporaryFolder folder;
+  struct Case {
+    std::string kinds;
+    std::string names;
+    size_t warnings;
+  };
+  const Case cases[] = {{"n", "x y z nx ny nz", 0},
+                        {"c", "x y z red green blue", 0},
+                        {"u", "x y z red green blue", 0},
+                        {"ic", "x y z intensity red green blue", 0},
+                        {"in", "x y z intensity nx ny nz", 0},
+                        {"cl", "x y z red green blue column 7", 2},
+                        {"nl", "x y z nx ny nz column 7", 1},
+                        {"cn", "x y z red green blue nx ny nz", 0},
+                        {"nu", "x y z nx ny nz red green blue", 0},
+                        {"inc", "x y z intensity nx ny nz red green blue", 0},
+                        {"ii", "x y z column 4 column 5", 1},
+                        {"iil", "x y z column 4 column 5 column 6", 1}};
+  for (const Case& one : cases) {
+    ReadReport report;
+    const std::vector<double> values = rows_of(one.kinds);
+    const PointCloud cloud = read_floats(folder, values, values.size() / 50, &report);
+    std::string names;
+    for (const std::string& name : report.files.at(0).properties) names += (names.empty() ? "" : " ") + name;
+    EXPECT_EQ(names, one.names) << one.kinds;
+    EXPECT_EQ(report.warnings.size(), one.warnings) << one.kinds;
+    EXPECT_EQ(cloud.normals.size(), one.kinds.find('n') != std::string::npos ? 50u : 0u) << one.kinds;
+    EXPECT_EQ(cloud.colors.size(), one.kinds.find_first_of("cu") != std::string::npos ? 50u : 0u) << one.kinds;
+  }
+}
+
+TEST(Npy, OddRowsDoNotChangeWhatColumnsAre) {
+  const TemporaryFolder folder;
+  std::vector<double> colors = rows_of("c"), unit_colors = rows_of("u"), normals = rows_of("n");
+  for (size_t k = 3; k < 6; ++k) {
+    colors[60 + k] = -1;
+    unit_colors[60 + k] = 200;
+    normals[60 + k] = 0;
+  }
+  ReadReport report;
+  const PointCloud cloud = read_floats(folder, colors, 6, &report);
+  ASSERT_EQ(cloud.colors.size(), 50u);
+  EXPECT_EQ(cloud.colors[10], (Rgb8{128, 128, 128}));
+  EXPECT_EQ(cloud.colors[11][0], 255);
+  EXPECT_EQ(report.warnings.size(), 1u);
+  const PointCloud unit = read_floats(folder, unit_colors, 6);
+  ASSERT_EQ(unit.colors.size(), 50u);
+  EXPECT_EQ(unit.colors[10], (Rgb8{128, 128, 128}));
+  EXPECT_EQ(unit.colors[11][1], std::lround(255 * unit_colors[66 + 4]));
+  EXPECT_EQ(read_floats(folder, normals, 6).normals.size(), 50u);
+  EXPECT_EQ(read_floats(folder, {1, 2, 3, 0, 0, 1, 4, 5, 3, 0, 0, 1}, 6).normals.size(), 2u);  // a plane's
+}
+
+TEST(Npy, NamedFieldsMeanWhatTheirNamesSay) {
+  const TemporaryFolder folder;
+  const std::string type =
+      "[('label', '<i2'), ('', '|V2'), ('x', '<f8'), ('y', '<f8'), ('z', '>f8'), ('normal', '<f4', (3,)), "
+      "('red', '|u1'), ('green', '|u1'), ('blue', '|u1'), ('name', '<U2'), (('The time', 't'), '<f4'),]";
+  std::string row = bytes_of(int16_t{-3}) + "??" + bytes_of<double>({1, 2}) + bytes_of(3.5, true) +
+                    bytes_of<float>({0, 0.6f, -0.8f}) + "\x01\x02\xff" + "12345678" + bytes_of(4.5f);
+  ReadReport report;
+  const PointCloud cloud = read_points(folder.write("a.npy", npy(literal(type, "(2,)"), row + row)), &report);
+  EXPECT_EQ(cloud.positions, std::vector<Vec3d>(2, {1, 2, 3.5}));
+  EXPECT_EQ(cloud.normals, std::vector<Vec3f>(2, {0, 0.6f, -0.8f}));
+  EXPECT_EQ(cloud.colors, std::vector<Rgb8>(2, {1, 2, 255}));
+  ASSERT_EQ(cloud.columns.size(), 2u);
+  EXPECT_EQ(cloud.columns[0].name, "label");
+  EXPECT_TRUE(cloud.columns[0].is_label);
+  EXPECT_EQ(cloud.columns[0].values, std::vector<float>(2, -3));
+  EXPECT_EQ(cloud.columns[1].name, "t");
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("'name'"), std::string::npos);
+}
+
+TEST(Npy, PackedColorsAndPartsOfFieldsAreUsed) {
+  const TemporaryFolder folder;
+  const std::string type = "[('xyz', '>f4', 3), ('rgb', '>u4'), ('d', '<f4', (2, 1)), ('e', [('f', '<f4')])]";
+  const std::string row = numbers<float>({1, 2, 3}, true) + bytes_of(0x00010203u, true) + bytes_of<float>({7, 8, 9});
+  const PointCloud cloud = read_points(folder.write("a.npy", npy(literal(type, "(1,)"), row)));
+  EXPECT_EQ(cloud.positions, std::vector<Vec3d>({{1, 2, 3}}));
+  EXPECT_EQ(cloud.colors, std::vector<Rgb8>({{1, 2, 3}}));
+  ASSERT_EQ(cloud.columns.size(), 3u);
+  EXPECT_EQ(cloud.columns[1].name, "d_2");
+  EXPECT_EQ(cloud.columns[1].values, std::vector<float>({8}));
+  EXPECT_EQ(cloud.columns[2].name, "e.f");
+}
+
+TEST(Npy, RefusalsNamePlaceValueAndConstraint) {
+  const TemporaryFolder folder;
+  const std::string data = numbers<float>({1, 2, 3, 4, 5, 6});
+  const auto refused_bytes = [&](const std::string& bytes, std::initializer_list<std::string> parts) {
+    const std::string path = folder.write("r.npy", bytes);
+    expect_refusal<InputError>([&] { read_points(path); }, parts);
+    expect_refusal<InputError>([&] { read_points(path); }, {path});
+  };
+  const auto refused = [&](const std::string& text, std::initializer_list<std::string> parts) {
+    refused_bytes(npy(text, data), parts);
+  };
+  const std::string whole = npy(literal("'<f4'", "(2, 3)"), data);
+  for (size_t size = 6; size < whole.size(); ++size) refused_bytes(whole.substr(0, size), {"byte"});
+  refused_bytes(npy(literal("'<f4'", "(2, 3)"), data, 4), {"version = 4", "1 to 3"});
+  refused(literal("'<f4'", "(3, 3)"), {"(3, 3)", "at most 2 rows", "truncated"});
+  refused(literal("'<f4'", "(18446744073709551615, 3)"), {"byte", "too large"});
+  refused(literal("'<f4'", "(1000000000000000000, 3)"), {"(1000000000000000000, 3)", "truncated"});
+  refused(literal("'<f4'", "(0, 3)"), {"(0, 3)", "no samples"});
+  refused(literal("'<f4'", "(6,)"), {"(6,)", "(n, 3)"});
+  refused(literal("'<f4'", "(3, 2)"), {"(3, 2)", "transposed"});
+  refused(literal("'<f4'", "(1, 2, 3)"), {"(1, 2, 3)"});
+  refused(literal("'<f4'", "()"), {"()"});
+  refused(literal("'<f4'", "(-2, 3)"), {"'-2, 3)", "whole number"});
+  refused(literal("'<f2'", "(2, 3)"), {"'<f2'", "f4, f8"});
+  refused(literal("'|O'", "(2, 3)"), {"Python objects"});
+  refused(literal("'<q4'", "(2, 3)"), {"'<q4'"});
+  refused(literal("'<f0'", "(2, 3)"), {"'<f0'"});
+  refused(literal("'|V0'", "(2, 3)"), {"'|V0'"});
+  refused(literal("[('x', '<f4'), ('y', '<f4')]", "(2,)"), {"'x', 'y'", "x, y and z"});
+  refused(literal("[('x', '<f4', (99999999, 99999999))]", "(2,)"), {"too many parts"});
+  refused(literal("[('x', '<f4', 400)]", "(2,)"), {"256"});
+  refused(literal("[('x', [('x', [('x', [('x', [('x', [('x', '<f4')])])])])])]", "(2,)"), {"lists in lists"});
+  refused(literal("[]", "(2,)"), {"no bytes"});
+  refused("{'descr': '<f4', 'shape': (2, 3)}", {"'fortran_order'"});
+  refused("{'descr': '<f4', 'descr': '<f4'}", {"'descr' is there twice"});
+  refused("{'descr': '<f4', 'fortran_order': 1}", {"True or False"});
+  refused("{'descr': '<f4', 'color': 1}", {"'color'"});
+  refused("{'descr': '<f4", {"without an end"});
+  refused(literal("'<f4'", "(2, 3)") + " __import__('os')", {"must end here"});
+  refused_bytes(
+      npy(literal("[('x','<f4'),('y','<f4'),('z','<f4'),('weight','<f4')]", "(1,)"), numbers<float>({1, 2, 3, -5})),
+      {"sample 0", "weight = -5", ">= 0"});
+}
+
+TEST(Npy, BytesAfterTheArrayAreTold) {
+  const TemporaryFolder folder;
+  ReadReport report;
+  read_points(folder.write("a.npy", npy(literal("'<f4'", "(1, 3)"), numbers<float>({1, 2, 3, 4}))), &report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("4 bytes after the array"), std::string::npos);
+}
+
+TEST(Npy, RowsWithoutFiniteCoordinatesAreDropped) {
+  const TemporaryFolder folder;
+  ReadReport report;
+  EXPECT_EQ(read_floats(folder, {1, 2, 3, std::nan(""), 5, 6}, 3, &report).size(), 1u);
+  EXPECT_EQ(report.dropped(), 1u);
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm
