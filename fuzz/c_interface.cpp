@@ -209,8 +209,8 @@ class Caller {
     if (next_.one_in(3)) samples.scanner = scanner.data();
     const std::string name = next_.text(6);
     if (next_.one_in(3)) samples.name = name.c_str();
-    const std::array<soapfilm_column, 2> columns{{{"a", first.array(), 0}, {next_.one_in(8) ? "a" : "b",
-                                                                            second.array(), 1}}};
+    const std::array<soapfilm_column, 2> columns{
+        {{"a", first.array(), 0}, {next_.one_in(8) ? "a" : "b", second.array(), 1}}};
     samples.columns = columns.data();
     samples.column_count = next_.below(3);
     const size_t before = soapfilm_cloud_size(cloud_);
@@ -233,7 +233,8 @@ class Caller {
   static void check_result(const soapfilm_result* result) {
     const size_t vertices = soapfilm_vertex_count(result), triangles = soapfilm_triangle_count(result);
     require(vertices > 0 && triangles > 0, "a result has a surface");
-    for (size_t i = 0; i < 3 * vertices; ++i) require(std::isfinite(soapfilm_vertices(result)[i]), "vertices are finite");
+    for (size_t i = 0; i < 3 * vertices; ++i)
+      require(std::isfinite(soapfilm_vertices(result)[i]), "vertices are finite");
     for (size_t i = 0; i < 3 * triangles; ++i)
       require(soapfilm_triangles(result)[i] < vertices, "triangles name vertices");
     require(std::strlen(soapfilm_report(result)) > 0, "a result has a report");

@@ -32,7 +32,8 @@ class PlyFile {
       sensor();
     }
     if (cloud_.scans.empty()) sensor();
-    if (cloud_.columns > 0) bytes_ += fmt::format("obj_info num_cols {}\nobj_info num_rows {}\n", cloud_.columns, cloud_.rows);
+    if (cloud_.columns > 0)
+      bytes_ += fmt::format("obj_info num_cols {}\nobj_info num_rows {}\n", cloud_.columns, cloud_.rows);
     bytes_ += fmt::format("element vertex {}\n", cloud_.positions.size());
     properties(true, "double", {"x", "y", "z"});
     properties(!cloud_.normals.empty(), "double", {"nx", "ny", "nz"});
@@ -86,7 +87,8 @@ std::string text_file(const NastyCloud& cloud) {
   for (size_t i = 0; i < cloud.positions.size(); ++i) {
     const Vec3d p = cloud.positions[i];
     text += fmt::format("{} {} {}", p.x, p.y, p.z);
-    if (!cloud.normals.empty()) text += fmt::format(" {} {} {}", cloud.normals[i].x, cloud.normals[i].y, cloud.normals[i].z);
+    if (!cloud.normals.empty())
+      text += fmt::format(" {} {} {}", cloud.normals[i].x, cloud.normals[i].y, cloud.normals[i].z);
     text += '\n';
   }
   return text;
@@ -143,9 +145,12 @@ class Options {
       return;
     }
     constexpr const char* odd[] = {"1e-30", "1e-300", "1e24", "1e20", "0", "-1", "nan", "1e39"};
-    if (choose_.one_in(30)) add("--lambda", choose_.of(odd));
-    else if (choose_.one_in(2)) add("--lambda", power(-6, 0));
-    else maybe(8, "--weights", "samples");
+    if (choose_.one_in(30))
+      add("--lambda", choose_.of(odd));
+    else if (choose_.one_in(2))
+      add("--lambda", power(-6, 0));
+    else
+      maybe(8, "--weights", "samples");
     if (any || method_ == "tv" || method_ == "graph-cut-6") maybe(6, "--norm", "anisotropic");
   }
 

@@ -1,7 +1,7 @@
 // The whole program on thousands of degenerate clouds: it ends with a mesh that keeps its promise, or says in one line
 // why not, and leaves nothing. SOAPFILM_FULL=1: fifty times as many; SOAPFILM_CASE=NUMBER: that one alone, told.
-#include <gtest/gtest.h>
 #include <fmt/ranges.h>
+#include <gtest/gtest.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -83,7 +83,7 @@ struct Ending {
 
 Ending run_program(const TemporaryFolder& folder, const DegenerateCase& one, int threads, bool report) {
   std::vector<std::string> command{"soapfilm", "reconstruct", folder.file(one.input), "-o", folder.file(one.output),
-                                   "-q", "--threads", std::to_string(threads)};
+                                   "-q",       "--threads",   std::to_string(threads)};
   command.insert(command.end(), one.options.begin(), one.options.end());
   if (report) command.insert(command.end(), {"--report", folder.file("report.json")});
   running = fmt::format("case {}: {}\n", one.number, fmt::join(command, " "));
@@ -132,8 +132,7 @@ std::string broken_law(const TemporaryFolder& folder, const DegenerateCase& one,
 std::string scalar_mesh(const TemporaryFolder& folder, const DegenerateCase& one) {
   const Context context(2, simd_targets().back());
   const PointCloud cloud = read_points(folder.file(one.input));
-  const Reconstruction result =
-      reconstruct(cloud, params_from_json(read_file(folder.file("report.json"))), context);
+  const Reconstruction result = reconstruct(cloud, params_from_json(read_file(folder.file("report.json"))), context);
   WriteOptions options;
   options.ascii = one.ascii;
   options.coordinate_precision = 1e-3 * result.report.grid.voxel;
@@ -157,10 +156,11 @@ int try_case(const DegenerateCase& one) {
     broken = "scalar code gives another mesh";
   if (!broken.empty()) {
     const auto kept = std::filesystem::temp_directory_path() / fmt::format("soapfilm-case-{}", one.number);
-    std::filesystem::copy(folder.path(), kept, std::filesystem::copy_options::recursive |
-                                                   std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::copy(folder.path(), kept,
+                          std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
     ADD_FAILURE() << broken << "\nexit code " << ending.code << ", SOAPFILM_CASE=" << one.number << ", files kept in "
-                  << kept << "\n" << running << ending.errors;
+                  << kept << "\n"
+                  << running << ending.errors;
   }
   return ending.code;
 }

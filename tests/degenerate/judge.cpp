@@ -95,7 +95,8 @@ std::string broken_mesh_law(const Mesh& mesh, bool may_end, bool one_fan) {
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (std::string broken = broken_triangle_law(mesh, t); !broken.empty()) return broken;
     for (size_t k = 0; k < 3; ++k) {
-      const uint32_t v = mesh.triangles[t][k], from = mesh.triangles[t][(k + 1) % 3], to = mesh.triangles[t][(k + 2) % 3];
+      const uint32_t v = mesh.triangles[t][k], from = mesh.triangles[t][(k + 1) % 3],
+                     to = mesh.triangles[t][(k + 2) % 3];
       if (++edges[{v, from}] > 1) return fmt::format("edge {} {} has two triangles on one side", v, from);
       fans[v][from] = to;
     }

@@ -131,8 +131,8 @@ void add_weights(NastyCloud& cloud, Chooser& choose) {
 void add_sensors(NastyCloud& cloud, Chooser& choose, double scale) {
   const size_t kind = choose.below(12);
   cloud.scan_sensor = kind < 3;
-  cloud.sensor = kind == 0   ? 5 * scale * choose.direction()
-                 : kind == 1 ? Vec3d{}
+  cloud.sensor = kind == 0                 ? 5 * scale * choose.direction()
+                 : kind == 1               ? Vec3d{}
                  : cloud.positions.empty() ? Vec3d{}
                                            : cloud.positions[choose.below(cloud.positions.size())];
   if (kind < 3 || kind > 7) return;
@@ -174,7 +174,9 @@ void divide(NastyCloud& cloud, Chooser& choose) {
 
 NastyCloud nasty_cloud(Chooser& choose) {
   NastyCloud cloud;
-  const size_t count = choose.one_in(12) ? choose.below(8) : choose.one_in(3) ? choose.below(201) : 20 + choose.below(60);
+  const size_t count = choose.one_in(12)  ? choose.below(8)
+                       : choose.one_in(3) ? choose.below(201)
+                                          : 20 + choose.below(60);
   if (choose.below(5) != 0)
     add_surface(cloud, choose, choose.below(6), count);
   else

@@ -46,8 +46,7 @@ double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling&
 void refuse_too_far(const Box3d& box, double voxel) {
   constexpr double steps = 65536;  // of rounding, at least, to a voxel
   double farthest = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    farthest = std::max({farthest, std::abs(box.lo[axis]), std::abs(box.hi[axis])});
+  for (int axis = 0; axis < 3; ++axis) farthest = std::max({farthest, std::abs(box.lo[axis]), std::abs(box.hi[axis])});
   const double step = std::numeric_limits<double>::epsilon() * farthest;
   if (voxel < steps * step)
     throw SamplesError(
