@@ -43,7 +43,7 @@ fuzz() {
     "$(sed -n 's/^stat::average_exec_per_sec: *//p' "$out/log/$name")"
   if [ "$code" != 0 ]; then
     echo "$name: failed, see $out/log/$name:"
-    grep -m 3 -E 'ERROR|broken law|SUMMARY|runtime error|Test unit written' "$out/log/$name"
+    grep -a -m 3 -E 'SOAPFILM_FUZZ_FORMAT|ERROR|broken law|SUMMARY|runtime error|Test unit written' "$out/log/$name"
     echo "$name" >>"$out/failed"
   fi
 }

@@ -88,7 +88,7 @@ def off(colors):
     return text("COFF" if colors else "OFF", "4 4 6", *rows, *("3 %d %d %d" % t for t in TETRAHEDRON))
 
 
-def las(record, version=2, extra=0, size=0):
+def las(record, version=2, extra=0):
     """LAS 1.`version` of point format `record` with `extra` bytes per point."""
     header = {2: 227, 4: 375}[version]
     lengths = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67]
@@ -125,8 +125,7 @@ def npy(dtype, columns, order=False):
 
 
 def ptx(colors):
-    rows = ["%g %g %g 0.5" % p + (" 1 2 3" if colors else "") for p in POINTS] + ["0 0 0 0.5" + " 0 0 0" * colors]
-    rows[-1] = "0 0 0 0.5" + (" 0 0 0" if colors else "")
+    rows = ["%g %g %g 0.5" % p + " 1 2 3" * colors for p in POINTS] + ["0 0 0 0.5" + " 0 0 0" * colors]
     head = ["2", "3", "1 2 3", "1 0 0", "0 1 0", "0 0 1", "1 0 0 0", "0 1 0 0", "0 0 1 0", "1 2 3 1"]
     return text(*head, *rows) + text(*head, *rows)
 
@@ -199,10 +198,11 @@ MATRIX = "1 0 0 1\n0 1 0 2\n0 0 1 3\n0 0 0 1"
 TABLES = [table(), table(","), table(";", header="x;y;z;nx;ny;nz;red;green;blue"), table(header="//X Y Z Nx Ny Nz R G B"),
           table("\t", normals=False), text(str(len(POINTS))) + table(colors=False), table().replace(b"\n", b"\r\n")]
 
+LAS = [*(las(record) for record in range(6)), *(las(record, 4) for record in range(6, 11)), las(1, 2, 4)]
+
 FILES = {
     ".ply": [ply("ascii"), ply("binary_little_endian"), ply("binary_big_endian"), ply_mesh("ascii"),
-             ply_mesh("binary_little_endian"), ply_strips(), ply_camera(),
-             ply("ascii").replace(b"comment sensor", b"comment scan_samples 2\ncomment scan_samples 3\ncomment sensor")],
+             ply_mesh("binary_little_endian"), ply_strips(), ply_camera()],
     ".conf": [text("camera 0 0 0", "bmesh a.ply 1 2 3 0 0 0 1", "bmesh b.xyz 1e3 2 3 0.6 0 0 0.8")],
     ".mlp": [text("<!DOCTYPE MeshLabDocument>", "<MeshLabProject><MeshGroup>",
                   '<MLMesh label="a" filename="a.ply"><MLMatrix44>', MATRIX, "</MLMatrix44></MLMesh>",
@@ -211,7 +211,8 @@ FILES = {
     ".obj": [obj(True), obj(False)],
     ".off": [off(False), off(True)],
     ".stl": [stl_binary(), stl_text()],
-    ".las": [*(las(record) for record in range(6)), *(las(record, 4) for record in range(6, 11)), las(1, 2, 4)],
+    ".las": LAS,
+    ".laz": [data[:104] + bytes([data[104] | 128]) + data[105:] for data in LAS],  # the bit of compressed points
     ".bin": [b"".join(struct.pack("<4f", *p, 0.5) for p in POINTS)],
     ".npy": [npy("<f4", 3), npy("<f8", 6), npy(">f8", 3, True), npy("<i4", 3)],
     ".ptx": [ptx(False), ptx(True)],
