@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "../io/files.h"
+#include "../io/las_files.h"
 #include "../io/samples.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/io.h"
@@ -148,6 +149,46 @@ TEST(Fuzz, ScanSets) {
   folder.write("b.xyz", "1 2 3\n");
   folder.write("set.conf", "camera 0 0 0\nbmesh a.ply 1 2 3 0 0 0 1\nbmesh b.xyz 1e3 2 3 0.6 0 0 0.8\n");
   fuzz(folder, "set.conf", 400, [](const std::string& path) { check_cloud(read_points(path)); });
+}
+
+TEST(Fuzz, LasAndItsTrajectory) {
+  const TemporaryFolder folder;
+  ReadOptions options;
+  options.trajectory = folder.write("way.txt", "time x y z\n0 1 2 3\n2 3 4 5\n");
+  LasFile file;
+  file.minor = 4;
+  file.format = 10;
+  file.records = {LasFile::record("LASF_Projection", 34735, bytes_of<uint16_t>({1, 1, 0, 1, 3072, 0, 1, 26915})),
+                  LasFile::record("LASF_Spec", 4, LasFile::extra("a", 3, 8, 0.1) + LasFile::extra("b", 1))};
+  file.extended_records = {LasFile::record("LASF_Projection", 2112, "PROJCS[]", true)};
+  for (int i = 0; i < 5; ++i) {
+    file.points.push_back({{i, 2 * i, 7}, 1, 2, 17, i == 3, 0.5 * i, {1, 2, 3}, 4, "abc"});
+  }
+  const std::string las = folder.write("p.las", file.bytes());
+  fuzz(folder, "p.las", 500,
+       [&](const std::string& path) { check_cloud(read_points(path, nullptr, Context(1), options)); });
+  fuzz(folder, "way.txt", 501, [&](const std::string& path) {
+    ReadOptions changed;
+    changed.trajectory = path;
+    check_cloud(read_points(las, nullptr, Context(1), changed));
+  });
+}
+
+TEST(Fuzz, SweepsAndArrays) {
+  const TemporaryFolder folder;
+  folder.write("a.bin", bytes_of<float>({1, 2, 3, 0.5, 4, 5, 6, 1, 7, 8, 9, 1, 1, 5, 3, 0, 2, 8, 7, 1}));
+  const auto npy = [&](const char* name, const std::string& head, const std::string& data) {
+    folder.write(name, std::string("\x93NUMPY\x01\0", 8) + bytes_of(static_cast<uint16_t>(head.size())) + head + data);
+  };
+  npy("b.npy", "{'descr': '<f4', 'fortran_order': True, 'shape': (2, 7), }",
+      bytes_of<float>({1, 2, 3, 4, 5, 6, 1, 0, 0, 1, 0, 0, 7, 8}));
+  npy("c.npy",
+      "{'descr': [('xyz', '<f4', (3,)), ('', '|V2'), ('q', [('weight', '|u1')]), ('s', '|S1')], "
+      "'fortran_order': False, 'shape': (2,), }",
+      bytes_of<float>({1, 2, 3}) + "??wS" + bytes_of<float>({4, 5, 6}) + "??xS");
+  uint64_t seed = 600;
+  for (const char* name : {"a.bin", "b.npy", "c.npy"})
+    fuzz(folder, name, ++seed, [](const std::string& path) { check_cloud(read_points(path)); });
 }
 
 // Every length of a file: the end may come anywhere.

@@ -271,6 +271,7 @@ TEST(Las, RefusalsNamePlaceValueAndConstraint) {
   };
   for (size_t size = 4; size < whole.size(); size += 3) refused(whole.substr(0, size), {"must be"});
   refused(whole.substr(0, whole.size() - 1), {"byte 107", "= 3", "at most 2", "truncated"});
+  refused("words that are no points", {"byte 0", "'word'", "'LASF'"});
   refused(with(24, uint8_t{2}), {"byte 24", "2.2", "1.0 to 1.4"});
   refused(with(94, uint16_t{226}), {"byte 94", "226", "227"});
   refused(with(96, uint32_t{100}), {"byte 96", "100"});
@@ -323,6 +324,15 @@ TEST(Las, CanBeWrittenAsPlyWithAllItsColumns) {
   const PointCloud cloud = read_points(folder.write("a.las", file.bytes()));
   write_points(folder / "a.ply", cloud);
   expect_same_cloud(read_points(folder / "a.ply"), cloud);
+}
+
+TEST(Las, ReadingCanBeCancelled) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.las", three_points(3).bytes());
+  Progress progress;
+  progress.cancel();
+  const Context context(1, progress);
+  EXPECT_THROW(read_points(path, nullptr, context), Cancelled);
 }
 
 TEST(Las, RealFilesAreReadAsAnIndependentReaderDoes) {

@@ -214,6 +214,7 @@ TEST(Npy, RefusalsNamePlaceValueAndConstraint) {
   };
   const std::string whole = npy(literal("'<f4'", "(2, 3)"), data);
   for (size_t size = 6; size < whole.size(); ++size) refused_bytes(whole.substr(0, size), {"byte"});
+  refused_bytes("words that are no array", {"byte 0", "'words '", "NUMPY"});
   refused_bytes(npy(literal("'<f4'", "(2, 3)"), data, 4), {"version = 4", "1 to 3"});
   refused(literal("'<f4'", "(3, 3)"), {"(3, 3)", "at most 2 rows", "truncated"});
   refused(literal("'<f4'", "(18446744073709551615, 3)"), {"byte", "too large"});

@@ -282,7 +282,11 @@ TEST(PlyPoints, ColorsOfEveryTypeComeAsBytes) {
   EXPECT_EQ(read("uchar", "0 128 255"), (Rgb8{0, 128, 255}));
   EXPECT_EQ(read("float", "0 0.5 1"), (Rgb8{0, 128, 255}));
   EXPECT_EQ(read("ushort", "0 32896 65535"), (Rgb8{0, 128, 255}));
-  EXPECT_EQ(read("float", "-3 nan 1e9"), (Rgb8{0, 0, 255}));
+  EXPECT_EQ(read("float", "0 128 255"), (Rgb8{0, 128, 255})) << "floats as bytes";
+  EXPECT_EQ(read("float", "0 0.5 1.004"), (Rgb8{0, 128, 255})) << "a little beyond 1";
+  EXPECT_EQ(read("ushort", "0 128 255"), (Rgb8{0, 128, 255})) << "bytes as 16 bits";
+  EXPECT_EQ(read("float", "-1 -1 -1"), (Rgb8{128, 128, 128})) << "no color";
+  EXPECT_EQ(read("float", "-3 nan 1e9"), (Rgb8{128, 128, 128})) << "no color";
 }
 
 TEST(PlyPoints, NonFiniteSamplesAreDroppedAndCounted) {

@@ -163,6 +163,9 @@ TEST(Text, HeadersOfKnownProgramsAreUnderstood) {
   expect("\"X\",\"Y\",\"Z\",\"Intensity\",\"ReturnNumber\",\"Classification\"", "1.5,2.5,3.5,37,1,2", {}, {},
          {"Intensity", "ReturnNumber", "Classification"});
   expect("Point ID\tX\tY\tZ", "7\t1.5\t2.5\t3.5", {}, {}, {"Point_ID"});
+  expect("%time,field.x,field.y,field.z", "7,1.5,2.5,3.5", {}, {}, {"%time"});
+  expect("Punkt;Rechtswert;Hochwert;Hoehe", "7;1,5;2,5;3,5", {}, {}, {"Punkt"});
+  expect("E N H", "\"1.5\" \"2.5\" '3.5'", {}, {}, {});
   expect("id;easting;northing;height", "7;1,5;2,5;3,5", {}, {}, {"id"});
   expect(",x,y,z", "0,1.5,2.5,3.5", {}, {}, {"column"});
   expect("x [m] y [m] z [m] intensity [dB]", "1.5 2.5 3.5 -12.5", {}, {}, {"intensity[dB]"});

@@ -28,7 +28,7 @@ struct E57Plan {
   bool cells = false;
 };
 
-void add_columns(const E57Layout& layout, const std::string& path, E57Plan& plan) {
+void add_e57_columns(const E57Layout& layout, const std::string& path, E57Plan& plan) {
   constexpr size_t most_columns = 1000;
   std::vector<std::string>& names = plan.header.columns;
   std::vector<size_t>& column_of = plan.column_of.emplace_back();
@@ -42,7 +42,7 @@ void add_columns(const E57Layout& layout, const std::string& path, E57Plan& plan
 }
 
 /// Sections that share bytes would let a small file ask for the same work many times.
-void check_disjoint(const E57Head& head, const E57Plan& plan, const E57Pages& pages) {
+void check_e57_sections(const E57Head& head, const E57Plan& plan, const E57Pages& pages) {
   std::vector<size_t> order(plan.sections.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::sort(order.begin(), order.end(),
@@ -58,7 +58,7 @@ void check_disjoint(const E57Head& head, const E57Plan& plan, const E57Pages& pa
 }
 
 /// A few bits of a file can be a sample of many bytes; far more than real files have of this would be an attack.
-void check_growth(const E57Plan& plan, const E57Pages& pages) {
+void check_e57_growth(const E57Plan& plan, const E57Pages& pages) {
   constexpr uint64_t most_growth = 16, always = uint64_t{64} << 20;
   const PointHeader& header = plan.header;
   const uint64_t each = sizeof(Vec3d) + header.normals * sizeof(Vec3f) + header.sensors * sizeof(Vec3d) +
@@ -72,8 +72,8 @@ void check_growth(const E57Plan& plan, const E57Pages& pages) {
 }
 
 /// One warning, if there is something to warn of: what, and the first few.
-void warn_of(std::string_view what, const std::vector<std::string>& where, const std::string& path,
-             ReadReport& report) {
+void warn_of_e57(std::string_view what, const std::vector<std::string>& where, const std::string& path,
+                 ReadReport& report) {
   constexpr size_t most = 8;
   if (where.empty()) return;
   std::string list;
@@ -88,7 +88,7 @@ E57Plan plan_e57(const E57Head& head, E57Pages& pages, ReadReport& report) {
   for (const E57Scan& scan : head.scans) {
     const E57Layout layout = e57_layout(scan, pages.path(), ignored);
     plan.sections.push_back(read_e57_section(pages, scan));
-    add_columns(layout, pages.path(), plan);
+    add_e57_columns(layout, pages.path(), plan);
     PointHeader& header = plan.header;
     header.samples += scan.records;  // each at most what its section can hold, or refused below
     header.normals = header.normals || layout.normal.present();
@@ -97,12 +97,12 @@ E57Plan plan_e57(const E57Head& head, E57Pages& pages, ReadReport& report) {
     header.colors = header.colors || layout.color.present();
     plan.cells = plan.cells || layout.has_cells();
     plan.layouts.push_back(layout);
-    check_growth(plan, pages);
+    check_e57_growth(plan, pages);
   }
-  check_disjoint(head, plan, pages);
+  check_e57_sections(head, plan, pages);
   std::sort(ignored.begin(), ignored.end());
   ignored.erase(std::unique(ignored.begin(), ignored.end()), ignored.end());
-  warn_of("fields not used", ignored, pages.path(), report);
+  warn_of_e57("fields not used", ignored, pages.path(), report);
   return plan;
 }
 
@@ -150,8 +150,8 @@ PointCloud read_e57(ByteSource& source, ReadReport& report, const ReadOptions& o
     const std::string why = reader.finish(options.trust_viewpoint);
     if (!why.empty()) without_grid.push_back(in_quotes(scan.name) + ": " + why);
   }
-  warn_of("rows and columns not used as a range grid", without_grid, source.path(), report);
-  warn_of("more records than recordCount says, ignored", with_more, source.path(), report);
+  warn_of_e57("rows and columns not used as a range grid", without_grid, source.path(), report);
+  warn_of_e57("more records than recordCount says, ignored", with_more, source.path(), report);
   finish_points(cloud, std::move(file), {.float32 = e57_float32(head, plan)}, report);
   return cloud;
 }

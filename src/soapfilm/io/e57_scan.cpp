@@ -12,7 +12,7 @@ namespace {
 
 constexpr float e57_no_value = std::numeric_limits<float>::quiet_NaN();
 
-bool given(size_t field) { return field != Triple::absent; }
+bool has_e57_field(size_t field) { return field != Triple::absent; }
 
 /// From where to where colors go: as colorLimits say, or the smallest and largest value that the fields can have.
 std::optional<std::array<double, 2>> e57_color_limits(const E57Scan& scan, const E57Layout& layout) {
@@ -32,7 +32,7 @@ std::optional<std::array<double, 2>> e57_color_limits(const E57Scan& scan, const
 }
 
 template <class T>
-void keep_only(std::vector<T>& values, size_t begin, const std::vector<bool>& keep) {
+void keep_in_scan(std::vector<T>& values, size_t begin, const std::vector<bool>& keep) {
   if (values.empty()) return;
   size_t kept = begin;
   for (size_t i = 0; i < keep.size(); ++i)
@@ -83,7 +83,7 @@ void E57ScanReader::read(E57Records& records, const Context& context, size_t& no
 
 void E57ScanReader::append_block(const E57Records& records, size_t count) {
   const auto valid = [](const double* state, size_t i) { return state == nullptr || state[i] == 0; };
-  const double* state = given(layout_.position_state) ? records.values(layout_.position_state) : nullptr;
+  const double* state = has_e57_field(layout_.position_state) ? records.values(layout_.position_state) : nullptr;
   const double* range = layout_.spherical ? records.values(layout_.position[0]) : nullptr;
   kept_.clear();
   for (size_t i = 0; i < count; ++i)
@@ -96,7 +96,7 @@ void E57ScanReader::append_block(const E57Records& records, size_t count) {
   append(records, layout_.sensor, cloud_.sensors);
   append_colors(records);
   append_further(records);
-  if (given(layout_.weight)) {
+  if (has_e57_field(layout_.weight)) {
     const double* weights = records.values(layout_.weight);
     for (const size_t i : kept_) {
       const auto weight = static_cast<float>(weights[i]);
@@ -108,7 +108,7 @@ void E57ScanReader::append_block(const E57Records& records, size_t count) {
   if (!layout_.has_cells()) return;
   const double* rows = records.values(layout_.row);
   const double* columns = records.values(layout_.column);
-  const double* order = given(layout_.return_index) ? records.values(layout_.return_index) : nullptr;
+  const double* order = has_e57_field(layout_.return_index) ? records.values(layout_.return_index) : nullptr;
   for (const size_t i : kept_) cells_.add(rows[i], columns[i], order != nullptr ? order[i] : 0);
 }
 
@@ -150,7 +150,7 @@ void E57ScanReader::append_positions(const E57Records& records) {
 
 void E57ScanReader::append_colors(const E57Records& records) {
   if (!layout_.color.present()) return;
-  const double* state = given(layout_.color_state) ? records.values(layout_.color_state) : nullptr;
+  const double* state = has_e57_field(layout_.color_state) ? records.values(layout_.color_state) : nullptr;
   std::array<const double*, 3> channels{};
   for (size_t c = 0; c < 3; ++c) channels[c] = records.values(layout_.color[c]);
   const auto& [r, g, b] = channels;
@@ -178,7 +178,7 @@ void E57ScanReader::append_further(const E57Records& records) {
   for (size_t f = 0; f < layout_.further.size(); ++f) {
     const E57Layout::Further& further = layout_.further[f];
     const double* values = records.values(further.field);
-    const double* state = given(further.state) ? records.values(further.state) : nullptr;
+    const double* state = has_e57_field(further.state) ? records.values(further.state) : nullptr;
     std::vector<float>& to = cloud_.columns[column_of_[f]].values;
     to.resize(cloud_.size());
     float* out = to.data() + (cloud_.size() - kept_.size());
@@ -199,12 +199,12 @@ void E57ScanReader::append_further(const E57Records& records) {
 void E57ScanReader::drop_origins() {
   std::vector<bool> keep(cloud_.size() - begin_);
   for (size_t i = 0; i < keep.size(); ++i) keep[i] = !(cloud_.positions[begin_ + i] == Vec3d{});
-  keep_only(cloud_.positions, begin_, keep);
-  keep_only(cloud_.normals, begin_, keep);
-  keep_only(cloud_.sensors, begin_, keep);
-  keep_only(cloud_.weights, begin_, keep);
-  keep_only(cloud_.colors, begin_, keep);
-  for (Column& column : cloud_.columns) keep_only(column.values, begin_, keep);
+  keep_in_scan(cloud_.positions, begin_, keep);
+  keep_in_scan(cloud_.normals, begin_, keep);
+  keep_in_scan(cloud_.sensors, begin_, keep);
+  keep_in_scan(cloud_.weights, begin_, keep);
+  keep_in_scan(cloud_.colors, begin_, keep);
+  for (Column& column : cloud_.columns) keep_in_scan(column.values, begin_, keep);
   if (layout_.has_cells()) cells_.filter(keep);
   no_return_ += at_origin_;
 }

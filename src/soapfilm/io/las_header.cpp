@@ -8,6 +8,7 @@
 #include <string>
 
 #include "soapfilm/error.h"
+#include "soapfilm/io/text.h"
 
 namespace soapfilm::io {
 
@@ -23,6 +24,7 @@ class LasHeaderReader {
   LasHeaderReader(ByteSource& source, ReadReport& report) : source_(source), report_(report) {}
 
   LasHeader read() {
+    if (!source_.begins_with("LASF")) fail(0, "first bytes", in_quotes(source_.bytes().substr(0, 4)), "must be 'LASF'");
     if (source_.bytes().size() < oldest_header_bytes)
       fail(0, "file size", source_.bytes().size(),
            fmt::format("must be at least {} (the header)", oldest_header_bytes));

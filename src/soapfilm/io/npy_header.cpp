@@ -245,13 +245,15 @@ std::string describe_shape(const std::vector<uint64_t>& shape) {
 }
 
 NpyHeader read_npy_header(ByteSource& source) {
-  constexpr size_t magic_bytes = 6;
-  ByteCursor cursor(source);
-  cursor.skip(magic_bytes);
+  constexpr std::string_view magic = "\x93NUMPY";
+  if (!source.begins_with(magic))
+    throw InputError(fmt::format("{}: byte 0: first bytes = {}, must be '\\x93NUMPY'", source.path(),
+                                 in_quotes(source.bytes().substr(0, magic.size()))));
+  ByteCursor cursor(source, magic.size());
   const int version = cursor.read<uint8_t>();
   cursor.skip(1);
   if (version < 1 || version > 3)
-    throw InputError(fmt::format("{}: byte {}: version = {}, must be 1 to 3", source.path(), magic_bytes, version));
+    throw InputError(fmt::format("{}: byte {}: version = {}, must be 1 to 3", source.path(), magic.size(), version));
   const size_t length = version == 1 ? cursor.read<uint16_t>() : cursor.read<uint32_t>();
   const size_t begin = cursor.offset();
   const std::string_view text(cursor.take(length), length);

@@ -27,7 +27,12 @@ constexpr Names positions[] = {{"x", "y", "z"},
                                {"easting", "northing", "z"},
                                {"east", "north", "up"},
                                {"east", "north", "height"},
-                               {"east", "north", "elevation"}};
+                               {"east", "north", "elevation"},
+                               {"easting", "northing", "elev"},
+                               {"rechtswert", "hochwert", "hoehe"},
+                               {"e", "n", "h"},
+                               {"e", "n", "z"},
+                               {"fieldx", "fieldy", "fieldz"}};
 constexpr Names normals[] = {{"nx", "ny", "nz"},
                              {"normalx", "normaly", "normalz"},
                              {"normal0", "normal1", "normal2"},

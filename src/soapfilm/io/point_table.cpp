@@ -130,15 +130,16 @@ float ColorNumbers::largest() const {
 
 std::vector<Rgb8> ColorNumbers::bytes(bool whole) const {
   constexpr Rgb8 gray{128, 128, 128};  // as PointCloud::append() fills
+  constexpr float a_little_over_one = 2;  // renderers and filters overshoot; of numbers to 255 all would be black
   const float range = largest();
-  const double scale = !whole && range <= 1 ? 255.0 : range <= 255 ? 1.0 : 1.0 / 257;
+  const double scale = !whole && range < a_little_over_one ? 255.0 : range <= 255 ? 1.0 : 1.0 / 257;
   std::vector<Rgb8> colors;
   reserve_many(colors, values_.size());
   for (const Vec3f& c : values_) {
     Rgb8 rgb = gray;
     if (c.x >= 0 && c.y >= 0 && c.z >= 0 && is_finite(c))
       for (int k = 0; k < 3; ++k)
-        rgb[static_cast<size_t>(k)] = static_cast<uint8_t>(std::min(std::lround(c[k] * scale), 255L));
+        rgb[static_cast<size_t>(k)] = static_cast<uint8_t>(std::lround(std::min(c[k] * scale, 255.0)));
     colors.push_back(rgb);
   }
   return colors;

@@ -21,7 +21,7 @@ bool is_set(const std::string& file) {
 }
 
 /// Of each vertex the sum of its triangles' normals, times their area; zero where they cancel.
-std::vector<Vec3f> normals_of_faces(const Mesh& mesh) {
+std::vector<Vec3f> member_normals(const Mesh& mesh) {
   std::vector<Vec3d> sums(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
     const Vec3d a = mesh.vertices[t[0]];
@@ -34,10 +34,10 @@ std::vector<Vec3f> normals_of_faces(const Mesh& mesh) {
   return normals;
 }
 
-PointCloud vertices_of(const std::string& path, ReadReport& report) {
+PointCloud member_vertices(const std::string& path, ReadReport& report) {
   Mesh mesh = read_mesh(path);
   PointCloud cloud;
-  cloud.normals = mesh.normals.empty() ? normals_of_faces(mesh) : std::move(mesh.normals);
+  cloud.normals = mesh.normals.empty() ? member_normals(mesh) : std::move(mesh.normals);
   cloud.positions = std::move(mesh.vertices);
   cloud.colors = std::move(mesh.colors);
   cloud.columns = std::move(mesh.attributes);
@@ -57,7 +57,7 @@ PointCloud read_member(const std::string& path, ReadReport& report, const ReadOp
                        const Context& context) {
   const Format* format = format_of(ByteSource(path));
   if (format != nullptr && format->read_points == nullptr && format->read_mesh != nullptr)
-    return vertices_of(path, report);
+    return member_vertices(path, report);
   return read_points(path, &report, context, options);
 }
 

@@ -224,15 +224,12 @@ WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOpti
   report.format = options.ascii ? "STL, ASCII" : "STL, binary";
   const double loss = float_rounding_error(mesh.vertices);
   const double precision = mesh_precision(mesh, options.coordinate_precision);
-  if (loss > precision)
-    report.warnings.push_back(
-        fmt::format("{}: STL has 32-bit coordinates: vertices moved by up to {:.2g}, more than "
-                    "{:.2g}; PLY and OBJ keep them",
-                    path, loss, precision));
-  if (const size_t collapsed = collapsed_by_float(mesh); collapsed > 0)
-    report.warnings.push_back(
-        fmt::format("{}: STL has 32-bit coordinates: {} triangle{} lost all area; PLY and OBJ keep them", path,
-                    collapsed, collapsed == 1 ? "" : "s"));
+  const size_t collapsed = collapsed_by_float(mesh);
+  if (loss > precision || collapsed > 0)
+    report.warnings.push_back(fmt::format(
+        "{}: STL has 32-bit coordinates: vertices moved by up to {:.2g}, {} triangles lost all area; PLY and "
+        "OBJ keep them",
+        path, loss, collapsed));
   if (!mesh.colors.empty() || !mesh.attributes.empty())
     report.warnings.push_back(path + ": STL holds no colors or attributes: they were left out; PLY keeps them");
   return report;

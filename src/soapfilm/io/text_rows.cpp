@@ -30,11 +30,14 @@ std::string_view take_field(std::string_view& line, char separator) {
   const auto ends = [&](char c) { return c == separator || (separator == ' ' && is_blank(c)); };
   const char quote = line.front();
   if (quote == '"' || quote == '\'') {
-    const size_t close = line.find(quote, 1);
-    if (close != std::string_view::npos &&
-        (close + 1 == line.size() || is_blank(line[close + 1]) || line[close + 1] == separator)) {
+    const size_t close = std::min(line.find(quote, 1), line.size() - 1);
+    std::string_view rest = line.substr(close + 1);
+    const bool blank = !rest.empty() && is_blank(rest.front());
+    while (separator != ' ' && !rest.empty() && is_blank(rest.front()) && rest.front() != separator)
+      rest.remove_prefix(1);
+    if (close > 0 && line[close] == quote && (rest.empty() || ends(rest.front()) || (blank && begins_comment(rest)))) {
       const std::string_view field = line.substr(1, close - 1);
-      line.remove_prefix(close + 1);
+      line = rest;
       return without_blanks_around(field);
     }
   }

@@ -12,13 +12,13 @@ namespace soapfilm::io {
 namespace {
 
 /// At most what the document of this text takes: a node for each tag and for the text after it, and the attributes.
-size_t document_bytes(const std::vector<char>& text) {
+size_t xml_document_bytes(const std::vector<char>& text) {
   const auto tags = static_cast<size_t>(std::count(text.begin(), text.end(), '<'));
   const auto attributes = static_cast<size_t>(std::count(text.begin(), text.end(), '='));
   return text.size() + 2 * tags * 64 + attributes * 40;
 }
 
-std::string_view without_blanks(std::string_view text) {
+std::string_view xml_trimmed(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
@@ -28,7 +28,7 @@ std::string_view without_blanks(std::string_view text) {
 
 Xml::Xml(std::vector<char> text, size_t budget, std::function<std::string(size_t)> place)
     : text_(std::move(text)), place_(std::move(place)) {
-  if (const size_t bytes = document_bytes(text_); bytes > budget)
+  if (const size_t bytes = xml_document_bytes(text_); bytes > budget)
     throw InputError(fmt::format("{}: XML of {} bytes would take {} bytes, must be at most {} for a file of this size",
                                  place_(0), text_.size(), bytes, budget));
   const size_t size = text_.size();
@@ -44,7 +44,7 @@ void Xml::fail(const pugi::xml_node& node, const std::string& message) const {
 }
 
 double Xml::number(const pugi::xml_node& node) const {
-  const std::string_view text = without_blanks(node.child_value());
+  const std::string_view text = xml_trimmed(node.child_value());
   double value = 0;
   if (!text.empty() && !parse_number(text, value))
     fail(node, fmt::format("{} = {}, must be a number", local_name(node), in_quotes(text)));
@@ -57,7 +57,7 @@ std::optional<double> Xml::number(const pugi::xml_node& node, const char* attrib
   const pugi::xml_attribute found = node.attribute(attribute);
   if (!found) return std::nullopt;
   double value = 0;
-  if (!parse_number(without_blanks(found.value()), value))
+  if (!parse_number(xml_trimmed(found.value()), value))
     fail(node, fmt::format("{}: {} = {}, must be a number", local_name(node), attribute, in_quotes(found.value())));
   return value;
 }
@@ -66,7 +66,7 @@ std::optional<int64_t> Xml::integer(const pugi::xml_node& node, const char* attr
   const pugi::xml_attribute found = node.attribute(attribute);
   if (!found) return std::nullopt;
   int64_t value = 0;
-  if (!parse_integer(without_blanks(found.value()), value))
+  if (!parse_integer(xml_trimmed(found.value()), value))
     fail(node, fmt::format("{}: {} = {}, must be an integer of 64 bits", local_name(node), attribute,
                            in_quotes(found.value())));
   return value;
@@ -85,7 +85,7 @@ pugi::xml_node child_of(const pugi::xml_node& node, std::string_view name) {
 }
 
 std::string plain_text(const pugi::xml_node& node) {
-  std::string text(without_blanks(node.child_value()));
+  std::string text(xml_trimmed(node.child_value()));
   for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ') c = ' ';
   return text;
