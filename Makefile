@@ -3,9 +3,9 @@ PROGRAM := build/release/bin/soapfilm
 JOBS := $(shell nproc)
 # Further arguments to cmake when a build is configured for the first time, such as -DSOAPFILM_WERROR=ON.
 CONFIGURE :=
-SOURCES = find include src tools cli tests examples bench -name '*.h' -o -name '*.cpp'
+SOURCES = find include src tools cli tests fuzz examples bench -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test bench paper accuracy scenes format format-check tidy clean
+.PHONY: help build demo test fuzz bench paper accuracy scenes format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -17,14 +17,17 @@ build: build-release ## the program, at build/release/bin/soapfilm
 demo: build ## scan a shape, reconstruct it, check it, draw both
 	sh examples/demo.sh $(PROGRAM) out/demo
 
-test: test-release ## release build and all tests
+test: test-release ## release build and all tests (FULL=1: 100 000 degenerate clouds, not 2000)
 
 test-asan: packages-asan ## the tests by clang, under AddressSanitizer and UndefinedBehaviorSanitizer
 test-tsan: ## the tests under ThreadSanitizer, loops on std::thread, the portable platform
 test-shared: ## an outside project links the shared library
 
 test-%: build-%
-	ctest --preset $* --parallel $(JOBS)
+	$(if $(FULL),SOAPFILM_FULL=1) ctest --preset $* --parallel $(JOBS) $(if $(FULL),--timeout 7200)
+
+fuzz: packages-fuzz build-fuzz ## fuzz readers, parameters and the C interface (SECONDS=600 for each; FORMATS=.las: only these)
+	sh fuzz/run.sh $(or $(SECONDS),600) $(FORMATS)
 
 build-%: packages-build
 	@test -f build/$*/build.ninja || cmake --preset $* $(CONFIGURE)

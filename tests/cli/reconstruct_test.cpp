@@ -275,6 +275,9 @@ TEST_F(Reconstruct, RefusesBadInput) {
   refused({text_file("plane.xyz", plane), "-o", mesh}, "plane.xyz: all 400 samples are coplanar");
   refused({text_file("huge.xyz", "0 0 0\n1e300 0 0\n0 1e300 0\n0 0 1e300\n"), "-o", mesh},
           "huge.xyz: the longest side of the samples' box = 1e+300, must be in [1e-100, 1e+100]");
+  refused({text_file("far.xyz", "1e15 0 0 0 0 1\n1000000000000001 0 0 0 0 1\n1e15 1 0 0 0 1\n1e15 0 1 0 0 1\n"), "-o",
+           mesh, "--resolution", "20"},
+          "nearer to the origin");
   refused({text_file("set.conf", "bmesh absent.ply 0 0 0 0 0 0 1\n"), "-o", mesh}, "set.conf: ");
 }
 

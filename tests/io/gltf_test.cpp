@@ -35,6 +35,14 @@ std::vector<T> elements(const tinygltf::Model& model, int index) {
   return values;
 }
 
+TEST(Glb, RefusesWhatFloatCannotHold) {
+  const TemporaryFolder folder;
+  for (const double size : {1e60, 1e-60})
+    expect_refusal<OutputError>([&] { write_mesh(folder / "m.glb", torus_mesh(8, size)); },
+                                {"m.glb", "largest coordinate", "unit"});
+  EXPECT_EQ(folder.file_count(), 0u);
+}
+
 TEST(Glb, HoldsTheMeshInALocalFrame) {
   const TemporaryFolder folder;
   Mesh mesh = torus_mesh(20, 1.0);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <sys/mman.h>
 
+#include <utility>
+
 #include "soapfilm/error.h"
 #include "soapfilm/io/file_descriptor.h"
 
@@ -48,6 +50,10 @@ ByteSource::ByteSource(const std::string& path) : path_(path) {
     bytes_ = {static_cast<const char*>(mapping), size};
   }
   if (bytes_.empty()) throw InputError(path + ": is empty");
+}
+
+ByteSource::ByteSource(std::string path, std::string_view bytes) : path_(std::move(path)), bytes_(bytes) {
+  if (bytes_.empty()) throw InputError(path_ + ": is empty");
 }
 
 ByteSource::~ByteSource() {

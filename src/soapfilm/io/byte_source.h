@@ -12,11 +12,14 @@
 
 namespace soapfilm::io {
 
-/// The bytes of a file: mapped when it is a regular file, read whole when it is a pipe.
+/// The bytes of a file: mapped when it is a regular file, read whole when it is a pipe, or the caller's.
 class ByteSource {
  public:
   /// Throws InputError for a file that is missing, unreadable, empty, a directory or a device.
   explicit ByteSource(const std::string& path);
+  /// Of a file that is in memory already: `bytes` must outlive it, `path` is for messages and the format. Throws
+  /// InputError if there are none.
+  ByteSource(std::string path, std::string_view bytes);
   ~ByteSource();
   ByteSource(const ByteSource&) = delete;
   ByteSource& operator=(const ByteSource&) = delete;

@@ -60,6 +60,14 @@ std::vector<std::string> split(std::string_view extensions) {
   return all;
 }
 
+std::vector<std::string> all_extensions(bool (*can)(const Format& format)) {
+  std::vector<std::string> all;
+  for (const Format& format : table)
+    if (can(format))
+      for (std::string& one : split(format.extensions)) all.push_back(std::move(one));
+  return all;
+}
+
 }  // namespace
 
 const Format* format_of_extension(const std::string& path) {
@@ -76,11 +84,12 @@ const Format* format_of(const ByteSource& source) {
   return format_of_extension(source.path());
 }
 
+std::vector<std::string> read_extensions() {
+  return all_extensions([](const Format& format) -> bool { return format.read_points || format.read_mesh; });
+}
+
 std::string extensions_of(bool (*can)(const Format& format)) {
-  std::vector<std::string> all;
-  for (const Format& format : table)
-    if (can(format))
-      for (std::string& one : split(format.extensions)) all.push_back(std::move(one));
+  const std::vector<std::string> all = all_extensions(can);
   std::string list;
   for (size_t i = 0; i < all.size(); ++i) list += (i == 0 ? "" : i + 1 < all.size() ? ", " : " or ") + all[i];
   return list;

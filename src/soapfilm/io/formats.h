@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "soapfilm/io.h"
 #include "soapfilm/io/byte_source.h"
@@ -30,5 +31,15 @@ const Format* format_of(const ByteSource& source);
 
 /// Such as ".ply, .obj or .stl": all extensions of formats for which `can` holds, in the table's order.
 std::string extensions_of(bool (*can)(const Format& format));
+/// Extensions of all formats that can be read, as a cloud or as a mesh.
+std::vector<std::string> read_extensions();
 
 }  // namespace soapfilm::io
+
+namespace soapfilm {
+
+/// read_points() and read_mesh() of io.h once the file is open.
+PointCloud read_points(io::ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
+Mesh read_mesh(io::ByteSource& source);
+
+}  // namespace soapfilm

@@ -125,6 +125,7 @@ WriteReport write_glb(const std::string& path, const Mesh& mesh, const WriteOpti
     throw OutputError(fmt::format("{}: the mesh has {} triangles, too many for the 4 GiB of a GLB file; PLY holds them",
                                   path, mesh.triangles.size()));
   const Vec3d origin = mesh.box().center();
+  check_float_range(path, "glTF", mesh, origin);
   GltfScene scene;
   add_vertices(mesh, origin, scene);
   scene.model.nodes[0].translation = {origin.x, origin.y, origin.z};

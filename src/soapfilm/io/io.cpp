@@ -48,13 +48,18 @@ size_t ReadReport::dropped() const {
   return sum;
 }
 
+PointCloud read_points(io::ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context) {
+  const Format& format =
+      require<InputError>(source.path(), io::format_of(source), reads_points, " to be read as points");
+  source.report_to(context.progress());
+  return format.read_points(source, report, options, context);
+}
+
 PointCloud read_points(const std::string& path, ReadReport* report, const Context& context,
                        const ReadOptions& options) {
   ReadReport unused;
   io::ByteSource source(path);
-  const Format& format = require<InputError>(path, io::format_of(source), reads_points, " to be read as points");
-  source.report_to(context.progress());
-  return format.read_points(source, report != nullptr ? *report : unused, options, context);
+  return read_points(source, report != nullptr ? *report : unused, options, context);
 }
 
 PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report, const Context& context,
@@ -67,10 +72,15 @@ PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report
                        [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, silent, options); });
 }
 
+Mesh read_mesh(io::ByteSource& source) {
+  const Format& format =
+      require<InputError>(source.path(), io::format_of(source), reads_meshes, " to be read as a mesh");
+  return format.read_mesh(source);
+}
+
 Mesh read_mesh(const std::string& path) {
   io::ByteSource source(path);
-  const Format& format = require<InputError>(path, io::format_of(source), reads_meshes, " to be read as a mesh");
-  return format.read_mesh(source);
+  return read_mesh(source);
 }
 
 FileKind file_kind(const std::string& path) {

@@ -46,6 +46,20 @@ bool needs_double(const Mesh& mesh, double wanted) {
   return float_rounding_error(mesh.vertices) > mesh_precision(mesh, wanted) || collapsed_by_float(mesh) > 0;
 }
 
+void check_float_range(const std::string& path, const char* format, const Mesh& mesh, Vec3d origin) {
+  // Below the first, coordinates lose digits or become zero; above the second, they become infinite.
+  constexpr double smallest = 1e-30, largest = 1e38;
+  const Box3d box = mesh.box();
+  double farthest = 0;
+  for (const Vec3d& corner : {box.lo - origin, box.hi - origin})
+    farthest = std::max({farthest, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+  if (farthest < smallest || farthest > largest)
+    throw OutputError(
+        fmt::format("{}: the mesh's largest coordinate = {:g}, {} holds {:g} to {:g}: write PLY or OBJ, "
+                    "or change the unit",
+                    path, farthest, format, smallest, largest));
+}
+
 void check_mesh(const Mesh& mesh) {
   const size_t n = mesh.vertices.size();
   const auto check_column = [n](const std::string& name, size_t size) {

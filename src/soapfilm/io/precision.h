@@ -1,6 +1,7 @@
 // Whether 32-bit coordinates are precise enough.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "soapfilm/mesh.h"
@@ -23,6 +24,9 @@ size_t collapsed_by_float(const Mesh& mesh, Vec3d origin = {});
 /// Whether a file of the mesh needs 64-bit coordinates: rounding would move a vertex by more than mesh_precision(), or
 /// collapse a triangle.
 bool needs_double(const Mesh& mesh, double wanted);
+
+/// Throws OutputError for coordinates so large or small that float cannot hold them. `format` is named in the message.
+void check_float_range(const std::string& path, const char* format, const Mesh& mesh, Vec3d origin = {});
 
 /// Throws ParameterError for a mesh that no file can hold: columns of different lengths, an index out of range, a
 /// non-finite coordinate, no triangle.

@@ -212,16 +212,7 @@ WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOpti
   check_mesh(mesh);
   if (mesh.triangles.size() > UINT32_MAX)
     throw ParameterError(fmt::format("mesh: {} triangles, STL holds at most {}", mesh.triangles.size(), UINT32_MAX));
-  // Below the first, coordinates lose digits or become zero; above the second, they become infinite.
-  constexpr double smallest = 1e-30, largest = 1e38;
-  const Box3d box = mesh.box();
-  const double farthest = std::max({std::abs(box.lo.x), std::abs(box.lo.y), std::abs(box.lo.z), std::abs(box.hi.x),
-                                    std::abs(box.hi.y), std::abs(box.hi.z)});
-  if (farthest < smallest || farthest > largest)
-    throw OutputError(
-        fmt::format("{}: the mesh's largest coordinate = {:g}, STL holds {:g} to {:g}: write PLY or OBJ, "
-                    "or change the unit",
-                    path, farthest, smallest, largest));
+  check_float_range(path, "STL", mesh);
   AtomicFile file(path);
   if (options.ascii)
     write_ascii(file, mesh);

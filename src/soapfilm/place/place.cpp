@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "soapfilm/error.h"
 #include "soapfilm/field/sampling.h"
@@ -41,6 +42,19 @@ double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling&
   return voxel_of_resolution(box, fallback_resolution, params.padding);
 }
 
+/// Far from the origin vertices would be rounded onto each other: triangles without an area.
+void refuse_too_far(const Box3d& box, double voxel) {
+  constexpr double steps = 65536;  // of rounding, at least, to a voxel
+  double farthest = 0;
+  for (int axis = 0; axis < 3; ++axis) farthest = std::max({farthest, std::abs(box.lo[axis]), std::abs(box.hi[axis])});
+  const double step = std::numeric_limits<double>::epsilon() * farthest;
+  if (voxel < steps * step)
+    throw SamplesError(
+        fmt::format("voxel = {:g}, must be at least {:g} at coordinates up to {:g}, which are known to {:.1g} only: "
+                    "move the samples nearer to the origin",
+                    voxel, steps * step, farthest, step));
+}
+
 /// Many samples at one place are more often a camera's code for missing depth than a surface.
 void warn_of_repeats(const Sampling& sampling, size_t samples, std::vector<std::string>& warnings) {
   if (sampling.repeats == 0) return;
@@ -72,6 +86,7 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const LocalSurface& s
   const Sampling sampling = measure_sampling(cloud, box, context);
   const AreaCoverage& coverage = surface.coverage;
   const double voxel = choose_voxel(params, box, sampling, surface);
+  refuse_too_far(box, voxel);
   Grid grid;
   try {
     grid.lattice = place_lattice(box, voxel, params.padding, params.levels);
