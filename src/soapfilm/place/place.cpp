@@ -86,13 +86,13 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const LocalSurface& s
   const Sampling sampling = measure_sampling(cloud, box, context);
   const AreaCoverage& coverage = surface.coverage;
   const double voxel = choose_voxel(params, box, sampling, surface);
-  refuse_too_far(box, voxel);
   Grid grid;
   try {
     grid.lattice = place_lattice(box, voxel, params.padding, params.levels);
   } catch (const ParameterError& error) {
     throw ParameterError(error.what() + far_samples(cloud, box));
   }
+  refuse_too_far(box, voxel);
   const double density = sampling.density(voxel);
   grid.density = by_area && coverage.area > 0 ? coverage.per_area * voxel * voxel : density;
   grid.area = density > 0 ? static_cast<double>(cloud.size()) / density : 0;
