@@ -1,6 +1,7 @@
 // Reads the input as a file. What a reader accepts hangs together; a refusal is one line. The format is that of the
 // extension in the environment variable SOAPFILM_FUZZ_FORMAT, such as .las; files that the input names are looked for
-// in SOAPFILM_FUZZ_FOLDER. With the argument --formats: prints the extensions of all formats that can be read.
+// in SOAPFILM_FUZZ_FOLDER. With the argument --formats: prints the extensions of all formats that can be read; with
+// --readers: one of each reader.
 #include <cstring>
 #include <filesystem>
 
@@ -39,8 +40,10 @@ void read_or_refuse(std::string_view bytes, Read&& read) {
 }  // namespace
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  if (*argc == 2 && std::strcmp((*argv)[1], "--formats") == 0) {
-    for (const std::string& extension : io::read_extensions()) std::printf("%s\n", extension.c_str());
+  const bool all = *argc == 2 && std::strcmp((*argv)[1], "--formats") == 0;
+  if (all || (*argc == 2 && std::strcmp((*argv)[1], "--readers") == 0)) {
+    for (const std::string& extension : all ? io::read_extensions() : io::readers())
+      std::printf("%s\n", extension.c_str());
     std::fflush(stdout);
     std::_Exit(0);
   }

@@ -1,7 +1,7 @@
 #!/bin/sh
-# fuzz/run.sh SECONDS [FORMAT...]: runs the fuzzers of build/fuzz for so long each, as many at once as there are cores
+# fuzz/run.sh SECONDS [each|FORMAT...]: runs the fuzzers of build/fuzz for so long each, as many at once as there are cores
 # (at most two). FORMAT: an extension such as .las, params or c_interface; default: all, the extensions as the program
-# lists them. Inputs that were found are kept in out/fuzz/, those that break something in out/fuzz/found/; then it fails.
+# lists them; each: one extension of each reader, params and c_interface. Inputs that were found are kept in out/fuzz/, those that break something in out/fuzz/found/; then it fails.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 seconds=${1:?usage: fuzz/run.sh SECONDS [FORMAT...]}
@@ -50,6 +50,7 @@ fuzz() {
 
 rm -f "$out/failed"
 wanted=${*:-$formats params c_interface}
+[ "$wanted" != each ] || wanted="$("$bin/fuzz_readers" --readers) params c_interface"
 at_once=$(nproc)
 [ "$at_once" -gt 2 ] && at_once=2
 running=0

@@ -88,6 +88,13 @@ std::vector<std::string> read_extensions() {
   return all_extensions([](const Format& format) -> bool { return format.read_points || format.read_mesh; });
 }
 
+std::vector<std::string> readers() {
+  std::vector<std::string> first;
+  for (const Format& format : table)
+    if (format.read_points || format.read_mesh) first.push_back(split(format.extensions).front());
+  return first;
+}
+
 std::string extensions_of(bool (*can)(const Format& format)) {
   const std::vector<std::string> all = all_extensions(can);
   std::string list;

@@ -33,6 +33,8 @@ const Format* format_of(const ByteSource& source);
 std::string extensions_of(bool (*can)(const Format& format));
 /// Extensions of all formats that can be read, as a cloud or as a mesh.
 std::vector<std::string> read_extensions();
+/// The first one of each reader.
+std::vector<std::string> readers();
 
 }  // namespace soapfilm::io
 

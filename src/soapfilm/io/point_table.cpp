@@ -129,7 +129,7 @@ float ColorNumbers::largest() const {
 }
 
 std::vector<Rgb8> ColorNumbers::bytes(bool whole) const {
-  constexpr Rgb8 gray{128, 128, 128};  // as PointCloud::append() fills
+  constexpr Rgb8 gray{128, 128, 128};     // as PointCloud::append() fills
   constexpr float a_little_over_one = 2;  // renderers and filters overshoot; of numbers to 255 all would be black
   const float range = largest();
   const double scale = !whole && range < a_little_over_one ? 255.0 : range <= 255 ? 1.0 : 1.0 / 257;

@@ -4,8 +4,8 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
-#include "soapfilm/finish/vertex_evidence.h"
 #include "soapfilm/finish/self_check.h"
+#include "soapfilm/finish/vertex_evidence.h"
 #include "soapfilm/run/announce.h"
 
 namespace soapfilm {
