@@ -17,6 +17,7 @@ else
   set --
 fi
 "$programs/bench_tolerance" "$scans" 256 | tee "$out/tolerance.md"
+"$programs/bench_readers" | tee "$here/results/readers.md"
 "$programs/bench_penalties" "$@" | tee "$out/penalties.md"
 # Kernels and the copy beside them take turns; medians, for one run of one of them tells little.
 for kernels in kernels kernels_refine kernels_io; do

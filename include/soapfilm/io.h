@@ -32,7 +32,7 @@ struct ReadReport {
 struct ReadOptions {
   std::string columns;           ///< of text, such as "x,y,z,-,nx,ny,nz" ("-": skipped); empty: by header or values
   std::string trajectory;        ///< of LAS: a text file `time x y z`, the scanner's way; empty: none
-  bool trust_viewpoint = false;  ///< of PCD: a VIEWPOINT at the origin, the default, is the scanner's position, too
+  bool trust_viewpoint = false;  ///< of PCD, E57: a pose that is the default, at the origin, is the scanner's, too
 };
 
 /// Reads a point cloud of one or several scans. Samples with a non-finite coordinate are dropped and counted. As many
@@ -41,7 +41,8 @@ struct ReadOptions {
 PointCloud read_points(const std::string& path, ReadReport* report = nullptr, const Context& context = Context(1),
                        const ReadOptions& options = {});
 
-/// Reads several files, as many at once as there are threads, and appends them in order as further scans.
+/// Reads several files, as many at once as there are threads, and appends them in order as further scans. Throws
+/// ParameterError for an option that none of them takes.
 PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report = nullptr,
                        const Context& context = Context(1), const ReadOptions& options = {});
 

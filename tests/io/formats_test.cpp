@@ -46,6 +46,23 @@ TEST(Text, ByteOrderMarkIsPassedOverAtTheStartAlone) {
   EXPECT_THROW(read_points(folder.write("r.txt", mark)), InputError);
 }
 
+TEST(Files, AnOptionThatNoneTakesIsRefused) {
+  const TemporaryFolder folder;
+  const std::string text = folder.write("a.xyz", "1 2 3\n4 5 7\n"), ply = folder / "a.ply";
+  write_points(ply, read_points(text));
+  ReadOptions columns, trajectory, viewpoint;
+  columns.columns = "y,x,z";
+  trajectory.trajectory = "way.txt";
+  viewpoint.trust_viewpoint = true;
+  const auto read = [&](const ReadOptions& options, const std::vector<std::string>& paths) {
+    return read_points(paths, nullptr, Context(1), options);
+  };
+  EXPECT_EQ(read(columns, {ply, text}).positions.back(), (Vec3d{5, 4, 7}));
+  expect_refusal<ParameterError>([&] { read(columns, {ply}); }, {"columns", "a.ply"});
+  expect_refusal<ParameterError>([&] { read(trajectory, {text, ply}); }, {"trajectory"});
+  expect_refusal<ParameterError>([&] { read(viewpoint, {ply}); }, {"trust_viewpoint"});
+}
+
 TEST(Files, SeveralAreSeveralScans) {
   const TemporaryFolder folder;
   const PointCloud first = rich_cloud(2, 3, 4, 8);
@@ -118,6 +135,18 @@ TEST(Obj, FacesComeInEveryNotation) {
   EXPECT_EQ(mesh.triangles, std::vector<Triangle>({{0, 1, 2}, {0, 2, 3}, {0, 1, 2}, {0, 2, 3}, {0, 1, 2}}));
   EXPECT_TRUE(mesh.normals.empty());
   EXPECT_TRUE(mesh.colors.empty());
+}
+
+TEST(Off, WrittenMeshComesBack) {
+  const TemporaryFolder folder;
+  const Mesh mesh = torus_mesh(20, 1.0);
+  const WriteReport written = write_mesh(folder / "m.off", mesh);
+  EXPECT_EQ(written.warnings.size(), 1u);  // attributes
+  const Mesh read = read_mesh(folder / "m.off");
+  EXPECT_LT(largest_move(read, mesh), 1e-6);
+  EXPECT_EQ(read.triangles, mesh.triangles);
+  EXPECT_EQ(read.normals, mesh.normals);
+  EXPECT_EQ(read.colors, mesh.colors);
 }
 
 TEST(Off, HeadsAndPrefixesAreRead) {

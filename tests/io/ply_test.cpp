@@ -255,6 +255,21 @@ TEST(PlyPoints, CoordinatesAreFloatWhereThatKeepsThePrecision) {
   EXPECT_FALSE(write_points(folder / "p.ply", cloud).double_coordinates);
 }
 
+TEST(PlyPoints, WrittenAsTextAreReadAsTheSameDoubles) {
+  const TemporaryFolder folder;
+  PointCloud cloud;
+  for (const float v : {0.1f, 1e-7f, 123456.789f, 3.4e38f}) cloud.positions.push_back({v, -v, 1.0 / v});
+  cloud.sensors.assign(cloud.size(), {0.1f, 0.2f, 0.3f});
+  WriteOptions options;
+  for (const bool ascii : {false, true}) {
+    options.ascii = ascii;
+    write_points(folder / "p.ply", cloud, options);
+    const PointCloud read = read_points(folder / "p.ply");
+    EXPECT_EQ(read.positions, cloud.positions) << ascii;
+    EXPECT_EQ(read.sensors, cloud.sensors) << ascii;
+  }
+}
+
 TEST(PlyPoints, HeaderLinesPlaceTheScanner) {
   const TemporaryFolder folder;
   const auto read = [&](const std::string& lines) {

@@ -44,11 +44,11 @@ TEST(Refusals, UnknownExtensions) {
   expect_mesh_refused("mesh.xyz", "0 0 0", {"'.xyz'", ".ply, .obj, .off or .stl"});
   const TemporaryFolder folder;
   const Mesh mesh = torus_mesh(4, 1);
-  expect_refusal<OutputError>([&] { write_mesh(folder / "m.off", mesh); },
-                              {"'.off'", ".ply, .obj, .glb, .vdb or .stl"});
-  expect_refusal<OutputError>([&] { write_mesh(folder / "m", mesh); }, {"''", ".ply, .obj, .glb, .vdb or .stl"});
+  expect_refusal<OutputError>([&] { write_mesh(folder / "m.xyz", mesh); },
+                              {"'.xyz'", ".ply, .obj, .off, .glb, .vdb or .stl"});
+  expect_refusal<OutputError>([&] { write_mesh(folder / "m", mesh); }, {"''", ".ply, .obj, .off, .glb, .vdb or .stl"});
   expect_refusal<OutputError>([&] { check_mesh_output(folder / "m.pdf"); },
-                              {"'.pdf'", ".ply, .obj, .glb, .vdb or .stl"});
+                              {"'.pdf'", ".ply, .obj, .off, .glb, .vdb or .stl"});
   expect_refusal<OutputError>([&] { write_points(folder / "m.xyz", rich_cloud(1, 2, 2, 1)); }, {"'.xyz'", ".ply"});
   EXPECT_EQ(folder.file_count(), 0u);
 }

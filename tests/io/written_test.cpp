@@ -28,7 +28,7 @@ TEST(Written, NoTriangleCollapsesInTheFile) {
   for (const double distance : {0.0, 3000.0}) {
     const Mesh mesh = far_torus(distance);
     ASSERT_TRUE(check_topology(mesh).watertight());
-    for (const char* name : {"m.ply", "m.obj"})
+    for (const char* name : {"m.ply", "m.obj", "m.off"})
       for (const bool ascii : {false, true}) {
         WriteOptions options;
         options.ascii = ascii;

@@ -13,6 +13,7 @@ namespace soapfilm::io {
 /// What a format can do; null where it cannot.
 struct Format {
   std::string_view extensions;                         ///< with dots, separated by spaces; compared without case
+  std::string_view uses{};                             ///< fields of ReadOptions, or "all": files that name others
   bool (*begins)(const ByteSource& source) = nullptr;  ///< is a file of any name known by how it begins?
   bool (*has_faces)(ByteSource& source) = nullptr;     ///< of a format of clouds and meshes, which is it?
   PointCloud (*read_points)(ByteSource& source, ReadReport& report, const ReadOptions& options,

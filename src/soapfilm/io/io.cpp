@@ -1,6 +1,9 @@
 // The facade of include/soapfilm/io.h: finds the row of the table of formats.
 #include "soapfilm/io.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <filesystem>
 
 #include "soapfilm/core/context_state.h"
@@ -62,9 +65,29 @@ PointCloud read_points(const std::string& path, ReadReport* report, const Contex
   return read_points(source, report != nullptr ? *report : unused, options, context);
 }
 
+namespace {
+
+/// An option that no file has a use for is an error.
+void refuse_unused(const std::vector<std::string>& paths, const ReadOptions& options) {
+  const auto require_use = [&](const char* name, bool given) {
+    const auto uses = [&](const std::string& path) {
+      const Format* format = io::format_of(io::ByteSource(path));
+      return !format || format->uses == name || format->uses == "all";
+    };
+    if (given && std::none_of(paths.begin(), paths.end(), uses))
+      throw ParameterError(fmt::format("{}: none of the input files takes it, such as {}", name, paths.front()));
+  };
+  require_use("columns", !options.columns.empty());
+  require_use("trajectory", !options.trajectory.empty());
+  require_use("trust_viewpoint", options.trust_viewpoint);
+}
+
+}  // namespace
+
 PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report, const Context& context,
                        const ReadOptions& options) {
   if (paths.empty()) throw ParameterError("0 input files, must be > 0");
+  refuse_unused(paths, options);
   if (paths.size() == 1) return read_points(paths.front(), report, context, options);
   ReadReport unused;
   const Context silent = silenced(context);

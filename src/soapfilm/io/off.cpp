@@ -6,7 +6,9 @@
 
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/atomic_file.h"
 #include "soapfilm/io/polygon.h"
+#include "soapfilm/io/precision.h"
 #include "soapfilm/io/text.h"
 
 namespace soapfilm::io {
@@ -132,8 +134,56 @@ class OffReader {
   std::vector<uint32_t> corners_;  // of the face in progress
 };
 
+/// Numbers with a blank between them, each the shortest text that reads back as the same value.
+template <class T>
+void put_off_numbers(AtomicFile& file, const Vec3<T>& v, bool begins) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis > 0 || !begins) file.append(" ");
+    file.append_text(v[axis]);
+  }
+}
+
 }  // namespace
 
 Mesh read_off(ByteSource& source) { return OffReader(source).read(); }
+
+WriteReport write_off(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
+  check_mesh(mesh);
+  WriteReport report;
+  report.format = "OFF";
+  report.double_coordinates = needs_double(mesh, options.coordinate_precision);
+  const bool colors = !mesh.colors.empty(), normals = !mesh.normals.empty();
+
+  AtomicFile file(path);
+  file.append(fmt::format("{}{}OFF\n{} {} 0\n", colors ? "C" : "", normals ? "N" : "", mesh.vertices.size(),
+                          mesh.triangles.size()));
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (report.double_coordinates)
+      put_off_numbers(file, mesh.vertices[i], true);
+    else
+      put_off_numbers(file, static_cast<Vec3f>(mesh.vertices[i]), true);
+    if (normals) put_off_numbers(file, mesh.normals[i], false);
+    if (colors) {
+      for (const uint8_t c : mesh.colors[i]) {
+        file.append(" ");
+        file.append_text(uint64_t{c});
+      }
+      file.append(" 255");  // opaque
+    }
+    file.append("\n");
+  }
+  for (const Triangle& triangle : mesh.triangles) {
+    file.append("3");
+    for (const uint32_t v : triangle) {
+      file.append(" ");
+      file.append_text(uint64_t{v});
+    }
+    file.append("\n");
+  }
+  file.commit();
+  if (!mesh.attributes.empty())
+    report.warnings.push_back(path + ": OFF holds no vertex attributes: they were left out; PLY keeps them");
+  return report;
+}
 
 }  // namespace soapfilm::io

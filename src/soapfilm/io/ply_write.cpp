@@ -238,8 +238,10 @@ WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, c
   check_cloud(cloud);
   WriteReport report;
   report.format = format_name(options.ascii);
-  report.double_coordinates = std::max(float_rounding_error(cloud.positions), float_rounding_error(cloud.sensors)) >
-                              options.coordinate_precision;
+  // As text a float's shortest digits are another double's: they would not be read back as the same.
+  report.double_coordinates =
+      options.ascii || std::max(float_rounding_error(cloud.positions), float_rounding_error(cloud.sensors)) >
+                           options.coordinate_precision;
   const std::string header = points_header(cloud, options, report.double_coordinates ? "double" : "float");
 
   AtomicFile file(path);
