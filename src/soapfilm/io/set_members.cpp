@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "soapfilm/core/context_state.h"
@@ -65,6 +66,12 @@ PointCloud read_member(const std::string& path, ReadReport& report, const ReadOp
 
 PointCloud read_members(const ByteSource& set, std::string_view keyword, const std::vector<SetMember>& members,
                         ReadReport& report, const ReadOptions& options, const Context& context) {
+  // They would break the one line of a message.
+  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; };
+  for (const SetMember& member : members)
+    if (std::any_of(member.file.begin(), member.file.end(), is_control))
+      throw InputError(fmt::format("{}: {} names {}, must be a name without control characters", set.path(), keyword,
+                                   in_quotes(member.file)));
   const std::filesystem::path folder = std::filesystem::path(set.path()).parent_path();
   const Context silent = silenced(context);
   return read_each(members.size(), report, context, [&](size_t i, ReadReport& to) {
