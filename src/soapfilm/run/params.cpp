@@ -177,6 +177,15 @@ void read_value(const ordered_json& json, std::optional<T>& value) {
   value = inner;
 }
 
+/// A key of the text for a message of one line: control characters as '?', cut where it is long.
+std::string shown(std::string_view key) {
+  constexpr size_t longest = 60;
+  std::string text(key.substr(0, longest));
+  for (char& c : text)
+    if ((c >= 0 && c < ' ') || c == '\x7f') c = '?';
+  return text;
+}
+
 void refuse_unknown_keys(const ordered_json& json) {
   std::set<std::string> groups, names;
   ReconstructParams known;
@@ -185,11 +194,11 @@ void refuse_unknown_keys(const ordered_json& json) {
     names.insert(std::string(group) + "." + name);
   });
   for (const auto& [group, values] : json.items()) {
-    if (!groups.contains(group)) throw ParameterError(fmt::format("parameters: unknown key '{}'", group));
-    if (!values.is_object()) throw ParameterError(fmt::format("parameters: '{}' must be an object", group));
+    if (!groups.contains(group)) throw ParameterError(fmt::format("parameters: unknown key '{}'", shown(group)));
+    if (!values.is_object()) throw ParameterError(fmt::format("parameters: '{}' must be an object", shown(group)));
     for (const auto& [name, value] : values.items())
       if (!names.contains(group + "." + name))
-        throw ParameterError(fmt::format("parameters: unknown key '{}.{}'", group, name));
+        throw ParameterError(fmt::format("parameters: unknown key '{}.{}'", shown(group), shown(name)));
   }
 }
 
