@@ -45,7 +45,7 @@ class OwnArray {
     array_.data = bytes_.get() + (backwards ? steps * static_cast<size_t>(stride) : 0);
     array_.stride = backwards ? -stride : stride == row ? 0 : stride;
     // A type that the column may not have: refused before anything is read.
-    if (next.one_in(32)) array_.type = static_cast<soapfilm_type>(next.below(4));
+    if (next.one_in(32)) array_.type = bytes ? SOAPFILM_FLOAT32 : SOAPFILM_UINT8;
   }
   const soapfilm_array& array() const { return array_; }
 
