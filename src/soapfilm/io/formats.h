@@ -23,6 +23,9 @@ struct Format {
                               const Context& context) = nullptr;
   WriteReport (*write_mesh)(const std::string& path, const Mesh& mesh, const WriteOptions& options,
                             const Context& context) = nullptr;
+
+  bool takes(std::string_view option) const { return uses == option || names_files(); }
+  bool names_files() const { return uses == "all"; }
 };
 
 /// Null where there is none.

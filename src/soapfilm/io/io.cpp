@@ -72,7 +72,7 @@ void refuse_unused(const std::vector<std::string>& paths, const ReadOptions& opt
   const auto require_use = [&](const char* name, bool given) {
     const auto uses = [&](const std::string& path) {
       const Format* format = io::format_of(io::ByteSource(path));
-      return !format || format->uses == name || format->uses == "all";
+      return !format || format->takes(name);
     };
     if (given && std::none_of(paths.begin(), paths.end(), uses))
       throw ParameterError(fmt::format("{}: none of the input files takes it, such as {}", name, paths.front()));

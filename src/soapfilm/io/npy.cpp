@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/npy_header.h"
 #include "soapfilm/io/text.h"
@@ -13,13 +14,6 @@
 namespace soapfilm::io {
 
 namespace {
-
-/// Unprintable bytes in names would reach reports and files.
-std::string printable(std::string name) {
-  for (char& c : name)
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
-  return name;
-}
 
 class NpyReader {
  public:
@@ -76,7 +70,7 @@ class NpyReader {
     check_size(header_.shape[0], header_.element_bytes);
     fields_ = header_.fields;
     for (BinaryField& field : fields_) {
-      field.name = printable(std::move(field.name));
+      field.name = printable(std::move(field.name));  // it reaches reports and files
       field.offset += header_.data;
       field.stride = header_.element_bytes;
     }

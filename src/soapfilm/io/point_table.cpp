@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "soapfilm/core/farthest.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
@@ -26,20 +27,13 @@ size_t bytes_per_sample(const PointHeader& header) {
          header.columns.size() * sizeof(float);
 }
 
-/// In one word of ASCII, as PLY needs it.
-std::string one_word(std::string name) {
-  for (char& c : name)
-    if (c <= ' ' || c > '~') c = '_';
-  return name.empty() ? "column" : name;
-}
-
-/// The names as words, a number added to those that are there already, or that PLY gives a meaning.
+/// The names, a number added to those that are there already, or that PLY gives a meaning.
 std::vector<std::string> made_different(const std::vector<std::string>& names) {
   const std::vector<std::string> taken{"x",     "y",    "z",        "nx",       "ny",       "nz",    "red",
                                        "green", "blue", "sensor_x", "sensor_y", "sensor_z", "weight"};
   std::vector<std::string> all = taken;
   for (const std::string& given : names) {
-    const std::string name = one_word(given);
+    const std::string name = given.empty() ? "column" : given;
     std::string unused = name;
     for (int k = 2; std::find(all.begin(), all.end(), unused) != all.end(); ++k) unused = fmt::format("{}_{}", name, k);
     all.push_back(std::move(unused));
@@ -54,8 +48,7 @@ double float_step(double farthest) { return std::ldexp(1.0, std::ilogb(farthest)
 void warn_of_steps(const PointCloud& cloud, const std::string& path, ReadReport& report) {
   constexpr double harmless = 0.1;  // of the spacing: rounding is then noise of 0.03 voxels
   const Box3d box = cloud.box();
-  double farthest = 0;
-  for (int axis = 0; axis < 3; ++axis) farthest = std::max({farthest, std::abs(box.lo[axis]), std::abs(box.hi[axis])});
+  const double farthest = farthest_coordinate(box);
   const double spacing = box.diagonal() / std::sqrt(static_cast<double>(cloud.size()));
   if (farthest == 0 || spacing == 0 || float_step(farthest) <= harmless * spacing) return;
   report.warnings.push_back(fmt::format(
@@ -64,27 +57,14 @@ void warn_of_steps(const PointCloud& cloud, const std::string& path, ReadReport&
       path, farthest, float_step(farthest), spacing));
 }
 
-void drop(PointCloud& cloud, const std::vector<bool>& keep, size_t dropped) {
-  if (dropped > 0) cloud.filter(keep);
-}
-
-size_t drop_no_returns(PointCloud& cloud, bool zero_is_none) {
-  const auto is_none = [](const Vec3d& p) { return p == Vec3d{}; };
-  const auto count = static_cast<size_t>(std::count_if(cloud.positions.begin(), cloud.positions.end(), is_none));
-  if (count == 0 || (count == 1 && !zero_is_none)) return 0;
-  std::vector<bool> keep(cloud.size());
-  for (size_t i = 0; i < keep.size(); ++i) keep[i] = !is_none(cloud.positions[i]);
-  drop(cloud, keep, count);
-  return count;
-}
-
-size_t drop_non_finite(PointCloud& cloud) {
-  const auto bad = [](const Vec3d& p) { return !is_finite(p); };
+/// Drops the samples at bad positions, if there are at least `least`; returns how many were dropped.
+template <class Bad>
+size_t drop_where(PointCloud& cloud, size_t least, Bad&& bad) {
   const auto count = static_cast<size_t>(std::count_if(cloud.positions.begin(), cloud.positions.end(), bad));
-  if (count == 0) return 0;
+  if (count < least) return 0;
   std::vector<bool> keep(cloud.size());
   for (size_t i = 0; i < keep.size(); ++i) keep[i] = !bad(cloud.positions[i]);
-  drop(cloud, keep, count);
+  cloud.filter(keep);
   return count;
 }
 
@@ -157,12 +137,12 @@ void finish_points(PointCloud& cloud, FileReport file, const PointTraits& traits
   for (Vec3d& sensor : cloud.sensors)
     if (!is_finite(sensor)) sensor = {nan, nan, nan};
 
-  const size_t zeros = drop_no_returns(cloud, traits.zero_is_none);
+  const size_t zeros = drop_where(cloud, traits.zero_is_none ? 1 : 2, [](const Vec3d& p) { return p == Vec3d{}; });
   if (zeros > 0 && !traits.zero_is_none)
     report.warnings.push_back(fmt::format(
         "{}: {} of {} samples are at (0, 0, 0): taken for rays without a return, and dropped", file.path, zeros, read));
   file.no_return += zeros;
-  file.dropped = drop_non_finite(cloud);
+  file.dropped = drop_where(cloud, 1, [](const Vec3d& p) { return !is_finite(p); });
   file.samples = cloud.size();
   if (file.samples == 0)
     throw InputError(fmt::format("{}: none of its {} samples is usable: {} have a non-finite coordinate, {} no return",

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/core/farthest.h"
 #include "soapfilm/core/has_area.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
@@ -50,9 +51,7 @@ void check_float_range(const std::string& path, const char* format, const Mesh& 
   // Below the first, coordinates lose digits or become zero; above the second, they become infinite.
   constexpr double smallest = 1e-30, largest = 1e38;
   const Box3d box = mesh.box();
-  double farthest = 0;
-  for (const Vec3d& corner : {box.lo - origin, box.hi - origin})
-    farthest = std::max({farthest, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+  const double farthest = farthest_coordinate({box.lo - origin, box.hi - origin});
   if (farthest < smallest || farthest > largest)
     throw OutputError(
         fmt::format("{}: the mesh's largest coordinate = {:g}, {} holds {:g} to {:g}: write PLY or OBJ, "

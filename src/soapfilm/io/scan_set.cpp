@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/placement.h"
@@ -37,9 +40,8 @@ ScanSetEntry parse_bmesh(std::string_view rest, const io::TextCursor& cursor) {
   const char* name_end = fields[first - 1].data() + fields[first - 1].size();
   entry.file.assign(name_begin, name_end);
   // It stands in messages, which are one line.
-  for (const char c : entry.file)
-    if (static_cast<unsigned char>(c) < ' ')
-      cursor.fail("bmesh: file " + in_quotes(entry.file) + ", must be a name without control characters");
+  if (std::any_of(entry.file.begin(), entry.file.end(), is_control))
+    cursor.fail("bmesh: file " + in_quotes(entry.file) + ", must be a name without control characters");
   entry.pose.translation = {v[0], v[1], v[2]};
   entry.pose.quaternion = {v[3] / length, v[4] / length, v[5] / length, v[6] / length};
   return entry;

@@ -6,8 +6,9 @@
 #include <filesystem>
 
 #include "soapfilm/core/context_state.h"
-#include "soapfilm/core/vec.h"
+#include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/face_normals.h"
 #include "soapfilm/io/formats.h"
 #include "soapfilm/io/read_each.h"
 #include "soapfilm/io/text.h"
@@ -17,28 +18,20 @@ namespace soapfilm::io {
 namespace {
 
 bool is_set(const std::string& file) {
-  const std::string extension = lower_case(std::filesystem::path(file).extension().string());
-  return extension == ".conf" || extension == ".mlp" || extension == ".aln";
+  const Format* format = format_of_extension(file);
+  return format != nullptr && format->names_files();
 }
 
-/// Of each vertex the sum of its triangles' normals, times their area; zero where they cancel.
-std::vector<Vec3f> member_normals(const Mesh& mesh) {
-  std::vector<Vec3d> sums(mesh.vertices.size());
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3d a = mesh.vertices[t[0]];
-    const Vec3d area = cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a);
-    for (const uint32_t v : t) sums[v] += area;
-  }
-  std::vector<Vec3f> normals;
-  normals.reserve(sums.size());
-  for (const Vec3d& sum : sums) normals.push_back(static_cast<Vec3f>(normalized(sum)));
-  return normals;
+std::vector<Vec3f> normals_of_faces(const Mesh& mesh) {
+  FaceNormals normals(mesh.vertices);
+  for (const Triangle& triangle : mesh.triangles) normals.add(triangle);
+  return normals.finish();
 }
 
 PointCloud member_vertices(const std::string& path, ReadReport& report) {
   Mesh mesh = read_mesh(path);
   PointCloud cloud;
-  cloud.normals = mesh.normals.empty() ? member_normals(mesh) : std::move(mesh.normals);
+  cloud.normals = mesh.normals.empty() ? normals_of_faces(mesh) : std::move(mesh.normals);
   cloud.positions = std::move(mesh.vertices);
   cloud.colors = std::move(mesh.colors);
   cloud.columns = std::move(mesh.attributes);
@@ -67,7 +60,6 @@ PointCloud read_member(const std::string& path, ReadReport& report, const ReadOp
 PointCloud read_members(const ByteSource& set, std::string_view keyword, const std::vector<SetMember>& members,
                         ReadReport& report, const ReadOptions& options, const Context& context) {
   // They would break the one line of a message.
-  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; };
   for (const SetMember& member : members)
     if (std::any_of(member.file.begin(), member.file.end(), is_control))
       throw InputError(fmt::format("{}: {} names {}, must be a name without control characters", set.path(), keyword,

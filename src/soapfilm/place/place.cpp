@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "soapfilm/core/farthest.h"
 #include "soapfilm/error.h"
 #include "soapfilm/field/sampling.h"
 
@@ -45,8 +46,7 @@ double choose_voxel(const PlaceParams& params, const Box3d& box, const Sampling&
 /// Far from the origin vertices would be rounded onto each other: triangles without an area.
 void refuse_too_far(const Box3d& box, double voxel) {
   constexpr double steps = 65536;  // of rounding, at least, to a voxel
-  double farthest = 0;
-  for (int axis = 0; axis < 3; ++axis) farthest = std::max({farthest, std::abs(box.lo[axis]), std::abs(box.hi[axis])});
+  const double farthest = farthest_coordinate(box);
   const double step = std::numeric_limits<double>::epsilon() * farthest;
   if (voxel < steps * step)
     throw SamplesError(

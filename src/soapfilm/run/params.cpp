@@ -15,6 +15,7 @@
 #include "soapfilm/core/json_text.h"
 #include "soapfilm/core/method.h"
 #include "soapfilm/core/names.h"
+#include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/range_surface.h"
@@ -177,13 +178,10 @@ void read_value(const ordered_json& json, std::optional<T>& value) {
   value = inner;
 }
 
-/// A key of the text for a message of one line: control characters as '?', cut where it is long.
+/// A key of the text for a message of one line, cut where it is long.
 std::string shown(std::string_view key) {
   constexpr size_t longest = 60;
-  std::string text(key.substr(0, longest));
-  for (char& c : text)
-    if ((c >= 0 && c < ' ') || c == '\x7f') c = '?';
-  return text;
+  return printable(std::string(key.substr(0, longest)));
 }
 
 void refuse_unknown_keys(const ordered_json& json) {

@@ -74,7 +74,8 @@ int main(void) {
   if (soapfilm_cloud_append(context, cloud, &samples) != SOAPFILM_REFUSED) return failed("a column given twice");
   free(rows);
   if (soapfilm_cloud_size(cloud) != count) return failed("the cloud's size");
-  const char* parameters = "{\"place\": {\"resolution\": 64}, \"surface\": {\"distance\": true, \"attributes\": [\"all\"]}}";
+  const char* parameters =
+      "{\"place\": {\"resolution\": 64}, \"surface\": {\"distance\": true, \"attributes\": [\"all\"]}}";
   if (soapfilm_reconstruct(context, cloud, parameters, &result))
     return failed(soapfilm_error(context));
   if (watch.stages < 8) return failed("stages were not told");
