@@ -26,7 +26,9 @@ test-shared: ## an outside project links the shared library
 test-%: build-%
 	$(if $(FULL),SOAPFILM_FULL=1) ctest --preset $* --parallel $(JOBS) $(if $(FULL),--timeout 7200)
 
-fuzz: packages-fuzz build-fuzz ## fuzz readers, parameters and the C interface (SECONDS=600 for each; FORMATS=.las: only these)
+fuzz: packages-build packages-asan ## fuzz readers, parameters, the C interface (SECONDS=600 for each; FORMATS=.las: only these)
+	@test -f build/asan/build.ninja || cmake --preset asan $(CONFIGURE)
+	cmake --build --preset fuzz --parallel $(JOBS)
 	sh fuzz/run.sh $(or $(SECONDS),600) $(FORMATS)
 
 build-%: packages-build

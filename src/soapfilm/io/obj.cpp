@@ -161,7 +161,7 @@ ObjCorner parse_obj_corner(const TextCursor& cursor, std::string_view field, siz
   return corner;
 }
 
-Mesh read_obj(ByteSource& source) { return ObjReader(source).read(); }
+Mesh read_obj(ByteSource& source, ReadReport&) { return ObjReader(source).read(); }
 
 WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
   check_mesh(mesh);

@@ -6,7 +6,7 @@
 
 namespace soapfilm::io {
 
-Mesh read_obj(ByteSource& source);
+Mesh read_obj(ByteSource& source, ReadReport& report);
 
 /// The vertices as samples. Normals: of `vn` lines that correspond to the vertices one to one, else of the faces.
 PointCloud read_obj_points(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);

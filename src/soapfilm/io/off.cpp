@@ -145,7 +145,7 @@ void put_off_numbers(AtomicFile& file, const Vec3<T>& v, bool begins) {
 
 }  // namespace
 
-Mesh read_off(ByteSource& source) { return OffReader(source).read(); }
+Mesh read_off(ByteSource& source, ReadReport&) { return OffReader(source).read(); }
 
 WriteReport write_off(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
   check_mesh(mesh);

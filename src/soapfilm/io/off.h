@@ -6,7 +6,7 @@
 
 namespace soapfilm::io {
 
-Mesh read_off(ByteSource& source);
+Mesh read_off(ByteSource& source, ReadReport& report);
 
 /// Normals (NOFF) and colors (COFF) come along, attributes are left out with a warning.
 WriteReport write_off(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context);

@@ -10,7 +10,7 @@ namespace soapfilm::io {
 PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
 
 /// Vertices and faces (or triangle strips); scalar properties without a known meaning become attributes.
-Mesh read_ply_mesh(ByteSource& source);
+Mesh read_ply_mesh(ByteSource& source, ReadReport& report);
 
 /// True when the header declares faces or triangle strips.
 bool ply_has_faces(ByteSource& source);

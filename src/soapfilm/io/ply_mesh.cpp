@@ -57,7 +57,7 @@ bool ply_has_faces(ByteSource& source) {
   return false;
 }
 
-Mesh read_ply_mesh(ByteSource& source) {
+Mesh read_ply_mesh(ByteSource& source, ReadReport& report) {
   const PlyHeader header = read_ply_header(source);
   const PlyElement& vertex = vertex_element(header, source.path());
   const PlyVertexLayout layout = find_vertex_layout(vertex, source.path());
@@ -72,7 +72,7 @@ Mesh read_ply_mesh(ByteSource& source) {
     else
       read_faces(rows, element, list, vertex.count, mesh);
   }
-  rows.finish();
+  rows.finish(vertex, report);
   if (mesh.triangles.empty()) throw InputError(source.path() + ": holds no faces, must be a mesh");
   return mesh;
 }

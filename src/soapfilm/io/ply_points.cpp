@@ -223,10 +223,7 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOpt
         report.warnings.push_back(source.path() + ": range grid ignored: the header lacks num_cols and num_rows");
     }
   }
-  if (const size_t rest = rows.finish(); rest > 0)
-    report.warnings.push_back(fmt::format(
-        "{}: {} bytes after the last element are not read: the header's counts, such as {} vertices, may be too small",
-        source.path(), rest, vertex.count));
+  rows.finish(vertex, report);
   if (plan.faces_first) add_all_faces(source, header, vertex.count, *normals);
   if (normals) cloud.normals = normals->finish();
 

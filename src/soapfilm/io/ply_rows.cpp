@@ -197,11 +197,17 @@ void PlyRows::skip(const PlyElement& element) {
   for (uint64_t i = 0; i < element.count; ++i) next();
 }
 
-size_t PlyRows::finish() {
-  if (!text_) return binary_->remaining();
+void PlyRows::finish(const PlyElement& vertex, ReadReport& report) {
+  if (!text_) {
+    if (const size_t rest = binary_->remaining(); rest > 0)
+      report.warnings.push_back(
+          fmt::format("{}: {} bytes after the last element are not read: the header's counts, such as {} vertices, may "
+                      "be too small",
+                      source_.path(), rest, vertex.count));
+    return;
+  }
   const std::string_view rest = text_->token();
   if (!rest.empty()) text_->fail(in_quotes(rest) + " after the last element, must be the end of the file");
-  return 0;
 }
 
 void PlyRows::fail(const std::string& message) const {

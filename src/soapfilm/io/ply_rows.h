@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "soapfilm/context.h"
+#include "soapfilm/io.h"
 #include "soapfilm/io/byte_source.h"
 #include "soapfilm/io/ply_header.h"
 #include "soapfilm/io/text.h"
@@ -40,9 +41,9 @@ class PlyRows {
   /// Skips all rows of `element`, the next of the header.
   void skip(const PlyElement& element);
 
-  /// Throws InputError when text follows the last element: then some row had too many values. Returns how many bytes
-  /// follow the last element of a binary file.
-  size_t finish();
+  /// Throws InputError when text follows the last element: then some row had too many values. Bytes after the last
+  /// element of a binary file are warned of.
+  void finish(const PlyElement& vertex, ReadReport& report);
 
   /// Throws InputError "place: element row: message" for the row that next() read.
   [[noreturn]] void fail(const std::string& message) const;

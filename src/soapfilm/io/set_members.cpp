@@ -29,7 +29,7 @@ std::vector<Vec3f> normals_of_faces(const Mesh& mesh) {
 }
 
 PointCloud member_vertices(const std::string& path, ReadReport& report) {
-  Mesh mesh = read_mesh(path);
+  Mesh mesh = read_mesh(path, &report);
   PointCloud cloud;
   cloud.normals = mesh.normals.empty() ? normals_of_faces(mesh) : std::move(mesh.normals);
   cloud.positions = std::move(mesh.vertices);

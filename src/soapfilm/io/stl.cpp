@@ -75,7 +75,7 @@ bool is_binary(ByteSource& source) {
   return lower_case(word.substr(0, 5)) != "solid";
 }
 
-Mesh read_binary_stl(ByteSource& source) {
+Mesh read_binary_stl(ByteSource& source, ReadReport& report) {
   const uint32_t count = binary_count(source);
   ByteCursor cursor(source, head_bytes + 4);
   if (count == 0 || count > cursor.remaining() / triangle_bytes)
@@ -99,6 +99,10 @@ Mesh read_binary_stl(ByteSource& source) {
     cursor.skip(2);
     cursor.release();
   }
+  if (const size_t rest = cursor.remaining(); rest > 0)
+    report.warnings.push_back(fmt::format(
+        "{}: {} bytes after the last triangle are not read: the header's count, {} triangles, may be too small",
+        source.path(), rest, count));
   return mesh;
 }
 
@@ -204,8 +208,8 @@ void write_ascii(AtomicFile& file, const Mesh& mesh) {
 
 }  // namespace
 
-Mesh read_stl(ByteSource& source) {
-  return is_binary(source) ? read_binary_stl(source) : AsciiStlReader(source).read();
+Mesh read_stl(ByteSource& source, ReadReport& report) {
+  return is_binary(source) ? read_binary_stl(source, report) : AsciiStlReader(source).read();
 }
 
 WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {

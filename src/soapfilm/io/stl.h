@@ -6,7 +6,7 @@
 
 namespace soapfilm::io {
 
-Mesh read_stl(ByteSource& source);
+Mesh read_stl(ByteSource& source, ReadReport& report);
 
 /// Warns when float coordinates, the only ones of the format, lose more precision than the options allow.
 WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context);

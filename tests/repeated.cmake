@@ -1,34 +1,22 @@
-# Labels of tests, read by ctest after it has found them. slow: those whose names end in Slow; sanitizer presets leave
-# them out. repeated: instances that the asan preset leaves out, by their whole names; each runs code that another one
-# runs there, too, and costs a third of a second or more under AddressSanitizer. (The test repeated_names fails for a
-# name that is no test's.)
-get_cmake_property(variables VARIABLES)
-foreach(variable IN LISTS variables)
-  if(variable MATCHES "^test_[a-z]+_TESTS$")  # what gtest_discover_tests() has found in a program
-    foreach(test IN LISTS ${variable})
-      if(test MATCHES "Slow(/|$)")
-        set_tests_properties("${test}" PROPERTIES LABELS slow)
-      endif()
-    endforeach()
-  endif()
-endforeach()
-
+# REPEATED: tests that the asan preset leaves out, by their whole names; each runs code that another one runs there, too,
+# and costs a third of a second or more under AddressSanitizer. (The test repeated_names fails for a name that is no
+# test's.)
+set(REPEATED)
 function(repeated test)
   foreach(instance ${ARGN})
-    set_tests_properties("${test}/${instance}" PROPERTIES LABELS repeated)
+    list(APPEND REPEATED "${test}/${instance}")
   endforeach()
+  set(REPEATED "${REPEATED}" PARENT_SCOPE)
 endfunction()
 
 # Whole tests, of which these run the same code: Scan.TheSameBytesForAnyNumberOfThreads and
 # Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads; Reconstruct.GeoreferencedInputLosesNothing;
 # CoarseToFine.EmptyCoarseLevelsShowWhereToStart; Units.PowersOfTwoScaleTheMeshExactly.
-foreach(test
-    Reconstruct.TheSameBytesForAnyNumberOfThreads
-    Georeferenced.CoordinatesLoseNothing
-    Plate.OfThreeVoxelsStaysWholeThoughCoarseLevelsLoseIt
-    Units.MillimetersOrMetersGiveTheSameSurfaceButForTies)
-  set_tests_properties(${test} PROPERTIES LABELS repeated)
-endforeach()
+list(APPEND REPEATED
+  Reconstruct.TheSameBytesForAnyNumberOfThreads
+  Georeferenced.CoordinatesLoseNothing
+  Plate.OfThreeVoxelsStaysWholeThoughCoarseLevelsLoseIt
+  Units.MillimetersOrMetersGiveTheSameSurfaceButForTies)
 
 foreach(law SurfaceSamplesAreUniformAndOnTheSurface TessellationIsClosedAndHasTheStatedTopology
     DistanceAgreesWithAFineTessellation SignIsNegativeWithinTheSolidOnly RaysHitTheSurfaceFirstWhereTheTessellationDoes
