@@ -11,8 +11,17 @@ endfunction()
 
 # Whole tests, of which these run the same code: Scan.TheSameBytesForAnyNumberOfThreads and
 # Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads; Reconstruct.GeoreferencedInputLosesNothing;
-# CoarseToFine.EmptyCoarseLevelsShowWhereToStart; Units.PowersOfTwoScaleTheMeshExactly.
+# CoarseToFine.EmptyCoarseLevelsShowWhereToStart; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall, of
+# the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads.
 list(APPEND REPEATED
+  Standstill.ManySweepsFromOnePlaceChangeNeitherVoxelNorSurface
+  StreetSweep.IsJoinedAsFarAsItsRingsAre
+  Facade.FromThePavementLosesNothing
+  Tunnel.OpenAtBothEndsLosesNothing
+  Terrain.FromTheAirLosesNothing
+  Scan.RefusesInOneLineAndWritesNothing
+  Scan.RefusesAPlaceBeforeTheWork
+  EvaluateCommand.TheSameBytesForAnyNumberOfThreads
   Reconstruct.TheSameBytesForAnyNumberOfThreads
   Georeferenced.CoordinatesLoseNothing
   Plate.OfThreeVoxelsStaysWholeThoughCoarseLevelsLoseIt
@@ -62,7 +71,8 @@ repeated(Shares/Labeling.IsThatOfAFlood 10 97)
 repeated(Shapes/BandAndWholeGrid.HaveTheSameSolution sphere1 sphere7 torus2 part3 part4 knot5 knot9 sheets6)
 foreach(law DualBoundIsTheOneOfTheWholeGrid EnergiesAreThoseOfTheWholeGrid DualIsFeasibleOnTheWholeGrid
     CertifiedBoundHoldsForTheRescaledDual DataLeftOutCostNoMoreThanIsAllowed)
-  repeated(Shapes/Certificate.${law} knot_air sphere_air part_air sheets_air sphere_anisotropic_air part_open)
+  repeated(Shapes/Certificate.${law} knot_air sphere_air part_air sheets_air sphere_anisotropic_air part_open
+    knot_anisotropic_open)
 endforeach()
 repeated(Shapes/SorAndOptimum.NoStateBeatsTheDualBound part)
 repeated(Shapes/PoissonSurface.IsClosedWithTheShapesComponentsAndGenus knot)
@@ -94,3 +104,5 @@ foreach(shape arch knot part plate sheets sphere torus)
 endforeach()
 repeated(Planes/PlanarHole.OfTwentyVoxelsIsClosedByAPatchOfTheDisc skew)
 repeated(Views/HalfSphere.ClosesAndTouchesNoBorderVertex up)
+repeated(Share/Outlying.SamplesLeaveOneKnot 1)
+repeated(ByLot/WrongSigns.AreNotTakenForDirections 1)

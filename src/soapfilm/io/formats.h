@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "soapfilm/io.h"
-#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm::io {
 

@@ -10,8 +10,8 @@
 #include "soapfilm/error.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/formats.h"
-#include "soapfilm/io/read_each.h"
-#include "soapfilm/io/text.h"
+#include "soapfilm/io/sets/read_each.h"
+#include "soapfilm/io/text/text.h"
 
 namespace soapfilm {
 
