@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find include src tools cli tests fuzz examples bench -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test fuzz bench paper accuracy scenes format format-check tidy clean
+.PHONY: help build demo test fuzz docs bench paper accuracy scenes format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -58,6 +58,9 @@ format: packages-format ## lay the sources out
 
 format-check: packages-format ## fail if `make format` would change anything
 	$(SOURCES) | xargs clang-format --dry-run -Werror
+
+docs: packages-docs ## the documentation as a site, to out/site/
+	/usr/bin/python3 -B docs/site/stage.py out/site-pages && mkdocs build --strict --quiet && doxygen docs/site/Doxyfile
 
 tidy: packages-tidy build-dev ## lint with clang-tidy
 	find src tools cli -name '*.cpp' | xargs -n 1 -P $(JOBS) clang-tidy --quiet -p build/dev --extra-arg=-Wno-unknown-warning-option
