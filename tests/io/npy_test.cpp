@@ -125,13 +125,13 @@ TEST(Npy, FurtherColumnsAreJudgedByTheirValues) {
                         {"u", "x y z red green blue", 0},
                         {"ic", "x y z intensity red green blue", 0},
                         {"in", "x y z intensity nx ny nz", 0},
-                        {"cl", "x y z red green blue column 7", 2},
-                        {"nl", "x y z nx ny nz column 7", 1},
+                        {"cl", "x y z red green blue intensity", 1},
+                        {"nl", "x y z nx ny nz column_7", 1},
                         {"cn", "x y z red green blue nx ny nz", 0},
                         {"nu", "x y z nx ny nz red green blue", 0},
                         {"inc", "x y z intensity nx ny nz red green blue", 0},
-                        {"ii", "x y z column 4 column 5", 1},
-                        {"iil", "x y z column 4 column 5 column 6", 1}};
+                        {"ii", "x y z column_4 column_5", 1},
+                        {"iil", "x y z column_4 column_5 column_6", 1}};
   for (const Case& one : cases) {
     ReadReport report;
     const std::vector<double> values = rows_of(one.kinds);
@@ -143,6 +143,19 @@ TEST(Npy, FurtherColumnsAreJudgedByTheirValues) {
     EXPECT_EQ(cloud.normals.size(), one.kinds.find('n') != std::string::npos ? 50u : 0u) << one.kinds;
     EXPECT_EQ(cloud.colors.size(), one.kinds.find_first_of("cu") != std::string::npos ? 50u : 0u) << one.kinds;
   }
+}
+
+TEST(Npy, APointsNumberMayComeFirst) {
+  const TemporaryFolder folder;
+  std::vector<double> values;
+  for (int i = 0; i < 30; ++i) values.insert(values.end(), {100.0 + i, std::sin(i), std::cos(i), 1e6 + 0.25 * i});
+  const std::string shape = "(30, 4)";
+  ReadReport report;
+  const PointCloud cloud =
+      read_points(folder.write("a.npy", npy(literal("'<f8'", shape), numbers<double>(values))), &report);
+  EXPECT_EQ(cloud.positions[3], (Vec3d{std::sin(3), std::cos(3), 1e6 + 0.75}));
+  EXPECT_EQ(report.files.at(0).properties, std::vector<std::string>({"id", "x", "y", "z"}));
+  EXPECT_EQ(report.warnings.size(), 1u);
 }
 
 TEST(Npy, OddRowsDoNotChangeWhatColumnsAre) {

@@ -98,7 +98,7 @@ TEST(TextColumns, OneOddRowDoesNotChangeWhatAFileIs) {
     EXPECT_EQ(cloud.colors[9], expected) << odd;
     EXPECT_GT(std::max({cloud.colors[8][0], cloud.colors[8][1], cloud.colors[8][2]}), 50) << odd;
   }
-  EXPECT_EQ(found("1.5 2 3 117 73 49\n2.5 2 3 91 87 74\n1.7 3 2 74 59 56\n2.1 2 4 103 56 38\n1.2 3 4 -1 -1 -1\n"),
+  EXPECT_EQ(found("1.5 2 3 117 73 49\n2.5 2 3 91 87 74\n1.7 3 2 74 59 56\n2.1 2 4 103 56 38\n1.2 3 4 -1 -1 -1\n", 1),
             "x y z red green blue");
 }
 
@@ -129,6 +129,8 @@ TEST(TextColumns, ColorsHaveAnIntensityBeforeOrOpacityAfterThem) {
             "x y z intensity red green blue");
   EXPECT_EQ(found(table([](int, Random& r) { return position(r) + " " + float_color(r) + " 1"; })),
             "x y z red green blue alpha");
+  EXPECT_EQ(found(table([](int, Random& r) { return position(r) + " " + color(r) + " " + whole(r, 12); }), 1),
+            "x y z red green blue intensity");
 }
 
 TEST(TextColumns, NormalsAndColorsComeInEitherOrder) {

@@ -110,8 +110,7 @@ void FieldReader::append_colors() {
   constexpr double none = -1;
   const auto& [red, green, blue] = block_;
   for (size_t i = 0, n = read(meaning_.color); i < n; ++i) {
-    const bool usable = is_color(red[i]) && is_color(green[i]) && is_color(blue[i]);
-    without_color_ += !usable;
+    const bool usable = red[i] >= 0 && green[i] >= 0 && blue[i] >= 0;
     colors_.add(usable ? red[i] : none, usable ? green[i] : none, usable ? blue[i] : none);
   }
 }

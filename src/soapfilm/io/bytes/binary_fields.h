@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -55,8 +54,6 @@ class FieldReader {
 
   /// Columns, and colors, that are zero in all rows are left out.
   void leave_out_zeros() { zeros_left_out_ = true; }
-  /// Colors with a number beyond this are none: gray.
-  void limit_colors(double largest) { largest_color_ = largest; }
 
   /// An empty cloud with room for the rows; `sensors`: also for positions of the scanner that no field holds.
   PointCloud cloud_for_rows(uint64_t rows, bool sensors = false);
@@ -68,13 +65,9 @@ class FieldReader {
   /// After the last row.
   void finish(PointCloud& cloud);
 
-  /// Samples whose numbers are no color.
-  size_t without_color() const { return without_color_; }
-
  private:
   using Block = std::array<double, block_rows>;
 
-  bool is_color(double value) const { return value >= 0 && value <= largest_color_; }
   size_t read(size_t field, Block& to) const;
   size_t read(const Triple& triple);
   template <class T>
@@ -87,9 +80,7 @@ class FieldReader {
   const std::vector<BinaryField>& fields_;
   PointColumns meaning_;
   bool zeros_left_out_ = false;
-  double largest_color_ = std::numeric_limits<double>::infinity();
   ColorNumbers colors_;
-  size_t without_color_ = 0;
   std::array<Block, 3> block_{};
   size_t first_ = 0;  // of the rows that append() is at
   size_t count_ = 0;

@@ -8,8 +8,8 @@
 #include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/npy/npy_header.h"
-#include "soapfilm/io/npy/unnamed_columns.h"
 #include "soapfilm/io/text/text.h"
+#include "soapfilm/io/unnamed_columns.h"
 
 namespace soapfilm::io {
 
@@ -26,6 +26,8 @@ class NpyReader {
     else
       use_columns();
     PointCloud cloud = read_rows();
+    const PointColumns columns = meaning();
+    if (!header_.has_names && fields_.size() > 3) judge(cloud);
     Scan scan;
     scan.name = std::filesystem::path(source_.path()).stem().string();
     scan.end = cloud.size();
@@ -35,7 +37,6 @@ class NpyReader {
     file.path = source_.path();
     file.format = fmt::format("NumPy array {}", describe_shape(header_.shape));
     for (const BinaryField& field : fields_) file.properties.push_back(field.name);
-    const PointColumns columns = meaning();
     const bool float32 = std::all_of(columns.position.index.begin(), columns.position.index.end(),
                                      [&](size_t k) { return fields_[k].type == NumberType::float32; });
     finish_points(cloud, std::move(file), {.float32 = float32}, report_);
@@ -103,15 +104,27 @@ class NpyReader {
       field.offset = header_.data + k * header_.element_bytes * (header_.fortran_order ? rows_ : 1);
       fields_.push_back(std::move(field));
     }
-    JudgedColumns judged = judge_columns(source_.bytes(), fields_, rows_);
-    for (size_t k = 0; k < columns; ++k) fields_[k].name = std::move(judged.names[k]);
-    for (const std::string& warning : judged.warnings) warn(warning);
-    largest_color_ = judged.largest_color;
+    for (size_t k = 0; k < columns; ++k)
+      fields_[k].name = k < 3 ? std::string(1, "xyz"[k]) : fmt::format("column_{}", k + 1);
+  }
+
+  /// What the columns behind the third are, once all of them have been read.
+  void judge(PointCloud& cloud) {
+    UnnamedColumns unnamed;
+    unnamed.can_be_named = false;
+    for (const BinaryField& field : fields_) unnamed.names.push_back(field.name);
+    const auto falls = [](const Vec3d& a, const Vec3d& b) { return !(b.x > a.x); };
+    if (std::adjacent_find(cloud.positions.begin(), cloud.positions.end(), falls) == cloud.positions.end()) {
+      unnamed.fourth.resize(rows_);
+      read_field(source_.bytes(), fields_[3], 0, rows_, unnamed.fourth.data());
+    }
+    judge_unnamed_columns(cloud, unnamed);
+    for (size_t k = 0; k < fields_.size(); ++k) fields_[k].name = unnamed.names[k];
+    for (const std::string& remark : unnamed.remarks) warn(remark);
   }
 
   PointCloud read_rows() {
     FieldReader reader(source_, fields_, meaning());
-    reader.limit_colors(largest_color_);
     PointCloud cloud = reader.cloud_for_rows(rows_);
     const bool in_order = header_.has_names || !header_.fortran_order;
     for (size_t first = 0; first < rows_; first += FieldReader::block_rows) {
@@ -120,8 +133,6 @@ class NpyReader {
       reader.append(first, std::min(FieldReader::block_rows, rows_ - first), nullptr, cloud);
     }
     reader.finish(cloud);
-    if (reader.without_color() > 0)
-      warn(fmt::format("{} of {} samples have numbers that are no color: gray", reader.without_color(), rows_));
     return cloud;
   }
 
@@ -131,7 +142,6 @@ class NpyReader {
   NpyHeader header_;
   std::vector<BinaryField> fields_;
   size_t rows_ = 0;
-  double largest_color_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace

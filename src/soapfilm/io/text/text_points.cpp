@@ -13,7 +13,7 @@
 #include "soapfilm/io/point_columns.h"
 #include "soapfilm/io/point_table.h"
 #include "soapfilm/io/text/text.h"
-#include "soapfilm/io/text/text_columns.h"
+#include "soapfilm/io/unnamed_columns.h"
 #include "soapfilm/io/text/text_encoding.h"
 #include "soapfilm/io/text/text_head.h"
 #include "soapfilm/io/text/text_rows.h"
@@ -263,7 +263,7 @@ class TextReader {
 
   void judge() {
     unnamed_->names = std::move(names_);
-    judge_text_columns(cloud_, *unnamed_);
+    judge_unnamed_columns(cloud_, *unnamed_);
     names_ = std::move(unnamed_->names);
     for (const std::string& remark : unnamed_->remarks) head_.warnings.push_back(path_ + ": " + remark);
   }
@@ -294,7 +294,7 @@ class TextReader {
   RowRules rules_;
   std::vector<std::string> names_;
   PointColumns columns_;
-  std::optional<UnnamedTextColumns> unnamed_;  // of columns that their values must tell
+  std::optional<UnnamedColumns> unnamed_;  // of columns that their values must tell
   PointCloud cloud_;
   ColorNumbers colors_;
   std::vector<TextFields> texts_;

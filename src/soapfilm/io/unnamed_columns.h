@@ -1,4 +1,4 @@
-// What columns without names are, judged by their values in all rows.
+// What columns of numbers without names are, judged by their values in all rows: of text and of arrays.
 #pragma once
 
 #include <string>
@@ -8,15 +8,16 @@
 
 namespace soapfilm::io {
 
-/// A cloud whose positions are the first three columns of a text, with all further ones in cloud.columns.
-struct UnnamedTextColumns {
-  std::vector<std::string> names;      ///< of the text's columns, in order
+/// A cloud whose positions are the first three columns of a table, with all further ones in cloud.columns.
+struct UnnamedColumns {
+  std::vector<std::string> names;      ///< of the table's columns, in order
   std::vector<double> fourth;          ///< the fourth column, if the first rises from row to row; else empty
+  bool can_be_named = true;            ///< the user has --columns
   std::vector<std::string> remarks{};  ///< what the user should know
 };
 
 /// Makes normals, colors, an intensity, numbers or times of the further columns, as far as their values say that they
 /// are. Then `names` say what was found.
-void judge_text_columns(PointCloud& cloud, UnnamedTextColumns& unnamed);
+void judge_unnamed_columns(PointCloud& cloud, UnnamedColumns& unnamed);
 
 }  // namespace soapfilm::io

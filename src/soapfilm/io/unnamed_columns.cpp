@@ -1,6 +1,7 @@
-#include "soapfilm/io/text/text_columns.h"
+#include "soapfilm/io/unnamed_columns.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -16,19 +17,19 @@ namespace soapfilm::io {
 
 namespace {
 
-using TextColumns = std::vector<Column>;
+using Columns = std::vector<Column>;
 
 bool is_whole_number(double value) { return value == std::floor(value); }
 
 /// So many rows may differ from what all others are.
 size_t odd_rows_of(size_t rows) { return std::max<size_t>(rows >= 4 ? 1 : 0, rows / 50); }
 
-Vec3f row_of_three(const TextColumns& columns, size_t first, size_t row) {
+Vec3f row_of_three(const Columns& columns, size_t first, size_t row) {
   return {columns[first].values[row], columns[first + 1].values[row], columns[first + 2].values[row]};
 }
 
 /// Lengths of about 1, or of about one value in many directions; zero is no normal.
-bool are_normals(const TextColumns& columns, size_t first) {
+bool are_normals(const Columns& columns, size_t first) {
   const size_t rows = columns[first].values.size();
   std::vector<float> lengths;
   Vec3d sum{};
@@ -64,7 +65,7 @@ struct ChannelRanges {
   size_t fractional = 0;                 // rows of the others whose numbers are not whole
 };
 
-ChannelRanges channel_ranges(const TextColumns& columns, size_t first, ColorRange range) {
+ChannelRanges channel_ranges(const Columns& columns, size_t first, ColorRange range) {
   const float limit = static_cast<float>(range);
   ChannelRanges all;
   all.least.fill(limit);
@@ -86,7 +87,7 @@ ChannelRanges channel_ranges(const TextColumns& columns, size_t first, ColorRang
 
 /// Colors are numbers of one range in which the channels are alike; a count of returns or a class beside an
 /// intensity is not.
-ColorRange color_range(const TextColumns& columns, size_t first) {
+ColorRange color_range(const Columns& columns, size_t first) {
   constexpr float most_returns = 15;
   for (const ColorRange range : {ColorRange::one, ColorRange::byte, ColorRange::word}) {
     const ChannelRanges all = channel_ranges(columns, first, range);
@@ -114,14 +115,27 @@ bool is_all_opaque(const Column& column) {
          std::all_of(column.values.begin(), column.values.end(), [&](float v) { return v == value; });
 }
 
+/// Of four columns, is the last another kind of number than the two in the middle, rather than the first? The intensity
+/// is first in all programs that write it: only where the sizes of the numbers say so.
+bool odd_one_is_last(const Columns& columns, size_t first) {
+  std::array<double, 4> largest{};
+  for (size_t k = 0; k < 4; ++k)
+    for (const float value : columns[first + k].values)
+      if (std::isfinite(value)) largest[k] = std::max(largest[k], static_cast<double>(value));
+  const double middle = std::log1p(std::max(largest[1], largest[2]));
+  const auto differs = [&](double value) { return std::abs(std::log1p(value) - middle); };
+  return differs(largest[3]) > differs(largest[0]) + std::log(2.0);
+}
+
 /// Where normals and colors begin among the further columns.
-struct TextLayout {
+struct ColumnLayout {
   std::optional<size_t> normal, color, opacity;
+  bool before_odd_one = false;  // r g b i, not i r g b
   ColorRange range = ColorRange::none;
 };
 
-TextLayout find_text_layout(const TextColumns& columns) {
-  TextLayout layout;
+ColumnLayout find_layout(const Columns& columns) {
+  ColumnLayout layout;
   const size_t count = columns.size();
   for (size_t k = 0; k + 3 <= count;) {
     if (!layout.normal && are_normals(columns, k)) {
@@ -135,9 +149,11 @@ TextLayout find_text_layout(const TextColumns& columns) {
       continue;
     }
     const bool opaque = k + 4 <= count && is_all_opaque(columns[k + 3]);
-    // i r g b looks like r g b with a further value: the intensity is first in all programs that write it.
-    const bool after_intensity = !opaque && k + 4 <= count && color_range(columns, k + 1) != ColorRange::none &&
-                                 (k + 4 == count || (k + 7 <= count && are_normals(columns, k + 4)));
+    // i r g b looks like r g b with a further value.
+    const bool unclear = !opaque && k + 4 <= count && color_range(columns, k + 1) != ColorRange::none &&
+                         (k + 4 == count || (k + 7 <= count && are_normals(columns, k + 4)));
+    layout.before_odd_one = unclear && odd_one_is_last(columns, k);
+    const bool after_intensity = unclear && !layout.before_odd_one;
     layout.color = after_intensity ? k + 1 : k;
     layout.range = after_intensity ? color_range(columns, k + 1) : range;
     if (opaque) layout.opacity = k + 3;
@@ -146,21 +162,26 @@ TextLayout find_text_layout(const TextColumns& columns) {
   return layout;
 }
 
-std::vector<Vec3f> normals_of(const TextColumns& columns, size_t first) {
+std::vector<Vec3f> normals_of(const Columns& columns, size_t first) {
   std::vector<Vec3f> normals(columns[first].values.size());
   for (size_t i = 0; i < normals.size(); ++i) normals[i] = row_of_three(columns, first, i);
   return normals;
 }
 
-std::vector<Rgb8> colors_of(const TextColumns& columns, size_t first, ColorRange range) {
+std::vector<Rgb8> colors_of(const Columns& columns, size_t first, ColorRange range, UnnamedColumns& unnamed) {
   const float limit = static_cast<float>(range);
+  size_t odd = 0;
   ColorNumbers numbers;
   numbers.reserve(columns[first].values.size());
   for (size_t i = 0; i < columns[first].values.size(); ++i) {
     const Vec3f c = row_of_three(columns, first, i);
-    const bool is_color = c.x <= limit && c.y <= limit && c.z <= limit;  // else an odd row
+    const bool is_color = std::min({c.x, c.y, c.z}) >= 0 && std::max({c.x, c.y, c.z}) <= limit;  // else an odd row
+    odd += !is_color;
     numbers.add(is_color ? c.x : -1, is_color ? c.y : -1, is_color ? c.z : -1);
   }
+  if (odd > 0)
+    unnamed.remarks.push_back(
+        fmt::format("{} of {} samples have numbers that are no color: gray", odd, columns[first].values.size()));
   return numbers.bytes(false);
 }
 
@@ -213,7 +234,7 @@ LeadingColumn judge_leading(const PointCloud& cloud, const std::vector<double>& 
 }
 
 /// The first column is no coordinate: those are the next three.
-void shift_positions(PointCloud& cloud, UnnamedTextColumns& unnamed, const std::string& name) {
+void shift_positions(PointCloud& cloud, UnnamedColumns& unnamed, const std::string& name) {
   Column& leading = cloud.columns[0];
   leading.name = name;
   leading.is_label = holds_labels(name);
@@ -226,53 +247,58 @@ void shift_positions(PointCloud& cloud, UnnamedTextColumns& unnamed, const std::
   std::copy(names.begin(), names.end(), unnamed.names.begin());
 }
 
+/// Such as " with --columns x,y,z,column_4".
+std::string option_of(const UnnamedColumns& unnamed) {
+  return fmt::format(" with --columns {}", fmt::join(unnamed.names, ","));
+}
+
 /// Gives the columns that are left over a name if their place says one, else a remark.
-void name_others(TextColumns& columns, const TextLayout& layout, const std::vector<bool>& used,
-                 UnnamedTextColumns& unnamed, size_t first_column) {
+void name_others(Columns& columns, const ColumnLayout& layout, const std::vector<bool>& used, UnnamedColumns& unnamed,
+                 size_t first_column) {
   const bool alone = columns.size() == 1;
   const auto others = std::count(used.begin(), used.end(), false);
   std::string left;
   for (size_t k = 0; k < columns.size(); ++k) {
     if (used[k]) continue;
-    const bool beside_color = layout.color && others == 1 && (k + 1 == *layout.color || k == *layout.color + 3);
-    if (alone || beside_color)
+    const bool beside_color = layout.color && (k + 1 == *layout.color || k == *layout.color + 3);
+    const bool before_normal = layout.normal && k + 1 == *layout.normal;
+    if (alone || (others == 1 && (beside_color || before_normal)))
       columns[k].name = unnamed.names[first_column + k] = "intensity";
     else
       left += (left.empty() ? "" : ", ") + columns[k].name;
   }
   if (left.empty()) return;
-  std::string columns_option;
-  for (const std::string& name : unnamed.names) columns_option += (columns_option.empty() ? "" : ",") + name;
   unnamed.remarks.push_back(
-      fmt::format("nothing says what these columns are, and they are not like normals or colors: "
-                  "kept as attributes {}; name or skip ('-') them with --columns {}",
-                  left, columns_option));
+      fmt::format("nothing says what these columns are, and they are not like normals or colors: kept as attributes "
+                  "{}; name{} them{}",
+                  left, unnamed.can_be_named ? " or skip ('-')" : " the fields of the array to use",
+                  unnamed.can_be_named ? option_of(unnamed) : ""));
 }
 
 }  // namespace
 
-void judge_text_columns(PointCloud& cloud, UnnamedTextColumns& unnamed) {
+void judge_unnamed_columns(PointCloud& cloud, UnnamedColumns& unnamed) {
   if (cloud.columns.empty() || cloud.size() == 0) return;
   const LeadingColumn leading = judge_leading(cloud, unnamed.fourth);
-  TextColumns front;
+  Columns front;
   if (leading == LeadingColumn::number || leading == LeadingColumn::time) {
     shift_positions(cloud, unnamed, leading == LeadingColumn::number ? "id" : "time");
     front.push_back(std::move(cloud.columns[0]));
     cloud.columns.erase(cloud.columns.begin());
     unnamed.remarks.push_back(
-        fmt::format("column 1 {}: taken for the {}, columns 2 to 4 for x y z (else: --columns "
-                    "x,y,z,...)",
+        fmt::format("column 1 {}: taken for the {}, columns 2 to 4 for x y z{}",
                     leading == LeadingColumn::number ? "counts the rows" : "rises from row to row",
-                    leading == LeadingColumn::number ? "point's number" : "time"));
+                    leading == LeadingColumn::number ? "point's number" : "time",
+                    unnamed.can_be_named ? " (else: --columns x,y,z,...)" : ""));
   } else if (leading == LeadingColumn::unknown) {
-    unnamed.remarks.push_back(
-        "column 1 rises from row to row, as a time does; it is taken for x (else: --columns time,x,y,z)");
+    unnamed.remarks.push_back(fmt::format("column 1 rises from row to row, as a time does; it is taken for x{}",
+                                          unnamed.can_be_named ? " (else: --columns time,x,y,z)" : ""));
   }
   release(unnamed.fourth);
 
-  TextColumns& columns = cloud.columns;
+  Columns& columns = cloud.columns;
   const size_t first_column = 3 + front.size();
-  const TextLayout layout = find_text_layout(columns);
+  const ColumnLayout layout = find_layout(columns);
   std::vector<bool> used(columns.size());
   const auto use = [&](size_t first, std::initializer_list<const char*> names) {
     size_t k = first;
@@ -286,8 +312,11 @@ void judge_text_columns(PointCloud& cloud, UnnamedTextColumns& unnamed) {
     use(*layout.normal, {"nx", "ny", "nz"});
   }
   if (layout.color) {
-    cloud.colors = colors_of(columns, *layout.color, layout.range);
+    cloud.colors = colors_of(columns, *layout.color, layout.range, unnamed);
     use(*layout.color, {"red", "green", "blue"});
+    if (layout.before_odd_one)
+      unnamed.remarks.push_back(fmt::format("columns {} to {} are taken for colors, by the sizes of their numbers",
+                                            first_column + *layout.color + 1, first_column + *layout.color + 3));
   }
   if (layout.opacity) use(*layout.opacity, {"alpha"});
   name_others(columns, layout, used, unnamed, first_column);
