@@ -23,7 +23,7 @@ for deb in "$debs"/*.deb; do
     [ -n "$license" ] || die "$name depends on $package, which packaging/licenses.txt does not name"
     echo "$name: $package: $license"
   done
-  dpkg-deb -c "$deb" | grep -q "usr/share/doc/$name/copyright" || die "$name has no copyright file"
+  dpkg-deb -c "$deb" | grep "usr/share/doc/$name/copyright" >/dev/null || die "$name has no copyright file"
 done
 
 say "manual pages"

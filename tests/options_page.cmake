@@ -1,5 +1,6 @@
 # cmake -D PROGRAM= -D PAGE=docs/reference/options.md -P options_page.cmake: the page's table has every option of
 # reconstruct and of the program, and no other.
+cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${PROGRAM} man reconstruct OUTPUT_VARIABLE manual COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${PROGRAM} man OUTPUT_VARIABLE program COMMAND_ERROR_IS_FATAL ANY)
 string(REPLACE "\\-" "-" manual "${manual}${program}")

@@ -1,5 +1,6 @@
 # cmake -D SOURCE= -D VERSION= -P recipes.cmake: the recipes under packaging/ build this version, and list the libraries
 # that CMakeLists.txt looks for.
+cmake_minimum_required(VERSION 3.25)
 file(READ ${SOURCE}/CMakeLists.txt lists)
 string(REGEX MATCHALL "find_package\\([A-Za-z0-9_]+" finds "${lists}")
 list(TRANSFORM finds REPLACE "find_package\\(" "")
