@@ -3,7 +3,8 @@
 set(directory ${PROJECT_SOURCE_DIR}/packaging/debian)
 file(STRINGS ${directory}/changelog heads LIMIT_COUNT 1)
 if(NOT heads MATCHES "^soapfilm \\(${PROJECT_VERSION}-([0-9]+)\\)")
-  message(FATAL_ERROR "packaging/debian/changelog: begins with '${heads}', must be 'soapfilm (${PROJECT_VERSION}-REVISION)'")
+  message(FATAL_ERROR
+    "packaging/debian/changelog: begins with '${heads}', must be 'soapfilm (${PROJECT_VERSION}-REVISION)'")
 endif()
 set(CPACK_DEBIAN_PACKAGE_RELEASE ${CMAKE_MATCH_1})
 file(STRINGS ${directory}/changelog maintainers REGEX "^ -- " LIMIT_COUNT 1)
@@ -55,7 +56,8 @@ set(soname ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs
   "libsoapfilm ${soname} libsoapfilm0 (>= ${soname}), libsoapfilm0 (<< ${PROJECT_VERSION_MAJOR}.${next}~)\n")
 file(WRITE ${PROJECT_BINARY_DIR}/debian/triggers "activate-noawait ldconfig\n")
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/shlibs ${PROJECT_BINARY_DIR}/debian/triggers)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/shlibs
+  ${PROJECT_BINARY_DIR}/debian/triggers)
 
 debian_package(development libsoapfilm-dev libdevel "watertight surfaces from raw 3D scans (headers)" "${what}
 .

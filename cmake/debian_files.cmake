@@ -1,5 +1,5 @@
 # Run by cpack on what was installed for the packages, before they are made: Debian's policy asks for compressed manual
-# pages and changelogs. (gzip -n: no time stamps, so the same sources give the same package.)
+# pages and changelogs. (gzip -n: without a time stamp.)
 file(GLOB_RECURSE files LIST_DIRECTORIES false ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/*)
 foreach(file IN LISTS files)
   if(file MATCHES "/man1/[^/]+\\.1$|/doc/[^/]+/changelog(\\.Debian)?$")

@@ -96,4 +96,5 @@ say "remove them"
 inside sh -c 'apt-get purge -y "*soapfilm*"' >> "$work/apt.log" 2>&1
 left=$(list)
 [ -z "$left" ] || die "left behind: $left"
+rm -rf "$root" "$work/unpacked"
 say "all well"

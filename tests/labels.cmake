@@ -19,10 +19,11 @@ function(repeated test)
   endforeach()
 endfunction()
 
-# Whole tests, of which these run the same code: Scan.TheSameBytesForAnyNumberOfThreads and
+# Whole tests, of which these run the same code: tests of each command; Scan.TheSameBytesForAnyNumberOfThreads and
 # Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads; Reconstruct.GeoreferencedInputLosesNothing;
 # CoarseToFine.EmptyCoarseLevelsShowWhereToStart; Units.PowersOfTwoScaleTheMeshExactly.
 foreach(test
+    Program.TheCommandsOfItsFirstPageWork
     Reconstruct.TheSameBytesForAnyNumberOfThreads
     Georeferenced.CoordinatesLoseNothing
     Plate.OfThreeVoxelsStaysWholeThoughCoarseLevelsLoseIt
