@@ -13,10 +13,10 @@ namespace soapfilm::cli {
 
 namespace {
 
-constexpr double coarser = 4;      // times as large cells
-constexpr int fewest_cells = 16;   // along the longest axis, if the full run has as many
-constexpr size_t enough = 50'000;  // samples
-constexpr size_t most_of_one = 4;  // of so many samples at most one stays: each larger face still holds some
+constexpr double coarser = 4;       // times as large cells
+constexpr int fewest_cells = 16;    // along the longest axis, if the full run has as many
+constexpr size_t enough = 100'000;  // samples
+constexpr size_t most_of_one = 16;  // of so many at most one stays: as many for a larger face as one had before
 
 /// Evenly mixed bits of a number (the finalizer of SplitMix64): every fourth sample of a scan would be a stripe of it.
 uint64_t mixed(uint64_t i) {
@@ -54,7 +54,6 @@ void make_preview(ReconstructParams& params, PointCloud& cloud, Progress& progre
   // What a face of a cell holds of the samples that stay, over what it held.
   const double more = larger * larger / static_cast<double>(one_of);
   place.samples_per_voxel2 *= more;
-  params.surface.relax.split_tolerance = 0;  // splitting edges would be half of the time
   if (params.energy.lambda) params.energy.lambda = *params.energy.lambda * more;
   progress.info(fmt::format("preview: cells {:.3g} times as large{}", larger,
                             one_of > 1 ? fmt::format(", one sample of {}", one_of) : ""));

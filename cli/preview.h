@@ -14,8 +14,8 @@ namespace soapfilm::cli {
 /// folders of scans are often shared or read-only, and several inputs may lie in several of them.
 std::string default_mesh(const std::string& input, bool preview);
 
-/// Parameters and samples of a first look: cells four times as large, of many samples a part, and no edges split, so
-/// that most of the time goes to reading the file. Tells how many.
+/// Parameters and samples of a first look: cells four times as large, and of many samples a part, so that much of the
+/// time goes to reading the file. Tells how many.
 void make_preview(ReconstructParams& params, PointCloud& cloud, Progress& progress);
 
 /// The command line of the full run: without --preview.
