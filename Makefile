@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find include src tools cli tests fuzz examples bench -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test fuzz bench paper accuracy scenes deb test-deb format format-check tidy clean
+.PHONY: help build demo test fuzz docs bench paper accuracy scenes deb test-deb format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -26,7 +26,9 @@ test-shared: ## an outside project links the shared library
 test-%: build-%
 	$(if $(FULL),SOAPFILM_FULL=1) ctest --preset $* --parallel $(JOBS) $(if $(FULL),--timeout 7200)
 
-fuzz: packages-fuzz build-fuzz ## fuzz readers, parameters and the C interface (SECONDS=600 for each; FORMATS=.las: only these)
+fuzz: packages-build packages-asan ## fuzz readers, parameters, the C interface (SECONDS=600 for each; FORMATS=.las: only these)
+	@test -f build/asan/build.ninja || cmake --preset asan $(CONFIGURE)
+	cmake --build --preset fuzz --parallel $(JOBS)
 	sh fuzz/run.sh $(or $(SECONDS),600) $(FORMATS)
 
 build-%: packages-build
@@ -64,6 +66,9 @@ format: packages-format ## lay the sources out
 
 format-check: packages-format ## fail if `make format` would change anything
 	$(SOURCES) | xargs clang-format --dry-run -Werror
+
+docs: packages-docs ## the documentation as a site, to out/site/
+	/usr/bin/python3 -B docs/site/stage.py out/site-pages && mkdocs build --strict --quiet && doxygen docs/site/Doxyfile
 
 tidy: packages-tidy build-dev ## lint with clang-tidy
 	find src tools cli -name '*.cpp' | xargs -n 1 -P $(JOBS) clang-tidy --quiet -p build/dev --extra-arg=-Wno-unknown-warning-option

@@ -81,7 +81,7 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
   std::optional<PointCloud> samples;
   stages.run("read", [&] {
     truth = make_object("truth", options.truth, context);  // first: its options are checked before files
-    mesh = read_surface(options.mesh);
+    mesh = read_surface(options.mesh, context);
     if (!options.samples.empty()) {
       ReadReport read;
       samples = read_cloud({options.samples}, {}, context, read);

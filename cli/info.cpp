@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/coordinate_system.h"
 #include "cli/json.h"
 #include "cli/print.h"
 #include "cli/read_cloud.h"
@@ -44,6 +45,13 @@ ordered_json scan_facts(const Scan& scan) {
   return facts;
 }
 
+/// Of the coordinates; empty: the file does not say.
+std::string unit_of(const PointCloud& cloud, const ReadReport& report) {
+  if (!cloud.coordinate_system.empty()) return coordinate_system_of(cloud.coordinate_system).unit;
+  const auto in_meters = [](const FileReport& file) { return file.format.starts_with("E57"); };
+  return std::all_of(report.files.begin(), report.files.end(), in_meters) ? "meter" : "";
+}
+
 ordered_json point_facts(const std::string& path, const ReadOptions& options) {
   ReadReport report;
   const PointCloud cloud = read_points(path, &report, Context(0), options);
@@ -68,6 +76,7 @@ ordered_json point_facts(const std::string& path, const ReadOptions& options) {
                         {"warnings", report.warnings}};
   for (const Column& column : cloud.columns) facts["columns"].push_back(column.name);
   if (!cloud.coordinate_system.empty()) facts["coordinate_system"] = cloud.coordinate_system;
+  facts["unit"] = unit_of(cloud, report);
   std::vector<std::string> formats;  // each once, in order
   std::vector<std::string> properties;
   const auto add = [](std::vector<std::string>& to, const std::string& name) {
@@ -84,7 +93,8 @@ ordered_json point_facts(const std::string& path, const ReadOptions& options) {
 }
 
 ordered_json mesh_facts(const std::string& path) {
-  const Mesh mesh = read_mesh(path);
+  ReadReport report;
+  const Mesh mesh = read_mesh(path, &report);
   const TopologyReport topology = check_topology(mesh);
   const Box3d box = mesh.box();
   ordered_json facts = {{"file", path},
@@ -98,7 +108,8 @@ ordered_json mesh_facts(const std::string& path) {
                         {"volume", topology.closed() ? ordered_json(mesh.volume()) : ordered_json(nullptr)},
                         {"normals", !mesh.normals.empty()},
                         {"colors", !mesh.colors.empty()},
-                        {"attributes", ordered_json::array()}};
+                        {"attributes", ordered_json::array()},
+                        {"warnings", report.warnings}};
   facts["closed"] = topology.closed();
   facts["manifold"] = topology.manifold();
   facts["boundary_edges"] = topology.boundary_edges;
@@ -203,7 +214,10 @@ void print_points(const ordered_json& facts) {
   if (!facts["columns"].empty())
     lines.emplace_back("columns", fmt::format("{}", fmt::join(facts["columns"].get<std::vector<std::string>>(), " ")));
   if (facts.contains("coordinate_system"))
-    lines.emplace_back("coordinates", facts["coordinate_system"].get<std::string>());
+    lines.emplace_back("coordinates",
+                       coordinate_system_of(facts["coordinate_system"].get_ref<const std::string&>()).name);
+  const std::string unit = facts["unit"];
+  lines.emplace_back("unit", unit.empty() ? "not said" : unit);
   lines.emplace_back("scans", grouped(facts["scans"].size()));
   print_lines(lines);
   print_scans(facts["scans"], 0.1 * spacing);
@@ -247,11 +261,10 @@ int run_info(const InfoOptions& options) {
       continue;
     }
     print(stdout, fmt::format("{}{}\n", path == options.files.front() ? "" : "\n", path));
-    if (facts["kind"] == "mesh") {
+    if (facts["kind"] == "mesh")
       print_mesh(facts);
-      continue;
-    }
-    print_points(facts);
+    else
+      print_points(facts);
     for (const ordered_json& warning : facts["warnings"])
       print(stdout, fmt::format("  warning: {}\n", warning.get<std::string>()));
   }

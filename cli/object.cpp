@@ -59,7 +59,7 @@ Object scene_object(const ObjectOptions& options, const Context& context) {
 
 Object mesh_object(const ObjectOptions& options, const Context& context) {
   refuse_shape_options(options, "mesh");
-  const auto mesh = std::make_shared<const MeshSurface>(read_surface(options.name), context);
+  const auto mesh = std::make_shared<const MeshSurface>(read_surface(options.name, context), context);
   if (mesh->reversed())
     context.progress().warn(fmt::format("{}: inside-out (negative volume), its faces are turned", options.name));
   return {mesh,
@@ -100,8 +100,10 @@ void add_shape_options(CLI::App& app, ObjectOptions& o) {
       ->option_text(fmt::format("V [{:g}]", o.shape.gap));
 }
 
-Mesh read_surface(const std::string& path) {
-  Mesh mesh = read_mesh(path);
+Mesh read_surface(const std::string& path, const Context& context) {
+  ReadReport read;
+  Mesh mesh = read_mesh(path, &read);
+  for (const std::string& warning : read.warnings) context.progress().warn(warning);
   const double area = mesh.area();
   if (!(area > 0) || !std::isfinite(area))
     throw InputError(fmt::format("{}: a mesh of area {:g}, must be > 0 and finite", path, area));

@@ -41,7 +41,7 @@ struct Object {
 };
 
 /// A mesh that has an area to measure; throws InputError naming the file.
-Mesh read_surface(const std::string& path);
+Mesh read_surface(const std::string& path, const Context& context);
 
 /// `option` names the object in error messages. Warns of a closed mesh that is inside-out; its faces are flipped.
 Object make_object(const char* option, const ObjectOptions& options, const Context& context);

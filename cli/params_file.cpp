@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "soapfilm/error.h"
-#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm::cli {
 

@@ -13,6 +13,7 @@
 #include "cli/parse.h"
 #include "cli/print.h"
 #include "cli/suggest.h"
+#include "cli/terminal.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
@@ -139,18 +140,22 @@ int run(const Request& request, const GlobalOptions& options) {
   if (!is_png(request.output)) throw OutputError(fmt::format("{}: unknown extension, must be .png", request.output));
   check_output(request.output);
 
+  TerminalProgress progress(options);
+  const Context context(options.threads);
   using Shape = std::variant<Mesh, PointCloud>;
   std::vector<Shape> shapes;
   for (const std::string& path : request.inputs) {
     const bool is_mesh = !request.as_points && file_kind(path) == FileKind::mesh;
-    shapes.push_back(is_mesh ? Shape(read_mesh(path)) : Shape(read_points(path)));
+    ReadReport read;
+    shapes.push_back(is_mesh ? Shape(read_mesh(path, &read)) : Shape(read_points(path, &read, context)));
+    for (const std::string& warning : read.warnings) progress.warn(warning);
   }
   std::vector<RenderItem> items(shapes.size());
   for (size_t i = 0; i < shapes.size(); ++i) {
     std::visit([&](const auto& shape) { items[i].shape = &shape; }, shapes[i]);
     if (i < request.captions.size()) items[i].caption = request.captions[i];
   }
-  const Image image = render(items, params, Context(options.threads));
+  const Image image = render(items, params, context);
   write_png(request.output, image);
   if (!options.quiet) print(stdout, fmt::format("{}: {} x {} pixels\n", request.output, image.width, image.height));
   return 0;

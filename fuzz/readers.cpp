@@ -77,8 +77,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     for (const std::string& warning : report.warnings) fuzz::require_one_line(warning);
   });
   read_or_refuse(bytes, [](io::ByteSource& source) {
-    const std::string broken = test::broken_law(read_mesh(source));
+    ReadReport report;
+    const std::string broken = test::broken_law(read_mesh(source, report));
     fuzz::require(broken.empty(), broken);
+    for (const std::string& warning : report.warnings) fuzz::require_one_line(warning);
   });
   return 0;
 }

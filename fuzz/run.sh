@@ -1,12 +1,12 @@
 #!/bin/sh
-# fuzz/run.sh SECONDS [each|FORMAT...]: runs the fuzzers of build/fuzz for so long each, as many at once as there are cores
+# fuzz/run.sh SECONDS [each|FORMAT...]: runs the fuzzers of build/asan for so long each, as many at once as there are cores
 # (at most two). FORMAT: an extension such as .las, params or c_interface; default: all, the extensions as the program
 # lists them; each: one extension of each reader, params and c_interface. Inputs that were found are kept in out/fuzz/, those that break something in out/fuzz/found/; then it fails.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 seconds=${1:?usage: fuzz/run.sh SECONDS [FORMAT...]}
 shift
-bin=build/fuzz/bin
+bin=build/asan/bin
 out=out/fuzz
 python=/usr/bin/python3
 mkdir -p "$out/found" "$out/log"

@@ -1,5 +1,5 @@
 # cmake -D BUILD= -D CTEST= -D SOURCE= -P repeated_names.cmake
-# Each name in labels.cmake is a test's; those of SIMD targets that this machine lacks are not looked for.
+# Each name in repeated.cmake is a test's; those of SIMD targets that this machine lacks are not looked for.
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${CTEST} -N WORKING_DIRECTORY ${BUILD} OUTPUT_VARIABLE listed RESULT_VARIABLE result)
 if(NOT result EQUAL 0)
@@ -13,16 +13,13 @@ foreach(line IN LISTS lines)
   list(APPEND tests "${name}")
 endforeach()
 
-set(count 0)
-function(set_tests_properties test)
-  math(EXPR count "${count} + 1")
-  set(count ${count} PARENT_SCOPE)
+include(${SOURCE}/tests/repeated.cmake)
+foreach(test IN LISTS REPEATED)
   string(REGEX REPLACE "(_Slow|Slow)$" "" name "${test}")
   if(NOT name IN_LIST tests AND NOT name MATCHES "/(ssse3|sse4|avx)[a-z0-9_]*$")
-    message(SEND_ERROR "tests/labels.cmake: ${test} is no test's name")
+    message(SEND_ERROR "tests/repeated.cmake: ${test} is no test's name")
   endif()
-endfunction()
-include(${SOURCE}/tests/labels.cmake)
+endforeach()
 list(LENGTH tests total)
 if(total LESS 1000)
   message(SEND_ERROR "${CTEST} -N lists ${total} tests, must be 1000 or more")

@@ -47,8 +47,8 @@ PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report
                        const Context& context = Context(1), const ReadOptions& options = {});
 
 /// Reads a triangle mesh; polygons become fans of triangles. Throws InputError for a file that cannot be read to its
-/// end, has no faces, an index out of range or a non-finite coordinate.
-Mesh read_mesh(const std::string& path);
+/// end, has no faces, an index out of range or a non-finite coordinate. The report gets warnings alone.
+Mesh read_mesh(const std::string& path, ReadReport* report = nullptr);
 
 struct WriteOptions {
   bool ascii = false;                 ///< PLY and STL as text; OBJ always is

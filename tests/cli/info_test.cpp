@@ -45,6 +45,13 @@ TEST_F(Info, PrintsATable) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part << " in:\n" << result.out;
 }
 
+TEST_F(Info, OfAMeshTellsWhatIsNotRead) {
+  const std::string path = folder_.file("mesh.stl");
+  write_mesh(path, read_mesh(mesh_));
+  std::ofstream(path, std::ios::app) << "more";
+  EXPECT_NE(info({path}).out.find("4 bytes after the last triangle are not read"), std::string::npos);
+}
+
 TEST_F(Info, PrintsJson) {
   const ProcessResult result = info({"--json", cloud_, mesh_});
   ASSERT_EQ(result.exit_code, 0) << result.err;

@@ -6,7 +6,7 @@
 #include "files.h"
 #include "samples.h"
 #include "soapfilm/io.h"
-#include "soapfilm/io/atomic_file.h"
+#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/files.h"
 
 namespace soapfilm {

@@ -5,7 +5,7 @@
 #include <initializer_list>
 #include <string>
 
-#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm {
 

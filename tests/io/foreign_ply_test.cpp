@@ -6,7 +6,7 @@
 #include "files.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/io.h"
-#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/bytes/byte_source.h"
 #include "soapfilm/io/files.h"
 
 namespace soapfilm {

@@ -3,7 +3,7 @@
 #include "samples.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/io.h"
-#include "soapfilm/io/text.h"
+#include "soapfilm/io/text/text.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -187,6 +187,20 @@ TEST(Stl, BinaryFileThatBeginsWithSolidIsBinary) {
   std::string bytes = folder.read("m.stl");
   bytes.replace(0, 9, "solid abc");
   EXPECT_EQ(read_mesh(folder.write("n.stl", bytes)).triangles.size(), 32u);
+}
+
+TEST(BinaryMeshes, BytesAfterTheLastElementAreToldOf) {
+  const TemporaryFolder folder;
+  for (const char* name : {"m.stl", "m.ply"}) {
+    write_mesh(folder / name, torus_mesh(4, 1));
+    ReadReport report;
+    const std::string bytes = folder.read(name);
+    EXPECT_EQ(read_mesh(folder / name, &report).triangles.size(), 32u);
+    EXPECT_TRUE(report.warnings.empty()) << name;
+    EXPECT_EQ(read_mesh(folder.write(std::string("longer_") + name, bytes + "abcde"), &report).triangles.size(), 32u);
+    ASSERT_EQ(report.warnings.size(), 1u) << name;
+    EXPECT_NE(report.warnings[0].find("5 bytes after the last"), std::string::npos) << report.warnings[0];
+  }
 }
 
 TEST(Stl, SeveralSolidsInAnyCase) {

@@ -3,7 +3,7 @@
 
 #include "pcd_files.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/io/lzf.h"
+#include "soapfilm/io/bytes/lzf.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm {
 

@@ -9,7 +9,7 @@
 #include "samples.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/io.h"
-#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/bytes/byte_source.h"
 #include "soapfilm/io/files.h"
 
 namespace soapfilm {

@@ -4,7 +4,7 @@
 #include "files.h"
 #include "samples.h"
 #include "soapfilm/io.h"
-#include "soapfilm/io/scan_set.h"
+#include "soapfilm/io/sets/scan_set.h"
 #include "soapfilm/io/summary.h"
 #include "support/real_data.h"
 

@@ -7,10 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "support/sanitized.h"
+
 namespace soapfilm {
 namespace TEST_FILE {
 
 const Context one_thread(1);
+constexpr int most_layers = test::sanitized ? 20 : 80;
 using Values = std::vector<uint64_t>;
 
 /// The sum over a layer and those next to it.
@@ -77,7 +80,7 @@ TEST(LayerByLayer, StagesFollowOneAnother) {
 TEST(LayerByLayer, OnAnyNumberOfThreads) {
   for (const int threads : {2, 3, 8}) {
     const Context context(threads);
-    for (int layers = 0; layers <= 80; ++layers)
+    for (int layers = 0; layers <= most_layers; ++layers)
       for_each_depth([&](auto stages) {
         if constexpr (stages.size() > 0) {
           EXPECT_EQ(run(layers, context, stages).values, run(layers, one_thread, stages).values) << layers;
@@ -89,7 +92,7 @@ TEST(LayerByLayer, OnAnyNumberOfThreads) {
 TEST(LayerByLayer, EvenLayersAddBeforeOddOnesOnAnyNumberOfThreads) {
   for (const int threads : {1, 2, 3, 8}) {
     const Context context(threads);
-    for (int layers = 0; layers <= 80; ++layers)
+    for (int layers = 0; layers <= most_layers; ++layers)
       for_each_depth([&](auto stages) {
         Pass expected(layers, stages.size());
         if constexpr (stages.size() > 0) expected = run(layers, one_thread, stages);

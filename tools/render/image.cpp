@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "soapfilm/error.h"
-#include "soapfilm/io/atomic_file.h"
+#include "soapfilm/io/bytes/atomic_file.h"
 
 namespace soapfilm {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "soapfilm/io.h"
-#include "soapfilm/io/scan_set.h"
+#include "soapfilm/io/sets/scan_set.h"
 
 namespace soapfilm {
 

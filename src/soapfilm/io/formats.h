@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "soapfilm/io.h"
-#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm::io {
 
@@ -18,7 +18,7 @@ struct Format {
   bool (*has_faces)(ByteSource& source) = nullptr;     ///< of a format of clouds and meshes, which is it?
   PointCloud (*read_points)(ByteSource& source, ReadReport& report, const ReadOptions& options,
                             const Context& context) = nullptr;
-  Mesh (*read_mesh)(ByteSource& source) = nullptr;
+  Mesh (*read_mesh)(ByteSource& source, ReadReport& report) = nullptr;
   WriteReport (*write_points)(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
                               const Context& context) = nullptr;
   WriteReport (*write_mesh)(const std::string& path, const Mesh& mesh, const WriteOptions& options,
@@ -46,6 +46,6 @@ namespace soapfilm {
 
 /// read_points() and read_mesh() of io.h once the file is open.
 PointCloud read_points(io::ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
-Mesh read_mesh(io::ByteSource& source);
+Mesh read_mesh(io::ByteSource& source, ReadReport& report);
 
 }  // namespace soapfilm

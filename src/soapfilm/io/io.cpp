@@ -10,8 +10,8 @@
 #include "soapfilm/error.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/formats.h"
-#include "soapfilm/io/read_each.h"
-#include "soapfilm/io/text.h"
+#include "soapfilm/io/sets/read_each.h"
+#include "soapfilm/io/text/text.h"
 
 namespace soapfilm {
 
@@ -95,15 +95,16 @@ PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report
                        [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, silent, options); });
 }
 
-Mesh read_mesh(io::ByteSource& source) {
+Mesh read_mesh(io::ByteSource& source, ReadReport& report) {
   const Format& format =
       require<InputError>(source.path(), io::format_of(source), reads_meshes, " to be read as a mesh");
-  return format.read_mesh(source);
+  return format.read_mesh(source, report);
 }
 
-Mesh read_mesh(const std::string& path) {
+Mesh read_mesh(const std::string& path, ReadReport* report) {
+  ReadReport unused;
   io::ByteSource source(path);
-  return read_mesh(source);
+  return read_mesh(source, report != nullptr ? *report : unused);
 }
 
 FileKind file_kind(const std::string& path) {

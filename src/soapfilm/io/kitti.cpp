@@ -9,8 +9,8 @@
 #include <filesystem>
 
 #include "soapfilm/error.h"
-#include "soapfilm/io/binary_fields.h"
-#include "soapfilm/io/text.h"
+#include "soapfilm/io/bytes/binary_fields.h"
+#include "soapfilm/io/text/text.h"
 
 namespace soapfilm::io {
 

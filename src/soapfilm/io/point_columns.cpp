@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "soapfilm/io/text.h"
+#include "soapfilm/io/text/text.h"
 
 namespace soapfilm::io {
 

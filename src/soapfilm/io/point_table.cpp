@@ -12,7 +12,7 @@
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/point_columns.h"
-#include "soapfilm/io/text.h"
+#include "soapfilm/io/text/text.h"
 
 namespace soapfilm::io {
 

@@ -11,9 +11,9 @@
 #include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
-#include "soapfilm/io/number_line.h"
 #include "soapfilm/io/point_table.h"
-#include "soapfilm/io/text.h"
+#include "soapfilm/io/text/number_line.h"
+#include "soapfilm/io/text/text.h"
 
 namespace soapfilm::io {
 

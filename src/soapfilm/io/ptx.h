@@ -2,7 +2,7 @@
 #pragma once
 
 #include "soapfilm/io.h"
-#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm::io {
 

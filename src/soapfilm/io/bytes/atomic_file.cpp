@@ -1,0 +1,129 @@
+#include "soapfilm/io/bytes/atomic_file.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <atomic>
+#include <climits>
+#include <filesystem>
+
+#include "soapfilm/error.h"
+#include "soapfilm/io.h"
+
+namespace soapfilm::io {
+
+namespace {
+
+/// Names of the temporary files in use, where a signal handler can read them: fixed memory, lock-free states. The only
+/// state at file scope in this folder; a signal handler has no other access.
+struct TemporaryName {
+  enum State { unused, changing, in_use };
+  std::atomic<int> state{unused};
+  char path[PATH_MAX] = {};
+};
+static_assert(std::atomic<int>::is_always_lock_free);
+std::array<TemporaryName, 16> temporary_names;
+
+/// Returns the slot that stores the name; -1 when it is too long or all are in use (then a signal leaves the file
+/// behind).
+int remember(const std::string& path) {
+  if (path.size() >= PATH_MAX) return -1;
+  for (size_t i = 0; i < temporary_names.size(); ++i) {
+    int expected = TemporaryName::unused;
+    if (!temporary_names[i].state.compare_exchange_strong(expected, TemporaryName::changing)) continue;
+    std::memcpy(temporary_names[i].path, path.c_str(), path.size() + 1);
+    temporary_names[i].state.store(TemporaryName::in_use);
+    return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void forget(int slot) {
+  if (slot >= 0) temporary_names[static_cast<size_t>(slot)].state.store(TemporaryName::unused);
+}
+
+std::string resolve_links(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path resolved = std::filesystem::canonical(path, error);
+  return error ? path : resolved.string();
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const std::string& path)
+    : path_(path), target_(resolve_links(path)), buffer_(new char[capacity]) {
+  struct stat status {};
+  const bool exists = ::stat(target_.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode)) throw OutputError(path + ": is a directory, must be a file");
+  if (exists && !S_ISREG(status.st_mode)) {
+    file_.reset(::open(target_.c_str(), O_WRONLY | O_CLOEXEC));
+    if (!file_.is_open()) fail(errno);
+    return;
+  }
+  if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
+
+  const std::filesystem::path target(target_);
+  constexpr int attempts = 1000;
+  for (int attempt = 0; attempt < attempts && !file_.is_open(); ++attempt) {
+    const std::string name = fmt::format(".{}.{}-{}.tmp", target.filename().string(), ::getpid(), attempt);
+    temporary_ = (target.parent_path() / name).string();
+    file_.reset(::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (!file_.is_open() && errno != EEXIST) break;
+  }
+  if (!file_.is_open()) {
+    const int error = errno;
+    temporary_.clear();
+    fail(error);
+  }
+  slot_ = remember(temporary_);
+}
+
+AtomicFile::~AtomicFile() {
+  file_.close();
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  forget(slot_);
+}
+
+void AtomicFile::commit() {
+  flush();
+  if (file_.close() != 0) fail(errno);
+  if (temporary_.empty()) return;
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
+  temporary_.clear();
+}
+
+void AtomicFile::flush() {
+  const size_t used = used_;
+  used_ = 0;
+  write_out({buffer_.get(), used});
+}
+
+void AtomicFile::write_out(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file_.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(errno);
+    bytes.remove_prefix(static_cast<size_t>(written));
+  }
+}
+
+void AtomicFile::fail(int error) const { throw OutputError(path_ + ": cannot be written: " + error_text(error)); }
+
+}  // namespace soapfilm::io
+
+namespace soapfilm {
+
+void remove_temporary_files() noexcept {
+  for (io::TemporaryName& name : io::temporary_names)
+    if (name.state.load() == io::TemporaryName::in_use) ::unlink(name.path);
+}
+
+void write_text_file(const std::string& path, const std::string& text) {
+  io::AtomicFile file(path);
+  file.append(text);
+  file.commit();
+}
+
+void check_output(const std::string& path) { const io::AtomicFile file(path); }
+
+}  // namespace soapfilm

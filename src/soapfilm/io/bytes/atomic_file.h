@@ -1,0 +1,66 @@
+// All output files are written here: complete or not at all.
+#pragma once
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "soapfilm/io/bytes/encode.h"
+#include "soapfilm/io/bytes/file_descriptor.h"
+
+namespace soapfilm::io {
+
+/// Buffered output to a temporary name in the target's folder; commit() renames it, the destructor of an uncommitted
+/// file removes it. A target that exists and is no regular file (a pipe, a terminal) is written to directly.
+class AtomicFile {
+ public:
+  /// Throws OutputError when the folder is missing or not writable, or the target is a directory.
+  explicit AtomicFile(const std::string& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void append(std::string_view bytes) {
+    if (bytes.size() > capacity - used_) {
+      flush();
+      if (bytes.size() > capacity) return write_out(bytes);
+    }
+    std::memcpy(buffer_.get() + used_, bytes.data(), bytes.size());
+    used_ += bytes.size();
+  }
+
+  /// One value, little-endian.
+  template <class T>
+  void append_binary(T value) {
+    if (sizeof(T) > capacity - used_) flush();
+    used_to(put_binary(buffer_.get() + used_, value));
+  }
+
+  /// One number as the shortest text that reads back as the same value.
+  template <class T>
+  void append_text(T value) {
+    if (longest_number > capacity - used_) flush();
+    used_to(put_text(buffer_.get() + used_, value));
+  }
+
+  /// Writes the rest of the buffer and renames the file to its target. Throws OutputError.
+  void commit();
+
+ private:
+  static constexpr size_t capacity = size_t{1} << 18;
+  void used_to(const char* end) { used_ = static_cast<size_t>(end - buffer_.get()); }
+  void flush();
+  void write_out(std::string_view bytes);
+  [[noreturn]] void fail(int error) const;
+
+  std::string path_;
+  std::string target_;     // path_ with symbolic links resolved
+  std::string temporary_;  // empty once renamed, and for a target written to directly
+  int slot_ = -1;          // its place in the table of remove_temporary_files()
+  FileDescriptor file_;
+  std::unique_ptr<char[]> buffer_;
+  size_t used_ = 0;
+};
+
+}  // namespace soapfilm::io

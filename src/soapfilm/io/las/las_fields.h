@@ -1,0 +1,20 @@
+// The fields of a LAS point record, by their places in the eleven point formats.
+#pragma once
+
+#include <vector>
+
+#include "soapfilm/io/bytes/binary_fields.h"
+#include "soapfilm/io/las/las_header.h"
+#include "soapfilm/io/las/las_records.h"
+
+namespace soapfilm::io {
+
+struct LasFields {
+  std::vector<BinaryField> all;           ///< with names; they become the cloud's columns
+  BinaryField withheld;                   ///< 1: to be left out
+  std::optional<BinaryField> gps_time{};  ///< as it is stored; in `all` it counts from the file's first
+};
+
+LasFields las_fields(const ByteSource& source, const LasHeader& header, const LasRecords& records);
+
+}  // namespace soapfilm::io

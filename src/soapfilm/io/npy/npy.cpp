@@ -1,0 +1,145 @@
+#include "soapfilm/io/npy/npy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "soapfilm/core/printable.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io/npy/npy_header.h"
+#include "soapfilm/io/npy/unnamed_columns.h"
+#include "soapfilm/io/text/text.h"
+
+namespace soapfilm::io {
+
+namespace {
+
+class NpyReader {
+ public:
+  NpyReader(ByteSource& source, ReadReport& report, const Context& context)
+      : source_(source), report_(report), context_(context), header_(read_npy_header(source)) {}
+
+  PointCloud read() {
+    if (header_.has_names)
+      use_names();
+    else
+      use_columns();
+    PointCloud cloud = read_rows();
+    Scan scan;
+    scan.name = std::filesystem::path(source_.path()).stem().string();
+    scan.end = cloud.size();
+    cloud.scans.push_back(std::move(scan));
+
+    FileReport file;
+    file.path = source_.path();
+    file.format = fmt::format("NumPy array {}", describe_shape(header_.shape));
+    for (const BinaryField& field : fields_) file.properties.push_back(field.name);
+    const PointColumns columns = meaning();
+    const bool float32 = std::all_of(columns.position.index.begin(), columns.position.index.end(),
+                                     [&](size_t k) { return fields_[k].type == NumberType::float32; });
+    finish_points(cloud, std::move(file), {.float32 = float32}, report_);
+    return cloud;
+  }
+
+ private:
+  void warn(const std::string& message) { report_.warnings.push_back(source_.path() + ": " + message); }
+
+  [[noreturn]] void fail(const std::string& message) const { throw InputError(source_.path() + ": " + message); }
+
+  PointColumns meaning() const {
+    std::vector<std::string> names;
+    for (const BinaryField& field : fields_) names.push_back(field.name);
+    return meaning_of(names);
+  }
+
+  void check_size(uint64_t rows, size_t row_bytes) {
+    const size_t left = source_.bytes().size() - header_.data;
+    if (rows == 0) fail(fmt::format("shape = {}: holds no samples", describe_shape(header_.shape)));
+    if (rows > left / row_bytes)
+      fail(fmt::format("byte {}: shape = {} of {} bytes each row, must be at most {} rows: the file is truncated",
+                       header_.data, describe_shape(header_.shape), row_bytes, left / row_bytes));
+    rows_ = static_cast<size_t>(rows);
+    if (left > rows_ * row_bytes) warn(fmt::format("{} bytes after the array are not read", left - rows_ * row_bytes));
+  }
+
+  /// One element with fields for each sample.
+  void use_names() {
+    if (header_.shape.size() != 1)
+      fail(fmt::format("shape = {}, must be (n,) of elements with named fields", describe_shape(header_.shape)));
+    check_size(header_.shape[0], header_.element_bytes);
+    fields_ = header_.fields;
+    for (BinaryField& field : fields_) {
+      field.name = printable(std::move(field.name));  // it reaches reports and files
+      field.offset += header_.data;
+      field.stride = header_.element_bytes;
+    }
+    if (!meaning().position.present()) {
+      std::string names;
+      for (const BinaryField& field : fields_)
+        if (names.size() < 200) names += (names.empty() ? "" : ", ") + in_quotes(field.name);
+      fail(fmt::format("has the fields {}, must have x, y and z among them", names.empty() ? "(none)" : names));
+    }
+    std::string unread;
+    for (const std::string& name : header_.unread)
+      if (unread.size() < 200) unread += (unread.empty() ? "" : ", ") + in_quotes(name);
+    if (!unread.empty()) warn(fmt::format("fields that are no numbers of 1 to 8 bytes are not read: {}", unread));
+  }
+
+  /// One row of numbers for each sample.
+  void use_columns() {
+    constexpr std::string_view expected = "must be (n, 3), (n, 4), (n, 6) or more columns: x y z and further ones";
+    const std::vector<uint64_t>& shape = header_.shape;
+    if (shape.size() != 2 || shape[1] < 3 || shape[1] > NpyHeader::most_fields) {
+      const bool is_turned = shape.size() == 2 && shape[0] >= 3 && shape[0] <= 10;
+      fail(fmt::format("shape = {}, {}{}", describe_shape(shape), expected,
+                       is_turned ? " (save the transposed array)" : ""));
+    }
+    const auto columns = static_cast<size_t>(shape[1]);
+    check_size(shape[0], columns * header_.element_bytes);
+    for (size_t k = 0; k < columns; ++k) {
+      BinaryField field = header_.fields.at(0);
+      field.stride = header_.fortran_order ? header_.element_bytes : columns * header_.element_bytes;
+      field.offset = header_.data + k * header_.element_bytes * (header_.fortran_order ? rows_ : 1);
+      fields_.push_back(std::move(field));
+    }
+    JudgedColumns judged = judge_columns(source_.bytes(), fields_, rows_);
+    for (size_t k = 0; k < columns; ++k) fields_[k].name = std::move(judged.names[k]);
+    for (const std::string& warning : judged.warnings) warn(warning);
+    largest_color_ = judged.largest_color;
+  }
+
+  PointCloud read_rows() {
+    FieldReader reader(source_, fields_, meaning());
+    reader.limit_colors(largest_color_);
+    PointCloud cloud = reader.cloud_for_rows(rows_);
+    const bool in_order = header_.has_names || !header_.fortran_order;
+    for (size_t first = 0; first < rows_; first += FieldReader::block_rows) {
+      context_.check();
+      if (in_order) source_.release_before(header_.data + first * fields_[0].stride);
+      reader.append(first, std::min(FieldReader::block_rows, rows_ - first), nullptr, cloud);
+    }
+    reader.finish(cloud);
+    if (reader.without_color() > 0)
+      warn(fmt::format("{} of {} samples have numbers that are no color: gray", reader.without_color(), rows_));
+    return cloud;
+  }
+
+  ByteSource& source_;
+  ReadReport& report_;
+  const Context& context_;
+  NpyHeader header_;
+  std::vector<BinaryField> fields_;
+  size_t rows_ = 0;
+  double largest_color_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+bool looks_like_npy(const ByteSource& source) { return source.begins_with("\x93NUMPY"); }
+
+PointCloud read_npy(ByteSource& source, ReadReport& report, const ReadOptions&, const Context& context) {
+  return NpyReader(source, report, context).read();
+}
+
+}  // namespace soapfilm::io

@@ -1,0 +1,11 @@
+// PCD, the Point Cloud Library's format, versions .5 to 0.7.
+#pragma once
+
+#include "soapfilm/io.h"
+#include "soapfilm/io/bytes/byte_source.h"
+
+namespace soapfilm::io {
+
+PointCloud read_pcd(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
+
+}  // namespace soapfilm::io

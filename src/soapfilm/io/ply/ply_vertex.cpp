@@ -1,0 +1,74 @@
+#include "soapfilm/io/ply/ply_vertex.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "soapfilm/error.h"
+
+namespace soapfilm::io {
+
+namespace {
+
+/// Text may say more than a byte holds.
+uint8_t byte_of(double value) { return value > 0 ? static_cast<uint8_t>(std::min(value, 255.0)) : uint8_t{0}; }
+
+}  // namespace
+
+PlyColors::PlyColors(const PlyVertexLayout& layout, size_t count) : layout_(layout) {
+  if (!layout.color.present()) return;
+  if (layout.byte_colors)
+    bytes_.reserve(count);
+  else
+    numbers_.reserve(count);
+}
+
+void PlyColors::add(const PlyRows& rows) {
+  if (!layout_.color.present()) return;
+  const Vec3d color = read(rows, layout_.color);
+  if (layout_.byte_colors)
+    bytes_.push_back({byte_of(color.x), byte_of(color.y), byte_of(color.z)});
+  else
+    numbers_.add(color.x, color.y, color.z);
+}
+
+std::vector<Rgb8> PlyColors::finish() {
+  return layout_.byte_colors ? std::move(bytes_) : numbers_.bytes(layout_.whole_colors);
+}
+
+PlyVertexLayout find_vertex_layout(const PlyElement& vertex, const std::string& path) {
+  PlyVertexLayout layout;
+  std::vector<std::string> scalars;  // a list has no meaning here
+  for (const PlyProperty& property : vertex.properties) {
+    layout.names.push_back(property.name);
+    scalars.push_back(property.is_list() ? std::string() : property.name);
+  }
+  static_cast<PointColumns&>(layout) = meaning_of(scalars);
+  std::erase_if(layout.others, [&](size_t k) { return vertex.properties[k].is_list(); });
+  if (!layout.position.present())
+    throw InputError(fmt::format("{}:{}: element 'vertex' lacks a property, must have x, y and z", path, vertex.line));
+  if (layout.color.present()) {
+    const PlyType type = vertex.properties[layout.color[0]].type;
+    layout.whole_colors = is_integer(type);
+    layout.byte_colors = std::all_of(layout.color.index.begin(), layout.color.index.end(),
+                                     [&](size_t k) { return vertex.properties[k].type == PlyType::uint8; });
+  }
+  return layout;
+}
+
+const PlyElement& vertex_element(const PlyHeader& header, const std::string& path) {
+  const PlyElement* vertex = header.find("vertex");
+  if (vertex == nullptr) throw InputError(path + ": the header has no element 'vertex'");
+  if (vertex->count == 0)
+    throw InputError(fmt::format("{}:{}: element 'vertex': count = 0, must be > 0", path, vertex->line));
+  return *vertex;
+}
+
+void check_count(const PlyElement& element, uint64_t most, const std::string& path) {
+  if (element.count > most)
+    throw InputError(fmt::format("{}:{}: element {}: count = {}, must be at most {}", path, element.line,
+                                 in_quotes(element.name), element.count, most));
+}
+
+}  // namespace soapfilm::io

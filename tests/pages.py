@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""pages.py BUILD [PAGE...]: the commands and programs on the guide's pages run as they stand.
+
+Each page has a folder of its own, in which `soapfilm` is that of BUILD, docs/ is this one, and HOME/soapfilm holds the
+installed package. A block of `sh` runs, all of a page in their order; a block after the line <!-- file: NAME --> is
+written to that file before; one after <!-- not run: WHY --> is passed over.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+BLOCK = re.compile(r"^(?:<!-- (file|not run): *(.*?) -->\n+)?```(\w*)\n(.*?)^```$", flags=re.M | re.S)
+
+
+def run_page(page, build, home):
+    """Returns what went wrong, or nothing."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "docs").symlink_to(ROOT / "docs")
+        environment = {**os.environ, "PATH": f"{build / 'bin'}:{os.environ['PATH']}", "HOME": str(home)}
+        blocks = BLOCK.findall(page.read_text(encoding="utf-8"))
+        for order, argument, _, text in blocks:
+            if order == "file":
+                (Path(folder) / argument).write_text(text, encoding="utf-8")
+        for order, _, language, text in blocks:
+            if language == "sh" and not order:
+                done = subprocess.run(["sh", "-eu", "-c", text], cwd=folder, env=environment, text=True,
+                                      stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+                if done.returncode != 0:
+                    return f"{page.relative_to(ROOT)}: exit code {done.returncode} of\n{text}{done.stdout[-2000:]}"
+    return ""
+
+
+def main():
+    build = Path(sys.argv[1]).resolve()
+    pages = [Path(p).resolve() for p in sys.argv[2:]] or sorted((ROOT / "docs/guide").glob("*.md"))
+    with tempfile.TemporaryDirectory() as home:
+        subprocess.run(["cmake", "--install", build, "--prefix", f"{home}/soapfilm"], check=True,
+                       stdout=subprocess.DEVNULL)
+        failures = [failure for failure in (run_page(page, build, Path(home)) for page in pages) if failure]
+    print("\n".join(failures) or f"{len(pages)} pages: all commands run")
+    sys.exit(bool(failures))
+
+
+if __name__ == "__main__":
+    main()
