@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find include src tools cli tests fuzz examples bench -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test fuzz docs bench paper accuracy scenes format format-check tidy clean
+.PHONY: help build demo test fuzz docs bench paper accuracy scenes deb test-deb format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -52,6 +52,14 @@ accuracy: build-release packages-accuracy ## errors against the truth, beside pe
 
 scenes: build-release packages-scenes ## scenes as people scan them, beside a peer, to docs/scenes/ (SOAPFILM_DATA: as above)
 	/usr/bin/python3 -B bench/scenes/scenes.py build/release/bin out/scenes docs/scenes --jobs $(JOBS)
+
+deb: packages-build packages-deb build-deb ## Debian packages into out/deb/: library, headers, program
+	rm -rf out/deb && cpack --config build/deb/CPackConfig.cmake -B out/deb
+	rm -rf out/deb/_CPack_Packages
+	lintian --fail-on error out/deb/*.deb
+
+test-deb: deb packages-test-deb ## install the Debian packages into a fresh Debian 12 and use them there
+	sh packaging/test_deb.sh out/deb out/deb-test
 
 format: packages-format ## lay the sources out
 	$(SOURCES) | xargs clang-format -i

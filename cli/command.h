@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace soapfilm::cli {
 
@@ -12,7 +13,8 @@ struct GlobalOptions {
   int threads = 0;  ///< 0: all that the process may use
   bool quiet = false;
   bool verbose = false;
-  std::string command{};  ///< the command line as typed, for reports
+  std::string command{};                 ///< the command line as typed, for reports
+  std::vector<std::string> arguments{};  ///< its words after the program's name
 };
 
 /// Set by the sub-command that was chosen; returns the exit code.
@@ -23,5 +25,9 @@ void add_scan(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_evaluate(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_info(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner);
+
+/// Hidden commands for packages and shells: they print what is made from the options of all other commands.
+void add_completion(CLI::App& app, Runner& runner);
+void add_man(CLI::App& app, Runner& runner);
 
 }  // namespace soapfilm::cli

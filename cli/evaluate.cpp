@@ -13,6 +13,7 @@
 #include "cli/evaluation_report.h"
 #include "cli/object.h"
 #include "cli/overwrite.h"
+#include "cli/parse.h"
 #include "cli/print.h"
 #include "cli/read_cloud.h"
 #include "cli/terminal.h"
@@ -108,7 +109,10 @@ void add_options(CLI::App& app, EvaluateOptions& o) {
   app.add_option("mesh", o.mesh, fmt::format("The mesh to judge ({})", mesh_extensions()))
       ->required()
       ->option_text("MESH");
-  app.add_option("--truth", o.truth.name, object_description())->required()->option_text("SHAPE|MESH");
+  app.add_option("--truth", o.truth.name, object_description())
+      ->required()
+      ->check(also(object_names()))
+      ->option_text("SHAPE|MESH");
   app.add_option("--samples", o.samples,
                  fmt::format("Measure the distance of these samples too ({})", point_extensions()))
       ->option_text("CLOUD");

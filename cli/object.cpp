@@ -9,6 +9,7 @@
 
 #include "cli/json.h"
 #include "cli/parse.h"
+#include "cli/suggest.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
 #include "tools/mesh/distance.h"
@@ -70,6 +71,12 @@ Object mesh_object(const ObjectOptions& options, const Context& context) {
 
 }  // namespace
 
+std::vector<std::string> object_names() {
+  std::vector<std::string> names = shape_names();
+  for (std::string& scene : scene_names()) names.push_back(std::move(scene));
+  return names;
+}
+
 std::string object_description() {
   return fmt::format("A built-in shape ({}),\na scene ({})\nor a mesh (.ply, .obj, .off, .stl)",
                      fmt::join(shape_names(), ", "), fmt::join(scene_names(), ", "));
@@ -107,18 +114,16 @@ Mesh read_surface(const std::string& path, const Context& context) {
 }
 
 Object make_object(const char* option, const ObjectOptions& options, const Context& context) {
-  std::vector<std::string> names = shape_names();
-  const std::vector<std::string> scenes = scene_names();
   const auto among = [&](const std::vector<std::string>& known) {
     return std::find(known.begin(), known.end(), options.name) != known.end();
   };
-  if (among(names)) return shape_object(options);
-  if (among(scenes)) return scene_object(options, context);
-  names.insert(names.end(), scenes.begin(), scenes.end());
+  if (among(shape_names())) return shape_object(options);
+  if (among(scene_names())) return scene_object(options, context);
+  const std::vector<std::string> names = object_names();
   const std::filesystem::path path(options.name);
   if (!path.has_extension() && !std::filesystem::exists(path))
-    throw ParameterError(
-        fmt::format("{} = {}, must be one of {}, or a mesh file", option, options.name, fmt::join(names, ", ")));
+    throw ParameterError(fmt::format("{} = {}, must be one of {}, or a mesh file{}", option, options.name,
+                                     fmt::join(names, ", "), did_you_mean(options.name, names)));
   return mesh_object(options, context);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <exception>
 
+#include "cli/suggest.h"
 #include "soapfilm/error.h"
 
 namespace soapfilm::cli {
@@ -43,6 +44,17 @@ double parse_length(const char* option, const std::string& text, double longest)
   const std::string number = percent ? text.substr(0, text.size() - 1) : text;
   const double value = parse_numbers(option, number, '\0', 1, "a number >= 0, or one with a percent sign")[0];
   return percent ? 0.01 * value * longest : value;
+}
+
+CLI::Validator also(const std::vector<std::string>& words) {
+  return CLI::Validator([](std::string&) { return std::string(); }, fmt::format("{{{}}}", fmt::join(words, ",")));
+}
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  return also(words).operation([words](std::string& text) -> std::string {
+    if (std::find(words.begin(), words.end(), text) != words.end()) return "";
+    return fmt::format("Value {} not one of {}{}", text, fmt::join(words, ", "), did_you_mean(text, words));
+  });
 }
 
 }  // namespace soapfilm::cli

@@ -28,21 +28,29 @@ double parse_length(const char* option, const std::string& text, double longest)
 /// A number, or nothing when the text is "auto"; `constraint` describes the valid numbers.
 std::optional<double> number_or_auto(const char* option, const std::string& text, const char* constraint);
 
+/// Refuses other words than these, and names the nearest.
+CLI::Validator one_of(const std::vector<std::string>& words);
+
+/// Words that an option knows beside other values: told to the shell's completion, nothing is refused.
+CLI::Validator also(const std::vector<std::string>& words);
+
 /// Converts the name of an enumeration's value, or of a switch's state, for CLI11; refuses other words.
 template <class T>
 CLI::Validator named(std::vector<std::pair<std::string, T>> names) {
-  const auto replace = [names = std::move(names)](std::string& text) -> std::string {
-    std::string known;
+  std::vector<std::string> words;
+  for (const auto& [name, value] : names) words.push_back(name);
+  CLI::Validator validator = one_of(words);
+  const auto refuse = validator;
+  return validator.operation([refuse, names = std::move(names)](std::string& text) -> std::string {
+    std::string refused = refuse(text);
     for (const auto& [name, value] : names) {
-      if (text == name) {
+      if (refused.empty() && text == name) {
         text = fmt::format("{}", static_cast<int>(value));
-        return "";
+        break;
       }
-      known += (known.empty() ? "" : ", ") + name;
     }
-    return fmt::format("Value {} not one of {}", text, known);
-  };
-  return CLI::Validator(replace, "");
+    return refused;
+  });
 }
 
 /// The same for all values of an enumeration that parameters have, by their names there.

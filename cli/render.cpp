@@ -9,9 +9,11 @@
 #include <variant>
 #include <vector>
 
+#include "cli/command.h"
+#include "cli/parse.h"
 #include "cli/print.h"
+#include "cli/suggest.h"
 #include "cli/terminal.h"
-#include "command.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
@@ -37,6 +39,8 @@ struct Request {
   bool as_points = false;
   RenderParams params;
 };
+
+std::vector<std::string> view_names() { return {"front", "back", "left", "right", "top", "bottom", "iso"}; }
 
 /// `count` numbers separated by `separator`, or nothing.
 std::optional<std::vector<double>> numbers(const std::string& text, char separator, size_t count) {
@@ -75,7 +79,11 @@ Vec3d parse_up(const std::string& text) {
 
 Vec3d parse_view(const std::string& text, Vec3d up) {
   if (const auto v = numbers(text, ',', 3)) return {(*v)[0], (*v)[1], (*v)[2]};
-  return view_direction(text, up);
+  try {
+    return view_direction(text, up);
+  } catch (const ParameterError& error) {
+    throw ParameterError(error.what() + did_you_mean(text, view_names()));
+  }
 }
 
 int whole(double value) { return std::abs(value) < 1e9 && value == std::floor(value) ? static_cast<int>(value) : -1; }
@@ -88,7 +96,8 @@ std::optional<Rgb8> parse_background(const std::string& text) {
     const unsigned long hex = std::stoul(text.substr(1), nullptr, 16);
     return Rgb8{static_cast<uint8_t>(hex >> 16), static_cast<uint8_t>(hex >> 8), static_cast<uint8_t>(hex)};
   }
-  throw ParameterError(fmt::format("--background = {}, must be white, black, transparent or #RRGGBB", text));
+  throw ParameterError(fmt::format("--background = {}, must be white, black, transparent or #RRGGBB{}", text,
+                                   did_you_mean(text, {"white", "black", "transparent"})));
 }
 
 RenderParams params_of(const Request& request) {
@@ -176,13 +185,15 @@ void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner) {
   const auto camera = [&](auto* option) { return option->group("Camera"); };
   camera(command->add_option("--view", request->view,
                              "Seen from front, back, left, right, top, bottom, iso or the direction X,Y,Z"))
+      ->check(also(view_names()))
       ->option_text(fmt::format("VIEW [{}]", request->view));
   camera(command->add_option("--up", request->up, "Upright axis: x, y, z, -x, -y, -z or X,Y,Z"))
+      ->check(also({"x", "y", "z", "-x", "-y", "-z"}))
       ->option_text(fmt::format("AXIS [{}]", request->up));
   camera(command->add_option("--framing", request->framing,
                              "shared: one window of space for all; centered: one scale, a center each; fitted: a scale "
                              "each"))
-      ->check(CLI::IsMember({"shared", "centered", "fitted"}))
+      ->check(one_of({"shared", "centered", "fitted"}))
       ->option_text(fmt::format("HOW [{}]", request->framing));
   camera(command->add_option("--zoom", request->zoom,
                              "Only this part, in fractions of the panel from its upper left corner"))
@@ -190,7 +201,7 @@ void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner) {
 
   const auto look = [&](auto* option) { return option->group("Look"); };
   look(command->add_option("--shading", request->shading, "flat: as the triangles are; smooth: interpolated normals"))
-      ->check(CLI::IsMember({"flat", "smooth"}))
+      ->check(one_of({"flat", "smooth"}))
       ->option_text(fmt::format("HOW [{}]", request->shading));
   look(command->add_option("--color-by", params.color_by, "Color by this vertex attribute, with a legend"))
       ->option_text("ATTRIBUTE");
@@ -201,7 +212,8 @@ void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner) {
   look(command->add_option("--point-radius", params.point_radius, "Of points, input units (default: their spacing's)"))
       ->option_text("V");
   look(command->add_option("--background", request->background, "white, black, transparent or #RRGGBB"))
-      ->option_text(fmt::format("COLOUR [{}]", request->background));
+      ->check(also({"white", "black", "transparent"}))
+      ->option_text(fmt::format("COLOR [{}]", request->background));
   look(command->add_option("--samples", params.samples, "Rays along each side of a pixel"))
       ->option_text(fmt::format("N [{}]", params.samples));
   look(command->add_option("--occlusion-rays", params.occlusion_rays, "For each sample; 0: no ambient occlusion"))

@@ -12,6 +12,7 @@
 #include "cli/json.h"
 #include "cli/overwrite.h"
 #include "cli/scan_options.h"
+#include "cli/shell.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/json_text.h"
 #include "soapfilm/core/stages.h"
@@ -191,7 +192,7 @@ int run(ScanOptions options, const GlobalOptions& global) {
   const std::string in_scans = scans == 0 ? "" : fmt::format(" in {} scan{}", scans, scans == 1 ? "" : "s");
   progress.info(fmt::format("{}: {} samples{}; {} and {} beside it", input, measured.scans.cloud.size(), in_scans,
                             truth_mesh_file, truth_file));
-  progress.info(fmt::format("next: soapfilm reconstruct {} -o mesh.ply", input));
+  progress.info(fmt::format("next: soapfilm reconstruct {}", shell_word(input)));
   return 0;
 }
 

@@ -9,11 +9,12 @@ function(repeated test)
   set(REPEATED "${REPEATED}" PARENT_SCOPE)
 endfunction()
 
-# Whole tests, of which these run the same code: Scan.TheSameBytesForAnyNumberOfThreads and
+# Whole tests, of which these run the same code: tests of each command; Scan.TheSameBytesForAnyNumberOfThreads and
 # Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads; Reconstruct.GeoreferencedInputLosesNothing;
 # CoarseToFine.EmptyCoarseLevelsShowWhereToStart; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall, of
 # the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads.
 list(APPEND REPEATED
+  Program.TheCommandsOfItsFirstPageWork
   Standstill.ManySweepsFromOnePlaceChangeNeitherVoxelNorSurface
   StreetSweep.IsJoinedAsFarAsItsRingsAre
   Facade.FromThePavementLosesNothing

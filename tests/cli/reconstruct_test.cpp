@@ -252,7 +252,6 @@ TEST_F(Reconstruct, RefusesBadParameters) {
   refused({cloud, "-o", mesh, "--sensor", "1,2"}, "sensor");
   refused({cloud, "-o", mesh, "--memory", "lots"}, "lots");
   refused({cloud, "-o", mesh, "--color"}, "--color");
-  refused({cloud}, "--output");
 }
 
 TEST_F(Reconstruct, RefusesWhatDoesNotFitAndSaysWhatWould) {

@@ -12,6 +12,16 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+# The program, where it is built, comes with its pages.
+if(EXISTS ${WORK}/prefix/bin/soapfilm)
+  run(${WORK}/prefix/bin/soapfilm --version)
+  foreach(page man/man1/soapfilm.1 man/man1/soapfilm-reconstruct.1 bash-completion/completions/soapfilm
+      fish/vendor_completions.d/soapfilm.fish)
+    if(NOT EXISTS ${WORK}/prefix/share/${page})
+      message(FATAL_ERROR "share/${page} is not installed")
+    endif()
+  endforeach()
+endif()
 foreach(project cpp c)
   run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/${project} -B ${WORK}/${project} -G ${GENERATOR}
     -D CMAKE_C_COMPILER=${C_COMPILER} -D CMAKE_CXX_COMPILER=${CXX_COMPILER} -D CMAKE_BUILD_TYPE=Release

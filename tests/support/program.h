@@ -17,6 +17,13 @@ inline ProcessResult run(std::vector<std::string> arguments, const std::function
   return run_process(arguments, meanwhile);
 }
 
+/// The same with `folder` as the current one.
+inline ProcessResult run_in(const std::string& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(),
+                   {"/bin/sh", "-c", "cd \"$1\" && shift && exec \"$0\" \"$@\"", SOAPFILM_PROGRAM, folder});
+  return run_process(arguments);
+}
+
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Exit code 2, nothing on standard output, and one line "soapfilm: ..." that names `what`.

@@ -1,0 +1,35 @@
+// The options of soapfilm reconstruct.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "soapfilm/io.h"
+#include "soapfilm/params.h"
+
+namespace soapfilm::cli {
+
+/// The values of the options, before they are checked.
+struct ReconstructOptions {
+  std::vector<std::string> inputs;
+  ReadOptions read;
+  std::string output;
+  std::string report;
+  std::string memory;
+  std::string isovalue;
+  std::string lambda;
+  std::string trim;
+  std::string levels_folder;
+  std::vector<double> sensor;
+  std::vector<std::string> attributes;
+  bool ascii = false;
+  bool check = false;
+  bool strict = false;
+  bool preview = false;
+  ReconstructParams params;
+};
+
+void add_reconstruct_options(CLI::App& app, ReconstructOptions& options);
+
+}  // namespace soapfilm::cli

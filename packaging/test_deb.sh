@@ -1,0 +1,100 @@
+#!/bin/sh
+# test_deb.sh DEBS WORK: checks the licenses of what the packages in DEBS depend on, installs them into a fresh Debian 12
+# under WORK, and uses all of them there: the program, its manual pages and completion, CMake, pkg-config; then removes
+# them. MIRROR: where Debian comes from. Needs root (chroot); without it the packages are unpacked and the program is
+# run with this machine's libraries, which tests less, and says so.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+debs=$(cd "$1" && pwd)
+mkdir -p "$2"
+work=$(cd "$2" && pwd)
+root=$work/root
+mirror=${MIRROR:-http://deb.debian.org/debian}
+
+say() { echo "== $*"; }
+die() { echo "test_deb.sh: $*" >&2; exit 1; }
+
+say "licenses of the dependencies"
+for deb in "$debs"/*.deb; do
+  name=$(dpkg-deb -f "$deb" Package)
+  for package in $(dpkg-deb -f "$deb" Depends | tr ',|' '\n\n' | sed 's/ *(.*//; s/ //g'); do
+    case $package in libsoapfilm* | python3 | python3-numpy) continue ;; esac
+    license=$(awk -v package="$package" '$1 == package { $1 = ""; print substr($0, 2) }' "$here/licenses.txt")
+    [ -n "$license" ] || die "$name depends on $package, which packaging/licenses.txt does not name"
+    echo "$name: $package: $license"
+  done
+  dpkg-deb -c "$deb" | grep "usr/share/doc/$name/copyright" >/dev/null || die "$name has no copyright file"
+done
+
+say "manual pages"
+rm -rf "$work/unpacked" && mkdir "$work/unpacked"
+for deb in "$debs"/*.deb; do dpkg-deb -x "$deb" "$work/unpacked"; done
+for page in "$work"/unpacked/usr/share/man/man1/*.1.gz; do
+  gzip -dc "$page" > "$work/page.1"
+  if command -v mandoc >/dev/null; then mandoc -T lint -W warning "$work/page.1"; fi
+  echo "$(basename "$page"): $(wc -l < "$work/page.1") lines"
+done
+
+# What a user does first. $1: a command that runs the program where it was installed.
+use_program() {
+  $1 soapfilm --version
+  $1 soapfilm -q scan knot -o scans --noise 0.1%
+  $1 soapfilm info scans/scans.conf
+  $1 soapfilm reconstruct scans/scans.conf --preview
+  $1 soapfilm reconstruct scans/scans.conf --check --strict
+  $1 soapfilm -q evaluate scans.mesh.ply --truth knot
+  $1 soapfilm render scans.mesh.ply -o knot.png
+}
+
+if [ "$(id -u)" != 0 ] || ! command -v debootstrap >/dev/null; then
+  say "no root or no debootstrap: the program only, with this machine's libraries"
+  rm -rf "$work/run" && mkdir "$work/run" && cd "$work/run"
+  use_program "env PATH=$work/unpacked/usr/bin:$PATH"
+  exit 0
+fi
+
+say "a fresh Debian 12"
+rm -rf "$root"
+debootstrap --variant=minbase bookworm "$root" "$mirror" > "$work/debootstrap.log" 2>&1 ||
+  { tail -5 "$work/debootstrap.log" >&2; die "debootstrap failed"; }
+inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive HOME=/root "$@"; }
+mkdir "$root/debs" "$root/try" && cp "$debs"/*.deb "$root/debs/"
+# A list of files that no package made, to see what stays behind.
+list() { (cd "$root" && find etc opt usr var/lib/soapfilm* -name '*soapfilm*' 2>/dev/null | sort); }
+
+say "install the program: apt install ./soapfilm_*.deb"
+inside apt-get update > "$work/apt.log" 2>&1
+inside sh -c 'apt-get install -y --no-install-recommends /debs/soapfilm_*.deb' >> "$work/apt.log" 2>&1 ||
+  { tail -20 "$work/apt.log" >&2; die "the program cannot be installed"; }
+at_try() { inside sh -c 'cd /try && "$@"' sh "$@"; }
+use_program at_try
+at_try bash -c 'source /usr/share/bash-completion/completions/soapfilm
+  COMP_WORDS=(soapfilm reconstruct --meth) COMP_CWORD=2; _soapfilm; [[ ${COMPREPLY[0]} == --method ]]' ||
+  die "completion does not work"
+
+say "install the library: apt install ./libsoapfilm*.deb, with a compiler"
+inside sh -c 'apt-get install -y --no-install-recommends /debs/libsoapfilm*.deb g++ cmake make pkg-config' \
+  >> "$work/apt.log" 2>&1 || { tail -20 "$work/apt.log" >&2; die "the library cannot be installed"; }
+version=$(inside dpkg-query -W -f '${Version}' libsoapfilm0 | sed 's/-.*//')
+cp -r "$here/../tests/consumer/cpp" "$here/../tests/consumer/c" "$root/try/"
+for language in cpp c; do
+  at_try cmake -S $language -B build-$language -D EXPECTED_VERSION="$version" > "$work/cmake.log" 2>&1 &&
+    at_try cmake --build build-$language >> "$work/cmake.log" 2>&1 ||
+    { tail -20 "$work/cmake.log" >&2; die "a project in $language cannot be built"; }
+  at_try sh -c "cd build-$language && ./consumer"
+done
+# shellcheck disable=SC2016
+at_try sh -c 'gcc c/*.c $(pkg-config --cflags --libs soapfilm) -lm -o by-pkg-config && ./by-pkg-config'
+if ls "$debs"/python3-soapfilm_*.deb >/dev/null 2>&1; then
+  say "install the Python module"
+  inside sh -c 'apt-get install -y --no-install-recommends /debs/python3-soapfilm_*.deb' >> "$work/apt.log" 2>&1 ||
+    { tail -20 "$work/apt.log" >&2; die "the Python module cannot be installed"; }
+  at_try python3 -c 'import soapfilm; print("Python:", soapfilm.__version__)'
+fi
+
+say "remove them"
+inside sh -c 'apt-get purge -y "*soapfilm*"' >> "$work/apt.log" 2>&1
+left=$(list)
+[ -z "$left" ] || die "left behind: $left"
+rm -rf "$root" "$work/unpacked"
+say "all well"
