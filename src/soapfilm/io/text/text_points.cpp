@@ -13,10 +13,10 @@
 #include "soapfilm/io/point_columns.h"
 #include "soapfilm/io/point_table.h"
 #include "soapfilm/io/text/text.h"
-#include "soapfilm/io/unnamed_columns.h"
 #include "soapfilm/io/text/text_encoding.h"
 #include "soapfilm/io/text/text_head.h"
 #include "soapfilm/io/text/text_rows.h"
+#include "soapfilm/io/unnamed_columns.h"
 
 namespace soapfilm::io {
 
