@@ -1,8 +1,8 @@
 #!/bin/sh
-# test_deb.sh DEBS WORK: checks the licenses of what the packages in DEBS depend on, installs them into a fresh Debian 12
-# under WORK, and uses all of them there: the program, its manual pages and completion, CMake, pkg-config; then removes
-# them. MIRROR: where Debian comes from. Needs root (chroot); without it the packages are unpacked and the program is
-# run with this machine's libraries, which tests less, and says so.
+# test_deb.sh DEBS WORK: checks the licenses of what the packages in DEBS depend on, installs them into a fresh Debian
+# 12 under WORK, and uses all of them there: the program, its manual pages and completion, CMake, pkg-config; then
+# removes them. MIRROR: where Debian comes from. Needs root (chroot); without it the packages are unpacked and the
+# program is run with this machine's libraries, which tests less, and says so.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 debs=$(cd "$1" && pwd)
@@ -57,7 +57,9 @@ say "a fresh Debian 12"
 rm -rf "$root"
 debootstrap --variant=minbase bookworm "$root" "$mirror" > "$work/debootstrap.log" 2>&1 ||
   { tail -5 "$work/debootstrap.log" >&2; die "debootstrap failed"; }
-inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive HOME=/root "$@"; }
+inside() {
+  chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive HOME=/root "$@"
+}
 mkdir "$root/debs" "$root/try" && cp "$debs"/*.deb "$root/debs/"
 # A list of files that no package made, to see what stays behind.
 list() { (cd "$root" && find etc opt usr var/lib/soapfilm* -name '*soapfilm*' 2>/dev/null | sort); }
