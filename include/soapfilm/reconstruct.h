@@ -1,7 +1,7 @@
 // From a point cloud to a watertight surface: the whole pipeline in one call.
 #pragma once
 
-#include <string>
+#include <array>
 
 #include "soapfilm/report.h"
 
@@ -23,5 +23,19 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
 
 /// The same, and frees the cloud once its samples are on the grid: its memory is free during the solve.
 Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Context& context);
+
+/// Scans as they come; at any time the surface of those that are there, the same bytes as from all in one cloud.
+class Reconstructor {
+ public:
+  /// `pose`: rows of the 4 x 4 matrix from the scan's frame to the common one; the scanner's place if that is unknown.
+  /// Throws ParameterError for another matrix than a rotation, one scale and a translation, for columns of different
+  /// lengths and without samples; then the scan is not added.
+  void add(PointCloud scan, const std::array<double, 16>* pose = nullptr);
+  const PointCloud& cloud() const { return cloud_; }  ///< all of them, in the common frame
+  Reconstruction reconstruct(const ReconstructParams& params, const Context& context) const;
+
+ private:
+  PointCloud cloud_;
+};
 
 }  // namespace soapfilm

@@ -20,9 +20,7 @@ struct StageTime {
 
 /// Where each sample's direction came from: counts of samples.
 struct OrientReport {
-  size_t from_normals = 0;
-  size_t from_sensor = 0;
-  size_t from_scan = 0;
+  size_t from_normals = 0, from_sensor = 0, from_scan = 0;
   size_t from_planes = 0;  ///< of those two, by `automatic`: now normals of planes through neighbors, same side
   size_t estimated = 0;
   bool inward = false;           ///< the given normals mostly point towards the center of the samples
@@ -106,8 +104,7 @@ struct RefineReport {
 };
 
 struct RelaxReport {
-  size_t split_edges = 0;
-  size_t triangles_before = 0;
+  size_t split_edges = 0, triangles_before = 0;
 };
 
 struct TrimReport {
@@ -154,8 +151,7 @@ struct ReconstructReport {
   std::optional<RelaxReport> relax;           ///< if edges were split
   std::optional<TrimReport> trim;             ///< if surface far from samples was searched for
   double isovalue = 0;                        ///< of the smoothed indicator; 0 of the refined field
-  size_t mesh_vertices = 0;
-  size_t mesh_triangles = 0;
+  size_t mesh_vertices = 0, mesh_triangles = 0;
   SelfCheckReport self_check;
   ScannerReport scanners;                          ///< not for Method::vrip
   std::optional<TopologyReport> topology;          ///< if it was checked

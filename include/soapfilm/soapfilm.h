@@ -94,12 +94,14 @@ typedef struct soapfilm_samples {
   soapfilm_array weight;   /* 1, >= 0 */
   soapfilm_array color;    /* 3, SOAPFILM_UINT8 */
   const double* scanner;   /* 3 values: scanner position of the whole scan; null: unknown */
+  const double* pose;      /* 16: rows of the matrix to the cloud's frame, the scanner's place if unknown; null: none */
   const char* name;        /* of the scan; null: none */
   const soapfilm_column* columns;
   size_t column_count;
 } soapfilm_samples;
 
-/* Appends a copy of the samples as a further scan. If it fails, the cloud is unchanged. */
+/* Appends a copy of the samples as a further scan, also between runs: the mesh is that of all scans appended at once.
+ * If it fails, the cloud is unchanged. */
 SOAPFILM_API soapfilm_status soapfilm_cloud_append(soapfilm_context* context, soapfilm_cloud* cloud,
                                                    const soapfilm_samples* samples);
 /* Appends the contents of a file (docs/reference/formats.md). */
