@@ -18,7 +18,8 @@ using Rgb8 = std::array<uint8_t, 3>;
 /// Connectivity of a range image: `sample[row * columns + column]` is an index relative to the scan's first sample,
 /// -1 where the scanner saw nothing.
 struct RangeGrid {
-  int columns = 0, rows = 0;
+  int columns = 0;
+  int rows = 0;
   std::vector<int32_t> sample;
 };
 

@@ -12,6 +12,7 @@ namespace SOAPFILM_API soapfilm {
 struct ParameterError : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
+
 /// The samples that the caller gave are refused: too few, not finite, without volume or direction, too large or small.
 struct SamplesError : ParameterError {
   using ParameterError::ParameterError;

@@ -29,7 +29,9 @@ struct Mesh {
 
 /// A set of triangles connected through shared vertices.
 struct MeshComponent {
-  size_t vertices = 0, edges = 0, triangles = 0;
+  size_t vertices = 0;
+  size_t edges = 0;
+  size_t triangles = 0;
   bool closed_manifold = true;  ///< every edge in exactly two triangles, every vertex one fan, orientation consistent
 
   int64_t euler_characteristic() const;
@@ -38,7 +40,9 @@ struct MeshComponent {
 };
 
 struct TopologyReport {
-  size_t vertices = 0, triangles = 0, edges = 0;
+  size_t vertices = 0;
+  size_t triangles = 0;
+  size_t edges = 0;
   size_t boundary_edges = 0;              ///< in one triangle
   size_t non_manifold_edges = 0;          ///< in three or more triangles
   size_t misoriented_edges = 0;           ///< in two triangles that run through it in the same direction
@@ -67,7 +71,9 @@ TopologyReport check_topology(const Mesh& mesh);
 /// Summary of a set of distances; all zero when the set is empty.
 struct DistanceSummary {
   size_t count = 0;
-  double mean = 0, rms = 0, maximum = 0;
+  double mean = 0;
+  double rms = 0;
+  double maximum = 0;
   double percentile95 = 0;  ///< the smallest value that 95 % of the distances do not exceed
   double percentile99 = 0;
 };

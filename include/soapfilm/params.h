@@ -88,8 +88,8 @@ struct CrossValidationParams {
   int max_resolution = 64;                    ///< vertices of the coarse grid along its longest axis; in [32, 512]
   double indifference = 0.002;                ///< errors above the smallest by at most this share are equal; in [0, 1)
   uint64_t seed = 1;                          ///< of the random choice of samples
-  /// Lambda per sample and voxel^2, > 0, increasing.
-  std::vector<double> candidates = {0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32};
+  std::vector<double> candidates = {0.0025, 0.005, 0.01, 0.02,
+                                    0.04,   0.08,  0.16, 0.32};  ///< lambda per sample and voxel^2, > 0, increasing
 };
 
 /// Method::tv.
@@ -145,13 +145,15 @@ struct RangeSurfaceParams {
 
 /// Method::vrip: how far in front of and behind its surface, along the normal, a scan counts, voxels, (0, 1000].
 struct VripParams {
-  double front = 6, behind = 2;
+  double front = 6;
+  double behind = 2;
   RangeSurfaceParams surface;
 };
 
 /// Where the surface was refined: moves the flat triangles of one voxel onto the smooth surface.
 struct RelaxParams {
-  double split_tolerance = 0.018;  ///< split edges whose middle is farther from that, voxels; 0: none; [0, 1]
+  double split_tolerance =
+      0.018;  ///< split edges whose middle is farther from the smooth surface, voxels; 0: none; [0, 1]
 };
 
 /// From the relaxed indicator to the surface (section 4.4).
@@ -180,9 +182,10 @@ enum class HoleFill : uint8_t { smooth, flat };
 
 /// How the surface is moved onto the samples.
 struct RefineParams {
-  // The first two are chosen by held-out samples if not given.
-  std::optional<double> smoothing{};  ///< gamma, weight of curvature against one sample, lattice units; [1e-6, 1e6]
-  std::optional<double> normals{};    ///< weight of a unit normal against one voxel; [0, 1e6], 0: for the sides only
+  std::optional<double> smoothing{};  ///< gamma, weight of curvature against one sample, lattice units; [1e-6, 1e6]. If
+                                      ///< not given: chosen by held-out samples
+  std::optional<double> normals{};    ///< weight of a unit normal against one voxel; [0, 1e6], 0: directions say only
+                                      ///< which side is outside. If not given: chosen by held-out samples
   double reach = 3;                   ///< half width of the band, voxels; [1, 3]
   double sparse = 0.5;  ///< samples per voxel^2, [0, 1e3]: where there are fewer, a fit on every second vertex, or
                         ///< every fourth, ..., replaces the full one if it is as good

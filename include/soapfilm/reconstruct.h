@@ -16,7 +16,6 @@ struct Reconstruction {
 /// is in the cloud's frame and units, closed and manifold; where the surface may end (Border::open, Method::vrip,
 /// trimmed) a manifold with boundary. The same cloud and parameters give the same mesh, bit for bit, for any number of
 /// threads and any SIMD target.
-///
 /// Throws ParameterError (a parameter out of range, samples that span no volume, coordinates that are not finite),
 /// MemoryError before anything large is allocated, EmptyResult, Cancelled.
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Context& context);
@@ -28,8 +27,7 @@ Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, 
 class Reconstructor {
  public:
   /// `pose`: rows of the 4 x 4 matrix from the scan's frame to the common one; the scanner's place if that is unknown.
-  /// Throws ParameterError for another matrix than a rotation, one scale and a translation, for columns of different
-  /// lengths and without samples; then the scan is not added.
+  /// Throws ParameterError, and adds nothing, for columns of different lengths or a pose that shears or mirrors.
   void add(PointCloud scan, const std::array<double, 16>* pose = nullptr);
   const PointCloud& cloud() const { return cloud_; }  ///< all of them, in the common frame
   Reconstruction reconstruct(const ReconstructParams& params, const Context& context) const;

@@ -36,7 +36,9 @@ struct Box3d {
 
   bool empty() const { return lo.x > hi.x; }
   Vec3d size() const { return empty() ? Vec3d{} : Vec3d{hi.x - lo.x, hi.y - lo.y, hi.z - lo.z}; }
-  Vec3d center() const { return empty() ? Vec3d{} : Vec3d{(lo.x + hi.x) / 2, (lo.y + hi.y) / 2, (lo.z + hi.z) / 2}; }
+  Vec3d center() const {
+    return empty() ? Vec3d{} : Vec3d{(lo.x + hi.x) * 0.5, (lo.y + hi.y) * 0.5, (lo.z + hi.z) * 0.5};
+  }
   double longest() const { return std::max({size().x, size().y, size().z}); }
   double diagonal() const { return std::sqrt(size().x * size().x + size().y * size().y + size().z * size().z); }
   void extend(Vec3d p) {
