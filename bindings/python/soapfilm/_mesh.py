@@ -191,16 +191,16 @@ def read_mesh(path: Path) -> Mesh:
     Raises:
         InputError: no mesh, or one that cannot be read to its end.
     """
-    return Mesh._of(_core.read_mesh(os.fspath(path)))
+    return Mesh._of(_read(path, 3))
 
 
-def mesh_of(value: Any) -> tuple[Any, str]:
+def mesh_of(value: Any, stacklevel: int = 3) -> tuple[Any, str]:
     """The library's mesh and the name that messages use: of a Mesh, a file, (vertices, triangles), or an object of
     trimesh, Open3D or PyVista."""
     if isinstance(value, Mesh):
         return value._core, "mesh"
     if isinstance(value, (str, os.PathLike)):
-        return _core.read_mesh(os.fspath(value)), os.fspath(value)
+        return _read(value, stacklevel + 1), os.fspath(value)
     if isinstance(value, tuple) and len(value) == 2:
         return Mesh(*value)._core, "mesh"
     if hasattr(value, "vertices") and hasattr(value, "triangles"):  # Open3D
@@ -211,6 +211,13 @@ def mesh_of(value: Any) -> tuple[Any, str]:
         return Mesh(value.points, value.regular_faces)._core, "mesh"
     raise TypeError(f"mesh: {type(value).__name__}, must be a Mesh, a file, (vertices, triangles), or a mesh of "
                     "Open3D, trimesh or PyVista")
+
+
+def _read(path: Path, stacklevel: int) -> Any:
+    mesh, lines = _core.read_mesh(os.fspath(path))
+    for line in lines:
+        warnings.warn(line, SoapfilmWarning, stacklevel=stacklevel)
+    return mesh
 
 
 def _write_text(path: str, text: str) -> None:

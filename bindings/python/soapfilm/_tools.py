@@ -185,7 +185,7 @@ def _object(value: Any) -> tuple[Any, str]:
     """A mesh and its name, or None and the name of a shape or scene."""
     if isinstance(value, str) and not os.path.splitext(value)[1] and not os.path.exists(value):
         return None, value
-    return mesh_of(value)
+    return mesh_of(value, 4)
 
 
 def _shape(item: Any, as_points: bool) -> Any:
@@ -195,7 +195,7 @@ def _shape(item: Any, as_points: bool) -> Any:
         from ._points import read_core
 
         try:
-            return read_core(item, progress=False) if as_points else _core.read_mesh(os.fspath(item))
+            return read_core(item, progress=False) if as_points else mesh_of(item, 4)[0]
         except ValueError:
             if as_points:
                 raise

@@ -83,9 +83,12 @@ py::dict topology_of(const MeshHolder& holder) {
   return facts;
 }
 
-MeshHolder read_file(const std::string& path) {
+/// The mesh and warnings.
+std::pair<MeshHolder, std::vector<std::string>> read_file(const std::string& path) {
   const py::gil_scoped_release unlocked;
-  return {std::make_shared<const Mesh>(read_mesh(path))};
+  ReadReport report;
+  auto mesh = std::make_shared<const Mesh>(read_mesh(path, &report));
+  return {{std::move(mesh)}, std::move(report.warnings)};
 }
 
 }  // namespace
