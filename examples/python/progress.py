@@ -14,6 +14,6 @@ def progress(stage, fraction, detail):
 
 
 try:
-    soapfilm.reconstruct(soapfilm.scan("arch", samples=20_000), resolution=64, progress=progress)
+    soapfilm.reconstruct(soapfilm.scan("arch", samples=20_000), resolution=48, progress=progress)
 except Enough:
     print("stopped while the surface was moved onto the samples; nothing is left behind")

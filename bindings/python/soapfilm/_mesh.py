@@ -21,6 +21,7 @@ class Mesh:
     """
 
     _core: Any
+    _normals: Array | None = None  # computed
 
     def __init__(self, vertices: Any, triangles: Any, *, normals: Any = None, colors: Any = None,
                  attributes: Mapping[str, Any] | None = None) -> None:
@@ -49,9 +50,14 @@ class Mesh:
         return _view(self._core.triangles)
 
     @property
-    def normals(self) -> Array | None:
-        """float32 (V, 3): unit, outward. None without any."""
-        return _view(self._core.normals)
+    def normals(self) -> Array:
+        """float32 (V, 3): unit, outward; where the mesh has none, of the triangles around each vertex, by their area.
+        """
+        if self._core.normals is not None:
+            return _view(self._core.normals)
+        if self._normals is None:
+            self._normals = _vertex_normals(self.vertices, self.triangles)
+        return self._normals
 
     @property
     def colors(self) -> Array | None:
@@ -104,10 +110,9 @@ class Mesh:
         import open3d as o3d
 
         vector = o3d.utility.Vector3dVector
-        mesh = o3d.geometry.TriangleMesh(vector(self.vertices),
+        mesh = o3d.geometry.TriangleMesh(vector(np.array(self.vertices)),
                                          o3d.utility.Vector3iVector(self.triangles.astype(np.int32)))
-        if self.normals is not None:
-            mesh.vertex_normals = vector(self.normals.astype(np.float64))
+        mesh.vertex_normals = vector(self.normals.astype(np.float64))
         if self.colors is not None:
             mesh.vertex_colors = vector(self.colors / 255.0)
         return mesh
@@ -118,7 +123,7 @@ class Mesh:
         import trimesh
 
         return trimesh.Trimesh(vertices=np.array(self.vertices), faces=self.triangles.astype(np.int64),
-                               vertex_normals=None if self.normals is None else np.array(self.normals),
+                               vertex_normals=np.array(self.normals),
                                vertex_colors=None if self.colors is None else np.array(self.colors),
                                vertex_attributes={name: np.array(v) for name, v in self.attributes.items()},
                                process=False)
@@ -132,8 +137,7 @@ class Mesh:
         faces[:, 0] = 3
         faces[:, 1:] = self.triangles
         mesh = pyvista.PolyData(np.array(self.vertices), faces.ravel())
-        if self.normals is not None:
-            mesh.point_data["Normals"] = np.array(self.normals)
+        mesh.point_data["Normals"] = np.array(self.normals)
         if self.colors is not None:
             mesh.point_data["RGB"] = np.array(self.colors)
         for name, values in self.attributes.items():
@@ -218,6 +222,20 @@ def _read(path: Path, stacklevel: int) -> Any:
     for line in lines:
         warnings.warn(line, SoapfilmWarning, stacklevel=stacklevel)
     return mesh
+
+
+def _vertex_normals(vertices: Array, triangles: Array) -> Array:
+    import numpy as np
+
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    twice_area = np.cross(b - a, c - a)
+    sums = np.empty_like(vertices)
+    for axis in range(3):
+        sums[:, axis] = np.bincount(triangles.ravel(), np.repeat(twice_area[:, axis], 3), len(vertices))
+    length = np.linalg.norm(sums, axis=1, keepdims=True)
+    normals = np.divide(sums, length, out=np.zeros_like(sums), where=length > 0).astype(np.float32)
+    normals.flags.writeable = False
+    return normals
 
 
 def _write_text(path: str, text: str) -> None:

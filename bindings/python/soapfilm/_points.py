@@ -139,8 +139,17 @@ def read_core(files: Any, *, columns: str | Sequence[str] = "", trajectory: Path
     if not paths:
         raise ParameterError("files: none given, must be one or several")
     names = columns if isinstance(columns, str) else ",".join(columns)
-    return _core.read(paths, names, os.fspath(trajectory), trust_viewpoint, threads or 0,
+    return _core.read(paths, names, os.fspath(trajectory), trust_viewpoint, thread_count(threads),
                       listener(progress, stacklevel))
+
+
+def thread_count(threads: int | None) -> int:
+    """0, as the library has it, for all that the process may use."""
+    if threads is None:
+        return 0
+    if isinstance(threads, bool) or int(threads) != threads or not 0 <= threads < 1 << 31:
+        raise ParameterError(f"threads = {threads!r}, must be a whole number >= 1, or None for all")
+    return int(threads)
 
 
 def is_path(value: Any) -> bool:

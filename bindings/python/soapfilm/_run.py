@@ -8,7 +8,7 @@ from typing import Any
 from . import _arrays, _core
 from ._mesh import Result
 from ._params import parameters_json
-from ._points import Points, is_paths, read_core
+from ._points import Points, is_paths, read_core, thread_count
 from ._progress import Progress, listener
 from .errors import ParameterError
 
@@ -60,7 +60,7 @@ def reconstruct(points: Any, normals: Any = None, *, sensors: Any = None, colors
     if sensor is not None:
         options["sensor"] = sensor
     text = parameters_json(options, params)
-    return Result._of_run(_core.reconstruct(core, ours, text, threads or 0, listener(progress, 3)))
+    return Result._of_run(_core.reconstruct(core, ours, text, thread_count(threads), listener(progress, 3)))
 
 
 def _cloud(points: Any, sensors: Any, arrays: dict[str, Any], threads: int | None,
@@ -148,7 +148,7 @@ class Reconstructor:
                 merged.pop(other, None)
         text = parameters_json(merged, self._params)
         with self._lock:
-            return Result._of_run(self._core.reconstruct(text, self._threads or 0, listener(progress, 3)))
+            return Result._of_run(self._core.reconstruct(text, thread_count(self._threads), listener(progress, 3)))
 
     def __len__(self) -> int:
         """Samples until now."""

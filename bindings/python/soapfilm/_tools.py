@@ -9,7 +9,7 @@ from typing import Any
 from . import _arrays, _core
 from ._arrays import Array
 from ._mesh import Mesh, mesh_of
-from ._points import Path, Points, is_path
+from ._points import Path, Points, is_path, thread_count
 from ._progress import Progress, listener
 from .errors import ParameterError
 
@@ -56,7 +56,7 @@ def evaluate(mesh: Any, truth: Any, *, samples: Any = None, voxel: float | None 
     if samples is not None:
         given["samples"] = samples.positions if isinstance(samples, Points) else _arrays.table("samples", samples, 3)
         given["samples_name"] = "samples"
-    return json.loads(_core.evaluate(core, object_, given, threads or 0, listener(progress, 3)))
+    return json.loads(_core.evaluate(core, object_, given, thread_count(threads), listener(progress, 3)))
 
 
 def scan(shape: Any, *, threads: int | None = None, progress: Progress = True, **options: Any) -> Points:
@@ -77,7 +77,7 @@ def scan(shape: Any, *, threads: int | None = None, progress: Progress = True, *
     options = _present(options)
     _check_scan(options)
     object_, name = _object(shape)
-    return Points._of(_core.scan(object_, name, options, threads or 0, listener(progress, 3)))
+    return Points._of(_core.scan(object_, name, options, thread_count(threads), listener(progress, 3)))
 
 
 def render(shapes: Any, path: Path | None = None, *, captions: str | Sequence[str] = (), columns: int = 0,
@@ -131,7 +131,7 @@ def render(shapes: Any, path: Path | None = None, *, captions: str | Sequence[st
     else:
         given["background"] = _color(background)
     width, height, data = _core.render([(_shape(item, points), text) for item, text in zip(items, texts)], given,
-                                       "" if path is None else os.fspath(path), threads or 0, None)
+                                       "" if path is None else os.fspath(path), thread_count(threads), None)
     return np.frombuffer(bytearray(data), dtype=np.uint8).reshape(height, width, 4)
 
 

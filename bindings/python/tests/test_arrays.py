@@ -38,8 +38,9 @@ def test_values_are_those_of_the_samples(result):
 
 def test_views_share_memory_and_are_read_only(result):
     assert np.shares_memory(result.vertices, result.vertices)
-    for array in (result.vertices, result.triangles, result.normals, result.colors, result.attributes["height"]):
+    for array in (result.vertices, result.triangles, result.colors, result.attributes["height"]):
         assert not array.flags.owndata
+    for array in (result.vertices, result.triangles, result.normals, result.colors, result.attributes["height"]):
         with pytest.raises(ValueError):
             array[0] = 0
 
@@ -101,7 +102,9 @@ def test_what_is_absent_is_none(ball):
     assert points.normals is None and points.colors is None and points.weights is None and points.sensors is None
     assert points.values == {}
     mesh = soapfilm.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
-    assert mesh.normals is None and mesh.colors is None and mesh.attributes == {} and mesh.area == 0.5
+    assert mesh.colors is None and np.array_equal(mesh.normals, [(0, 0, 1)] * 3)
+    assert np.array_equal(soapfilm.Mesh(mesh.vertices, mesh.triangles, normals=-mesh.normals).normals, -mesh.normals)
+    assert mesh.volume == 0 and mesh.attributes == {} and mesh.area == 0.5
 
 
 def test_range_grids(tmp_path):

@@ -67,7 +67,7 @@ def test_what_is_refused_is_not_added(parts):
         with pytest.raises(soapfilm.ParameterError, match=message):
             scans.add(parts[1], pose=pose)
     with pytest.raises(soapfilm.ParameterError):
-        scans.add(parts[1], parts[0][:-1])
+        scans.add(parts[1], parts[0][:-2])
     with pytest.raises(TypeError, match="'voxel'"):
         soapfilm.Reconstructor(voxl=1)
     with pytest.raises(TypeError, match="'voxel'"):
