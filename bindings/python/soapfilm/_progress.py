@@ -104,7 +104,9 @@ def _bar() -> _Tqdm | None:
     if not notebook and (sys.stderr is None or not sys.stderr.isatty()):
         return None
     try:
-        from tqdm.auto import tqdm
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # tqdm's, where a notebook has no widgets: it draws text then
+            from tqdm.auto import tqdm
     except ImportError:
         return None
     return _Tqdm(tqdm)
