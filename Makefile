@@ -27,7 +27,8 @@ test-python: build-release packages-python ## the wheel of the Python package, i
 	sh bindings/python/test.sh build/release out/python
 
 notebook: test-python packages-notebook ## run the notebook of examples/python again, pictures included
-	out/python/venv/bin/python -m nbconvert --to notebook --execute --inplace examples/python/*.ipynb
+	PYTHONPATH=$$(echo $(CURDIR)/out/python/venv/lib/python3*/site-packages) /usr/bin/python3 -m nbconvert --to notebook --execute --inplace \
+	  --ExecutePreprocessor.record_timing=False examples/python/*.ipynb
 
 test-%: build-%
 	$(if $(FULL),SOAPFILM_FULL=1) ctest --preset $* --parallel $(JOBS) $(if $(FULL),--timeout 7200)
