@@ -3,9 +3,9 @@ PROGRAM := build/release/bin/soapfilm
 JOBS := $(shell nproc)
 # Further arguments to cmake when a build is configured for the first time, such as -DSOAPFILM_WERROR=ON.
 CONFIGURE :=
-SOURCES = find include src tools cli tests fuzz examples bench -name '*.h' -o -name '*.cpp'
+SOURCES = find include src tools cli tests fuzz examples bench bindings -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test fuzz docs bench paper accuracy scenes deb test-deb format format-check tidy clean
+.PHONY: help build demo test test-python notebook fuzz docs bench paper accuracy scenes deb test-deb format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -22,6 +22,13 @@ test: test-release ## release build and all tests (FULL=1: 100 000 degenerate cl
 test-asan: packages-asan ## the tests by clang, under AddressSanitizer and UndefinedBehaviorSanitizer
 test-tsan: ## the tests under ThreadSanitizer, loops on std::thread, the portable platform
 test-shared: ## an outside project links the shared library
+
+test-python: build-release packages-python ## the wheel of the Python package, installed, and its tests
+	sh bindings/python/test.sh build/release out/python
+
+notebook: test-python packages-notebook ## run the notebook of examples/python again, pictures included
+	PYTHONPATH=$$(echo $(CURDIR)/out/python/venv/lib/python3*/site-packages) /usr/bin/python3 -m nbconvert --to notebook --execute --inplace \
+	  --ExecutePreprocessor.record_timing=False examples/python/*.ipynb
 
 test-%: build-%
 	$(if $(FULL),SOAPFILM_FULL=1) ctest --preset $* --parallel $(JOBS) $(if $(FULL),--timeout 7200)

@@ -10,7 +10,6 @@
 #include <string>
 
 #include "cli/command.h"
-#include "cli/evaluation_report.h"
 #include "cli/object.h"
 #include "cli/overwrite.h"
 #include "cli/parse.h"
@@ -23,6 +22,7 @@
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
 #include "tools/evaluate/evaluate.h"
+#include "tools/evaluate/evaluation_report.h"
 
 namespace soapfilm::cli {
 
@@ -77,7 +77,7 @@ int run(const EvaluateOptions& options, const GlobalOptions& global) {
   check(options);
   Stages stages(context);
   Mesh mesh;
-  Object truth;
+  KnownSurface truth;
   std::optional<PointCloud> samples;
   stages.run("read", [&] {
     truth = make_object("truth", options.truth, context);  // first: its options are checked before files

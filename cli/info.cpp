@@ -11,7 +11,6 @@
 
 #include "cli/command.h"
 #include "cli/coordinate_system.h"
-#include "cli/json.h"
 #include "cli/print.h"
 #include "cli/read_cloud.h"
 #include "soapfilm/core/json_text.h"
@@ -20,6 +19,7 @@
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/summary.h"
 #include "soapfilm/mesh/topology.h"
+#include "tools/mesh/json.h"
 
 namespace soapfilm::cli {
 

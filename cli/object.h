@@ -2,16 +2,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <memory>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "soapfilm/context.h"
-#include "soapfilm/progress.h"
-#include "tools/scanner/shape.h"
-#include "tools/scanner/virtual_scan.h"
+#include "tools/scanner/known_surface.h"
 
 namespace soapfilm::cli {
 
@@ -33,17 +28,10 @@ std::vector<std::string> object_names();
 /// --size, --center, --thickness, --gap.
 void add_shape_options(CLI::App& app, ObjectOptions& options);
 
-/// The surface, and what is known about it.
-struct Object {
-  std::shared_ptr<const Surface> surface;
-  nlohmann::ordered_json facts;
-  std::optional<ScannerParams> scanner{};  ///< that of a scene
-};
-
 /// A mesh that has an area to measure; throws InputError naming the file.
 Mesh read_surface(const std::string& path, const Context& context);
 
 /// `option` names the object in error messages. Warns of a closed mesh that is inside-out; its faces are flipped.
-Object make_object(const char* option, const ObjectOptions& options, const Context& context);
+KnownSurface make_object(const char* option, const ObjectOptions& options, const Context& context);
 
 }  // namespace soapfilm::cli

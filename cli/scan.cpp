@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "cli/command.h"
-#include "cli/json.h"
 #include "cli/overwrite.h"
 #include "cli/scan_options.h"
 #include "cli/shell.h"
@@ -20,6 +19,7 @@
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/version.h"
+#include "tools/mesh/json.h"
 #include "tools/scanner/scan_files.h"
 
 namespace soapfilm::cli {
@@ -150,7 +150,7 @@ void make_folder(const std::string& folder) {
   if (error) throw OutputError(fmt::format("{}: cannot make the folder: {}", folder, error.message()));
 }
 
-void write(const ScanOptions& options, const Object& object, const Mesh& truth, const Measured& measured,
+void write(const ScanOptions& options, const KnownSurface& object, const Mesh& truth, const Measured& measured,
            const Context& context) {
   make_folder(options.folder);
   const std::filesystem::path folder(options.folder);
@@ -179,7 +179,7 @@ int run(ScanOptions options, const GlobalOptions& global) {
   TerminalProgress progress(global);
   const Context context(global.threads, progress);
   Stages stages(context);
-  const Object object = stages.run("prepare", [&] { return make_object("object", options.object, context); });
+  const KnownSurface object = stages.run("prepare", [&] { return make_object("object", options.object, context); });
   if (object.scanner) take_scanner_of_scene(options, *object.scanner);
   const Measured measured = stages.run("scan", [&] { return measure(options, *object.surface, context); });
   const Mesh truth = stages.run(

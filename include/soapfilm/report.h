@@ -20,9 +20,7 @@ struct StageTime {
 
 /// Where each sample's direction came from: counts of samples.
 struct OrientReport {
-  size_t from_normals = 0;
-  size_t from_sensor = 0;
-  size_t from_scan = 0;
+  size_t from_normals = 0, from_sensor = 0, from_scan = 0;
   size_t from_planes = 0;  ///< of those two, by `automatic`: now normals of planes through neighbors, same side
   size_t estimated = 0;
   bool inward = false;           ///< the given normals mostly point towards the center of the samples
@@ -34,8 +32,7 @@ struct OrientReport {
 
 struct InputFacts {
   size_t samples = 0;
-  size_t dropped = 0;    ///< by the reader: not finite
-  size_t no_return = 0;  ///< by the reader: rays that met nothing
+  size_t dropped = 0, no_return = 0;  ///< by the reader: not finite, and rays that met nothing
   size_t scans = 0;
   Box3d box;
   std::string coordinate_system;  ///< see PointCloud
@@ -88,8 +85,7 @@ struct ComponentReport {
   struct Count {
     size_t kept = 0, dropped = 0;
   };
-  Count objects;               ///< parts of the inside
-  Count cavities;              ///< parts of the outside, without the outermost
+  Count objects, cavities;     ///< parts of the inside, and of the outside without the outermost
   size_t samples = 0;          ///< sum of weights on surfaces of dropped parts; a sample on two of them counts twice
   double area = 0;             ///< of these surfaces, voxel^2
   size_t vertices = 0;         ///< of the grid, that changed their label
@@ -106,17 +102,15 @@ struct RefineReport {
 };
 
 struct RelaxReport {
-  size_t split_edges = 0;
-  size_t triangles_before = 0;
+  size_t split_edges = 0, triangles_before = 0;
 };
 
 struct TrimReport {
-  double distance = 0;        ///< used, input units
-  size_t removed = 0;         ///< regions farther than that from all samples that were cut away
-  size_t filled = 0;          ///< those that were left
-  double removed_area = 0;    ///< of all that was cut away, as a share of the mesh's area, [0, 1]
-  size_t leftovers = 0;       ///< small pieces left by the cuts, and dropped
-  bool nothing_near = false;  ///< no surface is within the distance: the mesh is unchanged
+  double distance = 0;             ///< used, input units
+  size_t removed = 0, filled = 0;  ///< regions farther than that from all samples: cut away, and left
+  double removed_area = 0;         ///< of all that was cut away, as a share of the mesh's area, [0, 1]
+  size_t leftovers = 0;            ///< small pieces left by the cuts, and dropped
+  bool nothing_near = false;       ///< no surface is within the distance: the mesh is unchanged
 };
 
 /// Does the mesh contain what the samples show, and nothing else? "Far": more than 3 voxels.
@@ -137,7 +131,6 @@ struct ScannerReport {
 
 /// Further keys of report.json: levels, comparison methods, cross-validation.
 struct ReportDetails;
-
 /// Layout version of report.json: unchanged by a new key, increased when a meaning changes.
 inline constexpr int report_version = 1;
 
@@ -154,8 +147,7 @@ struct ReconstructReport {
   std::optional<RelaxReport> relax;           ///< if edges were split
   std::optional<TrimReport> trim;             ///< if surface far from samples was searched for
   double isovalue = 0;                        ///< of the smoothed indicator; 0 of the refined field
-  size_t mesh_vertices = 0;
-  size_t mesh_triangles = 0;
+  size_t mesh_vertices = 0, mesh_triangles = 0;
   SelfCheckReport self_check;
   ScannerReport scanners;                          ///< not for Method::vrip
   std::optional<TopologyReport> topology;          ///< if it was checked

@@ -44,10 +44,8 @@ SOAPFILM_API const char* soapfilm_version(void); /* such as "0.1.0" */
 /* `threads` >= 1, or 0 for all that the process may use. Null if out of memory. */
 SOAPFILM_API soapfilm_context* soapfilm_context_create(int threads);
 SOAPFILM_API void soapfilm_context_destroy(soapfilm_context* context);
-
 /* One line about the last call with this context that did not return SOAPFILM_OK; "" before. */
 SOAPFILM_API const char* soapfilm_error(const soapfilm_context* context);
-
 /* Stops the running call within milliseconds, or else the next one. From any thread or a signal handler. */
 SOAPFILM_API void soapfilm_cancel(soapfilm_context* context);
 
@@ -64,8 +62,7 @@ SOAPFILM_API void soapfilm_on_event(soapfilm_context* context,
                                                      const char* text),
                                     void* user);
 
-/* An empty cloud; null if out of memory. */
-SOAPFILM_API soapfilm_cloud* soapfilm_cloud_create(void);
+SOAPFILM_API soapfilm_cloud* soapfilm_cloud_create(void); /* empty; null if out of memory */
 SOAPFILM_API void soapfilm_cloud_destroy(soapfilm_cloud* cloud);
 SOAPFILM_API size_t soapfilm_cloud_size(const soapfilm_cloud* cloud); /* samples */
 
@@ -94,12 +91,13 @@ typedef struct soapfilm_samples {
   soapfilm_array weight;   /* 1, >= 0 */
   soapfilm_array color;    /* 3, SOAPFILM_UINT8 */
   const double* scanner;   /* 3 values: scanner position of the whole scan; null: unknown */
+  const double* pose;      /* 16: rows of the matrix to the cloud's frame, the scanner's place if unknown; null: none */
   const char* name;        /* of the scan; null: none */
   const soapfilm_column* columns;
   size_t column_count;
 } soapfilm_samples;
 
-/* Appends a copy of the samples as a further scan. If it fails, the cloud is unchanged. */
+/* Appends a copy of the samples as a further scan, also between runs. If it fails, the cloud is unchanged. */
 SOAPFILM_API soapfilm_status soapfilm_cloud_append(soapfilm_context* context, soapfilm_cloud* cloud,
                                                    const soapfilm_samples* samples);
 /* Appends the contents of a file (docs/reference/formats.md). */
@@ -121,8 +119,7 @@ SOAPFILM_API const uint8_t* soapfilm_colors(const soapfilm_result* result);     
 /* One value per vertex, such as "distance" after {"surface": {"distance": true}}; null: no such attribute. */
 SOAPFILM_API const float* soapfilm_attribute(const soapfilm_result* result, const char* name);
 SOAPFILM_API const char* soapfilm_attribute_name(const soapfilm_result* result, size_t index); /* null: no more */
-/* The report as JSON. */
-SOAPFILM_API const char* soapfilm_report(const soapfilm_result* result);
+SOAPFILM_API const char* soapfilm_report(const soapfilm_result* result);                       /* JSON */
 
 /* Writes the mesh, completely or not at all: .ply, .obj, .glb or .stl. */
 SOAPFILM_API soapfilm_status soapfilm_write_mesh(soapfilm_context* context, const soapfilm_result* result,

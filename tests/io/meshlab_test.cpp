@@ -1,8 +1,8 @@
 // MeshLab's projects and alignments.
 #include "files.h"
 #include "samples.h"
+#include "soapfilm/core/placement.h"
 #include "soapfilm/io.h"
-#include "soapfilm/io/placement.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -49,7 +51,7 @@ struct soapfilm_context {
 };
 
 struct soapfilm_cloud {
-  PointCloud cloud;
+  Reconstructor scans;
 };
 
 struct soapfilm_result {
@@ -187,13 +189,6 @@ PointCloud cloud_of(const soapfilm_samples& samples) {
   return cloud;
 }
 
-void append(PointCloud&& scan, PointCloud& cloud) {
-  if (cloud.size() == 0)
-    cloud = std::move(scan);
-  else
-    cloud.append(std::move(scan));
-}
-
 }  // namespace
 
 const char* soapfilm_version(void) { return version; }
@@ -218,11 +213,15 @@ soapfilm_cloud* soapfilm_cloud_create(void) { return new (std::nothrow) soapfilm
 
 void soapfilm_cloud_destroy(soapfilm_cloud* cloud) { delete cloud; }
 
-size_t soapfilm_cloud_size(const soapfilm_cloud* cloud) { return cloud->cloud.size(); }
+size_t soapfilm_cloud_size(const soapfilm_cloud* cloud) { return cloud->scans.cloud().size(); }
 
 soapfilm_status soapfilm_cloud_append(soapfilm_context* context, soapfilm_cloud* cloud,
                                       const soapfilm_samples* samples) {
-  return guarded(context, [&] { append(cloud_of(*samples), cloud->cloud); });
+  return guarded(context, [&] {
+    std::array<double, 16> pose{};
+    if (samples->pose) std::copy_n(samples->pose, pose.size(), pose.begin());
+    cloud->scans.add(cloud_of(*samples), samples->pose ? &pose : nullptr);
+  });
 }
 
 soapfilm_status soapfilm_cloud_read(soapfilm_context* context, soapfilm_cloud* cloud, const char* path) {
@@ -230,7 +229,7 @@ soapfilm_status soapfilm_cloud_read(soapfilm_context* context, soapfilm_cloud* c
     ReadReport read;
     PointCloud found = read_points(std::string(path), &read, context->context);
     for (const std::string& warning : read.warnings) context->listener.warn(warning);
-    append(std::move(found), cloud->cloud);
+    cloud->scans.add(std::move(found));
   });
 }
 
@@ -240,7 +239,7 @@ soapfilm_status soapfilm_reconstruct(soapfilm_context* context, const soapfilm_c
   return guarded(context, [&] {
     const ReconstructParams params = parameters ? params_from_json(parameters) : ReconstructParams{};
     auto found = std::make_unique<soapfilm_result>();
-    found->reconstruction = reconstruct(cloud->cloud, params, context->context);
+    found->reconstruction = cloud->scans.reconstruct(params, context->context);
     found->report = to_json(found->reconstruction.report);
     *result = found.release();
   });

@@ -32,6 +32,40 @@ static void on_event(void* user, soapfilm_event event, double fraction, const ch
   if (watch->cancels && strcmp(text, "solve") == 0) soapfilm_cancel(watch->context);
 }
 
+/* The streaming hook: scans with poses, a run after each; the last one is that of all scans at once. */
+static int scans_as_they_come(soapfilm_context* context, soapfilm_samples half) {
+  const double turned[16] = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, as_is[16] = {1, 0, 0, 0, 0, 1, 0, 0,
+                                                                                          0, 0, 1, 0, 0, 0, 0, 1};
+  const double stretched[16] = {2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  const char* coarse = "{\"place\": {\"resolution\": 32}}";
+  soapfilm_cloud *growing = soapfilm_cloud_create(), *whole = soapfilm_cloud_create();
+  soapfilm_result *early = NULL, *last = NULL, *at_once = NULL;
+  half.column_count = 0;
+  half.pose = as_is;
+  if (soapfilm_cloud_append(context, growing, &half) || soapfilm_reconstruct(context, growing, coarse, &early))
+    return failed(soapfilm_error(context));
+  half.pose = stretched;
+  if (soapfilm_cloud_append(context, growing, &half) != SOAPFILM_REFUSED) return failed("a pose that stretches");
+  half.pose = turned;
+  if (soapfilm_cloud_append(context, growing, &half) || soapfilm_reconstruct(context, growing, coarse, &last))
+    return failed(soapfilm_error(context));
+  half.pose = as_is;
+  if (soapfilm_cloud_append(context, whole, &half)) return failed(soapfilm_error(context));
+  half.pose = turned;
+  if (soapfilm_cloud_append(context, whole, &half) || soapfilm_reconstruct(context, whole, coarse, &at_once))
+    return failed(soapfilm_error(context));
+  if (soapfilm_vertex_count(last) != soapfilm_vertex_count(at_once) ||
+      soapfilm_vertex_count(last) == soapfilm_vertex_count(early) ||
+      memcmp(soapfilm_vertices(last), soapfilm_vertices(at_once), 24 * soapfilm_vertex_count(last)) != 0)
+    return failed("scans one after the other gave another mesh");
+  soapfilm_result_destroy(early);
+  soapfilm_result_destroy(last);
+  soapfilm_result_destroy(at_once);
+  soapfilm_cloud_destroy(growing);
+  soapfilm_cloud_destroy(whole);
+  return 0;
+}
+
 int main(void) {
   enum { count = 6000 };
   struct row* rows = calloc(count, sizeof *rows);
@@ -68,6 +102,7 @@ int main(void) {
   soapfilm_on_event(context, on_event, &watch);
 
   if (soapfilm_cloud_append(context, cloud, &samples)) return failed(soapfilm_error(context));
+  if (scans_as_they_come(context, samples)) return 1;
   samples.column_count = 2;
   const soapfilm_column twice[2] = {height, height};
   samples.columns = twice;

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "soapfilm/core/placement.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/e57/e57_pages.h"
-#include "soapfilm/io/placement.h"
 
 namespace soapfilm::io {
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <unordered_set>
 
+#include "soapfilm/core/cloud_layout.h"
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
@@ -123,32 +124,10 @@ void add_columns(std::string& header, const std::vector<Column>& columns) {
 
 /// Refuses a cloud whose columns or scans do not fit together.
 void check_cloud(const PointCloud& cloud) {
-  const size_t n = cloud.size();
-  if (n == 0) throw ParameterError("cloud: 0 samples, must be > 0");
-  for (const size_t size : {cloud.normals.size(), cloud.sensors.size(), cloud.weights.size(), cloud.colors.size()})
-    if (size != 0 && size != n)
-      throw ParameterError(fmt::format("cloud: a column of {}, must be absent or one per sample ({})", size, n));
-  for (const Column& column : cloud.columns)
-    if (column.values.size() != n)
-      throw ParameterError(fmt::format("cloud: column {} has {} values, must be one per sample ({})",
-                                       in_quotes(column.name), column.values.size(), n));
-  size_t covered = 0;
-  for (const Scan& scan : cloud.scans) {
-    if (scan.begin != covered || scan.end <= scan.begin || scan.end > n)
-      throw ParameterError(
-          fmt::format("cloud: scan [{}, {}), must begin at {} and hold samples", scan.begin, scan.end, covered));
-    covered = scan.end;
+  check_layout(cloud);
+  for (const Scan& scan : cloud.scans)
     if (scan.name.find_first_of("\r\n") != std::string::npos)
       throw ParameterError("cloud: scan name " + in_quotes(scan.name) + ", must be one line");
-    if (!scan.range_grid) continue;
-    const RangeGrid& grid = *scan.range_grid;
-    if (grid.columns <= 0 || grid.rows <= 0 ||
-        grid.sample.size() != static_cast<size_t>(grid.columns) * static_cast<size_t>(grid.rows))
-      throw ParameterError(fmt::format("cloud: range grid {} x {} of {} cells, must agree", grid.columns, grid.rows,
-                                       grid.sample.size()));
-  }
-  if (!cloud.scans.empty() && covered != n)
-    throw ParameterError(fmt::format("cloud: scans cover {} samples, must cover {}", covered, n));
 }
 
 void add_scans(std::string& header, const std::vector<Scan>& scans) {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "soapfilm/core/placement.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/e57/xml.h"
-#include "soapfilm/io/placement.h"
 #include "soapfilm/io/sets/set_members.h"
 #include "soapfilm/io/text/text.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 SetMember placed_member(std::string file, const Placement& pose) {
   return {std::move(file), [pose](PointCloud& cloud) {
-            if (!(pose == Placement{})) place(pose, cloud);
+            if (!(pose == Placement{})) place_cloud(pose, cloud);
           }};
 }
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+#include "soapfilm/core/placement.h"
 #include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/files.h"
-#include "soapfilm/io/placement.h"
 #include "soapfilm/io/sets/set_members.h"
 #include "soapfilm/io/text/text.h"
 
@@ -72,7 +72,7 @@ Vec3d ScanPose::rotate(Vec3d v) const {
   return v + 2.0 * cross(q, cross(q, v) + quaternion[3] * v);
 }
 
-void apply_pose(const ScanPose& pose, PointCloud& cloud) { io::place(pose, cloud); }
+void apply_pose(const ScanPose& pose, PointCloud& cloud) { place_cloud(pose, cloud); }
 
 std::vector<ScanSetEntry> read_scan_set(const std::string& path, ReadReport* report) {
   io::ByteSource source(path);

@@ -6,7 +6,7 @@
 
 #include "tools/evaluate/evaluate.h"
 
-namespace soapfilm::cli {
+namespace soapfilm {
 
 /// The subject of an evaluation.
 struct EvaluationSubject {
@@ -20,4 +20,4 @@ struct EvaluationSubject {
 std::string evaluation_table(const EvaluationSubject& subject, const Evaluation& evaluation);
 nlohmann::ordered_json evaluation_json(const EvaluationSubject& subject, const Evaluation& evaluation);
 
-}  // namespace soapfilm::cli
+}  // namespace soapfilm

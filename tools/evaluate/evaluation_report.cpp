@@ -1,13 +1,13 @@
-#include "cli/evaluation_report.h"
+#include "tools/evaluate/evaluation_report.h"
 
 #include <fmt/format.h>
 
 #include <optional>
 
-#include "cli/json.h"
 #include "soapfilm/version.h"
+#include "tools/mesh/json.h"
 
-namespace soapfilm::cli {
+namespace soapfilm {
 
 namespace {
 
@@ -131,4 +131,4 @@ ordered_json evaluation_json(const EvaluationSubject& subject, const Evaluation&
           {"self_intersections", e.self_intersections}};
 }
 
-}  // namespace soapfilm::cli
+}  // namespace soapfilm

@@ -1,10 +1,11 @@
-#include "soapfilm/io/placement.h"
+#include "soapfilm/core/placement.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
-namespace soapfilm::io {
+namespace soapfilm {
 
 Placement placement_of_quaternion(double w, double x, double y, double z) {
   const double largest = std::max({std::abs(w), std::abs(x), std::abs(y), std::abs(z)});
@@ -45,4 +46,4 @@ Placement placement_of_matrix(const std::array<double, 16>& m, std::string& erro
   return placement;
 }
 
-}  // namespace soapfilm::io
+}  // namespace soapfilm

@@ -1,4 +1,4 @@
-// Moving scans to where they were taken: what all formats that give poses share.
+// Moving scans to where they were taken: by the poses that files give, and those of programs.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 #include "soapfilm/cloud.h"
 #include "soapfilm/core/vec.h"
 
-namespace soapfilm::io {
+namespace soapfilm {
 
 /// p_world = linear p_scan + translation; `linear` is a rotation, or one times `scale` > 0.
 struct Placement {
@@ -45,7 +45,7 @@ void place_samples(const Pose& pose, PointCloud& cloud, size_t begin, size_t end
 
 /// Moves a whole cloud, with its scans' sensor positions and view directions.
 template <class Pose>
-void place(const Pose& pose, PointCloud& cloud) {
+void place_cloud(const Pose& pose, PointCloud& cloud) {
   place_samples(pose, cloud, 0, cloud.size());
   for (Scan& scan : cloud.scans) {
     if (scan.sensor) scan.sensor = pose.apply(*scan.sensor);
@@ -53,4 +53,4 @@ void place(const Pose& pose, PointCloud& cloud) {
   }
 }
 
-}  // namespace soapfilm::io
+}  // namespace soapfilm

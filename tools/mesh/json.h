@@ -6,7 +6,7 @@
 
 #include "soapfilm/core/vec.h"
 
-namespace soapfilm::cli {
+namespace soapfilm {
 
 template <class T>
 nlohmann::ordered_json or_null(const std::optional<T>& value) {
@@ -16,4 +16,4 @@ nlohmann::ordered_json or_null(const std::optional<T>& value) {
 inline nlohmann::ordered_json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 inline nlohmann::ordered_json json_of(const Box3d& box) { return {{"lo", json_of(box.lo)}, {"hi", json_of(box.hi)}}; }
 
-}  // namespace soapfilm::cli
+}  // namespace soapfilm

@@ -1,0 +1,189 @@
+"""Parameters: the names of docs/reference/options.md, or the groups of the report, as the library's JSON."""
+from __future__ import annotations
+
+import functools
+import json
+import math
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from . import _core
+from .errors import ParameterError
+
+#: Option of the program, in Python's spelling, and its key in the report's `parameters`.
+OPTIONS = {
+    "voxel": "place.voxel", "resolution": "place.resolution", "padding": "place.padding", "memory": "memory.limit",
+    "outside": "border.outside", "directions": "orient.directions", "sensor": "orient.sensor",
+    "neighbors": "orient.neighbors", "radius": "orient.radius", "lambda": "energy.lambda",
+    "weights": "energy.by_area", "norm": "energy.norm", "tolerance": "solve.tolerance",
+    "max_iterations": "solve.max_iterations", "settle": "solve.settle", "method": "solve.method",
+    "link_weights": "graph_cut.weights", "front": "vrip.front", "behind": "vrip.behind",
+    "folds": "cross_validation.folds", "fold_source": "cross_validation.source", "threshold": "surface.threshold",
+    "isovalue": "surface.isovalue", "refine": "surface.refine", "drop_components": "surface.drop_components",
+    "min_support": "components.min_support", "smoothing": "refine.smoothing", "holes": "refine.holes",
+    "split_tolerance": "surface.split_tolerance", "trim": "trim.distance", "trim_holes": "trim.holes",
+    "attributes": "surface.attributes", "distance": "surface.distance", "support": "surface.support",
+}
+
+#: Options of the program that are no parameters, and what takes their place.
+ELSEWHERE = {
+    "output": "result.save(path) writes the mesh", "ascii": "result.save(path, ascii=True) writes text",
+    "report": "result.report has it", "check": "result.topology() and soapfilm.evaluate() check the mesh",
+    "strict": "warnings.simplefilter('error', soapfilm.SoapfilmWarning) makes warnings errors",
+    "write_levels": "only the program writes levels", "quiet": "progress=False is quiet",
+    "verbose": "progress=callable gets all details", "columns": "soapfilm.read(files, columns=...) has it",
+    "trajectory": "soapfilm.read(files, trajectory=...) has it",
+    "trust_viewpoint": "soapfilm.read(files, trust_viewpoint=True) has it",
+}
+
+#: Flags, and options that take on or off.
+SWITCHES = {"settle", "refine", "drop_components", "trim_holes", "distance", "support"}
+
+
+@functools.lru_cache(maxsize=None)
+def _known() -> dict[str, tuple[str, ...]]:
+    """The groups and their keys, as the library has them."""
+    return {group: tuple(values) for group, values in json.loads(_core.default_parameters()).items()}
+
+
+def _unknown(name: str, known: list[str]) -> TypeError:
+    import difflib
+
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
+    hint = f"; the nearest is '{near[0]}'" if near else ""
+    return TypeError(f"unknown parameter '{name}'{hint}")
+
+
+def parameters_json(flat: Mapping[str, Any], base: Any = None) -> str:
+    """JSON for the library of keyword arguments; `base`: parameters or report of an earlier run, its result or file."""
+    groups = _base(base)
+    _replace_grid(groups, flat)
+    for given, value in flat.items():
+        if value is None:
+            continue
+        name = given[:-1] if given == "lambda_" else given
+        if name in _known() and isinstance(value, Mapping):
+            _merge_group(groups, name, value)
+        elif name in OPTIONS:
+            _set_option(groups, name, value)
+        elif name in ELSEWHERE:
+            raise TypeError(f"'{name}' is no parameter here: {ELSEWHERE[name]}")
+        elif name in _known():
+            keys = ", ".join(_known()[name])
+            raise TypeError(f"'{name}' is a group of parameters: give a dict with some of {keys}")
+        else:
+            options = ["lambda_" if option == "lambda" else option for option in OPTIONS]
+            raise _unknown(given, [*options, *_known()])
+    _refuse_unused(flat, groups)
+    try:
+        return json.dumps(groups, default=_plain, allow_nan=False)
+    except ValueError as error:
+        raise ParameterError(f"parameters: {_not_finite(groups)}, must be finite") from error
+
+
+def _base(base: Any) -> dict[str, dict[str, Any]]:
+    if base is None:
+        return {}
+    base = getattr(base, "report", base)
+    if isinstance(base, (str, os.PathLike)):
+        with open(base, encoding="utf-8") as file:
+            try:
+                base = json.load(file)
+            except ValueError as error:
+                raise ParameterError(f"{os.fspath(file.name)}: not JSON: {error}") from error
+    if not isinstance(base, Mapping):
+        raise TypeError("params: must be a result, a report, its 'parameters', or a file of one of them")
+    return {group: dict(values) for group, values in base.get("parameters", base).items()}
+
+
+def _merge_group(groups: dict[str, dict[str, Any]], group: str, values: Mapping[str, Any]) -> None:
+    for key, value in values.items():
+        key = "lambda" if key == "lambda_" else key
+        if key not in _known()[group]:
+            raise _unknown(f"{group}.{key}", [f"{group}.{known}" for known in _known()[group]])
+        groups.setdefault(group, {})[key] = value
+
+
+def _replace_grid(groups: dict[str, dict[str, Any]], flat: Mapping[str, Any]) -> None:
+    """Voxel and resolution both determine the grid: one given here replaces the other one of earlier parameters."""
+    place = flat.get("place")
+    given = {name for name in ("voxel", "resolution")
+             if flat.get(name) is not None or isinstance(place, Mapping) and place.get(name) is not None}
+    if given and "place" in groups:
+        for name in ("voxel", "resolution"):
+            groups["place"].pop(name, None)
+
+
+def _set_option(groups: dict[str, dict[str, Any]], name: str, value: Any) -> None:
+    group, key = OPTIONS[name].split(".")
+    into = groups.setdefault(group, {})
+    if name in SWITCHES:
+        value = {"on": True, "off": False}.get(value, value) if isinstance(value, str) else value
+    if name == "lambda":
+        into["cross_validate"] = value == "auto" if isinstance(value, str) else False
+        value = None if isinstance(value, str) and value == "auto" else value
+    elif name == "weights":
+        if value not in ("area", "samples"):
+            raise ParameterError(f"weights = {value!r}, must be an array, 'area' or 'samples'")
+        value = value == "area"
+    elif name == "isovalue" and isinstance(value, str) and value == "auto":
+        value = None
+    elif name == "memory":
+        value = _bytes(value)
+    elif name == "trim":
+        into["on"] = not (value is False or isinstance(value, str) and value == "off")
+        value = None if isinstance(value, (bool, str)) and value in (True, False, "auto", "off") else value
+        if isinstance(value, str):
+            raise ParameterError(f"trim = {value!r}, must be a distance, 'auto' or 'off'")
+    elif name == "attributes" and isinstance(value, str):
+        value = [] if value == "none" else value.split(",")
+    into[key] = value
+
+
+def _bytes(value: Any) -> int:
+    """A whole number of bytes, or text such as 2G or 1.5G."""
+    if isinstance(value, str):
+        factor = {"K": 1 << 10, "M": 1 << 20, "G": 1 << 30}.get(value[-1:].upper())
+        try:
+            value = float(value[:-1]) * factor if factor else float(value)
+        except ValueError:
+            raise ParameterError(f"memory = {value!r}, must be bytes, or text such as '2G'") from None
+    if not value > 0 or not math.isfinite(value):
+        raise ParameterError(f"memory = {value!r}, must be > 0")
+    return int(value)
+
+
+def _refuse_unused(flat: Mapping[str, Any], groups: Mapping[str, Mapping[str, Any]]) -> None:
+    """As the program does: an option that the chosen method does not use is an error."""
+    method = groups.get("solve", {}).get("method", "tv")
+    chooses = bool(groups.get("energy", {}).get("cross_validate"))
+
+    def only(names: tuple[str, ...], used: bool, of: str) -> None:
+        for name in names:
+            if not used and flat.get(name) is not None and not isinstance(flat[name], Mapping):
+                raise ParameterError(f"{name}: only {of} has it")
+
+    only(("tolerance", "max_iterations", "settle"), method == "tv" or chooses, "method tv")
+    only(("link_weights",), method == "graph-cut-26", "method graph-cut-26")
+    only(("front", "behind"), method == "vrip", "method vrip")
+    only(("folds", "fold_source"), chooses, "lambda_='auto'")
+    only(("weights",), method != "vrip", "a method with a data term")
+    only(("weights",), groups.get("energy", {}).get("lambda") is None, "a lambda that follows the samples")
+
+
+def _plain(value: Any) -> Any:
+    """Numbers and arrays of NumPy, paths and tuples as JSON has them."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError(f"parameters: {value!r} of type {type(value).__name__} cannot be used")
+
+
+def _not_finite(groups: Mapping[str, Mapping[str, Any]]) -> str:
+    for group, values in groups.items():
+        for key, value in values.items():
+            if isinstance(value, float) and not math.isfinite(value):
+                return f"{group}.{key} = {value}"
+    return "a value is not a number"

@@ -1,0 +1,231 @@
+"""The tools: a mesh beside the truth, a virtual scanner, pictures."""
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from typing import Any
+
+from . import _arrays, _core
+from ._arrays import Array
+from ._mesh import Mesh, mesh_of
+from ._points import Path, Points, is_path, thread_count
+from ._progress import Progress, listener
+from .errors import ParameterError
+
+_SHAPE = ("size", "center", "thickness", "gap")
+_SCANNER = ("views", "orbit", "elevations", "distance", "positions", "target", "rays", "image", "step", "span",
+            "rings", "max_range", "normals", "noise", "outliers", "outlier_kind", "drop_out", "max_incidence", "ghosts",
+            "ghost_depth", "mixed_pixels", "misalignment", "misalignment_angle", "hole", "sparse_half", "seed",
+            "samples", "directions")
+_ORBIT = ("views", "orbit", "elevations", "distance")
+#: Of range images alone, not of even samples.
+_IMAGE = ("rays", "image", "step", "span", "rings", "max_range", "normals", "outlier_kind", "drop_out",
+          "max_incidence", "ghosts", "ghost_depth", "mixed_pixels", "misalignment", "misalignment_angle")
+_COLORS = {"white": (255, 255, 255), "black": (0, 0, 0)}
+
+
+def evaluate(mesh: Any, truth: Any, *, samples: Any = None, voxel: float | None = None,
+             f_score: float | Sequence[float] = (), points: int = 300_000, seed: int = 1, threads: int | None = None,
+             progress: Progress = True, **shape: Any) -> dict[str, Any]:
+    """Compares a mesh with the truth: distances, normals, F-scores, volume, topology.
+
+    Args:
+        mesh: a result, a mesh, a file, (vertices, triangles), or a mesh of Open3D, trimesh or PyVista.
+        truth: a built-in shape ("knot", ...) or scene ("room", ...), or anything that `mesh` may be.
+        samples: (N, 3) or what :func:`read` gives: their distances to the mesh are measured, too.
+        voxel: input units: distances are also given in it.
+        f_score: distances of F-scores, input units.
+        points: on each surface, even by area.
+        seed: of where they lie.
+        **shape: ``size``, ``center``, ``thickness``, ``gap`` of a built-in shape, as it was scanned.
+
+    Returns:
+        What ``soapfilm evaluate --json`` writes: docs/reference/evaluate.md, key by key. Lengths in input units.
+    """
+    _tool("evaluate")
+    _known_names(shape, _SHAPE, "evaluate")
+    core, mesh_name = mesh_of(mesh)
+    object_, truth_name = _object(truth)
+    given = {**_present(shape), "mesh_name": mesh_name, "truth_name": truth_name, "points": points, "seed": seed,
+             "f_score": [f_score] if isinstance(f_score, (int, float)) else [float(d) for d in f_score]}
+    if voxel is not None:
+        if not voxel > 0:
+            raise ParameterError(f"voxel = {voxel}, must be > 0 and finite")
+        given["voxel"] = voxel
+    if samples is not None:
+        given["samples"] = samples.positions if isinstance(samples, Points) else _arrays.table("samples", samples, 3)
+        given["samples_name"] = "samples"
+    return json.loads(_core.evaluate(core, object_, given, thread_count(threads), listener(progress, 3)))
+
+
+def scan(shape: Any, *, threads: int | None = None, progress: Progress = True, **options: Any) -> Points:
+    """Scans a surface that is known, with the errors of a real scanner: docs/reference/scanner.md.
+
+    Args:
+        shape: a built-in shape ("sphere", "torus", "part", "plate", "sheets", "knot", "arch"), a scene ("room",
+            "yard", "street", "terrain", "tunnel", "facade"), a mesh or a mesh file.
+        **options: the options of ``soapfilm scan``, with "_" for "-": ``views=18``, ``image=(300, 300)``,
+            ``noise="0.1%"`` (of the longest side) or in units, ``position``\\ s as ``positions=[(x, y, z), ...]``,
+            ``samples=N`` for even samples in place of scans, ``size``, ``center``, ...
+
+    Returns:
+        Scans in one frame, with range grids and scanner positions.
+    """
+    _tool("scan")
+    _known_names(options, (*_SCANNER, *_SHAPE), "scan")
+    options = _present(options)
+    _check_scan(options)
+    object_, name = _object(shape)
+    return Points._of(_core.scan(object_, name, options, thread_count(threads), listener(progress, 3)))
+
+
+def render(shapes: Any, path: Path | None = None, *, captions: str | Sequence[str] = (), columns: int = 0,
+           size: tuple[int, int] = (800, 800), view: str | Sequence[float] = "front", up: str | Sequence[float] = "y",
+           framing: str = "shared", zoom: Sequence[float] | None = None, shading: str = "flat",
+           color_by: str | None = None, range: tuple[float, float] | None = None, points: bool = False,
+           point_radius: float | None = None, background: str = "white", samples: int = 3, occlusion_rays: int = 5,
+           threads: int | None = None) -> Array:
+    """Draws meshes and clouds, a panel each: docs/reference/render.md.
+
+    Args:
+        shapes: one or a list of results, meshes, clouds, mesh files, (vertices, triangles).
+        path: a .png to write, too.
+        captions: text below each panel.
+        columns: panels in a row; 0: chosen from their number.
+        size: (width, height) of a panel, pixels.
+        view: "front", "back", "left", "right", "top", "bottom", "iso", or the direction towards the viewer.
+        up: "x", "y", "z", "-x", "-y", "-z", or a direction.
+        framing: "shared", "centered" or "fitted".
+        zoom: (x0, y0, x1, y1): only this part, fractions of the panel from its upper left corner.
+        shading: "flat" or "smooth".
+        color_by: name of a vertex attribute; `range` has its values at the ends of the colors.
+        points: draw a mesh's vertices as points.
+        point_radius: of points, input units.
+        background: "white", "black", "#RRGGBB" or "transparent".
+        samples: rays along each side of a pixel.
+        occlusion_rays: for each sample; 0: no ambient occlusion.
+
+    Returns:
+        uint8 (height, width, 4): RGBA, rows from top to bottom.
+    """
+    _tool("render")
+    import numpy as np
+
+    if path is not None and not os.fspath(path).lower().endswith(".png"):
+        raise ParameterError(f"path = {os.fspath(path)}, must end in .png")
+    items = shapes if isinstance(shapes, list) else [shapes]
+    texts = [captions] if isinstance(captions, str) else list(captions)
+    if len(texts) > len(items):
+        raise ParameterError(f"captions: {len(texts)}, must be at most one for each of the {len(items)} panels")
+    texts += [""] * (len(items) - len(texts))
+    given: dict[str, Any] = {"columns": columns, "size": tuple(size), "up": _axis(up), "framing": framing, "shading": shading,
+             "samples": samples, "occlusion_rays": occlusion_rays}
+    given["view" if isinstance(view, str) else "direction"] = view if isinstance(view, str) else _three("view", view)
+    if range is not None and color_by is None:
+        raise ParameterError("range: only color_by has it")
+    given.update(_present({"zoom": zoom and tuple(zoom), "color_by": color_by, "range": range and tuple(range),
+                           "point_radius": point_radius}))
+    if background == "transparent":
+        given["transparent"] = True
+    else:
+        given["background"] = _color(background)
+    width, height, data = _core.render([(_shape(item, points), text) for item, text in zip(items, texts)], given,
+                                       "" if path is None else os.fspath(path), thread_count(threads), None)
+    return np.frombuffer(bytearray(data), dtype=np.uint8).reshape(height, width, 4)
+
+
+def _tool(name: str) -> None:
+    if not _core.has_tools:
+        raise NotImplementedError(f"soapfilm.{name}: this package was built without the tools "
+                                  "(SOAPFILM_BUILD_TOOLS=OFF)")
+
+
+def _known_names(given: dict[str, Any], known: Sequence[str], function: str) -> None:
+    for name in given:
+        if name not in known:
+            import difflib
+
+            near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)[0]
+            raise TypeError(f"{function}: unknown parameter '{name}'; the nearest is '{near}'")
+
+
+def _check_scan(options: dict[str, Any]) -> None:
+    """As the program: options that have no meaning together are refused."""
+    def refuse(names: Sequence[str], why: str) -> None:
+        for name in names:
+            if name in options:
+                raise ParameterError(f"{name}: {why}")
+
+    if "samples" not in options:
+        refuse(("directions",), "only samples=N has it, scans have their scanner")
+    else:
+        refuse(_IMAGE, "only scans have it, not samples=N")
+        if options.get("directions", "normals") == "normals":
+            refuse((*_ORBIT, "positions", "target"), "only scans, and samples=N with directions='views', have it")
+    if "positions" in options:
+        refuse(_ORBIT, "only an orbit has it, not positions")
+    if options.get("orbit") != "ring":
+        refuse(("elevations",), "only orbit='ring' has it")
+    if options.get("rays") == "spinning":
+        refuse(("step",), "a spinning scanner has image instead, rays of a turn and rings")
+    else:
+        refuse(("rings", "span"), "only rays='spinning' has it")
+    if "step" in options:
+        refuse(("image",), "only one of step and image may be given")
+
+
+def _present(values: dict[str, Any]) -> dict[str, Any]:
+    """Without None, arrays as lists."""
+    return {name: value.tolist() if hasattr(value, "tolist") else value
+            for name, value in values.items() if value is not None}
+
+
+def _object(value: Any) -> tuple[Any, str]:
+    """A mesh and its name, or None and the name of a shape or scene."""
+    if isinstance(value, str) and not os.path.splitext(value)[1] and not os.path.exists(value):
+        return None, value
+    return mesh_of(value, 4)
+
+
+def _shape(item: Any, as_points: bool) -> Any:
+    if isinstance(item, Points):
+        return item._core
+    if is_path(item):
+        from ._points import read_core
+
+        try:
+            return read_core(item, progress=False) if as_points else mesh_of(item, 4)[0]
+        except ValueError:
+            if as_points:
+                raise
+            return read_core(item, progress=False)  # a cloud
+    core = mesh_of(item)[0]
+    return Points(Mesh._of(core).vertices)._core if as_points else core
+
+
+def _axis(up: str | Sequence[float]) -> tuple[float, ...]:
+    if not isinstance(up, str):
+        return _three("up", up)
+    sign, name = (-1.0, up[1:]) if up.startswith("-") else (1.0, up)
+    if name not in ("x", "y", "z"):
+        raise ParameterError(f"up = {up!r}, must be x, y, z, -x, -y, -z or three numbers")
+    return tuple(sign if name == axis else 0.0 for axis in "xyz")
+
+
+def _three(name: str, value: Sequence[float]) -> tuple[float, ...]:
+    numbers = tuple(float(v) for v in value)
+    if len(numbers) != 3:
+        raise ParameterError(f"{name} = {value!r}, must be three numbers")
+    return numbers
+
+
+def _color(name: str) -> tuple[int, ...]:
+    if name in _COLORS:
+        return _COLORS[name]
+    try:
+        if len(name) == 7 and name[0] == "#":
+            return tuple(int(name[i:i + 2], 16) for i in (1, 3, 5))
+    except ValueError:
+        pass
+    raise ParameterError(f"background = {name!r}, must be white, black, transparent or #RRGGBB")

@@ -1,0 +1,202 @@
+#include "points.h"
+
+#include <pybind11/stl.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "arrays.h"
+#include "work.h"
+
+namespace soapfilm::python {
+
+namespace {
+
+/// Arrays of one or several scans, checked by soapfilm/_points.py; None where there is none.
+struct Arrays {
+  Table positions, normals, sensors, weights, colors;
+  Table order;  ///< sample i is row order[i]; absent: row i
+  size_t size() const { return order ? order.rows() : positions.rows(); }
+  size_t row(size_t i) const { return order ? order.at<size_t>(i) : i; }
+};
+
+bool is_finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+[[noreturn]] void refuse(size_t row, const std::string& what) {
+  throw SamplesError("sample " + std::to_string(row) + ": " + what);
+}
+
+void fill(const Arrays& arrays, PointCloud& cloud) {
+  const size_t n = arrays.size();
+  cloud.positions.resize(n);
+  for (size_t i = 0; i < n; ++i) {
+    cloud.positions[i] = arrays.positions.vector<double>(arrays.row(i));
+    if (!is_finite(cloud.positions[i])) refuse(arrays.row(i), "position is not finite");
+  }
+  if (arrays.normals) {
+    cloud.normals.resize(n);
+    for (size_t i = 0; i < n; ++i) {
+      const Vec3d normal = arrays.normals.vector<double>(arrays.row(i));
+      if (is_finite(normal)) cloud.normals[i] = static_cast<Vec3f>(normal);  // else zero: none
+    }
+  }
+  if (arrays.sensors) {
+    cloud.sensors.resize(n);
+    for (size_t i = 0; i < n; ++i) cloud.sensors[i] = arrays.sensors.vector<double>(arrays.row(i));
+  }
+  if (arrays.weights) {
+    cloud.weights.resize(n);
+    for (size_t i = 0; i < n; ++i) {
+      const double weight = arrays.weights.at<double>(arrays.row(i));
+      if (!(weight >= 0 && std::isfinite(weight)))
+        refuse(arrays.row(i), "weight = " + std::to_string(weight) + ", must be >= 0 and finite");
+      cloud.weights[i] = static_cast<float>(weight);
+    }
+  }
+  if (arrays.colors) {
+    cloud.colors.resize(n);
+    for (size_t i = 0; i < n; ++i)
+      for (size_t k = 0; k < 3; ++k) cloud.colors[i][k] = arrays.colors.at<uint8_t>(arrays.row(i), k);
+  }
+}
+
+/// `columns`: (name, array, is_label) each. `counts`: samples of each scan. `scanners`: None or one row per scan.
+Points points_of(const py::dict& columns_of_samples, const py::list& columns, const std::vector<size_t>& counts,
+                 const py::object& scanners, const std::string& name) {
+  const auto table = [&](const char* key) { return Table(columns_of_samples[key]); };
+  const Arrays arrays{table("positions"), table("normals"), table("sensors"),
+                      table("weights"),   table("colors"),  table("order")};
+  const Table sensors(scanners);
+  std::vector<std::pair<Column, Table>> values;
+  for (const py::handle& entry : columns) {
+    const auto column = py::cast<py::tuple>(entry);
+    values.emplace_back(Column{py::cast<std::string>(column[0]), {}, py::cast<bool>(column[2])}, Table(column[1]));
+  }
+  Points points;
+  PointCloud& cloud = *points.cloud;
+  {
+    const py::gil_scoped_release unlocked;
+    fill(arrays, cloud);
+    for (auto& [column, table_of] : values) {
+      column.values.resize(cloud.size());
+      for (size_t i = 0; i < cloud.size(); ++i) column.values[i] = table_of.at<float>(arrays.row(i));
+      cloud.columns.push_back(std::move(column));
+    }
+    for (size_t k = 0; k < counts.size(); ++k) {
+      Scan& scan = cloud.scans.emplace_back();
+      scan.name = name;
+      scan.begin = k == 0 ? 0 : cloud.scans[k - 1].end;
+      scan.end = scan.begin + counts[k];
+      if (sensors) scan.sensor = sensors.vector<double>(k);
+    }
+  }
+  return points;
+}
+
+/// As the program: dropped samples are a warning, rays that met nothing a fact.
+void tell_of_reading(const Points& points, Progress& progress) {
+  for (const std::string& warning : points.read.warnings) progress.warn(warning);
+  const size_t dropped = points.read.dropped(), size = points.cloud->size();
+  if (dropped > 0)
+    progress.warn(std::to_string(dropped) + " of " + std::to_string(dropped + size) + " samples dropped: not finite");
+}
+
+Points read_files(const std::vector<std::string>& paths, const std::string& columns, const std::string& trajectory,
+                  bool trust_viewpoint, int threads, const py::object& on_event) {
+  Points points;
+  work_beside_python(threads, on_event, [&](const Context& context) {
+    const auto begin = std::chrono::steady_clock::now();
+    const double cpu = context.cpu_seconds();
+    context.progress().begin_stage("read");
+    *points.cloud = read_points(paths, &points.read, context, {columns, trajectory, trust_viewpoint});
+    const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    context.progress().end_stage(elapsed);
+    points.reading = StageTime{"read", elapsed, context.cpu_seconds() - cpu};
+    tell_of_reading(points, context.progress());
+  });
+  return points;
+}
+
+py::tuple vector_of(Vec3d v) { return py::make_tuple(v.x, v.y, v.z); }
+py::object vector_of(const std::optional<Vec3d>& v) { return v ? py::object(vector_of(*v)) : py::object(py::none()); }
+
+py::list scans_of(const Points& points) {
+  py::list scans;
+  for (const Scan& scan : points.cloud->scans) {
+    py::dict facts;
+    facts["name"] = scan.name;
+    facts["begin"] = scan.begin;
+    facts["end"] = scan.end;
+    facts["sensor"] = vector_of(scan.sensor);
+    facts["view_direction"] = vector_of(scan.view_direction);
+    facts["range_grid"] = py::none();
+    if (const auto& grid = scan.range_grid) {
+      View view = view_of<int32_t>(points.cloud, grid->sample);
+      view.shape = {grid->rows, grid->columns};
+      facts["range_grid"] = py::cast(std::move(view));
+    }
+    scans.append(facts);
+  }
+  return scans;
+}
+
+py::list columns_of(const Points& points) {
+  py::list columns;
+  for (const Column& column : points.cloud->columns)
+    columns.append(py::make_tuple(column.name, view_of<float>(points.cloud, column.values), column.is_label));
+  return columns;
+}
+
+py::list files_of(const Points& points) {
+  py::list files;
+  for (const FileReport& file : points.read.files) {
+    py::dict facts;
+    facts["path"] = file.path;
+    facts["format"] = file.format;
+    facts["samples"] = file.samples;
+    facts["dropped"] = file.dropped;
+    facts["no_return"] = file.no_return;
+    facts["ignored_normals"] = file.ignored_normals;
+    facts["properties"] = file.properties;
+    files.append(facts);
+  }
+  return files;
+}
+
+void save_points(const Points& points, const std::string& path, bool ascii) {
+  WriteOptions options;
+  options.ascii = ascii;
+  const py::gil_scoped_release unlocked;
+  write_points(path, *points.cloud, options, Context(0));
+}
+
+}  // namespace
+
+PointCloud take_cloud(Points& points) {
+  if (points.cloud.use_count() > 1) return *points.cloud;
+  return std::exchange(*points.cloud, {});
+}
+
+void add_points(py::module_& module) {
+  py::class_<Points, std::shared_ptr<Points>>(module, "Points")
+      .def_property_readonly("size", [](const Points& p) { return p.cloud->size(); })
+      .def_property_readonly("positions", [](const Points& p) { return view_of<double>(p.cloud, p.cloud->positions); })
+      .def_property_readonly("normals", [](const Points& p) { return optional_view<float>(p.cloud, p.cloud->normals); })
+      .def_property_readonly("sensors",
+                             [](const Points& p) { return optional_view<double>(p.cloud, p.cloud->sensors); })
+      .def_property_readonly("weights", [](const Points& p) { return optional_view<float>(p.cloud, p.cloud->weights); })
+      .def_property_readonly("colors", [](const Points& p) { return optional_view<uint8_t>(p.cloud, p.cloud->colors); })
+      .def_property_readonly("columns", &columns_of)
+      .def_property_readonly("scans", &scans_of)
+      .def_property_readonly("files", &files_of)
+      .def_property_readonly("warnings", [](const Points& p) { return p.read.warnings; })
+      .def_property_readonly("coordinate_system", [](const Points& p) { return p.cloud->coordinate_system; })
+      .def("save", &save_points);
+  module.def("points_of", &points_of);
+  module.def("read", &read_files);
+}
+
+}  // namespace soapfilm::python

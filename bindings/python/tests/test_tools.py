@@ -1,0 +1,125 @@
+"""Evaluation, virtual scanner, pictures: what the program gives."""
+import json
+import struct
+import zlib
+
+import numpy as np
+import pytest
+
+import soapfilm
+from soapfilm._show import png, viewer_html
+
+
+@pytest.fixture(scope="module")
+def result(knot):
+    return soapfilm.reconstruct(*knot, resolution=48, distance=True)
+
+
+def test_evaluate_is_the_programs(tmp_path, result, knot, program):
+    mesh, cloud, out = tmp_path / "mesh.ply", tmp_path / "cloud.ply", tmp_path / "out.json"
+    result.save(mesh)
+    soapfilm.Points(knot[0]).save(cloud)
+    program("evaluate", mesh, "--truth", "knot", "--samples", cloud, "--json", out, "--voxel", "0.02", "--f-score",
+            "0.01,0.02", "--points", "1000", "--seed", "7")
+    theirs = json.loads(out.read_text())
+    ours = soapfilm.evaluate(mesh, "knot", samples=soapfilm.read(cloud), voxel=0.02, f_score=[0.01, 0.02], points=1000,
+                             seed=7)
+    ours["samples"] = theirs["samples"]
+    assert ours == theirs
+
+
+def test_evaluate_of_anything_that_is_a_mesh(result):
+    class Trimesh:
+        vertices, faces = result.vertices, result.triangles.astype(np.int64)
+
+    class Open3d:
+        vertices, triangles = result.vertices.tolist(), result.triangles.astype(np.int32)
+
+    class PyVista:
+        points, regular_faces = result.vertices, result.triangles.astype(np.int64)
+
+    expected = soapfilm.evaluate(result, result, points=200)
+    assert expected["mesh_to_truth"]["distance"]["maximum"] < 1e-9 and expected["topology"]["mesh"]["watertight"]
+    for mesh in (Trimesh, Open3d, PyVista, (result.vertices, result.triangles)):
+        assert soapfilm.evaluate(mesh, result, points=200) == expected
+
+
+def test_scan_is_the_programs(tmp_path, program):
+    program("scan", "part", "-o", tmp_path / "s", "--views", "3", "--image", "30x20", "--noise", "0.5%", "--seed", "4",
+            "--size", "2", "--center", "1,2,3", "--orbit", "ring", "--elevations", "10,50", "--quiet")
+    theirs = soapfilm.read(tmp_path / "s" / "scans.conf")
+    ours = soapfilm.scan("part", views=3, image=(30, 20), noise="0.5%", seed=4, size=2, center=(1, 2, 3), orbit="ring",
+                         elevations=[10, 50])
+    assert len(ours.scans) == 6 and ours.positions == pytest.approx(theirs.positions, abs=1e-9)
+    program("scan", "torus", "-o", tmp_path / "e", "--samples", "500", "--noise", "0.01", "--hole", "0.2", "--quiet")
+    even = soapfilm.scan("torus", samples=500, noise=0.01, hole=0.2)
+    assert np.array_equal(even.positions, soapfilm.read(tmp_path / "e" / "samples.ply").positions)
+
+
+def test_scan_of_a_mesh_and_of_a_scene(result):
+    assert len(soapfilm.scan(result, views=2, image=(20, 20)).scans) == 2
+    room = soapfilm.scan("room", image=(40, 20))
+    assert room.scans[0]["sensor"] is not None and len(room) > 400
+
+
+def test_render_is_the_programs(tmp_path, result, program):
+    mesh, theirs, ours = tmp_path / "mesh.ply", tmp_path / "theirs.png", tmp_path / "ours.png"
+    result.save(mesh)
+    program("render", mesh, mesh, "-o", theirs, "--size", "60x40", "--view", "iso", "--up", "-z", "--color-by",
+            "distance", "--range", "0,0.01", "--caption", "a", "--samples", "1", "--zoom", "0,0,0.5,0.5",
+            "--background", "#102030", "--shading", "smooth")
+    image = soapfilm.render([mesh, mesh], ours, size=(60, 40), view="iso", up="-z", color_by="distance",
+                            range=(0, 0.01), captions="a", samples=1, zoom=(0, 0, 0.5, 0.5), background="#102030", shading="smooth")
+    assert ours.read_bytes() == theirs.read_bytes()
+    assert image.dtype == np.uint8 and image.shape[2] == 4 and (image[0, 0] == [0x10, 0x20, 0x30, 255]).all()
+    width, height = struct.unpack(">II", theirs.read_bytes()[16:24])
+    assert image.shape[:2] == (height, width)
+
+
+def test_render_of_points_and_results(result, knot):
+    image = soapfilm.render([result, soapfilm.Points(*knot)], size=(50, 50), samples=1, background="transparent",
+                            view=(1, 2, 3), up=(0, 0, 1), framing="fitted")
+    assert image.shape == (50, 100, 4) or image.shape[1] >= 100
+    assert 0 < (image[..., 3] > 0).mean() < 1
+    assert (soapfilm.render(result, points=True, size=(40, 40), samples=1) < 255).any()
+
+
+def test_a_picture_is_a_png():
+    image = np.arange(6 * 5 * 4, dtype=np.uint8).reshape(6, 5, 4)
+    data = png(image)
+    assert data[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", data[16:24]) == (5, 6)
+    begin = data.index(b"IDAT") + 4
+    length = struct.unpack(">I", data[begin - 8:begin - 4])[0]
+    rows = np.frombuffer(zlib.decompress(data[begin:begin + length]), dtype=np.uint8).reshape(6, 21)
+    assert (rows[:, 0] == 0).all() and np.array_equal(rows[:, 1:].reshape(6, 5, 4), image)
+
+
+def test_the_page_of_a_notebook(result):
+    page = result._repr_html_()
+    assert page == viewer_html(result) and page.count("data:image/png;base64,") == 3 and "proved" in page
+
+
+@pytest.mark.parametrize("call, kind, message", [
+    (lambda r: soapfilm.evaluate(r, "knoot"), ValueError, "must be one of sphere"),
+    (lambda r: soapfilm.evaluate(r, "knot", sise=1), TypeError, "'size'"),
+    (lambda r: soapfilm.evaluate(r, "room", size=1), ValueError, "only built-in shapes"),
+    (lambda r: soapfilm.evaluate(r, "knot", voxel=0), ValueError, "voxel = 0"),
+    (lambda r: soapfilm.evaluate(r, "knot", points=0), ValueError, "points"),
+    (lambda r: soapfilm.evaluate(3, "knot"), TypeError, "mesh: int"),
+    (lambda r: soapfilm.scan("knot", veiws=3), TypeError, "'views'"),
+    (lambda r: soapfilm.scan("knot", views="many"), ValueError, "views = 'many', must be a whole number"),
+    (lambda r: soapfilm.scan("knot", noise="much"), ValueError, "noise = 'much'"),
+    (lambda r: soapfilm.scan("knot", orbit="round"), ValueError, "one of fibonacci, ring"),
+    (lambda r: soapfilm.scan("knot", samples=0), ValueError, "samples = 0"),
+    (lambda r: soapfilm.scan("knot", samples=9, image=(3, 3)), ValueError, "image: only scans have it"),
+    (lambda r: soapfilm.scan("knot", elevations=[3]), ValueError, "only orbit='ring'"),
+    (lambda r: soapfilm.render(r, "a.jpg"), ValueError, "must end in .png"),
+    (lambda r: soapfilm.render(r, view="behind"), ValueError, "behind"),
+    (lambda r: soapfilm.render(r, up="w"), ValueError, "up = 'w'"),
+    (lambda r: soapfilm.render(r, color_by="none"), ValueError, "none"),
+    (lambda r: soapfilm.render(r, background="puce"), ValueError, "background = 'puce'"),
+    (lambda r: soapfilm.render([r], captions=["a", "b"]), ValueError, "captions: 2"),
+])
+def test_refusals(result, call, kind, message):
+    with pytest.raises(kind, match=message):
+        call(result)
