@@ -14,6 +14,8 @@ help: ## list the targets
 
 build: build-release ## the program, at build/release/bin/soapfilm
 
+build-release build-dev: packages-viewer
+
 demo: build ## scan a shape, reconstruct it, check it, draw both
 	sh examples/demo.sh $(PROGRAM) out/demo
 
@@ -22,6 +24,9 @@ test: test-release ## release build and all tests (FULL=1: 100 000 degenerate cl
 test-asan: packages-asan ## the tests by clang, under AddressSanitizer and UndefinedBehaviorSanitizer
 test-tsan: ## the tests under ThreadSanitizer, loops on std::thread, the portable platform
 test-shared: ## an outside project links the shared library
+
+test-viewer: build-release packages-viewer-test ## the page of `soapfilm view` in headless Chromium
+	sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/viewer
 
 test-%: build-%
 	$(if $(FULL),SOAPFILM_FULL=1) ctest --preset $* --parallel $(JOBS) $(if $(FULL),--timeout 7200)

@@ -23,5 +23,6 @@ void add_scan(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_evaluate(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_info(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner);
+void add_view(CLI::App& app, const GlobalOptions& options, Runner& runner);
 
 }  // namespace soapfilm::cli

@@ -34,6 +34,8 @@ constexpr const char* examples_and_codes =
       soapfilm evaluate mesh.ply --truth part
   A picture of two meshes side by side:
       soapfilm render truth.ply mesh.ply -o both.png
+  A page for the browser: turn, cut, measure:
+      soapfilm view bun.conf bunny.ply
 
 EXIT CODES
   0    success
@@ -147,6 +149,7 @@ int run(int argc, char** argv) {
   add_evaluate(app, options, runner);
   add_info(app, options, runner);
   add_render(app, options, runner);
+  add_view(app, options, runner);
   app.footer(examples_and_codes);  // last: sub-commands would inherit it
   refuse_empty_numbers(app);
   for (CLI::App* command : app.get_subcommands({})) {
