@@ -28,6 +28,18 @@ test-shared: ## an outside project links the shared library
 test-viewer: build-release packages-viewer-test ## the page of `soapfilm view` in headless Chromium
 	sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/viewer
 
+web: build-release packages-web ## the program for browsers: out/web/index.html, one file (Emscripten)
+	@test -f build/web/build.ninja || (cd web && emcmake cmake -S . -B ../build/web -G Ninja >/dev/null)
+	cmake --build build/web --parallel $(JOBS)
+	node web/build.mjs build/release/viewer/node_modules build/web/soapfilm.js out/web
+
+web-demo: web ## serve it at http://localhost:8000
+	node web/serve.mjs out/web 8000
+
+test-web: web packages-viewer-test ## it gives the program's bytes, in node and Chromium
+	node web/test/bytes.mjs $(PROGRAM) build/web/soapfilm.js out/web-test
+	SOAPFILM_PAGE=out/web/index.html sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/web-test ../../web/test/web.test.mjs
+
 test-%: build-%
 	$(if $(FULL),SOAPFILM_FULL=1) ctest --preset $* --parallel $(JOBS) $(if $(FULL),--timeout 7200)
 

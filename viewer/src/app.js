@@ -37,8 +37,8 @@ export class App {
     this.#tools();
     this.#keys();
     this.setTwo(compared(data));
-    views.look('corner', data.up);
     this.setPanel(!narrow.matches);
+    views.look('corner', data.up);
   }
 
   setTwo(on) {

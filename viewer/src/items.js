@@ -63,6 +63,7 @@ function withoutNan(values) {
 
 /** Makes the objects of an item: in layer k of the cameras it is shown by view k. */
 async function build(item, index) {
+  const palette = item.indices ? clay : slate;
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(item.positions, 3));
   const normals = item.normals ?? (item.indices ? await vertexNormals(item.positions, item.indices) : null);
@@ -70,11 +71,11 @@ async function build(item, index) {
   if (item.colors) geometry.setAttribute('rgb', new BufferAttribute(item.colors, 4, true));
   if (item.indices) {
     geometry.setIndex(new BufferAttribute(item.indices, 1));
-    item.object = new Mesh(geometry, surfaceMaterial(unit(clay[index % clay.length]), unit(inside)));
+    item.object = new Mesh(geometry, surfaceMaterial(unit(palette[index % palette.length]), unit(inside)));
   } else {
-    item.object = new Points(geometry, pointsMaterial(unit(slate[index % slate.length]), item.radius));
+    item.object = new Points(geometry, pointsMaterial(unit(palette[index % palette.length]), item.radius));
   }
-  item.base = (item.indices ? clay : slate)[index % clay.length];
+  item.base = palette[index % palette.length];
   item.object.frustumCulled = false;
   item.object.matrixAutoUpdate = false;
   item.hasNormals = Boolean(normals);
@@ -83,7 +84,8 @@ async function build(item, index) {
 
 export async function buildScene(data) {
   const scene = new Scene();
-  for (const [index, item] of data.items.entries()) scene.add(await build(item, index));
+  const counts = {mesh: 0, samples: 0}; // each kind has colors of its own
+  for (const item of data.items) scene.add(await build(item, counts[item.kind]++));
   return scene;
 }
 

@@ -55,7 +55,7 @@ vec3 lit(vec3 color, vec3 n) {
   float sky = 0.5 + 0.5 * n.y;
   float strength = mode == 0 ? 1.0 : 1.12;  // colors that mean something stay bright
   return strength * color * (0.2 + 0.66 * key + 0.16 * fill + 0.14 * sky)
-      + 0.045 * pow(max(dot(n, normalize(vec3(-0.3, 0.45, 1.1))), 0.0), 24.0);
+      + (mode < 2 ? 0.045 : 0.008) * pow(max(dot(n, normalize(vec3(-0.3, 0.45, 1.1))), 0.0), 24.0);
 }`;
 
 const cutAway = `

@@ -24,7 +24,7 @@ function proof(report) {
     'div',
     {class: 'proof'},
     element('b', {}, percent(gap)),
-    element('span', {}, 'of the global optimum at most: so near is the segmentation, proved by a lower bound.'),
+    element('span', {}, 'gap at most between the segmentation and the global optimum: proved by a lower bound.'),
   );
 }
 

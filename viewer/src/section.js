@@ -46,10 +46,21 @@ export class Section {
     } else {
       this.normal = new Vector3(axis === 'x' ? 1 : 0, axis === 'y' ? 1 : 0, axis === 'z' ? 1 : 0).toArray();
     }
-    this.flipped = false;
+    this.flipped = axis !== 'off' && this.#away();
     this.show(axis);
     byId('section-on').hidden = axis === 'off';
     this.#apply();
+  }
+
+  /** Whether the normal looks away from the viewer: the half in front is to be cut. */
+  #away() {
+    const {camera, controls} = this.views.views[0];
+    return (
+      camera.position
+        .clone()
+        .sub(controls.target)
+        .dot(new Vector3(...this.normal)) < 0
+    );
   }
 
   setShare(share) {

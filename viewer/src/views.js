@@ -112,7 +112,7 @@ export class Views {
       // OrbitControls takes the upright axis once, when it is made.
       controls._quat.setFromUnitVectors(camera.up, new Vector3(0, 1, 0));
       controls._quatInverse.copy(controls._quat).invert();
-      this.#place(camera, controls, this.center, direction, this.radius * 1.06);
+      this.#place(camera, controls, direction);
     }
     this.draw();
   }
@@ -121,16 +121,28 @@ export class Views {
   fit() {
     for (const {camera, controls} of this.views) {
       const direction = camera.position.clone().sub(controls.target).normalize();
-      this.#place(camera, controls, this.center, direction, this.radius * 1.06);
+      this.#place(camera, controls, direction);
     }
     this.draw();
   }
 
-  #place(camera, controls, target, direction, radius) {
-    const half = Math.sin(((angle / 2) * Math.PI) / 180);
-    const distance = radius / half / Math.min(1, Math.max(camera.aspect, 0.3));
-    controls.target.copy(target);
-    camera.position.copy(target).addScaledVector(direction, distance);
+  /** Puts a camera so far away that all corners of the box are in the picture. */
+  #place(camera, controls, direction) {
+    const {center} = this;
+    const forward = direction.clone().negate();
+    const right = new Vector3().crossVectors(forward, camera.up);
+    if (right.lengthSq() < 1e-6) right.crossVectors(forward, new Vector3(0, -camera.up.z, camera.up.y)).negate();
+    right.normalize();
+    const above = new Vector3().crossVectors(right, forward);
+    const slope = Math.tan(((angle / 2) * Math.PI) / 180) * 0.86;
+    let distance = 0;
+    for (let c = 0; c < 8; ++c) {
+      const corner = new Vector3(...[0, 1, 2].map((k) => ((c >> k) & 1 ? this.hi[k] : this.lo[k]))).sub(center);
+      const wide = Math.abs(corner.dot(right)) / Math.max(camera.aspect, 0.2);
+      distance = Math.max(distance, corner.dot(direction) + Math.max(wide, Math.abs(corner.dot(above))) / slope);
+    }
+    controls.target.copy(center);
+    camera.position.copy(center).addScaledVector(direction, Math.max(distance, this.radius * 0.5));
     controls.minDistance = this.radius * 1e-4;
     controls.maxDistance = this.radius * 40;
     controls.update();
@@ -152,6 +164,7 @@ export class Views {
     const stage = byId('stage');
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(stage.clientWidth, stage.clientHeight, false);
+    for (const {camera, holder} of this.views) camera.aspect = holder.clientWidth / Math.max(holder.clientHeight, 1) || 1;
     this.draw();
   }
 

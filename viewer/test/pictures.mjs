@@ -39,7 +39,7 @@ const both = makePage(
     colorScheme: 'dark',
   };
   const {page} = await open(browser, both, narrow);
-  await page.keyboard.press('y');
+  await page.keyboard.press('z');
   await page.waitForTimeout(600);
   await page.screenshot({path: inOut('viewer-narrow.png')});
 }

@@ -134,7 +134,7 @@ async function measure(page, a, b, modifiers = []) {
     await page.mouse.click(x, y);
     for (const key of modifiers) await page.keyboard.up(key);
   }
-  return parseFloat(await page.innerText('#distance'));
+  return parseFloat(await page.textContent('#distance'));
 }
 const at = (x, y, z) => [corner[0] + x, corner[1] + y, corner[2] + z];
 
@@ -142,6 +142,7 @@ inPage(
   'two clicks measure the true distance, in world coordinates',
   () => one,
   async (page) => {
+    await page.keyboard.press('h'); // the panel leaves the view narrow, and the tools are over it
     await page.keyboard.press('0');
     await page.keyboard.press('m');
     const onFront = await measure(page, at(0.5, 0.5, 1), at(3.5, 1.5, 1));
@@ -189,11 +190,11 @@ inPage(
     await drag();
     const [left, right] = await positions();
     assert.ok(Math.hypot(...left.map((v, k) => v - start[k])) > 1e-3);
-    assert.deepEqual(left, right);
+    assert.ok(Math.hypot(...left.map((v, k) => v - right[k])) < 1e-9, 'the right camera did not follow');
     await page.keyboard.press('l');
     await drag();
     const [own, other] = await positions();
-    assert.deepEqual(other, right);
+    assert.ok(Math.hypot(...other.map((v, k) => v - right[k])) < 1e-9, 'the right camera moved');
     assert.notDeepEqual(own, left);
     const before = await pixels(page);
     await page.keyboard.press('2');
@@ -205,6 +206,8 @@ inPage(
   'samples can be measured: they are hit exactly',
   () => two,
   async (page) => {
+    await page.keyboard.press('h');
+    await page.keyboard.press('0');
     await page.keyboard.press('m');
     const distance = await measure(page, at(0, 0, 1), at(4, 0, 1));
     assert.equal(distance, 4);
