@@ -90,6 +90,7 @@ export function launch() {
 export async function open(browser, address, options = {}) {
   const context = await browser.newContext({viewport: {width: 900, height: 640}, reducedMotion: 'reduce', ...options});
   const page = await context.newPage();
+  page.setDefaultTimeout(10000);
   const faults = [];
   page.on(
     'console',
