@@ -2,6 +2,8 @@
 #pragma once
 
 #include <atomic>
+#include <bit>
+#include <type_traits>
 
 #ifndef __cpp_lib_atomic_ref
 namespace std {
@@ -27,6 +29,18 @@ class atomic_ref {
  private:
   T& value_;
 };
+
+}  // namespace std
+#endif
+
+#ifndef __cpp_lib_bit_cast
+namespace std {
+
+template <class To, class From>
+  requires(sizeof(To) == sizeof(From) && is_trivially_copyable_v<To> && is_trivially_copyable_v<From>)
+constexpr To bit_cast(const From& from) noexcept {
+  return __builtin_bit_cast(To, from);
+}
 
 }  // namespace std
 #endif

@@ -179,7 +179,7 @@ ordered_json cloud_json(const ViewItem& item, const PointCloud& cloud, Vec3d ori
   ordered_json json = {{"kind", "samples"},
                        {"samples", kept.size()},
                        {"source", {{"samples", cloud.size()}, {"scans", cloud.scans.size()}}},
-                       {"radius", spacing > 0   ? 0.62 * spacing
+                       {"radius", spacing > 0   ? 0.7 * spacing
                                   : longest > 0 ? 1e-3 * longest
                                                 : 1.0}};
   add_common(json, writer, cloud, positions, which);

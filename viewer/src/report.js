@@ -24,7 +24,7 @@ function proof(report) {
     'div',
     {class: 'proof'},
     element('b', {}, percent(gap)),
-    element('span', {}, 'gap at most between the segmentation and the global optimum: proved by a lower bound.'),
+    element('span', {}, 'is the largest possible gap to the global optimum, proved by a lower bound.'),
   );
 }
 

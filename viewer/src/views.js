@@ -164,7 +164,8 @@ export class Views {
     const stage = byId('stage');
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(stage.clientWidth, stage.clientHeight, false);
-    for (const {camera, holder} of this.views) camera.aspect = holder.clientWidth / Math.max(holder.clientHeight, 1) || 1;
+    for (const {camera, holder} of this.views)
+      camera.aspect = holder.clientWidth / Math.max(holder.clientHeight, 1) || 1;
     this.draw();
   }
 

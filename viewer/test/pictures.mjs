@@ -12,9 +12,8 @@ const wide = makePage('viewer-wide', [inOut('hole.ply')], '--unit', 'mm', '--up'
   await page.keyboard.press('m');
   const center = await page.evaluate(() => window.soapfilm.data.items[0].box);
   for (const share of [0.2, 0.8]) {
-    const point = [0, 1, 2].map(
-      (k) => center.lo[k] + (k === 0 ? share : k === 1 ? 0.12 : 0.9) * (center.hi[k] - center.lo[k]),
-    );
+    const shift = [share, 0.12, 0.9]; // of the box: on the near upper side
+    const point = [0, 1, 2].map((k) => center.lo[k] + shift[k] * (center.hi[k] - center.lo[k]));
     const {x, y} = await place(page, point);
     await page.mouse.click(x, y);
   }

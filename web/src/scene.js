@@ -23,7 +23,7 @@ export function cloudItem(name, {summary, preview}) {
     samples,
     source: {samples: summary.samples, scans: summary.scans},
     box: summary.box,
-    radius: 0.62 * summary.spacing * Math.sqrt(summary.samples / Math.max(samples, 1)) || 1,
+    radius: 0.7 * summary.spacing * Math.sqrt(summary.samples / Math.max(samples, 1)) || 1,
     attributes: [],
     report: null,
     positions: preview.positions,
