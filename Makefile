@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find include src tools cli tests fuzz examples bench -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test fuzz bench paper accuracy scenes format format-check tidy clean
+.PHONY: help build demo test fuzz web web-demo bench paper accuracy scenes format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -38,7 +38,8 @@ web-demo: web ## serve it at http://localhost:8000
 
 test-web: web packages-viewer-test ## it gives the program's bytes, in node and Chromium
 	node web/test/bytes.mjs $(PROGRAM) build/web/soapfilm.js out/web-test
-	SOAPFILM_PAGE=out/web/index.html sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/web-test ../../web/test/web.test.mjs
+	SOAPFILM_PAGE=out/web/index.html sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/web-test \
+	  ../../web/test/web.test.mjs
 
 test-%: build-%
 	$(if $(FULL),SOAPFILM_FULL=1) ctest --preset $* --parallel $(JOBS) $(if $(FULL),--timeout 7200)

@@ -8,6 +8,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <variant>
 #include <vector>
 
@@ -68,7 +70,8 @@ std::string report_beside(const std::string& mesh) { return fs::path(mesh).repla
 std::string report_of(const ViewOptions& options, const std::string& mesh, size_t number, Progress& progress) {
   if (number < options.reports.size()) return required_report(options.reports[number]);
   const std::string beside = report_beside(mesh);
-  if (!fs::is_regular_file(beside)) return "";
+  std::error_code unreadable;
+  if (!fs::is_regular_file(beside, unreadable)) return "";
   std::string text = report_text(beside);
   if (text.empty()) progress.warn(fmt::format("{}: is no report of reconstruct, not shown", beside));
   return text;
@@ -142,7 +145,8 @@ std::string default_page(const std::string& first) {
   } catch (const OutputError&) {
     page = (fs::temp_directory_path() / beside.filename()).string();
   }
-  if (fs::exists(page) && !is_our_page(page))
+  std::error_code unreadable;
+  if (fs::exists(page, unreadable) && !is_our_page(page))
     throw OutputError(fmt::format("{}: exists and is no page of soapfilm view, name another one with --html", page));
   return page;
 }
@@ -172,9 +176,10 @@ int run(ViewOptions options, const GlobalOptions& global) {
     items[i].name = names[i];
     items[i].report = read[i].report;
   }
-  stages.run("write", [&] { write_text_file(options.html, viewer_page(items, options.params, context)); });
+  const std::string page = stages.run("page", [&] { return viewer_page(items, options.params, context); });
+  stages.run("write", [&] { write_text_file(options.html, page); });
   const bool opened = open && open_in_browser(options.html);
-  const double mib = static_cast<double>(fs::file_size(options.html)) / (1 << 20);
+  const double mib = static_cast<double>(page.size()) / (1 << 20);
   if (!global.quiet || !opened)
     print(stdout, fmt::format("{}: {:.1f} MiB, {}\n", printable(options.html), mib,
                               opened ? "opened in the browser" : "open it in a browser"));
@@ -214,8 +219,10 @@ void add_view(CLI::App& app, const GlobalOptions& global, Runner& runner) {
   command
       ->add_option("--triangles", params.triangles,
                    "Of a mesh at most about so many: larger ones are simplified for the page; 0: all")
+      ->check(CLI::Range(size_t{0}, size_t{1} << 32))
       ->option_text(fmt::format("N [{}]", params.triangles));
   command->add_option("--samples", params.samples, "Of a cloud at most so many: larger ones are thinned; 0: all")
+      ->check(CLI::Range(size_t{0}, size_t{1} << 32))
       ->option_text(fmt::format("N [{}]", params.samples));
   command->add_option("--columns", options->columns, "Of text files: what their columns are, such as x,y,z,-,nx,ny,nz")
       ->option_text("NAMES");
