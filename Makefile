@@ -30,7 +30,7 @@ test-viewer: build-release packages-viewer-test ## the page of `soapfilm view` i
 
 web: build-release packages-web ## the program for browsers: out/web/index.html, one file (Emscripten)
 	@test -f build/web/build.ninja || (cd web && emcmake cmake -S . -B ../build/web -G Ninja >/dev/null)
-	cmake --build build/web --parallel $(JOBS)
+	NODE_PATH=/usr/share/nodejs cmake --build build/web --parallel $(JOBS)
 	node web/build.mjs build/release/viewer/node_modules build/web/soapfilm.js out/web
 
 web-demo: web ## serve it at http://localhost:8000

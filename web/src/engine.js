@@ -5,6 +5,8 @@ export async function engine(create, onEvent) {
   const module = await create({onEvent});
   const {FS} = module;
   const call = (name, result, types = [], values = []) => module.ccall(name, result, types, values);
+  /** An address or a count: of 32 bits without a sign. */
+  const size = (...args) => call(args[0], 'number', ...args.slice(1)) >>> 0;
   /** Throws what was refused. */
   const must = (message) => {
     if (message) throw new Error(message);
@@ -24,8 +26,8 @@ export async function engine(create, onEvent) {
 
     /** Samples for a first picture: {positions, colors or null} around the origin. */
     preview(most, origin) {
-      const count = call('web_preview', 'number', ['number', 'number', 'number', 'number'], [most, ...origin]);
-      const at = call('web_preview_data', 'number') / 4;
+      const count = size('web_preview', ['number', 'number', 'number', 'number'], [most, ...origin]);
+      const at = size('web_preview_data') / 4;
       const rows = new Float32Array(module.HEAPF32.buffer, 4 * at, 6 * count);
       const positions = new Float32Array(3 * count),
         colors = new Uint8Array(4 * count);
@@ -45,13 +47,13 @@ export async function engine(create, onEvent) {
 
     /** Copies: the memory of the engine moves when it grows. */
     mesh(origin) {
-      const vertices = call('web_vertices', 'number'),
-        triangles = call('web_triangles', 'number');
+      const vertices = size('web_vertices'),
+        triangles = size('web_triangles');
       const {buffer} = module.HEAPU8;
-      const world = new Float64Array(buffer, call('web_vertex_data', 'number'), 3 * vertices);
+      const world = new Float64Array(buffer, size('web_vertex_data'), 3 * vertices);
       const positions = new Float32Array(3 * vertices);
       for (let i = 0; i < positions.length; ++i) positions[i] = world[i] - origin[i % 3];
-      const colorsAt = call('web_color_data', 'number');
+      const colorsAt = size('web_color_data');
       let colors = null;
       if (colorsAt) {
         const rgb = new Uint8Array(buffer, colorsAt, 3 * vertices);
@@ -62,7 +64,7 @@ export async function engine(create, onEvent) {
       for (let k = 0, name; (name = call('web_attribute_name', 'string', ['number'], [k])); ++k) {
         const values = new Float32Array(
           buffer,
-          call('web_attribute_data', 'number', ['number'], [k]),
+          size('web_attribute_data', ['number'], [k]),
           vertices,
         ).slice();
         attributes.push({name, values});
@@ -71,7 +73,7 @@ export async function engine(create, onEvent) {
         positions,
         colors,
         attributes,
-        indices: new Uint32Array(buffer, call('web_triangle_data', 'number'), 3 * triangles).slice(),
+        indices: new Uint32Array(buffer, size('web_triangle_data'), 3 * triangles).slice(),
       };
     },
     report: () => call('web_report', 'string'),
