@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find include src tools cli tests fuzz examples bench bindings -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test test-python notebook fuzz docs bench paper accuracy scenes deb test-deb format format-check tidy clean
+.PHONY: help build demo test test-python notebook fuzz docs web web-demo bench paper accuracy scenes deb test-deb format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -13,6 +13,8 @@ help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-14s%s\n", $$1, $$2 }' Makefile
 
 build: build-release ## the program, at build/release/bin/soapfilm
+
+build-release build-dev: packages-viewer
 
 demo: build ## scan a shape, reconstruct it, check it, draw both
 	sh examples/demo.sh $(PROGRAM) out/demo
@@ -29,6 +31,22 @@ test-python: build-release packages-python ## the wheel of the Python package, i
 notebook: test-python packages-notebook ## run the notebook of examples/python again, pictures included
 	PYTHONPATH=$$(echo $(CURDIR)/out/python/venv/lib/python3*/site-packages) /usr/bin/python3 -m nbconvert --to notebook --execute --inplace \
 	  --ExecutePreprocessor.record_timing=False examples/python/*.ipynb
+
+test-viewer: build-release packages-viewer-test ## the page of `soapfilm view` in headless Chromium
+	sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/viewer
+
+web: build-release packages-web ## the program for browsers: out/web/index.html, one file (Emscripten)
+	@test -f build/web/build.ninja || (cd web && emcmake cmake -S . -B ../build/web -G Ninja >/dev/null)
+	NODE_PATH=/usr/share/nodejs cmake --build build/web --parallel $(JOBS)
+	node web/build.mjs build/release/viewer/node_modules build/web/soapfilm.js out/web
+
+web-demo: web ## serve it at http://localhost:8000
+	node web/serve.mjs out/web 8000
+
+test-web: web packages-viewer-test ## it gives the program's bytes, in node and Chromium
+	node web/test/bytes.mjs $(PROGRAM) build/web/soapfilm.js out/web-test
+	SOAPFILM_PAGE=out/web/index.html sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/web-test \
+	  ../../web/test/web.test.mjs
 
 test-%: build-%
 	$(if $(FULL),SOAPFILM_FULL=1) ctest --preset $* --parallel $(JOBS) $(if $(FULL),--timeout 7200)

@@ -21,6 +21,8 @@ const char* const examples_and_exit_codes =
       soapfilm evaluate mesh.ply --truth part
   A picture of two meshes side by side:
       soapfilm render truth.ply mesh.ply -o both.png
+  A page for the browser: turn, cut, measure:
+      soapfilm view bun.conf bunny.ply
 
 EXIT CODES
   0    success

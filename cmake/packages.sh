@@ -14,7 +14,10 @@ installed=$(dpkg-query --show --showformat '${db:Status-Abbrev} ${Package}\n' $w
   sed -n 's/^.i. *//p')
 missing=
 for package in $wanted; do
-  printf '%s\n' "$installed" | grep -qxF "$package" || missing="$missing $package"
+  printf '%s\n' "$installed" | grep -qxF "$package" && continue
+  # A newer node than Debian's brings npm along, and Debian's package would not go with it.
+  case $package in nodejs) program=node ;; npm) program=npm ;; *) program= ;; esac
+  [ -n "$program" ] && command -v "$program" >/dev/null || missing="$missing $package"
 done
 [ -n "$missing" ] || exit 0
 

@@ -13,4 +13,7 @@ echo "2. The raw scans become a mesh: $out/knot.ply"
 echo "3. The scans and the mesh side by side: $out/knot.png"
 "$program" render "$out/scans/scans.conf" "$out/knot.ply" --view 0.3,-0.4,1 --size 640x520 --shading smooth \
   --caption "raw virtual scans" --caption "soapfilm reconstruct" -o "$out/knot.png"
-echo "Done. Look at $out/knot.png; the proof is in $out/report.json."
+echo "4. Both in a page for the browser: $out/knot.html"
+if "$program" --quiet view "$out/scans/scans.conf" "$out/knot.ply" --report "$out/report.json" --html "$out/knot.html" \
+  --title "A knot of genus 4"; then page=", and at $out/knot.html in a browser"; else page=; fi
+echo "Done. Look at $out/knot.png$page; the proof is in $out/report.json."

@@ -1,6 +1,6 @@
 #!/bin/sh
 # pictures.sh PROGRAM FOLDER: makes the pictures of the guide anew, by the commands of its pages. Scans and meshes go to
-# FOLDER; copy FOLDER/*.jpg into docs/guide/ after looking at them. Takes half a minute; needs python3-pil.
+# FOLDER; copy FOLDER/*.jpg and FOLDER/pages/*.png into docs/guide/ after looking at them. Takes half a minute; needs python3-pil.
 set -eu
 program=$(realpath "$1")
 here=$(realpath "$(dirname "$0")")
@@ -61,6 +61,20 @@ soapfilm reconstruct hole/samples.ply -o hole.ply --distance
 soapfilm reconstruct hole/samples.ply -o cut.ply --distance --trim auto
 soapfilm render hole/samples.ply hole.ply cut.ply -o trust.png --size 210x170 --up z --view 0.2,0.3,1 \
   --color-by distance --caption "samples" --caption "distance to the samples" --caption "--trim auto"
+
+# viewer.md: needs chromium, and a build with the viewer beside the program
+soapfilm reconstruct hole/samples.ply -o hole.ply --report hole.report.json --distance --support
+sh "$here/../../viewer/test/run.sh" "$program" "$(dirname "$program")/../viewer" . pictures.mjs
+/usr/bin/python3 - viewer.png viewer-narrow.png <<'END'
+import sys
+from PIL import Image
+for name in sys.argv[1:]:
+    picture = Image.open(name).convert("RGB")
+    width = 1200 if picture.width > picture.height else 390
+    picture = picture.resize((width, round(picture.height * width / picture.width)), Image.LANCZOS)
+    picture.quantize(128, dither=Image.Dither.FLOYDSTEINBERG).save("small-" + name, optimize=True)
+END
+mkdir -p pages && mv viewer*.png pages/ && mv small-viewer.png pages/viewer.png && mv small-viewer-narrow.png pages/viewer-narrow.png
 
 /usr/bin/python3 - *.png <<'END'
 import sys

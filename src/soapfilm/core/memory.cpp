@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <cctype>
-#include <charconv>
 #include <iterator>
 
+#include "soapfilm/core/number_text.h"
 #include "soapfilm/error.h"
 
 namespace soapfilm {
@@ -16,7 +16,7 @@ size_t parse_memory(std::string_view text) {
   };
   double value = 0;
   const char* const end = text.data() + text.size();
-  const auto [unit, error] = std::from_chars(text.data(), end, value, std::chars_format::fixed);
+  const auto [unit, error] = number_from_text(text.data(), end, value, false);
   if (error != std::errc{}) throw refuse();
 
   std::string suffix(unit, end);

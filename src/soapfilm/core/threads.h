@@ -1,5 +1,5 @@
 // The only file that uses the thread library: oneTBB, or std::thread when built with SOAPFILM_STD_THREADS (the build
-// for ThreadSanitizer).
+// for ThreadSanitizer), or none when built with SOAPFILM_NO_THREADS (the build for browsers).
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,9 @@
 
 #include "soapfilm/core/cpu_time.h"
 
-#ifdef SOAPFILM_STD_THREADS
+#if defined(SOAPFILM_NO_THREADS)
+// Nothing.
+#elif defined(SOAPFILM_STD_THREADS)
 #include <thread>
 #include <vector>
 #else
@@ -21,7 +23,31 @@
 
 namespace soapfilm {
 
-#ifdef SOAPFILM_STD_THREADS
+#if defined(SOAPFILM_NO_THREADS)
+
+/// The calling thread alone, whatever count is asked for.
+class Threads {
+ public:
+  explicit Threads(int /*count*/) {}
+
+  int count() const { return 1; }
+  HelpersTime& helpers_time() { return helpers_time_; }
+
+  template <class Run>
+  void each(size_t chunks, const Run& run) const {
+    for (size_t k = 0; k < chunks; ++k) run(k);
+  }
+
+  template <class Body>
+  void confine(const Body& body) const {
+    body();
+  }
+
+ private:
+  HelpersTime helpers_time_;
+};
+
+#elif defined(SOAPFILM_STD_THREADS)
 
 /// Threads are created for each loop: nested loops create their own and cannot wait for one another.
 class Threads {

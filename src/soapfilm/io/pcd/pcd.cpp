@@ -256,7 +256,8 @@ class PcdReader {
         const size_t count = std::min(at_once, size - done);
         const char* at = is_lzf ? bytes.take(count) : packed.data() + raw;
         raw += count;
-        if (field.count == 1) put(k, done / field.size, {at, field.size, count / field.size});
+        const auto rows = [&](uint64_t part) { return static_cast<size_t>(part / field.size); };
+        if (field.count == 1) put(k, rows(done), {at, static_cast<size_t>(field.size), rows(count)});
         done += count;
         source_.release_before(begin + (is_lzf ? bytes.used() : raw));
       }

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <limits>
 
+#include "soapfilm/core/number_text.h"
 #include "soapfilm/error.h"
 
 namespace soapfilm::io {
@@ -46,7 +47,7 @@ bool parse_number(std::string_view token, double& value) {
   }
   if (token.empty()) return false;
   const char* end = token.data() + token.size();
-  const std::from_chars_result parsed = std::from_chars(token.data(), end, value);
+  const NumberEnd parsed = number_from_text(token.data(), end, value);
   if (parsed.ec == std::errc::result_out_of_range && parsed.ptr == end) {
     value = out_of_range_value(token);
     return true;
@@ -142,7 +143,7 @@ const char* parse_plain_number(const char* at, const char* end, double& value) {
 const char* parse_usual_number(const char* at, const char* end, double& value, char separator) {
   const auto ends = [&](const char* after) { return after == end || is_blank(*after) || *after == separator; };
   if (const char* after = parse_plain_number(at, end, value); after && ends(after)) return after;
-  const std::from_chars_result parsed = std::from_chars(at, end, value);
+  const NumberEnd parsed = number_from_text(at, end, value);
   return parsed.ec == std::errc{} && ends(parsed.ptr) ? parsed.ptr : nullptr;
 }
 

@@ -1,0 +1,165 @@
+// What the page calls: files of the browser become a cloud, the cloud a mesh. Built by Emscripten; worker.js calls it.
+#include <emscripten.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "soapfilm/context.h"
+#include "soapfilm/core/random.h"
+#include "soapfilm/core/vec.h"
+#include "soapfilm/error.h"
+#include "soapfilm/io.h"
+#include "soapfilm/io/summary.h"
+#include "soapfilm/reconstruct.h"
+#include "soapfilm/version.h"
+
+// clang-format off
+EM_JS(void, web_event, (const char* kind, double fraction, const char* text), {
+  Module.onEvent(UTF8ToString(kind), fraction, UTF8ToString(text));
+});
+// clang-format on
+
+namespace soapfilm {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Hands every event to the worker. It runs on the same thread: cancelling is ending the worker.
+class WebProgress : public Progress {
+ public:
+  void begin_stage(std::string_view name) override { tell("stage", 0, std::string(name)); }
+  void advance(double fraction, std::string_view detail) override { tell("advance", fraction, std::string(detail)); }
+  void info(const std::string& line) override { tell("info", 0, line); }
+  void warn(const std::string& line) override { tell("warning", 0, line); }
+
+ private:
+  static void tell(const char* kind, double fraction, const std::string& text) {
+    web_event(kind, fraction, text.c_str());
+  }
+};
+
+/// The one run of a worker.
+struct Run {
+  WebProgress progress;
+  Context context{1, progress};
+  PointCloud cloud;
+  Reconstruction result;
+  std::vector<float> preview;
+  std::string text;
+  std::vector<std::string> warnings;
+};
+
+Run& run() {
+  static Run one;
+  return one;
+}
+
+/// "" or the message of what was refused.
+template <class Work>
+const char* guarded(const Work& work) {
+  static std::string message;
+  message.clear();
+  try {
+    work();
+  } catch (const std::bad_alloc&) {
+    message = "not enough memory: a browser gives a page at most 4 GiB; take a larger voxel";
+  } catch (const std::exception& error) {
+    message = error.what();
+  }
+  return message.c_str();
+}
+
+ordered_json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
+
+}  // namespace
+
+}  // namespace soapfilm
+
+using namespace soapfilm;
+
+extern "C" {
+
+EMSCRIPTEN_KEEPALIVE const char* web_version() { return version; }
+
+/// Appends a file. Returns "" or why not.
+EMSCRIPTEN_KEEPALIVE const char* web_read(const char* path) {
+  return guarded([&] {
+    ReadReport report;
+    PointCloud cloud = read_points(path, &report, run().context);
+    for (const std::string& warning : report.warnings) run().progress.warn(warning);
+    run().warnings.insert(run().warnings.end(), report.warnings.begin(), report.warnings.end());
+    run().cloud.append(std::move(cloud));
+  });
+}
+
+/// What was read, as JSON.
+EMSCRIPTEN_KEEPALIVE const char* web_summary() {
+  const CloudSummary summary = summarize(run().cloud);
+  const ordered_json json = {{"samples", run().cloud.size()},
+                             {"scans", run().cloud.scans.size()},
+                             {"spacing", summary.spacing},
+                             {"normals", summary.normals},
+                             {"colors", !run().cloud.colors.empty()},
+                             {"coordinate_system", run().cloud.coordinate_system},
+                             {"box", {{"lo", json_of(summary.box.lo)}, {"hi", json_of(summary.box.hi)}}}};
+  run().text = json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  return run().text.c_str();
+}
+
+/// At most `most` samples, chosen evenly at random: x, y, z around an origin, and colors in [0, 1], or -1 without any.
+EMSCRIPTEN_KEEPALIVE size_t web_preview(size_t most, double x, double y, double z) {
+  const PointCloud& cloud = run().cloud;
+  const size_t count = std::min(most, cloud.size());
+  std::vector<float>& out = run().preview;
+  out.clear();
+  for (size_t k = 0; k < count; ++k) {
+    const size_t length = cloud.size() / count;
+    const size_t i = one_of_stretch(k, length, cloud.size());
+    const Vec3f p(cloud.positions[i] - Vec3d{x, y, z});
+    out.insert(out.end(), {p.x, p.y, p.z});
+    for (int c = 0; c < 3; ++c)
+      out.push_back(cloud.colors.empty() ? -1.0F : static_cast<float>(cloud.colors[i][static_cast<size_t>(c)]) / 255);
+  }
+  return count;
+}
+EMSCRIPTEN_KEEPALIVE const float* web_preview_data() { return run().preview.data(); }
+
+/// `parameters` as for soapfilm_reconstruct(). Frees the cloud. Returns "" or why not.
+EMSCRIPTEN_KEEPALIVE const char* web_reconstruct(const char* parameters) {
+  return guarded([&] {
+    const ReconstructParams params = params_from_json(parameters);
+    run().result = reconstruct(std::move(run().cloud), params, run().context);
+    std::vector<std::string>& warnings = run().result.report.warnings;
+    warnings.insert(warnings.begin(), run().warnings.begin(), run().warnings.end());
+    run().text = to_json(run().result.report);
+  });
+}
+EMSCRIPTEN_KEEPALIVE const char* web_report() {
+  run().text = to_json(run().result.report);
+  return run().text.c_str();
+}
+EMSCRIPTEN_KEEPALIVE size_t web_vertices() { return run().result.mesh.vertices.size(); }
+EMSCRIPTEN_KEEPALIVE const Vec3d* web_vertex_data() { return run().result.mesh.vertices.data(); }
+EMSCRIPTEN_KEEPALIVE size_t web_triangles() { return run().result.mesh.triangles.size(); }
+EMSCRIPTEN_KEEPALIVE const Triangle* web_triangle_data() { return run().result.mesh.triangles.data(); }
+EMSCRIPTEN_KEEPALIVE const Rgb8* web_color_data() {
+  const Mesh& mesh = run().result.mesh;
+  return mesh.colors.empty() ? nullptr : mesh.colors.data();
+}
+EMSCRIPTEN_KEEPALIVE const char* web_attribute_name(size_t index) {
+  const auto& attributes = run().result.mesh.attributes;
+  return index < attributes.size() ? attributes[index].name.c_str() : nullptr;
+}
+EMSCRIPTEN_KEEPALIVE const float* web_attribute_data(size_t index) {
+  return run().result.mesh.attributes[index].values.data();
+}
+
+/// Writes the mesh. Returns "" or why not.
+EMSCRIPTEN_KEEPALIVE const char* web_write(const char* path) {
+  return guarded([&] { write_mesh(path, run().result.mesh, {}, run().context); });
+}
+}
