@@ -6,6 +6,7 @@ _Listener = Optional[Callable[[str, float, str], Any]]
 
 version: str
 has_tools: bool
+has_viewer: bool  # only where there are tools
 
 class View:
     """Memory of the library for numpy.asarray()."""
@@ -55,3 +56,4 @@ def evaluate(mesh: Mesh, truth: Mesh | None, given: dict[str, Any], threads: int
 def scan(object: Mesh | None, name: str, given: dict[str, Any], threads: int, on_event: _Listener) -> Points: ...
 def render(shapes: list[tuple[Any, str]], given: dict[str, Any], path: str, threads: int,
            on_event: _Listener) -> tuple[int, int, bytes]: ...
+def view(shapes: list[tuple[Any, str, str]], given: dict[str, Any], threads: int, on_event: _Listener) -> str: ...

@@ -14,11 +14,15 @@ if TYPE_CHECKING:
     from ._mesh import Mesh
 
 
+#: Of the viewer in a notebook, which is saved with all it shows.
+_NOTEBOOK_TRIANGLES = 60_000
+
+
 def viewer_html(mesh: Mesh) -> str:
-    """What a notebook shows of a mesh: pictures from three sides, and what is known."""
+    """What a notebook shows of a mesh: the viewer, or pictures from three sides, and what is known."""
     rows = "".join(f"<tr><td>{html.escape(name)}</td><td>{html.escape(value)}</td></tr>"
                    for name, value in _facts(mesh))
-    return f'<div>{_picture(mesh)}<table>{rows}</table></div>'
+    return f'<div>{_viewer(mesh) or _picture(mesh)}<table>{rows}</table></div>'
 
 
 def show(mesh: Mesh) -> Any:
@@ -55,6 +59,16 @@ def png(image: Any) -> bytes:
     rows = b"".join(b"\0" + image[row].tobytes() for row in range(height))
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)) +
             chunk(b"IDAT", zlib.compress(rows, 6)) + chunk(b"IEND", b""))
+
+
+def _viewer(mesh: Mesh) -> str:
+    if not _core.has_tools or not _core.has_viewer or len(mesh.triangles) == 0:
+        return ""
+    from ._tools import view
+
+    page = html.escape(view(mesh, triangles=_NOTEBOOK_TRIANGLES))
+    return (f'<iframe srcdoc="{page}" sandbox="allow-scripts allow-downloads" style="width: 100%; height: 480px; '
+            'border: 0"></iframe>')
 
 
 def _picture(mesh: Mesh) -> str:

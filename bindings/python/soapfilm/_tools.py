@@ -1,4 +1,4 @@
-"""The tools: a mesh beside the truth, a virtual scanner, pictures."""
+"""The tools: a mesh beside the truth, a virtual scanner, pictures, pages."""
 from __future__ import annotations
 
 import json
@@ -133,6 +133,48 @@ def render(shapes: Any, path: Path | None = None, *, captions: str | Sequence[st
     width, height, data = _core.render([(_shape(item, points), text) for item, text in zip(items, texts)], given,
                                        "" if path is None else os.fspath(path), thread_count(threads), None)
     return np.frombuffer(bytearray(data), dtype=np.uint8).reshape(height, width, 4)
+
+
+def view(shapes: Any, path: Path | None = None, *, names: str | Sequence[str] = (), title: str = "", unit: str = "",
+         up: str = "y", triangles: int = 1_000_000, samples: int = 1_000_000, threads: int | None = None) -> str:
+    """A page for any browser to turn, cut, color, compare and measure: docs/guide/viewer.md.
+
+    Args:
+        shapes: one or a list of results (their reports are shown beside them), meshes, clouds, files.
+        path: an .html to write; None: only return the page.
+        names: of the shapes, as the page shows them.
+        title, unit: shown: the page's title, the unit of lengths.
+        up: the upright axis at first, "y" or "z".
+        triangles: larger meshes are simplified to about so many; 0: never.
+        samples: of larger clouds at most so many are drawn, chosen evenly at random; 0: all.
+
+    Returns:
+        The page as HTML: one text that asks no server for anything.
+
+    Raises:
+        OutputError: an OSError: this package was built without the viewer, or `path` cannot be written.
+    """
+    _tool("view")
+    items = shapes if isinstance(shapes, list) else [shapes]
+    texts = [names] if isinstance(names, str) else list(names)
+    if len(texts) > len(items):
+        raise ParameterError(f"names: {len(texts)}, must be at most one for each of the {len(items)} shapes")
+    texts += [_name(item) for item in items[len(texts):]]
+    given = {"title": title, "unit": unit, "up": up, "triangles": triangles, "samples": samples}
+    reports = [getattr(item, "report", None) for item in items]
+    entries = [(_shape(item, False), text, json.dumps(report) if report else "")
+               for item, text, report in zip(items, texts, reports)]
+    page = _core.view(entries, given, thread_count(threads), listener(False, 3))
+    if path is not None:
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(page)
+    return page
+
+
+def _name(item: Any) -> str:
+    if is_path(item):
+        return os.path.basename(os.fspath(item))
+    return "cloud" if isinstance(item, Points) else "mesh"
 
 
 def _tool(name: str) -> None:

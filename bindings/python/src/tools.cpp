@@ -1,6 +1,7 @@
 // The tools in Python: a mesh beside the truth, a virtual scanner, pictures. Built where the tools are.
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "tools/scanner/known_surface.h"
 #include "tools/scanner/missing.h"
 #include "tools/scanner/sample_surface.h"
+#include "tools/view/view.h"
 #include "work.h"
 
 namespace soapfilm::python {
@@ -198,23 +200,34 @@ RenderParams render_params(const Given& given) {
   return p;
 }
 
+/// A Mesh or Points of Python, kept alive.
+class SharedShape {
+ public:
+  explicit SharedShape(const py::object& shape) {
+    if (py::isinstance<MeshHolder>(shape))
+      mesh_ = py::cast<MeshHolder>(shape).mesh;
+    else
+      cloud_ = py::cast<std::shared_ptr<Points>>(shape)->cloud;
+  }
+  std::variant<const Mesh*, const PointCloud*> get() const {
+    if (mesh_) return mesh_.get();
+    return cloud_.get();
+  }
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;
+  std::shared_ptr<const PointCloud> cloud_;
+};
+
 /// (width, height, RGBA). `shapes`: (Mesh or Points, caption) each. `path`: a PNG to write, or empty.
 py::tuple render_items(const py::list& shapes, const py::dict& given_values, const std::string& path, int threads,
                        const py::object& on_event) {
   const RenderParams params = render_params(Given(given_values));
-  std::vector<std::shared_ptr<const void>> owners;
+  std::vector<SharedShape> owners;
   std::vector<RenderItem> items;
   for (const py::handle& entry : shapes) {
     const auto [shape, caption] = py::cast<std::pair<py::object, std::string>>(entry);
-    if (py::isinstance<MeshHolder>(shape)) {
-      const auto mesh = py::cast<MeshHolder>(shape).mesh;
-      owners.push_back(mesh);
-      items.push_back({mesh.get(), caption});
-    } else {
-      const auto cloud = py::cast<std::shared_ptr<Points>>(shape)->cloud;
-      owners.push_back(cloud);
-      items.push_back({static_cast<const PointCloud*>(cloud.get()), caption});
-    }
+    items.push_back({owners.emplace_back(shape).get(), caption});
   }
   Image image;
   work_beside_python(threads, on_event, [&](const Context& context) {
@@ -225,12 +238,34 @@ py::tuple render_items(const py::list& shapes, const py::dict& given_values, con
   return py::make_tuple(image.width, image.height, py::bytes(bytes, image.pixels.size() * sizeof(Rgba8)));
 }
 
+/// The page of `soapfilm view`. `shapes`: (Mesh or Points, name, report as JSON or "") each.
+py::str view_items(const py::list& shapes, const py::dict& given_values, int threads, const py::object& on_event) {
+  const Given given(given_values);
+  ViewParams params;
+  given.take("title", params.title);
+  given.take("unit", params.unit);
+  given.take_name("up", {{"y", UpAxis::y}, {"z", UpAxis::z}}, params.up);
+  given.take("triangles", params.triangles, "a whole number >= 0");
+  given.take("samples", params.samples, "a whole number >= 0");
+  std::vector<SharedShape> owners;
+  std::vector<ViewItem> items;
+  for (const py::handle& entry : shapes) {
+    const auto [shape, name, report] = py::cast<std::tuple<py::object, std::string, std::string>>(entry);
+    items.push_back({owners.emplace_back(shape).get(), name, report});
+  }
+  std::string page;
+  work_beside_python(threads, on_event, [&](const Context& context) { page = viewer_page(items, params, context); });
+  return page;
+}
+
 }  // namespace
 
 void add_tools(py::module_& module) {
   module.def("evaluate", &evaluate_mesh);
   module.def("scan", &scan_object);
   module.def("render", &render_items);
+  module.def("view", &view_items);
+  module.attr("has_viewer") = has_viewer();
 }
 
 }  // namespace soapfilm::python

@@ -94,9 +94,22 @@ def test_a_picture_is_a_png():
     assert (rows[:, 0] == 0).all() and np.array_equal(rows[:, 1:].reshape(6, 5, 4), image)
 
 
-def test_the_page_of_a_notebook(result):
+def test_the_page_of_a_notebook(result, monkeypatch):
     page = result._repr_html_()
-    assert page == viewer_html(result) and page.count("data:image/png;base64,") == 3 and "proved" in page
+    assert page == viewer_html(result) and "proved" in page
+    if soapfilm._core.has_viewer:
+        assert page.count("<iframe srcdoc=") == 1 and len(page) > 100_000
+    monkeypatch.setattr(soapfilm._core, "has_viewer", False)
+    assert result._repr_html_().count("data:image/png;base64,") == 3
+
+
+@pytest.mark.skipif(not soapfilm._core.has_viewer, reason="built without the viewer (no node or npm)")
+def test_a_page_for_the_browser(result, tmp_path):
+    page = soapfilm.view(result, tmp_path / "a.html", names="<one>", unit="mm")
+    assert (tmp_path / "a.html").read_text(encoding="utf-8") == page and page.startswith("<!")
+    assert "<one>" not in page and "http://" not in page.split("<body")[0]
+    assert page == soapfilm.view(result, names="<one>", unit="mm")
+    assert len(soapfilm.view(result, triangles=100)) < len(page)
 
 
 @pytest.mark.parametrize("call, kind, message", [
@@ -119,6 +132,9 @@ def test_the_page_of_a_notebook(result):
     (lambda r: soapfilm.render(r, color_by="none"), ValueError, "none"),
     (lambda r: soapfilm.render(r, background="puce"), ValueError, "background = 'puce'"),
     (lambda r: soapfilm.render([r], captions=["a", "b"]), ValueError, "captions: 2"),
+    (lambda r: soapfilm.view(r, up="x"), ValueError, "up = 'x', must be one of y, z"),
+    (lambda r: soapfilm.view(r, triangles="all"), ValueError, "triangles = 'all'"),
+    (lambda r: soapfilm.view(r, names=["a", "b"]), ValueError, "names: 2"),
 ])
 def test_refusals(result, call, kind, message):
     with pytest.raises(kind, match=message):
