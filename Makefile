@@ -78,7 +78,7 @@ accuracy: build-release packages-accuracy ## errors against the truth, beside pe
 scenes: build-release packages-scenes ## scenes as people scan them, beside a peer, to docs/scenes/ (SOAPFILM_DATA: as above)
 	/usr/bin/python3 -B bench/scenes/scenes.py build/release/bin out/scenes docs/scenes --jobs $(JOBS)
 
-deb: packages-build packages-deb build-deb ## Debian packages into out/deb/: library, headers, program
+deb: packages-build packages-viewer packages-python packages-deb build-deb ## Debian packages into out/deb/
 	rm -rf out/deb && cpack --config build/deb/CPackConfig.cmake -B out/deb
 	rm -rf out/deb/_CPack_Packages
 	lintian --fail-on error out/deb/*.deb

@@ -91,7 +91,13 @@ if ls "$debs"/python3-soapfilm_*.deb >/dev/null 2>&1; then
   say "install the Python module"
   inside sh -c 'apt-get install -y --no-install-recommends /debs/python3-soapfilm_*.deb' >> "$work/apt.log" 2>&1 ||
     { tail -20 "$work/apt.log" >&2; die "the Python module cannot be installed"; }
-  at_try python3 -c 'import soapfilm; print("Python:", soapfilm.__version__)'
+  at_try python3 -c 'import numpy, soapfilm
+points = numpy.random.default_rng(1).normal(size=(20000, 3))
+points /= numpy.linalg.norm(points, axis=1)[:, None]
+result = soapfilm.reconstruct(points, points, voxel=0.05)
+assert result.topology()["watertight"] and abs(result.volume - 4.19) < 0.05, result.volume
+soapfilm.view(result, "sphere.html")
+print("Python:", soapfilm.__version__, len(result.triangles), "triangles")'
 fi
 
 say "remove them"

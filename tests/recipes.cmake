@@ -9,7 +9,8 @@ list(TRANSFORM finds REPLACE "find_package\\(" "")
 set(names
   Threads - -  Eigen3 eigen3 eigen  nanoflann nanoflann nanoflann  fmt fmt fmt  nlohmann_json nlohmann-json nlohmann_json
   pugixml pugixml pugixml  TinyGLTF tinygltf tinygltf  hwy highway libhwy  Boost boost-graph libboost-headers
-  TBB tbb tbb-devel  embree embree3 embree  PNG libpng libpng  CLI11 cli11 cli11)
+  TBB tbb tbb-devel  embree embree3 embree  PNG libpng libpng
+  meshoptimizer meshoptimizer meshoptimizer  CLI11 cli11 cli11)
 
 file(READ ${SOURCE}/packaging/vcpkg/ports/soapfilm/vcpkg.json port)
 string(JSON port_version GET "${port}" version)
