@@ -29,7 +29,8 @@ test-python: build-release packages-python ## the wheel of the Python package, i
 	sh bindings/python/test.sh build/release out/python
 
 notebook: test-python packages-notebook ## run the notebook of examples/python again, pictures included
-	PYTHONPATH=$$(echo $(CURDIR)/out/python/venv/lib/python3*/site-packages) /usr/bin/python3 -m nbconvert --to notebook --execute --inplace \
+	PYTHONPATH=$$(echo $(CURDIR)/out/python/venv/lib/python3*/site-packages) /usr/bin/python3 -m nbconvert \
+	  --to notebook --execute --inplace \
 	  --ExecutePreprocessor.record_timing=False examples/python/*.ipynb
 
 test-viewer: build-release packages-viewer-test ## the page of `soapfilm view` in headless Chromium

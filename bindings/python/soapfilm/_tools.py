@@ -119,8 +119,8 @@ def render(shapes: Any, path: Path | None = None, *, captions: str | Sequence[st
     if len(texts) > len(items):
         raise ParameterError(f"captions: {len(texts)}, must be at most one for each of the {len(items)} panels")
     texts += [""] * (len(items) - len(texts))
-    given: dict[str, Any] = {"columns": columns, "size": tuple(size), "up": _axis(up), "framing": framing, "shading": shading,
-             "samples": samples, "occlusion_rays": occlusion_rays}
+    given: dict[str, Any] = {"columns": columns, "size": tuple(size), "up": _axis(up), "framing": framing,
+                             "shading": shading, "samples": samples, "occlusion_rays": occlusion_rays}
     given["view" if isinstance(view, str) else "direction"] = view if isinstance(view, str) else _three("view", view)
     if range is not None and color_by is None:
         raise ParameterError("range: only color_by has it")

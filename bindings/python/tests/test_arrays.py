@@ -12,7 +12,8 @@ def result(ball):
     colors = np.zeros((len(ball), 3), dtype=np.uint8)
     colors[:, 0] = 200
     values = {"height": ball[:, 2], "class": np.full(len(ball), 4)}
-    return soapfilm.reconstruct(ball, ball, colors=colors, values=values, attributes="all", distance=True, resolution=32)
+    return soapfilm.reconstruct(ball, ball, colors=colors, values=values, attributes="all", distance=True,
+                                resolution=32)
 
 
 def test_shapes_and_types(result):

@@ -69,7 +69,8 @@ def test_render_is_the_programs(tmp_path, result, program):
             "distance", "--range", "0,0.01", "--caption", "a", "--samples", "1", "--zoom", "0,0,0.5,0.5",
             "--background", "#102030", "--shading", "smooth")
     image = soapfilm.render([mesh, mesh], ours, size=(60, 40), view="iso", up="-z", color_by="distance",
-                            range=(0, 0.01), captions="a", samples=1, zoom=(0, 0, 0.5, 0.5), background="#102030", shading="smooth")
+                            range=(0, 0.01), captions="a", samples=1, zoom=(0, 0, 0.5, 0.5),
+                            background="#102030", shading="smooth")
     assert ours.read_bytes() == theirs.read_bytes()
     assert image.dtype == np.uint8 and image.shape[2] == 4 and (image[0, 0] == [0x10, 0x20, 0x30, 255]).all()
     width, height = struct.unpack(">II", theirs.read_bytes()[16:24])
