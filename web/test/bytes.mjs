@@ -25,10 +25,12 @@ async function inBrowser(file, parameters) {
   soapfilm.put(basename(file), readFileSync(file));
   soapfilm.read(basename(file));
   soapfilm.reconstruct(parameters);
-  assert.ok(
-    events.some(([, , text]) => /gap/.test(text)),
-    'no gap was told',
-  );
+  const proves = !parameters.solve?.method; // the default does
+  if (proves)
+    assert.ok(
+      events.some(([, , text]) => /gap/.test(text)),
+      'no gap was told',
+    );
   assert.equal(JSON.parse(soapfilm.report()).mesh.triangles, soapfilm.mesh([0, 0, 0]).indices.length / 3);
   return Buffer.from(soapfilm.write('mesh.ply'));
 }
