@@ -1,5 +1,5 @@
-// The engine of the browser gives the same mesh, byte for byte, as the program: node bytes.mjs PROGRAM ENGINE FOLDER, where
-// ENGINE is soapfilm.js of web/CMakeLists.txt.
+// The engine of the browser gives the same mesh, byte for byte, as the program: node bytes.mjs PROGRAM ENGINE FOLDER,
+// where ENGINE is soapfilm.js of web/CMakeLists.txt.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
