@@ -3,7 +3,7 @@ PROGRAM := build/release/bin/soapfilm
 JOBS := $(shell nproc)
 # Further arguments to cmake when a build is configured for the first time, such as -DSOAPFILM_WERROR=ON.
 CONFIGURE :=
-SOURCES = find include src tools cli tests fuzz examples bench bindings -name '*.h' -o -name '*.cpp'
+SOURCES = find include src tools cli tests fuzz examples bench bindings web -name '*.h' -o -name '*.cpp'
 
 .PHONY: help build demo test test-python notebook fuzz docs web web-demo bench paper accuracy scenes deb test-deb format format-check tidy clean
 .SUFFIXES:

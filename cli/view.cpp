@@ -23,7 +23,7 @@
 #include "soapfilm/core/stages.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
-#include "soapfilm/io/byte_source.h"
+#include "soapfilm/io/bytes/byte_source.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/formats.h"
 #include "tools/view/view.h"

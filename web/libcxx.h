@@ -42,8 +42,8 @@ class atomic_ref {
 namespace std {
 
 template <class To, class From>
-  requires(sizeof(To) == sizeof(From) && is_trivially_copyable_v<To> && is_trivially_copyable_v<From>)
-constexpr To bit_cast(const From& from) noexcept {
+requires(sizeof(To) == sizeof(From) && is_trivially_copyable_v<To> && is_trivially_copyable_v<From>) constexpr To
+    bit_cast(const From& from) noexcept {
   return __builtin_bit_cast(To, from);
 }
 
@@ -66,8 +66,7 @@ namespace std {
 
 /// The fewest digits that read back as the same value.
 template <class Number>
-  requires(is_floating_point_v<Number>)
-to_chars_result to_chars(char* begin, char* end, Number value) {
+requires(is_floating_point_v<Number>) to_chars_result to_chars(char* begin, char* end, Number value) {
   constexpr int most_digits = sizeof(Number) == 4 ? 9 : 17;
   char text[40];
   for (int digits = 1; digits <= most_digits; ++digits) {

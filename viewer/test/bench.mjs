@@ -52,7 +52,8 @@ const address = makePage('bench', [mesh], '--triangles', '0');
 const written = performance.now();
 const mib = (path) => (statSync(path).size / 2 ** 20).toFixed(1);
 console.log(
-  `${triangles} triangles: mesh ${mib(mesh)} MiB, page ${mib(fileURLToPath(address))} MiB, written in ${((written - began) / 1000).toFixed(2)} s`,
+  `${triangles} triangles: mesh ${mib(mesh)} MiB, page ${mib(fileURLToPath(address))} MiB, ` +
+    `written in ${((written - began) / 1000).toFixed(2)} s`,
 );
 const browser = await launch();
 for (let round = 0; round < 3; ++round) {

@@ -62,11 +62,7 @@ export async function engine(create, onEvent) {
       }
       const attributes = [];
       for (let k = 0, name; (name = call('web_attribute_name', 'string', ['number'], [k])); ++k) {
-        const values = new Float32Array(
-          buffer,
-          size('web_attribute_data', ['number'], [k]),
-          vertices,
-        ).slice();
+        const values = new Float32Array(buffer, size('web_attribute_data', ['number'], [k]), vertices).slice();
         attributes.push({name, values});
       }
       return {

@@ -64,8 +64,9 @@ const hear = {
     state.up = summary.coordinate_system ? 'z' : 'y';
     state.cloud = {item: cloudItem(state.name, {summary, preview}), origin, summary};
     byId('found').textContent =
-      `${grouped(summary.samples)} samples in ${grouped(summary.scans)} scans, about ${short(summary.spacing, 3)} apart`;
-    byId('voxel').placeholder = `by the samples: about ${short(summary.spacing, 2)}`;
+      `${grouped(summary.samples)} samples in ${grouped(summary.scans)} scan${summary.scans === 1 ? '' : 's'}, ` +
+      `about ${short(summary.spacing, 3)} apart`;
+    byId('voxel').placeholder = `about ${short(summary.spacing, 2)}`;
     byId('memory').textContent = memoryLine(memory);
     await view([copied(state.cloud.item)], origin);
     state.app.setPanel(false);

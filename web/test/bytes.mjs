@@ -1,5 +1,5 @@
-// The engine of the browser gives the same mesh, byte for byte, as the program: node bytes.mjs PROGRAM ENGINE FOLDER, where
-// ENGINE is soapfilm.js of web/CMakeLists.txt.
+// The engine of the browser gives the same mesh, byte for byte, as the program: node bytes.mjs PROGRAM ENGINE FOLDER,
+// where ENGINE is soapfilm.js of web/CMakeLists.txt.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
@@ -25,10 +25,12 @@ async function inBrowser(file, parameters) {
   soapfilm.put(basename(file), readFileSync(file));
   soapfilm.read(basename(file));
   soapfilm.reconstruct(parameters);
-  assert.ok(
-    events.some(([, , text]) => /gap/.test(text)),
-    'no gap was told',
-  );
+  const proves = !parameters.solve?.method; // the default does
+  if (proves)
+    assert.ok(
+      events.some(([, , text]) => /gap/.test(text)),
+      'no gap was told',
+    );
   assert.equal(JSON.parse(soapfilm.report()).mesh.triangles, soapfilm.mesh([0, 0, 0]).indices.length / 3);
   return Buffer.from(soapfilm.write('mesh.ply'));
 }
