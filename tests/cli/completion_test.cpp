@@ -18,7 +18,7 @@
 namespace soapfilm::test {
 namespace TEST_FILE {
 
-const std::vector<std::string> commands = {"reconstruct", "scan", "evaluate", "info", "render"};
+const std::vector<std::string> commands = {"reconstruct", "scan", "evaluate", "info", "render", "view"};
 
 /// The long options that a help page lists.
 std::set<std::string> options_of_help(const std::string& page) {
@@ -186,7 +186,7 @@ TEST(ManualPages, HaveEveryOptionOfTheHelpPages) {
 
 TEST(ManualPages, AreGoodRoff) {
   const TemporaryFolder folder;
-  for (std::string command : {"", "reconstruct", "scan", "evaluate", "info", "render"}) {
+  for (std::string command : {"", "reconstruct", "scan", "evaluate", "info", "render", "view"}) {
     const std::string file = folder.file("page.1");
     std::ofstream(file)
         << run(command.empty() ? std::vector<std::string>{"man"} : std::vector{std::string("man"), command}).out;
