@@ -4,6 +4,7 @@ import {Vector3} from 'three';
 /** The ray through a place of a view, CSS pixels from its upper left corner. */
 export function rayThrough(view, x, y) {
   const {camera} = view;
+  camera.updateMatrixWorld(); // it may have moved since it was drawn
   const far = new Vector3((2 * x) / view.width - 1, 1 - (2 * y) / view.height, 0.5).unproject(camera);
   const from = camera.position;
   const direction = far.sub(from).normalize();

@@ -130,6 +130,7 @@ export const place = (page, world, view = 0) =>
     ([point, index]) => {
       const {app, data} = window.soapfilm;
       const shown = app.views.shown()[index];
+      shown.camera.updateMatrixWorld();
       const local = shown.camera.position
         .clone()
         .set(...point.map((v, k) => v - data.origin[k]))

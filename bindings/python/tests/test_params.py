@@ -26,7 +26,7 @@ def documented():
 
 def test_every_option_of_the_documents():
     for option, keys in documented():
-        if option in ("threads", "params", "help"):
+        if option in ("threads", "params", "help", "version"):
             continue  # arguments of their own
         if keys and option not in _params.ELSEWHERE:  # --check has a key: the memory that it plans
             assert _params.OPTIONS[option] in keys or keys == ["energy.cross_validate"], option  # --lambda auto
