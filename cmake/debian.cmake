@@ -78,6 +78,7 @@ if(TARGET soapfilm_python)
   math(EXPR next "${Python_VERSION_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next}~), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${directory}/python/postinst ${directory}/python/prerm)
   set(modules lib/python3/dist-packages)
   install(TARGETS soapfilm_python LIBRARY DESTINATION ${modules}/soapfilm COMPONENT python)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/python/soapfilm DESTINATION ${modules} COMPONENT python

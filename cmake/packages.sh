@@ -21,7 +21,7 @@ for package in $wanted; do
 done
 [ -n "$missing" ] || exit 0
 
-install="apt-get update && apt-get install -y --no-install-recommends$missing"
+install="apt-get update && apt-get install -o DPkg::Lock::Timeout=300 -y --no-install-recommends$missing"
 if [ "$(id -u)" = 0 ]; then
   as_root=
 elif sudo -n true 2>/dev/null; then

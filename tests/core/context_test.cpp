@@ -20,6 +20,11 @@ struct Heard : Progress {
   std::vector<std::string> warnings;
 };
 
+TEST(Context, RefusesThreadsBelowZero) {
+  EXPECT_THROW(Context(-1), ParameterError);
+  EXPECT_GE(Context(0).threads(), 1);
+}
+
 TEST(Context, PartsReportTheirShareOfTheWhole) {
   Heard heard;
   const Context whole(1, heard);

@@ -1,9 +1,12 @@
 #include "soapfilm/context.h"
 
+#include <fmt/core.h>
+
 #include <string_view>
 #include <utility>
 
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 
@@ -20,11 +23,20 @@ void PartOfProgress::warn(const std::string& line) {
   if (whole) whole->warn(line);
 }
 
+namespace {
+
+int checked_threads(int count) {
+  if (count < 0) throw ParameterError(fmt::format("threads = {}, must be >= 1, or 0 for all", count));
+  return count;
+}
+
+}  // namespace
+
 Context::State::State(int thread_count, const std::string& simd_target, Progress* progress)
     : reports(progress ? progress : &part),
       stopped_by(reports),
       kernels(kernels_for(simd_target)),
-      threads(std::make_shared<Threads>(thread_count)),
+      threads(std::make_shared<Threads>(checked_threads(thread_count))),
       pages(PagePool::make()) {}
 
 Context::State::State(const State& parent, Progress* whole, double begin, double end)
