@@ -7,7 +7,8 @@ list(TRANSFORM finds REPLACE "find_package\\(" "")
 
 # What a library is called by vcpkg and by conda; "-": not needed there.
 set(names
-  Threads - -  Eigen3 eigen3 eigen  nanoflann nanoflann nanoflann  fmt fmt fmt  nlohmann_json nlohmann-json nlohmann_json
+  Threads - -  Eigen3 eigen3 eigen  nanoflann nanoflann nanoflann  fmt fmt fmt
+  nlohmann_json nlohmann-json nlohmann_json
   pugixml pugixml pugixml  TinyGLTF tinygltf tinygltf  hwy highway libhwy  Boost boost-graph libboost-headers
   TBB tbb tbb-devel  embree embree3 embree  PNG libpng libpng
   meshoptimizer meshoptimizer meshoptimizer  CLI11 cli11 cli11)

@@ -1,5 +1,5 @@
-# REPEATED: tests that the asan preset leaves out, by their whole names; each runs code that another one runs there, too,
-# and costs a third of a second or more under AddressSanitizer. (The test repeated_names fails for a name that is no
+# REPEATED: tests that the asan preset leaves out, by their whole names; each runs code that another one runs there,
+# too, and costs a third of a second or more under AddressSanitizer. (The test repeated_names fails for a name that is no
 # test's.)
 set(REPEATED)
 function(repeated test)
@@ -11,8 +11,8 @@ endfunction()
 
 # Whole tests, of which these run the same code: tests of each command; Scan.TheSameBytesForAnyNumberOfThreads and
 # Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads; Reconstruct.GeoreferencedInputLosesNothing;
-# CoarseToFine.EmptyCoarseLevelsShowWhereToStart; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall, of
-# the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads.
+# CoarseToFine.EmptyCoarseLevelsShowWhereToStart; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall,
+# of the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads.
 list(APPEND REPEATED
   Program.TheCommandsOfItsFirstPageWork
   Standstill.ManySweepsFromOnePlaceChangeNeitherVoxelNorSurface
