@@ -111,7 +111,7 @@ void add_options(CLI::App& app, EvaluateOptions& o) {
       ->option_text("MESH");
   app.add_option("--truth", o.truth.name, object_description())
       ->required()
-      ->check(also(object_names()))
+      ->check(also(surface_names()))
       ->option_text("SHAPE|MESH");
   app.add_option("--samples", o.samples,
                  fmt::format("Measure the distance of these samples too ({})", point_extensions()))

@@ -14,6 +14,7 @@
 #include "cli/print.h"
 #include "cli/read_cloud.h"
 #include "soapfilm/core/json_text.h"
+#include "soapfilm/core/printable.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/precision.h"
@@ -260,13 +261,13 @@ int run_info(const InfoOptions& options) {
       all.push_back(facts);
       continue;
     }
-    print(stdout, fmt::format("{}{}\n", path == options.files.front() ? "" : "\n", path));
+    print(stdout, fmt::format("{}{}\n", path == options.files.front() ? "" : "\n", printable(path)));
     if (facts["kind"] == "mesh")
       print_mesh(facts);
     else
       print_points(facts);
     for (const ordered_json& warning : facts["warnings"])
-      print(stdout, fmt::format("  warning: {}\n", warning.get<std::string>()));
+      print(stdout, fmt::format("  warning: {}\n", printable(warning.get<std::string>())));
   }
   if (options.as_json) print(stdout, json_text(all) + "\n");
   return 0;

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "cli/parse.h"
+#include "cli/read_cloud.h"
 #include "cli/suggest.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
@@ -38,12 +39,6 @@ void refuse_shape_options(const ObjectOptions& options, const char* kind) {
 
 }  // namespace
 
-std::vector<std::string> object_names() {
-  std::vector<std::string> names = shape_names();
-  for (std::string& scene : scene_names()) names.push_back(std::move(scene));
-  return names;
-}
-
 std::string object_description() {
   return fmt::format("A built-in shape ({}),\na scene ({})\nor a mesh (.ply, .obj, .off, .stl)",
                      fmt::join(shape_names(), ", "), fmt::join(scene_names(), ", "));
@@ -70,7 +65,7 @@ void add_shape_options(CLI::App& app, ObjectOptions& o) {
 Mesh read_surface(const std::string& path, const Context& context) {
   ReadReport read;
   Mesh mesh = read_mesh(path, &read);
-  for (const std::string& warning : read.warnings) context.progress().warn(warning);
+  warn_of(read, context.progress());
   require_surface(mesh, path);
   return mesh;
 }
@@ -85,7 +80,7 @@ KnownSurface make_object(const char* option, const ObjectOptions& options, const
   const std::filesystem::path path(options.name);
   if (!path.has_extension() && !std::filesystem::exists(path))
     throw ParameterError(fmt::format("{} = {}, must be one of {}, or a mesh file{}", option, options.name,
-                                     surface_names(), did_you_mean(options.name, object_names())));
+                                     fmt::join(surface_names(), ", "), did_you_mean(options.name, surface_names())));
   refuse_shape_options(options, "mesh");
   return known_mesh(read_surface(options.name, context), options.name, context);
 }

@@ -22,9 +22,6 @@ struct ObjectOptions {
 /// "A built-in shape (sphere, ...), a scene (room, ...) or a mesh (...)", for the option that names the object.
 std::string object_description();
 
-/// The names of built-in shapes and scenes.
-std::vector<std::string> object_names();
-
 /// --size, --center, --thickness, --gap.
 void add_shape_options(CLI::App& app, ObjectOptions& options);
 

@@ -15,6 +15,7 @@
 #include "cli/print.h"
 #include "cli/refusal.h"
 #include "cli/version_page.h"
+#include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
 
@@ -27,7 +28,7 @@ enum ExitCode { success = 0, internal_error = 1, refused = 2, empty = 3, cancell
 int fail(ExitCode code, std::string message) {
   while (!message.empty() && std::isspace(static_cast<unsigned char>(message.back()))) message.pop_back();
   std::replace(message.begin(), message.end(), '\n', ' ');
-  print(stderr, fmt::format("soapfilm: {}\n", message));
+  print(stderr, fmt::format("soapfilm: {}\n", printable(std::move(message))));
   return code;
 }
 

@@ -19,13 +19,17 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
 PointCloud read_cloud(const std::vector<std::string>& files, const ReadOptions& options, const Context& context,
                       ReadReport& read) {
   PointCloud cloud = read_points(files, &read, context, options);
-  for (const std::string& warning : read.warnings) context.progress().warn(warning);
+  warn_of(read, context.progress());
   if (read.dropped() > 0)
     context.progress().warn(
         fmt::format("{} of {} samples dropped: not finite", read.dropped(), read.dropped() + cloud.size()));
   if (const size_t none = no_returns(read); none > 0)
     context.progress().info(fmt::format("{} rays without a return dropped", none));
   return cloud;
+}
+
+void warn_of(const ReadReport& read, Progress& progress) {
+  for (const std::string& warning : read.warnings) progress.warn(warning);
 }
 
 size_t no_returns(const ReadReport& read) {

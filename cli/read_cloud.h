@@ -19,6 +19,9 @@ void add_read_options(CLI::App& app, ReadOptions& options);
 PointCloud read_cloud(const std::vector<std::string>& files, const ReadOptions& options, const Context& context,
                       ReadReport& read);
 
+/// What a file says and was not used.
+void warn_of(const ReadReport& read, Progress& progress);
+
 /// Rays that met nothing, of all files.
 size_t no_returns(const ReadReport& read);
 

@@ -187,6 +187,9 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
                       "'distance' (soapfilm render --color-by distance)"));
   output(app.add_flag("--support", p.surface.support,
                       "The samples per voxel^2 of surface at each vertex, as the attribute 'support'"));
+  output(app.add_flag("--gap", p.surface.gap,
+                      "Where the certificate's gap is: at each vertex, over the price of its area,\nas the attribute "
+                      "'gap'"));
   output(app.add_flag("--check", o.check, "Check the mesh's topology and its distance to the samples"));
   output(app.add_flag(
       "--strict", o.strict,

@@ -12,6 +12,7 @@
 #include "cli/command.h"
 #include "cli/parse.h"
 #include "cli/print.h"
+#include "cli/read_cloud.h"
 #include "cli/suggest.h"
 #include "cli/terminal.h"
 #include "soapfilm/error.h"
@@ -148,7 +149,7 @@ int run(const Request& request, const GlobalOptions& options) {
     const bool is_mesh = !request.as_points && file_kind(path) == FileKind::mesh;
     ReadReport read;
     shapes.push_back(is_mesh ? Shape(read_mesh(path, &read)) : Shape(read_points(path, &read, context)));
-    for (const std::string& warning : read.warnings) progress.warn(warning);
+    warn_of(read, progress);
   }
   std::vector<RenderItem> items(shapes.size());
   for (size_t i = 0; i < shapes.size(); ++i) {

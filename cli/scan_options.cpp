@@ -135,7 +135,7 @@ void refuse(const std::vector<const CLI::Option*>& options, const char* why) {
 void add_scan_options(CLI::App& app, ScanOptions& o) {
   app.add_option("object", o.object.name, object_description())
       ->required()
-      ->check(also(object_names()))
+      ->check(also(surface_names()))
       ->option_text("SHAPE|MESH");
   app.add_option("-o,--output", o.folder, "Folder for the scans and the truth; made when absent")
       ->required()

@@ -12,6 +12,7 @@
 
 #include "cli/command.h"
 #include "cli/print.h"
+#include "soapfilm/core/printable.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/platform/signals.h"
@@ -117,7 +118,7 @@ void TerminalProgress::erase() {
 
 void TerminalProgress::write_line(const std::string& line) {
   erase();
-  print(out_, fmt::format("{}\n", line));
+  print(out_, fmt::format("{}\n", printable(line)));
   if (live_ && !stage_.empty()) draw();
   std::fflush(out_);
 }

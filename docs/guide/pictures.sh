@@ -63,7 +63,7 @@ soapfilm render hole/samples.ply hole.ply cut.ply -o trust.png --size 210x170 --
   --color-by distance --caption "samples" --caption "distance to the samples" --caption "--trim auto"
 
 # viewer.md: needs chromium, and a build with the viewer beside the program
-soapfilm reconstruct hole/samples.ply -o hole.ply --report hole.report.json --distance --support
+soapfilm reconstruct hole/samples.ply -o hole.ply --report hole.report.json --distance --support --gap
 sh "$here/../../viewer/test/run.sh" "$program" "$(dirname "$program")/../viewer" . pictures.mjs
 /usr/bin/python3 - viewer.png viewer-narrow.png <<'END'
 import sys

@@ -165,6 +165,7 @@ struct SurfaceParams {
   RelaxParams relax;
   bool distance = false;  ///< adds the attribute "distance" to vertices: to the nearest sample, input units
   bool support = false;   ///< adds the attribute "support" to vertices: samples per voxel^2 of surface there
+  bool gap = false;       ///< adds the attribute "gap" to vertices: the certificate's, over lambda and area there
   std::vector<std::string> attributes = {"color"};  ///< of samples, carried to vertices: "color", columns, "all"
 };
 

@@ -77,6 +77,7 @@ TEST_F(MethodCommand, VripNamesTheScanThatIsNoRangeImage) {
 TEST_F(MethodCommand, WhatAMethodDoesNotHaveIsRefused) {
   refused({scans, "--method", "poisson", "--lambda", "auto"}, "lambda = auto: the surface of method poisson");
   refused({scans, "--method", "tv-sor", "--norm", "anisotropic"}, "norm = anisotropic: method tv-sor has none");
+  refused({scans, "--method", "poisson", "--gap"}, "gap = true: method poisson has no certificate");
   refused({scans, "--method", "vrip", "--isovalue", "0.4"}, "isovalue = 0.4: method vrip finds its own");
   refused({scans, "--method", "graph-cut-6", "--threshold", "0.3"}, "threshold = 0.3: method graph-cut-6 has none");
   refused({scans, "--method", "poisson", "--tolerance", "1e-6"}, "--tolerance: only method tv has it");

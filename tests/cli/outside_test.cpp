@@ -174,6 +174,24 @@ TEST_F(Outside, DistancesToSamplesAreWrittenOnRequest) {
   EXPECT_LT(*farthest, 0.45);  // that is the distance at the rim
 }
 
+TEST_F(Outside, TheGapIsWrittenOnRequest) {
+  const json report = reported({sphere(false), "--resolution", "48", "--gap"});
+  EXPECT_EQ(report["parameters"]["surface"]["gap"], true);
+  const Mesh with = written();
+  ASSERT_EQ(with.attributes.size(), 1u);
+  EXPECT_EQ(with.attributes[0].name, "gap");
+  // Its mean is about that of the certificate (a tent sees less of the terms that are not in its middle).
+  double sum = 0;
+  for (const float gap : with.attributes[0].values) {
+    ASSERT_GE(gap, 0);
+    sum += double{gap};
+  }
+  const double mean = sum / static_cast<double>(with.vertices.size());
+  const double certified = report["certificate"]["gap_per_area_binary"];
+  EXPECT_GT(mean, 0.5 * certified);
+  EXPECT_LT(mean, 1.5 * certified);
+}
+
 TEST_F(Outside, BadDistancesToTrimAreRefused) {
   const std::string cloud = sphere(false);
   refused({cloud, "--trim", "-1"}, "trim = -1");

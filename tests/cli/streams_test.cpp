@@ -1,6 +1,7 @@
 // Streams that are closed or full, and names that are no text.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -51,6 +52,18 @@ TEST_F(Streams, NamesNeedNotBeText) {
   EXPECT_TRUE(std::filesystem::exists(mesh));
   EXPECT_TRUE(nlohmann::json::parse(read_file(report)).contains("command"));
   EXPECT_EQ(run({"info", "--json", name}).exit_code, 0);
+}
+
+TEST_F(Streams, NamesOfSeveralLinesAreTakenAndToldInOne) {
+  const std::string name = folder.file("two\nlines.ply"), mesh = folder.file("two\nlines.mesh.ply");
+  std::filesystem::copy(input, name);
+  const ProcessResult result = run({"reconstruct", "--resolution", "40", name, "-o", mesh});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(std::filesystem::exists(mesh));
+  EXPECT_NE(result.err.find("two?lines.mesh.ply"), std::string::npos) << result.err;
+  const ProcessResult missing = run({"reconstruct", "-q", folder.file("none\nsuch.ply")});
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_EQ(std::count(missing.err.begin(), missing.err.end(), '\n'), 1) << missing.err;
 }
 
 }  // namespace TEST_FILE

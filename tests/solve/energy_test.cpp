@@ -68,6 +68,7 @@ TEST_P(EnergyOfRandomLevels, GapIsTheSumOfLocalTermsThatAreNeverNegative) {
     if (rim == RimFlux::random) continue;  // beyond the band boundary its flux is not continued
     const Dense<double> u = dense_u(level), f = dense_f(level);
     const DenseVectors p = dense_p(level);
+    const Field<float> shown = local_gap(level, {}, e.max_dual_norm, one_thread);
     double sum = 0, least = 0;
     u.for_each([&](Vec3i v) {
       const Vec3d g = gradient_at(u, v, level.box);
@@ -78,6 +79,10 @@ TEST_P(EnergyOfRandomLevels, GapIsTheSumOfLocalTermsThatAreNeverNegative) {
       }
       least = std::min(least, local);
       sum += local;
+      const int32_t brick = level.grid.find(brick_of(v));
+      if (brick < 0) return;
+      const float there = shown.brick(static_cast<size_t>(brick))[brick_offset(v.x & 7, v.y & 7, v.z & 7)];
+      ASSERT_NEAR(there, local / level.lambda, 1e-6 * (1 + std::abs(local / level.lambda)));
     });
     EXPECT_GE(least, -1e-7 * level.lambda) << "p is feasible but for its rounding to float";
     EXPECT_NEAR(e.gap, sum, 1e-9 * sum);
@@ -113,6 +118,8 @@ TEST_P(EnergyOfRandomLevels, CertifyRescalesAnInfeasibleDual) {
   const Energies e = evaluate_energy(level, {.threshold = {}, .certify = true}, one_thread);
   const double dual = dual_energy(p, dense_f(level), [&](Vec3i v) { return level.box.is_free(v); });
   EXPECT_NEAR(e.max_dual_norm, factor, 1e-9);
+  const Field<float> shown = local_gap(level, {.threshold = {}, .certify = true}, e.max_dual_norm, one_thread);
+  EXPECT_GE(*std::min_element(shown.brick(0), shown.brick(0) + shown.bricks() * brick_volume), -1e-6f);
   EXPECT_NEAR(e.dual, dual, 1e-9 * std::abs(dual));
   EXPECT_LE(e.dual, e.primal);
 }

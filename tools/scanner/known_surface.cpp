@@ -1,7 +1,6 @@
 #include "tools/scanner/known_surface.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +23,10 @@ SurfaceName surface_name(const std::string& name) {
   return among(shape_names()) ? SurfaceName::shape : among(scene_names()) ? SurfaceName::scene : SurfaceName::other;
 }
 
-std::string surface_names() {
-  return fmt::format("{}, {}", fmt::join(shape_names(), ", "), fmt::join(scene_names(), ", "));
+std::vector<std::string> surface_names() {
+  std::vector<std::string> names = shape_names();
+  for (std::string& scene : scene_names()) names.push_back(std::move(scene));
+  return names;
 }
 
 KnownSurface known_shape(const std::shared_ptr<const Shape>& shape, Vec3d center) {

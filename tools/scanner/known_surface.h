@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "soapfilm/context.h"
 #include "tools/scanner/shape.h"
@@ -21,8 +22,8 @@ struct KnownSurface {
 enum class SurfaceName { shape, scene, other };
 SurfaceName surface_name(const std::string& name);
 
-/// "sphere, ..., room, ...": the names of all shapes and scenes.
-std::string surface_names();
+/// The names of all shapes and scenes.
+std::vector<std::string> surface_names();
 
 KnownSurface known_shape(const std::shared_ptr<const Shape>& shape, Vec3d center);
 KnownSurface known_scene(const std::string& name, const Context& context);

@@ -24,6 +24,7 @@ OPTIONS = {
     "min_support": "components.min_support", "smoothing": "refine.smoothing", "holes": "refine.holes",
     "split_tolerance": "surface.split_tolerance", "trim": "trim.distance", "trim_holes": "trim.holes",
     "attributes": "surface.attributes", "distance": "surface.distance", "support": "surface.support",
+    "gap": "surface.gap",
 }
 
 #: Options of the program that are no parameters, and what takes their place.
@@ -39,7 +40,7 @@ ELSEWHERE = {
 }
 
 #: Flags, and options that take on or off.
-SWITCHES = {"settle", "refine", "drop_components", "trim_holes", "distance", "support"}
+SWITCHES = {"settle", "refine", "drop_components", "trim_holes", "distance", "support", "gap"}
 
 
 @functools.lru_cache(maxsize=None)

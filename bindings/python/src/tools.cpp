@@ -1,4 +1,7 @@
 // The tools in Python: a mesh beside the truth, a virtual scanner, pictures. Built where the tools are.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <optional>
 #include <string>
 #include <tuple>
@@ -46,7 +49,8 @@ class NamedObject {
       case SurfaceName::scene:
         return known_scene(name_, context);
       default:
-        throw ParameterError("shape = " + name_ + ", must be one of " + surface_names() + ", or a mesh");
+        throw ParameterError(
+            fmt::format("shape = {}, must be one of {}, or a mesh", name_, fmt::join(surface_names(), ", ")));
     }
   }
 

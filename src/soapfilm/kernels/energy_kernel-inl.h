@@ -91,22 +91,28 @@ EnergyTerms brick_terms(const EnergyJob& job, const UpperWindow& u) {
         }
         const V px = load(p + x), py = load(p + x + brick_volume), pz = load(p + x + 2 * brick_volume);
         max_norm.max(x, dual_norm_squared<norm>(px, py, pz));
+        V gap_here = zero;
         // Most rows are constant: nothing to add.
         if (!hn::AllTrue(d, hn::Eq(hn::Or(hn::Or(gx, gy), gz), zero))) {
           const V slope = length<norm>(gx, gy, gz);
           const V coupling = hn::Add(hn::Add(hn::Mul(px, gx), hn::Mul(py, gy)), hn::Mul(pz, gz));
           variation.add(x, slope);
-          gap.add(x, hn::Sub(hn::Mul(lambda, slope), hn::Mul(p_scale, coupling)));
+          gap_here = hn::Sub(hn::Mul(lambda, slope), hn::Mul(p_scale, coupling));
+          gap.add(x, gap_here);
         }
-        if (!free) continue;
-        const V into = hn::Add(hn::Add(hn::Sub(load_below(p, x, below_x), px), hn::Sub(load(below_y + x), py)),
-                               hn::Sub(load(below_z + x), pz));
-        const V source = load(f + x);
-        const V r = hn::IfThenElseZero(counts, hn::Sub(hn::Mul(p_scale, into), source));
-        const V negative = hn::Min(r, zero);
-        data.add(x, hn::IfThenElseZero(counts, hn::Mul(source, here)));
-        dual.add(x, negative);
-        gap.add(x, hn::Sub(hn::Mul(r, here), negative));
+        if (free) {
+          const V into = hn::Add(hn::Add(hn::Sub(load_below(p, x, below_x), px), hn::Sub(load(below_y + x), py)),
+                                 hn::Sub(load(below_z + x), pz));
+          const V source = load(f + x);
+          const V r = hn::IfThenElseZero(counts, hn::Sub(hn::Mul(p_scale, into), source));
+          const V negative = hn::Min(r, zero);
+          const V slack = hn::Sub(hn::Mul(r, here), negative);
+          data.add(x, hn::IfThenElseZero(counts, hn::Mul(source, here)));
+          dual.add(x, negative);
+          gap.add(x, slack);
+          gap_here = hn::Add(gap_here, slack);
+        }
+        if (job.gap) hn::StoreU(hn::DemoteTo(Stored(), gap_here), Stored(), job.gap + brick_offset(x, y, z));
       }
     }
   return {variation.sum(), data.sum(), dual.sum(), gap.sum(), max_norm.largest()};

@@ -7,6 +7,7 @@
 #include "soapfilm/pyramid/critical_lambda.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/solve/energy.h"
+#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -47,6 +48,15 @@ Certificate certify(const Segmentation& found, const Grid& grid, const SupportFi
                                 "voxel^2; the largest lambda that keeps a surface is about {:.3g}",
                                 lambda, grid.density, largest),
                     largest);
+}
+
+std::optional<GapField> find_gap(const Level& level, const Certificate& certificate, const ReconstructParams& params,
+                                 const Context& context) {
+  if (!params.surface.gap) return std::nullopt;
+  const auto mu = static_cast<float>(params.surface.threshold);
+  return GapField{level.grid,
+                  local_gap(level, {.threshold = mu, .certify = true}, certificate.binary.max_dual_norm, context),
+                  InsideBits(level, mu, context).interfaces(context)};
 }
 
 }  // namespace soapfilm

@@ -1,7 +1,10 @@
 // How far a solution is from the global optimum, at most.
 #pragma once
 
+#include <optional>
+
 #include "soapfilm/context.h"
+#include "soapfilm/finish/vertex_gap.h"
 #include "soapfilm/place/place.h"
 #include "soapfilm/report.h"
 #include "soapfilm/run/segment.h"
@@ -12,5 +15,9 @@ namespace soapfilm {
 /// than none.
 Certificate certify(const Segmentation& found, const Grid& grid, const SupportField& field, double lambda,
                     const ReconstructParams& params, const Context& context);
+
+/// Where the certificate's gap is, if the mesh's vertices shall have it.
+std::optional<GapField> find_gap(const Level& level, const Certificate& certificate, const ReconstructParams& params,
+                                 const Context& context);
 
 }  // namespace soapfilm

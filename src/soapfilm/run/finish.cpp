@@ -6,6 +6,7 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/finish/vertex_evidence.h"
+#include "soapfilm/finish/vertex_gap.h"
 #include "soapfilm/run/announce.h"
 
 namespace soapfilm {
@@ -35,6 +36,12 @@ void carry(const SampleAttributes& attributes, const GridSamples& samples, const
            const Context& context, Mesh& mesh) {
   if (attributes.empty()) return;
   trace.stage("attributes", [&] { carry_attributes(attributes, samples, lattice, context, mesh); });
+}
+
+void carry(const std::optional<GapField>& gap, const Lattice& lattice, Trace& trace, const Context& context,
+           Mesh& mesh) {
+  if (!gap) return;
+  trace.stage("gap", [&] { mesh.attributes.push_back({"gap", vertex_gap(mesh, *gap, lattice, context)}); });
 }
 
 Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const Lattice& lattice,

@@ -1,10 +1,14 @@
 // The end of a run: the self-check, and the report.
 #pragma once
 
+#include <memory>
+#include <optional>
+
 #include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/finish/attributes.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/certify.h"
 #include "soapfilm/run/details.h"
 #include "soapfilm/run/memory_plan.h"
 #include "soapfilm/run/prepare.h"
@@ -24,6 +28,10 @@ void report_border(const BorderReport& border, const Lattice& lattice, Reconstru
 /// What rides along with the samples, on the vertices.
 void carry(const SampleAttributes& attributes, const GridSamples& samples, const Lattice& lattice, Trace& trace,
            const Context& context, Mesh& mesh);
+
+/// And where the certificate's gap is, if that was found.
+void carry(const std::optional<GapField>& gap, const Lattice& lattice, Trace& trace, const Context& context,
+           Mesh& mesh);
 
 /// The self-check, the mesh's attributes, and the rest of the report: mesh, times, memory, warnings.
 Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const Lattice& lattice,

@@ -55,6 +55,11 @@ double dense_bytes_per_vertex(Method method) {
 /// Samples on a surface reach one brick per so many voxel^2 of it.
 constexpr double area_per_brick = 20;
 
+/// Values and topology of the gap's field on a level of so many bricks.
+size_t gap_bytes(size_t level_bricks) {
+  return (data_brick_bytes + sizeof(Vec3i) + sizeof(BrickGrid::Neighbors)) * level_bricks;
+}
+
 /// Two digits, not below the value.
 double two_digits_above(double value) {
   const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
@@ -282,6 +287,7 @@ void MemoryBudget::plan_level(int level, size_t data_bricks, size_t bricks, size
   // The largest level counts, and replaces the guess from before the first one.
   const size_t before = plan_.solve.certain < 1 ? 0 : plan_.solve.bytes;
   plan_.solve = {std::max(before, solve_bytes(data_bricks, bricks + beside)), 1};
+  if (level == 0 && params_.surface.gap) plan_.gap_bytes = gap_bytes(bricks);
   if (level == 0 && refines(params_)) plan_.refine = {guess_refine_bytes(bricks), certain_of_refine};
   check();
 }

@@ -30,13 +30,14 @@ struct MemoryPlan {
   size_t tables_bytes = 0;   ///< those of the solve that span the box
   Planned refine;            ///< in addition to fixed_bytes
   size_t mesh_bytes = 0;     ///< in addition to fixed_bytes
+  size_t gap_bytes = 0;      ///< the gap of each vertex of the band, from the solve's end to the mesh
   size_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and the
                              ///< surface found around them
-  size_t grid_bytes() const { return std::max({solve.bytes, refine.bytes, mesh_bytes}); }
+  size_t grid_bytes() const { return std::max({solve.bytes, refine.bytes, mesh_bytes}) + gap_bytes; }
   size_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes()); }
   /// The part of it that is certain.
   size_t least() const {
-    return std::max(placing_bytes, fixed_bytes + std::max({solve.least(), refine.least(), mesh_bytes}));
+    return std::max(placing_bytes, fixed_bytes + std::max({solve.least(), refine.least(), mesh_bytes}) + gap_bytes);
   }
 };
 

@@ -88,6 +88,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("surface", "split_tolerance", p.surface.relax.split_tolerance);
   visit("surface", "distance", p.surface.distance);
   visit("surface", "support", p.surface.support);
+  visit("surface", "gap", p.surface.gap);
   visit("surface", "attributes", p.surface.attributes);
   visit("components", "min_support", p.components.min_support);
   visit("components", "few_samples", p.components.few_samples);
@@ -221,6 +222,8 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(fmt::format("outside = {}: method {} cannot have it", name_of(outside), method));
   if (params.surface.threshold != SurfaceParams{}.threshold && !is_certified(params.method))
     throw ParameterError(fmt::format("threshold = {:g}: method {} has none", params.surface.threshold, method));
+  if (params.surface.gap && !is_certified(params.method))
+    throw ParameterError(fmt::format("gap = true: method {} has no certificate", method));
   if (params.surface.isovalue && !by_energy)
     throw ParameterError(fmt::format("isovalue = {:g}: method {} finds its own", *params.surface.isovalue, method));
   if (params.surface.refine.value_or(false) && !by_energy)

@@ -1,6 +1,7 @@
 // The file to read first: from a cloud to its mesh. Each stage takes what it needs and returns a value that keeps its
 // meaning; data that is no longer needed is freed here. docs/architecture.md says in which folder each stage is.
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -79,6 +80,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   report.certificate =
       trace.stage("certify", [&] { return certify(found, grid, field, lambda.value, params, context); });
   announce_energy(report.certificate, params, trace);
+  std::optional<GapField> gap = find_gap(found.level, report.certificate, params, context);
   found.level.p = {};
   field = {};
   if (border.chosen == Border::open) found.level = closed_along_box(found.level, memory, context);
@@ -113,6 +115,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   report.trim = trim(mesh, samples, grid, border, params, trace, context);
 
   carry(attributes, samples, grid.lattice, trace, context, mesh);
+  carry(gap, grid.lattice, trace, context, mesh);
   report_border(border, grid.lattice, report, *details);
   return finish(std::move(mesh), std::move(report), samples, grid.lattice, memory, trace, context);
 }

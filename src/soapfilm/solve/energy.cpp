@@ -67,7 +67,8 @@ struct Evaluator {
     return true;
   }
 
-  EnergyTerms brick_terms(size_t brick) const {
+  /// `gap`: 512 zeros that get each vertex' part, or null.
+  EnergyTerms brick_terms(size_t brick, float* gap = nullptr) const {
     UpperWindow u;
     const float* stored = level.u.brick(brick);
     for (int z = 0; z < brick_side; ++z)
@@ -84,7 +85,7 @@ struct Evaluator {
     const FreeRange range = free_range(level.box, level.grid.coord(brick));
     if (level.box.open) end_at_border(level.grid.coord(brick), u);
     return kernel({level.p.brick(brick), level.data(brick), low_face(level, brick, 0), low_face(level, brick, 1),
-                   low_face(level, brick, 2), range.lo, range.hi, level.lambda, p_scale, level.box.open},
+                   low_face(level, brick, 2), range.lo, range.hi, level.lambda, p_scale, level.box.open, gap},
                   u);
   }
 
@@ -234,6 +235,18 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
   Energies e = energies_of(level, sum, evaluator.p_scale, context);
   e.max_dual_norm = max_norm;
   return e;
+}
+
+Field<float> local_gap(const Level& level, const EnergyOptions& options, double max_dual_norm, const Context& context) {
+  const double p_scale = options.certify ? 1 / std::max(1.0, max_dual_norm) : 1;
+  const Evaluator evaluator{level, options.threshold, p_scale, kernels_of(context).energy(level.norm)};
+  Field<float> gap(level.grid, pages_of(context));
+  parallel_for(context, level.grid.size(), 256, [&](size_t b) {
+    float* of_vertex = gap.brick(b);
+    evaluator.brick_terms(b, of_vertex);
+    for (int v = 0; v < brick_volume; ++v) of_vertex[v] /= level.lambda;
+  });
+  return gap;
 }
 
 double estimate_gap(const Level& level, const Context& context) {

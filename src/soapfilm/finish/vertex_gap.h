@@ -1,0 +1,30 @@
+// Where the certificate's gap is: how much of it lies around each vertex of a mesh.
+#pragma once
+
+#include <vector>
+
+#include "soapfilm/context.h"
+#include "soapfilm/grid/brick_bits.h"
+#include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/field.h"
+#include "soapfilm/grid/lattice.h"
+#include "soapfilm/mesh.h"
+
+namespace soapfilm {
+
+inline constexpr double gap_reach = 2;  ///< voxels
+
+/// The gap of a solution at the vertices of its band, and the vertices beside its surface.
+struct GapField {
+  BrickGrid grid;
+  Field<float> gap;  ///< in units of lambda
+  std::vector<BrickBits> beside;
+};
+
+/// Per vertex of the mesh: the gap of the lattice's vertices that are less than gap_reach away along each axis, weighted
+/// by a tent, over the area of a plane under the same tent: 0.01 is a hundredth of the price of the area there. Not a
+/// number where the solution's surface is not within reach: the mesh has left it. Only the sum over the whole surface
+/// bounds how much a better one could save.
+std::vector<float> vertex_gap(const Mesh& mesh, const GapField& field, const Lattice& lattice, const Context& context);
+
+}  // namespace soapfilm
