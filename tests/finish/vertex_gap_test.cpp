@@ -81,8 +81,7 @@ TEST(VertexGap, OfAPlaneIsItsGapPerArea) {
       if (gaps.field.grid.first_vertex(b).z + v / brick_area == height) gaps.field.gap.brick(b)[v] = 0.25f;
   Mesh on_plane;
   for (const double x : {20.0, 20.3, 21.9}) on_plane.vertices.push_back(gaps.lattice.to_world({x, 1.2 * x, height}));
-  for (const float gap : vertex_gap(on_plane, gaps.field, gaps.lattice, one_thread))
-    EXPECT_NEAR(gap, 0.25, 1e-6);
+  for (const float gap : vertex_gap(on_plane, gaps.field, gaps.lattice, one_thread)) EXPECT_NEAR(gap, 0.25, 1e-6);
 }
 
 }  // namespace TEST_FILE

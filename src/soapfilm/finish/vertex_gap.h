@@ -21,10 +21,10 @@ struct GapField {
   std::vector<BrickBits> beside;
 };
 
-/// Per vertex of the mesh: the gap of the lattice's vertices that are less than gap_reach away along each axis, weighted
-/// by a tent, over the area of a plane under the same tent: 0.01 is a hundredth of the price of the area there. Not a
-/// number where the solution's surface is not within reach: the mesh has left it. Only the sum over the whole surface
-/// bounds how much a better one could save.
+/// Per vertex of the mesh: the gap of the lattice's vertices that are less than gap_reach away along each axis,
+/// weighted by a tent, over the area of a plane under the same tent: 0.01 is a hundredth of the price of the area
+/// there. Not a number where the solution's surface is not within reach: the mesh has left it. Only the sum over the
+/// whole surface bounds how much a better one could save.
 std::vector<float> vertex_gap(const Mesh& mesh, const GapField& field, const Lattice& lattice, const Context& context);
 
 }  // namespace soapfilm

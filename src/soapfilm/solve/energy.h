@@ -26,8 +26,9 @@ struct EnergyOptions {
 /// Energies of a level's state.
 Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Context& context);
 
-/// Where the gap of evaluate_energy() is: each vertex' part, in units of lambda, >= 0 but for rounding. Left out is what
-/// lies outside of the band. With `certify`, `max_dual_norm` is that of evaluate_energy(), and p is rescaled by it.
+/// Where the gap of evaluate_energy() is: each vertex' part, in units of lambda, >= 0 but for rounding. Left out is
+/// what lies outside of the band. With `certify`, `max_dual_norm` is that of evaluate_energy(), and p is rescaled by
+/// it.
 Field<float> local_gap(const Level& level, const EnergyOptions& options, double max_dual_norm, const Context& context);
 
 /// An estimate of relative_gap_band() from every seventh brick: shows a solver when to evaluate all of them.
