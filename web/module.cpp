@@ -14,6 +14,7 @@
 #include "soapfilm/io.h"
 #include "soapfilm/io/summary.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/memory_plan.h"
 #include "soapfilm/version.h"
 
 // clang-format off
@@ -96,10 +97,13 @@ EMSCRIPTEN_KEEPALIVE const char* web_read(const char* path) {
   });
 }
 
-/// What was read, as JSON.
-EMSCRIPTEN_KEEPALIVE const char* web_summary() {
+/// What was read, as JSON; with it the smallest voxel, input units, that fits into `bytes`, or 0.
+EMSCRIPTEN_KEEPALIVE const char* web_summary(double bytes) {
   const CloudSummary summary = summarize(run().cloud);
+  const double area = static_cast<double>(run().cloud.size()) * summary.spacing * summary.spacing;
+  const double smallest = smallest_voxel(run().cloud, area, {}, static_cast<size_t>(bytes));
   const ordered_json json = {{"samples", run().cloud.size()},
+                             {"smallest_voxel", smallest},
                              {"scans", run().cloud.scans.size()},
                              {"spacing", summary.spacing},
                              {"normals", summary.normals},

@@ -45,6 +45,12 @@ soapfilm reconstruct noisy/samples.ply --directions estimate -o debris.ply --lam
 soapfilm render noisy/samples.ply noisy.ply debris.ply -o noisy-cloud.png --size 210x190 --view 0.3,-0.4,1 \
   --caption "cloud" --caption "mesh" --caption "--lambda 0.002, nothing dropped"
 
+# photogrammetry.md
+python3 "$here/photogrammetry.py" fused.ply
+soapfilm reconstruct fused.ply -o vase.ply 2>vase.txt
+soapfilm render fused.ply vase.ply -o photogrammetry.png --up z --view -1,-1,0.5 --size 310x260 \
+  --caption "cloud" --caption "mesh"
+
 # methods.md
 soapfilm scan part -o views --image 120x120 --noise 0.3%
 for method in tv tv-sor poisson graph-cut-6 graph-cut-26 vrip; do
@@ -62,19 +68,23 @@ soapfilm reconstruct hole/samples.ply -o cut.ply --distance --trim auto
 soapfilm render hole/samples.ply hole.ply cut.ply -o trust.png --size 210x170 --up z --view 0.2,0.3,1 \
   --color-by distance --caption "samples" --caption "distance to the samples" --caption "--trim auto"
 
-# viewer.md: needs chromium, and a build with the viewer beside the program
+# viewer.md and browser.md: need chromium, a build with the viewer beside the program, and `make web`
 soapfilm reconstruct hole/samples.ply -o hole.ply --report hole.report.json --distance --support --gap
 sh "$here/../../viewer/test/run.sh" "$program" "$(dirname "$program")/../viewer" . pictures.mjs
-/usr/bin/python3 - viewer.png viewer-narrow.png <<'END'
+SOAPFILM_PAGE="$here/../../out/web/index.html" sh "$here/../../viewer/test/run.sh" "$program" \
+  "$(dirname "$program")/../viewer" . ../../web/test/pictures.mjs
+/usr/bin/python3 - viewer.png viewer-narrow.png browser.png <<'END'
 import sys
 from PIL import Image
 for name in sys.argv[1:]:
     picture = Image.open(name).convert("RGB")
     width = 1200 if picture.width > picture.height else 390
     picture = picture.resize((width, round(picture.height * width / picture.width)), Image.LANCZOS)
-    picture.quantize(128, dither=Image.Dither.FLOYDSTEINBERG).save("small-" + name, optimize=True)
+    picture.quantize(256, kmeans=2).save("small-" + name, optimize=True)
 END
-mkdir -p pages && mv viewer*.png pages/ && mv small-viewer.png pages/viewer.png && mv small-viewer-narrow.png pages/viewer-narrow.png
+mkdir -p pages
+rm viewer*.png browser.png
+for name in viewer viewer-narrow browser; do mv "small-$name.png" "pages/$name.png"; done
 
 /usr/bin/python3 - *.png <<'END'
 import sys

@@ -176,6 +176,22 @@ TEST(MemoryPlan, ARefusalNamesAVoxelThatFits) {
   EXPECT_EQ(refusal(cloud, params), "");
 }
 
+/// What the page for browsers shows before a voxel is chosen.
+TEST(MemoryPlan, TheSmallestVoxelThatFitsDoesAndAQuarterOfItDoesNot) {
+  PointCloud cloud = sampled("torus", 64, 1);
+  const double area = area_of(*make_shape("torus"));
+  ReconstructParams params;
+  params.memory_limit = size_t{60} << 20;
+  const double fits = smallest_voxel(cloud, area, params, *params.memory_limit);
+  EXPECT_LT(fits, cloud.box().longest() / 64);
+  params.place.voxel = 1.1 * fits;
+  EXPECT_EQ(refusal(cloud, params), "");
+  params.place.voxel = 0.25 * fits;
+  EXPECT_NE(refusal(cloud, params), "");
+  EXPECT_EQ(smallest_voxel(cloud, area, params, size_t{1} << 20), 0) << "the samples alone need more";
+  EXPECT_EQ(smallest_voxel({}, area, params, *params.memory_limit), 0);
+}
+
 TEST(MemoryPlan, ARefusalNamesFarSamplesWhereThereAreSome) {
   PointCloud cloud = sampled("torus", 64, 1);
   cloud.positions[7] = {1e6, 0, 0};

@@ -22,7 +22,8 @@ export async function engine(create, onEvent) {
       must(call('web_read', 'string', ['string'], [`/in/${name}`]));
     },
     forget: (name) => FS.unlink(`/in/${name}`),
-    summary: () => JSON.parse(call('web_summary', 'string')),
+    /** `bytes`: those of a run, for the smallest voxel that fits. */
+    summary: (bytes) => JSON.parse(call('web_summary', 'string', ['number'], [bytes])),
 
     /** Samples for a first picture: {positions, colors or null} around the origin. */
     preview(most, origin) {

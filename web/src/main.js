@@ -5,9 +5,9 @@ import {buildScene} from '../../viewer/src/items.js';
 import {grouped, short} from '../../viewer/src/numbers.js';
 import {picture} from '../../viewer/src/screenshot.js';
 import {Convergence} from './convergence.js';
+import {pageBytes, runBytes} from './limits.js';
 import {cloudItem, meshItem} from './scene.js';
 
-const mostBytes = 4 * 2 ** 30; // that a page may have
 const state = {worker: null, name: '', cloud: null, mesh: null, app: null};
 const template = byId('stage').cloneNode(true);
 
@@ -88,9 +88,14 @@ const hear = {
   },
 };
 
-const memoryLine = (used) =>
-  `Memory: ${mib(used)} in use, at most ${mib(mostBytes)} for a page.` +
-  ' A run that would not fit is refused before it begins, with the resolution that fits.';
+const memoryLine = (used) => {
+  const smallest = state.cloud?.summary.smallest_voxel;
+  return (
+    `Memory: ${mib(used)} in use, at most ${mib(pageBytes)} for a page` +
+    (smallest ? `: voxels down to about ${short(smallest, 2)} fit.` : '.') +
+    ' A run that would not fit is refused before it begins.'
+  );
+};
 
 function read(files) {
   if (!files.length) return;
@@ -117,8 +122,8 @@ function reconstruct(event) {
   const parameters = {
     ...(voxel > 0 ? {place: {voxel}} : {}),
     border: {outside: byId('outside').value},
-    surface: {distance: true},
-    memory: {limit: mostBytes - 2 ** 26},
+    surface: {distance: true, gap: true},
+    memory: {limit: runBytes},
   };
   show('run', 'actions');
   state.worker.postMessage({type: 'reconstruct', parameters});

@@ -1,10 +1,11 @@
-// The engine of the browser gives the same mesh, byte for byte, as the program: node bytes.mjs PROGRAM ENGINE FOLDER,
-// where ENGINE is soapfilm.js of web/CMakeLists.txt.
+// The engine of the browser gives the same mesh, byte for byte, as the program, and reads every format as it does: node
+// bytes.mjs PROGRAM ENGINE FOLDER, where ENGINE is soapfilm.js of web/CMakeLists.txt. With real files, too, where the
+// variable SOAPFILM_DATA names their folder.
 import assert from 'node:assert/strict';
-import {execFileSync} from 'node:child_process';
-import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+import {execFileSync, spawnSync} from 'node:child_process';
+import {copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
-import {basename, join, resolve} from 'node:path';
+import {basename, extname, join, resolve} from 'node:path';
 import {engine} from '../src/engine.js';
 
 const [program, script, out] = process.argv.slice(2).map((path) => resolve(path));
@@ -70,6 +71,76 @@ for (const [file, options, parameters] of [
   assert.ok(same, `${basename(file)} ${options.join(' ')}: other bytes than the program's, see ${out}`);
   console.log(`${basename(file)} ${options.join(' ')}: the same ${web.length} bytes, ${seconds} s`);
 }
+
+/** What the program says of a file: its facts, or the line that refuses it. */
+function byProgram(file) {
+  const {status, stdout, stderr} = spawnSync(program, ['info', '--json', file], {encoding: 'utf8'});
+  return status === 0 ? {facts: JSON.parse(stdout)[0]} : {refusal: stderr.replace('soapfilm: ', '').trim()};
+}
+
+/** The same by the engine. */
+async function byEngine(file) {
+  const warnings = [];
+  const soapfilm = await engine(create, (kind, _, text) => kind === 'warning' && warnings.push(text));
+  soapfilm.put(basename(file), readFileSync(file));
+  try {
+    soapfilm.read(basename(file));
+    return {summary: soapfilm.summary(2 ** 31), warnings};
+  } catch (error) {
+    return {refusal: error.message};
+  }
+}
+
+const seeds = join(out, 'seeds');
+const formats = ['.ply', '.ptx', '.e57', '.las', '.pcd', '.xyz', '.csv', '.npy', '.bin', '.obj', '.laz'];
+execFileSync('python3', ['-B', 'fuzz/seeds.py', seeds, ...formats]);
+const named = join(out, 'formats');
+mkdirSync(named, {recursive: true});
+for (const extension of formats)
+  for (const seed of readdirSync(join(seeds, extension)))
+    copyFileSync(join(seeds, extension, seed), join(named, `${seed}${extension}`));
+const folders = [named];
+if (process.env.SOAPFILM_DATA) folders.push(join(process.env.SOAPFILM_DATA, 'formats'));
+const read = new Map(),
+  refused = new Map();
+for (const folder of folders) {
+  for (const name of readdirSync(folder).filter((name) => formats.includes(extname(name)))) {
+    const file = join(folder, name);
+    const expected = byProgram(file);
+    if (expected.facts?.kind === 'mesh') continue;
+    const found = await byEngine(file);
+    const inPage = (line) => line?.replaceAll(folder, '/in');
+    assert.equal(found.refusal, inPage(expected.refusal), file);
+    const counts = expected.facts ? read : refused;
+    counts.set(extname(name), (counts.get(extname(name)) ?? 0) + 1);
+    if (!expected.facts) continue;
+    const {samples, scans, box, warnings} = expected.facts;
+    assert.deepEqual([found.summary.samples, found.summary.scans], [samples, scans.length], file);
+    assert.deepEqual([found.summary.box.lo, found.summary.box.hi], [box.lo, box.hi], file);
+    assert.deepEqual(found.warnings, warnings.map(inPage), file);
+  }
+}
+for (const extension of formats.filter((name) => name !== '.laz' && name !== '.obj'))
+  assert.ok(read.get(extension) > 0, `no ${extension} was read`);
+const counted = (counts) => [...counts].map(([extension, count]) => `${count} ${extension}`).join(', ');
+console.log(`read as the program reads them: ${counted(read)}; refused in the same words: ${counted(refused)}`);
+
+// The program of the guide runs as it stands.
+const guide = join(out, 'guide');
+mkdirSync(guide, {recursive: true});
+const [, page] = readFileSync('docs/guide/browser.md', 'utf8').match(/<!-- file: mesh\.mjs -->\n```js\n([^]*?)```/);
+writeFileSync(join(guide, 'mesh.mjs'), page);
+for (const [from, to] of [
+  [script, 'soapfilm.js'],
+  ['web/src/engine.js', 'engine.js'],
+  [scans, 'samples.ply'],
+])
+  copyFileSync(from, join(guide, to));
+const printed = execFileSync('node', ['mesh.mjs'], {cwd: guide, encoding: 'utf8'});
+assert.match(printed, /smallest_voxel: 0\.0/);
+assert.match(printed, /\d+ \d+ distance\n$/);
+assert.equal(readFileSync(join(guide, 'mesh.glb')).toString('latin1', 0, 4), 'glTF');
+console.log('the program of the guide runs');
 
 await assert.rejects(inBrowser(text, {place: {voxel: -1}}), /voxel/);
 console.log('a bad voxel is refused in one line');

@@ -252,6 +252,24 @@ void check_placing(size_t placing_bytes, const Room& room, size_t samples) {
                                   format_bytes(placing_bytes), room.what, format_bytes(room.bytes)));
 }
 
+double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params, size_t bytes) {
+  const Box3d box = cloud.box();
+  const auto fits = [&](double voxel) {
+    const Lattice lattice = place_lattice(box, voxel, params.place.padding);
+    const double voxels2 = area / (voxel * voxel);
+    if (voxels2 > 1e12) return false;
+    MemoryPlan plan = plan_memory(params.method, refines(params), cloud, AfterPlacing::freed, lattice,
+                                  static_cast<size_t>(voxels2 / area_per_brick));
+    plan.mesh_bytes = mesh_bytes(static_cast<size_t>(voxels2 / area_per_face), params.checked);
+    return plan.total() <= bytes;
+  };
+  constexpr double step = 1.02, most_vertices = 1e5;
+  double voxel = box.longest() / 8;
+  if (!(area > 0) || !(voxel > 0) || !fits(voxel)) return 0;
+  while (box.longest() / voxel < most_vertices && fits(voxel / step)) voxel /= step;
+  return two_digits_above(voxel);
+}
+
 MemoryBudget::MemoryBudget(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after)
     : params_(params), after_(after), room_(params.memory_limit, held_memory_bytes()) {
   check_placing(plan_placing(cloud), room_, cloud.size());

@@ -88,6 +88,10 @@ void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& latti
 /// The same for plan_placing().
 void check_placing(size_t placing_bytes, const Room& room, size_t samples);
 
+/// The smallest voxel, two digits, that would fit into `bytes`, where the samples' surface has an area of about `area`,
+/// input units^2; 0: none. For a first choice: the run plans again, as it comes to know its grid.
+double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params, size_t bytes);
+
 /// The plan of one run: made part by part, as the sizes of its stages become known; refuses a run that would not fit.
 class MemoryBudget {
  public:
