@@ -3,7 +3,8 @@
 
 Each page has a folder of its own, in which `soapfilm` is that of BUILD, docs/ is this one, and HOME/soapfilm holds the
 installed package. A block of `sh` runs, all of a page in their order; a block after the line <!-- file: NAME --> is
-written to that file before; one after <!-- not run: WHY --> is passed over.
+written to that file before; one after <!-- not run: WHY --> is passed over. Without PAGE also the pieces of C++ and C that
+are no programs of their own, on all pages (page_programs.py).
 """
 import os
 import re
@@ -34,13 +35,35 @@ def run_page(page, build, home):
     return ""
 
 
+# What the pieces of C++ on the pages take as given.
+FILES = """soapfilm scan knot -q -o scans --image 60x60 --noise 0.2% && cp scans/* .
+soapfilm scan torus -q -o torus --samples 5000 && soapfilm reconstruct -q torus/samples.ply -o hole.ply
+soapfilm reconstruct -q scans.conf -o knot.ply --resolution 64 && cp knot.ply bunny.ply
+"""
+
+
+def run_pieces(build):
+    """Returns what went wrong, or nothing."""
+    with tempfile.TemporaryDirectory() as folder:
+        environment = {**os.environ, "PATH": f"{build / 'bin'}:{os.environ['PATH']}"}
+        done = subprocess.run(["sh", "-eu", "-c", FILES + str(build / "bin/page_programs")], cwd=folder, env=environment,
+                              text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        made = {path.name for path in Path(folder).iterdir()}
+    missing = {"mesh.ply", "bunny.png"} - made
+    return f"the pieces of C++: exit code {done.returncode}, {missing or ''}\n{done.stdout[-2000:]}" \
+        if done.returncode != 0 or missing else ""
+
+
 def main():
     build = Path(sys.argv[1]).resolve()
     pages = [Path(p).resolve() for p in sys.argv[2:]] or sorted((ROOT / "docs/guide").glob("*.md"))
     with tempfile.TemporaryDirectory() as home:
         subprocess.run(["cmake", "--install", build, "--prefix", f"{home}/soapfilm"], check=True,
                        stdout=subprocess.DEVNULL)
-        failures = [failure for failure in (run_page(page, build, Path(home)) for page in pages) if failure]
+        failures = [run_page(page, build, Path(home)) for page in pages]
+    if not sys.argv[2:]:
+        failures.append(run_pieces(build))
+    failures = [failure for failure in failures if failure]
     print("\n".join(failures) or f"{len(pages)} pages: all commands run")
     sys.exit(bool(failures))
 
