@@ -55,7 +55,7 @@ const hear = {
     if (kind === 'stage' || kind === 'advance') {
       byId('stage-line').textContent = `${state.stage}${kind === 'advance' && text ? `: ${text}` : ''}`;
       byId('stage-bar').value = fraction;
-      state.convergence?.hear(text);
+      if (state.stage === 'solve') state.convergence?.hear(text);
     }
     if (kind === 'warning') state.warnings.push(text);
     byId('memory').textContent = memoryLine(memory);
