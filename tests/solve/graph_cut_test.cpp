@@ -208,6 +208,28 @@ TEST_P(EveryKind, SurfaceMayLieOnTheBorder) {
   EXPECT_GT(count_inside(dense_labels(best.level)), 2000u);
 }
 
+/// A plane of samples from border to border: no vertex that is free joins its two sides, but the fixed ones do.
+TEST_P(EveryKind, SidesThatOnlyTheBorderJoinsAreCutApart) {
+  Problem problem = tiny_problem({14, 13, 12}, 6);
+  const LevelBox box = problem.lattice.box(0);
+  for (const int places : {1, 2})  // the second time there are two such planes, and a layer between them
+    for (const float sign : {1.0f, -1.0f}) {
+      for (size_t b = 0; b < problem.support.grid.size(); ++b)
+        for_each_vertex(problem.support.grid.coord(b), [&](Vec3i v, int i) {
+          const int x = v.x - box.free_lo.x, at = places == 2 && x > 6 ? x - 6 : x;
+          problem.support.f.brick(b)[i] = at == 3 ? sign : at == 4 ? -sign : 0.0f;
+        });
+      for (const double lambda : {0.01, 0.3}) {
+        const Cut best = cut(problem, lambda, GetParam());
+        const std::vector<Link> links = graph_links(GetParam(), lambda);
+        EXPECT_TRUE(best.report.globally_optimal);
+        EXPECT_NEAR(best.report.energy, energy_on_the_whole_box(problem, links), 1e-6);
+        const double of_labels = energy_on_links(dense_u(best.level), dense_f(best.level), links);
+        EXPECT_NEAR(of_labels, best.report.energy, 1e-6);
+      }
+    }
+}
+
 // --- What a plane costs. --------------------------------------------------------------------------------------------
 
 /// Cost of a unit area with this unit normal: each vertex has one link of each kind, cut over |normal . step|.

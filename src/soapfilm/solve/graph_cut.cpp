@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
@@ -69,9 +70,14 @@ double energy_of(const BandGraph& graph, const MinCut& cut) {
   return energy;
 }
 
+struct Flood {
+  VertexMask reached;
+  bool all = false;  ///< whatever can be reached is
+};
+
 /// The free vertices outside the band that at most `reach` links connect to `sources` without crossing the band.
-VertexMask flooded(const VertexMask& sources, const VertexMask& band, const LevelBox& box,
-                   const std::vector<Link>& links, int reach) {
+Flood flooded(const VertexMask& sources, const VertexMask& band, const LevelBox& box, const std::vector<Link>& links,
+              int reach) {
   VertexMask reached(band.bricks());
   std::vector<Vec3i> front, next;
   sources.for_each([&](Vec3i v) { front.push_back(v); });
@@ -86,15 +92,34 @@ VertexMask flooded(const VertexMask& sources, const VertexMask& band, const Leve
       }
     front.swap(next);
   }
-  return reached;
+  return {std::move(reached), front.empty()};
 }
 
+/// Those of the vertices that have a link to a fixed one.
+VertexMask beside_fixed(const VertexMask& vertices, const LevelBox& box, const std::vector<Link>& links) {
+  VertexMask beside(vertices.bricks());
+  vertices.for_each([&](Vec3i v) {
+    if (std::any_of(links.begin(), links.end(), [&](const Link& link) { return !box.is_free(v + link.step); }))
+      beside.set(v);
+  });
+  return beside;
+}
+
+/// Twice as many links; no box has a path as long as the most.
+int twice(int reach) { return 2 * std::min(reach, 1 << 29); }
+
 /// Adds to the band the vertices near both labels of a boundary that disagrees: the minimal surface passes there.
-/// Increases `reach` until new vertices are found, at last to all vertices.
-void grow(VertexMask& band, const RimVotes& votes, const LevelBox& box, const std::vector<Link>& links, int& reach) {
-  for (;; reach *= 2) {
-    VertexMask between = flooded(votes.inside, band, box, links, reach);
-    between &= flooded(votes.outside, band, box, links, reach);
+/// Increases `reach` until new vertices are found, at last to all vertices. Regions that only fixed vertices join, whose
+/// u is 0, are cut along these.
+void grow(VertexMask& band, const RimVotes& votes, const LevelBox& box, const std::vector<Link>& links, int& reach,
+          const Context& context) {
+  for (;; reach = twice(reach)) {
+    context.check();
+    const Flood inside = flooded(votes.inside, band, box, links, reach);
+    const Flood outside = flooded(votes.outside, band, box, links, reach);
+    VertexMask between = inside.reached;
+    between &= outside.reached;
+    if (between.empty() && inside.all && outside.all) between = beside_fixed(inside.reached, box, links);
     if (between.empty()) continue;
     band |= between;
     return;
@@ -168,7 +193,7 @@ Level solve_graph_cut(const Lattice& lattice, const SupportField& support, doubl
 
   report = {};
   VertexMask inside;
-  for (int reach = first_growth;; reach *= 2) {
+  for (int reach = first_growth;; reach = twice(reach)) {
     context.check();
     {
       const BandGraph graph(band, box, support, links, context);
@@ -188,7 +213,7 @@ Level solve_graph_cut(const Lattice& lattice, const SupportField& support, doubl
       parts.fill(inside);
       break;
     }
-    grow(band, votes, box, links, reach);
+    grow(band, votes, box, links, reach, context);
     ++report.growths;
   }
   Level level = level_of_labels(inside, box, support, lambda, params.norm, context);
