@@ -109,8 +109,8 @@ VertexMask beside_fixed(const VertexMask& vertices, const LevelBox& box, const s
 int twice(int reach) { return 2 * std::min(reach, 1 << 29); }
 
 /// Adds to the band the vertices near both labels of a boundary that disagrees: the minimal surface passes there.
-/// Increases `reach` until new vertices are found, at last to all vertices. Regions that only fixed vertices join, whose
-/// u is 0, are cut along these.
+/// Increases `reach` until new vertices are found, at last to all vertices. Regions that only fixed vertices join,
+/// whose u is 0, are cut along these.
 void grow(VertexMask& band, const RimVotes& votes, const LevelBox& box, const std::vector<Link>& links, int& reach,
           const Context& context) {
   for (;; reach = twice(reach)) {
