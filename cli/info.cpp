@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -117,8 +118,13 @@ ordered_json mesh_facts(const std::string& path) {
   facts["components"] = topology.components.size();
   if (const auto genus = topology.genus()) facts["genus"] = *genus;
   for (const Column& attribute : mesh.attributes) {
-    const auto [lo, hi] = std::minmax_element(attribute.values.begin(), attribute.values.end());
-    facts["attributes"].push_back({{"name", attribute.name}, {"lo", *lo}, {"hi", *hi}});
+    std::vector<float> values;  // a vertex may have none: not a number
+    std::copy_if(attribute.values.begin(), attribute.values.end(), std::back_inserter(values),
+                 [](float value) { return std::isfinite(value); });
+    const auto [lo, hi] = std::minmax_element(values.begin(), values.end());
+    facts["attributes"].push_back({{"name", attribute.name},
+                                   {"lo", values.empty() ? ordered_json(nullptr) : ordered_json(*lo)},
+                                   {"hi", values.empty() ? ordered_json(nullptr) : ordered_json(*hi)}});
   }
   return facts;
 }
@@ -147,7 +153,7 @@ using Lines = std::vector<std::pair<std::string, std::string>>;
 void print_lines(const Lines& lines) {
   size_t width = 0;
   for (const auto& line : lines) width = std::max(width, line.first.size());
-  for (const auto& [label, text] : lines) print(stdout, fmt::format("  {:<{}}  {}\n", label, width, text));
+  for (const auto& [label, text] : lines) print(stdout, fmt::format("  {:<{}}  {}\n", label, width, printable(text)));
 }
 
 void add_box(Lines& lines, const ordered_json& facts, double resolution) {
@@ -193,8 +199,8 @@ void print_scans(const ordered_json& scans, double spacing) {
       seen = "position  " + triple(scan["sensor"], spacing);
     else if (scan.contains("view_direction"))
       seen = "direction  " + triple(scan["view_direction"], 1e-3);
-    print(stdout, fmt::format("  {:<{}}  {:>11}  {:>11}  {:>6}  {}\n", scan["name"].get_ref<const std::string&>(),
-                              name_width, grouped(scan["samples"]), grid, filled, seen));
+    print(stdout, fmt::format("  {:<{}}  {:>11}  {:>11}  {:>6}  {}\n", printable(scan["name"]), name_width,
+                              grouped(scan["samples"]), grid, filled, seen));
   }
 }
 
@@ -247,9 +253,13 @@ void print_mesh(const ordered_json& facts) {
                                              facts["volume"] < 0 ? " (the surface is inside out)" : ""));
   lines.emplace_back("normals", facts["normals"].get<bool>() ? "yes" : "no");
   lines.emplace_back("colors", facts["colors"].get<bool>() ? "yes" : "no");
-  for (const ordered_json& attribute : facts["attributes"])
-    lines.emplace_back("attribute", fmt::format("{} from {:.4g} to {:.4g}", attribute["name"].get<std::string>(),
-                                                attribute["lo"].get<float>(), attribute["hi"].get<float>()));
+  for (const ordered_json& attribute : facts["attributes"]) {
+    const std::string name = attribute["name"];
+    lines.emplace_back("attribute", attribute["lo"].is_null()
+                                        ? name + " without a value"
+                                        : fmt::format("{} from {:.4g} to {:.4g}", name, attribute["lo"].get<float>(),
+                                                      attribute["hi"].get<float>()));
+  }
   print_lines(lines);
 }
 

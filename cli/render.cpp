@@ -15,6 +15,7 @@
 #include "cli/read_cloud.h"
 #include "cli/suggest.h"
 #include "cli/terminal.h"
+#include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
@@ -158,7 +159,8 @@ int run(const Request& request, const GlobalOptions& options) {
   }
   const Image image = render(items, params, context);
   write_png(request.output, image);
-  if (!options.quiet) print(stdout, fmt::format("{}: {} x {} pixels\n", request.output, image.width, image.height));
+  if (!options.quiet)
+    print(stdout, fmt::format("{}: {} x {} pixels\n", printable(request.output), image.width, image.height));
   return 0;
 }
 

@@ -106,7 +106,7 @@ void TerminalProgress::draw() {
                                  stage_detail_, stage_detail_.empty() ? "" : "  ", seconds);
   // A line that wraps could not be erased.
   line.resize(std::min(line.size(), terminal_columns(out_) - 1));
-  print(out_, fmt::format("\r\033[K{}", line));
+  print(out_, fmt::format("\r\033[K{}", printable(line)));
   std::fflush(out_);
   drawn_ = true;
 }

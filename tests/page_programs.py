@@ -7,7 +7,7 @@ import re
 import sys
 from pathlib import Path
 
-BLOCK = re.compile(r"^(<!-- (?:file|not run): *.*? -->\n+)?```(?:cpp|c)\n(.*?)^```$", flags=re.M | re.S)
+BLOCK = re.compile(r"^(<!-- (?:file|not run): [^\n]* -->\n+)?```(?:cpp|c)\n(.*?)^```$", flags=re.M | re.S)
 GIVEN = """#include <array>
 #include <cstdio>
 #include <string>

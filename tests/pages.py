@@ -8,13 +8,14 @@ are no programs of their own, on all pages (page_programs.py).
 """
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-BLOCK = re.compile(r"^(?:<!-- (file|not run): *(.*?) -->\n+)?```(\w*)\n(.*?)^```$", flags=re.M | re.S)
+BLOCK = re.compile(r"^(?:<!-- (file|not run): *([^\n]*?) -->\n+)?```(\w*)\n(.*?)^```$", flags=re.M | re.S)
 
 
 def run_page(page, build, home):
@@ -46,7 +47,7 @@ def run_pieces(build):
     """Returns what went wrong, or nothing."""
     with tempfile.TemporaryDirectory() as folder:
         environment = {**os.environ, "PATH": f"{build / 'bin'}:{os.environ['PATH']}"}
-        done = subprocess.run(["sh", "-eu", "-c", FILES + str(build / "bin/page_programs")], cwd=folder, env=environment,
+        done = subprocess.run(["sh", "-eu", "-c", FILES + shlex.quote(str(build / "bin/page_programs"))], cwd=folder, env=environment,
                               text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         made = {path.name for path in Path(folder).iterdir()}
     missing = {"mesh.ply", "bunny.png"} - made

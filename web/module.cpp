@@ -97,22 +97,25 @@ EMSCRIPTEN_KEEPALIVE const char* web_read(const char* path) {
   });
 }
 
-/// What was read, as JSON; with it the smallest voxel, input units, that fits into `bytes`, or 0.
-EMSCRIPTEN_KEEPALIVE const char* web_summary(double bytes) {
-  const CloudSummary summary = summarize(run().cloud);
-  const double area = static_cast<double>(run().cloud.size()) * summary.spacing * summary.spacing;
-  const double smallest = smallest_voxel(run().cloud, area, {}, static_cast<size_t>(bytes));
-  const ordered_json json = {{"samples", run().cloud.size()},
-                             {"smallest_voxel", smallest},
-                             {"scans", run().cloud.scans.size()},
-                             {"spacing", summary.spacing},
-                             {"normals", summary.normals},
-                             {"colors", !run().cloud.colors.empty()},
-                             {"coordinate_system", run().cloud.coordinate_system},
-                             {"box", {{"lo", json_of(summary.box.lo)}, {"hi", json_of(summary.box.hi)}}}};
-  run().text = json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-  return run().text.c_str();
+/// Finds what was read, for web_summary_text(); with it the smallest voxel, input units, that fits into the memory of
+/// `parameters`, or 0. Returns "" or why not.
+EMSCRIPTEN_KEEPALIVE const char* web_summary(const char* parameters) {
+  return guarded([&] {
+    const CloudSummary summary = summarize(run().cloud);
+    const double area = static_cast<double>(run().cloud.size()) * summary.spacing * summary.spacing;
+    const double smallest = smallest_voxel(run().cloud, area, params_from_json(parameters));
+    const ordered_json json = {{"samples", run().cloud.size()},
+                               {"smallest_voxel", smallest},
+                               {"scans", run().cloud.scans.size()},
+                               {"spacing", summary.spacing},
+                               {"normals", summary.normals},
+                               {"colors", !run().cloud.colors.empty()},
+                               {"coordinate_system", run().cloud.coordinate_system},
+                               {"box", {{"lo", json_of(summary.box.lo)}, {"hi", json_of(summary.box.hi)}}}};
+    run().text = json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  });
 }
+EMSCRIPTEN_KEEPALIVE const char* web_summary_text() { return run().text.c_str(); }
 
 /// At most `most` samples, chosen evenly at random: x, y, z around an origin, and colors in [0, 1], or -1 without any.
 EMSCRIPTEN_KEEPALIVE size_t web_preview(size_t most, double x, double y, double z) {
@@ -162,8 +165,11 @@ EMSCRIPTEN_KEEPALIVE const float* web_attribute_data(size_t index) {
   return run().result.mesh.attributes[index].values.data();
 }
 
-/// Writes the mesh. Returns "" or why not.
+/// Writes the mesh. Warns of what the format cannot hold. Returns "" or why not.
 EMSCRIPTEN_KEEPALIVE const char* web_write(const char* path) {
-  return guarded([&] { write_mesh(path, run().result.mesh, {}, run().context); });
+  return guarded([&] {
+    const WriteReport written = write_mesh(path, run().result.mesh, {}, run().context);
+    for (const std::string& warning : written.warnings) run().progress.warn(warning);
+  });
 }
 }

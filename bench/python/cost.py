@@ -1,6 +1,6 @@
 """cost.py PROGRAM PYTHON SCANS [RESOLUTION] [RUNS]: what Python adds to the program.
 
-The same scans by `PROGRAM reconstruct` and by soapfilm in PYTHON, one thread, in an order by chance: CPU seconds (user
+The same scans by `PROGRAM reconstruct` and by soapfilm in PYTHON, one thread, in random order: CPU seconds (user
 and system) and peak resident memory of the whole processes, and whether the meshes have the same bytes. Other work on
 the machine and how its memory is scattered only add to CPU seconds, so the least of many runs is compared. Prints a
 table.

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """photogrammetry.py FILE.ply: a dense cloud as photogrammetry makes it, of a vase on paving stones.
 
-The columns of COLMAP's fused.ply: positions, normals and colors as floats and bytes. Noise grows towards grazing views,
-few points lie where the stone has no texture, and some hang in the air around the object.
+The columns of COLMAP's fused.ply: positions, normals and colors as floats and bytes. Positions and normals are noisy, few
+points lie on a patch of the vase without texture, and some hang in the air around it.
 """
 import math
 import random

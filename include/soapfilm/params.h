@@ -165,7 +165,8 @@ struct SurfaceParams {
   RelaxParams relax;
   bool distance = false;  ///< adds the attribute "distance" to vertices: to the nearest sample, input units
   bool support = false;   ///< adds the attribute "support" to vertices: samples per voxel^2 of surface there
-  bool gap = false;       ///< adds the attribute "gap" to vertices: the certificate's, over lambda and area there
+  bool gap = false;  ///< adds the attribute "gap" to vertices: the certificate's gap there, as a share of the area's
+                     ///< price; not a number where the mesh has left the certified surface; tv and tv_sor only
   std::vector<std::string> attributes = {"color"};  ///< of samples, carried to vertices: "color", columns, "all"
 };
 

@@ -182,14 +182,33 @@ TEST(MemoryPlan, TheSmallestVoxelThatFitsDoesAndAQuarterOfItDoesNot) {
   const double area = area_of(*make_shape("torus"));
   ReconstructParams params;
   params.memory_limit = size_t{60} << 20;
-  const double fits = smallest_voxel(cloud, area, params, *params.memory_limit);
+  const double fits = smallest_voxel(cloud, area, params);
   EXPECT_LT(fits, cloud.box().longest() / 64);
   params.place.voxel = 1.1 * fits;
   EXPECT_EQ(refusal(cloud, params), "");
   params.place.voxel = 0.25 * fits;
   EXPECT_NE(refusal(cloud, params), "");
-  EXPECT_EQ(smallest_voxel(cloud, area, params, size_t{1} << 20), 0) << "the samples alone need more";
-  EXPECT_EQ(smallest_voxel({}, area, params, *params.memory_limit), 0);
+  EXPECT_EQ(smallest_voxel({}, area, params), 0);
+  params.surface.gap = true;
+  EXPECT_GT(smallest_voxel(cloud, area, params), fits);
+  params.memory_limit = size_t{1} << 20;
+  EXPECT_EQ(smallest_voxel(cloud, area, params), 0) << "the samples alone need more";
+}
+
+TEST(MemoryPlan, CountsTheGap) {
+  const PointCloud cloud = sampled("torus", 64, 1);
+  for (const Method method : {Method::tv, Method::tv_sor}) {
+    ReconstructParams params;
+    params.method = method;
+    params.place.resolution = 64;
+    const Reconstruction without = reconstruct(cloud, params, Context(1));
+    params.surface.gap = true;
+    const Reconstruction with = reconstruct(cloud, params, Context(1));
+    EXPECT_GT(with.report.planned_bytes, without.report.planned_bytes);
+    EXPECT_EQ(hash_mesh(with.mesh), hash_mesh(without.mesh));
+    params.memory_limit = without.report.planned_bytes / 2;
+    EXPECT_NE(refusal(cloud, params), "");
+  }
 }
 
 TEST(MemoryPlan, ARefusalNamesFarSamplesWhereThereAreSome) {

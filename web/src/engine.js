@@ -22,8 +22,11 @@ export async function engine(create, onEvent) {
       must(call('web_read', 'string', ['string'], [`/in/${name}`]));
     },
     forget: (name) => FS.unlink(`/in/${name}`),
-    /** `bytes`: those of a run, for the smallest voxel that fits. */
-    summary: (bytes) => JSON.parse(call('web_summary', 'string', ['number'], [bytes])),
+    /** What was read; `parameters` are those of the run, for the smallest voxel that fits into their memory. */
+    summary(parameters = {}) {
+      must(call('web_summary', 'string', ['string'], [JSON.stringify(parameters)]));
+      return JSON.parse(call('web_summary_text', 'string'));
+    },
 
     /** Samples for a first picture: {positions, colors or null} around the origin. */
     preview(most, origin) {

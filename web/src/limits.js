@@ -1,4 +1,6 @@
-// What a page may have: the page tells it, the worker plans with it.
+// What a page may have, and what every run of it asks for: the page tells it, the worker plans with it.
 export const pageBytes = 4 * 2 ** 30;
-/** A run's, beside the engine itself. */
-export const runBytes = pageBytes - 2 ** 26;
+export const runParameters = {
+  surface: {distance: true, gap: true},
+  memory: {limit: pageBytes - 2 ** 26}, // the engine itself stands beside
+};

@@ -5,7 +5,7 @@ import {buildScene} from '../../viewer/src/items.js';
 import {grouped, short} from '../../viewer/src/numbers.js';
 import {picture} from '../../viewer/src/screenshot.js';
 import {Convergence} from './convergence.js';
-import {pageBytes, runBytes} from './limits.js';
+import {pageBytes, runParameters} from './limits.js';
 import {cloudItem, meshItem} from './scene.js';
 
 const state = {worker: null, name: '', cloud: null, mesh: null, app: null};
@@ -120,10 +120,9 @@ function reconstruct(event) {
   state.convergence = new Convergence();
   const voxel = Number(byId('voxel').value);
   const parameters = {
+    ...runParameters,
     ...(voxel > 0 ? {place: {voxel}} : {}),
     border: {outside: byId('outside').value},
-    surface: {distance: true, gap: true},
-    memory: {limit: runBytes},
   };
   show('run', 'actions');
   state.worker.postMessage({type: 'reconstruct', parameters});

@@ -1,7 +1,7 @@
 // The worker: reads files, reconstructs, sends what the page shows. To cancel, the page ends it.
 /* global createSoapfilm */
 import {engine} from './engine.js';
-import {runBytes} from './limits.js';
+import {runParameters} from './limits.js';
 import {originOf, ranges} from './scene.js';
 
 let soapfilm = null;
@@ -23,7 +23,7 @@ async function read(files) {
   const sets = files.filter((file) => isSet(file.name));
   for (const file of sets.length ? sets : files) soapfilm.read(file.name);
   for (const file of files) soapfilm.forget(file.name);
-  const summary = soapfilm.summary(runBytes);
+  const summary = soapfilm.summary(runParameters);
   origin = originOf(summary.box);
   const preview = soapfilm.preview(400000, origin);
   send('cloud', {summary, origin, preview, memory: soapfilm.memory()}, buffers([preview.positions, preview.colors]));

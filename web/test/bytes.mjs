@@ -85,7 +85,7 @@ async function byEngine(file) {
   soapfilm.put(basename(file), readFileSync(file));
   try {
     soapfilm.read(basename(file));
-    return {summary: soapfilm.summary(2 ** 31), warnings};
+    return {summary: soapfilm.summary(), warnings};
   } catch (error) {
     return {refusal: error.message};
   }

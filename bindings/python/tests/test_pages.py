@@ -16,6 +16,8 @@ ROOT = Path(__file__).resolve().parents[3]
 def beside(tmp_path, monkeypatch, ball):
     """What the pages take as given: files in the current folder, and names."""
     monkeypatch.chdir(tmp_path)
+    if not hasattr(soapfilm, "evaluate"):
+        pytest.skip("built without tools")
     soapfilm.scan("knot", samples=10000, noise="0.2%").save("scan.ply")
     Path("scans.conf").write_text("bmesh scan.ply 0 0 0 0 0 0 1\n")
     soapfilm.reconstruct(soapfilm.scan("torus", samples=5000)).save("truth.ply")
@@ -41,12 +43,15 @@ def beside(tmp_path, monkeypatch, ball):
     }
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/guide/python.md"])
+def programs_of(page):
+    return re.findall(r"^```python\n(.*?)^```$", page.read_text(), flags=re.M | re.S)
+
+
+PAGES = [page for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))] if programs_of(page)]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_page(page, beside):
-    programs = re.findall(r"^```python\n(.*?)^```$", (ROOT / page).read_text(), flags=re.M | re.S)
-    assert programs
-    if not hasattr(soapfilm, "evaluate"):
-        pytest.skip("built without tools")
-    for number, program in enumerate(programs):
+    for number, program in enumerate(programs_of(page)):
         exec(compile(program, f"{page}, program {number + 1}", "exec"), beside)
     assert Path("mesh.ply").exists()

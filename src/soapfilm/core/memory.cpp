@@ -32,7 +32,7 @@ size_t parse_memory(std::string_view text) {
   return static_cast<size_t>(value);
 }
 
-std::string format_bytes(size_t bytes) {
+std::string format_bytes(uint64_t bytes) {
   if (bytes < 1024) return fmt::format("{} B", bytes);
   constexpr const char* units[] = {"KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
   double value = static_cast<double>(bytes) / 1024;

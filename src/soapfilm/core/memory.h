@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,6 @@ void reserve_many(std::vector<T>& values, size_t count, const PagePool& pages = 
 size_t parse_memory(std::string_view text);
 
 /// Three significant digits in the largest fitting power of 1024: "512 B", "1.50 GiB", "613 MiB".
-std::string format_bytes(size_t bytes);
+std::string format_bytes(uint64_t bytes);
 
 }  // namespace soapfilm

@@ -33,8 +33,9 @@ double gap_around(Vec3d at, const GapField& field) {
         if (found < 0) continue;
         const auto brick = static_cast<size_t>(found);
         const double gap{field.gap.brick(brick)[brick_offset(v.x & 7, v.y & 7, v.z & 7)]};
-        sum += x.weight[i] * y.weight[j] * z.weight[k] * gap;
-        near = near || field.beside[brick].test(v.x & 7, v.y & 7, v.z & 7);
+        const double weight = x.weight[i] * y.weight[j] * z.weight[k];
+        sum += weight * gap;
+        near = near || (weight > 0 && field.beside[brick].test(v.x & 7, v.y & 7, v.z & 7));
       }
   return near ? std::max(0.0, sum) : std::numeric_limits<double>::quiet_NaN();
 }

@@ -28,7 +28,7 @@ struct EnergyJob {
   double lambda;
   double p_scale;  ///< factor of p
   bool open;       ///< fixed vertices add nothing to the variation; `u` has no steps from free to fixed vertices above
-  float* gap = nullptr;  ///< 512 zeros, or null: each vertex' part of the gap is written here
+  float* gap = nullptr;  ///< 512 zeros, or null: each vertex's part of the gap is written here
 };
 
 /// Summed lane by lane, the 8 lanes in a fixed tree: the same bits on every target.

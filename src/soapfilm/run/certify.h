@@ -16,7 +16,7 @@ namespace soapfilm {
 Certificate certify(const Segmentation& found, const Grid& grid, const SupportField& field, double lambda,
                     const ReconstructParams& params, const Context& context);
 
-/// Where the certificate's gap is, if the mesh's vertices shall have it.
+/// Where the certificate's gap is, if the mesh's vertices are to have it.
 std::optional<GapField> find_gap(const Level& level, const Certificate& certificate, const ReconstructParams& params,
                                  const Context& context);
 

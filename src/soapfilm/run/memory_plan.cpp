@@ -9,6 +9,7 @@
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
+#include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/place/place.h"
 #include "soapfilm/run/defaults.h"
 #include "soapfilm/solve/inside_bits.h"
@@ -18,14 +19,14 @@ namespace soapfilm {
 namespace {
 
 /// The program itself with its libraries, threads and file buffers.
-constexpr size_t base_bytes = size_t{12} << 20;
+constexpr uint64_t base_bytes = uint64_t{12} << 20;
 
 /// A brick of a level: u and p, the layers that a sweep leaves behind, fluxes at the band boundary (about one face in
 /// three), topology twice (band and support).
-constexpr size_t level_brick_bytes = brick_volume * 4 * sizeof(float) + 3 * brick_area * sizeof(float) +
-                                     brick_area * sizeof(float) + 2 * (sizeof(Vec3i) + sizeof(BrickGrid::Neighbors)) +
-                                     128;
-constexpr size_t data_brick_bytes = brick_volume * sizeof(float);
+constexpr uint64_t level_brick_bytes = brick_volume * 4 * sizeof(float) + 3 * brick_area * sizeof(float) +
+                                       brick_area * sizeof(float) + 2 * (sizeof(Vec3i) + sizeof(BrickGrid::Neighbors)) +
+                                       128;
+constexpr uint64_t data_brick_bytes = brick_volume * sizeof(float);
 
 /// In addition to the support bricks a band contains those where holes are closed: measured 1.02 to 1.15 times as many.
 constexpr double band_over_support = 1.1;
@@ -41,9 +42,9 @@ constexpr double coarser_share = 0.1;
 /// Refinement: the narrow band and the fit's arrays, bytes per support brick; and bytes of each cell with samples, of
 /// which a brick has about as many as given here where samples are dense. (What a fit on coarser vertices saves with
 /// sparse samples is known too late.)
-constexpr size_t refined_brick_bytes = 11400;
-constexpr size_t refined_cell_bytes = 33;
-constexpr size_t refined_cells_per_brick = 32;
+constexpr uint64_t refined_brick_bytes = 11400;
+constexpr uint64_t refined_cell_bytes = 33;
+constexpr uint64_t refined_cells_per_brick = 32;
 
 /// Arrays on every vertex of the box while the solver works, bytes per vertex (listed in docs/notes/methods.md).
 double dense_bytes_per_vertex(Method method) {
@@ -55,9 +56,10 @@ double dense_bytes_per_vertex(Method method) {
 /// Samples on a surface reach one brick per so many voxel^2 of it.
 constexpr double area_per_brick = 20;
 
-/// Values and topology of the gap's field on a level of so many bricks.
-size_t gap_bytes(size_t level_bricks) {
-  return (data_brick_bytes + sizeof(Vec3i) + sizeof(BrickGrid::Neighbors)) * level_bricks;
+/// The gap's field on a level of so many bricks: values, the vertices beside the surface (twice while they are found),
+/// and topology.
+uint64_t gap_bytes(uint64_t level_bricks) {
+  return (data_brick_bytes + 2 * sizeof(BrickBits) + sizeof(Vec3i) + sizeof(BrickGrid::Neighbors)) * level_bricks;
 }
 
 /// Two digits, not below the value.
@@ -67,13 +69,13 @@ double two_digits_above(double value) {
 }
 
 /// Arrays over the whole box: bits per brick in masks and grids, and the arrays of methods without a band.
-size_t box_bytes(Method method, const Lattice& lattice) {
+uint64_t box_bytes(Method method, const Lattice& lattice) {
   const Vec3i bricks = lattice.box(0).bricks;
   const double count = static_cast<double>(bricks.x) * bricks.y * bricks.z;
   constexpr double masks = 6;      // support, band, inside; each together with its coarser or older one
   constexpr double ranks = 3 * 2;  // BrickGrid's two bits: samples, data, level
-  constexpr double most = 0x1p60;  // fits in size_t; no machine has it
-  return static_cast<size_t>(
+  constexpr double most = 0x1p60;  // fits in uint64_t; no machine has it
+  return static_cast<uint64_t>(
       std::min(most, (masks + ranks) * count / 8 + dense_bytes_per_vertex(method) * lattice.vertices()));
 }
 
@@ -99,13 +101,13 @@ double band_bytes_per_brick(Method method) {
   return level;
 }
 
-size_t cloud_bytes(const PointCloud& cloud) {
-  size_t each = sizeof(Vec3d);
+uint64_t cloud_bytes(const PointCloud& cloud) {
+  uint64_t each = sizeof(Vec3d);
   if (!cloud.normals.empty()) each += sizeof(Vec3f);
   if (!cloud.sensors.empty()) each += sizeof(Vec3d);
   if (!cloud.weights.empty()) each += sizeof(float);
   if (!cloud.colors.empty()) each += sizeof(Rgb8);
-  size_t bytes = each * cloud.size();
+  uint64_t bytes = each * cloud.size();
   for (const Scan& scan : cloud.scans)
     if (scan.range_grid) bytes += scan.range_grid->sample.size() * sizeof(int32_t);
   return bytes;
@@ -113,40 +115,40 @@ size_t cloud_bytes(const PointCloud& cloud) {
 
 /// Sorted: position, direction and hash; where there are no normals, also the view direction that a plane's normal
 /// replaced.
-size_t kept_bytes(const PointCloud& cloud) {
-  const size_t weight = cloud.weights.empty() ? 0 : sizeof(float);
+uint64_t kept_bytes(const PointCloud& cloud) {
+  const uint64_t weight = cloud.weights.empty() ? 0 : sizeof(float);
   return ((cloud.normals.empty() ? 3 : 2) * sizeof(Vec3f) + weight + sizeof(uint8_t)) * cloud.size();
 }
 
 /// Vertices of a brick's lowest layer along an axis that are inside.
-size_t inside_lowest(const BrickBits& bits, int axis) {
+uint64_t inside_lowest(const BrickBits& bits, int axis) {
   constexpr uint64_t lowest_x = 0x0101010101010101, lowest_y = 0xff;
-  if (axis == 2) return static_cast<size_t>(count_bits(bits.layer[0]));
-  size_t count = 0;
+  if (axis == 2) return static_cast<uint64_t>(count_bits(bits.layer[0]));
+  uint64_t count = 0;
   for (const uint64_t layer : bits.layer)
-    count += static_cast<size_t>(count_bits(layer & (axis == 0 ? lowest_x : lowest_y)));
+    count += static_cast<uint64_t>(count_bits(layer & (axis == 0 ? lowest_x : lowest_y)));
   return count;
 }
 
 }  // namespace
 
-size_t plan_placing(const PointCloud& cloud) {
+uint64_t plan_placing(const PointCloud& cloud) {
   // While the cloud exists also the direction as found and the original index of sorted samples.
-  const size_t sorted_bytes = kept_bytes(cloud) + sizeof(uint32_t) * cloud.size();
+  const uint64_t sorted_bytes = kept_bytes(cloud) + sizeof(uint32_t) * cloud.size();
   // The surface around each: area, spacing, normal; with it either the cells that found it or the sorted samples.
-  const size_t around_bytes = (2 * sizeof(float) + sizeof(Vec3f)) * cloud.size();
-  const size_t cells_bytes = (3 * sizeof(uint64_t) + 3 * sizeof(uint8_t)) * cloud.size();
+  const uint64_t around_bytes = (2 * sizeof(float) + sizeof(Vec3f)) * cloud.size();
+  const uint64_t cells_bytes = (3 * sizeof(uint64_t) + 3 * sizeof(uint8_t)) * cloud.size();
   return base_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + around_bytes +
          std::max(sorted_bytes, cells_bytes);
 }
 
-size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after) {
+uint64_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after) {
   const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
   return base_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
 }
 
 MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
-                       const Lattice& lattice, size_t support_bricks) {
+                       const Lattice& lattice, uint64_t support_bricks) {
   MemoryPlan plan;
   plan.placing_bytes = plan_placing(cloud);
   plan.fixed_bytes = plan_fixed(method, cloud, after);
@@ -154,54 +156,54 @@ MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, 
   plan.tables_bytes = box_bytes(method, lattice);
   // tv's band becomes known only level by level.
   const bool guessed = method == Method::tv;
-  plan.solve = {plan.tables_bytes + static_cast<size_t>(static_cast<double>(support_bricks) * per_brick),
+  plan.solve = {plan.tables_bytes + static_cast<uint64_t>(static_cast<double>(support_bricks) * per_brick),
                 guessed ? certain_of_solve : 1};
   if (!is_refined) return plan;
 
-  const size_t cells = std::min(cloud.size(), refined_cells_per_brick * support_bricks);
+  const uint64_t cells = std::min<uint64_t>(cloud.size(), refined_cells_per_brick * support_bricks);
   plan.refine = {refined_brick_bytes * support_bricks + refined_cell_bytes * cells, guessed ? certain_of_refine : 1};
   return plan;
 }
 
 MemoryPlan plan_tables(Method method, const Lattice& lattice) {
-  const size_t tables = box_bytes(method, lattice);
+  const uint64_t tables = box_bytes(method, lattice);
   MemoryPlan plan;
   plan.fixed_bytes = base_bytes;
   plan.solve.bytes = plan.tables_bytes = tables;
   return plan;
 }
 
-size_t solve_bytes(size_t data_bricks, size_t level_bricks) {
+uint64_t solve_bytes(uint64_t data_bricks, uint64_t level_bricks) {
   return data_brick_bytes * data_bricks + level_brick_bytes * level_bricks;
 }
 
-size_t guess_refine_bytes(size_t level_bricks) {
-  constexpr size_t bytes_per_brick = 15000;  // of closed surfaces 13,800 to 15,900
+uint64_t guess_refine_bytes(uint64_t level_bricks) {
+  constexpr uint64_t bytes_per_brick = 15000;  // of closed surfaces 13,800 to 15,900
   return bytes_per_brick * level_bricks;
 }
 
-size_t refine_bytes(size_t rows, bool tries_coarser, size_t samples) {
+uint64_t refine_bytes(uint64_t rows, bool tries_coarser, uint64_t samples) {
   // The peaks of bench/scenes: within 10 %.
-  constexpr size_t row_bytes = 410, of_two_grids = 500, sample_bytes = 48;
+  constexpr uint64_t row_bytes = 410, of_two_grids = 500, sample_bytes = 48;
   return (tries_coarser ? of_two_grids : row_bytes) * rows + sample_bytes * samples;
 }
 
-size_t mesh_bytes(size_t vertices, bool checked) {
+uint64_t mesh_bytes(uint64_t vertices, bool checked) {
   // Measured per vertex: relaxed 286 to 358; checked 423 to 518.
-  constexpr size_t bent_vertex_bytes = 320, checked_vertex_bytes = 470;
+  constexpr uint64_t bent_vertex_bytes = 320, checked_vertex_bytes = 470;
   return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
 }
 
-size_t count_faces(const Level& level, double threshold, const Context& context) {
+uint64_t count_faces(const Level& level, double threshold, const Context& context) {
   const InsideBits inside(level, static_cast<float>(threshold), context);
-  const auto faces_of = [&](size_t begin, size_t end) {
-    size_t faces = 0;
-    for (size_t b = begin; b < end; ++b) {
+  const auto faces_of = [&](uint64_t begin, uint64_t end) {
+    uint64_t faces = 0;
+    for (uint64_t b = begin; b < end; ++b) {
       const Vec3i coord = level.grid.coord(b);
       const BrickBits& own = inside.of(static_cast<int32_t>(b), coord);
       for (int axis = 0; axis < 3; ++axis) {
         const int slot = slot_up[axis];
-        const int32_t n = level.grid.neighbors(b)[static_cast<size_t>(slot)];
+        const int32_t n = level.grid.neighbors(b)[static_cast<uint64_t>(slot)];
         const BrickBits& above = inside.of(n, coord + slot_offset(slot));
         faces += (own ^ (moved(own, axis, -1) | carried(above, axis, -1))).count();
         Vec3i below = coord;
@@ -214,11 +216,11 @@ size_t count_faces(const Level& level, double threshold, const Context& context)
     }
     return faces;
   };
-  return sum_chunks<size_t>(level.grid.size(), 1024, context, faces_of);
+  return sum_chunks<uint64_t>(level.grid.size(), 1024, context, faces_of);
 }
 
-Room::Room(std::optional<size_t> limit, size_t held) : what(limit ? "--memory" : "free memory") {
-  const size_t available = available_memory_bytes();
+Room::Room(std::optional<uint64_t> limit, uint64_t held) : what(limit ? "--memory" : "free memory") {
+  const uint64_t available = available_memory_bytes();
   bytes = limit ? *limit : available > SIZE_MAX - held ? SIZE_MAX : available + held;
 }
 
@@ -246,22 +248,24 @@ void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& latti
                   format_bytes(plan.total()), room.what, format_bytes(room.bytes), fit));
 }
 
-void check_placing(size_t placing_bytes, const Room& room, size_t samples) {
+void check_placing(uint64_t placing_bytes, const Room& room, uint64_t samples) {
   if (placing_bytes > room.bytes)
     throw MemoryError(fmt::format("memory: {} samples need about {}, {} is {}; no resolution would fit", samples,
                                   format_bytes(placing_bytes), room.what, format_bytes(room.bytes)));
 }
 
-double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params, size_t bytes) {
+double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params) {
   const Box3d box = cloud.box();
+  const Room room(params.memory_limit, held_memory_bytes());
   const auto fits = [&](double voxel) {
     const Lattice lattice = place_lattice(box, voxel, params.place.padding);
     const double voxels2 = area / (voxel * voxel);
     if (voxels2 > 1e12) return false;
-    MemoryPlan plan = plan_memory(params.method, refines(params), cloud, AfterPlacing::freed, lattice,
-                                  static_cast<size_t>(voxels2 / area_per_brick));
-    plan.mesh_bytes = mesh_bytes(static_cast<size_t>(voxels2 / area_per_face), params.checked);
-    return plan.total() <= bytes;
+    const auto bricks = static_cast<uint64_t>(voxels2 / area_per_brick);
+    MemoryPlan plan = plan_memory(params.method, refines(params), cloud, AfterPlacing::freed, lattice, bricks);
+    if (params.surface.gap) plan.gap_bytes = gap_bytes(bricks);
+    plan.mesh_bytes = mesh_bytes(static_cast<uint64_t>(voxels2 / area_per_face), params.checked);
+    return plan.total() <= room.bytes;
   };
   constexpr double step = 1.02, most_vertices = 1e5;
   double voxel = box.longest() / 8;
@@ -287,23 +291,28 @@ void MemoryBudget::plan_tables(const PointCloud& cloud, const Box3d& box, const 
   throw MemoryError(error.what() + far_samples(cloud, box));
 }
 
-void MemoryBudget::plan_grid(const PointCloud& cloud, size_t support_bricks) {
+void MemoryBudget::plan_grid(const PointCloud& cloud, uint64_t support_bricks) {
   plan_ = plan_memory(params_.method, refines(params_), cloud, after_, lattice_, support_bricks);
+  if (params_.surface.gap) {
+    // What is certain: tv's finest band is known only when it begins.
+    constexpr double least_over_support = 0.7;
+    plan_.gap_bytes = gap_bytes(static_cast<uint64_t>(least_over_support * static_cast<double>(support_bricks)));
+  }
   check();
   first_ = plan_.total();
 }
 
-PyramidObserver MemoryBudget::watch(PyramidObserver user, size_t data_bricks) {
-  user.begins = [this, data_bricks, begins = user.begins](int level, size_t bricks, size_t beside) {
+PyramidObserver MemoryBudget::watch(PyramidObserver user, uint64_t data_bricks) {
+  user.begins = [this, data_bricks, begins = user.begins](int level, uint64_t bricks, uint64_t beside) {
     plan_level(level, data_bricks, bricks, beside);
     if (begins) begins(level, bricks, beside);
   };
   return user;
 }
 
-void MemoryBudget::plan_level(int level, size_t data_bricks, size_t bricks, size_t beside) {
+void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, uint64_t beside) {
   // The largest level counts, and replaces the guess from before the first one.
-  const size_t before = plan_.solve.certain < 1 ? 0 : plan_.solve.bytes;
+  const uint64_t before = plan_.solve.certain < 1 ? 0 : plan_.solve.bytes;
   plan_.solve = {std::max(before, solve_bytes(data_bricks, bricks + beside)), 1};
   if (level == 0 && params_.surface.gap) plan_.gap_bytes = gap_bytes(bricks);
   if (level == 0 && refines(params_)) plan_.refine = {guess_refine_bytes(bricks), certain_of_refine};
@@ -316,7 +325,7 @@ void MemoryBudget::plan_mesh(const Level& level, bool checked, const Context& co
   check();
 }
 
-void MemoryBudget::plan_refinement(size_t rows, bool tries_coarser, size_t samples) {
+void MemoryBudget::plan_refinement(uint64_t rows, bool tries_coarser, uint64_t samples) {
   plan_.refine = {refine_bytes(rows, tries_coarser, samples), 1};
   check();
 }

@@ -1,8 +1,9 @@
-// The memory of a run, known before it starts.
+// The memory of a run, known before it starts. Counted in 64 bits: in a browser a size_t has 32, and what would not fit
+// must not wrap round.
 #pragma once
 
 #include <algorithm>
-#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -18,25 +19,25 @@ namespace soapfilm {
 /// Bytes that a stage will need. A run is refused only if the certain share of a guess does not fit; the rest may be an
 /// overestimate.
 struct Planned {
-  size_t bytes = 0;
+  uint64_t bytes = 0;
   double certain = 1;
-  size_t least() const { return static_cast<size_t>(certain * static_cast<double>(bytes)); }
+  uint64_t least() const { return static_cast<uint64_t>(certain * static_cast<double>(bytes)); }
 };
 
 /// Each stage's part is planned again once its size is known, and replaces the guess.
 struct MemoryPlan {
-  size_t fixed_bytes = 0;    ///< in all stages after placing: the program and the data kept of the samples
-  Planned solve;             ///< in addition: the finest level's band and the coarser one, the box's tables
-  size_t tables_bytes = 0;   ///< those of the solve that span the box
-  Planned refine;            ///< in addition to fixed_bytes
-  size_t mesh_bytes = 0;     ///< in addition to fixed_bytes
-  size_t gap_bytes = 0;      ///< the gap of each vertex of the band, from the solve's end to the mesh
-  size_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and the
-                             ///< surface found around them
-  size_t grid_bytes() const { return std::max({solve.bytes, refine.bytes, mesh_bytes}) + gap_bytes; }
-  size_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes()); }
+  uint64_t fixed_bytes = 0;    ///< in all stages after placing: the program and the data kept of the samples
+  Planned solve;               ///< in addition: the finest level's band and the coarser one, the box's tables
+  uint64_t tables_bytes = 0;   ///< those of the solve that span the box
+  Planned refine;              ///< in addition to fixed_bytes
+  uint64_t mesh_bytes = 0;     ///< in addition to fixed_bytes
+  uint64_t gap_bytes = 0;      ///< the gap of each vertex of the band, from the solve's end to the mesh
+  uint64_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and the
+                               ///< surface found around them
+  uint64_t grid_bytes() const { return std::max({solve.bytes, refine.bytes, mesh_bytes}) + gap_bytes; }
+  uint64_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes()); }
   /// The part of it that is certain.
-  size_t least() const {
+  uint64_t least() const {
     return std::max(placing_bytes, fixed_bytes + std::max({solve.least(), refine.least(), mesh_bytes}) + gap_bytes);
   }
 };
@@ -48,35 +49,35 @@ enum class AfterPlacing { kept, freed };
 /// samples reach (`support_bricks`), the only part of the grid that is known before the solve. The mesh is not planned
 /// yet.
 MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
-                       const Lattice& lattice, size_t support_bricks);
+                       const Lattice& lattice, uint64_t support_bricks);
 
 /// The same before anything is built: arrays over the whole box, whatever the samples.
 MemoryPlan plan_tables(Method method, const Lattice& lattice);
 
 /// What is kept during the solve, whatever the grid: MemoryPlan::fixed_bytes.
-size_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after);
+uint64_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after);
 
 /// What placing the samples needs, whatever the grid: MemoryPlan::placing_bytes.
-size_t plan_placing(const PointCloud& cloud);
+uint64_t plan_placing(const PointCloud& cloud);
 
 /// What later stages need in addition to what the run holds once its samples are placed, planned when they begin. The
 /// solve: the data's bricks, and those of the levels that are held at once.
-size_t solve_bytes(size_t data_bricks, size_t level_bricks);
+uint64_t solve_bytes(uint64_t data_bricks, uint64_t level_bricks);
 /// The refinement of a surface in a finest level of so many bricks, guessed; and of one whose band has so many rows of
 /// eight vertices, with so many samples, where it may hold two grids at once.
-size_t guess_refine_bytes(size_t level_bricks);
-size_t refine_bytes(size_t rows, bool tries_coarser, size_t samples);
+uint64_t guess_refine_bytes(uint64_t level_bricks);
+uint64_t refine_bytes(uint64_t rows, bool tries_coarser, uint64_t samples);
 /// The mesh, its relaxation and, where it is `checked`, the needs of check_result().
-size_t mesh_bytes(size_t vertices, bool checked);
+uint64_t mesh_bytes(uint64_t vertices, bool checked);
 
 /// Faces between vertices of different sides: about as many as the surface's mesh has vertices.
-size_t count_faces(const Level& level, double threshold, const Context& context);
+uint64_t count_faces(const Level& level, double threshold, const Context& context);
 
 /// The memory that a run may use: `limit` or, without one, the machine's free memory plus what this process `held` when
 /// the run began, which the plans count too. `what` names it in messages.
 struct Room {
-  Room(std::optional<size_t> limit, size_t held);
-  size_t bytes;
+  Room(std::optional<uint64_t> limit, uint64_t held);
+  uint64_t bytes;
   const char* what;
 };
 
@@ -86,11 +87,12 @@ struct Room {
 void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& lattice, double area, bool by_resolution);
 
 /// The same for plan_placing().
-void check_placing(size_t placing_bytes, const Room& room, size_t samples);
+void check_placing(uint64_t placing_bytes, const Room& room, uint64_t samples);
 
-/// The smallest voxel, two digits, that would fit into `bytes`, where the samples' surface has an area of about `area`,
-/// input units^2; 0: none. For a first choice: the run plans again, as it comes to know its grid.
-double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params, size_t bytes);
+/// The smallest voxel, two digits, that would fit into params.memory_limit or the free memory, where the samples'
+/// surface has an area of about `area`, input units^2; 0: none. For a first choice: the run plans again, as it comes to
+/// know its grid.
+double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params);
 
 /// The plan of one run: made part by part, as the sizes of its stages become known; refuses a run that would not fit.
 class MemoryBudget {
@@ -102,20 +104,20 @@ class MemoryBudget {
   /// surface's, voxel^2. This and the following throw MemoryError.
   void plan_tables(const PointCloud& cloud, const Box3d& box, const Lattice& lattice, double area);
   /// Call once its samples are on it: plans with the bricks that they reach.
-  void plan_grid(const PointCloud& cloud, size_t support_bricks);
+  void plan_grid(const PointCloud& cloud, uint64_t support_bricks);
   /// `user`, which also plans each level of the solve as it begins; `data_bricks` are the data term's.
-  PyramidObserver watch(PyramidObserver user, size_t data_bricks);
+  PyramidObserver watch(PyramidObserver user, uint64_t data_bricks);
   /// Call once the surface is known. `checked`: check_result() will follow on this mesh.
   void plan_mesh(const Level& level, bool checked, const Context& context);
   /// Call once the refinement's band is known.
-  void plan_refinement(size_t rows, bool tries_coarser, size_t samples);
+  void plan_refinement(uint64_t rows, bool tries_coarser, uint64_t samples);
 
-  size_t planned_bytes() const { return plan_.total(); }
+  uint64_t planned_bytes() const { return plan_.total(); }
   /// As planned before the solve.
-  size_t first_bytes() const { return first_; }
+  uint64_t first_bytes() const { return first_; }
 
  private:
-  void plan_level(int level, size_t data_bricks, size_t bricks, size_t beside);
+  void plan_level(int level, uint64_t data_bricks, uint64_t bricks, uint64_t beside);
   void check(double area = 0) const;
 
   const ReconstructParams& params_;
@@ -123,7 +125,7 @@ class MemoryBudget {
   Room room_;
   Lattice lattice_;
   MemoryPlan plan_;
-  size_t first_ = 0;
+  uint64_t first_ = 0;
 };
 
 }  // namespace soapfilm

@@ -77,10 +77,11 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   details->solve = found.report;
 
   // How far from the global optimum, at most.
-  report.certificate =
-      trace.stage("certify", [&] { return certify(found, grid, field, lambda.value, params, context); });
+  std::optional<GapField> gap = trace.stage("certify", [&] {
+    report.certificate = certify(found, grid, field, lambda.value, params, context);
+    return find_gap(found.level, report.certificate, params, context);
+  });
   announce_energy(report.certificate, params, trace);
-  std::optional<GapField> gap = find_gap(found.level, report.certificate, params, context);
   found.level.p = {};
   field = {};
   if (border.chosen == Border::open) found.level = closed_along_box(found.level, memory, context);
@@ -116,6 +117,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
 
   carry(attributes, samples, grid.lattice, trace, context, mesh);
   carry(gap, grid.lattice, trace, context, mesh);
+  gap.reset();
   report_border(border, grid.lattice, report, *details);
   return finish(std::move(mesh), std::move(report), samples, grid.lattice, memory, trace, context);
 }

@@ -67,7 +67,7 @@ struct Evaluator {
     return true;
   }
 
-  /// `gap`: 512 zeros that get each vertex' part, or null.
+  /// `gap`: 512 zeros that get each vertex's part, or null.
   EnergyTerms brick_terms(size_t brick, float* gap = nullptr) const {
     UpperWindow u;
     const float* stored = level.u.brick(brick);

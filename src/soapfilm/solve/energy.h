@@ -26,7 +26,7 @@ struct EnergyOptions {
 /// Energies of a level's state.
 Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Context& context);
 
-/// Where the gap of evaluate_energy() is: each vertex' part, in units of lambda, >= 0 but for rounding. Left out is
+/// Where the gap of evaluate_energy() is: each vertex's part, in units of lambda, >= 0 but for rounding. Left out is
 /// what lies outside of the band. With `certify`, `max_dual_norm` is that of evaluate_energy(), and p is rescaled by
 /// it.
 Field<float> local_gap(const Level& level, const EnergyOptions& options, double max_dual_norm, const Context& context);

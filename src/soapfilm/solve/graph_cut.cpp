@@ -105,12 +105,12 @@ VertexMask beside_fixed(const VertexMask& vertices, const LevelBox& box, const s
   return beside;
 }
 
-/// Twice as many links; no box has a path as long as the most.
+/// Twice as many links, capped before it overflows: no path is that long.
 int twice(int reach) { return 2 * std::min(reach, 1 << 29); }
 
 /// Adds to the band the vertices near both labels of a boundary that disagrees: the minimal surface passes there.
-/// Increases `reach` until new vertices are found, at last to all vertices. Regions that only fixed vertices join,
-/// whose u is 0, are cut along these.
+/// Increases `reach` until new vertices are found, at last to all vertices. Where only fixed
+/// vertices join the two, whose u is 0, those beside them with u = 1 join the band.
 void grow(VertexMask& band, const RimVotes& votes, const LevelBox& box, const std::vector<Link>& links, int& reach,
           const Context& context) {
   for (;; reach = twice(reach)) {
