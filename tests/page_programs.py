@@ -1,13 +1,13 @@
-"""page_programs.py OUT.cpp PAGE...: the pieces of C++ and C on pages that are no programs of their own, as one program.
+"""page_programs.py OUT.cpp PAGE...: the pieces of C++ and C on pages that are no programs of their own, as one.
 
-Each becomes a function; what a piece takes as given is declared here. The program runs all of them, in a folder with the
-files that they name (tests/pages.py makes it). Programs after <!-- file: NAME --> are not among them: pages.py runs these.
+Each becomes a function; what a piece takes as given is declared here. The program runs all of them, in a folder with
+the files that they name. Programs after <!-- file: NAME --> are not among them. pages.py runs both.
 """
-import re
 import sys
 from pathlib import Path
 
-BLOCK = re.compile(r"^(<!-- (?:file|not run): [^\n]* -->\n+)?```(?:cpp|c)\n(.*?)^```$", flags=re.M | re.S)
+from pages import BLOCK
+
 GIVEN = """#include <array>
 #include <cstdio>
 #include <string>
@@ -33,8 +33,8 @@ const soapfilm::ReconstructParams coarse;
 def main():
     includes, functions = [], []
     for page in sys.argv[2:]:
-        for marked, text in BLOCK.findall(Path(page).read_text(encoding="utf-8")):
-            if marked:
+        for order, _, language, text in BLOCK.findall(Path(page).read_text(encoding="utf-8")):
+            if order or language not in ("cpp", "c"):
                 continue
             lines = text.splitlines()
             includes += [line for line in lines if line.startswith("#include")]

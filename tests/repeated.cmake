@@ -1,6 +1,6 @@
 # REPEATED: tests that the asan preset leaves out, by their whole names; each runs code that another one runs there,
-# too, and costs a third of a second or more under AddressSanitizer. (The test repeated_names fails for a name that is no
-# test's.)
+# too, and costs a third of a second or more under AddressSanitizer. (The test repeated_names fails for a name that is
+# no test's.)
 set(REPEATED)
 function(repeated test)
   foreach(instance ${ARGN})

@@ -34,8 +34,8 @@ constexpr double band_over_support = 1.1;
 /// 0.82 with an eighth, 0.94 with 0.03.
 constexpr double finest_over_support = 0.8;
 /// Certain shares of guesses (see Planned): of the solve's, until it begins; of the refinement's, until its band is
-/// known.
-constexpr double certain_of_solve = 0.9, certain_of_refine = 0.75;
+/// known; of the gap's, until tv's finest band begins.
+constexpr double certain_of_solve = 0.9, certain_of_refine = 0.75, certain_of_gap = 0.7;
 /// What is left of the coarser level and its data term while they are being freed, as a share of a whole band.
 constexpr double coarser_share = 0.1;
 
@@ -121,12 +121,12 @@ uint64_t kept_bytes(const PointCloud& cloud) {
 }
 
 /// Vertices of a brick's lowest layer along an axis that are inside.
-uint64_t inside_lowest(const BrickBits& bits, int axis) {
+size_t inside_lowest(const BrickBits& bits, int axis) {
   constexpr uint64_t lowest_x = 0x0101010101010101, lowest_y = 0xff;
-  if (axis == 2) return static_cast<uint64_t>(count_bits(bits.layer[0]));
-  uint64_t count = 0;
+  if (axis == 2) return static_cast<size_t>(count_bits(bits.layer[0]));
+  size_t count = 0;
   for (const uint64_t layer : bits.layer)
-    count += static_cast<uint64_t>(count_bits(layer & (axis == 0 ? lowest_x : lowest_y)));
+    count += static_cast<size_t>(count_bits(layer & (axis == 0 ? lowest_x : lowest_y)));
   return count;
 }
 
@@ -147,8 +147,9 @@ uint64_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after) 
   return base_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
 }
 
-MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
+MemoryPlan plan_memory(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, uint64_t support_bricks) {
+  const Method method = params.method;
   MemoryPlan plan;
   plan.placing_bytes = plan_placing(cloud);
   plan.fixed_bytes = plan_fixed(method, cloud, after);
@@ -158,7 +159,8 @@ MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, 
   const bool guessed = method == Method::tv;
   plan.solve = {plan.tables_bytes + static_cast<uint64_t>(static_cast<double>(support_bricks) * per_brick),
                 guessed ? certain_of_solve : 1};
-  if (!is_refined) return plan;
+  if (params.surface.gap) plan.gap = {gap_bytes(support_bricks), certain_of_gap};
+  if (!refines(params)) return plan;
 
   const uint64_t cells = std::min<uint64_t>(cloud.size(), refined_cells_per_brick * support_bricks);
   plan.refine = {refined_brick_bytes * support_bricks + refined_cell_bytes * cells, guessed ? certain_of_refine : 1};
@@ -194,16 +196,16 @@ uint64_t mesh_bytes(uint64_t vertices, bool checked) {
   return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
 }
 
-uint64_t count_faces(const Level& level, double threshold, const Context& context) {
+size_t count_faces(const Level& level, double threshold, const Context& context) {
   const InsideBits inside(level, static_cast<float>(threshold), context);
-  const auto faces_of = [&](uint64_t begin, uint64_t end) {
-    uint64_t faces = 0;
-    for (uint64_t b = begin; b < end; ++b) {
+  const auto faces_of = [&](size_t begin, size_t end) {
+    size_t faces = 0;
+    for (size_t b = begin; b < end; ++b) {
       const Vec3i coord = level.grid.coord(b);
       const BrickBits& own = inside.of(static_cast<int32_t>(b), coord);
       for (int axis = 0; axis < 3; ++axis) {
         const int slot = slot_up[axis];
-        const int32_t n = level.grid.neighbors(b)[static_cast<uint64_t>(slot)];
+        const int32_t n = level.grid.neighbors(b)[static_cast<size_t>(slot)];
         const BrickBits& above = inside.of(n, coord + slot_offset(slot));
         faces += (own ^ (moved(own, axis, -1) | carried(above, axis, -1))).count();
         Vec3i below = coord;
@@ -216,7 +218,7 @@ uint64_t count_faces(const Level& level, double threshold, const Context& contex
     }
     return faces;
   };
-  return sum_chunks<uint64_t>(level.grid.size(), 1024, context, faces_of);
+  return sum_chunks<size_t>(level.grid.size(), 1024, context, faces_of);
 }
 
 Room::Room(std::optional<uint64_t> limit, uint64_t held) : what(limit ? "--memory" : "free memory") {
@@ -262,8 +264,7 @@ double smallest_voxel(const PointCloud& cloud, double area, const ReconstructPar
     const double voxels2 = area / (voxel * voxel);
     if (voxels2 > 1e12) return false;
     const auto bricks = static_cast<uint64_t>(voxels2 / area_per_brick);
-    MemoryPlan plan = plan_memory(params.method, refines(params), cloud, AfterPlacing::freed, lattice, bricks);
-    if (params.surface.gap) plan.gap_bytes = gap_bytes(bricks);
+    MemoryPlan plan = plan_memory(params, cloud, AfterPlacing::freed, lattice, bricks);
     plan.mesh_bytes = mesh_bytes(static_cast<uint64_t>(voxels2 / area_per_face), params.checked);
     return plan.total() <= room.bytes;
   };
@@ -292,12 +293,7 @@ void MemoryBudget::plan_tables(const PointCloud& cloud, const Box3d& box, const 
 }
 
 void MemoryBudget::plan_grid(const PointCloud& cloud, uint64_t support_bricks) {
-  plan_ = plan_memory(params_.method, refines(params_), cloud, after_, lattice_, support_bricks);
-  if (params_.surface.gap) {
-    // What is certain: tv's finest band is known only when it begins.
-    constexpr double least_over_support = 0.7;
-    plan_.gap_bytes = gap_bytes(static_cast<uint64_t>(least_over_support * static_cast<double>(support_bricks)));
-  }
+  plan_ = plan_memory(params_, cloud, after_, lattice_, support_bricks);
   check();
   first_ = plan_.total();
 }
@@ -314,7 +310,7 @@ void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, 
   // The largest level counts, and replaces the guess from before the first one.
   const uint64_t before = plan_.solve.certain < 1 ? 0 : plan_.solve.bytes;
   plan_.solve = {std::max(before, solve_bytes(data_bricks, bricks + beside)), 1};
-  if (level == 0 && params_.surface.gap) plan_.gap_bytes = gap_bytes(bricks);
+  if (level == 0 && params_.surface.gap) plan_.gap = {gap_bytes(bricks), 1};
   if (level == 0 && refines(params_)) plan_.refine = {guess_refine_bytes(bricks), certain_of_refine};
   check();
 }

@@ -31,24 +31,24 @@ struct MemoryPlan {
   uint64_t tables_bytes = 0;   ///< those of the solve that span the box
   Planned refine;              ///< in addition to fixed_bytes
   uint64_t mesh_bytes = 0;     ///< in addition to fixed_bytes
-  uint64_t gap_bytes = 0;      ///< the gap of each vertex of the band, from the solve's end to the mesh
+  Planned gap;                 ///< of each vertex of the band, from the solve's end to the mesh
   uint64_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and the
                                ///< surface found around them
-  uint64_t grid_bytes() const { return std::max({solve.bytes, refine.bytes, mesh_bytes}) + gap_bytes; }
+  uint64_t grid_bytes() const { return std::max({solve.bytes, refine.bytes, mesh_bytes}) + gap.bytes; }
   uint64_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes()); }
   /// The part of it that is certain.
   uint64_t least() const {
-    return std::max(placing_bytes, fixed_bytes + std::max({solve.least(), refine.least(), mesh_bytes}) + gap_bytes);
+    return std::max(placing_bytes, fixed_bytes + std::max({solve.least(), refine.least(), mesh_bytes}) + gap.least());
   }
 };
 
 /// What happens to the cloud once its samples are on the grid.
 enum class AfterPlacing { kept, freed };
 
-/// The needs of a reconstruction on this lattice by this method. The band's size follows from the bricks that the
+/// The needs of a reconstruction on this lattice. The band's size follows from the bricks that the
 /// samples reach (`support_bricks`), the only part of the grid that is known before the solve. The mesh is not planned
 /// yet.
-MemoryPlan plan_memory(Method method, bool is_refined, const PointCloud& cloud, AfterPlacing after,
+MemoryPlan plan_memory(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, uint64_t support_bricks);
 
 /// The same before anything is built: arrays over the whole box, whatever the samples.
@@ -71,7 +71,7 @@ uint64_t refine_bytes(uint64_t rows, bool tries_coarser, uint64_t samples);
 uint64_t mesh_bytes(uint64_t vertices, bool checked);
 
 /// Faces between vertices of different sides: about as many as the surface's mesh has vertices.
-uint64_t count_faces(const Level& level, double threshold, const Context& context);
+size_t count_faces(const Level& level, double threshold, const Context& context);
 
 /// The memory that a run may use: `limit` or, without one, the machine's free memory plus what this process `held` when
 /// the run began, which the plans count too. `what` names it in messages.
