@@ -62,6 +62,11 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->delimiter(',')
       ->expected(3)
       ->option_text("X,Y,Z");
+  directions(app.add_option("--up", p.orient.up,
+                            "Where sheets without any known direction were seen from: x, y, z, -x, -y\nor -z "
+                            "(default: z, as terrain from the air)"))
+      ->transform(named<Axis>())
+      ->option_text("AXIS");
   directions(app.add_option("--neighbors", p.orient.neighbors,
                             "Of estimated directions: nearest samples whose plane it is, 3 to 1000"))
       ->option_text(fmt::format("N [{}]", p.orient.neighbors));

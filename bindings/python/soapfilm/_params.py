@@ -14,7 +14,7 @@ from .errors import ParameterError
 #: Option of the program, in Python's spelling, and its key in the report's `parameters`.
 OPTIONS = {
     "voxel": "place.voxel", "resolution": "place.resolution", "padding": "place.padding", "memory": "memory.limit",
-    "outside": "border.outside", "directions": "orient.directions", "sensor": "orient.sensor",
+    "outside": "border.outside", "directions": "orient.directions", "sensor": "orient.sensor", "up": "orient.up",
     "neighbors": "orient.neighbors", "radius": "orient.radius", "lambda": "energy.lambda",
     "weights": "energy.by_area", "norm": "energy.norm", "tolerance": "solve.tolerance",
     "max_iterations": "solve.max_iterations", "settle": "solve.settle", "method": "solve.method",

@@ -58,6 +58,7 @@ void PointCloud::append(PointCloud&& other) {
   }
   const size_t n = size();
   const size_t m = other.size();
+  is_survey = is_survey && other.is_survey;
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   append_column(normals, n, std::move(other.normals), m, Vec3f{});
   append_column(sensors, n, std::move(other.sensors), m, Vec3d{nan, nan, nan});

@@ -17,6 +17,8 @@ inline constexpr std::array<const char*, 6> names_of<Method>{"tv",          "tv-
 template <>
 inline constexpr std::array<const char*, 5> names_of<DirectionSource>{"auto", "normals", "sensor", "scan", "estimate"};
 template <>
+inline constexpr std::array<const char*, 6> names_of<Axis>{"x", "y", "z", "-x", "-y", "-z"};
+template <>
 inline constexpr std::array<const char*, 4> names_of<Border>{"auto", "air", "solid", "open"};
 template <>
 inline constexpr std::array<const char*, 2> names_of<Norm>{"isotropic", "anisotropic"};

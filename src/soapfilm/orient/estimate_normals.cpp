@@ -1,15 +1,17 @@
 #include "soapfilm/orient/estimate_normals.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "soapfilm/core/kd_tree.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/orient/far_planes.h"
+#include "soapfilm/orient/outer_sides.h"
+#include "soapfilm/orient/signed_sets.h"
+#include "soapfilm/orient/sites.h"
+#include "soapfilm/orient/viewpoint.h"
 
 namespace soapfilm {
 
@@ -17,108 +19,6 @@ namespace {
 
 constexpr uint32_t nobody = ~uint32_t{0};
 constexpr size_t samples_per_task = 1024;
-
-/// The different positions, relative to the first one to keep precision at large offsets, in the order in which they
-/// first occur.
-struct Sites {
-  std::vector<Vec3d> points;
-  std::vector<uint32_t> of_sample;
-
-  explicit Sites(const std::vector<Vec3d>& positions) : of_sample(positions.size()) {
-    std::vector<uint32_t> order(positions.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-      const Vec3d &p = positions[a], &q = positions[b];
-      if (p.x != q.x) return p.x < q.x;
-      if (p.y != q.y) return p.y < q.y;
-      return p.z != q.z ? p.z < q.z : a < b;
-    });
-    // The first sample at each sample's position.
-    for (size_t k = 0; k < order.size(); ++k) {
-      const bool twin = k > 0 && positions[order[k]] == positions[order[k - 1]];
-      of_sample[order[k]] = twin ? of_sample[order[k - 1]] : order[k];
-    }
-    for (size_t i = 0; i < positions.size(); ++i) {
-      if (of_sample[i] < i) {
-        of_sample[i] = of_sample[of_sample[i]];
-        continue;
-      }
-      of_sample[i] = static_cast<uint32_t>(points.size());
-      points.push_back(positions[i] - positions[0]);
-    }
-  }
-};
-
-/// Normal of the plane through `points` around `center` (sign arbitrary), and how well they fit it.
-struct Plane {
-  Vec3d normal;       ///< zero when the points lie on a line or in one place
-  double flat = 1.0;  ///< thickness: least over middle variance, 0 for a plane
-};
-
-Plane fit_plane(const Sites& sites, Vec3d center, std::span<const uint32_t> neighbors) {
-  double radius = 0.0;
-  for (const uint32_t s : neighbors) radius = std::max(radius, norm(sites.points[s] - center));
-  if (!(radius > 0.0)) return {};
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-  for (const uint32_t s : neighbors) {
-    const Vec3d q = (sites.points[s] - center) / radius;
-    const Eigen::Vector3d v(q.x, q.y, q.z);
-    mean += v;
-    moments += v * v.transpose();
-  }
-  const double count = static_cast<double>(neighbors.size()) + 1.0;  // and the center itself, at the origin
-  mean /= count;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(moments / count - mean * mean.transpose());
-  const Eigen::Vector3d variance = solver.eigenvalues();
-  constexpr double line = 1e-7;  // variance across a line, relative to that along it; the solver errs by 1e-8
-  if (!(variance[1] > line * variance[2])) return {};
-  const Eigen::Vector3d n = solver.eigenvectors().col(0);
-  const Vec3d normal = normalized(Vec3d{n.x(), n.y(), n.z()});
-  return {is_finite(normal) ? normal : Vec3d{}, std::max(variance[0], 0.0) / variance[1]};
-}
-
-/// Disjoint sets whose members know their sign relative to the set's representative.
-class SignedSets {
- public:
-  explicit SignedSets(size_t count) : parent_(count), sign_(count, 1) { std::iota(parent_.begin(), parent_.end(), 0u); }
-
-  struct Root {
-    uint32_t index;
-    int sign;
-  };
-  Root find(uint32_t i) {
-    uint32_t root = i;
-    int sign = 1;
-    while (parent_[root] != root) {
-      sign *= sign_[root];
-      root = parent_[root];
-    }
-    // Path compression: every member on the way stores the root and its sign relative to it.
-    for (int rest = sign; parent_[i] != root && i != root;) {
-      const uint32_t next = parent_[i];
-      const int own = sign_[i];
-      parent_[i] = root;
-      sign_[i] = static_cast<int8_t>(rest);
-      rest *= own;
-      i = next;
-    }
-    return {root, sign};
-  }
-  /// Joins the sets of a and b so that b's sign is `relative` times a's; no change if they are one set already.
-  void join(uint32_t a, uint32_t b, int relative) {
-    const Root ra = find(a), rb = find(b);
-    if (ra.index == rb.index) return;
-    const auto [low, high] = std::minmax(ra.index, rb.index);
-    parent_[high] = low;
-    sign_[high] = static_cast<int8_t>(ra.sign * rb.sign * relative);
-  }
-
- private:
-  std::vector<uint32_t> parent_;
-  std::vector<int8_t> sign_;
-};
 
 /// The whole estimate; its members are the intermediate results, in the order in which they are made.
 class Estimator {
@@ -137,17 +37,23 @@ class Estimator {
       if (!given.empty()) given_.push_back(static_cast<Vec3d>(normalized(given[sample])));
     }
     fit();
-    propagate();
+    reach_beyond_lines();
+    find_sides();
   }
 
   EstimatedNormals take(std::span<const uint32_t> wanted) const {
     EstimatedNormals result;
     result.components = components_;
+    result.from_above = from_above_;
     for (const uint32_t sample : wanted) {
       const uint32_t slot = slot_[sites_.of_sample[sample]];
       result.normals.push_back(planes_[slot].normal);
       result.propagated += propagated_[slot];
+      result.seen_from_above += from_above_ != FromAbove::no && !(planes_[slot].normal == Vec3d{});
+      result.far_planes += far_[slot];
     }
+    result.sheets_up = sides_.sheets_up;
+    result.doubtful = sides_.doubtful;
     return result;
   }
 
@@ -173,11 +79,72 @@ class Estimator {
         for (size_t k = 0; k < found && count < neighbors_; ++k)
           if (index[k] != targets_[t]) near_[t * neighbors_ + count++] = index[k];
         near_count_[t] = count;
-        planes_[t] = fit_plane(sites_, p, params_.radius ? with_all_within(*params_.radius, tree, t) : near(t));
+        planes_[t] = fit_plane(sites_.points, p, params_.radius ? with_all_within(*params_.radius, tree, t) : near(t));
         if (is_given(t)) planes_[t].normal = given_[t];
-        if (dot(planes_[t].normal, hint_[targets_[t]]) < 0.0) planes_[t].normal = -planes_[t].normal;
+        follow_hint(t);
       }
     });
+  }
+
+  void follow_hint(size_t t) {
+    if (dot(planes_[t].normal, hint_[targets_[t]]) < 0.0) planes_[t].normal = -planes_[t].normal;
+  }
+
+  /// Where neighbors lie along a line, as on a ring of a scanner, the plane comes from beyond them.
+  void reach_beyond_lines() {
+    far_.assign(targets_.size(), 0);
+    std::vector<uint32_t> slots, sites;
+    for (uint32_t t = 0; t < targets_.size(); ++t) {
+      if (is_given(t) || params_.radius || planes_[t].wide >= least_wide) continue;
+      slots.push_back(t);
+      sites.push_back(targets_[t]);
+    }
+    const std::vector<Vec3f> normals = far_planes(sites_.points, sites, context_);
+    for (size_t k = 0; k < slots.size(); ++k) {
+      if (normals[k] == Vec3f{}) continue;
+      planes_[slots[k]] = {static_cast<Vec3d>(normals[k]), 0.0, 1.0};
+      far_[slots[k]] = 1;
+      follow_hint(slots[k]);
+    }
+  }
+
+  PlanePoints scene() const { return {target_points_, planes_}; }
+
+  /// A side for each normal without a hint: by the scene as a whole where that tells it, else part by part.
+  void find_sides() {
+    target_points_.reserve(targets_.size());
+    for (const uint32_t site : targets_) target_points_.push_back(sites_.points[site]);
+    const bool nothing_known = given_.empty() && !params_.inward &&
+                               std::all_of(hint_.begin(), hint_.end(), [](const Vec3d& h) { return h == Vec3d{}; });
+    const bool storey = nothing_known && !params_.up_is_given && is_storey(scene(), params_.up);
+    if (!params_.inward && !storey) up_ = params_.up;
+    if (nothing_known && !storey && params_.is_survey) look_from_above(FromAbove::survey);
+    propagate();
+    if (!nothing_known || storey || params_.is_survey || !mostly_sheets() || !is_flat_layer(scene(), params_.up)) return;
+    look_from_above(FromAbove::flat_layer);
+    propagate();
+  }
+
+  /// Normals that are not nearly level get the sign that looks up, and say it to their neighbors.
+  void look_from_above(FromAbove reason) {
+    constexpr double told = 0.3;  // cosine; below it noise decides the sign
+    from_above_ = reason;
+    for (size_t t = 0; t < targets_.size(); ++t) {
+      const double towards = dot(planes_[t].normal, params_.up);
+      if (std::abs(towards) < told) continue;
+      if (towards < 0) planes_[t].normal = -planes_[t].normal;
+      hint_[targets_[t]] = planes_[t].normal;
+    }
+  }
+
+  bool mostly_sheets() const {
+    size_t on_sheets = 0, all = 0;
+    for (size_t t = 0; t < targets_.size(); ++t) {
+      if (component_[t] == nobody) continue;
+      ++all;
+      on_sheets += sides_.is_sheet[component_[t]];
+    }
+    return 2 * on_sheets > all;
   }
 
   /// The nearest neighbors of a target or, where more lie within the radius, all of these, in the order of their
@@ -236,29 +203,30 @@ class Estimator {
     for (const Edge& e : sorted_edges())
       sets.join(e.a, e.b, dot(planes_[e.a].normal, planes_[e.b].normal) < 0.0 ? -1 : 1);
     context_.check();
-    std::vector<uint32_t> component(targets_.size(), nobody);  // at representatives
+    component_.assign(targets_.size(), nobody);  // at representatives first
+    components_ = 0;
     for (uint32_t t = 0; t < targets_.size(); ++t) {
       if (!propagated_[t]) continue;
       const SignedSets::Root root = sets.find(t);
       if (root.sign < 0) planes_[t].normal = -planes_[t].normal;
-      if (component[root.index] == nobody) component[root.index] = static_cast<uint32_t>(components_++);
-      component[t] = component[root.index];
+      if (component_[root.index] == nobody) component_[root.index] = static_cast<uint32_t>(components_++);
+      component_[t] = component_[root.index];
     }
-    const std::vector<double> outward = component_votes(component);
+    const std::vector<double> outward = component_votes();
     for (size_t t = 0; t < targets_.size(); ++t)
-      if (propagated_[t] && outward[component[t]] < 0.0) planes_[t].normal = -planes_[t].normal;
+      if (propagated_[t] && outward[component_[t]] < 0.0) planes_[t].normal = -planes_[t].normal;
   }
 
   /// Per component: positive if most of the given normals have the present sign, negative if most have the opposite
   /// one, by more than chance allows for random signs; else 0.
-  std::vector<double> given_votes(const std::vector<uint32_t>& component) const {
+  std::vector<double> given_votes() const {
     std::vector<double> votes(components_, 0.0);
     if (given_.empty()) return votes;
     std::vector<double> count(components_, 0.0);
     for (size_t t = 0; t < targets_.size(); ++t) {
       if (!propagated_[t] || !is_given(t)) continue;
-      votes[component[t]] += dot(planes_[t].normal, given_[t]) < 0.0 ? -1.0 : 1.0;
-      count[component[t]] += 1.0;
+      votes[component_[t]] += dot(planes_[t].normal, given_[t]) < 0.0 ? -1.0 : 1.0;
+      count[component_[t]] += 1.0;
     }
     constexpr double majority = 0.2;  // of 60 to 40
     constexpr double chance = 4.0;    // standard deviations
@@ -267,51 +235,24 @@ class Estimator {
     return votes;
   }
 
-  /// Positive where a component's normals already look outward.
-  std::vector<double> component_votes(const std::vector<uint32_t>& component) const {
-    // By neighbors whose direction is known.
+  /// Positive where a component's normals already look outward: by neighbors whose direction is known, else by the
+  /// given normals, else by its shape.
+  std::vector<double> component_votes() {
     std::vector<double> votes(components_, 0.0);
     for (size_t t = 0; t < targets_.size(); ++t) {
       if (!propagated_[t]) continue;
       for (const uint32_t site : near(t))
-        if (has_hint(site)) votes[component[t]] += dot(planes_[t].normal, normalized(hint_[site]));
+        if (has_hint(site)) votes[component_[t]] += dot(planes_[t].normal, normalized(hint_[site]));
     }
-    const std::vector<double> by_given = given_votes(component);
+    const std::vector<double> by_given = given_votes();
     for (size_t c = 0; c < components_; ++c)
       if (votes[c] == 0.0) votes[c] = by_given[c];
-    // Without any: the farthest sample along a direction looks in it. Twenty-six directions vote, and samples that do
-    // not lie in a plane with their neighbors (outliers) only where there are almost no others (noise).
-    constexpr double flat_enough = 0.05;
-    constexpr double hardly = 0.1;  // share of the component
-    std::vector<double> flat_count(components_, 0.0), count(components_, 0.0);
-    for (size_t t = 0; t < targets_.size(); ++t) {
-      if (!propagated_[t]) continue;
-      count[component[t]] += 1.0;
-      flat_count[component[t]] += planes_[t].flat <= flat_enough ? 1.0 : 0.0;
-    }
-    constexpr double never = -std::numeric_limits<double>::infinity();
-    std::vector<double> extremes(components_, 0.0);
-    struct Furthest {
-      double reach = never;
-      bool flat = false;
-      double vote = 0.0;
-    };
-    for (int code = 0; code < 27; ++code) {
-      const Vec3d towards = normalized(static_cast<Vec3d>(Vec3i{code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1}));
-      std::vector<Furthest> furthest(components_);
-      for (size_t t = 0; t < targets_.size(); ++t) {
-        if (!propagated_[t]) continue;
-        const uint32_t c = component[t];
-        Furthest& best = furthest[c];
-        const double reach = dot(sites_.points[targets_[t]], towards);
-        const bool flat = planes_[t].flat <= flat_enough || flat_count[c] < hardly * count[c];
-        if (flat > best.flat || (flat == best.flat && reach > best.reach))
-          best = {reach, flat, dot(planes_[t].normal, towards)};
-      }
-      for (size_t c = 0; c < components_; ++c) extremes[c] += furthest[c].vote;
-    }
+    std::vector<uint32_t> open = component_;
+    for (uint32_t& c : open)
+      if (c != nobody && votes[c] != 0.0) c = nobody;
+    sides_ = find_outer_sides({scene(), open, components_}, up_);
     for (size_t c = 0; c < components_; ++c)
-      if (votes[c] == 0.0) votes[c] = params_.inward ? -extremes[c] : extremes[c];
+      if (votes[c] == 0.0) votes[c] = params_.inward ? -sides_.votes[c] : sides_.votes[c];
     return votes;
   }
 
@@ -326,8 +267,14 @@ class Estimator {
   std::vector<uint32_t> near_;     ///< per target: the sites nearest to it, nearest first
   std::vector<uint32_t> near_count_;
   std::vector<Plane> planes_;        ///< per target
+  std::vector<uint8_t> far_;         ///< per target: its plane comes from beyond its neighbors
+  std::vector<Vec3d> target_points_;
   std::vector<uint8_t> propagated_;  ///< per target: its sign comes from its neighbors
+  std::vector<uint32_t> component_;  ///< per target: its connected part of those, or nobody
   size_t components_ = 0;
+  std::optional<Vec3d> up_;  ///< where sheets were seen from
+  FromAbove from_above_ = FromAbove::no;
+  OuterSides sides_;  ///< of the parts without another vote
 };
 
 }  // namespace

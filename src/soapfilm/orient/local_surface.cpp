@@ -15,6 +15,10 @@ namespace {
 
 constexpr int coarser_at_most = 3;  // depths above the first filled one at which a plane is searched
 constexpr int coarsest = 4;         // depth: a sixteenth of the box
+/// Cells around a sample with others in them; and how many depths above the first of these its surface appears at the
+/// earliest, if the samples lie along lines: these are then at least eight times as far apart as samples on one of them.
+constexpr size_t company = 3;
+constexpr int line_depths = 3;
 /// Area of a sample over the mean one, above which it has to be confirmed at the next depth.
 constexpr double large = 1.5;
 /// State of a sample. One that would represent far more area than others must show the same plane at the next depth,
@@ -41,10 +45,12 @@ class Survey {
         order_(positions, box, context),
         context_(context),
         first_filled_(positions.size(), 0),
+        first_company_(positions.size(), 0),
         state_(positions.size(), State::open) {
     surface_.area.assign(positions.size(), 0);
     surface_.spacing.assign(positions.size(), 0);
     surface_.normal.assign(positions.size(), {});
+    surface_.line.assign(positions.size(), 0);
   }
 
   LocalSurface run() {
@@ -67,6 +73,7 @@ class Survey {
       const bool edge = surface_.normal[i] == Vec3f{} && first_filled_[i] == coarsest;
       if (edge || state_[i] == State::to_confirm) surface_.spacing[i] = 0;  // no coarser cells to confirm it
       surface_.planes += surface_.is_plane(i);
+      surface_.line[i] = first_company_[i] - first_filled_[i] >= line_depths;
     }
     surface_.coverage = cover_area(surface_);
     return std::move(surface_);
@@ -151,6 +158,7 @@ class Survey {
     for (uint32_t k = first; k < last; ++k) {
       const uint32_t i = order_.sample(k);
       if (state_[i] == State::settled) continue;
+      if (first_company_[i] == 0 && around.count >= company) first_company_[i] = static_cast<uint8_t>(depth);
       const size_t side = cells.side_of(k);
       if (!planes[side]) planes[side] = plane_of(around, cells.facets(c)[side]);
       const FacetPlane& plane = *planes[side];
@@ -187,6 +195,7 @@ class Survey {
   SampleOrder order_;
   const Context& context_;
   std::vector<uint8_t> first_filled_;  ///< depth of each sample's first filled cells; 0: none yet
+  std::vector<uint8_t> first_company_;  ///< depth at which cells around each sample first hold others; 0: none yet
   std::vector<State> state_;           ///< of each sample
   LocalSurface surface_;
 };

@@ -25,6 +25,7 @@ struct LocalSurface {
   std::vector<float> spacing;  ///< of different samples around it, input units; 0: the same, or an outlier, such as
                                ///< where the directions around contradict each other
   std::vector<Vec3f> normal;   ///< unit, sign arbitrary; zero: no plane
+  std::vector<uint8_t> line;   ///< 1: the samples near this one lie along a line, such as a scanner's ring
   size_t planes = 0;           ///< samples with both a normal and a spacing
   AreaCoverage coverage;       ///< of all of them
   SideStatistics sides;        ///< of those whose directions agree on their side

@@ -9,9 +9,11 @@
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/names.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
 #include "soapfilm/orient/estimate_normals.h"
+#include "soapfilm/orient/far_planes.h"
 #include "soapfilm/orient/local_surface.h"
 
 namespace soapfilm {
@@ -151,6 +153,13 @@ Vec3f towards_scanner(const KnownDirections& known, size_t i, const ScanFacts& f
   return direction == Vec3f{} ? known.direction(DirectionSource::scan, i, facts) : direction;
 }
 
+Vec3d axis(Axis axis) {
+  const auto code = static_cast<int>(axis);
+  Vec3d unit;
+  unit[code % 3] = code < 3 ? 1 : -1;
+  return unit;
+}
+
 /// Fills directions that are zero. `given`: normals whose signs are in doubt, or none.
 EstimatedNormals estimate_open(const PointCloud& cloud, const OrientSetup& params, const KnownDirections& known,
                                std::span<const Vec3f> given, const Context& context, std::vector<Vec3f>& directions) {
@@ -162,8 +171,9 @@ EstimatedNormals estimate_open(const PointCloud& cloud, const OrientSetup& param
   known.for_each(0, cloud.size(), [&](size_t i, const ScanFacts& facts) {
     if (directions[i] == Vec3f{}) hints[i] = towards_scanner(known, i, facts);
   });
-  EstimatedNormals estimated = estimate_normals(cloud.positions, wanted, hints, given,
-                                                {params.neighbors, params.radius, params.from_within}, context);
+  NormalParams how{params.neighbors, params.radius, params.from_within, axis(params.up.value_or(Axis::z)),
+                   params.up.has_value(), cloud.is_survey};
+  EstimatedNormals estimated = estimate_normals(cloud.positions, wanted, hints, given, how, context);
   for (size_t k = 0; k < wanted.size(); ++k) directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);
   return estimated;
 }
@@ -172,19 +182,54 @@ std::string plural(size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
+std::string shown(Axis up) {
+  const std::string name = name_of(up);
+  return name[0] == '-' ? name : "+" + name;
+}
+
+/// The line about sides that follow from the scene as a whole.
+void assume_from_above(const EstimatedNormals& estimated, const PointCloud& cloud, const OrientSetup& params,
+                       const Context& context, OrientReport& report) {
+  report.assumed = fmt::format(
+      "{} of {} samples have no direction: taken as seen from above ({}), since {} (if not: --up, or --sensor)",
+      estimated.seen_from_above, cloud.size(), shown(params.up.value_or(Axis::z)),
+      estimated.from_above == FromAbove::survey ? "they come from a survey's file" : "they are a flat wide layer");
+  context.progress().info(report.assumed);
+}
+
+/// The line about sides that were guessed part by part.
+std::string guess_of(const EstimatedNormals& estimated, const PointCloud& cloud, const OrientSetup& params) {
+  constexpr double notable = 0.1;  // of the propagated samples
+  const auto all = static_cast<double>(estimated.propagated);
+  std::string help = "give normals, or scanner positions with --sensor";
+  if (!params.from_within) help += "; seen from inside: --outside solid";
+  std::string how;
+  if (static_cast<double>(estimated.sheets_up) > notable * all) {
+    how = fmt::format(", sheets towards {},", shown(params.up.value_or(Axis::z)));
+    help += "; another side is up: --up";
+  } else if (static_cast<double>(estimated.doubtful) > notable * all) {
+    how = fmt::format(", though the shape hardly tells the sides of {:.0f} % of them,",
+                      100 * static_cast<double>(estimated.doubtful) / all);
+    help += " or the axis from which they were seen with --up";
+  }
+  return fmt::format(
+      "{} of {} samples have no direction: normals were estimated from {} neighbors and oriented {} by propagation "
+      "over {}{} which is a guess ({})",
+      estimated.propagated, cloud.size(), params.neighbors, params.from_within ? "inward" : "outward",
+      plural(estimated.components, "connected part"), how.empty() ? "," : how, help);
+}
+
 void estimate(const PointCloud& cloud, const OrientSetup& params, const KnownDirections& known, const Context& context,
               std::vector<Vec3f>& directions, OrientReport& report) {
   const EstimatedNormals estimated = estimate_open(cloud, params, known, {}, context, directions);
   const std::vector<Vec3d>& normals = estimated.normals;
   report.without_direction = static_cast<size_t>(std::count(normals.begin(), normals.end(), Vec3d{}));
   report.estimated = normals.size() - report.without_direction;
-  if (estimated.propagated > 0)
-    warn(context, report,
-         fmt::format("{} of {} samples have no direction: normals were estimated from {} neighbors and oriented {} by "
-                     "propagation over {}, which is a guess (give normals, or scanner positions with --sensor{})",
-                     estimated.propagated, cloud.size(), params.neighbors, params.from_within ? "inward" : "outward",
-                     plural(estimated.components, "connected part"),
-                     params.from_within ? "" : "; seen from inside: --outside solid"));
+  report.far_planes = estimated.far_planes;
+  if (estimated.from_above != FromAbove::no)
+    assume_from_above(estimated, cloud, params, context, report);
+  else if (estimated.propagated > 0)
+    warn(context, report, guess_of(estimated, cloud, params));
   if (report.without_direction > 0)
     warn(context, report,
          fmt::format("{} of {} samples have no direction and no neighbors that span a plane: they "
@@ -316,17 +361,32 @@ bool check_signs(const PointCloud& cloud, const OrientSetup& params, const SideS
 void use_plane_normals(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
                        std::vector<Vec3f>& directions, OrientReport& report) {
   constexpr float least_incidence = 0.02f;  // cosine: below it the side is unknown
+  const auto turn = [&](size_t i, Vec3f normal) {
+    const float incidence = dot(normal, directions[i]);
+    if (!(std::abs(incidence) > least_incidence)) return false;
+    directions[i] = incidence > 0 ? normal : -normal;
+    return true;
+  };
+  const auto has_own = [&](size_t i) { return !cloud.normals.empty() && cloud.normals[i] != Vec3f{}; };
   report.from_planes = sum_chunks<size_t>(cloud.size(), samples_at_once, context, [&](size_t begin, size_t end) {
     size_t turned = 0;
-    for (size_t i = begin; i < end; ++i) {
-      if (!surface.is_plane(i) || (!cloud.normals.empty() && cloud.normals[i] != Vec3f{})) continue;
-      const float incidence = dot(surface.normal[i], directions[i]);
-      if (!(std::abs(incidence) > least_incidence)) continue;
-      directions[i] = incidence > 0 ? surface.normal[i] : -surface.normal[i];
-      ++turned;
-    }
+    for (size_t i = begin; i < end; ++i)
+      if (surface.is_plane(i) && !has_own(i)) turned += turn(i, surface.normal[i]);
     return turned;
   });
+  std::vector<uint32_t> on_lines;
+  size_t no_plane = 0;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    if (surface.is_plane(i) || has_own(i)) continue;
+    ++no_plane;
+    if (surface.line[i] && directions[i] != Vec3f{}) on_lines.push_back(static_cast<uint32_t>(i));
+  }
+  const std::vector<Vec3f> normals = far_planes(cloud.positions, on_lines, context);
+  size_t far = 0;
+  for (size_t k = 0; k < on_lines.size(); ++k) far += turn(on_lines[k], normals[k]);
+  report.far_planes = std::max(report.far_planes, far);
+  report.from_planes += far;
+  report.without_plane = no_plane - far;
 }
 
 }  // namespace soapfilm

@@ -38,6 +38,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("solve", "method", p.method);
   visit("orient", "directions", p.orient.source);
   visit("orient", "sensor", p.orient.sensor);
+  visit("orient", "up", p.orient.up);
   visit("orient", "neighbors", p.orient.neighbors);
   visit("orient", "radius", p.orient.radius);
   visit("place", "voxel", p.place.voxel);

@@ -34,7 +34,10 @@ ordered_json input_json(const InputFacts& input) {
         {"sensor", d.from_sensor},
         {"scan", d.from_scan},
         {"planes", d.from_planes},
+        {"far_planes", d.far_planes},
+        {"no_plane", d.without_plane},
         {"estimated", d.estimated},
+        {"assumed", d.assumed.empty() ? ordered_json() : ordered_json(d.assumed)},
         {"none", d.without_direction},
         {"contradicting", d.contradicting},
         {"reoriented", d.reoriented}}}};

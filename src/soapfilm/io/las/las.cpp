@@ -55,6 +55,7 @@ class LasReader {
     if (!trajectory.empty()) open(trajectory);
     read_points();
     cloud_.coordinate_system = std::move(records.coordinate_system);
+    cloud_.is_survey = true;
     warn_of_unread(records);
     warn_of_samples();
     split_into_scans();
