@@ -41,6 +41,7 @@ struct InputFacts {
   std::string coordinate_system;  ///< see PointCloud
   double density = 0;             ///< samples per voxel^2 of surface
   OrientReport directions;
+  double noise = 0;  ///< standard deviation of the samples along the surface's normal, input units; 0: unknown
 };
 
 /// The finest grid.
@@ -110,7 +111,10 @@ struct RelaxReport {
 
 struct TrimReport {
   double distance = 0;             ///< used, input units
-  size_t removed = 0, filled = 0;  ///< regions farther than that from all samples: cut away, and left
+  size_t removed = 0, filled = 0;  ///< regions far from all samples, or facing none: cut away, and left as filled holes
+  size_t unfaced = 0;              ///< of those cut away: most of them near samples that look to the other side
+  size_t crossed = 0;              ///< of those cut away: rays of the scanners went through them
+  size_t shells = 0;               ///< closed parts of negative volume, dropped
   double removed_area = 0;         ///< of all that was cut away, as a share of the mesh's area, [0, 1]
   size_t leftovers = 0;            ///< small pieces left by the cuts, and dropped
   bool nothing_near = false;       ///< no surface is within the distance: the mesh is unchanged

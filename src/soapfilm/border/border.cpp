@@ -24,7 +24,7 @@ constexpr double little = 0.05;
 /// Scanners that see samples in a smaller share of the directions around them stand under an open sky.
 constexpr double all_covered = 0.75;
 /// If a larger share of the closed surface is there only to close it, it is the back of a sheet.
-constexpr double mostly_closing = 0.4;
+constexpr double mostly_closing = 0.4, half = 0.5;
 
 /// The level whose cells are as wide as four voxels or, where samples are farther apart than two, twice their spacing:
 /// the minimal surface between samples costs there what it costs on finer levels.
@@ -176,7 +176,10 @@ class Choice {
     return scanners_.stand_among_samples() && scanners_.covered < all_covered && spared.at_most > little;
   }
   /// For a small sheet, the way to the border costs an open surface as much as it saves.
-  bool is_sheet(const Saving& spared) const { return closed().closing > mostly_closing && spared.at_least > little; }
+  /// If more of it is invented than seen, an open surface need not save anything.
+  bool is_sheet(const Saving& spared) const {
+    return closed().closing > half || (closed().closing > mostly_closing && spared.at_least > little);
+  }
   bool undecided(const Saving& spared) const {
     if (under_open_sky(spared) || is_sheet(spared)) return false;
     const double asked = closed().closing > mostly_closing ? little : open_gain_;

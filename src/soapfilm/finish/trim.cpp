@@ -10,20 +10,17 @@
 #include <vector>
 
 #include "soapfilm/core/disjoint_sets.h"
-#include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
 #include "soapfilm/extract/cut.h"
-#include "soapfilm/finish/nearest_sample.h"
+#include "soapfilm/finish/trim_levels.h"
+#include "soapfilm/finish/trim_regions.h"
 
 namespace soapfilm {
 
 namespace {
 
 constexpr double spacings = 3;          // without a given distance: in voxels, or in mean distances between samples
-constexpr double search_share = 1.5;    // of the distance: how far samples are searched
-constexpr int smoothing_passes = 3;     // otherwise a ragged cut follows single samples
 constexpr double nearest_cut = 0.2;     // share of an edge, from its ends: no slivers at a cut
-constexpr double membrane_share = 0.1;  // of a closed mesh's area: larger regions are no holes to fill
 constexpr double small_piece_area = 5;  // times distance^2: a little more than the disk around a single sample
 
 double area_of(const Mesh& mesh, const Triangle& t) {
@@ -31,55 +28,11 @@ double area_of(const Mesh& mesh, const Triangle& t) {
   return 0.5 * norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
 }
 
-/// The distance on the vertices, relative to that of the cut: 1 there, more where surface is removed.
+/// Cuts a mesh along the line where its vertices' levels pass 1 (TrimLevels).
 class Cut {
  public:
-  Cut(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double distance, const Context& context)
-      : mesh_(mesh), distance_(distance), level_(mesh.vertices.size()) {
-    const double voxels = distance / lattice.voxel;
-    parallel_for(context, mesh.vertices.size(), 1024, [&](size_t v) {
-      level_[v] =
-          distance_to_samples(samples, lattice.to_lattice(mesh.vertices[v]), voxels / 2, search_share * voxels) /
-          voxels;
-    });
-    smooth();
-  }
-
-  bool all_far() const {
-    return std::all_of(level_.begin(), level_.end(), [](double level) { return level > 1; });
-  }
-
-  /// Marks regions that stay as near; returns whether anything remains to be cut.
-  bool choose_regions(bool open, bool holes, TrimReport& report) {
-    DisjointSets regions(level_.size());
-    std::vector<double> area(level_.size());
-    double whole = 0;
-    for (const Triangle& t : mesh_.triangles) {
-      const double third = area_of(mesh_, t) / 3;
-      whole += 3 * third;
-      for (size_t k = 0; k < 3; ++k) {
-        const uint32_t a = t[k], b = t[(k + 1) % 3];
-        if (far(a)) area[a] += third;
-        if (far(a) && far(b)) regions.join(a, b);
-      }
-    }
-    std::vector<uint8_t> goes(level_.size());
-    if (open && !holes)
-      for (const uint32_t v : far_on_border()) goes[regions.root(v)] = 1;
-    for (uint32_t v = 0; v < level_.size(); ++v)
-      if (const uint32_t root = regions.root(v); far(v) && root != v) area[root] += area[v];
-    for (uint32_t v = 0; v < level_.size(); ++v) {
-      if (!far(v)) continue;
-      const uint32_t root = regions.root(v);
-      if (root == v) {  // the root is the region's lowest vertex, so it comes first
-        if (holes || (!open && area[v] > membrane_share * whole)) goes[v] = 1;
-        ++(goes[v] ? report.removed : report.filled);
-      }
-    }
-    for (uint32_t v = 0; v < level_.size(); ++v)
-      if (far(v) && !goes[regions.root(v)]) level_[v] = 0;
-    return report.removed > 0;
-  }
+  Cut(Mesh& mesh, std::vector<double> level, double distance)
+      : mesh_(mesh), distance_(distance), level_(std::move(level)) {}
 
   /// Far vertices close to the cut are moved onto it, and stay. (Near ones move the cut a little: cut_point().)
   void snap_cuts() {
@@ -169,44 +122,6 @@ class Cut {
     return std::max((1 - level_[near_end]) / (level_[far_end] - level_[near_end]), nearest_cut);
   }
 
-  /// Jacobi passes, in the order of the triangles. Near vertices stay near.
-  void smooth() {
-    const std::vector<double> measured = level_;
-    std::vector<double> sum(level_.size());
-    std::vector<uint32_t> neighbors(level_.size());
-    for (int pass = 0; pass < smoothing_passes; ++pass) {
-      std::fill(sum.begin(), sum.end(), 0);
-      std::fill(neighbors.begin(), neighbors.end(), 0);
-      for (const Triangle& t : mesh_.triangles)
-        for (size_t k = 0; k < 3; ++k) {
-          sum[t[k]] += level_[t[(k + 1) % 3]] + level_[t[(k + 2) % 3]];
-          neighbors[t[k]] += 2;
-        }
-      for (size_t v = 0; v < level_.size(); ++v)
-        if (neighbors[v] > 0) level_[v] = 0.5 * (level_[v] + sum[v] / neighbors[v]);
-    }
-    for (size_t v = 0; v < level_.size(); ++v)
-      if (measured[v] <= 1) level_[v] = std::min(level_[v], measured[v]);
-  }
-
-  /// Far vertices on boundary edges.
-  std::vector<uint32_t> far_on_border() const {
-    std::vector<std::pair<uint32_t, uint32_t>> edges;
-    for (const Triangle& t : mesh_.triangles)
-      for (size_t k = 0; k < 3; ++k) {
-        const uint32_t a = t[k], b = t[(k + 1) % 3];
-        if (far(a) || far(b)) edges.emplace_back(std::min(a, b), std::max(a, b));
-      }
-    std::sort(edges.begin(), edges.end());
-    std::vector<uint32_t> found;
-    for (size_t i = 0; i < edges.size(); ++i) {
-      if ((i > 0 && edges[i] == edges[i - 1]) || (i + 1 < edges.size() && edges[i] == edges[i + 1])) continue;
-      for (const uint32_t v : {edges[i].first, edges[i].second})
-        if (far(v)) found.push_back(v);
-    }
-    return found;
-  }
-
   uint32_t cut_point(uint32_t a, uint32_t b) {
     if (far(a)) std::swap(a, b);
     const uint64_t edge = uint64_t{std::min(a, b)} << 32 | std::max(a, b);
@@ -241,11 +156,12 @@ void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double
           const Context& context, TrimReport& report) {
   const double spacing = density > 0 ? 1 / std::sqrt(density) : 1;
   report.distance = params.distance.value_or(spacings * std::max(1.0, spacing) * lattice.voxel);
-  Cut cut(mesh, samples, lattice, report.distance, context);
-  report.nothing_near = cut.all_far();
+  TrimLevels levels = find_trim_levels(mesh, samples, lattice, report.distance, lattice.open, context);
+  report.nothing_near = std::all_of(levels.level.begin(), levels.level.end(), [](double level) { return level > 1; });
   context.progress().advance(0.6, "distances");
-  if (report.nothing_near || !cut.choose_regions(lattice.open, params.holes, report)) return;
+  if (report.nothing_near || !choose_regions(mesh, levels, {}, {lattice.open, params.holes}, report)) return;
   const double before = mesh.area();
+  Cut cut(mesh, std::move(levels.level), report.distance);
   cut.snap_cuts();
   cut.clip();
   report.leftovers = cut.drop_small_pieces();

@@ -42,7 +42,7 @@ AreaCoverage cover_area(const LocalSurface& surface) {
   return coverage;
 }
 
-std::vector<float> weigh_by_area(const LocalSurface& surface, double most, const Context& context) {
+std::vector<float> weigh_by_area(const LocalSurface& surface, double most, double most_alone, const Context& context) {
   const AreaCoverage& coverage = surface.coverage;
   constexpr double scatter = 1.5;
   constexpr double most_of_edges = 16;  // their area is a guess
@@ -53,8 +53,9 @@ std::vector<float> weigh_by_area(const LocalSurface& surface, double most, const
     const double weight = ratio > scatter ? ratio / scatter : ratio * scatter < 1 ? ratio * scatter : 1.0;
     if (surface.is_plane(i))
       weights[i] = static_cast<float>(std::min(weight, most));
-    else if (surface.spacing[i] > 0)
-      weights[i] = static_cast<float>(std::clamp(weight, 1.0, std::min(most, most_of_edges)));
+    else
+      weights[i] = static_cast<float>(
+          std::clamp(weight, 1.0, surface.spacing[i] > 0 ? std::min(most, most_of_edges) : most_alone));
   });
   return weights;
 }

@@ -358,7 +358,7 @@ bool check_signs(const PointCloud& cloud, const OrientSetup& params, const SideS
   return true;
 }
 
-void use_plane_normals(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
+void use_plane_normals(const PointCloud& cloud, LocalSurface& surface, const Context& context,
                        std::vector<Vec3f>& directions, OrientReport& report) {
   constexpr float least_incidence = 0.02f;  // cosine: below it the side is unknown
   const auto turn = [&](size_t i, Vec3f normal) {
@@ -383,7 +383,13 @@ void use_plane_normals(const PointCloud& cloud, const LocalSurface& surface, con
   }
   const std::vector<Vec3f> normals = far_planes(cloud.positions, on_lines, context);
   size_t far = 0;
-  for (size_t k = 0; k < on_lines.size(); ++k) far += turn(on_lines[k], normals[k]);
+  for (size_t k = 0; k < on_lines.size(); ++k) {
+    const uint32_t i = on_lines[k];
+    if (!turn(i, normals[k])) continue;
+    ++far;
+    surface.normal[i] = normals[k];
+    if (!(surface.spacing[i] > 0)) surface.spacing[i] = std::sqrt(surface.area[i]);
+  }
   report.far_planes = std::max(report.far_planes, far);
   report.from_planes += far;
   report.without_plane = no_plane - far;

@@ -49,7 +49,7 @@ bool check_signs(const PointCloud& cloud, const OrientSetup& params, const SideS
 /// the normal: a floor that rays graze at 80 degrees has a sixth of the weight. Where `surface` has a plane around a
 /// sample without a normal of its own, the plane's normal on the direction's side replaces it; where it has none since
 /// the samples there lie along a line, the plane comes from beyond the line (far_planes()).
-void use_plane_normals(const PointCloud& cloud, const LocalSurface& surface, const Context& context,
+void use_plane_normals(const PointCloud& cloud, LocalSurface& surface, const Context& context,
                        std::vector<Vec3f>& directions, OrientReport& report);
 
 }  // namespace soapfilm

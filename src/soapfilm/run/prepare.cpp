@@ -23,6 +23,16 @@ namespace {
 
 constexpr size_t samples_per_task = size_t{1} << 15;
 
+/// Weight that a sample without a surface around it may have. What a scanner measured from a known place is there, as a
+/// rule; directions that were estimated among scattered samples, as in the crowns of trees, mean less; and of a cloud
+/// of normals such samples are its outliers.
+double trust_alone(const OrientReport& directions) {
+  constexpr double measured = 16, estimated = 2;
+  const size_t all = directions.from_normals + directions.from_sensor + directions.from_scan + directions.estimated;
+  if (2 * directions.from_sensor > all) return measured;
+  return directions.assumed.empty() ? 1 : estimated;
+}
+
 bool counts_by_area(const ReconstructParams& params) {
   return params.method != Method::vrip && params.energy.by_area && !params.energy.lambda;
 }
@@ -74,7 +84,7 @@ Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const
                          {params.energy, params.cross_validation, params.solve}, context);
   if (!counts_by_area(params)) return lambda;
   constexpr double most_weight = 50;
-  const std::vector<float> weights = weigh_by_area(oriented.surface, most_weight, context);
+  const std::vector<float> weights = weigh_by_area(oriented.surface, most_weight, trust_alone(oriented.report), context);
   parallel_for(context, samples.size(), samples_per_task,
                [&](size_t k) { samples.direction[k] = samples.direction[k] * weights[samples.source[k]]; });
   return lambda;

@@ -94,7 +94,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
 
   // The level set moves onto the samples; components and genus stay, except for parts that it shrinks to nothing. From
   // here on the directions are the original ones, not those of planes: the planes depend on held-out samples, too.
-  if (!views.empty()) samples.direction = std::move(views);
+  if (!views.empty()) samples.direction.swap(views);
   Surface surface = trace.stage("refine", [&] {
     return find_surface(std::move(found), samples, grid, params, experiment.robust, memory, context);
   });
@@ -110,6 +110,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   report.refine = summary_of(surface);
   details->refine = std::move(surface.refine);
   surface.field = {};
+
+  if (!views.empty()) samples.direction.swap(views);
 
   // Flips a complement's faces. Removes what closed an open surface along the box, and surface far from all samples.
   undo_border(mesh, border, grid.lattice);

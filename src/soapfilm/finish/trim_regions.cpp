@@ -1,0 +1,139 @@
+#include "soapfilm/finish/trim_regions.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "soapfilm/core/disjoint_sets.h"
+#include "soapfilm/core/vec.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr double membrane_share = 0.1;  // of a mesh's area: larger regions are no holes to fill
+constexpr double back_share = 0.25;     // of a region's area, unfaced: more, and it is the back of something
+constexpr double crossed_share = 0.1;   // of a region's area: more is no accident of a few rays
+constexpr double film_share = 0.16;     // area over the square of the rim: a disk has 0.08, a half sphere 0.16
+constexpr double along = 0.7;           // cosine of a gap's mean normal and that of its rim
+
+/// What is known of a region, summed at its root.
+struct Region {
+  double area = 0, unfaced = 0, crossed = 0;
+  double rim = 0;              ///< length, roughly: half of the edges that leave it
+  Vec3d normal, rim_normal;    ///< sums over its triangles, and over those around it
+  bool at_border = false;
+
+  void operator+=(const Region& other) {
+    area += other.area, unfaced += other.unfaced, crossed += other.crossed, rim += other.rim;
+    normal += other.normal, rim_normal += other.rim_normal;
+    at_border |= other.at_border;
+  }
+};
+
+class Regions {
+ public:
+  Regions(const Mesh& mesh, const TrimLevels& levels, const std::vector<uint8_t>& crossed)
+      : mesh_(mesh), levels_(levels), crossed_(crossed), sets_(levels.level.size()), at_(levels.level.size()) {
+    for (const Triangle& t : mesh.triangles) add(t);
+    mark_border();
+    for (uint32_t v = 0; v < at_.size(); ++v)
+      if (const uint32_t root = sets_.root(v); far(v) && root != v) at_[root] += at_[v];
+  }
+
+  bool far(uint32_t v) const { return levels_.level[v] > 1; }
+  uint32_t root(uint32_t v) { return sets_.root(v); }
+  const Region& operator[](uint32_t root) const { return at_[root]; }
+  double whole() const { return whole_; }
+
+ private:
+  void add(const Triangle& t) {
+    const auto place = [&](size_t k) { return mesh_.vertices[t[k]]; };
+    const Vec3d normal = cross(place(1) - place(0), place(2) - place(0)) / 2.0;
+    const double area = norm(normal);
+    whole_ += area;
+    size_t far_corners = 0;
+    for (const uint32_t v : t) far_corners += far(v);
+    if (far_corners == 0) return;
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = t[k], b = t[(k + 1) % 3];
+      if (far(a) && far(b)) sets_.join(a, b);
+      if (!far(a)) continue;
+      Region& region = at_[a];
+      region.area += area / 3;
+      if (!levels_.unfaced.empty() && levels_.unfaced[a]) region.unfaced += area / 3;
+      if (!crossed_.empty() && crossed_[a]) region.crossed += area / 3;
+      region.normal += normal / 3.0;
+      if (far_corners == 3) continue;
+      const double share = 1.0 / static_cast<double>(far_corners);
+      region.rim_normal += normal * share;
+      region.rim += share * across(t);
+    }
+  }
+
+  /// Length of the rim in a triangle that it crosses: between the middles of two of its edges, half of the third.
+  double across(const Triangle& t) const {
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+      if (far(a) == far(b) && far(a) != far(c)) return norm(mesh_.vertices[a] - mesh_.vertices[b]) / 2;
+    }
+    return 0;
+  }
+
+  /// Regions with a vertex on an edge of one triangle alone.
+  void mark_border() {
+    std::vector<std::pair<uint32_t, uint32_t>> edges;
+    for (const Triangle& t : mesh_.triangles)
+      for (size_t k = 0; k < 3; ++k) {
+        const uint32_t a = t[k], b = t[(k + 1) % 3];
+        if (far(a) || far(b)) edges.emplace_back(std::min(a, b), std::max(a, b));
+      }
+    std::sort(edges.begin(), edges.end());
+    for (size_t i = 0; i < edges.size(); ++i) {
+      if ((i > 0 && edges[i] == edges[i - 1]) || (i + 1 < edges.size() && edges[i] == edges[i + 1])) continue;
+      for (const uint32_t v : {edges[i].first, edges[i].second})
+        if (far(v)) at_[v].at_border = true;
+    }
+  }
+
+  const Mesh& mesh_;
+  const TrimLevels& levels_;
+  const std::vector<uint8_t>& crossed_;
+  DisjointSets sets_;
+  std::vector<Region> at_;  // of each far vertex, then of each root
+  double whole_ = 0;
+};
+
+bool fills_gap(const Region& region, double whole) {
+  if (region.at_border || region.area > membrane_share * whole) return false;
+  if (region.unfaced > back_share * region.area || region.crossed > crossed_share * region.area) return false;
+  if (region.area > film_share * region.rim * region.rim) return false;
+  return dot(region.normal, region.rim_normal) > along * norm(region.normal) * norm(region.rim_normal);
+}
+
+}  // namespace
+
+bool choose_regions(const Mesh& mesh, TrimLevels& levels, const std::vector<uint8_t>& crossed, const RegionRules& rules,
+                    TrimReport& report) {
+  Regions regions(mesh, levels, crossed);
+  const auto goes = [&](const Region& region) {
+    if (rules.holes) return true;
+    return rules.open ? !fills_gap(region, regions.whole()) : region.area > membrane_share * regions.whole();
+  };
+  std::vector<double> chosen = levels.level;
+  for (uint32_t v = 0; v < chosen.size(); ++v) {
+    if (!regions.far(v)) continue;
+    const uint32_t root = regions.root(v);
+    const Region& region = regions[root];
+    const bool removed = goes(region);
+    if (!removed) chosen[v] = 0;
+    if (root != v) continue;
+    ++(removed ? report.removed : report.filled);
+    report.unfaced += removed && region.unfaced > back_share * region.area;
+    report.crossed += removed && region.crossed > crossed_share * region.area;
+  }
+  levels.level = std::move(chosen);
+  return report.removed > 0;
+}
+
+}  // namespace soapfilm
