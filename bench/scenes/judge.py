@@ -99,13 +99,35 @@ def parts(pairs, count):
     return connected_components(graph, directed=False)[1]
 
 
-def topology(triangles):
-    """Components, boundary curves (of edges in one triangle) and genus, by Euler's characteristic; None of what is not
-    a manifold at its edges."""
+def edges_of(triangles):
+    """The vertices that are used, triangles by their rank, edges, and how many triangles each edge is in."""
     names, t = np.unique(triangles, return_inverse=True)
     t = t.reshape(-1, 3)
     edges = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
-    edges, uses = np.unique(edges, axis=0, return_counts=True)
+    return names, t, *np.unique(edges, axis=0, return_counts=True)
+
+
+def shells(vertices, triangles):
+    """Share of the area in closed parts of negative volume: balloons that turn their inside to the air. (A room that
+    was seen from inside is rightly one.)"""
+    names, t, edges, uses = edges_of(triangles)
+    part = parts(edges, len(names))
+    count = part.max() + 1
+    first = np.zeros((count, 3))
+    first[part] = vertices[names]          # volumes are taken from a point of each part: coordinates may be large
+    corners = vertices[names][t] - first[part[t[:, 0]]][:, None]
+    a, b, c = corners.transpose(1, 0, 2)
+    volume = np.bincount(part[t[:, 0]], np.einsum("ti,ti->t", a, np.cross(b, c)), count)
+    areas = np.bincount(part[t[:, 0]], length(np.cross(b - a, c - a)), count)
+    closed = np.ones(count, bool)
+    closed[part[edges[uses == 1].ravel()]] = False
+    return float(areas[closed & (volume < 0)].sum() / max(areas.sum(), 1e-300))
+
+
+def topology(triangles):
+    """Components, boundary curves (of edges in one triangle) and genus, by Euler's characteristic; None of what is not
+    a manifold at its edges."""
+    names, t, edges, uses = edges_of(triangles)
     components = len(np.unique(parts(edges, len(names))))
     border = edges[uses == 1]
     curves = len(np.unique(parts(border, len(names))[np.unique(border)])) if len(border) else 0
@@ -122,7 +144,8 @@ class Verdict:
     p95: float                   # of the samples' distances
     invented: float              # share of the area farther than INVENTED from every sample
     error: float = None          # mean distance of the truth, where it was sampled and is not lost
-    wrong_side: float = None     # share of the samples whose nearest face looks the other way
+    wrong_side: float = None     # share of those not lost whose nearest face looks away from where they were seen
+    shells: float = None         # share of the area in closed parts of negative volume
     area: float = 0              # input units^2
     triangles: int = 0
     components: int = 0
@@ -131,7 +154,8 @@ class Verdict:
 
 
 class Judge:
-    """The samples of one scene. `judged`: mask of those that may not be lost."""
+    """The samples of one scene. `judged`: mask of those that may not be lost. Sides are judged from where a sample was
+    seen, or by the true normal where nobody saw it."""
 
     def __init__(self, made, voxel, judged=None, truth=None):
         self.voxel, self.rng = voxel, np.random.default_rng(0)
@@ -142,10 +166,10 @@ class Judge:
         if len(chosen) > MOST_SAMPLES:
             chosen = np.sort(self.rng.choice(chosen, MOST_SAMPLES, replace=False))
         self.measured = made.positions[chosen]
-        towards = None if made.towards is None else made.towards - made.positions
-        sides = made.outward if made.outward is not None else towards
+        sides = made.outward if made.towards is None else made.towards - made.positions
         self.asking = cKDTree(self.measured)
         self.sides = None if sides is None else sides[chosen]
+        self.sided = np.ones(len(chosen), bool) if made.sided is None else made.sided[chosen]
         self.truth = self.sampled_truth(truth) if truth is not None else None
 
     def sampled_truth(self, truth):
@@ -167,11 +191,12 @@ class Judge:
         surface = Surface(vertices, triangles, self.voxel, self.tree)
         distance, normal = surface.nearest(self.measured)
         invented, area = self.invented(vertices, triangles)
-        verdict = Verdict(float((distance > LOST * self.voxel).mean()),
-                          float(np.quantile(distance, 0.95)) / self.voxel, invented, area=area,
-                          triangles=len(triangles))
-        if self.sides is not None:
-            verdict.wrong_side = float(((normal * self.sides).sum(axis=1) < 0).mean())
+        lost = distance > LOST * self.voxel
+        verdict = Verdict(float(lost.mean()), float(np.quantile(distance, 0.95)) / self.voxel, invented,
+                          shells=shells(vertices, triangles), area=area, triangles=len(triangles))
+        asked = self.sided & ~lost
+        if self.sides is not None and asked.any():
+            verdict.wrong_side = float(((normal * self.sides)[asked].sum(axis=1) < 0).mean())
         if self.truth is not None and len(self.truth):
             apart = surface.nearest(self.truth)[0] / self.voxel
             verdict.error = float(apart[apart <= LOST].mean()) if (apart <= LOST).any() else None

@@ -22,6 +22,7 @@ class Made:
     good: np.ndarray = None          # mask: neither outlier nor ghost; None: all of them
     outward: np.ndarray = None       # true normal of each sample where the generator knows it
     towards: np.ndarray = None       # scanner of each sample, whether the files say it or not
+    sided: np.ndarray = None         # mask: whose side is judged; None: all of them
     truth: str = ""                  # mesh in the folder
 
     def save(self, folder):
