@@ -1,8 +1,11 @@
 """All scenes: what each is, how it is made, what is right."""
 from dataclasses import dataclass
 
+import airborne
 import clouds
+import depth_camera
 import scanned
+import sweeps
 import thin
 
 
@@ -20,6 +23,8 @@ class Scene:
     up: str = "z"
     cut: tuple = None            # (axis, share): the picture leaves out what lies beyond, to look inside
     copy_of: str = ""            # file of the folder: the surface must be that of this cloud alone
+    kind: str = ""               # of verdicts.LIMITS
+    warned: str = ""             # word of a warning that must be there
 
 
 SCENES = (
@@ -46,6 +51,35 @@ SCENES = (
     Scene("statue_base", "a ring on a block, 24 scans, bottom unseen", scanned.statue, 0.8, 1, 1),
     Scene("drift", "the same, 2.5 spacings off where the walk closes", scanned.drift, 0.8, 1, 1),
     Scene("poster", "a flat wall by one tripod, nothing else", scanned.poster, 0.012, 1, 0, open=True),
+    # One sweep, out to 100 m.
+    Scene("sweep_16", "16 rings on a flat yard, cars and house fronts", sweeps.robot, 0.3, open=True, kind="sweep"),
+    Scene("sweep_64_slope", "64 rings on a road that climbs by 8 %, as KITTI", sweeps.uphill, 0.2, open=True,
+          kind="sweep"),
+    Scene("sweep_128_hollow", "128 rings where the ground rolls", sweeps.hollow, 0.2, open=True, kind="sweep"),
+    # From the air.
+    Scene("als_bowl", "strips over a bowl, LAS", airborne.relief(airborne.bowl, airborne.as_las), 1.0, open=True,
+          kind="airborne ground"),
+    Scene("als_valley", "strips over a valley, bare points", airborne.relief(airborne.valley, airborne.as_text), 1.0,
+          open=True, kind="airborne ground"),
+    Scene("als_hill", "strips over a hill, bare points", airborne.relief(airborne.hill, airborne.as_text), 1.0,
+          open=True, kind="airborne ground"),
+    Scene("als_slope", "strips over a tilted plane, bare points", airborne.relief(airborne.slope, airborne.as_text),
+          1.0, open=True, kind="airborne ground"),
+    Scene("als_cliff", "strips over a step of 25 m, LAS", airborne.relief(airborne.cliff, airborne.as_las), 1.0,
+          open=True, kind="airborne ground"),
+    Scene("als_town", "strips over roofs and a river, walls hardly seen, LAS", airborne.town, 1.0, open=True,
+          kind="airborne ground"),
+    Scene("als_town_way", "the same with the way of the aircraft", airborne.town_with_way, 1.0, open=True,
+          kind="airborne ground"),
+    Scene("als_forest", "ground seen through crowns, up to four returns, LAS", airborne.forest, 0.8, open=True,
+          kind="airborne forest"),
+    # A depth camera, its noise growing with the square of the distance.
+    Scene("depth_frames", "ten posed frames of a room that overlap", depth_camera.frames, 0.015, open=True,
+          view="1,2,1.4", kind="depth frames"),
+    Scene("fragment", "ten fused frames of it near one place, the camera told", depth_camera.fragment, 0.012,
+          open=True, view="0.6,-0.9,-1.6", up="-y", kind="room with camera"),
+    Scene("fragment_bare", "the same without the camera", depth_camera.fragment_bare, 0.012, open=True,
+          view="0.6,-0.9,-1.6", up="-y", warned="--sensor"),
     # Thin, long, open.
     Scene("falloff", "floor and front, density 100:1 by distance, true normals", thin.falloff, 0.06, open=True),
     Scene("thin_sheet_15", "a bent sheet 1.5 spacings thick", thin.sheet(1.5), 1.0, 1, 0, view="1,-2,0.6"),

@@ -24,11 +24,12 @@ class Made:
     towards: np.ndarray = None       # scanner of each sample, whether the files say it or not
     sided: np.ndarray = None         # mask: whose side is judged; None: all of them
     truth: str = ""                  # mesh in the folder
+    trajectory: str = ""             # file in the folder: where the scanner was at each time
 
     def save(self, folder):
         arrays = {k: v for k, v in vars(self).items() if isinstance(v, np.ndarray)}
         np.savez(folder / "made.npz", **arrays)
-        words = {"inputs": self.inputs, "truth": self.truth}
+        words = {"inputs": self.inputs, "truth": self.truth, "trajectory": self.trajectory}
         (folder / "made.json").write_text(json.dumps(words))
 
     @classmethod

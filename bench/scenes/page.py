@@ -1,15 +1,17 @@
 """The page that is published: what fails first, then the table, the pictures, all figures as CSV."""
 import textwrap
 
+import limits
 from lab import markdown
-from verdicts import MISSED, percent
+from limits import percent
+from verdict import MET, MISSED, NOT_MEASURED
 
 HEAD = """# Scenes
 
 `make scenes` writes this page; [scenes.csv](scenes.csv) holds every figure. {count} scenes as people scan them, made by
-seeded generators (`bench/scenes/catalog.py`; scans by the [virtual scanner](../reference/scanner.md)).
-Every run of ours has no
-option at all. Beside it {peer} at the same voxel (ours, but at most {factor} times the scene's spacing and at least a
+seeded generators (`bench/scenes/catalog.py`; scans by the [virtual scanner](../reference/scanner.md)), and below them
+[files of real instruments](#real-files). Every run of ours is by defaults; told is only the way of the aircraft where a
+scene has one. Beside it {peer} at the same voxel (ours, but at most {factor} times the scene's spacing and at least a
 {factor}rd of it), with the normals of the file or its own best ones: estimated from 30 neighbors and turned to the
 scanner where the file says where it stood. *Trimmed*: what its octree was thinly filled by is cut off, as much as
 leaves no more samples lost than ours or than its whole surface.
@@ -17,7 +19,10 @@ leaves no more samples lost than ours or than its whole surface.
 - **lost**: share of the samples farther than 3 voxels from the surface; ghosts and outliers left out.
 - **invented**: share of the surface farther than 3 voxels from every sample; what closes an unseen side counts too.
 - **error**: mean distance of the truth from the mesh, voxels, where it was sampled and is not lost.
-- **wrong side**: share of the samples whose nearest face looks away from the true normal, or from the scanner.
+- **wrong side**: share of the samples that are not lost whose nearest face looks away from where they were seen (from
+  the true normal where nobody saw them); in a forest, of the ground's samples alone.
+- **shells**: share of the area in closed parts of negative volume, balloons inside out. A room seen from inside is
+  rightly one.
 
 {machine}
 """
@@ -63,17 +68,18 @@ def table(lab, results):
             theirs = percent(getattr(r.peer.verdict, key)) if r.peer.verdict else "none"
             cells += [mine, theirs]
         cells.append(percent(r.trimmed.verdict.invented) if r.trimmed and r.trimmed.verdict else "-")
+        cells += [percent(getattr(r.ours.verdict, key, None)) for key in ("wrong_side", "shells")]
         for entry in (r.ours, r.peer):
             cells.append(number(entry.verdict.error if entry.verdict else None))
         cells += [shape_of(r.ours.verdict) if r.ours.verdict else "none", right_of(r.scene)]
         cells += [f"{r.ours.cpu:.1f}", f"{r.peer.cpu:.1f}", f"{r.ours.peak_mb:.0f}", f"{r.peer.peak_mb:.0f}"]
         rows.append(cells)
-    header = ["scene", "samples", "voxel", "lost", "peer", "invented", "peer", "trimmed", "error", "peer", "ours is",
-              "right is", "CPU s", "peer", "MB", "peer"]
+    header = ["scene", "samples", "voxel", "lost", "peer", "invented", "peer", "trimmed", "wrong side", "shells",
+              "error", "peer", "ours is", "right is", "CPU s", "peer", "MB", "peer"]
     return markdown(header, rows)
 
 
-CSV = ("lost", "p95", "invented", "error", "wrong_side", "area", "triangles", "components", "curves", "genus")
+CSV = ("lost", "p95", "invented", "error", "wrong_side", "shells", "area", "triangles", "components", "curves", "genus")
 
 
 def csv_rows(results):
@@ -97,13 +103,51 @@ def gallery(results, pictures):
     return "\n".join(parts)
 
 
-def write(lab, results, rows, pictures, machine, peer, factor):
+REAL = """## Real files
+
+What instruments recorded, by defaults; the options beside a name say what its file does not. Read and judged apart from
+the program, at the program's own voxel. Seen from: the scanner where it is known, else from above; the ground's side is
+judged where class 2 says which samples are ground, or else of the lowest sample in each 2 m. The files are not part of
+this project: `SOAPFILM_DATA` names the folder that has them as `real/`.
+
+"""
+
+
+def real_cells(r):
+    """One row of figures, with the verdict last."""
+    named = f"{r.real.name} `{' '.join(r.real.options)}`" if r.real.options else r.real.name
+    v, failed = r.entry.verdict, r.entry.failure
+    figures = [limits.shown(k, getattr(v, k, None)) for k in limits.SHOWN]
+    holds = MISSED if failed or limits.over(r.real.kind, v) else MET
+    return [named, r.real.title, r.real.kind, f"{r.samples:,}", number(r.voxel, "{:.3g}"), *figures,
+            failed or v.components, f"{r.entry.cpu:.1f}", f"{r.entry.peak_mb:.0f}", f"{r.entry.planned_mb:.0f}", holds]
+
+
+def real_section(lab, found):
+    """What fails first, then all figures and the limits."""
+    run = [r for r in found if not r.skipped]
+    text = REAL
+    for why in sorted({r.skipped for r in found if r.skipped}):
+        names = ", ".join(r.real.name for r in found if r.skipped == why)
+        text += bullet(f"{NOT_MEASURED.capitalize()}, for {why}: {names}.") + "\n"
+    if not run:
+        return text
+    failed = [(r, [r.entry.failure] if r.entry.failure else limits.failures(r.real.kind, r.entry.verdict)) for r in run]
+    text += "".join(bullet(f"**{r.real.name}** fails: {', '.join(words)}.") + "\n" for r, words in failed if words)
+    header = ["file", "what", "kind", "samples", "voxel", *limits.SHOWN.values(), "parts", "CPU s", "MB", "planned MB",
+              "verdict"]
+    kinds = [[kind, limits.demanded(kind)] for kind in limits.LIMITS]
+    return "\n".join([text, lab.table("real", header, [real_cells(r) for r in run]), "",
+                      markdown(["kind", "demanded"], kinds), ""])
+
+
+def write(lab, results, rows, pictures, machine, peer, factor, real=()):
     lab.table("scenes", ["scene", "program", "samples", "own voxel", "judged voxel", *CSV, "cpu", "peak MB", "failure"],
               list(csv_rows(results)))
     head = HEAD.format(count=len(results), peer=peer, factor=factor, machine=machine)
     holds = "## What must hold\n\n" + lab.table("verdicts", ["what", "demanded", "measured", "verdict"], rows) + "\n"
     shown = "## The pictures\n\nLeft ours, right the peer's, trimmed. Red is a back side.\n\n"
-    text = "\n".join([head, failing(rows), holds, "## All scenes\n\n" + table(lab, results) + "\n",
-                      shown + gallery(results, pictures)])
+    text = "\n".join([head, failing(rows), holds, *([real_section(lab, real)] if real else []),
+                      "## All scenes\n\n" + table(lab, results) + "\n", shown + gallery(results, pictures)])
     (lab.page / "README.md").write_text(text)
     return text

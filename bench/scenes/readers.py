@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass
 class Cloud:
-    positions: np.ndarray            # finite ones alone, doubles
+    positions: np.ndarray            # of what was measured, doubles
     classes: np.ndarray = None       # LAS: 2 is ground
     returns: np.ndarray = None       # LAS: rows (number of the return, returns of the pulse)
     times: np.ndarray = None         # LAS: GPS times
@@ -46,16 +46,17 @@ def read_las(path):
 def read_sweep(path):
     """KITTI: rows of four floats, the scanner at the origin; 0 0 0 is a ray that nothing returned."""
     positions = np.fromfile(path, "<f4").reshape(-1, 4)[:, :3].astype(float)
-    return Cloud(finite(positions[positions.any(axis=1)]), sensor=np.zeros(3))
+    return Cloud(measured(positions), sensor=np.zeros(3))
 
 
-def finite(positions):
-    return positions[np.isfinite(positions).all(axis=1)]
+def measured(positions):
+    """Without pixels that have no depth, and without 0 0 0, as which scanners write rays without a return."""
+    return positions[np.isfinite(positions).all(axis=1) & positions.any(axis=1)]
 
 
-PLY_TYPES = {name: kind for kind, names in (("i1", "char int8"), ("u1", "uchar uint8"), ("i2", "short int16"),
-                                            ("u2", "ushort uint16"), ("i4", "int int32"), ("u4", "uint uint32"),
-                                            ("f4", "float float32"), ("f8", "double float64")) for name in names.split()}
+PLY_TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
+             "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
+             "double": "f8", "float64": "f8"}
 
 
 def read_ply(path):
@@ -84,7 +85,7 @@ def read_ply(path):
         order = "<" if form == "binary_little_endian" else ">"
         rows = np.frombuffer(data, np.dtype([(n, order + k) for n, k in zip(names, kinds)]), count, end)
         positions = np.stack([rows[k].astype(float) for k in "xyz"], axis=1)
-    return Cloud(finite(positions), sensor=sensor)
+    return Cloud(measured(positions), sensor=sensor)
 
 
 def unpacked(data, length):
@@ -140,7 +141,7 @@ def read_pcd(path):
             at += found[name].nbytes
         positions = np.stack([found[k].astype(float) for k in "xyz"], axis=1)
     place = np.array(head.get("VIEWPOINT", ["0"] * 3)[:3], float)
-    return Cloud(finite(positions), sensor=place if place.any() else None)
+    return Cloud(measured(positions), sensor=place if place.any() else None)
 
 
 READERS = {".las": read_las, ".bin": read_sweep, ".ply": read_ply, ".pcd": read_pcd}

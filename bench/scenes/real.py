@@ -100,7 +100,7 @@ class RealResult:
 def run(trial, real):
     files = files_of(trial.lab, real)
     if not files:
-        missing = "SOAPFILM_DATA is not set" if trial.lab.data is None else f"SOAPFILM_DATA has no real/{real.name}"
+        missing = "SOAPFILM_DATA is not set" if trial.lab.data is None else "SOAPFILM_DATA lacks it"
         return RealResult(real, skipped=missing)
     mesh, entry, voxel = trial.reconstruct(f"real-{Path(real.name).stem}", files, *real.options)
     made = made_of(real, files)
@@ -129,7 +129,7 @@ def judge_mesh(lab, real, mesh, voxel):
     """A mesh that somebody else made of one file."""
     files = files_of(lab, real)
     if not files:
-        sys.exit(f"real.py: SOAPFILM_DATA has no real/{real.name}")
+        sys.exit(f"real.py: there is no $SOAPFILM_DATA/real/{real.name}")
     report = mesh.with_suffix(".json")
     if voxel is None and not report.exists():
         sys.exit(f"real.py: --voxel is needed, or the mesh's report {report}")

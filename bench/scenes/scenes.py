@@ -12,6 +12,7 @@ sys.path.append(str(Path(__file__).resolve().parent.parent))  # of lab.py, which
 
 import page
 import pictures
+import real
 import verdicts
 from catalog import SCENES
 from geometry import area, read_mesh
@@ -45,6 +46,7 @@ def main():
     chosen = [s for s in SCENES if not options.scene or s.name in options.scene]
     with ThreadPoolExecutor(options.jobs) as pool:
         results = list(pool.map(trial.run, chosen))
+        recorded = [] if options.scene else list(pool.map(lambda file: real.run(trial, file), real.REAL))
     areas, drawn = {}, {}
     for r in results:
         folder = lab.work / r.scene.name
@@ -54,11 +56,11 @@ def main():
         name = pictures.draw(lab, r, pictures.box_of(made))
         if name:
             drawn[r.scene.name] = name
-    rows = verdicts.all_rows(results, areas, bunny(lab, trial))
+    rows = verdicts.all_rows(results, areas, bunny(lab, trial), recorded)
     minutes = sum(lab.cpu.values()) / 60
     measured = (f"Measured on {machine()}, one thread for each run, {minutes:.0f} minutes of CPU time in all; program "
                 f"of commit {commit()}.")
-    text = page.write(lab, results, rows, drawn, measured, PEER, FACTOR)
+    text = page.write(lab, results, rows, drawn, measured, PEER, FACTOR, recorded)
     if options.scene:
         print(text)
     lab.say(str(lab.page / "README.md"))

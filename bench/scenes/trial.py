@@ -17,6 +17,7 @@ PEER = "Open3D's screened Poisson"
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}  # CPU seconds are work, not waiting
 LIMITS = ("timeout", "600", "prlimit", f"--as={8 * 2**30}")           # of any run: ten minutes, 8 GiB
 LOST_TO_NOISE = 0.005  # share of the samples from which on it is asked whether the truth loses them, too
+MAKERS = ("airborne", "clouds", "depth_camera", "geometry", "kit", "rays", "scanned", "sweeps", "thin", "writers")
 FACTOR = 3  # judged at our voxel, but at most so many times the scene's spacing, and at least that part of it
 
 
@@ -51,8 +52,7 @@ class Result:
 class Trial:
     def __init__(self, lab):
         self.lab = lab
-        sources = sorted(HERE.glob("*.py"))
-        self.makers = [p for p in sources if p.name in ("clouds.py", "geometry.py", "kit.py", "scanned.py", "thin.py")]
+        self.makers = [HERE / f"{name}.py" for name in MAKERS]
 
     def prepare(self, scene):
         """The scene's folder; made anew when its makers or the program change."""
@@ -104,7 +104,8 @@ class Trial:
     def run(self, scene):
         folder = self.prepare(scene)
         made = Made.load(folder)
-        mesh, ours, voxel = self.reconstruct(f"{scene.name}.soapfilm", [folder / name for name in made.inputs])
+        told = ["--trajectory", folder / made.trajectory] if made.trajectory else []
+        mesh, ours, voxel = self.reconstruct(f"{scene.name}.soapfilm", [folder / name for name in made.inputs], *told)
         judged_at = min(max(voxel or scene.spacing, scene.spacing / FACTOR), scene.spacing * FACTOR)
         result = Result(scene, len(made.positions), voxel, judged_at, ours)
         judged = scene.reach(made.positions, judged_at) if scene.reach else None

@@ -1,5 +1,7 @@
 """What must hold, judged by the results: rows (what, demanded, measured, verdict)."""
 
+import limits
+from limits import percent
 from verdict import MET, MISSED, NOT_MEASURED
 
 LOST_AT_MOST = 0.005
@@ -14,15 +16,11 @@ GENUS_OFF = 5            # of the room
 ONE_SURFACE = (0.9, 1.1)  # the room's area over the truth's: each wall once
 
 
-def percent(share):
-    return "-" if share is None else f"{100 * share:.2f} %"
-
-
 def judged(found, within):
     """`found`: (name, text, holds or None when not known). The worst first; met when all hold."""
     if not found:
         return NOT_MEASURED, NOT_MEASURED
-    failed = [f"{name} {text}" for name, text, holds in found if not holds]
+    failed = [f"{name} {text}".strip() for name, text, holds in found if not holds]
     count = f"{len(found) - len(failed)} of {len(found)}"
     if failed:
         return f"{count}; not {', '.join(failed)}", MISSED
@@ -159,7 +157,27 @@ def converged(results):
     return ["the solve converged", "every scene", *judged(found, "")]
 
 
-def all_rows(results, areas, bunny):
-    return [lost(results), lost_beside_peer(results), invented(results), *room(results, areas), copies(results),
-            *sheets(results), topology(results), voxels(results), cost(results, bunny), memory(results),
-            converged(results)]
+def kinds(results):
+    """Each kind of open scan at its limits."""
+    return limits.rows([(r.scene.name, r.scene.kind, r.ours.verdict if has_mesh(r) else None) for r in results])
+
+
+def warned(results):
+    """Where no surface can be right, what would help must be said."""
+    found = [(r.scene.name, "not warned", any(r.scene.warned in w for w in r.ours.warnings)) for r in results
+             if r.scene.warned]
+    return ["what the cloud does not say is asked for by a warning", "every such scene", *judged(found, "")]
+
+
+def real(found):
+    """The files of real instruments; their figures stand in a section of their own."""
+    measured = [(r.real.name, "", not r.entry.failure and not limits.over(r.real.kind, r.entry.verdict))
+                for r in found if not r.skipped]
+    return ["real files, each at the limits of its kind ([figures](#real-files))", "every file", *judged(measured, "")]
+
+
+def all_rows(results, areas, bunny, found=()):
+    """`found`: of the real files."""
+    return [*kinds(results), real(found), warned(results), lost(results), lost_beside_peer(results),
+            invented(results), *room(results, areas), copies(results), *sheets(results), topology(results),
+            voxels(results), cost(results, bunny), memory(results), converged(results)]
