@@ -84,17 +84,18 @@ def as_las(kit, found, truth, way=False, **known):
     made = kit.made(["input.las"], positions, None, (truth[0] + UTM, truth[1]), outward=found.normals,
                     towards=p.origins + UTM, **known)
     if way:
-        made.trajectory, rows = "flight.txt", []
-        for strip in np.unique(p.strips):
-            own = p.strips == strip
-            middle = p.origins[own, 0][0], HEIGHT
-            time = np.linspace(p.times[own].min() - 0.5, p.times[own].max() + 0.5, 20)
-            order = np.argsort(p.times[own])
-            y = np.interp(time, p.times[own][order], p.origins[own, 1][order])
-            rows.append(np.stack([time, np.full(20, middle[0]), y, np.full(20, middle[1])], axis=1))
-        rows = np.concatenate(rows)
+        made.trajectory = "flight.txt"
+        rows = np.concatenate([flight(p[p.strips == strip]) for strip in np.unique(p.strips)])
         write_way(kit.folder / made.trajectory, rows[:, 0], rows[:, 1:] + UTM)
     return made
+
+
+def flight(pulses, count=20):
+    """Rows of time and place along one strip, from before its first pulse until after its last."""
+    time = np.linspace(pulses.times.min() - 0.5, pulses.times.max() + 0.5, count)
+    speed, begin = np.polyfit(pulses.times - time[0], pulses.origins[:, 1], 1)
+    x, _, z = pulses.origins[0]
+    return np.stack([time, np.full(count, x), begin + speed * (time - time[0]), np.full(count, z)], axis=1)
 
 
 def relief(heights, written, size=150.0, spacing=1.0):
@@ -182,7 +183,7 @@ def forest(kit):
     reach, normals = ground.hit(pulses.origins, pulses.ways)
     within = np.isfinite(reach)
     pulses, reach, normals = pulses[within], reach[within], normals[within]
-    hits = [np.full(len(reach), np.inf)] * 4                     # of the crowns, the nearest first
+    hits = [np.full(len(reach), np.inf)] * 3                     # of the crowns, the nearest first
     for _ in range(170):
         x, y = kit.rng.uniform(0, size, 2)
         if np.hypot(x - 60, y - 45) < 14:                        # a clearing
@@ -197,7 +198,7 @@ def forest(kit):
             inside = at < out
             more = np.full(len(reach), np.inf)
             more[beside[inside]] = at[inside]
-            hits = list(np.sort(np.stack([*hits, more]), axis=0)[:4])
+            hits = list(np.sort(np.stack([*hits, more]), axis=0)[:3])
             at = at + 1.2 + kit.rng.exponential(2.2, len(beside))
     return returned(kit, ground, pulses, reach, normals, hits)
 
@@ -205,7 +206,7 @@ def forest(kit):
 def returned(kit, ground, pulses, reach, normals, hits):
     """Each return leaves less for what lies behind."""
     rows, left = [], np.ones(len(reach))
-    for at in [*(h for h in hits[:3]), reach]:
+    for at in [*hits, reach]:
         back = np.isfinite(at) & (at <= reach) & (kit.rng.random(len(at)) < 0.97) & (left > 0.15)
         rows.append(np.where(back, at, np.inf))
         left = np.where(back, left * kit.rng.uniform(0.2, 0.75, len(at)), left)

@@ -10,19 +10,19 @@ HEAD = """# Scenes
 
 `make scenes` writes this page; [scenes.csv](scenes.csv) holds every figure. {count} scenes as people scan them, made by
 seeded generators (`bench/scenes/catalog.py`; scans by the [virtual scanner](../reference/scanner.md)), and below them
-[files of real instruments](#real-files). Every run of ours is by defaults; told is only the way of the aircraft where a
-scene has one. Beside it {peer} at the same voxel (ours, but at most {factor} times the scene's spacing and at least a
-{factor}rd of it), with the normals of the file or its own best ones: estimated from 30 neighbors and turned to the
-scanner where the file says where it stood. *Trimmed*: what its octree was thinly filled by is cut off, as much as
-leaves no more samples lost than ours or than its whole surface.
+[files of real instruments](#real-files). Every run of ours is by defaults; only the way of the aircraft is told where a
+scene has one. Beside it {peer} at the same voxel (ours, but at most {factor} times the scene's
+spacing and at least a {factor}rd of it), with the normals of the file or its own best ones: estimated from 30 neighbors
+and turned to the scanner where the file says where it stood. *Trimmed*: what its octree was thinly filled by is cut
+off, as much as leaves no more samples lost than ours or than its whole surface.
 
 - **lost**: share of the samples farther than 3 voxels from the surface; ghosts and outliers left out.
 - **invented**: share of the surface farther than 3 voxels from every sample; what closes an unseen side counts too.
 - **error**: mean distance of the truth from the mesh, voxels, where it was sampled and is not lost.
-- **wrong side**: share of the samples that are not lost whose nearest face looks away from where they were seen (from
-  the true normal where nobody saw them); in a forest, of the ground's samples alone.
-- **shells**: share of the area in closed parts of negative volume, balloons inside out. A room seen from inside is
-  rightly one.
+- **wrong side**: of the samples that are not lost, the share whose nearest face looks away from where they were seen
+  (away from the true normal, where nobody saw them); in a forest only the ground's samples count.
+- **shells**: share of the area in closed parts of negative volume: balloons inside out. A room seen from inside is one,
+  and rightly.
 
 {machine}
 """
@@ -105,10 +105,10 @@ def gallery(results, pictures):
 
 REAL = """## Real files
 
-What instruments recorded, by defaults; the options beside a name say what its file does not. Read and judged apart from
-the program, at the program's own voxel. Seen from: the scanner where it is known, else from above; the ground's side is
-judged where class 2 says which samples are ground, or else of the lowest sample in each 2 m. The files are not part of
-this project: `SOAPFILM_DATA` names the folder that has them as `real/`.
+What instruments recorded, by defaults; an option beside a name says what its file does not. The files are read and
+judged apart from the program, at the voxel that the program chose. Samples were seen from the scanner where it is
+known, else from above. Of a forest, the ground's samples are those of class 2; without classes, the lowest of each
+square of 2 m. The files are not part of this project: `SOAPFILM_DATA` names the folder that has them in `real/`.
 
 """
 

@@ -69,6 +69,10 @@ class Trial:
     def soapfilm(self, *words):
         subprocess.run([str(self.lab.program), *map(str, words), "--quiet", "--threads", "1"], check=True)
 
+    def plain(self, text):
+        """What the program says, without a path of this machine."""
+        return text.replace(f"{self.lab.work}/", "").replace(f"{self.lab.data}/", "$SOAPFILM_DATA/")
+
     def reconstruct(self, name, inputs, *options):
         mesh, report = self.lab.work / f"{name}.ply", self.lab.work / f"{name}.json"
         words = [*LIMITS, self.lab.program, "reconstruct", *inputs, "-o", mesh, "--report", report, "--threads", 1,
@@ -77,11 +81,13 @@ class Trial:
         entry = Entry(cpu=measured["cpu"], peak_mb=measured["peak_mb"])
         if measured["code"]:
             lines = measured["errors"].strip().splitlines()
-            entry.failure = lines[-1].removeprefix("soapfilm: ") if lines else f"exit code {measured['code']}"
+            said = lines[-1].removeprefix("soapfilm: ") if lines else f"exit code {measured['code']}"
+            entry.failure = self.plain(said)
             return mesh, entry, None
         facts = json.loads(report.read_text())
         levels, certificate = facts["grid"]["levels"], facts["certificate"] or {}
-        entry.warnings, entry.planned_mb = facts["warnings"], facts["memory"]["planned_bytes"] / 1e6
+        entry.warnings = [self.plain(w) for w in facts["warnings"]]
+        entry.planned_mb = facts["memory"]["planned_bytes"] / 1e6
         if levels:
             entry.active, entry.converged = levels[-1]["active_vertices"], all(k["converged"] for k in levels)
         entry.gap = certificate.get("relative_gap_binary")
@@ -121,7 +127,8 @@ class Trial:
             result.trimmed = Entry(judge(poisson[0], stays))
             shown.append(self.lab.work / f"{scene.name}.trimmed.ply")
             geometry.write_mesh(shown[-1], (poisson[0], stays))
-        if made.truth and ours.verdict and ours.verdict.lost > LOST_TO_NOISE:
+        whole = made.truth and made.sided is None  # a forest's truth is the ground alone
+        if whole and ours.verdict and ours.verdict.lost > LOST_TO_NOISE:
             result.truth_lost = judge.lost(*read_mesh(folder / made.truth))
         result.files = tuple(shown)
         if scene.copy_of and ours.verdict:
