@@ -76,7 +76,7 @@ struct Trimmed {
 
   Trimmed(bool open, const std::function<bool(double, double)>& seen, const TrimParams& params = {}, int threads = 2)
       : lattice(lattice_of(open)), before(sheet(lattice)), after(before), samples(samples_where(lattice, seen)) {
-    trim(after, samples, lattice, 4, params, Context(threads), report);
+    trim(after, samples, lattice, {params, 4, open}, Context(threads), report);
   }
   double voxels(Vec3d vertex) const { return distance_to_samples(samples, lattice.to_lattice(vertex), 0, 20); }
 };
@@ -165,7 +165,7 @@ TEST(Trim, WhereNothingIsNearTheMeshStays) {
   for (Vec3d& v : t.before.vertices) v.z += 10;
   Mesh mesh = t.before;
   TrimReport report;
-  trim(mesh, t.samples, t.lattice, 4, {}, Context(1), report);
+  trim(mesh, t.samples, t.lattice, {{}, 4, t.lattice.open}, Context(1), report);
   EXPECT_TRUE(report.nothing_near);
   EXPECT_EQ(mesh.vertices, t.before.vertices);
 }
@@ -173,7 +173,7 @@ TEST(Trim, WhereNothingIsNearTheMeshStays) {
 TEST(Trim, SparseSamplesReachFarther) {
   Trimmed t(true, middle);
   TrimReport report;
-  trim(t.before, t.samples, t.lattice, 0.25, {}, Context(1), report);
+  trim(t.before, t.samples, t.lattice, {{}, 0.25, t.lattice.open}, Context(1), report);
   EXPECT_DOUBLE_EQ(report.distance, 3 * 2 * t.lattice.voxel);
   EXPECT_GT(t.before.area(), t.after.area());
 }

@@ -26,12 +26,14 @@ constexpr double all_covered = 0.75;
 /// If a larger share of the closed surface is there only to close it, it is the back of a sheet.
 constexpr double mostly_closing = 0.4, half = 0.5;
 
-/// The level whose cells are as wide as four voxels or, where samples are farther apart than two, twice their spacing:
-/// the minimal surface between samples costs there what it costs on finer levels.
-int trial_level(const Lattice& lattice, double density) {
-  int level = 2;
-  for (double here = 4 * density; here < 1 && level < 5; here *= 4) ++level;
-  return std::min(level, lattice.levels - 1);
+/// The level whose cells are nearest to four default voxels or, where samples are farther apart than two voxels, twice
+/// their spacing: the minimal surface between samples costs there what it costs on finer levels. So it is the same scale
+/// of the scene, whatever the voxel that was asked for.
+int trial_level(const BorderProblem& problem) {
+  const double by_scale = std::log2(4 * problem.default_voxel / problem.lattice.voxel);
+  int level = static_cast<int>(std::lround(std::clamp(by_scale, 0.0, 12.0)));
+  for (double here = std::ldexp(problem.density, 2 * (level - 1)); here < 1 && level < 5; here *= 4) ++level;
+  return std::min(level, problem.lattice.levels - 1);
 }
 
 /// Most objects are clearly surrounded by air. A coarser level shows that too, if it is fine enough.
@@ -164,6 +166,8 @@ class Choice {
     // What surrounds the scanners is no object, so solid matter is preferred where both fit.
     const double tie = (scanners.stand_among_samples() ? -little : little) * solid.area_cost;
     is_solid_ = solid.energy < air.energy - tie;
+    // Of two surfaces that are mostly invented neither is more likely to begin with.
+    if (std::min(air.closing, solid.closing) > half) is_solid_ = solid.energy < air.energy;
   }
 
   const Trial& closed() const { return is_solid_ ? solid_ : air_; }
@@ -176,10 +180,10 @@ class Choice {
     return scanners_.stand_among_samples() && scanners_.covered < all_covered && spared.at_most > little;
   }
   /// For a small sheet, the way to the border costs an open surface as much as it saves.
-  /// If more of it is invented than seen, an open surface need not save anything.
-  bool is_sheet(const Saving& spared) const {
-    return closed().closing > half || (closed().closing > mostly_closing && spared.at_least > little);
-  }
+  bool is_sheet(const Saving& spared) const { return closed().closing > mostly_closing && spared.at_least > little; }
+  /// More of the closed surface is invented than seen, as behind the walls of a room: it is solved closed, since ways to
+  /// the border save nothing, and cut open afterwards.
+  bool mostly_invented() const { return closed().closing > half; }
   bool undecided(const Saving& spared) const {
     if (under_open_sky(spared) || is_sheet(spared)) return false;
     const double asked = closed().closing > mostly_closing ? little : open_gain_;
@@ -190,6 +194,7 @@ class Choice {
     report.area_cost = closed().area_cost;
     report.closing = closed().closing;
     report.chosen = Border::open;
+    report.ends = true;
     if (const double middle = spared.at_least + spared.width() / 2;
         spared.at_least > open_gain_ || (spared.width() < 2 * little && middle > open_gain_)) {
       report.reason = fmt::format("which saves {} of a closed surface's area", percent(middle));
@@ -202,6 +207,9 @@ class Choice {
       report.chosen = is_solid_ ? Border::solid : Border::air;
       const double other = is_solid_ ? air_.energy : solid_.energy;
       report.reason = reason_of_closed(is_solid_, (other - closed().energy) / closed().area_cost, spared);
+      report.ends = mostly_invented();
+      if (report.ends)
+        report.reason += fmt::format("; {} of it would only close it, and is cut off", percent(closed().closing));
     }
   }
 
@@ -278,7 +286,7 @@ void negate(SupportField& field, const Context& context) {
 
 BorderReport choose_border(const BorderProblem& problem, const Surroundings& scanners, const BorderParams& params,
                            PrimalDualParams solver, const Context& context) {
-  const int level = trial_level(problem.lattice, problem.density);
+  const int level = trial_level(problem);
   if (has_coarser_trial(problem.lattice, level)) {
     BorderReport coarser = choose_at(level + 1, problem, scanners, params, solver, context);
     if (is_clear(coarser)) return coarser;

@@ -21,6 +21,7 @@ namespace soapfilm {
 /// What lies beyond the box, and why. Energies and costs of area (lambda TV(u)) are those of a coarse level.
 struct BorderReport {
   Border chosen = Border::air;
+  bool ends = false;   ///< the surface ends where it was not seen: with Border::open, or as most of it only closes it
   std::string reason;  ///< half a line of text
   int level = -1;      ///< of the pyramid, on which borders were compared; -1: none were
   /// Lowest energies with air, solid and nothing beyond, as far as they were computed.
@@ -38,7 +39,8 @@ struct BorderProblem {
   SupportField& field;  ///< negated while solid matter is tried; restored at the end
   double lambda;
   Norm norm;
-  double density;  ///< samples per voxel^2 of surface
+  double density;        ///< samples per voxel^2 of surface
+  double default_voxel;  ///< that the samples would have by default, input units
 };
 
 void validate(const BorderParams& params);

@@ -12,6 +12,7 @@
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/error.h"
 #include "soapfilm/extract/cut.h"
+#include "soapfilm/finish/shells.h"
 #include "soapfilm/finish/trim_levels.h"
 #include "soapfilm/finish/trim_regions.h"
 
@@ -22,6 +23,7 @@ namespace {
 constexpr double spacings = 3;          // without a given distance: in voxels, or in mean distances between samples
 constexpr double nearest_cut = 0.2;     // share of an edge, from its ends: no slivers at a cut
 constexpr double small_piece_area = 5;  // times distance^2: a little more than the disk around a single sample
+constexpr uint32_t few_samples = 6;     // that a piece faces: with so many, it is a small part and not an outlier
 
 double area_of(const Mesh& mesh, const Triangle& t) {
   const Vec3d a = mesh.vertices[t[0]];
@@ -31,8 +33,8 @@ double area_of(const Mesh& mesh, const Triangle& t) {
 /// Cuts a mesh along the line where its vertices' levels pass 1 (TrimLevels).
 class Cut {
  public:
-  Cut(Mesh& mesh, std::vector<double> level, double distance)
-      : mesh_(mesh), distance_(distance), level_(std::move(level)) {}
+  Cut(Mesh& mesh, TrimLevels levels, double distance)
+      : mesh_(mesh), distance_(distance), level_(std::move(levels.level)), nearest_(std::move(levels.nearest)) {}
 
   /// Far vertices close to the cut are moved onto it, and stay. (Near ones move the cut a little: cut_point().)
   void snap_cuts() {
@@ -101,10 +103,11 @@ class Cut {
       area[root] += area_of(mesh_, t);
       for (const uint32_t v : t) touched[root] |= at_cut_[v];
     }
+    const std::vector<uint32_t> samples = samples_of(pieces);
     std::vector<uint8_t> drop(count);
     size_t dropped = 0;
     for (uint32_t v = 0; v < count; ++v) {
-      drop[v] = touched[v] && area[v] < small_piece_area * distance_ * distance_;
+      drop[v] = touched[v] && area[v] < small_piece_area * distance_ * distance_ && samples[v] < few_samples;
       dropped += drop[v];
     }
     // If nothing else would be left, the pieces stay.
@@ -116,6 +119,18 @@ class Cut {
   }
 
  private:
+  /// At the root of each piece: how many samples are the nearest one of some of its vertices; 0 where that is unknown.
+  std::vector<uint32_t> samples_of(DisjointSets& pieces) const {
+    std::vector<std::pair<uint32_t, uint32_t>> pairs;
+    for (uint32_t v = 0; v < nearest_.size(); ++v)
+      if (nearest_[v] != TrimLevels::none && !far(v)) pairs.emplace_back(pieces.root(v), nearest_[v]);
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    std::vector<uint32_t> samples(pieces.size());
+    for (const auto& [root, sample] : pairs) ++samples[root];
+    return samples;
+  }
+
   bool far(uint32_t v) const { return level_[v] > 1; }
   bool crosses(uint32_t a, uint32_t b) const { return far(a) != far(b) && !on_cut_[a] && !on_cut_[b]; }
   double share_of_cut(uint32_t near_end, uint32_t far_end) const {
@@ -137,6 +152,7 @@ class Cut {
   Mesh& mesh_;
   double distance_;
   std::vector<double> level_;
+  std::vector<uint32_t> nearest_;                  // TrimLevels::nearest
   std::vector<uint8_t> on_cut_;                    // snapped to it
   std::vector<uint8_t> at_cut_;                    // all vertices of triangles that it crosses
   std::unordered_map<uint64_t, uint32_t> points_;  // by edge
@@ -152,19 +168,22 @@ void validate(const TrimParams& params) {
   if (params.on && !*params.on && params.holes) throw ParameterError("trim_holes: trimming is off");
 }
 
-void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, double density, const TrimParams& params,
+void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const TrimSetup& params,
           const Context& context, TrimReport& report) {
-  const double spacing = density > 0 ? 1 / std::sqrt(density) : 1;
+  const double spacing = params.density > 0 ? 1 / std::sqrt(params.density) : 1;
   report.distance = params.distance.value_or(spacings * std::max(1.0, spacing) * lattice.voxel);
-  TrimLevels levels = find_trim_levels(mesh, samples, lattice, report.distance, lattice.open, context);
+  TrimLevels levels = find_trim_levels(mesh, samples, lattice, report.distance, params.ends, context);
   report.nothing_near = std::all_of(levels.level.begin(), levels.level.end(), [](double level) { return level > 1; });
   context.progress().advance(0.6, "distances");
-  if (report.nothing_near || !choose_regions(mesh, levels, {}, {lattice.open, params.holes}, report)) return;
+  if (report.nothing_near) return;
   const double before = mesh.area();
-  Cut cut(mesh, std::move(levels.level), report.distance);
-  cut.snap_cuts();
-  cut.clip();
-  report.leftovers = cut.drop_small_pieces();
+  if (choose_regions(mesh, levels, {}, {params.ends, params.holes}, report)) {
+    Cut cut(mesh, std::move(levels), report.distance);
+    cut.snap_cuts();
+    cut.clip();
+    report.leftovers = cut.drop_small_pieces();
+  }
+  if (params.ends) report.shells = drop_shells(mesh);
   report.removed_area = std::max(0.0, 1 - mesh.area() / before);
 }
 

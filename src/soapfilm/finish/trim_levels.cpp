@@ -33,13 +33,14 @@ class Facing {
  public:
   Facing(const GridSamples& samples, double reach) : samples_(samples), reach_(reach), places_(lattice_positions(samples)), tree_(places_) {}
 
-  double at(Vec3d place, Vec3d normal) const {
+  double at(Vec3d place, Vec3d normal, uint32_t& nearest) const {
     constexpr size_t most = 6;
     constexpr double spacings = 3;
     std::array<uint32_t, most> index{};
     std::array<double, most> squared{};
     const size_t found = tree_->knnSearch(&place.x, most, index.data(), squared.data());
     if (found == 0) return 1;
+    if (squared[0] <= reach_ * reach_) nearest = index[0];
     const double limit = std::max(reach_ * reach_, spacings * spacings * squared[0]);
     double sum = 0, weights = 0;
     for (size_t k = 0; k < found && squared[k] <= limit; ++k) {
@@ -94,9 +95,10 @@ TrimLevels find_trim_levels(const Mesh& mesh, const GridSamples& samples, const 
     const std::vector<Vec3d> normals = vertex_normals(mesh);
     const Facing samples_around(samples, voxels);
     found.unfaced.resize(mesh.vertices.size());
+    found.nearest.assign(mesh.vertices.size(), TrimLevels::none);
     parallel_for(context, mesh.vertices.size(), vertices_per_task, [&](size_t v) {
       const Vec3d normal = static_cast<Vec3d>(lattice.from_world_axes(Vec3f(normals[v])));
-      const double cosine = samples_around.at(lattice.to_lattice(mesh.vertices[v]), normal);
+      const double cosine = samples_around.at(lattice.to_lattice(mesh.vertices[v]), normal, found.nearest[v]);
       found.unfaced[v] = cosine < 0;
       found.level[v] = std::max(found.level[v], 1 - slope * cosine);
     });

@@ -16,6 +16,8 @@ namespace soapfilm {
 struct TrimLevels {
   std::vector<double> level;
   std::vector<uint8_t> unfaced;  ///< the nearest samples look to the other side; empty: not asked for
+  static constexpr uint32_t none = ~uint32_t{0};
+  std::vector<uint32_t> nearest;  ///< sample, or none within the distance; empty: not asked for
 };
 
 /// A vertex is made up where no sample is nearer than `distance`, input units; and, if `facing`, where the nearest six

@@ -18,11 +18,15 @@ struct Grid {
   Lattice lattice;
   double density = 0;  ///< samples per voxel^2 of surface
   double area = 0;     ///< of the surface, voxel^2, roughly; 0: unknown
+  double noise = 0;    ///< of the samples, standard deviation, input units; 0: unknown
+  double default_voxel = 0;     ///< whatever was asked for, input units
+  bool voxel_by_noise = false;  ///< not by the samples' spacing
+  bool ends = false;            ///< the surface ends where it was not seen: BorderReport, once it is known
   std::vector<std::string> warnings;
 };
 
-/// The voxel as given, or by the spacing of the samples and the thickness of sheets; the lattice around the samples'
-/// box. `by_area`: the density is an average over the area, where it could be measured, not over the samples. Throws
+/// The voxel as given, or by the spacing of the samples and the thickness of sheets, but not far below the samples'
+/// noise: more samples than that say where the surface is, not how it is shaped. The lattice around the samples' box. `by_area`: the density is an average over the area, where it could be measured, not over the samples. Throws
 /// ParameterError where no such lattice is possible.
 Grid place_grid(const PointCloud& cloud, const Box3d& box, const LocalSurface& surface, const PlaceParams& params,
                 bool by_area, const Context& context);

@@ -14,8 +14,10 @@ namespace soapfilm {
 
 void announce_grid(const Grid& grid, const MemoryBudget& memory, Trace& trace) {
   const Vec3i n = grid.lattice.to_world_axes(grid.lattice.size);
-  trace.info(fmt::format("grid {} x {} x {}, voxel {:.4g}, {:.2g} samples per voxel^2, memory {}", n.x, n.y, n.z,
-                         grid.lattice.voxel, grid.density, format_bytes(memory.planned_bytes())));
+  const std::string by_noise =
+      grid.voxel_by_noise ? fmt::format(" by the samples' noise, {:.2g}", grid.noise) : std::string();
+  trace.info(fmt::format("grid {} x {} x {}, voxel {:.4g}{}, {:.2g} samples per voxel^2, memory {}", n.x, n.y, n.z,
+                         grid.lattice.voxel, by_noise, grid.density, format_bytes(memory.planned_bytes())));
   trace.warn(grid.warnings);
 }
 
@@ -153,7 +155,7 @@ std::string misplaced_scanners(const ReconstructReport& report) {
   const ScannerReport& s = report.scanners;
   const auto all = static_cast<double>(s.scanners);
   const Border border = report.outside;
-  if (static_cast<double>(s.in_solid) > some * all)
+  if (border != Border::open && static_cast<double>(s.in_solid) > some * all)
     return fmt::format(
         "{} of {} scanner positions lie inside solid matter: directions point to the wrong side, or what lies "
         "beyond the samples is wrong; try --outside {}",

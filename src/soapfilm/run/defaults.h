@@ -15,9 +15,9 @@ inline bool drops_components(const ReconstructParams& params) {
   return params.surface.drop_components.value_or(refines(params));
 }
 
-/// Is surface far from all samples removed (finish/trim.h)? `border` is the one that was chosen.
-inline bool trims(const ReconstructParams& params, Border border) {
-  return params.method != Method::vrip && params.trim.on.value_or(params.trim.distance || border == Border::open);
+/// Is surface far from all samples removed (finish/trim.h)? `ends`: see BorderReport.
+inline bool trims(const ReconstructParams& params, bool ends) {
+  return params.method != Method::vrip && params.trim.on.value_or(params.trim.distance || ends);
 }
 
 }  // namespace soapfilm

@@ -109,10 +109,12 @@ BorderReport find_border(SupportField& field, const Grid& grid, double lambda, c
   if (asked == Border::automatic && params.method != Method::tv) return border;
   trace.stage("border", [&] {
     if (asked == Border::automatic) {
-      border = choose_border({grid.lattice, field, lambda, params.energy.norm, grid.density}, surroundings,
+      border = choose_border({grid.lattice, field, lambda, params.energy.norm, grid.density,
+                              grid.default_voxel}, surroundings,
                              params.border, params.solve, context);
     } else {
       border.chosen = asked;
+      border.ends = asked == Border::open;
       border.reason = "as asked for";
     }
   });

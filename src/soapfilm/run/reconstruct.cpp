@@ -63,6 +63,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // Beyond the samples' box: air, solid matter (then the complement is solved, its directions reversed), or neither.
   const BorderReport border = find_border(field, grid, lambda.value, scanners.surroundings, params, context, trace);
   grid.lattice.open = border.chosen == Border::open;
+  grid.ends = border.ends;
   if (border.chosen == Border::solid) turn_inside_out(field, samples, views, context);
   announce_border(border, report.input.directions.inward, trace);
 
@@ -114,8 +115,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   if (!views.empty()) samples.direction.swap(views);
 
   // Flips a complement's faces. Removes what closed an open surface along the box, and surface far from all samples.
-  undo_border(mesh, border, grid.lattice);
-  report.trim = trim(mesh, samples, grid, border, params, trace, context);
+  undo_border(mesh, samples, border, grid.lattice);
+  report.trim = trim(mesh, samples, grid, params, trace, context);
 
   carry(attributes, samples, grid.lattice, trace, context, mesh);
   carry(gap, grid.lattice, trace, context, mesh);

@@ -29,6 +29,7 @@ ordered_json input_json(const InputFacts& input) {
       {"box", {{"lo", vector_json(input.box.lo)}, {"hi", vector_json(input.box.hi)}}},
       {"coordinate_system", input.coordinate_system.empty() ? ordered_json() : ordered_json(input.coordinate_system)},
       {"samples_per_voxel2", input.density},
+      {"noise", input.noise > 0 ? ordered_json(input.noise) : ordered_json()},
       {"directions",
        {{"normals", d.from_normals},
         {"sensor", d.from_sensor},
@@ -173,7 +174,7 @@ ordered_json relax_json(const RelaxReport& r) {
 
 ordered_json trim_json(const TrimReport& r) {
   return {{"distance", r.distance},         {"removed", r.removed},     {"filled", r.filled},
-          {"removed_area", r.removed_area}, {"leftovers", r.leftovers}, {"nothing_near", r.nothing_near}};
+          {"removed_area", r.removed_area}, {"leftovers", r.leftovers}, {"unfaced", r.unfaced}, {"crossed", r.crossed}, {"shells", r.shells}, {"nothing_near", r.nothing_near}};
 }
 
 ordered_json cross_validation_json(const CrossValidationReport& select) {

@@ -28,10 +28,13 @@ Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& 
 std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
                                                 const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!drops_components(params)) return {};
+  // What was not seen of a part is cut off later, so less of it needs samples.
+  constexpr double least_of_open = 0.1;
+  ComponentParams how = params.components;
+  if (grid.ends) how.min_support *= least_of_open;
   ComponentReport report;
   trace.stage("components", [&] {
-    drop_components(level, static_cast<float>(params.surface.threshold), samples, grid.density, params.components,
-                    context, report);
+    drop_components(level, static_cast<float>(params.surface.threshold), samples, grid.density, how, context, report);
   });
   announce_components(report, params, trace);
   return report;
@@ -56,7 +59,8 @@ Surface find_surface(Segmentation found, const GridSamples& samples, const Grid&
   const auto threshold = static_cast<float>(params.surface.threshold);
   Surface surface;
   if (refines(params)) {
-    const RefineSetup how{params.refine, robust, drops_components(params), grid.lattice.open};
+    RefineSetup how{params.refine, robust, drops_components(params), grid.lattice.open};
+    if (grid.ends) how.holes = HoleFill::flat;  // most are no holes, but where the surface ends
     Refinement refinement(std::move(found.level), threshold, samples, grid.density, how, context,
                           surface.refine.emplace());
     memory.plan_refinement(refinement.rows(), refinement.tries_coarser(), samples.size());
@@ -94,17 +98,20 @@ std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridS
   });
 }
 
-void undo_border(Mesh& mesh, const BorderReport& border, const Lattice& lattice) {
-  if (border.chosen == Border::solid)
+void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border, const Lattice& lattice) {
+  if (border.chosen == Border::solid) {
     for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+    for (Vec3f& direction : samples.direction) direction = -direction;
+  }
   if (border.chosen == Border::open) cut_at_border(mesh, lattice);
 }
 
-std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, const Grid& grid, const BorderReport& border,
+std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, const Grid& grid,
                                const ReconstructParams& params, Trace& trace, const Context& context) {
-  if (!trims(params, border.chosen)) return {};
+  if (!trims(params, grid.ends)) return {};
   TrimReport report;
-  trace.stage("trim", [&] { trim(mesh, samples, grid.lattice, grid.density, params.trim, context, report); });
+  const TrimSetup setup{params.trim, grid.density, grid.ends};
+  trace.stage("trim", [&] { trim(mesh, samples, grid.lattice, setup, context, report); });
   announce_trim(report, trace);
   return report;
 }

@@ -50,10 +50,10 @@ std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridS
                                  const ReconstructParams& params, Trace& trace, const Context& context);
 
 /// Flips the faces of a complement, and removes what closed an open surface.
-void undo_border(Mesh& mesh, const BorderReport& border, const Lattice& lattice);
+void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border, const Lattice& lattice);
 
 /// Removes surface far from all samples, if enabled.
-std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, const Grid& grid, const BorderReport& border,
+std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, const Grid& grid,
                                const ReconstructParams& params, Trace& trace, const Context& context);
 
 /// Method::vrip: the surface of the range images, open where nothing was seen. Throws EmptyResult.

@@ -1,0 +1,113 @@
+#include "soapfilm/field/noise.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "soapfilm/core/kd_tree.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/random.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr size_t most_searched = 100000, most_asked = 1000;
+constexpr size_t fewest_near = 16, first_search = 64, most_near = 2048;
+constexpr double most_thick = 0.02;  // least over middle variance
+constexpr double least_wide = 0.15;  // middle over largest variance
+constexpr size_t asked_per_task = 32;
+
+/// Evenly spread over the order of the positions, relative to the first.
+std::vector<Vec3d> some_of(std::span<const Vec3d> positions) {
+  const size_t stretch = (positions.size() + most_searched - 1) / most_searched;
+  std::vector<Vec3d> some;
+  for (size_t k = 0; k * stretch < positions.size(); ++k)
+    some.push_back(positions[one_of_stretch(k, stretch, positions.size())] - positions[0]);
+  return some;
+}
+
+struct Found {
+  double deviation = -1;  ///< along the normal; < 0: no plane
+  double area = 0;        ///< that a sample represents, up to a factor
+};
+
+/// Sums over the nearest points, grown from step to step.
+class Neighborhood {
+ public:
+  Neighborhood(const std::vector<Vec3d>& points, Vec3d center) : points_(points), center_(center) {}
+
+  void add(uint32_t index) {
+    const Vec3d d = points_[index] - center_;
+    const Eigen::Vector3d v(d.x, d.y, d.z);
+    sum_ += v;
+    moments_ += v * v.transpose();
+    ++count_;
+  }
+  /// Standard deviation from the plane through them, or -1 where they lie on none.
+  double deviation() const {
+    const auto n = static_cast<double>(count_);
+    const Eigen::Vector3d mean = sum_ / n;
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(moments_ / n - mean * mean.transpose(), Eigen::EigenvaluesOnly);
+    const Eigen::Vector3d variance = solver.eigenvalues();
+    if (!(variance[1] > least_wide * variance[2]) || !(variance[0] < most_thick * variance[1])) return -1;
+    return std::sqrt(std::max(variance[0], 0.0) * n / (n - 3));
+  }
+
+ private:
+  const std::vector<Vec3d>& points_;
+  Vec3d center_;
+  Eigen::Vector3d sum_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moments_ = Eigen::Matrix3d::Zero();
+  size_t count_ = 0;
+};
+
+Found look_around(const std::vector<Vec3d>& points, const KdTree& tree, Vec3d center) {
+  std::vector<uint32_t> index;
+  std::vector<double> squared;
+  Found found;
+  Neighborhood around(points, center);
+  size_t added = 0;
+  for (size_t count = fewest_near; count <= std::min(most_near, points.size()); count *= 2) {
+    if (count > index.size()) {  // most are done with few
+      index.resize(std::min(index.empty() ? first_search : most_near, points.size()));
+      squared.resize(index.size());
+      tree->knnSearch(&center.x, index.size(), index.data(), squared.data());
+    }
+    if (added == 0) found.area = squared[fewest_near - 1];
+    for (; added < count; ++added) around.add(index[added]);
+    if ((found.deviation = around.deviation()) >= 0) break;
+  }
+  return found;
+}
+
+}  // namespace
+
+double measure_noise(std::span<const Vec3d> positions, const Context& context) {
+  constexpr double enough = 0.3;  // of those asked
+  if (positions.size() < 2 * first_search) return 0;
+  const std::vector<Vec3d> points = some_of(positions);
+  const KdTree tree(points);
+  const size_t step = (points.size() + most_asked - 1) / most_asked;
+  std::vector<Found> found((points.size() + step - 1) / step);
+  parallel_chunks(context, found.size(), asked_per_task, [&](size_t begin, size_t end) {
+    context.check();
+    for (size_t k = begin; k < end; ++k) found[k] = look_around(points, tree, points[k * step]);
+  });
+  const size_t asked = found.size();
+  std::erase_if(found, [](const Found& f) { return f.deviation < 0; });
+  if (static_cast<double>(found.size()) < enough * static_cast<double>(asked)) return 0;
+  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return std::pair(a.deviation, a.area) < std::pair(b.deviation, b.area);
+  });
+  double all = 0, below = 0;
+  for (const Found& f : found) all += f.area;
+  for (const Found& f : found)
+    if ((below += f.area) >= all / 2) return f.deviation;
+  return 0;
+}
+
+}  // namespace soapfilm
