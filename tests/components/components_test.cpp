@@ -52,7 +52,7 @@ struct Drawing {
 
   ComponentReport drop(const ComponentParams& params = {}, double density = 1, int threads = 2) {
     ComponentReport report;
-    drop_components(level, 0.5f, samples, density, params, Context(threads), report);
+    drop_components(level, 0.5f, samples, density, {params}, Context(threads), report);
     return report;
   }
   bool inside(Vec3d v) const { return dense_labels(level)[Vec3i(v)] != 0; }
@@ -161,7 +161,7 @@ TEST(Components, DroppingTwiceChangesNothingMore) {
   for (const int threads : {1, 2, 3, 8}) {
     Level level = noise();
     ComponentReport once, twice;
-    drop_components(level, 0.5f, samples, 0.5, params, Context(threads), once);
+    drop_components(level, 0.5f, samples, 0.5, {params}, Context(threads), once);
     EXPECT_GT(once.objects.dropped, 100u);
     EXPECT_GT(once.objects.kept, 100u);
     EXPECT_GT(once.cavities.dropped, 100u);
@@ -169,7 +169,7 @@ TEST(Components, DroppingTwiceChangesNothingMore) {
     const Dense<uint8_t> labels = dense_labels(level);
     if (threads == 1) first = labels;
     EXPECT_EQ(count_differences(labels, first), 0u) << threads << " threads";
-    drop_components(level, 0.5f, samples, 0.5, params, Context(threads), twice);
+    drop_components(level, 0.5f, samples, 0.5, {params}, Context(threads), twice);
     EXPECT_EQ(twice.objects.dropped + twice.cavities.dropped, 0u);
     EXPECT_EQ(count_differences(dense_labels(level), labels), 0u);
   }

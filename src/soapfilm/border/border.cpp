@@ -21,8 +21,6 @@ constexpr int trial_iterations = 128, more_iterations = 400;  // per level
 
 /// As a share of a surface's cost of area: the trials are no more accurate.
 constexpr double little = 0.05;
-/// Scanners that see samples in a smaller share of the directions around them stand under an open sky.
-constexpr double all_covered = 0.75;
 /// If a larger share of the closed surface is there only to close it, it is the back of a sheet.
 constexpr double mostly_closing = 0.4, half = 0.5;
 
@@ -177,7 +175,7 @@ class Choice {
     return {share(energy), share(bound)};
   }
   bool under_open_sky(const Saving& spared) const {
-    return scanners_.stand_among_samples() && scanners_.covered < all_covered && spared.at_most > little;
+    return scanners_.under_open_sky() && spared.at_most > little;
   }
   /// For a small sheet, the way to the border costs an open surface as much as it saves.
   bool is_sheet(const Saving& spared) const { return closed().closing > mostly_closing && spared.at_least > little; }

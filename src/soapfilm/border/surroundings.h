@@ -18,6 +18,11 @@ struct Surroundings {
 
   /// Most scanners stand among their samples: these are no object, but surround the scanner.
   bool stand_among_samples() const { return among > 0 && 2 * among > scanners; }
+  /// And they see samples in a part of the directions around them only.
+  bool under_open_sky() const {
+    constexpr double all_covered = 0.75;
+    return stand_among_samples() && covered < all_covered;
+  }
 };
 
 /// Evaluates some of the scanners' positions, and from each some of the samples, both evenly spread over the cloud.

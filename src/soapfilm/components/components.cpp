@@ -87,6 +87,27 @@ Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Conte
   return evidence;
 }
 
+/// Inside parts that reach the border of the box: where the surface may end there, that is not their end.
+std::vector<uint8_t> at_border_of(const Level& level, float threshold, const Parts& parts) {
+  std::vector<uint8_t> found(parts.size());
+  for (size_t b = 0; b < level.grid.size(); ++b) {
+    const Vec3i brick = level.grid.coord(b);
+    if (!at_border(level.box, brick)) continue;
+    const PartsAround around(parts, brick);
+    const FreeRange free = free_range(level.box, brick);
+    for (int z = free.lo.z; z < free.hi.z; ++z)
+      for (int y = free.lo.y; y < free.hi.y; ++y)
+        for (int x = free.lo.x; x < free.hi.x; ++x) {
+          const Vec3i v = level.grid.first_vertex(b) + Vec3i{x, y, z};
+          bool outermost = false;
+          for (int axis = 0; axis < 3; ++axis)
+            outermost = outermost || v[axis] == level.box.free_lo[axis] || v[axis] == level.box.free_hi[axis];
+          if (outermost && level.u.brick(b)[brick_offset(x, y, z)] > threshold) found[around.at({x, y, z})] = 1;
+        }
+  }
+  return found;
+}
+
 /// Which parts stay. If no component would, the one with most samples does.
 std::vector<uint8_t> parts_to_keep(const Parts& parts, const std::vector<double>& count,
                                    const std::vector<double>& support, const ComponentParams& params) {
@@ -133,7 +154,7 @@ void validate(const ComponentParams& params) {
 }
 
 void drop_components(Level& level, float threshold, const GridSamples& samples, double density,
-                     const ComponentParams& params, const Context& context, ComponentReport& report) {
+                     const ComponentSetup& params, const Context& context, ComponentReport& report) {
   const Parts parts(level, threshold, context);
   const auto [count, weight] = evidence_of(parts, samples, context);
   std::vector<double> area(parts.size()), support(parts.size());
@@ -141,7 +162,11 @@ void drop_components(Level& level, float threshold, const GridSamples& samples, 
     area[p] = area_per_face * static_cast<double>(parts[p].faces);
     support[p] = weight[p] / (density * area[p]);
   }
-  const std::vector<uint8_t> keep = parts_to_keep(parts, count, support, params);
+  std::vector<uint8_t> keep = parts_to_keep(parts, count, support, params);
+  if (params.open) {
+    const std::vector<uint8_t> at_border = at_border_of(level, threshold, parts);
+    for (uint32_t p = 1; p < parts.size(); ++p) keep[p] |= at_border[p];
+  }
   bool first_kept = true;
   for (uint32_t p = 1; p < parts.size(); ++p) {
     ComponentReport::Count& counted = parts[p].inside ? report.objects : report.cavities;

@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "soapfilm/core/kd_tree.h"
@@ -14,8 +13,8 @@ namespace soapfilm {
 
 namespace {
 
-constexpr size_t most_searched = 100000, most_asked = 1000;
-constexpr size_t fewest_near = 16, first_search = 64, most_near = 2048;
+constexpr size_t most_searched = 100000, most_asked = 500;
+constexpr size_t fewest_near = 16, first_search = 64, most_near = 1024;
 constexpr double most_thick = 0.02;  // least over middle variance
 constexpr double least_wide = 0.15;  // middle over largest variance
 constexpr size_t asked_per_task = 32;
@@ -28,11 +27,6 @@ std::vector<Vec3d> some_of(std::span<const Vec3d> positions) {
     some.push_back(positions[one_of_stretch(k, stretch, positions.size())] - positions[0]);
   return some;
 }
-
-struct Found {
-  double deviation = -1;  ///< along the normal; < 0: no plane
-  double area = 0;        ///< that a sample represents, up to a factor
-};
 
 /// Sums over the nearest points, grown from step to step.
 class Neighborhood {
@@ -65,10 +59,10 @@ class Neighborhood {
   size_t count_ = 0;
 };
 
-Found look_around(const std::vector<Vec3d>& points, const KdTree& tree, Vec3d center) {
+/// Neighborhood::deviation() of the smallest one that has it, or -1.
+double deviation_around(const std::vector<Vec3d>& points, const KdTree& tree, Vec3d center) {
   std::vector<uint32_t> index;
   std::vector<double> squared;
-  Found found;
   Neighborhood around(points, center);
   size_t added = 0;
   for (size_t count = fewest_near; count <= std::min(most_near, points.size()); count *= 2) {
@@ -77,11 +71,10 @@ Found look_around(const std::vector<Vec3d>& points, const KdTree& tree, Vec3d ce
       squared.resize(index.size());
       tree->knnSearch(&center.x, index.size(), index.data(), squared.data());
     }
-    if (added == 0) found.area = squared[fewest_near - 1];
     for (; added < count; ++added) around.add(index[added]);
-    if ((found.deviation = around.deviation()) >= 0) break;
+    if (const double deviation = around.deviation(); deviation >= 0) return deviation;
   }
-  return found;
+  return -1;
 }
 
 }  // namespace
@@ -92,22 +85,16 @@ double measure_noise(std::span<const Vec3d> positions, const Context& context) {
   const std::vector<Vec3d> points = some_of(positions);
   const KdTree tree(points);
   const size_t step = (points.size() + most_asked - 1) / most_asked;
-  std::vector<Found> found((points.size() + step - 1) / step);
+  std::vector<double> found((points.size() + step - 1) / step);
   parallel_chunks(context, found.size(), asked_per_task, [&](size_t begin, size_t end) {
     context.check();
-    for (size_t k = begin; k < end; ++k) found[k] = look_around(points, tree, points[k * step]);
+    for (size_t k = begin; k < end; ++k) found[k] = deviation_around(points, tree, points[k * step]);
   });
   const size_t asked = found.size();
-  std::erase_if(found, [](const Found& f) { return f.deviation < 0; });
+  std::erase_if(found, [](double deviation) { return deviation < 0; });
   if (static_cast<double>(found.size()) < enough * static_cast<double>(asked)) return 0;
-  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
-    return std::pair(a.deviation, a.area) < std::pair(b.deviation, b.area);
-  });
-  double all = 0, below = 0;
-  for (const Found& f : found) all += f.area;
-  for (const Found& f : found)
-    if ((below += f.area) >= all / 2) return f.deviation;
-  return 0;
+  std::nth_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2), found.end());
+  return found[found.size() / 2];
 }
 
 }  // namespace soapfilm

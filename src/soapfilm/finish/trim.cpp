@@ -177,7 +177,9 @@ void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const 
   context.progress().advance(0.6, "distances");
   if (report.nothing_near) return;
   const double before = mesh.area();
-  if (choose_regions(mesh, levels, {}, {params.ends, params.holes}, report)) {
+  const std::vector<uint32_t> crossings =
+      params.ends ? count_crossings(mesh, levels.level, params.rays, lattice, context) : std::vector<uint32_t>();
+  if (choose_regions(mesh, levels, crossings, {params.ends, params.holes, lattice.voxel}, report)) {
     Cut cut(mesh, std::move(levels), report.distance);
     cut.snap_cuts();
     cut.clip();

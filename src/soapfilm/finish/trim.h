@@ -6,6 +6,7 @@
 
 #include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
+#include "soapfilm/finish/rays.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/mesh.h"
 #include "soapfilm/params.h"
@@ -20,6 +21,7 @@ void validate(const TrimParams& params);
 struct TrimSetup : TrimParams {
   double density = 1;  ///< samples per voxel^2 of surface
   bool ends = false;   ///< the surface ends where it was not seen: an open one
+  std::vector<Ray> rays{};  ///< of the scanners that are known
 };
 
 /// Cuts the mesh along the line where the distance to the nearest sample, smoothed a little along the surface, passes

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double membrane_share = 0.1;  // of a mesh's area: larger regions are no holes to fill
 constexpr double back_share = 0.25;     // of a region's area, unfaced: more, and it is the back of something
-constexpr double crossed_share = 0.1;   // of a region's area: more is no accident of a few rays
+constexpr double few_rays = 3, crossings_per_voxel2 = 0.01;  // more is no accident of a few outliers' rays
 constexpr double film_share = 0.16;     // area over the square of the rim: a disk has 0.08, a half sphere 0.16
 constexpr double along = 0.7;           // cosine of a gap's mean normal and that of its rim
 
@@ -33,10 +33,11 @@ struct Region {
 
 class Regions {
  public:
-  Regions(const Mesh& mesh, const TrimLevels& levels, const std::vector<uint8_t>& crossed)
-      : mesh_(mesh), levels_(levels), crossed_(crossed), sets_(levels.level.size()), at_(levels.level.size()) {
+  Regions(const Mesh& mesh, const TrimLevels& levels, const std::vector<uint32_t>& crossings)
+      : mesh_(mesh), levels_(levels), sets_(levels.level.size()), at_(levels.level.size()) {
     for (const Triangle& t : mesh.triangles) add(t);
     mark_border();
+    for (uint32_t v = 0; v < crossings.size(); ++v) at_[v].crossed += crossings[v];
     for (uint32_t v = 0; v < at_.size(); ++v)
       if (const uint32_t root = sets_.root(v); far(v) && root != v) at_[root] += at_[v];
   }
@@ -62,7 +63,6 @@ class Regions {
       Region& region = at_[a];
       region.area += area / 3;
       if (!levels_.unfaced.empty() && levels_.unfaced[a]) region.unfaced += area / 3;
-      if (!crossed_.empty() && crossed_[a]) region.crossed += area / 3;
       region.normal += normal / 3.0;
       if (far_corners == 3) continue;
       const double share = 1.0 / static_cast<double>(far_corners);
@@ -98,27 +98,30 @@ class Regions {
 
   const Mesh& mesh_;
   const TrimLevels& levels_;
-  const std::vector<uint8_t>& crossed_;
   DisjointSets sets_;
   std::vector<Region> at_;  // of each far vertex, then of each root
   double whole_ = 0;
 };
 
-bool fills_gap(const Region& region, double whole) {
+bool is_crossed(const Region& region, double voxel) {
+  return region.crossed > std::max(few_rays, crossings_per_voxel2 * region.area / (voxel * voxel));
+}
+
+bool fills_gap(const Region& region, double whole, double voxel) {
   if (region.at_border || region.area > membrane_share * whole) return false;
-  if (region.unfaced > back_share * region.area || region.crossed > crossed_share * region.area) return false;
+  if (region.unfaced > back_share * region.area || is_crossed(region, voxel)) return false;
   if (region.area > film_share * region.rim * region.rim) return false;
   return dot(region.normal, region.rim_normal) > along * norm(region.normal) * norm(region.rim_normal);
 }
 
 }  // namespace
 
-bool choose_regions(const Mesh& mesh, TrimLevels& levels, const std::vector<uint8_t>& crossed, const RegionRules& rules,
-                    TrimReport& report) {
-  Regions regions(mesh, levels, crossed);
+bool choose_regions(const Mesh& mesh, TrimLevels& levels, const std::vector<uint32_t>& crossings,
+                    const RegionRules& rules, TrimReport& report) {
+  Regions regions(mesh, levels, crossings);
   const auto goes = [&](const Region& region) {
     if (rules.holes) return true;
-    return rules.open ? !fills_gap(region, regions.whole()) : region.area > membrane_share * regions.whole();
+    return rules.open ? !fills_gap(region, regions.whole(), rules.voxel) : region.area > membrane_share * regions.whole();
   };
   std::vector<double> chosen = levels.level;
   for (uint32_t v = 0; v < chosen.size(); ++v) {
@@ -130,7 +133,7 @@ bool choose_regions(const Mesh& mesh, TrimLevels& levels, const std::vector<uint
     if (root != v) continue;
     ++(removed ? report.removed : report.filled);
     report.unfaced += removed && region.unfaced > back_share * region.area;
-    report.crossed += removed && region.crossed > crossed_share * region.area;
+    report.crossed += removed && is_crossed(region, rules.voxel);
   }
   levels.level = std::move(chosen);
   return report.removed > 0;

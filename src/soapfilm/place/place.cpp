@@ -28,9 +28,9 @@ double voxel_of_sheets(double voxel, const SideStatistics& sides, const Box3d& b
   return std::clamp(sheets.thickness * box.longest() / held_well, finest * voxel, voxel);
 }
 
-/// The voxel over the samples' noise, at least: at 1.4, 95 % of the samples are within two voxels where the noise of
-/// half of the area is twice as large, as it is across a room before a depth camera.
-constexpr double least_over_noise = 1.4;
+/// The voxel over the samples' noise, at least: so 95 % of the samples are within two voxels of the surface in a room
+/// before a depth camera, where the noise of the far half is twice as large.
+constexpr double least_over_noise = 1.75;
 
 double voxel_as_given(const PlaceParams& params, const Box3d& box) {
   if (params.resolution) return voxel_of_resolution(box, *params.resolution, params.padding);

@@ -78,10 +78,14 @@ Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& orien
   return placed;
 }
 
-Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const Grid& grid,
-                     const ReconstructParams& params, const Context& context, GridSamples& samples) {
+Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const Scanners& scanners, const Grid& grid,
+                     const ReconstructParams& params, GridSamples& samples, const Context& context) {
+  // Around a scanner under the open sky samples become thin quickly, and whatever stands far away is thinly sampled.
+  constexpr double share_under_sky = 0.5;
+  EnergyParams energy = params.energy;
+  if (scanners.surroundings.under_open_sky()) energy.lambda_per_density *= share_under_sky;
   Lambda lambda = choose(cloud, oriented.directions, grid.lattice, grid.density,
-                         {params.energy, params.cross_validation, params.solve}, context);
+                         {energy, params.cross_validation, params.solve}, context);
   if (!counts_by_area(params)) return lambda;
   constexpr double most_weight = 50;
   const std::vector<float> weights = weigh_by_area(oriented.surface, most_weight, trust_alone(oriented.report), context);
@@ -102,15 +106,21 @@ std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& s
   return sorted;
 }
 
-BorderReport find_border(SupportField& field, const Grid& grid, double lambda, const Surroundings& surroundings,
+BorderReport find_border(SupportField& field, const Grid& grid, double lambda, const Scanners& scanners,
                          const ReconstructParams& params, const Context& context, Trace& trace) {
   const Border asked = params.border.outside;
   BorderReport border;
   if (asked == Border::automatic && params.method != Method::tv) return border;
+  if (asked == Border::automatic && scanners.from_above) {
+    border.chosen = Border::open;
+    border.ends = true;
+    border.reason = "as what is seen from above alone ends where it was not seen";
+    return border;
+  }
   trace.stage("border", [&] {
     if (asked == Border::automatic) {
       border = choose_border({grid.lattice, field, lambda, params.energy.norm, grid.density,
-                              grid.default_voxel}, surroundings,
+                              grid.default_voxel}, scanners.surroundings,
                              params.border, params.solve, context);
     } else {
       border.chosen = asked;

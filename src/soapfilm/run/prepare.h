@@ -24,6 +24,7 @@ Box3d check_cloud(const PointCloud& cloud, const ReconstructParams& params, cons
 struct Scanners {
   std::vector<Vec3d> positions;  ///< input frame
   Surroundings surroundings;     ///< if needed to choose the border
+  bool from_above = false;       ///< none is known; all samples were seen from above
 };
 Scanners find_scanners(const PointCloud& cloud, const ReconstructParams& params, const Context& context);
 
@@ -41,15 +42,15 @@ Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& orien
 
 /// Lambda on the grid. Where it is not given, each sample is weighted by the area that it represents: its direction
 /// gets that length. (Where it is given, it is the paper's: against one unit vector for each sample.)
-Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const Grid& grid,
-                     const ReconstructParams& params, const Context& context, GridSamples& samples);
+Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const Scanners& scanners, const Grid& grid,
+                     const ReconstructParams& params, GridSamples& samples, const Context& context);
 
 /// A column of the cloud's directions in the order of the samples, each as long as the sample's own.
 std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& samples, const Lattice& lattice,
                               const Context& context);
 
 /// What lies beyond the samples' box. `field` is restored at the end.
-BorderReport find_border(SupportField& field, const Grid& grid, double lambda, const Surroundings& surroundings,
+BorderReport find_border(SupportField& field, const Grid& grid, double lambda, const Scanners& scanners,
                          const ReconstructParams& params, const Context& context, Trace& trace);
 
 /// Reverses the data term and all directions, for the complement: the solid matter around a hollow.

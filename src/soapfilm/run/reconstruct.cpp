@@ -27,21 +27,23 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   MemoryBudget memory(params, cloud, owned ? AfterPlacing::freed : AfterPlacing::kept);
 
   // Each sample gets a weak outward direction: its normal, towards the scanner, or estimated.
-  const Scanners scanners = find_scanners(cloud, params, context);
+  Scanners scanners = find_scanners(cloud, params, context);
   Orientation oriented = trace.stage("orient", [&] { return find_directions(cloud, box, params, context); });
   trace.keep(oriented.report.warnings);
+  scanners.from_above = !oriented.report.assumed.empty();
 
   // The grid: its voxel, its position, and the memory needed.
   Placed placed = trace.stage("place", [&] { return place(cloud, box, oriented, params, memory, context); });
   Grid& grid = placed.grid;
   GridSamples& samples = placed.samples;
+  std::vector<Ray> rays = some_rays(cloud, params.orient.sensor, grid.lattice);
   const SampleAttributes attributes = sort_attributes(cloud, samples, params.surface.attributes);
   announce_grid(grid, memory, trace);
 
   // Lambda, the weight of area against the samples; and the samples' weights, by the area that they represent.
   const char* weights = uses_lambda(params.method) ? "lambda" : "weights";
   const Lambda lambda =
-      trace.stage(weights, [&] { return choose_lambda(cloud, oriented, grid, params, context, samples); });
+      trace.stage(weights, [&] { return choose_lambda(cloud, oriented, scanners, grid, params, samples, context); });
   announce_lambda(lambda, grid, params, trace);
   const auto details = std::make_shared<ReportDetails>();
   ReconstructReport report = facts_of(cloud, box, params, oriented.report, grid, lambda, details);
@@ -61,7 +63,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   SupportField field = trace.stage("field", [&] { return divergence_field(samples, grid.lattice.box(0), context); });
 
   // Beyond the samples' box: air, solid matter (then the complement is solved, its directions reversed), or neither.
-  const BorderReport border = find_border(field, grid, lambda.value, scanners.surroundings, params, context, trace);
+  const BorderReport border = find_border(field, grid, lambda.value, scanners, params, context, trace);
   grid.lattice.open = border.chosen == Border::open;
   grid.ends = border.ends;
   if (border.chosen == Border::solid) turn_inside_out(field, samples, views, context);
@@ -116,7 +118,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
 
   // Flips a complement's faces. Removes what closed an open surface along the box, and surface far from all samples.
   undo_border(mesh, samples, border, grid.lattice);
-  report.trim = trim(mesh, samples, grid, params, trace, context);
+  report.trim = trim(mesh, samples, std::move(rays), grid, params, trace, context);
 
   carry(attributes, samples, grid.lattice, trace, context, mesh);
   carry(gap, grid.lattice, trace, context, mesh);

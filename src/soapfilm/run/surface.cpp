@@ -30,7 +30,7 @@ std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples&
   if (!drops_components(params)) return {};
   // What was not seen of a part is cut off later, so less of it needs samples.
   constexpr double least_of_open = 0.1;
-  ComponentParams how = params.components;
+  ComponentSetup how{params.components, grid.lattice.open};
   if (grid.ends) how.min_support *= least_of_open;
   ComponentReport report;
   trace.stage("components", [&] {
@@ -106,11 +106,11 @@ void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border, c
   if (border.chosen == Border::open) cut_at_border(mesh, lattice);
 }
 
-std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, const Grid& grid,
+std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, std::vector<Ray> rays, const Grid& grid,
                                const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!trims(params, grid.ends)) return {};
   TrimReport report;
-  const TrimSetup setup{params.trim, grid.density, grid.ends};
+  const TrimSetup setup{params.trim, grid.density, grid.ends, std::move(rays)};
   trace.stage("trim", [&] { trim(mesh, samples, grid.lattice, setup, context, report); });
   announce_trim(report, trace);
   return report;

@@ -53,7 +53,7 @@ std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridS
 void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border, const Lattice& lattice);
 
 /// Removes surface far from all samples, if enabled.
-std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, const Grid& grid,
+std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, std::vector<Ray> rays, const Grid& grid,
                                const ReconstructParams& params, Trace& trace, const Context& context);
 
 /// Method::vrip: the surface of the range images, open where nothing was seen. Throws EmptyResult.

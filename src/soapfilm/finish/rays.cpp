@@ -1,0 +1,136 @@
+#include "soapfilm/finish/rays.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <unordered_map>
+
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/random.h"
+#include "soapfilm/grid/lattice.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr size_t most_rays = 200000;
+constexpr double first_counted = 3;  // voxels from the sample
+constexpr double cube = 8;           // voxels: edge of the cubes in which triangles are looked up
+
+/// 21 bits for each axis.
+uint64_t key_of(Vec3i c) {
+  const auto bits = [](int32_t v) { return static_cast<uint64_t>(static_cast<uint32_t>(v)) & 0x1FFFFF; };
+  return bits(c.x) | bits(c.y) << 21 | bits(c.z) << 42;
+}
+
+Vec3i cube_of(Vec3d p) {
+  const auto at = [](double v) { return static_cast<int32_t>(std::floor(v / cube)); };
+  return {at(p.x), at(p.y), at(p.z)};
+}
+
+using Corners = std::array<Vec3d, 3>;
+
+/// Moeller and Trumbore 1997: does the piece of the ray from `begin` to `end`, lengths along the unit `way`, cross it?
+bool crosses(const Corners& c, Vec3d from, Vec3d way, double begin, double end) {
+  const Vec3d ab = c[1] - c[0], ac = c[2] - c[0], p = cross(way, ac);
+  const double det = dot(ab, p);
+  if (det == 0) return false;
+  const Vec3d t = from - c[0];
+  const double u = dot(t, p) / det;
+  if (!(u >= 0 && u <= 1)) return false;
+  const Vec3d q = cross(t, ab);
+  const double v = dot(way, q) / det, at = dot(ac, q) / det;
+  return v >= 0 && u + v <= 1 && at > begin && at < end;
+}
+
+/// The made-up triangles by the cubes that their boxes touch.
+class MadeUp {
+ public:
+  MadeUp(const Mesh& mesh, const std::vector<double>& level, const Lattice& lattice) {
+    for (const Triangle& t : mesh.triangles) {
+      if (!(level[t[0]] > 1 && level[t[1]] > 1 && level[t[2]] > 1)) continue;
+      Corners corners;
+      Box3d box;
+      for (size_t k = 0; k < 3; ++k) box.extend(corners[k] = lattice.to_lattice(mesh.vertices[t[k]]));
+      const auto index = static_cast<uint32_t>(corners_.size());
+      corners_.push_back(corners);
+      vertex_.push_back(t[0]);
+      const Vec3i lo = cube_of(box.lo), hi = cube_of(box.hi);
+      for (int32_t z = lo.z; z <= hi.z; ++z)
+        for (int32_t y = lo.y; y <= hi.y; ++y)
+          for (int32_t x = lo.x; x <= hi.x; ++x) cubes_[key_of({x, y, z})].push_back(index);
+    }
+  }
+
+  /// visit(vertex) for each triangle that the ray crosses. A triangle counts in the cube in which it is crossed.
+  template <class Visit>
+  void for_each_crossed(const Ray& ray, Visit&& visit) const {
+    const Vec3d from(ray.sample), to(ray.scanner);
+    const double length = norm(to - from);
+    if (!(length > first_counted)) return;
+    const Vec3d way = (to - from) / length;
+    const Vec3d start = from + way * first_counted;
+    Vec3i at = cube_of(start);
+    std::array<double, 3> next{}, step{};  // lengths along the ray: of the next wall, and from wall to wall
+    std::array<int, 3> side{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto k = static_cast<size_t>(axis);
+      side[k] = way[axis] > 0 ? 1 : way[axis] < 0 ? -1 : 0;
+      step[k] = side[k] == 0 ? 2 * length : cube / std::abs(way[axis]);
+      const double wall = cube * (at[axis] + (side[k] > 0));
+      next[k] = side[k] == 0 ? 2 * length : first_counted + (wall - start[axis]) / way[axis];
+    }
+    for (double begin = first_counted; begin < length;) {
+      const size_t axis = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
+      const double end = std::min(next[axis], length);
+      if (const auto found = cubes_.find(key_of(at)); found != cubes_.end())
+        for (const uint32_t i : found->second)
+          if (crosses(corners_[i], from, way, begin, end)) visit(vertex_[i]);
+      begin = end;
+      at[static_cast<int>(axis)] += side[axis];
+      next[axis] += step[axis];
+    }
+  }
+
+  bool empty() const { return corners_.empty(); }
+
+ private:
+  std::vector<Corners> corners_;
+  std::vector<uint32_t> vertex_;
+  std::unordered_map<uint64_t, std::vector<uint32_t>> cubes_;
+};
+
+}  // namespace
+
+std::vector<Ray> some_rays(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Lattice& lattice) {
+  std::vector<Ray> rays;
+  const size_t stretch = (cloud.size() + most_rays - 1) / most_rays;
+  size_t scan = 0;
+  for (size_t k = 0; k * stretch < cloud.size(); ++k) {
+    const size_t i = one_of_stretch(k, stretch, cloud.size());
+    while (scan < cloud.scans.size() && cloud.scans[scan].end <= i) ++scan;
+    std::optional<Vec3d> place = sensor;
+    if (scan < cloud.scans.size() && cloud.scans[scan].begin <= i && cloud.scans[scan].sensor)
+      place = cloud.scans[scan].sensor;
+    if (!cloud.sensors.empty() && is_finite(cloud.sensors[i])) place = cloud.sensors[i];
+    if (place) rays.push_back({Vec3f(lattice.to_lattice(cloud.positions[i])), Vec3f(lattice.to_lattice(*place))});
+  }
+  return rays;
+}
+
+std::vector<uint32_t> count_crossings(const Mesh& mesh, const std::vector<double>& level, const std::vector<Ray>& rays,
+                                      const Lattice& lattice, const Context& context) {
+  if (rays.empty()) return {};
+  const MadeUp made_up(mesh, level, lattice);
+  if (made_up.empty()) return {};
+  std::vector<std::atomic<uint32_t>> counts(mesh.vertices.size());  // sums of ones: no order matters
+  parallel_for(context, rays.size(), 1024, [&](size_t k) {
+    made_up.for_each_crossed(rays[k], [&](uint32_t v) { counts[v].fetch_add(1, std::memory_order_relaxed); });
+  });
+  std::vector<uint32_t> crossed(counts.size());
+  for (size_t v = 0; v < counts.size(); ++v) crossed[v] = counts[v].load(std::memory_order_relaxed);
+  return crossed;
+}
+
+}  // namespace soapfilm
