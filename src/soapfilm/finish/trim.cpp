@@ -179,7 +179,7 @@ void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const 
   const double before = mesh.area();
   const std::vector<uint32_t> crossings =
       params.ends ? count_crossings(mesh, levels.level, params.rays, lattice, context) : std::vector<uint32_t>();
-  if (choose_regions(mesh, levels, crossings, {params.ends, params.holes, lattice.voxel}, report)) {
+  if (choose_regions(mesh, levels, crossings, {params.ends, params.holes, report.distance, lattice.voxel}, report)) {
     Cut cut(mesh, std::move(levels), report.distance);
     cut.snap_cuts();
     cut.clip();

@@ -14,6 +14,7 @@ namespace {
 constexpr double membrane_share = 0.1;  // of a mesh's area: larger regions are no holes to fill
 constexpr double back_share = 0.25;     // of a region's area, unfaced: more, and it is the back of something
 constexpr double few_rays = 3, crossings_per_voxel2 = 0.01;  // more is no accident of a few outliers' rays
+constexpr double widest_gap = 3;        // radius of a disk of a gap's area, in trim distances
 constexpr double film_share = 0.16;     // area over the square of the rim: a disk has 0.08, a half sphere 0.16
 constexpr double along = 0.7;           // cosine of a gap's mean normal and that of its rim
 
@@ -107,9 +108,11 @@ bool is_crossed(const Region& region, double voxel) {
   return region.crossed > std::max(few_rays, crossings_per_voxel2 * region.area / (voxel * voxel));
 }
 
-bool fills_gap(const Region& region, double whole, double voxel) {
-  if (region.at_border || region.area > membrane_share * whole) return false;
-  if (region.unfaced > back_share * region.area || is_crossed(region, voxel)) return false;
+bool fills_gap(const Region& region, const RegionRules& rules) {
+  constexpr double pi = 3.141592653589793;
+  const double widest = widest_gap * rules.distance;
+  if (region.at_border || region.area > pi * widest * widest) return false;
+  if (region.unfaced > back_share * region.area || is_crossed(region, rules.voxel)) return false;
   if (region.area > film_share * region.rim * region.rim) return false;
   return dot(region.normal, region.rim_normal) > along * norm(region.normal) * norm(region.rim_normal);
 }
@@ -121,7 +124,7 @@ bool choose_regions(const Mesh& mesh, TrimLevels& levels, const std::vector<uint
   Regions regions(mesh, levels, crossings);
   const auto goes = [&](const Region& region) {
     if (rules.holes) return true;
-    return rules.open ? !fills_gap(region, regions.whole(), rules.voxel) : region.area > membrane_share * regions.whole();
+    return rules.open ? !fills_gap(region, rules) : region.area > membrane_share * regions.whole();
   };
   std::vector<double> chosen = levels.level;
   for (uint32_t v = 0; v < chosen.size(); ++v) {
