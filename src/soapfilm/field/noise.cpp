@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -14,8 +15,9 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t most_searched = 100000, most_asked = 500;
-constexpr size_t fewest_near = 16, first_search = 64, most_near = 1024;
-constexpr double most_thick = 0.02;  // least over middle variance
+constexpr size_t fewest_near = 16, most_near = 64;
+constexpr size_t thinned_by = 4, thinnings = 3;  // 64 of the thinnest subset lie where 4,096 of the first do
+constexpr double most_thick = 0.05;  // least over middle variance: a quarter of the width
 constexpr double least_wide = 0.15;  // middle over largest variance
 constexpr size_t asked_per_task = 32;
 
@@ -60,39 +62,47 @@ class Neighborhood {
 };
 
 /// Neighborhood::deviation() of the smallest one that has it, or -1.
-double deviation_around(const std::vector<Vec3d>& points, const KdTree& tree, Vec3d center) {
-  std::vector<uint32_t> index;
-  std::vector<double> squared;
+double deviation_around(const std::vector<Vec3d>& points, const KdTree& tree, Vec3d center, size_t fewest) {
+  std::array<uint32_t, most_near> index{};
+  std::array<double, most_near> squared{};
+  const size_t found = tree->knnSearch(&center.x, most_near, index.data(), squared.data());
   Neighborhood around(points, center);
   size_t added = 0;
-  for (size_t count = fewest_near; count <= std::min(most_near, points.size()); count *= 2) {
-    if (count > index.size()) {  // most are done with few
-      index.resize(std::min(index.empty() ? first_search : most_near, points.size()));
-      squared.resize(index.size());
-      tree->knnSearch(&center.x, index.size(), index.data(), squared.data());
-    }
+  for (size_t count = fewest; count <= found; count *= 2) {
     for (; added < count; ++added) around.add(index[added]);
     if (const double deviation = around.deviation(); deviation >= 0) return deviation;
   }
   return -1;
 }
 
+/// Every so manieth point.
+std::vector<Vec3d> thinned(const std::vector<Vec3d>& points) {
+  std::vector<Vec3d> some;
+  for (size_t k = 0; k < points.size(); k += thinned_by) some.push_back(points[k]);
+  return some;
+}
+
 }  // namespace
 
 double measure_noise(std::span<const Vec3d> positions, const Context& context) {
   constexpr double enough = 0.3;  // of those asked
-  if (positions.size() < 2 * first_search) return 0;
-  const std::vector<Vec3d> points = some_of(positions);
-  const KdTree tree(points);
-  const size_t step = (points.size() + most_asked - 1) / most_asked;
-  std::vector<double> found((points.size() + step - 1) / step);
-  parallel_chunks(context, found.size(), asked_per_task, [&](size_t begin, size_t end) {
-    context.check();
-    for (size_t k = begin; k < end; ++k) found[k] = deviation_around(points, tree, points[k * step]);
-  });
-  const size_t asked = found.size();
+  if (positions.size() < 2 * most_near) return 0;
+  std::vector<Vec3d> points = some_of(positions);
+  std::vector<Vec3d> asked;
+  for (size_t k = 0, step = (points.size() + most_asked - 1) / most_asked; k < points.size(); k += step)
+    asked.push_back(points[k]);
+  std::vector<double> found(asked.size(), -1.0);
+  for (size_t thinning = 0; thinning <= thinnings && points.size() >= 2 * most_near; ++thinning) {
+    if (thinning > 0) points = thinned(points);
+    const KdTree tree(points);
+    parallel_chunks(context, asked.size(), asked_per_task, [&](size_t begin, size_t end) {
+      context.check();
+      for (size_t k = begin; k < end; ++k)
+        if (found[k] < 0) found[k] = deviation_around(points, tree, asked[k], thinning == 0 ? fewest_near : most_near);
+    });
+  }
   std::erase_if(found, [](double deviation) { return deviation < 0; });
-  if (static_cast<double>(found.size()) < enough * static_cast<double>(asked)) return 0;
+  if (static_cast<double>(found.size()) < enough * static_cast<double>(asked.size())) return 0;
   std::nth_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2), found.end());
   return found[found.size() / 2];
 }

@@ -12,7 +12,7 @@ namespace soapfilm {
 namespace {
 
 constexpr double membrane_share = 0.1;  // of a mesh's area: larger regions are no holes to fill
-constexpr double back_share = 0.25;     // of a region's area, unfaced: more, and it is the back of something
+constexpr double back_share = 0.5;      // of a region's area, unfaced: more, and it is the back of something
 constexpr double few_rays = 3, crossings_per_voxel2 = 0.01;  // more is no accident of a few outliers' rays
 constexpr double widest_gap = 3;        // radius of a disk of a gap's area, in trim distances
 constexpr double film_share = 0.16;     // area over the square of the rim: a disk has 0.08, a half sphere 0.16
