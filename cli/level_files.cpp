@@ -5,11 +5,29 @@
 #include <system_error>
 
 #include "soapfilm/error.h"
+#include "soapfilm/extract/cut.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/io.h"
 #include "soapfilm/refine/indicator.h"
+#include "soapfilm/solve/closed_border.h"
 
 namespace soapfilm::cli {
+
+namespace {
+
+/// Unsmoothed. That of an open level is closed along the box and cut there, as the final mesh is.
+Mesh surface_of(const Level& level, double threshold, const Lattice& lattice, const Context& context) {
+  if (level.box.open) {
+    Mesh mesh = surface_of(closed_at_border(level, context), threshold, lattice, context);
+    cut_at_border(mesh, lattice, level.box);
+    return mesh;
+  }
+  const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), context);
+  return extract_isosurface(
+      surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice, context);
+}
+
+}  // namespace
 
 LevelFiles::~LevelFiles() {
   std::error_code ignored;
@@ -23,9 +41,7 @@ PyramidObserver LevelFiles::writer(const std::filesystem::path& folder, double t
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) throw OutputError(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
-    const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), context);
-    const Mesh mesh = extract_isosurface(
-        surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice, context);
+    const Mesh mesh = surface_of(level, threshold, lattice, context);
     if (mesh.triangles.empty()) return;  // no surface pays for its area on this level
     const std::filesystem::path file = folder / name(level.box.level);
     write_mesh(file.string(), mesh, {}, context);

@@ -8,6 +8,7 @@
 
 #include "cli/reconstruct_runs.h"
 #include "soapfilm/io.h"
+#include "soapfilm/mesh/topology.h"
 #include "tools/scanner/sample_surface.h"
 #include "tools/scanner/shape.h"
 
@@ -34,6 +35,23 @@ class Outside : public ReconstructRuns {
     return file;
   }
   Mesh written() const { return read_mesh(mesh); }
+
+  static double sheet_height(double x, double y) { return 0.15 * std::sin(4 * x) * std::cos(3 * y); }
+
+  /// side^2 samples of a wavy sheet over a square of side 2, seen from above. Returns its area.
+  static double write_sheet(const std::string& file, int side) {
+    PointCloud sheet;
+    double area = 0;
+    for (int i = 0; i < side * side; ++i) {
+      const double x = 2.0 * (i % side) / (side - 1) - 1, y = 2.0 * (i / side) / (side - 1) - 1;
+      const Vec3d up{-0.6 * std::cos(4 * x) * std::cos(3 * y), 0.45 * std::sin(4 * x) * std::sin(3 * y), 1};
+      sheet.positions.push_back({x, y, sheet_height(x, y)});
+      sheet.normals.push_back(static_cast<Vec3f>(normalized(up)));
+      area += norm(up) * 4 / (side * side);
+    }
+    write_points(file, sheet);
+    return area;
+  }
 };
 
 TEST_F(Outside, AirIsWhatAClosedObjectHas) {
@@ -133,11 +151,31 @@ TEST_F(Outside, LevelsOfAnOpenSurfaceAreWritten) {
   for (const char* level : {"level_0.ply", "level_1.ply"}) {
     const Mesh drawn = read_mesh(levels + "/" + level);
     EXPECT_FALSE(drawn.triangles.empty()) << level;
-    // Unsmoothed, and closed along the box.
-    EXPECT_GT(drawn.area(), area) << level;
+    EXPECT_GT(drawn.area(), area) << level << ": unsmoothed, and not trimmed";
   }
   reported({bowl, "--resolution", "64", "--outside", "open"});
   EXPECT_EQ(read_file(mesh), bytes);
+}
+
+/// Half of the box is inside, so bricks that only the border divides lie on different sides.
+TEST_F(Outside, LevelsOfAnOpenSheetEndAtTheirBox) {
+  const std::string cloud = folder.file("sheet.ply"), levels = folder.file("levels");
+  const double area = write_sheet(cloud, 80);
+  const json open = reported({cloud, "--resolution", "72", "--outside", "open", "--write-levels", levels});
+  ASSERT_FALSE(open.is_null());
+  const double voxel = open["grid"]["voxel"];
+  for (int level = 0; level < 3; ++level) {
+    const Mesh drawn = read_mesh(levels + "/level_" + std::to_string(level) + ".ply");
+    const double cell = voxel * (1 << level);
+    ASSERT_FALSE(drawn.triangles.empty()) << level;
+    const TopologyReport topology = check_topology(drawn);
+    EXPECT_TRUE(topology.manifold()) << level;
+    EXPECT_FALSE(topology.closed()) << level;
+    EXPECT_EQ(topology.components.size(), 1u) << level;
+    // Steps of whole cells have at most sqrt(3) times the area; a lid along the box would be as large as the sheet.
+    EXPECT_LT(drawn.area(), 1.75 * area) << level;
+    for (const Vec3d& v : drawn.vertices) ASSERT_NEAR(v.z, sheet_height(v.x, v.y), 2 * cell) << level;
+  }
 }
 
 TEST_F(Outside, NeighborsAndRadiusReachTheEstimate) {

@@ -69,8 +69,7 @@ void keep_triangles(Mesh& mesh, const std::function<bool(uint32_t)>& wanted) {
   Fans(mesh).separate();
 }
 
-void cut_at_border(Mesh& mesh, const Lattice& lattice) {
-  const LevelBox box = lattice.box(0);
+void cut_at_border(Mesh& mesh, const Lattice& lattice, const LevelBox& box) {
   constexpr double depth = 1;  // the closing lies between the border's free vertices and fixed ones
   const std::vector<Vec3d> places = mesh.vertices;
   keep_triangles(mesh, [&](uint32_t v) {

@@ -13,7 +13,8 @@ namespace soapfilm {
 /// vertices are removed; the order stays. Normals, colors and attributes are dropped.
 void keep_triangles(Mesh& mesh, const std::function<bool(uint32_t)>& wanted);
 
-/// Removes the surface that closes the mesh along the border of an open lattice: a layer of one voxel.
-void cut_at_border(Mesh& mesh, const Lattice& lattice);
+/// Removes the surface that closes the mesh along the border of an open box, of which `lattice` gives the vertices
+/// their places: a layer of one of its cells.
+void cut_at_border(Mesh& mesh, const Lattice& lattice, const LevelBox& box);
 
 }  // namespace soapfilm

@@ -103,7 +103,7 @@ void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border, c
     for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
     for (Vec3f& direction : samples.direction) direction = -direction;
   }
-  if (border.chosen == Border::open) cut_at_border(mesh, lattice);
+  if (border.chosen == Border::open) cut_at_border(mesh, lattice, lattice.box(0));
 }
 
 std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, std::vector<Ray> rays, const Grid& grid,
