@@ -9,7 +9,9 @@
 #include "cli/reconstruct_runs.h"
 #include "soapfilm/io.h"
 #include "soapfilm/mesh/topology.h"
+#include "tools/scanner/mesh_surface.h"
 #include "tools/scanner/sample_surface.h"
+#include "tools/scanner/scene.h"
 #include "tools/scanner/shape.h"
 
 namespace soapfilm::test {
@@ -69,8 +71,8 @@ TEST_F(Outside, AirIsWhatAClosedObjectHas) {
 TEST_F(Outside, ARoomSeenFromWithinIsItsComplementTurned) {
   reported({sphere(false), "--resolution", "48", "--outside", "air"});
   const double volume = written().volume();
-  const json room = reported({sphere(true), "--resolution", "48"});
-  EXPECT_EQ(room["border"]["outside"], "solid");
+  const json room = reported({sphere(true), "--resolution", "48", "--outside", "solid"});
+  EXPECT_EQ(room["border"]["turned"], false);
   EXPECT_EQ(room["mesh"]["closed"], true);
   EXPECT_EQ(room["mesh"]["components"], 1);
   EXPECT_GT(volume, 0);
@@ -126,6 +128,49 @@ TEST_F(Outside, SolidMatterTurnsTheGuessAtBarePoints) {
   EXPECT_EQ(room["mesh"]["components"], 1);
   EXPECT_GT(volume, 0);
   EXPECT_NEAR(written().volume(), -volume, 1e-9 * volume);
+}
+
+/// As if its normals were right, but for one warning.
+TEST_F(Outside, ReversedNormalsOfABodyAreTurnedOver) {
+  for (const char* shape : {"torus", "knot", "arch"}) {
+    PointCloud body = sample_surface(*make_shape(shape), 3 * samples, 1);
+    const std::string cloud = folder.file("body.ply");
+    write_points(cloud, body);
+    ASSERT_EQ(reported({cloud, "--resolution", "64"})["border"]["turned"], false) << shape;
+    const double volume = written().volume();
+    for (Vec3f& n : body.normals) n = -n;
+    write_points(cloud, body);
+    const json turned = reported({cloud, "--resolution", "64"});
+    EXPECT_EQ(turned["border"]["outside"], "air") << shape;
+    EXPECT_EQ(turned["border"]["turned"], true) << shape;
+    EXPECT_NE(turned["warnings"].dump().find("all are turned over"), std::string::npos) << shape;
+    EXPECT_NE(turned["warnings"].dump().find("--outside solid"), std::string::npos) << shape;
+    EXPECT_NEAR(written().volume(), volume, 1e-4 * volume) << shape;
+  }
+}
+
+/// Its walls show a furnished room, in any pose; so does a scanner in a hollow ball.
+TEST_F(Outside, WhatIsARoomStaysOne) {
+  PointCloud room = sample_surface(MeshSurface(make_room().mesh, Context(1), Faces::as_given), 5 * samples, 1);
+  const std::string cloud = folder.file("room.ply");
+  for (const double angle : {0.0, 0.6}) {
+    PointCloud turned = room;
+    const auto turn = [&](auto v) {
+      const Vec3d p(v);
+      return Vec3d{std::cos(angle) * p.x - std::sin(angle) * p.y, std::sin(angle) * p.x + std::cos(angle) * p.y, p.z};
+    };
+    for (Vec3d& p : turned.positions) p = turn(p);
+    for (Vec3f& n : turned.normals) n = static_cast<Vec3f>(turn(n));
+    write_points(cloud, turned);
+    const json report = reported({cloud, "--resolution", "64"});
+    EXPECT_EQ(report["border"]["outside"], "solid") << angle;
+    EXPECT_EQ(report["border"]["turned"], false) << angle;
+    EXPECT_LT(written().volume(), 0) << angle;
+  }
+  EXPECT_EQ(reported({sphere(true), "--resolution", "48"})["border"]["turned"], true);
+  const json seen = reported({sphere(true), "--resolution", "48", "--sensor", "0,0,0"});
+  EXPECT_EQ(seen["border"]["outside"], "solid");
+  EXPECT_LT(written().volume(), 0);
 }
 
 TEST_F(Outside, InwardNormalsAreWarnedOfUnlessSolidMatterIsBeyond) {

@@ -21,9 +21,10 @@ namespace soapfilm {
 /// What lies beyond the box, and why. Energies and costs of area (lambda TV(u)) are those of a coarse level.
 struct BorderReport {
   Border chosen = Border::air;
-  bool ends = false;   ///< the surface ends where it was not seen: with Border::open, or as most of it only closes it
-  std::string reason;  ///< half a line of text
-  int level = -1;      ///< of the pyramid, on which borders were compared; -1: none were
+  bool ends = false;    ///< the surface ends where it was not seen: with Border::open, or as most of it only closes it
+  std::string reason;   ///< half a line of text
+  bool turned = false;  ///< solid matter fitted, but the normals are those of a body, reversed: all are turned over
+  int level = -1;       ///< of the pyramid, on which borders were compared; -1: none were
   /// Lowest energies with air, solid and nothing beyond, as far as they were computed.
   std::optional<double> air, solid, open;
   std::optional<double> open_bound;  ///< no open surface has a lower energy

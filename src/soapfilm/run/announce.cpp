@@ -31,7 +31,11 @@ void announce_lambda(const Lambda& lambda, const Grid& grid, const ReconstructPa
 void announce_border(const BorderReport& border, bool inward, Trace& trace) {
   if (!border.reason.empty())  // empty for methods with only one border
     trace.info(fmt::format("outside: {}, {}", name_of(border.chosen), border.reason));
-  if (inward && border.chosen == Border::air)
+  if (border.turned)
+    trace.warn(
+        "the normals point into a closed body: all are turned over; if it is a hollow seen from inside, give "
+        "--outside solid");
+  else if (inward && border.chosen == Border::air)
     trace.warn(
         "most normals point towards the middle of the samples, as those of a room seen from inside do: reverse "
         "them, or try --outside solid");

@@ -17,7 +17,7 @@ void announce_grid(const Grid& grid, const MemoryBudget& memory, Trace& trace);
 /// The weight of area, and warnings before the solve.
 void announce_lambda(const Lambda& lambda, const Grid& grid, const ReconstructParams& params, Trace& trace);
 
-/// What lies beyond the samples' box; warns where that is air, but the normals point `inward`.
+/// What lies beyond the samples' box; warns where that is air, but the normals point `inward` or were turned over.
 void announce_border(const BorderReport& border, bool inward, Trace& trace);
 
 /// Warns of solves that reached their limit of iterations or could not be proved.

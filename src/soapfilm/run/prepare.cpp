@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "soapfilm/border/walls.h"
 #include "soapfilm/components/scanners.h"
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
@@ -131,10 +132,23 @@ BorderReport find_border(SupportField& field, const Grid& grid, double lambda, c
   return border;
 }
 
-void turn_inside_out(SupportField& field, GridSamples& samples, std::vector<Vec3f>& views, const Context& context) {
+void reverse_for_solid(BorderReport& border, const OrientReport& given, const Scanners& scanners,
+                       const ReconstructParams& params, SupportField& field, GridSamples& samples,
+                       std::vector<Vec3f>& views, const Context& context) {
+  if (border.chosen != Border::solid) return;
   negate(field, context);
   for (Vec3f& direction : samples.direction) direction = -direction;
   for (Vec3f& view : views) view = -view;
+  // A room seen from inside and a body whose normals are reversed are the same data. Scanners, the user or walls tell.
+  if (params.border.outside != Border::automatic || !given.inward || given.reoriented > 0) return;
+  if (!scanners.positions.empty()) return;
+  if (look_along_walls(samples.direction, context)) {
+    border.reason += "; if it is a body with reversed normals, give --directions estimate";
+    return;
+  }
+  border.chosen = Border::air;
+  border.turned = true;
+  border.reason = "around a body that the normals point into, once they are turned over";
 }
 
 }  // namespace soapfilm

@@ -63,10 +63,10 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   SupportField field = trace.stage("field", [&] { return divergence_field(samples, grid.lattice.box(0), context); });
 
   // Beyond the samples' box: air, solid matter (then the complement is solved, its directions reversed), or neither.
-  const BorderReport border = find_border(field, grid, lambda.value, scanners, params, context, trace);
+  BorderReport border = find_border(field, grid, lambda.value, scanners, params, context, trace);
   grid.lattice.open = border.chosen == Border::open;
   grid.ends = border.ends;
-  if (border.chosen == Border::solid) turn_inside_out(field, samples, views, context);
+  reverse_for_solid(border, report.input.directions, scanners, params, field, samples, views, context);
   announce_border(border, report.input.directions.inward, trace);
 
   // Inside or outside: the convex problem (4), coarse to fine, on a narrow band; or one of the methods for comparison.

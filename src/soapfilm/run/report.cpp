@@ -198,6 +198,7 @@ ordered_json border_json(const BorderReport& border) {
   const auto energy = [](const std::optional<double>& e) { return e ? ordered_json(*e) : ordered_json(nullptr); };
   return {{"outside", name_of(border.chosen)},
           {"reason", border.reason},
+          {"turned", border.turned},
           {"level", border.level < 0 ? ordered_json(nullptr) : ordered_json(border.level)},
           {"energy_air", energy(border.air)},
           {"energy_solid", energy(border.solid)},
