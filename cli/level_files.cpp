@@ -5,26 +5,20 @@
 #include <system_error>
 
 #include "soapfilm/error.h"
-#include "soapfilm/extract/cut.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/io.h"
 #include "soapfilm/refine/indicator.h"
-#include "soapfilm/solve/closed_border.h"
 
 namespace soapfilm::cli {
 
 namespace {
 
-/// Unsmoothed. That of an open level is closed along the box and cut there, as the final mesh is.
+/// Unsmoothed. That of an open level ends at the box, as the final mesh does.
 Mesh surface_of(const Level& level, double threshold, const Lattice& lattice, const Context& context) {
-  if (level.box.open) {
-    Mesh mesh = surface_of(closed_at_border(level, context), threshold, lattice, context);
-    cut_at_border(mesh, lattice, level.box);
-    return mesh;
-  }
   const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), context);
   return extract_isosurface(
-      surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice, context);
+      surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice, context,
+      drawn_range(level.box));
 }
 
 }  // namespace

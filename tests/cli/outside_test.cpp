@@ -202,6 +202,23 @@ TEST_F(Outside, LevelsOfAnOpenSurfaceAreWritten) {
   EXPECT_EQ(read_file(mesh), bytes);
 }
 
+/// Not a vertex of the mesh closes it along the box, whatever is trimmed; its border lies on the box's sides.
+TEST_F(Outside, AnOpenSheetEndsAtTheBox) {
+  const std::string cloud = folder.file("sheet.ply");
+  const double area = write_sheet(cloud, 80);
+  for (const char* refine : {"on", "off"}) {
+    const json open = reported({cloud, "--resolution", "72", "--outside", "open", "--trim", "off", "--refine", refine});
+    ASSERT_FALSE(open.is_null()) << refine;
+    const Mesh sheet = written();
+    EXPECT_EQ(open["mesh"]["manifold"], true) << refine;
+    EXPECT_EQ(open["mesh"]["components"], 1) << refine;
+    EXPECT_EQ(open["mesh"]["closed"], false) << refine;
+    EXPECT_GT(sheet.area(), area) << refine;
+    const double voxel = open["grid"]["voxel"], side = 2 + 2 * 16 * voxel;  // to the ends of cells of level 3
+    EXPECT_LT(sheet.area(), area / 4 * side * side) << refine;
+  }
+}
+
 /// Half of the box is inside, so bricks that only the border divides lie on different sides.
 TEST_F(Outside, LevelsOfAnOpenSheetEndAtTheirBox) {
   const std::string cloud = folder.file("sheet.ply"), levels = folder.file("levels");

@@ -67,6 +67,35 @@ float ball(Vec3i v, Vec3d center, double radius) {
   return static_cast<float>(std::clamp(0.5 + 0.25 * (radius - norm(Vec3d(v) - center)), 0.0, 1.0));
 }
 
+/// The triangles of the whole surface that lie in the range, as a manifold that ends at its planes.
+TEST(Isosurface, OfARangeIsThePartWithinIt) {
+  const Vec3d center{20.3, 19.6, 20.1};
+  const Band band = sample(BrickMask::whole({5, 5, 5}), [&](Vec3i v) { return ball(v, center, 13.2); });
+  const Mesh whole = extract(band, zero_everywhere);
+  for (const VertexRange& range : {VertexRange{{7, 9, 12}, {40, 40, 23}}, VertexRange{{16, 16, 16}, {24, 40, 40}},
+                                   VertexRange{{0, 0, 0}, {39, 39, 39}}}) {
+    const Mesh part =
+        extract_isosurface(band.grid, band.value, zero_everywhere, 0.5f, unit_lattice(), Context(1), range);
+    Mesh within = whole;
+    std::erase_if(within.triangles, [&](const Triangle& t) {
+      return std::any_of(t.begin(), t.end(), [&](uint32_t v) {
+        const Vec3d& p = whole.vertices[v];
+        bool in = true;
+        for (int axis = 0; axis < 3; ++axis) in = in && p[axis] >= range.lo[axis] && p[axis] <= range.hi[axis];
+        return !in;
+      });
+    });
+    ASSERT_FALSE(part.triangles.empty());
+    EXPECT_EQ(triangle_soup(part), triangle_soup(within));
+    const TopologyReport topology = check_topology(part);
+    EXPECT_TRUE(topology.manifold());
+    EXPECT_EQ(topology.closed(), part.triangles.size() == whole.triangles.size());
+    std::set<uint32_t> used;
+    for (const Triangle& t : part.triangles) used.insert(t.begin(), t.end());
+    EXPECT_EQ(used.size(), part.vertices.size());
+  }
+}
+
 TEST(Isosurface, EqualsTheDenseReferenceOnNoiseInASparseBand) {
   for (uint64_t seed = 0; seed < (test::sanitized ? 8 : 20); ++seed) {
     Random random(seed);

@@ -16,8 +16,10 @@ namespace TEST_FILE {
 using namespace test;
 
 Reconstruction reconstructed(const PointCloud& cloud, double voxel, double tolerance = PrimalDualParams().tolerance,
-                             double split_tolerance = RelaxParams().split_tolerance) {
+                             double split_tolerance = RelaxParams().split_tolerance,
+                             Border outside = Border::automatic) {
   ReconstructParams params;
+  params.border.outside = outside;
   params.surface.relax.split_tolerance = split_tolerance;
   params.place.voxel = voxel;
   params.solve.tolerance = tolerance;
@@ -136,7 +138,7 @@ TEST_P(HalfSphere, ClosesAndTouchesNoBorderVertex) {
   keep_where(cloud, [](Vec3d p) { return p.z > 0; });
   if (GetParam() == Directions::up)
     for (Vec3f& n : cloud.normals) n = {0, 0, 1};
-  const Reconstruction result = reconstructed(cloud, 1.0 / 52, 1e-5);
+  const Reconstruction result = reconstructed(cloud, 1.0 / 52, 1e-5, RelaxParams().split_tolerance, Border::air);
   const TopologyReport topology = check_topology(result.mesh);
   EXPECT_EQ(topology.components.size(), 1u);
   EXPECT_EQ(topology.genus(), 0);

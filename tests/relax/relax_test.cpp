@@ -50,6 +50,28 @@ TEST(Bend, FollowsDetailThatTrianglesOfAVoxelLoseSlow) {
   }
 }
 
+/// A part of the surface, as of an open box: its border stays where it is, but for the vertices' moves.
+TEST(Bend, KeepsTheBorderOfAnOpenMesh) {
+  const Solved solved("torus", 40);
+  Refined part = refined(solved);
+  const Vec3i n = solved.problem.lattice.box(0).free_hi;
+  const VertexRange range{{n.x / 3, 0, 0}, {n.x, n.y, n.z / 2}};
+  part.mesh = extract_isosurface(
+      part.field.grid, part.field.value, [&](Vec3i brick) { return part.field.missing_value(brick); }, 0,
+      solved.problem.lattice, Context(1), range);
+  const TopologyReport before = check_topology(part.mesh);
+  ASSERT_FALSE(before.closed());
+  RelaxReport report;
+  const Mesh mesh = bent(solved, part, {}, 1, &report);
+  const TopologyReport after = check_topology(mesh);
+  EXPECT_GT(report.split_edges, 0u);
+  EXPECT_TRUE(after.manifold());
+  EXPECT_EQ(after.boundary_edges, before.boundary_edges);
+  EXPECT_EQ(after.components.size(), before.components.size());
+  EXPECT_EQ(count_self_intersections(mesh, Context(1)), 0u);
+  for (const int threads : {2, 3}) EXPECT_EQ(hash_mesh(bent(solved, part, {}, threads)), hash_mesh(mesh));
+}
+
 TEST(Bend, IsTheSameOnAnyNumberOfThreads) {
   const Solved solved("torus", 30);
   const Refined flat = refined(solved);

@@ -56,5 +56,40 @@ TEST(InsideBits, TheInterfaceHasANeighborOnTheOtherSide) {
   }
 }
 
+/// Of a box and an open one whose border divides bricks.
+TEST(InsideBits, GoOnBeyondAnOpenBorderAsInFrontOfIt) {
+  for (const bool open : {false, true}) {
+    Filled filled(5);
+    filled.level.box.open = open;
+    const Level& level = filled.level;
+    const InsideBits inside(level, 0.5f, one_thread);
+    const Vec3i n = level.box.bricks;
+    size_t beyond = 0;
+    BrickMask::whole(n + Vec3i{2, 2, 2}).for_each([&](Vec3i shifted) {
+      const Vec3i b = shifted - Vec3i{1, 1, 1};
+      const BrickBits bits = inside.continued(level.grid.find(b), b);
+      for_each_vertex(b, [&](Vec3i v, int i) {
+        const Vec3i from = open ? nearest_free(level.box, v) : v;
+        beyond += from != v;
+        ASSERT_EQ(bits.test(i & 7, i >> 3 & 7, i >> 6), u_at(level, from) > 0.5f);
+      });
+    });
+    EXPECT_EQ(beyond > 0, open);
+  }
+}
+
+TEST(InsideBits, TheInterfaceEndsAtAnOpenBorder) {
+  Filled filled(6);
+  filled.level.box.open = true;
+  const Level& level = filled.level;
+  const InsideBits inside(level, 0.5f, one_thread);
+  for (size_t b = 0; b < level.grid.size(); ++b) {
+    const BrickBits interface = inside.interface(b);
+    for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
+      if (!level.box.is_free(v)) ASSERT_FALSE(interface.test(i & 7, i >> 3 & 7, i >> 6));
+    });
+  }
+}
+
 }  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -69,16 +69,4 @@ void keep_triangles(Mesh& mesh, const std::function<bool(uint32_t)>& wanted) {
   Fans(mesh).separate();
 }
 
-void cut_at_border(Mesh& mesh, const Lattice& lattice, const LevelBox& box) {
-  constexpr double depth = 1;  // the closing lies between the border's free vertices and fixed ones
-  const std::vector<Vec3d> places = mesh.vertices;
-  keep_triangles(mesh, [&](uint32_t v) {
-    const Vec3d p = lattice.to_lattice(places[v]);
-    bool keep = true;
-    for (int axis = 0; axis < 3; ++axis)
-      keep = keep && p[axis] >= box.free_lo[axis] + depth && p[axis] <= box.free_hi[axis] - depth;
-    return keep;
-  });
-}
-
 }  // namespace soapfilm

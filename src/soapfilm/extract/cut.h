@@ -3,7 +3,6 @@
 
 #include <functional>
 
-#include "soapfilm/grid/lattice.h"
 #include "soapfilm/mesh.h"
 
 namespace soapfilm {
@@ -12,9 +11,5 @@ namespace soapfilm {
 /// boundary: where fans of triangles would only meet in one vertex, each gets its own, at the same place. Unused
 /// vertices are removed; the order stays. Normals, colors and attributes are dropped.
 void keep_triangles(Mesh& mesh, const std::function<bool(uint32_t)>& wanted);
-
-/// Removes the surface that closes the mesh along the border of an open box, of which `lattice` gives the vertices
-/// their places: a layer of one of its cells.
-void cut_at_border(Mesh& mesh, const Lattice& lattice, const LevelBox& box);
 
 }  // namespace soapfilm

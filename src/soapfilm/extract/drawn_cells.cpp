@@ -1,5 +1,7 @@
 #include "soapfilm/extract/drawn_cells.h"
 
+#include <algorithm>
+
 namespace soapfilm {
 
 namespace {
@@ -9,7 +11,6 @@ constexpr int cells = brick_side + 1;  // cells -1 to 7
 
 /// Rows of bits along x, from -1 on; [z + 1][y + 1].
 using VertexRows = std::array<std::array<uint16_t, reach>, reach>;
-using CellRows = std::array<std::array<uint16_t, cells>, cells>;
 
 /// The part of a window of vertices -1 to 8 along one axis that the neighbor `step` (-1, 0 or 1) gives.
 struct Span {
@@ -39,8 +40,19 @@ VertexRows known_vertices(const BrickGrid& grid, const Field<float>& weight, Vec
   return known;
 }
 
-CellRows known_cells(const VertexRows& known) {
-  CellRows rows;
+VertexRows vertices_within(Vec3i lo, Vec3i hi, Vec3i brick) {
+  const Vec3i first = brick * brick_side - Vec3i{1, 1, 1};
+  unsigned along_x = 0;
+  for (int x = 0; x < reach; ++x) along_x |= static_cast<unsigned>(first.x + x >= lo.x && first.x + x <= hi.x) << x;
+  VertexRows rows{};
+  for (int z = std::max(0, lo.z - first.z); z < std::min(reach, hi.z - first.z + 1); ++z)
+    for (int y = std::max(0, lo.y - first.y); y < std::min(reach, hi.y - first.y + 1); ++y)
+      rows[z][y] = static_cast<uint16_t>(along_x);
+  return rows;
+}
+
+std::array<std::array<uint16_t, cells>, cells> known_cells(const VertexRows& known) {
+  std::array<std::array<uint16_t, cells>, cells> rows;
   for (int z = 0; z < cells; ++z) {
     for (int y = 0; y < cells; ++y) {
       const int corners = known[z][y] & known[z][y + 1] & known[z + 1][y] & known[z + 1][y + 1];
@@ -59,7 +71,12 @@ DrawnCells::DrawnCells() {
 }
 
 DrawnCells::DrawnCells(const BrickGrid& grid, const Field<float>& weight, Vec3i brick) {
-  const CellRows rows = known_cells(known_vertices(grid, weight, brick));
+  draw(known_cells(known_vertices(grid, weight, brick)));
+}
+
+DrawnCells::DrawnCells(Vec3i lo, Vec3i hi, Vec3i brick) { draw(known_cells(vertices_within(lo, hi, brick))); }
+
+void DrawnCells::draw(const CellRows& rows) {
   edges.fill(0);
   split.fill(0);
   for (int z = 0; z < brick_side; ++z) {

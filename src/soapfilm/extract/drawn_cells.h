@@ -26,6 +26,13 @@ struct DrawnCells {
   /// Draws cells whose eight corners are known: `weight` > 0 there. Bricks that are not in the grid are unknown.
   /// `brick` need not be in the grid.
   DrawnCells(const BrickGrid& grid, const Field<float>& weight, Vec3i brick);
+  /// Draws cells whose corners are vertices lo to hi of the lattice, both included.
+  DrawnCells(Vec3i lo, Vec3i hi, Vec3i brick);
+
+ private:
+  /// Rows of bits along x, from -1 on; [z + 1][y + 1]: of the cells around the brick's edges.
+  using CellRows = std::array<std::array<uint16_t, brick_side + 1>, brick_side + 1>;
+  void draw(const CellRows& rows);
 };
 
 /// The two cells of a split edge lie on different sides of it along both other axes; this one distinguishes them.

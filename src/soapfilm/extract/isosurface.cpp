@@ -53,12 +53,14 @@ struct EdgePoints {
 
 class Extraction {
  public:
-  /// With a `weight` only the cells whose corners all have a positive one are drawn.
+  /// With a `weight` only the cells whose corners all have a positive one are drawn; with a `range`, those in it.
   Extraction(const BrickGrid& grid, const Field<float>& value, const Field<float>* weight,
-             const MissingBrickValue& missing_value, float isovalue, const Lattice& lattice, const Context& context)
+             const std::optional<VertexRange>& range, const MissingBrickValue& missing_value, float isovalue,
+             const Lattice& lattice, const Context& context)
       : grid_(grid),
         value_(value),
         weight_(weight),
+        range_(range),
         missing_value_(missing_value),
         isovalue_(isovalue),
         lattice_(lattice),
@@ -121,6 +123,7 @@ class Extraction {
       for (size_t b = begin; b < end; ++b) {
         if (!wanted(b) || !fill_inside(b, window)) continue;
         if (weight_) window.drawn = DrawnCells(grid_, *weight_, brick_coord(b));
+        if (range_) window.drawn = DrawnCells(range_->lo, range_->hi, brick_coord(b));
         work(b, window);
       }
     });
@@ -324,6 +327,7 @@ class Extraction {
   const BrickGrid& grid_;
   const Field<float>& value_;
   const Field<float>* weight_;
+  std::optional<VertexRange> range_;
   const MissingBrickValue& missing_value_;
   float isovalue_;
   const Lattice& lattice_;
@@ -348,10 +352,17 @@ void check_bricks(const BrickGrid& grid, const Field<float>& field, const char* 
 
 }  // namespace
 
+std::optional<VertexRange> drawn_range(const LevelBox& box) {
+  if (!box.open) return std::nullopt;
+  const Vec3i layer{1, 1, 1};
+  return VertexRange{box.free_lo + layer, box.free_hi - layer};
+}
+
 Mesh extract_isosurface(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value,
-                        float isovalue, const Lattice& lattice, const Context& context) {
+                        float isovalue, const Lattice& lattice, const Context& context,
+                        const std::optional<VertexRange>& range) {
   check_bricks(grid, value, "values");
-  return Extraction(grid, value, nullptr, missing_value, isovalue, lattice, context).run();
+  return Extraction(grid, value, nullptr, range, missing_value, isovalue, lattice, context).run();
 }
 
 Mesh extract_open_isosurface(const BrickGrid& grid, const Field<float>& value, const Field<float>& weight,
@@ -359,7 +370,7 @@ Mesh extract_open_isosurface(const BrickGrid& grid, const Field<float>& value, c
   check_bricks(grid, value, "values");
   check_bricks(grid, weight, "weights");
   const MissingBrickValue outside = [isovalue](Vec3i) { return isovalue; };  // never drawn
-  return Extraction(grid, value, &weight, outside, isovalue, lattice, context).run();
+  return Extraction(grid, value, &weight, {}, outside, isovalue, lattice, context).run();
 }
 
 }  // namespace soapfilm

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "soapfilm/context.h"
 #include "soapfilm/grid/brick_grid.h"
@@ -10,6 +11,15 @@
 #include "soapfilm/mesh.h"
 
 namespace soapfilm {
+
+/// Vertices lo to hi along each axis, both included.
+struct VertexRange {
+  Vec3i lo, hi;
+};
+
+/// What is drawn of the surface of an open box: that between its free vertices, but for a layer of cells at the border,
+/// where the values beyond it count.
+std::optional<VertexRange> drawn_range(const LevelBox& box);
 
 /// The constant value of a brick that is not in the grid, by brick coordinates; these may lie outside the box of
 /// bricks.
@@ -26,10 +36,13 @@ using MissingBrickValue = std::function<float(Vec3i brick)>;
 /// 6-connected and the outside 26-connected. Vertices are in the world frame of `lattice`, computed in double. Their
 /// order and that of the triangles follow the bricks and do not depend on the number of threads.
 ///
+/// Of a `range` only the cells whose corners are in it are drawn: the mesh has a boundary where the surface leaves it.
+///
 /// Throws ParameterError when `value` belongs to another grid, when touching missing bricks disagree, or when the
 /// surface has 2^32 vertices or more.
 Mesh extract_isosurface(const BrickGrid& grid, const Field<float>& value, const MissingBrickValue& missing_value,
-                        float isovalue, const Lattice& lattice, const Context& context);
+                        float isovalue, const Lattice& lattice, const Context& context,
+                        const std::optional<VertexRange>& range = {});
 
 /// The same for partly known values: only the cells are drawn whose eight corners have a `weight` > 0, so the surface
 /// ends where nothing was seen (Curless and Levoy 1996, section 4). Bricks that are not in the grid are unknown.

@@ -17,6 +17,7 @@ namespace {
 constexpr int max_growths = 8;
 constexpr int patience = 128;           // iterations; wide enough bands take 16 to 112
 constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that the finest band leaves out
+constexpr double few_bricks = 0.01;     // of the band, to which the finest open level does not grow
 
 /// The tolerance of a level. The two finest take almost all of the time. The finest has the tolerance itself:
 /// thresholding leaves a gap of its own, about 1 % on raw scans. From the next level it takes as many iterations, and
@@ -134,7 +135,8 @@ class Descent {
   }
 
   /// The level below `coarse`, on a band that grows until its interface stays inside; above the finest level it is
-  /// widened once if it does not converge.
+  /// widened once if it does not converge. The finest one of an open surface does not grow by a few bricks: films over
+  /// wide gaps almost always reach some, none of them near samples, and all coarser levels would be solved again.
   Level solve_on_band(Level coarse, const SupportField& field, double allowed, LevelReport& report) {
     const LevelBox box = lattice_.box(report.level);
     if (report.level > 0) scale_flux(coarse, flux_kept(report.level), context_);
@@ -157,7 +159,8 @@ class Descent {
       if (report.band_growths == max_growths) return level;
       const BrickMask grown = growth(level, held, context_);
       const bool widen = tight && !report.converged && report.stop != Stop::settled;
-      if (grown.count() == 0 && !widen) return level;
+      const double few = finest && box.open ? few_bricks * static_cast<double>(band.count()) : 0;
+      if (static_cast<double>(grown.count()) <= few && !widen) return level;
       if (report.iterations >= params_.max_iterations || stalls > 1) return level;
       band |= grown;
       if (widen) {

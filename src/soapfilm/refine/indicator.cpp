@@ -113,12 +113,13 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Conte
   field.inside = level.inside;
   for (size_t b = 0; b < level.grid.size(); ++b) {  // the first vertex gives the value of a constant brick
     const Vec3i brick = level.grid.coord(b);
-    field.inside.set(brick, bits.of(static_cast<int32_t>(b), brick).test(0, 0, 0));
+    field.inside.set(brick, bits.continued(static_cast<int32_t>(b), brick).test(0, 0, 0));
   }
   field.grid = BrickGrid(mask, context);
   field.value = Field<float>(field.grid, pages_of(context));
   parallel_for(context, field.grid.size(), 64, [&](size_t b) {
     std::array<const BrickBits*, 27> around;
+    std::array<BrickBits, 27> beyond;
     const Vec3i own = field.grid.coord(b);
     const int32_t here = level.grid.find(own);
     for (int slot = 0; slot < 27; ++slot) {
@@ -127,7 +128,7 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Conte
       const int32_t n = slot == own_slot ? here
                         : here >= 0      ? level.grid.neighbors(static_cast<size_t>(here))[k]
                                          : level.grid.find(brick);
-      around[k] = &bits.of(n, brick);
+      around[k] = level.box.open ? &(beyond[k] = bits.continued(n, brick)) : &bits.of(n, brick);
     }
     smooth_brick(around, field.value.brick(b));
   });

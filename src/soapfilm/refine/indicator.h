@@ -9,7 +9,8 @@
 
 namespace soapfilm {
 
-/// Values on the bricks around the surface; elsewhere the constant 0 or 1 given by `inside`.
+/// Values on the bricks around the surface; elsewhere the constant 0 or 1 given by `inside`. In an open box only the
+/// surface in front of its border counts.
 struct SurfaceField {
   BrickGrid grid;
   Field<float> value;
@@ -20,7 +21,8 @@ struct SurfaceField {
 };
 
 /// The binary indicator, 1 where u > threshold, smoothed with the filter of section 4.1; values in [0, 1]. Its bricks
-/// are those within 4 vertices of the interface. `threshold` is the paper's mu, in (0, 1).
+/// are those within 4 vertices of the interface. Beyond an open border it goes on as it is in front of it. `threshold`
+/// is the paper's mu, in (0, 1).
 SurfaceField smoothed_indicator(const Level& level, float threshold, const Context& context);
 
 /// The same without smoothing: 0 and 1 on the same bricks.

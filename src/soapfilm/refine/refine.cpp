@@ -97,6 +97,16 @@ std::optional<RowArray> fit_coarser(const Start& start, std::vector<CoarseFit> g
   return std::nullopt;
 }
 
+/// Beyond an open border a brick's values go on as they are in front of it.
+void continue_beyond(const LevelBox& box, Vec3i brick, float* values) {
+  if (!box.open || !has_free(box, brick)) return;
+  const Vec3i first = brick * brick_side;
+  free_range(box, brick).for_each_fixed({}, brick_side, [&](int x, int y, int z) {
+    const Vec3i from = nearest_free(box, first + Vec3i{x, y, z}) - first;
+    values[brick_offset(x, y, z)] = values[brick_offset(from.x, from.y, from.z)];
+  });
+}
+
 /// The distance on the band, and only its sign beyond it; moves the start's grid.
 SurfaceField distance_field(Start& start, const RowArray& distance, const SignBits& signs, const Context& context) {
   Field<float> value(start.grid, pages_of(context));
@@ -112,6 +122,7 @@ SurfaceField distance_field(Start& start, const RowArray& distance, const SignBi
         if (band.mask(r) >> x & 1)
           out[band.place(r) * brick_side + x] =
               distance.data()[static_cast<size_t>(r) * brick_side + static_cast<size_t>(x)];
+    continue_beyond(start.box, start.grid.coord(b), out);
   });
   return {std::move(start.grid), std::move(value), std::move(start.inside)};
 }

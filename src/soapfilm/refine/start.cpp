@@ -77,7 +77,7 @@ Start start_from(const Level& level, float threshold, double reach, const Contex
   SurfaceField field = smoothed_indicator(level, threshold, context);
   NarrowBand band = make_band(field, level.box, reach, where, context);
   RowArray phi0 = distance_on(band, field, context);
-  return {std::move(field.grid), std::move(field.inside), std::move(band), std::move(phi0)};
+  return {level.box, std::move(field.grid), std::move(field.inside), std::move(band), std::move(phi0)};
 }
 
 SignBits signs_of(const Level& level, float threshold, const Start& start, const Context& context) {
@@ -93,7 +93,8 @@ SignBits signs_of(const Level& level, float threshold, const Start& start, const
 
 Level every_second_vertex(const Level& fine, float threshold, const Context& context, const BrickMask* where) {
   Level coarse;
-  coarse.box = {fine.box.level + 1, half_up(fine.box.free_lo), half_of(fine.box.free_hi), half_up(fine.box.bricks)};
+  coarse.box = {fine.box.level + 1, half_up(fine.box.free_lo), half_of(fine.box.free_hi), half_up(fine.box.bricks),
+                fine.box.open};
   coarse.grid = where ? BrickGrid(*where, context) : every_second_vertex(fine.grid, context);
   coarse.inside = BrickMask(coarse.box.bricks);
   fine.inside.for_each([&](Vec3i b) {

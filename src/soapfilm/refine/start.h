@@ -11,6 +11,7 @@
 namespace soapfilm {
 
 struct Start {
+  LevelBox box;
   BrickGrid grid;    ///< the bricks near the surface
   BrickMask inside;  ///< for all other bricks: whether they are inside
   NarrowBand band;   ///< on that grid

@@ -20,7 +20,7 @@ struct MeshChange {
   std::span<const uint8_t> changing;  ///< by triangle: only pairs with a marked triangle are searched
 };
 
-/// Finds pairs of triangles that come to meet elsewhere than in common corners and edges while a closed mesh without
+/// Finds pairs of triangles that come to meet elsewhere than in common corners and edges while a mesh without
 /// self-intersections changes. The test is that of count_self_intersections(), exact, on coordinates rounded to 2^-23
 /// voxel.
 ///

@@ -44,7 +44,7 @@ size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel,
   };
   auto order = gather<Gain>(open.size(), triangles_per_task, context, [&](size_t t, std::vector<Gain>& found) {
     for (auto h = static_cast<uint32_t>(3 * t); h < 3 * t + 3; ++h) {
-      if (!edges.upward(h) || (!open[t] && !open[edges.twin(h) / 3])) continue;
+      if (!edges.upward(h) || edges.on_boundary(h) || (!open[t] && !open[edges.twin(h) / 3])) continue;
       const auto gain = static_cast<float>(gain_of(edges, h, normals, voxel, least_gain));
       if (gain > 0) found.push_back({gain, h});
     }
@@ -56,6 +56,7 @@ size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel,
   std::fill(open.begin(), open.end(), uint8_t{0});
   size_t count = 0;
   for (const auto& [gain, h] : order) {
+    if (edges.on_boundary(h)) continue;  // by now another edge of a triangle that has changed
     const uint32_t twin = edges.twin(h), c = edges.opposite(h), d = edges.opposite(twin);
     open[h / 3] = open[twin / 3] = 1;
     if (changed[h / 3] || changed[twin / 3] || joined[c] || joined[d]) continue;

@@ -17,7 +17,7 @@ inline double sag(Vec3d a, Vec3d b, Vec3f normal_a, Vec3f normal_b) {
 /// Exchanges the diagonals of pairs of triangles where the other one's middle lies nearer to the surface whose unit
 /// normals at the vertices are given, by more than `least_gain` (a length), the largest gains first. A zero normal
 /// means unknown: edges there stay. Never folds two triangles over each other or makes one of less than a hundredth of
-/// voxel^2, and never makes an edge twice: a closed manifold stays one. Returns the number of exchanges.
+/// voxel^2, and never makes an edge twice: a manifold stays one. Returns the number of exchanges.
 size_t flip_edges(HalfEdges& edges, std::span<const Vec3f> normals, double voxel, double least_gain,
                   const Context& context);
 

@@ -2,13 +2,13 @@
 
 namespace soapfilm {
 
-HalfEdges::HalfEdges(Mesh& mesh) : mesh_(mesh), twin_(3 * mesh.triangles.size()) {
+HalfEdges::HalfEdges(Mesh& mesh) : mesh_(mesh), twin_(3 * mesh.triangles.size(), none) {
   // The upward halves, sorted by the vertex where they start: about three each.
   std::vector<uint32_t> end(mesh.vertices.size());
   for (uint32_t h = 0; h < size(); ++h)
     if (upward(h)) ++end[from(h)];
   for (size_t v = 1; v < end.size(); ++v) end[v] += end[v - 1];
-  std::vector<uint32_t> upwards(size() / 2), first = end;
+  std::vector<uint32_t> upwards(end.empty() ? 0 : end.back()), first = end;
   for (uint32_t h = 0; h < size(); ++h)
     if (upward(h)) upwards[--first[from(h)]] = h;
   for (uint32_t h = 0; h < size(); ++h) {
@@ -22,9 +22,15 @@ HalfEdges::HalfEdges(Mesh& mesh) : mesh_(mesh), twin_(3 * mesh.triangles.size())
 bool HalfEdges::joins(uint32_t h, uint32_t vertex) const {
   uint32_t out = h;
   do {
-    if (to(out) == vertex) return true;
+    if (to(out) == vertex || opposite(out) == vertex) return true;
     out = twin_[previous(out)];
-  } while (out != h);
+  } while (out != h && out != none);
+  if (out == h) return false;
+  // At a vertex of the boundary, the other way round.
+  for (out = h; !on_boundary(out);) {
+    out = next(twin_[out]);
+    if (to(out) == vertex) return true;
+  }
   return false;
 }
 

@@ -113,7 +113,8 @@ class Relaxation {
     split_ = gather<uint32_t>(edges.size(), half_edges_per_task, context_, [&](size_t i, std::vector<uint32_t>& found) {
       const auto h = static_cast<uint32_t>(i);
       const uint32_t a = edges.from(h), b = edges.to(h);
-      if (a < b && sag(mesh_.vertices[a], mesh_.vertices[b], normals[a], normals[b]) > limit) found.push_back(h);
+      if (a < b && !edges.on_boundary(h) && sag(mesh_.vertices[a], mesh_.vertices[b], normals[a], normals[b]) > limit)
+        found.push_back(h);
     });
   }
 

@@ -19,10 +19,11 @@ void validate(const RelaxParams& params);
 /// samples within a voxel of it, by a weighted mean of their residuals. A sample farther from the surface than about
 /// 4.7 `scale` (voxels) counts as an outlier.
 ///
-/// Triangles are cut along their split edges into two, three or four, so a closed manifold stays one, with the same
-/// components and genus. Diagonals and moves that would make the mesh intersect itself are not applied (crossings.h
-/// says how they are found). New vertices and new triangles come after the old ones, in an order that does not depend
-/// on the number of threads. `mesh` must be closed, and extracted from the values of which `field` was made.
+/// Triangles are cut along their split edges into two, three or four, so a manifold stays one, with the same
+/// components, genus and boundary, whose edges are not split. Diagonals and moves that would make the mesh intersect
+/// itself are not applied (crossings.h says how they are found). New vertices and new triangles come after the old
+/// ones, in an order that does not depend on the number of threads. `mesh` must be extracted from the values of which
+/// `field` was made.
 RelaxReport relax_mesh(Mesh& mesh, const SmoothField& field, const GridSamples& samples, double scale,
                        const Lattice& lattice, const RelaxParams& params, const Context& context);
 

@@ -207,13 +207,13 @@ size_t count_faces(const Level& level, double threshold, const Context& context)
         const int slot = slot_up[axis];
         const int32_t n = level.grid.neighbors(b)[static_cast<size_t>(slot)];
         const BrickBits& above = inside.of(n, coord + slot_offset(slot));
-        faces += (own ^ (moved(own, axis, -1) | carried(above, axis, -1))).count();
+        faces += ((own ^ (moved(own, axis, -1) | carried(above, axis, -1))) & inside.joined_to(b, axis, 1)).count();
         Vec3i below = coord;
         --below[axis];
         if (below[axis] >= 0 && level.grid.find(below) >= 0) continue;
         // The faces below are counted nowhere else; what lies there is constant.
         const bool in = below[axis] >= 0 && level.inside.test(below);
-        faces += in ? brick_area - inside_lowest(own, axis) : inside_lowest(own, axis);
+        faces += inside_lowest((in ? ~own : own) & inside.joined_to(b, axis, -1), axis);
       }
     }
     return faces;

@@ -70,7 +70,8 @@ uint64_t refine_bytes(uint64_t rows, bool tries_coarser, uint64_t samples);
 /// The mesh, its relaxation and, where it is `checked`, the needs of check_result().
 uint64_t mesh_bytes(uint64_t vertices, bool checked);
 
-/// Faces between vertices of different sides: about as many as the surface's mesh has vertices.
+/// Faces between vertices of different sides, without those at an open border: about as many as the surface's mesh has
+/// vertices.
 size_t count_faces(const Level& level, double threshold, const Context& context);
 
 /// The memory that a run may use: `limit` or, without one, the machine's free memory plus what this process `held` when

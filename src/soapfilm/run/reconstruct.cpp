@@ -15,6 +15,7 @@
 #include "soapfilm/run/run.h"
 #include "soapfilm/run/segment.h"
 #include "soapfilm/run/surface.h"
+#include "soapfilm/solve/closed_border.h"
 
 namespace soapfilm {
 
@@ -75,7 +76,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     return segment(grid.lattice, field, samples, lambda.value, params,
                    memory.watch(experiment.observe, field.grid.size()), context);
   });
-  if (border.chosen != Border::open) memory.plan_mesh(found.level, params.checked, context);
+  memory.plan_mesh(found.level, params.checked, context);
   warn_unconverged(found.report, lambda.value, params, trace);
   details->solve = found.report;
 
@@ -87,7 +88,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   announce_energy(report.certificate, params, trace);
   found.level.p = {};
   field = {};
-  if (border.chosen == Border::open) found.level = closed_along_box(found.level, memory, context);
+  if (border.chosen == Border::open) found.level = closed_at_border(found.level, context);
 
   // Components and cavities supported by too few samples are removed. (The certificate is of the solution with them.)
   report.components = drop_unsupported(found.level, samples, grid, params, trace, context);
@@ -103,7 +104,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   });
   announce_refinement(surface.refine, memory, params, trace);
 
-  // The level set as a closed, manifold mesh.
+  // The level set as a manifold mesh, closed but for the border of an open box.
   Mesh mesh = trace.stage("extract", [&] { return triangles_of(surface, grid.lattice, lambda.value, context); });
   pages.reset();
 
@@ -116,8 +117,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
 
   if (!views.empty()) samples.direction.swap(views);
 
-  // Flips a complement's faces. Removes what closed an open surface along the box, and surface far from all samples.
-  undo_border(mesh, samples, border, grid.lattice);
+  // Flips a complement's faces. Removes surface that nobody saw.
+  undo_border(mesh, samples, border);
   report.trim = trim(mesh, samples, std::move(rays), grid, params, trace, context);
 
   carry(attributes, samples, grid.lattice, trace, context, mesh);

@@ -6,7 +6,6 @@
 
 #include "soapfilm/components/components.h"
 #include "soapfilm/components/scanners.h"
-#include "soapfilm/extract/cut.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
@@ -14,16 +13,8 @@
 #include "soapfilm/relax/relax.h"
 #include "soapfilm/run/announce.h"
 #include "soapfilm/run/defaults.h"
-#include "soapfilm/solve/closed_border.h"
 
 namespace soapfilm {
-
-Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& context) {
-  Level closed = closed_at_border(level, context);
-  // What closes it is extracted as well, until it is cut off; the mesh that is checked is much smaller.
-  memory.plan_mesh(closed, false, context);
-  return closed;
-}
 
 std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
                                                 const ReconstructParams& params, Trace& trace, const Context& context) {
@@ -78,7 +69,7 @@ Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda,
   const SurfaceField& field = surface.field;
   Mesh mesh = extract_isosurface(
       field.grid, field.value, [&](Vec3i brick) { return field.missing_value(brick); },
-      static_cast<float>(surface.isovalue), lattice, context);
+      static_cast<float>(surface.isovalue), lattice, context, drawn_range(lattice.box(0)));
   if (mesh.triangles.empty())
     throw EmptyResult(
         fmt::format("empty result: the smoothed indicator stays on one side of the isovalue {:.3g}; parts "
@@ -98,12 +89,10 @@ std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridS
   });
 }
 
-void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border, const Lattice& lattice) {
-  if (border.chosen == Border::solid) {
-    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-    for (Vec3f& direction : samples.direction) direction = -direction;
-  }
-  if (border.chosen == Border::open) cut_at_border(mesh, lattice, lattice.box(0));
+void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border) {
+  if (border.chosen != Border::solid) return;
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  for (Vec3f& direction : samples.direction) direction = -direction;
 }
 
 std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, std::vector<Ray> rays, const Grid& grid,

@@ -15,9 +15,6 @@
 
 namespace soapfilm {
 
-/// An open solution, closed along the box for the stages until cut_at_border(). Throws MemoryError.
-Level closed_along_box(const Level& level, MemoryBudget& memory, const Context& context);
-
 /// Drops components and cavities supported by too few samples, if enabled.
 std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
                                                 const ReconstructParams& params, Trace& trace, const Context& context);
@@ -42,15 +39,15 @@ std::optional<RefineReport> summary_of(const Surface& surface);
 Surface find_surface(Segmentation found, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
                      const RobustParams& robust, MemoryBudget& memory, const Context& context);
 
-/// Throws EmptyResult where the level set is empty.
+/// Of an open lattice only what is in front of its border. Throws EmptyResult where there is none.
 Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda, const Context& context);
 
 /// Makes the triangles follow the curvature of a refined surface; not under noise.
 std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridSamples& samples, const Grid& grid,
                                  const ReconstructParams& params, Trace& trace, const Context& context);
 
-/// Flips the faces of a complement, and removes what closed an open surface.
-void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border, const Lattice& lattice);
+/// Reverses the faces and directions of a complement: they are the scene's again.
+void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border);
 
 /// Removes surface far from all samples, if enabled.
 std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, std::vector<Ray> rays, const Grid& grid,

@@ -15,7 +15,6 @@ Level closed_at_border(const Level& level, const Context& context) {
   });
   Level closed;
   closed.box = level.box;
-  closed.box.open = false;
   closed.lambda = level.lambda;
   closed.norm = level.norm;
   closed.grid = BrickGrid(band, context);

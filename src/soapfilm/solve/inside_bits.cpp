@@ -28,6 +28,24 @@ const BrickBits& InsideBits::of(int32_t n, Vec3i brick) const {
   return n >= 0 ? bits_[static_cast<size_t>(n)] : constant_bits(level_, threshold_, n, brick);
 }
 
+BrickBits InsideBits::continued(int32_t n, Vec3i brick) const {
+  const LevelBox& box = level_.box;
+  if (!box.open || free_range(box, brick).whole()) return of(n, brick);
+  // Where a brick has no free vertices along an axis, those next to all of its vertices are in the same layer.
+  const Vec3i first = brick * brick_side, last = first + Vec3i{brick_side - 1, brick_side - 1, brick_side - 1};
+  Vec3i from = brick;
+  for (int axis = 0; axis < 3; ++axis)
+    if (last[axis] < box.free_lo[axis] || first[axis] > box.free_hi[axis])
+      from[axis] = brick_of(nearest_free(box, first))[axis];
+  const BrickBits& bits = from == brick ? of(n, brick) : of(level_.grid.find(from), from);
+  BrickBits found;
+  for (int i = 0; i < brick_volume; ++i) {
+    const Vec3i v = nearest_free(box, first + vertex_in_brick(i)) - from * brick_side;
+    if (bits.test(v.x, v.y, v.z)) found.set(i);
+  }
+  return found;
+}
+
 BrickBits InsideBits::interface(size_t b) const {
   const BrickBits& own = bits_[b];
   const bool ends = level_.box.open && at_border(level_.box, level_.grid.coord(b));
@@ -44,6 +62,7 @@ BrickBits InsideBits::interface(size_t b) const {
 }
 
 BrickBits InsideBits::joined_to(size_t b, int axis, int step) const {
+  if (!level_.box.open || !at_border(level_.box, level_.grid.coord(b))) return BrickBits::full();
   BrickBits found;
   for (int i = 0; i < brick_volume; ++i) {
     const Vec3i v = level_.grid.first_vertex(b) + vertex_in_brick(i);

@@ -18,15 +18,17 @@ class InsideBits {
 
   /// As inside_of().
   const BrickBits& of(int32_t n, Vec3i brick) const;
+  /// The same, but beyond an open border as at the nearest vertex in front of it.
+  BrickBits continued(int32_t n, Vec3i brick) const;
   /// The vertices of brick b of the level that have one of their six neighbors on the other side; none across an open
   /// border.
   BrickBits interface(size_t b) const;
   std::vector<BrickBits> interfaces(const Context& context) const;  ///< of all bricks
-
- private:
-  /// Free vertices whose neighbor along an axis, up (step 1) or down (-1), is free too.
+  /// Vertices of brick b whose face to the neighbor along an axis, up (step 1) or down (-1), belongs to the problem:
+  /// all but those at an open border.
   BrickBits joined_to(size_t b, int axis, int step) const;
 
+ private:
   const Level& level_;
   float threshold_;
   std::vector<BrickBits> bits_;
