@@ -109,7 +109,7 @@ TEST(LocalSurface, RodsAreNoPlanesAndCount) {
     cloud.normals.push_back(static_cast<Vec3f>(out));
   }
   const LocalSurface surface = around(cloud);
-  const std::vector<float> weights = weigh_by_area(surface, 50, one_thread);
+  const std::vector<float> weights = weigh_by_area(surface, 50, 1, one_thread);
   size_t planes = 0, heavy = 0;
   for (size_t i = square; i < cloud.size(); ++i) planes += surface.is_plane(i), heavy += weights[i] > 2;
   EXPECT_LT(planes, 60u);
@@ -126,7 +126,7 @@ TEST(LocalSurface, IsTheSameForAnyNumberOfThreads) {
 
 /// Random samples that are even on the whole: most weigh one, the others nearly, and the mean stays.
 TEST(AreaWeights, EvenSamplesWeighAboutOne) {
-  std::vector<float> weights = weigh_by_area(around(sphere(20000)), 50, one_thread);
+  std::vector<float> weights = weigh_by_area(around(sphere(20000)), 50, 1, one_thread);
   const size_t count = weights.size();
   EXPECT_NEAR(std::accumulate(weights.begin(), weights.end(), 0.0) / static_cast<double>(count), 1, 0.05);
   EXPECT_GT(static_cast<size_t>(std::count(weights.begin(), weights.end(), 1.0F)), count * 6 / 10);
@@ -141,7 +141,7 @@ TEST(AreaWeights, OutliersNeverOutweigh) {
     const auto shape = make_sphere();
     SamplingParams params{.count = 20000, .outliers = share};
     const PointCloud cloud = sample_surface(*shape, params, one_thread);
-    const std::vector<float> weights = weigh_by_area(around(cloud), 50, one_thread);
+    const std::vector<float> weights = weigh_by_area(around(cloud), 50, 1, one_thread);
     size_t outliers = 0;
     double heavy = 0, sum = 0;
     for (size_t i = 0; i < cloud.size(); ++i) {
@@ -164,7 +164,7 @@ TEST(AreaWeights, AnAreaCountsAlikeHoweverDenselySampled) {
   for (size_t i = dense; i < cloud.size(); ++i) cloud.positions[i].x += 1.3;
   cloud.positions.push_back({0, 0, 1});  // spans a volume
   cloud.normals.push_back({0, 0, 1});
-  const std::vector<float> weights = weigh_by_area(around(cloud), 50, one_thread);
+  const std::vector<float> weights = weigh_by_area(around(cloud), 50, 1, one_thread);
   double of_dense = 0, of_sparse = 0;
   for (size_t i = 0; i + 1 < weights.size(); ++i) (i < dense ? of_dense : of_sparse) += weights[i];
   EXPECT_GT(of_sparse, of_dense / 3);

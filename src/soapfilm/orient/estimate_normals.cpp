@@ -164,12 +164,21 @@ class Estimator {
     return sites;
   }
 
+  /// Or above each other, as the two sides of a thin body?
+  bool lie_beside_each_other(uint32_t a, uint32_t b) const {
+    constexpr double steep = 0.7;  // cosine
+    const Vec3d step = target_points_[b] - target_points_[a];
+    const double height = std::max(std::abs(dot(step, planes_[a].normal)), std::abs(dot(step, planes_[b].normal)));
+    return height <= steep * norm(step);
+  }
+
   struct Edge {
     uint32_t a, b;  ///< slots
   };
 
   /// Pairs of neighboring targets of unknown sign, those with the most nearly parallel normals first (the weight 1 -
-  /// |n_a . n_b| of Hoppe et al., in 65536 steps; equal ones in the order of their samples).
+  /// |n_a . n_b| of Hoppe et al., in 65536 steps; equal ones in the order of their samples), and those above each other
+  /// last: the way from one side of a thin body to the other is around its rim.
   std::vector<Edge> sorted_edges() const {
     constexpr size_t steps = 1 << 16;
     std::vector<Edge> edges;
@@ -181,7 +190,7 @@ class Estimator {
         if (b == nobody || !propagated_[b]) continue;
         const auto of_b = near(b);
         if (b < a && std::find(of_b.begin(), of_b.end(), targets_[a]) != of_b.end()) continue;  // already found from b
-        const double w = 1.0 - std::abs(dot(planes_[a].normal, planes_[b].normal));
+        const double w = lie_beside_each_other(a, b) ? 1.0 - std::abs(dot(planes_[a].normal, planes_[b].normal)) : 1.0;
         edges.push_back({a, b});
         weight.push_back(static_cast<uint16_t>(std::clamp(w, 0.0, 1.0) * (steps - 1)));
       }

@@ -210,7 +210,7 @@ std::string guess_of(const EstimatedNormals& estimated, const PointCloud& cloud,
   } else if (static_cast<double>(estimated.doubtful) > notable * all) {
     how = fmt::format(", though the shape hardly tells the sides of {:.0f} % of them,",
                       100 * static_cast<double>(estimated.doubtful) / all);
-    help += " or the axis from which they were seen with --up";
+    help += "; all seen from one side: --up";
   }
   return fmt::format(
       "{} of {} samples have no direction: normals were estimated from {} neighbors and oriented {} by propagation "
