@@ -9,6 +9,7 @@
 #include "soapfilm/core/kd_tree.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/core/rounded.h"
 
 namespace soapfilm {
 
@@ -30,49 +31,58 @@ std::vector<Vec3d> some_of(std::span<const Vec3d> positions) {
   return some;
 }
 
-/// Sums over the nearest points, grown from step to step.
-class Neighborhood {
- public:
-  Neighborhood(const std::vector<Vec3d>& points, Vec3d center) : points_(points), center_(center) {}
-
-  void add(uint32_t index) {
-    const Vec3d d = points_[index] - center_;
-    const Eigen::Vector3d v(d.x, d.y, d.z);
-    sum_ += v;
-    moments_ += v * v.transpose();
-    ++count_;
+/// Of normal noise a fifth lies within any quarter of a deviation around the middle; where much more has one height, as
+/// the ground under trees, the others are no noise. By chance few samples may do so, too.
+bool has_ground(std::vector<double>& height, double deviation) {
+  constexpr double at_most = 0.27, chance = 1;  // of all; times the root of their number
+  std::sort(height.begin(), height.end());
+  size_t most = 0;
+  for (size_t low = 0, high = 0; high < height.size(); ++high) {
+    while (height[high] - height[low] > deviation / 2) ++low;
+    most = std::max(most, high - low + 1);
   }
-  /// Standard deviation from the plane through them, or -1 where they lie on none.
-  double deviation() const {
-    const auto n = static_cast<double>(count_);
-    const Eigen::Vector3d mean = sum_ / n;
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(moments_ / n - mean * mean.transpose(), Eigen::EigenvaluesOnly);
-    const Eigen::Vector3d variance = solver.eigenvalues();
-    if (!(variance[1] > least_wide * variance[2]) || !(variance[0] < most_thick * variance[1])) return -1;
-    return std::sqrt(std::max(variance[0], 0.0) * n / (n - 3));
-  }
+  const auto all = static_cast<double>(height.size());
+  return static_cast<double>(most) > at_most * all + chance * std::sqrt(all);
+}
 
- private:
-  const std::vector<Vec3d>& points_;
-  Vec3d center_;
-  Eigen::Vector3d sum_ = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d moments_ = Eigen::Matrix3d::Zero();
-  size_t count_ = 0;
+struct Layer {
+  bool thin = false;      ///< beside its width
+  double deviation = -1;  ///< of its points, from the plane through them; < 0: not by noise
 };
 
-/// Neighborhood::deviation() of the smallest one that has it, or -1.
-double deviation_around(const std::vector<Vec3d>& points, const KdTree& tree, Vec3d center, size_t fewest) {
+Layer layer_of(const std::vector<Vec3d>& points, Vec3d center, std::span<const uint32_t> near) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  for (const uint32_t index : near) {
+    const Vec3d d = points[index] - center;
+    const Eigen::Vector3d v(d.x, d.y, d.z);
+    sum += v;
+    moments += v * v.transpose();
+  }
+  const auto n = static_cast<double>(near.size());
+  const Eigen::Vector3d mean = sum / n;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(moments / n - mean * mean.transpose());
+  const Eigen::Vector3d variance = solver.eigenvalues();
+  if (!(variance[1] > least_wide * variance[2]) || !(variance[0] < most_thick * variance[1])) return {};
+  const double deviation = std::sqrt(std::max(variance[0], 0.0) * n / (n - 3));
+  const Eigen::Vector3d normal = solver.eigenvectors().col(0);
+  std::vector<double> height;
+  for (const uint32_t index : near) {
+    const Vec3d d = points[index] - center;
+    height.push_back(normal.x() * d.x + normal.y() * d.y + normal.z() * d.z);
+  }
+  return {true, has_ground(height, deviation) ? -1 : deviation};
+}
+
+/// The layer in the smallest neighborhood where it is thin.
+Layer look_around(const std::vector<Vec3d>& points, const KdTree& tree, Vec3d center, size_t fewest) {
   std::array<uint32_t, most_near> index{};
   std::array<double, most_near> squared{};
   const size_t found = tree->knnSearch(&center.x, most_near, index.data(), squared.data());
-  Neighborhood around(points, center);
-  size_t added = 0;
-  for (size_t count = fewest; count <= found; count *= 2) {
-    for (; added < count; ++added) around.add(index[added]);
-    if (const double deviation = around.deviation(); deviation >= 0) return deviation;
-  }
-  return -1;
+  for (size_t count = fewest; count <= found; count *= 2)
+    if (const Layer layer = layer_of(points, center, {index.data(), count}); layer.thin) return layer;
+  return {};
 }
 
 /// Every so manieth point.
@@ -91,20 +101,23 @@ double measure_noise(std::span<const Vec3d> positions, const Context& context) {
   std::vector<Vec3d> asked;
   for (size_t k = 0, step = (points.size() + most_asked - 1) / most_asked; k < points.size(); k += step)
     asked.push_back(points[k]);
-  std::vector<double> found(asked.size(), -1.0);
+  std::vector<Layer> found(asked.size());
   for (size_t thinning = 0; thinning <= thinnings && points.size() >= 2 * most_near; ++thinning) {
     if (thinning > 0) points = thinned(points);
     const KdTree tree(points);
     parallel_chunks(context, asked.size(), asked_per_task, [&](size_t begin, size_t end) {
       context.check();
       for (size_t k = begin; k < end; ++k)
-        if (found[k] < 0) found[k] = deviation_around(points, tree, asked[k], thinning == 0 ? fewest_near : most_near);
+        if (!found[k].thin) found[k] = look_around(points, tree, asked[k], thinning == 0 ? fewest_near : most_near);
     });
   }
-  std::erase_if(found, [](double deviation) { return deviation < 0; });
-  if (static_cast<double>(found.size()) < enough * static_cast<double>(asked.size())) return 0;
-  std::nth_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2), found.end());
-  return found[found.size() / 2];
+  std::vector<double> deviations;
+  for (const Layer& layer : found)
+    if (layer.deviation >= 0) deviations.push_back(layer.deviation);
+  if (static_cast<double>(deviations.size()) < enough * static_cast<double>(asked.size())) return 0;
+  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
+  std::nth_element(deviations.begin(), middle, deviations.end());
+  return rounded(*middle);
 }
 
 }  // namespace soapfilm

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/rounded.h"
 #include "soapfilm/orient/area_weights.h"
 #include "soapfilm/orient/facet_plane.h"
 #include "soapfilm/orient/sample_cells.h"
@@ -25,14 +26,8 @@ constexpr double large = 1.5;
 /// too: six outliers may lie in a plane, but not together with those around them.
 enum class State : uint8_t { settled, open, found, to_confirm };
 
-/// To about four digits: rounding errors after a permutation of the axes must not reach the mesh.
-float rounded(double value) {
-  int exponent = 0;
-  const double mantissa = std::frexp(value, &exponent);
-  return static_cast<float>(std::ldexp(std::round(mantissa * 4096) / 4096, exponent));
-}
-
-Vec3f rounded(Vec3f unit) {
+/// To about four digits, as the lengths are.
+Vec3f rounded_unit(Vec3f unit) {
   constexpr float steps = 16384;
   return normalized(Vec3f{std::round(unit.x * steps), std::round(unit.y * steps), std::round(unit.z * steps)});
 }
@@ -171,12 +166,12 @@ class Survey {
       if (first_filled_[i] == depth + 1 && !plane.confirms_edge()) surface_.spacing[i] = 0;
       const bool found = is_first ? plane.found : plane.found_far;
       if (plane.filled && (found || is_first)) {
-        surface_.area[i] = rounded(plane.area * cells.side() * cells.side());
-        surface_.spacing[i] = plane.agrees() ? rounded(plane.spacing * cells.side()) : 0.0f;
+        surface_.area[i] = static_cast<float>(rounded(plane.area * cells.side() * cells.side()));
+        surface_.spacing[i] = plane.agrees() ? static_cast<float>(rounded(plane.spacing * cells.side())) : 0.0f;
       }
       if (plane.filled && is_first) first_filled_[i] = static_cast<uint8_t>(depth);
       if (found) {
-        surface_.normal[i] = rounded(plane.normal);
+        surface_.normal[i] = rounded_unit(plane.normal);
         state_[i] = State::found;
         found_now[side] += plane.agrees();
         continue;
