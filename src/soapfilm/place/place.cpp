@@ -28,10 +28,6 @@ double voxel_of_sheets(double voxel, const SideStatistics& sides, const Box3d& b
   return std::clamp(sheets.thickness * box.longest() / held_well, finest * voxel, voxel);
 }
 
-/// The voxel over the samples' noise, at least: so 95 % of the samples are within two voxels of the surface in a room
-/// before a depth camera, where the noise of the far half is twice as large.
-constexpr double least_over_noise = 1.75;
-
 double voxel_as_given(const PlaceParams& params, const Box3d& box) {
   if (params.resolution) return voxel_of_resolution(box, *params.resolution, params.padding);
   if (*params.voxel <= box.longest()) return *params.voxel;
@@ -95,7 +91,8 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const LocalSurface& s
   grid.default_voxel = voxel_of_spacing(params, box, sampling, surface);
   grid.noise = measure_noise(cloud.positions, context);
   const bool is_given = params.voxel || params.resolution;
-  if (const double by_noise = least_over_noise * grid.noise; by_noise > grid.default_voxel && by_noise < box.longest() / 8) {
+  if (const double by_noise = default_voxel_over_noise * grid.noise;
+      by_noise > grid.default_voxel && by_noise < box.longest() / 8) {
     grid.default_voxel = by_noise;
     grid.voxel_by_noise = !is_given;
   }

@@ -14,6 +14,10 @@
 
 namespace soapfilm {
 
+/// The voxel over the samples' noise, at least: so 95 % of the samples are within two voxels of the surface in a room
+/// before a depth camera, where the noise of the far half is twice as large.
+inline constexpr double default_voxel_over_noise = 1.75;
+
 struct Grid {
   Lattice lattice;
   double density = 0;  ///< samples per voxel^2 of surface
@@ -26,7 +30,8 @@ struct Grid {
 };
 
 /// The voxel as given, or by the spacing of the samples and the thickness of sheets, but not far below the samples'
-/// noise: more samples than that say where the surface is, not how it is shaped. The lattice around the samples' box. `by_area`: the density is an average over the area, where it could be measured, not over the samples. Throws
+/// noise: more samples than that say where the surface is, not how it is shaped. The lattice around the samples' box.
+/// `by_area`: the density is an average over the area, where it could be measured, not over the samples. Throws
 /// ParameterError where no such lattice is possible.
 Grid place_grid(const PointCloud& cloud, const Box3d& box, const LocalSurface& surface, const PlaceParams& params,
                 bool by_area, const Context& context);
