@@ -19,11 +19,12 @@ constexpr double lambda = 0.02;
 constexpr int resolution = 96;
 
 BorderReport chosen_for(const PointCloud& cloud, int threads = 1, const Surroundings& scanners = {},
-                        int resolution = TEST_FILE::resolution) {
-  Problem problem = make_problem(cloud, resolution);
-  const Problem same = make_problem(cloud, resolution);
+                        int along_box = resolution) {
+  Problem problem = make_problem(cloud, along_box);
+  const Problem same = make_problem(cloud, along_box);
   const BorderReport report =
-      choose_border({problem.lattice, problem.support, lambda, Norm::isotropic, 1}, scanners, {}, {}, Context(threads));
+      choose_border({problem.lattice, problem.support, lambda, Norm::isotropic, 1, problem.lattice.voxel}, scanners, {},
+                    {}, Context(threads));
   for (size_t b = 0; b < problem.support.grid.size(); ++b)
     EXPECT_TRUE(
         std::equal(same.support.f.brick(b), same.support.f.brick(b) + brick_volume, problem.support.f.brick(b)));
@@ -153,6 +154,50 @@ TEST(Border, ScannersUnderAnOpenSkyMakeItOpen) {
   EXPECT_LT(scanners.covered, 0.75);
   const BorderReport known = chosen_for(ditch, 1, scanners, along_box);
   EXPECT_EQ(known.chosen, Border::open) << known.reason;
+}
+
+/// A room of 4 x 3 x 2.5, seen from within: all of its six sides.
+PointCloud room(int samples) {
+  const Vec3d size{4, 3, 2.5};
+  Random random(9);
+  PointCloud cloud;
+  while (static_cast<int>(cloud.size()) < samples) {
+    const int axis = static_cast<int>(random.uniform(0, 3));
+    if (random.uniform(0, 12) > size.x * size.y * size.z / size[axis]) continue;
+    Vec3d p{random.uniform(0, size.x), random.uniform(0, size.y), random.uniform(0, size.z)};
+    Vec3f inward;
+    inward[axis] = random.uniform() < 0.5 ? -1 : 1;
+    p[axis] = inward[axis] > 0 ? 0 : size[axis];
+    cloud.positions.push_back(p);
+    cloud.normals.push_back(inward);
+  }
+  cloud.scans.push_back({"room", 0, cloud.size(), {}, {}, {}});
+  return cloud;
+}
+
+/// The question is one of the scene, not of the grid that was asked for.
+TEST(Border, TheChoiceDoesNotDependOnTheVoxel) {
+  struct Case {
+    const char* name;
+    PointCloud cloud;
+    Border chosen;
+    bool ends;
+  };
+  for (const Case& c :
+       {Case{"sphere", sampled("sphere", resolution, 1), Border::air, false},
+        Case{"sheet", terrain(), Border::open, true}, Case{"room", room(25000), Border::solid, false}}) {
+    constexpr int padding = 6;
+    const double default_voxel = voxel_of_resolution(c.cloud.box(), resolution, padding);
+    for (const double factor : {0.5, 1.0, 2.0, 4.0}) {
+      Problem problem = make_problem(c.cloud, place_lattice(c.cloud.box(), factor * default_voxel, padding));
+      const double density = factor * factor;
+      const BorderReport report =
+          choose_border({problem.lattice, problem.support, density * lambda, Norm::isotropic, density, default_voxel},
+                        {}, {}, {}, Context(2));
+      EXPECT_EQ(report.chosen, c.chosen) << c.name << " at " << factor << " voxels: " << report.reason;
+      EXPECT_EQ(report.ends, c.ends) << c.name << " at " << factor << " voxels: " << report.reason;
+    }
+  }
 }
 
 TEST(Border, IsTheSameForAnyNumberOfThreads) {

@@ -26,10 +26,12 @@ constexpr double mostly_closing = 0.4, half = 0.5;
 
 /// The level whose cells are nearest to four default voxels or, where samples are farther apart than two voxels, twice
 /// their spacing: the minimal surface between samples costs there what it costs on finer levels. So it is the same scale
-/// of the scene, whatever the voxel that was asked for.
+/// of the scene where a larger voxel was asked for. Where a smaller one was, it is level 2 nevertheless: f reaches three
+/// voxels to each side of the samples, and in larger cells what is before them and what is behind cancel out.
 int trial_level(const BorderProblem& problem) {
   const double by_scale = std::log2(4 * problem.default_voxel / problem.lattice.voxel);
-  int level = static_cast<int>(std::lround(std::clamp(by_scale, 0.0, 12.0)));
+  constexpr double coarsest = 2;
+  int level = static_cast<int>(std::lround(std::clamp(by_scale, 0.0, coarsest)));
   for (double here = std::ldexp(problem.density, 2 * (level - 1)); here < 1 && level < 5; here *= 4) ++level;
   return std::min(level, problem.lattice.levels - 1);
 }
