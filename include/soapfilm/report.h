@@ -126,6 +126,7 @@ struct SelfCheckReport {
   size_t places = 0;    ///< compared points on the surface, one on some triangles; weighted by triangle area
   double lost = 0;      ///< share of these samples, by weight, that are far from the mesh, [0, 1]
   double outliers = 0;  ///< share of the lost ones whose neighbors show no surface, [0, 1]; a guess
+  double alone = 0;     ///< share of the lost ones that have hardly any neighbors, [0, 1]
   double noise = 0;     ///< standard deviation of the samples' noise, voxels, if it loses most of them; else 0; a guess
   double invented = 0;  ///< share of the surface that is far from every sample, [0, 1]
 };

@@ -4,7 +4,7 @@
 
 namespace soapfilm {
 
-bool looks_like_surface(const GridSamples& samples, Vec3d place) {
+Company company_of(const GridSamples& samples, Vec3d place) {
   constexpr double reach = 8;  // voxels
   constexpr double fewest = 6;
   constexpr double most_thick = 0.15;  // least over middle variance
@@ -27,13 +27,14 @@ bool looks_like_surface(const GridSamples& samples, Vec3d place) {
       ++count;
     }
   }
-  if (count < fewest) return false;
+  if (count < fewest) return Company::few;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   const Eigen::Vector3d mean = sum / count;
   solver.computeDirect(moments / count - mean * mean.transpose(), Eigen::EigenvaluesOnly);
   const Eigen::Vector3d variance = solver.eigenvalues();
   constexpr double line = 0.05;  // middle over largest variance
-  return variance[0] <= most_thick * variance[1] || variance[1] <= line * variance[2];
+  const bool surface = variance[0] <= most_thick * variance[1] || variance[1] <= line * variance[2];
+  return surface ? Company::surface : Company::scattered;
 }
 
 }  // namespace soapfilm

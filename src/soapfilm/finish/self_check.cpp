@@ -166,13 +166,20 @@ std::vector<uint32_t> lost_of(const std::vector<Vec3d>& picked, double reach, co
   return reached.keep_missed();
 }
 
-/// Share of outliers among the lost samples, or among some of them.
-double outlier_share(const std::vector<Vec3d>& picked, const std::vector<uint32_t>& lost, const GridSamples& samples) {
+/// What is around the lost samples, or around some of them.
+void look_around_lost(const std::vector<Vec3d>& picked, const std::vector<uint32_t>& lost, const GridSamples& samples,
+                      SelfCheckReport& report) {
   constexpr size_t enough = 400;
+  if (lost.empty()) return;
   const size_t step = (lost.size() + enough - 1) / enough;
-  size_t outliers = 0, looked_at = 0;
-  for (size_t k = 0; k < lost.size(); k += step, ++looked_at) outliers += !looks_like_surface(samples, picked[lost[k]]);
-  return static_cast<double>(outliers) / static_cast<double>(looked_at);
+  size_t outliers = 0, alone = 0, looked_at = 0;
+  for (size_t k = 0; k < lost.size(); k += step, ++looked_at) {
+    const Company company = company_of(samples, picked[lost[k]]);
+    outliers += company != Company::surface;
+    alone += company == Company::few;
+  }
+  report.outliers = static_cast<double>(outliers) / static_cast<double>(looked_at);
+  report.alone = static_cast<double>(alone) / static_cast<double>(looked_at);
 }
 
 /// Standard deviation of normal noise, as a multiple of `reach`, if a share `beyond` of it is farther than that from
@@ -240,7 +247,7 @@ SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const L
   if (picked.places.empty()) return report;
   const std::vector<uint32_t> lost = lost_of(picked.places, self_check_reach, mesh, lattice, context);
   report.lost = picked.share_of(lost);
-  if (!lost.empty()) report.outliers = outlier_share(picked.places, lost, samples);
+  look_around_lost(picked.places, lost, samples, report);
   if (report.lost > self_check_most_lost && report.lost < 0.5)
     report.noise = noise_of_lost(picked, report.lost, mesh, lattice, context);
   context.progress().advance(0.6, "samples");

@@ -131,19 +131,34 @@ void announce_trim(const TrimReport& trim, Trace& trace) {
 
 namespace {
 
+/// Empty where the noise of the samples is no reason to lose them. The voxel that helps is the one that would be chosen.
+std::string too_noisy(double noise, const ReconstructReport& report) {
+  constexpr double notably = 1.1;
+  const double helps = default_voxel_over_noise * noise;
+  if (helps < notably * report.grid.voxel) return {};
+  return fmt::format("their noise, about {:.2g}, is large for this grid; the mesh passes through their middle; try a "
+                     "larger --voxel, such as {:.2g}",
+                     noise, helps);
+}
+
 /// The most likely cause of lost samples, and what to try; half a line.
 std::string cause_of_loss(const ReconstructReport& report) {
   constexpr double mostly = 0.6;
-  const double lost = report.self_check.lost * static_cast<double>(report.input.samples);
+  const SelfCheckReport& check = report.self_check;
+  const double lost = check.lost * static_cast<double>(report.input.samples);
   if (report.params.method == Method::vrip) return "seen at grazing angles or by one ray alone; try --method tv";
-  if (report.self_check.noise > 0)
-    return fmt::format("their noise, about {:.2g}, is larger than a voxel; the mesh passes through their middle",
-                       report.self_check.noise * report.grid.voxel);
-  if (report.self_check.outliers > mostly)
+  if (std::string noise = too_noisy(check.noise * report.grid.voxel, report); !noise.empty()) return noise;
+  if (check.alone > mostly)
     return fmt::format(
-        "mostly outliers ({:.0f} % of these), around which others show no surface; if a part is missing, "
-        "try a smaller --voxel or --lambda",
-        100 * report.self_check.outliers);
+        "mostly outliers ({:.0f} % of these), far from all others; if a part is missing, try a smaller --voxel or "
+        "--lambda",
+        100 * check.alone);
+  if (std::string noise = too_noisy(report.input.noise, report); !noise.empty()) return noise;
+  if (check.outliers > mostly)
+    return fmt::format(
+        "{:.0f} % of these lie where samples show no surface, as in the crowns of trees; if a part is missing, try a "
+        "smaller --voxel or --lambda",
+        100 * check.outliers);
   if (report.trim && report.trim->leftovers > 0 && report.trim->removed_area > 0.1)
     return "pieces around a few samples were trimmed; try a larger --trim";
   if (report.components && 2.0 * static_cast<double>(report.components->samples) > lost)
@@ -172,6 +187,14 @@ std::string misplaced_scanners(const ReconstructReport& report) {
   return {};
 }
 
+/// Were most directions estimated, without a scanner's place and without knowing from where the scene was seen? Who has
+/// asked for what lies beyond the box has thought of that.
+bool sides_are_guessed(const ReconstructReport& report) {
+  const OrientReport& d = report.input.directions;
+  return 2 * d.estimated > report.input.samples && d.from_sensor + d.from_scan == 0 && d.assumed.empty() &&
+         report.params.border.outside == Border::automatic;
+}
+
 /// Empty where all is well.
 std::string made_up_surface(const ReconstructReport& report) {
   constexpr double much = 0.3;  // of the surface
@@ -179,10 +202,11 @@ std::string made_up_surface(const ReconstructReport& report) {
   const Method method = report.params.method;
   // vrip's surface closes nothing, and only tv's can end at the box.
   if (method == Method::vrip || report.outside == Border::open || report.trim || !(invented > much)) return {};
-  return fmt::format(
-      "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what was not scanned; try --trim "
-      "auto{}",
-      100 * invented, self_check_reach, method == Method::tv ? ", or --outside open" : "");
+  return fmt::format("{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what was not scanned{}",
+                     100 * invented, self_check_reach,
+                     sides_are_guessed(report)  ? ", or the guess of the samples' sides is wrong; try --sensor X,Y,Z"
+                     : method == Method::tv ? "; try --outside open, or --trim auto"
+                                            : "; try --trim auto");
 }
 
 }  // namespace

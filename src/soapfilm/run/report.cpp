@@ -197,6 +197,7 @@ ordered_json cross_validation_json(const CrossValidationReport& select) {
 ordered_json border_json(const BorderReport& border) {
   const auto energy = [](const std::optional<double>& e) { return e ? ordered_json(*e) : ordered_json(nullptr); };
   return {{"outside", name_of(border.chosen)},
+          {"ends", border.ends},
           {"reason", border.reason},
           {"turned", border.turned},
           {"level", border.level < 0 ? ordered_json(nullptr) : ordered_json(border.level)},
@@ -218,7 +219,7 @@ ordered_json scanners_json(const ScannerReport& r) {
 
 ordered_json self_check_json(const SelfCheckReport& r) {
   return {{"reach", self_check_reach}, {"samples", r.samples}, {"places", r.places},    {"lost", r.lost},
-          {"outliers", r.outliers},    {"noise", r.noise},     {"invented", r.invented}};
+          {"outliers", r.outliers},    {"alone", r.alone},     {"noise", r.noise},  {"invented", r.invented}};
 }
 
 ordered_json mesh_json(const ReconstructReport& report) {
