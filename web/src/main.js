@@ -119,9 +119,11 @@ function reconstruct(event) {
   event.preventDefault();
   state.convergence = new Convergence();
   const voxel = Number(byId('voxel').value);
+  const up = byId('up').value;
   const parameters = {
     ...runParameters,
     ...(voxel > 0 ? {place: {voxel}} : {}),
+    ...(up === 'auto' ? {} : {orient: {up}}),
     border: {outside: byId('outside').value},
   };
   show('run', 'actions');

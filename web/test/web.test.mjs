@@ -24,6 +24,7 @@ test('scans become the mesh of the program, and nothing is asked of the network'
   await page.waitForSelector('#settings:not([hidden])', {timeout: 60000});
   assert.match(await page.innerText('#found'), /8,000 samples/);
   assert.match(await page.innerText('#memory'), /at most 4,096 MiB for a page: voxels down to about 0\.00\d+ fit/);
+  await page.selectOption('#up', '-y'); // changes nothing, the samples have normals
   await page.click('#start');
   await page.waitForFunction(() => document.documentElement.dataset.ready === 'mesh', undefined, {timeout: 60000});
   assert.ok(new Set(await pixels(page)).size > 50, 'the picture is blank');
@@ -34,6 +35,9 @@ test('scans become the mesh of the program, and nothing is asked of the network'
   run('reconstruct', inOut('torus/samples.ply'), '-o', inOut('program.ply'), '--distance', '--gap');
   const body = (name) => readFileSync(inOut(name), 'latin1').replace(/^comment.*\n/gm, '');
   assert.ok(body('web.ply') === body('program.ply'), 'other bytes than the program');
+  const [report] = await Promise.all([page.waitForEvent('download'), page.click('#save-report')]);
+  await report.saveAs(inOut('web.json'));
+  assert.equal(JSON.parse(readFileSync(inOut('web.json'), 'utf8')).parameters.orient.up, '-y');
   assert.deepEqual(faults, []);
 });
 
