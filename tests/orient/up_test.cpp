@@ -105,6 +105,25 @@ TEST(Up, ClosedBodiesLookOutwardWhateverIsUp) {
   }
 }
 
+/// Outliers are the extreme points of such a cloud; they must not decide for all.
+TEST(Up, BodiesWithNoiseAmongOutliersLookOutward) {
+  for (const char* name : {"sphere", "torus", "part", "arch"})
+    for (const double outliers : {0.05, 0.1, 0.3}) {
+      const auto shape = make_shape(name);
+      SamplingParams how{.count = 20000, .noise = 0.007, .outliers = outliers};  // 0.6 to 0.8 spacings
+      PointCloud cloud = sample_surface(*shape, how, Context(2));
+      const std::vector<Vec3f> truth = std::exchange(cloud.normals, {});
+      const Oriented found = run(cloud);
+      double right = 0, all = 0;
+      for (size_t i = 0; i < truth.size(); ++i) {
+        if (shape->distance(cloud.positions[i]) > 3 * how.noise) continue;
+        ++all;
+        right += dot(found.directions[i], truth[i]) > 0;
+      }
+      EXPECT_GE(right, 0.95 * all) << name << ", outliers " << outliers << "\n" << found.lines();
+    }
+}
+
 /// A box sampled on all six sides.
 Seen box(Vec3d size, size_t count) {
   const std::array<double, 3> areas{size.y * size.z, size.z * size.x, size.x * size.y};

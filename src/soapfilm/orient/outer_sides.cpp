@@ -12,14 +12,15 @@ namespace {
 constexpr double least_of_sheet = 0.35;
 /// Cosine of the mean normal and up, below which a sheet stands upright.
 constexpr double upright = 0.25;
-/// Sum of votes over that of their sizes, below which they contradict each other.
-constexpr double close_votes = 0.3;
+/// Sum of votes over that of their sizes, below which they contradict each other: of extreme points, and of all.
+constexpr double close_votes = 0.3, close_flux = 0.1;
 
 struct Part {
   double count = 0, flat = 0;  ///< points
   Vec3d normals;               ///< sum over flat points; over all where almost none is flat
   Vec3d all_normals;
-  double vote = 0, votes = 0;  ///< sums over directions: of votes, and of their sizes
+  Vec3d middle;                ///< of the points
+  double vote = 0, votes = 0;  ///< sums: of votes, and of their sizes
 };
 
 bool mostly_rough(const Part& part) {
@@ -35,30 +36,43 @@ std::vector<Part> count(const SignedParts& parts) {
     const Plane& plane = parts.scene.planes[i];
     ++part.count;
     part.all_normals += plane.normal;
+    part.middle += parts.scene.points[i];
     if (!is_flat(plane)) continue;
     ++part.flat;
     part.normals += plane.normal;
   }
+  for (Part& part : found)
+    if (part.count > 0) part.middle = part.middle / part.count;
   return found;
 }
 
-/// The farthest point along a direction looks in it.
+/// Among noise the farthest points are outliers. The flux of x through a closed surface is three times its volume, to
+/// which each point contributes alike: outliers look to any side.
+void vote_by_flux(const SignedParts& parts, std::vector<Part>& found) {
+  for (size_t i = 0; i < parts.part.size(); ++i) {
+    if (parts.part[i] >= parts.count || !mostly_rough(found[parts.part[i]])) continue;
+    Part& part = found[parts.part[i]];
+    const double flux = dot(parts.scene.planes[i].normal, parts.scene.points[i] - part.middle);
+    part.vote += flux;
+    part.votes += std::abs(flux);
+  }
+}
+
+/// The farthest flat point along a direction looks in it.
 void vote_by_extremes(const SignedParts& parts, std::vector<Part>& found) {
   struct Furthest {
     double reach = -std::numeric_limits<double>::infinity();
-    bool flat = false;
     double vote = 0;
   };
   for (int code = 0; code < 27; ++code) {
     const Vec3d towards = normalized(static_cast<Vec3d>(Vec3i{code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1}));
     std::vector<Furthest> furthest(parts.count);
     for (size_t i = 0; i < parts.part.size(); ++i) {
-      if (parts.part[i] >= parts.count) continue;
+      if (parts.part[i] >= parts.count || mostly_rough(found[parts.part[i]])) continue;
       Furthest& best = furthest[parts.part[i]];
       const Plane& plane = parts.scene.planes[i];
       const double reach = dot(parts.scene.points[i], towards);
-      const bool flat = is_flat(plane) || mostly_rough(found[parts.part[i]]);
-      if (flat > best.flat || (flat == best.flat && reach > best.reach)) best = {reach, flat, dot(plane.normal, towards)};
+      if (is_flat(plane) && reach > best.reach) best = {reach, dot(plane.normal, towards)};
     }
     for (size_t c = 0; c < parts.count; ++c) {
       found[c].vote += furthest[c].vote;
@@ -71,6 +85,7 @@ void vote_by_extremes(const SignedParts& parts, std::vector<Part>& found) {
 
 OuterSides find_outer_sides(const SignedParts& parts, std::optional<Vec3d> up) {
   std::vector<Part> found = count(parts);
+  vote_by_flux(parts, found);
   vote_by_extremes(parts, found);
   OuterSides sides;
   for (const Part& part : found) {
@@ -86,7 +101,7 @@ OuterSides find_outer_sides(const SignedParts& parts, std::optional<Vec3d> up) {
       sides.sheets_up += points;
     } else {
       sides.votes.push_back(part.vote);
-      if (sheet || std::abs(part.vote) < close_votes * part.votes) sides.doubtful += points;
+      if (sheet || std::abs(part.vote) < (rough ? close_flux : close_votes) * part.votes) sides.doubtful += points;
     }
   }
   return sides;
