@@ -21,7 +21,7 @@ bool round_gap(Vec3d p) { return std::hypot(p.x - 20, p.y - 20) < 6; }
 struct Case {
   Mesh mesh = test::flat_sheet(side, {}, 1);
   TrimLevels levels;
-  std::vector<uint8_t> crossed;
+  std::vector<uint32_t> crossings;
   TrimReport report;
 
   explicit Case(const std::function<bool(Vec3d)>& made_up) {
@@ -39,9 +39,9 @@ struct Case {
     }
   }
   /// Does the region go?
-  bool goes(RegionRules rules = {.open = true}) {
+  bool goes(RegionRules rules = {.open = true, .distance = 3}) {
     const std::vector<double> before = levels.level;
-    const bool cut = choose_regions(mesh, levels, crossed, rules, report);
+    const bool cut = choose_regions(mesh, levels, crossings, rules, report);
     EXPECT_EQ(cut, report.removed > 0);
     EXPECT_EQ(report.removed + report.filled, 1u);
     for (size_t v = 0; v < before.size(); ++v)
@@ -52,7 +52,7 @@ struct Case {
 
 TEST(TrimRegions, AGapInTheSurfaceStays) {
   EXPECT_FALSE(Case(round_gap).goes());
-  EXPECT_TRUE(Case(round_gap).goes({.open = true, .holes = true}));
+  EXPECT_TRUE(Case(round_gap).goes({.open = true, .holes = true, .distance = 3}));
   EXPECT_FALSE(Case(round_gap).goes({.open = false}));
 }
 
@@ -69,7 +69,7 @@ TEST(TrimRegions, AMembraneGoes) {
 }
 
 TEST(TrimRegions, TheBackOfSomethingGoes) {
-  for (const auto& [share, back] : {std::pair{0.1, false}, {0.5, true}}) {
+  for (const auto& [share, back] : {std::pair{0.3, false}, {0.7, true}}) {
     Case c(round_gap);
     c.mark(c.levels.unfaced, share);
     EXPECT_EQ(c.goes(), back) << share;
@@ -77,13 +77,20 @@ TEST(TrimRegions, TheBackOfSomethingGoes) {
   }
 }
 
-TEST(TrimRegions, WhatRaysCrossedGoes) {
-  for (const auto& [share, gone] : {std::pair{0.05, false}, {0.2, true}}) {
+TEST(TrimRegions, WhatManyRaysCrossedGoes) {
+  for (const auto& [rays, gone] : {std::pair{3u, false}, {4u, true}}) {
     Case c(round_gap);
-    c.mark(c.crossed, share);
-    EXPECT_EQ(c.goes(), gone) << share;
+    c.crossings.assign(c.mesh.vertices.size(), 0);
+    for (size_t v = 0; v < c.crossings.size(); ++v)
+      if (c.mesh.vertices[v].x == 20 && c.mesh.vertices[v].y == 20) c.crossings[v] = rays;
+    EXPECT_EQ(c.goes(), gone) << rays;
     EXPECT_EQ(c.report.crossed, gone ? 1u : 0u);
   }
+}
+
+TEST(TrimRegions, AWideGapIsWhereTheSurfaceEnds) {
+  EXPECT_FALSE(Case(round_gap).goes({.open = true, .distance = 2.5}));
+  EXPECT_TRUE(Case(round_gap).goes({.open = true, .distance = 1.5}));
 }
 
 /// A bag that hangs from its rim is no gap, a shallow dish is one.

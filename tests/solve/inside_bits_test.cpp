@@ -86,7 +86,9 @@ TEST(InsideBits, TheInterfaceEndsAtAnOpenBorder) {
   for (size_t b = 0; b < level.grid.size(); ++b) {
     const BrickBits interface = inside.interface(b);
     for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
-      if (!level.box.is_free(v)) ASSERT_FALSE(interface.test(i & 7, i >> 3 & 7, i >> 6));
+      if (!level.box.is_free(v)) {
+        ASSERT_FALSE(interface.test(i & 7, i >> 3 & 7, i >> 6));
+      }
     });
   }
 }

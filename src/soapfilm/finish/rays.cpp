@@ -31,17 +31,17 @@ Vec3i cube_of(Vec3d p) {
 
 using Corners = std::array<Vec3d, 3>;
 
-/// Moeller and Trumbore 1997: does the piece of the ray from `begin` to `end`, lengths along the unit `way`, cross it?
-bool crosses(const Corners& c, Vec3d from, Vec3d way, double begin, double end) {
+/// Moeller and Trumbore 1997: length along the unit `way` at which the ray crosses the triangle, or -1.
+double crossing(const Corners& c, Vec3d from, Vec3d way) {
   const Vec3d ab = c[1] - c[0], ac = c[2] - c[0], p = cross(way, ac);
   const double det = dot(ab, p);
-  if (det == 0) return false;
+  if (det == 0) return -1;
   const Vec3d t = from - c[0];
   const double u = dot(t, p) / det;
-  if (!(u >= 0 && u <= 1)) return false;
+  if (!(u >= 0 && u <= 1)) return -1;
   const Vec3d q = cross(t, ab);
-  const double v = dot(way, q) / det, at = dot(ac, q) / det;
-  return v >= 0 && u + v <= 1 && at > begin && at < end;
+  const double v = dot(way, q) / det;
+  return v >= 0 && u + v <= 1 ? dot(ac, q) / det : -1;
 }
 
 /// The made-up triangles by the cubes that their boxes touch.
@@ -56,7 +56,8 @@ class MadeUp {
       const auto index = static_cast<uint32_t>(corners_.size());
       corners_.push_back(corners);
       vertex_.push_back(t[0]);
-      const Vec3i lo = cube_of(box.lo), hi = cube_of(box.hi);
+      const Vec3d rounding{1e-6, 1e-6, 1e-6};
+      const Vec3i lo = cube_of(box.lo - rounding), hi = cube_of(box.hi + rounding);
       for (int32_t z = lo.z; z <= hi.z; ++z)
         for (int32_t y = lo.y; y <= hi.y; ++y)
           for (int32_t x = lo.x; x <= hi.x; ++x) cubes_[key_of({x, y, z})].push_back(index);
@@ -83,11 +84,12 @@ class MadeUp {
     }
     for (double begin = first_counted; begin < length;) {
       const size_t axis = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
-      const double end = std::min(next[axis], length);
       if (const auto found = cubes_.find(key_of(at)); found != cubes_.end())
         for (const uint32_t i : found->second)
-          if (crosses(corners_[i], from, way, begin, end)) visit(vertex_[i]);
-      begin = end;
+          if (const double there = crossing(corners_[i], from, way);
+              there > first_counted && there < length && cube_of(from + way * there) == at)
+            visit(vertex_[i]);
+      begin = std::min(next[axis], length);
       at[static_cast<int>(axis)] += side[axis];
       next[axis] += step[axis];
     }
