@@ -109,6 +109,28 @@ TEST(SelfCheck, KnowsNoiseFromLostSurface) {
   }
 }
 
+/// Both are lost and show no surface, but outliers have hardly any others around them.
+TEST(SelfCheck, OutliersAreAloneAndLeavesAreNot) {
+  for (const bool leaves : {false, true}) {
+    Scene scene(20000, on_it, everywhere);
+    Random random(6);
+    for (int i = 0; i < 100; ++i) {
+      Vec3d p{random.uniform(0, Scene::side), random.uniform(0, Scene::side), random.uniform(10, 25)};
+      if (leaves) p = Vec3d{40, 40, 15} + 2.0 * Vec3d{random.normal(), random.normal(), random.normal()};
+      scene.cloud.positions.push_back(scene.at(p.x, p.y, p.z));
+      scene.cloud.normals.push_back({0, 0, 1});
+    }
+    scene.samples = sort_samples(scene.cloud, scene.cloud.normals, scene.lattice, Context(1));
+    const SelfCheckReport report = scene.check();
+    EXPECT_NEAR(report.lost, 100.0 / 20100, 0.002);
+    EXPECT_GT(report.outliers, 0.9) << leaves;
+    if (leaves)
+      EXPECT_LT(report.alone, 0.1);
+    else
+      EXPECT_GT(report.alone, 0.9);
+  }
+}
+
 TEST(SelfCheck, ThreadsDoNotMatter) {
   const Scene scene(
       50000, [](double x) { return 0.06 * x; }, everywhere);

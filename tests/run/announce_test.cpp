@@ -121,5 +121,31 @@ TEST(Announce, OnlyTheDefaultMethodCanBeOpen) {
   EXPECT_TRUE(says(report, "--trim auto")) << warnings_of(report);
 }
 
+/// All lines about a trimmed mesh.
+std::string lines_of(const TrimReport& trim) {
+  struct Lines : Progress {
+    std::string all;
+    void info(const std::string& line) override { all += line + "\n"; }
+  } lines;
+  const Context context(1, lines);
+  Trace trace(context);
+  announce_trim(trim, trace);
+  return lines.all;
+}
+
+TEST(Announce, TrimmingSaysWhatWent) {
+  TrimReport trim;
+  trim.distance = 0.3;
+  EXPECT_EQ(lines_of(trim), "");
+  trim.removed = 2, trim.removed_area = 0.1;
+  EXPECT_EQ(lines_of(trim), "trimmed: 10 % of the area, farther than 0.3 from any sample\n");
+  trim.unfaced = 1, trim.filled = 1;
+  EXPECT_EQ(lines_of(trim),
+            "trimmed: 10 % of the area, farther than 0.3 from any sample or facing none; 1 hole stays filled "
+            "(--trim-holes)\n");
+  trim.shells = 2;
+  EXPECT_EQ(lines_of(trim).find("2 closed parts inside out dropped\n"), 0u);
+}
+
 }  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -20,6 +20,7 @@ def oracle(knot):
      dict(weights="samples", distance=True, support="on", attributes="all")),
     ("--trim 0.05 --trim-holes --outside air --directions normals",
      dict(trim=0.05, trim_holes=True, outside="air", directions="normals")),
+    ("--directions estimate --up=-y", dict(directions="estimate", up="-y")),
     ("--tolerance 0.01 --max-iterations 500 --settle off --norm anisotropic",
      dict(solve=dict(tolerance=0.01, max_iterations=500, settle=False), energy=dict(norm="anisotropic"))),
 ])

@@ -110,7 +110,8 @@ int main(void) {
   free(rows);
   if (soapfilm_cloud_size(cloud) != count) return failed("the cloud's size");
   const char* parameters =
-      "{\"place\": {\"resolution\": 64}, \"surface\": {\"distance\": true, \"attributes\": [\"all\"]}}";
+      "{\"place\": {\"resolution\": 64}, \"orient\": {\"up\": \"-y\"},"
+      " \"surface\": {\"distance\": true, \"attributes\": [\"all\"]}}";
   if (soapfilm_reconstruct(context, cloud, parameters, &result))
     return failed(soapfilm_error(context));
   if (watch.stages < 8) return failed("stages were not told");
@@ -137,6 +138,7 @@ int main(void) {
 
   /* The report has a proof, and as parameters it gives the same bytes. */
   if (!strstr(soapfilm_report(result), "\"certificate\"")) return failed("no certificate");
+  if (!strstr(soapfilm_report(result), "\"up\": \"-y\"")) return failed("where up is, was not taken");
   if (soapfilm_reconstruct(context, cloud, soapfilm_report(result), &again)) return failed(soapfilm_error(context));
   if (soapfilm_vertex_count(again) != vertices ||
       memcmp(soapfilm_vertices(again), at, 3 * vertices * sizeof *at) != 0 ||
@@ -148,6 +150,8 @@ int main(void) {
   if (soapfilm_reconstruct(context, cloud, "{\"place\": {\"voxel\": -1}}", &again) != SOAPFILM_REFUSED || again ||
       !strstr(soapfilm_error(context), "voxel = -1"))
     return failed("a bad voxel was not refused");
+  if (soapfilm_reconstruct(context, cloud, "{\"orient\": {\"up\": \"w\"}}", &again) != SOAPFILM_REFUSED || again)
+    return failed("a bad axis was not refused");
   if (soapfilm_cloud_read(context, cloud, "/no/such/file.ply") != SOAPFILM_UNREADABLE) return failed("an absent file");
   if (soapfilm_write_mesh(context, result, "/no/such/folder/mesh.ply") != SOAPFILM_UNWRITABLE)
     return failed("an absent folder");
