@@ -52,7 +52,7 @@ struct PointCloud {
   std::vector<Column> columns;    ///< whatever else a file has; names differ
   std::vector<Scan> scans;        ///< in order, without gaps: together they cover all samples
   std::string coordinate_system;  ///< of a georeferenced file: WKT or "EPSG:NUMBER"; empty if unknown
-  bool is_survey = false;         ///< from files of surveys (LAS): z is up, and what scanned it flew, unless it is known
+  bool is_survey = false;  ///< from files of surveys (LAS): z is up, and what scanned it flew, unless it is known
 
   size_t size() const { return positions.size(); }
   Box3d box(const Context& context = Context(1)) const;

@@ -21,12 +21,12 @@ struct StageTime {
 /// Where each sample's direction came from: counts of samples.
 struct OrientReport {
   size_t from_normals = 0, from_sensor = 0, from_scan = 0;
-  size_t from_planes = 0;  ///< of those two, by `automatic`: now normals of planes through neighbors, same side
+  size_t from_planes = 0;    ///< of those two, by `automatic`: now normals of planes through neighbors, same side
   size_t far_planes = 0;     ///< samples along lines, such as rings, whose plane comes from beyond their neighbors
   size_t without_plane = 0;  ///< samples without a given normal that have no plane around them either
   size_t estimated = 0;
   std::string assumed;  ///< one line: what the sides of samples without any direction follow from; empty: nothing
-  bool inward = false;           ///< the given normals mostly point towards the center of the samples
+  bool inward = false;  ///< the given normals mostly point towards the center of the samples
   size_t without_direction = 0;  ///< their direction is zero: no neighbors that span a plane
   double contradicting = 0;      ///< share of pairs of neighboring directions on one plane that contradict, [0, 1]
   size_t reoriented = 0;         ///< normals whose sign was therefore not used and is now reversed

@@ -25,9 +25,10 @@ constexpr double little = 0.05;
 constexpr double mostly_closing = 0.4, half = 0.5;
 
 /// The level whose cells are nearest to four default voxels or, where samples are farther apart than two voxels, twice
-/// their spacing: the minimal surface between samples costs there what it costs on finer levels. So it is the same scale
-/// of the scene where a larger voxel was asked for. Where a smaller one was, it is level 2 nevertheless: f reaches three
-/// voxels to each side of the samples, and in larger cells what is before them and what is behind cancel out.
+/// their spacing: the minimal surface between samples costs there what it costs on finer levels. So it is the same
+/// scale of the scene where a larger voxel was asked for. Where a smaller one was, it is level 2 nevertheless: f
+/// reaches three voxels to each side of the samples, and in larger cells what is before them and what is behind cancel
+/// out.
 int trial_level(const BorderProblem& problem) {
   const double by_scale = std::log2(4 * problem.default_voxel / problem.lattice.voxel);
   constexpr double coarsest = 2;
@@ -176,13 +177,11 @@ class Choice {
     const auto share = [&](double e) { return std::max(0.0, (closed().energy - e) / closed().area_cost); };
     return {share(energy), share(bound)};
   }
-  bool under_open_sky(const Saving& spared) const {
-    return scanners_.under_open_sky() && spared.at_most > little;
-  }
+  bool under_open_sky(const Saving& spared) const { return scanners_.under_open_sky() && spared.at_most > little; }
   /// For a small sheet, the way to the border costs an open surface as much as it saves.
   bool is_sheet(const Saving& spared) const { return closed().closing > mostly_closing && spared.at_least > little; }
-  /// More of the closed surface is invented than seen, as behind the walls of a room: it is solved closed, since ways to
-  /// the border save nothing, and cut open afterwards.
+  /// More of the closed surface is invented than seen, as behind the walls of a room: it is solved closed, since ways
+  /// to the border save nothing, and cut open afterwards.
   bool mostly_invented() const { return closed().closing > half; }
   bool undecided(const Saving& spared) const {
     if (under_open_sky(spared) || is_sheet(spared)) return false;

@@ -23,8 +23,8 @@ struct Ray {
 std::vector<Ray> some_rays(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Lattice& lattice);
 
 /// For each vertex how many rays cross a triangle whose first corner it is, of the triangles that are made up
-/// altogether: `level` > 1 at each corner (TrimLevels). A ray's first three voxels do not count: that is noise. Does not
-/// depend on the number of threads.
+/// altogether: `level` > 1 at each corner (TrimLevels). A ray's first three voxels do not count: that is noise. Does
+/// not depend on the number of threads.
 std::vector<uint32_t> count_crossings(const Mesh& mesh, const std::vector<double>& level, const std::vector<Ray>& rays,
                                       const Lattice& lattice, const Context& context);
 

@@ -31,7 +31,8 @@ std::vector<Vec3d> vertex_normals(const Mesh& mesh) {
 /// or, where samples are sparse, within three times the distance of the nearest one.
 class Facing {
  public:
-  Facing(const GridSamples& samples, double reach) : samples_(samples), reach_(reach), places_(lattice_positions(samples)), tree_(places_) {}
+  Facing(const GridSamples& samples, double reach)
+      : samples_(samples), reach_(reach), places_(lattice_positions(samples)), tree_(places_) {}
 
   double at(Vec3d place, Vec3d normal, uint32_t& nearest) const {
     constexpr size_t most = 6;

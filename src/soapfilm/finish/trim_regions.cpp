@@ -14,15 +14,15 @@ namespace {
 constexpr double membrane_share = 0.1;  // of a mesh's area: larger regions are no holes to fill
 constexpr double back_share = 0.5;      // of a region's area, unfaced: more, and it is the back of something
 constexpr double few_rays = 3, crossings_per_voxel2 = 0.01;  // more is no accident of a few outliers' rays
-constexpr double widest_gap = 3;        // radius of a disk of a gap's area, in trim distances
-constexpr double film_share = 0.16;     // area over the square of the rim: a disk has 0.08, a half sphere 0.16
-constexpr double along = 0.7;           // cosine of a gap's mean normal and that of its rim
+constexpr double widest_gap = 3;                             // radius of a disk of a gap's area, in trim distances
+constexpr double film_share = 0.16;  // area over the square of the rim: a disk has 0.08, a half sphere 0.16
+constexpr double along = 0.7;        // cosine of a gap's mean normal and that of its rim
 
 /// What is known of a region, summed at its root.
 struct Region {
   double area = 0, unfaced = 0, crossed = 0;
-  double rim = 0;              ///< length, roughly: half of the edges that leave it
-  Vec3d normal, rim_normal;    ///< sums over its triangles, and over those around it
+  double rim = 0;            ///< length, roughly: half of the edges that leave it
+  Vec3d normal, rim_normal;  ///< sums over its triangles, and over those around it
   bool at_border = false;
 
   void operator+=(const Region& other) {

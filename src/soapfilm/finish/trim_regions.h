@@ -11,15 +11,16 @@
 namespace soapfilm {
 
 struct RegionRules {
-  bool open = false;   ///< the surface may end: only gaps in a surface around them stay
-  bool holes = false;  ///< none stays
+  bool open = false;               ///< the surface may end: only gaps in a surface around them stay
+  bool holes = false;              ///< none stays
   double distance = 1, voxel = 1;  ///< of the cut, input units
 };
 
 /// Sets the level of regions that stay to 0 and counts them in the report; returns whether anything remains to be cut.
 /// A region is a connected set of vertices with a level over 1. It stays where it fills a gap:
 ///   - on a closed surface, unless it has more than a tenth of the area;
-///   - on an open one it must be no wider than six times the cut's distance, must not reach the mesh's border, must not be crossed by more than a few rays (`crossings`, as
+///   - on an open one it must be no wider than six times the cut's distance, must not reach the mesh's border, must not
+///   be crossed by more than a few rays (`crossings`, as
 ///     count_crossings() has them; empty: unknown), mostly face samples, be no larger than a film across its rim, and
 ///     look where the surface around it looks.
 bool choose_regions(const Mesh& mesh, TrimLevels& levels, const std::vector<uint32_t>& crossings,

@@ -120,7 +120,8 @@ class Estimator {
     if (!params_.inward && !storey) up_ = params_.up;
     if (nothing_known && !storey && params_.is_survey) look_from_above(FromAbove::survey);
     propagate();
-    if (!nothing_known || storey || params_.is_survey || !mostly_sheets() || !is_flat_layer(scene(), params_.up)) return;
+    if (!nothing_known || storey || params_.is_survey || !mostly_sheets() || !is_flat_layer(scene(), params_.up))
+      return;
     look_from_above(FromAbove::flat_layer);
     propagate();
   }
@@ -275,8 +276,8 @@ class Estimator {
   std::vector<Vec3d> given_;       ///< per target: a normal whose sign is in doubt, or zero; empty: there are none
   std::vector<uint32_t> near_;     ///< per target: the sites nearest to it, nearest first
   std::vector<uint32_t> near_count_;
-  std::vector<Plane> planes_;        ///< per target
-  std::vector<uint8_t> far_;         ///< per target: its plane comes from beyond its neighbors
+  std::vector<Plane> planes_;  ///< per target
+  std::vector<uint8_t> far_;   ///< per target: its plane comes from beyond its neighbors
   std::vector<Vec3d> target_points_;
   std::vector<uint8_t> propagated_;  ///< per target: its sign comes from its neighbors
   std::vector<uint32_t> component_;  ///< per target: its connected part of those, or nobody

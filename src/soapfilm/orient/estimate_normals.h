@@ -30,9 +30,9 @@ struct NormalParams {
 };
 
 struct EstimatedNormals {
-  std::vector<Vec3d> normals;  ///< one per wanted sample, unit; zero where the neighbors span no plane
-  size_t propagated = 0;       ///< of them, how many have their sign by propagation
-  size_t components = 0;       ///< connected parts over which signs were propagated
+  std::vector<Vec3d> normals;            ///< one per wanted sample, unit; zero where the neighbors span no plane
+  size_t propagated = 0;                 ///< of them, how many have their sign by propagation
+  size_t components = 0;                 ///< connected parts over which signs were propagated
   FromAbove from_above = FromAbove::no;  ///< of all samples without hints
   size_t seen_from_above = 0;            ///< wanted samples whose side follows from that
   size_t sheets_up = 0;                  ///< of those propagated, in sheets that were turned towards `up`

@@ -14,8 +14,8 @@ namespace soapfilm {
 namespace {
 
 constexpr int coarsest_means = 6;          // depth: a 64th of the box
-constexpr size_t nearest_means = 12;     // means of cells
-constexpr double spans_plane = 0.15;  // Plane::wide of what is no line
+constexpr size_t nearest_means = 12;       // means of cells
+constexpr double spans_plane = 0.15;       // Plane::wide of what is no line
 constexpr double most_thick_mean = 0.015;  // Plane::flat
 constexpr size_t points_per_task = 512;
 
@@ -59,8 +59,8 @@ Around look_around(const std::vector<Vec3d>& means, const KdTree& tree, Vec3d p)
   if (plane.flat > most_thick_mean || plane.normal == Vec3d{}) return {Found::neither, {}};
   constexpr double steps = 16384;  // rounding errors after a permutation of the axes must not reach the mesh
   const Vec3d n = plane.normal;
-  return {Found::plane, normalized(Vec3f(Vec3d{std::round(n.x * steps), std::round(n.y * steps),
-                                               std::round(n.z * steps)}))};
+  return {Found::plane,
+          normalized(Vec3f(Vec3d{std::round(n.x * steps), std::round(n.y * steps), std::round(n.z * steps)}))};
 }
 
 /// The first depth at which cells hold several points each: at finer ones the points themselves show as much.
@@ -77,8 +77,7 @@ int finest_depth(const SampleOrder& order) {
 
 }  // namespace
 
-std::vector<Vec3f> far_planes(std::span<const Vec3d> points, std::span<const uint32_t> wanted,
-                              const Context& context) {
+std::vector<Vec3f> far_planes(std::span<const Vec3d> points, std::span<const uint32_t> wanted, const Context& context) {
   std::vector<Vec3f> normals(wanted.size());
   const Box3d box = box_of(points);
   if (wanted.empty() || !(box.longest() > 0)) return normals;

@@ -17,7 +17,8 @@ namespace {
 constexpr int coarser_at_most = 3;  // depths above the first filled one at which a plane is searched
 constexpr int coarsest = 4;         // depth: a sixteenth of the box
 /// Cells around a sample with others in them; and how many depths above the first of these its surface appears at the
-/// earliest, if the samples lie along lines: these are then at least eight times as far apart as samples on one of them.
+/// earliest, if the samples lie along lines: these are then at least eight times as far apart as samples on one of
+/// them.
 constexpr size_t company = 3;
 constexpr int line_depths = 3;
 /// Area of a sample over the mean one, above which it has to be confirmed at the next depth.
@@ -189,9 +190,9 @@ class Survey {
   std::span<const Vec3f> directions_;
   SampleOrder order_;
   const Context& context_;
-  std::vector<uint8_t> first_filled_;  ///< depth of each sample's first filled cells; 0: none yet
+  std::vector<uint8_t> first_filled_;   ///< depth of each sample's first filled cells; 0: none yet
   std::vector<uint8_t> first_company_;  ///< depth at which cells around each sample first hold others; 0: none yet
-  std::vector<State> state_;           ///< of each sample
+  std::vector<State> state_;            ///< of each sample
   LocalSurface surface_;
 };
 

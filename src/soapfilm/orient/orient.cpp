@@ -171,7 +171,7 @@ EstimatedNormals estimate_open(const PointCloud& cloud, const OrientSetup& param
   known.for_each(0, cloud.size(), [&](size_t i, const ScanFacts& facts) {
     if (directions[i] == Vec3f{}) hints[i] = towards_scanner(known, i, facts);
   });
-  NormalParams how{params.neighbors, params.radius, params.from_within, axis(params.up.value_or(Axis::z)),
+  NormalParams how{params.neighbors,      params.radius,  params.from_within, axis(params.up.value_or(Axis::z)),
                    params.up.has_value(), cloud.is_survey};
   EstimatedNormals estimated = estimate_normals(cloud.positions, wanted, hints, given, how, context);
   for (size_t k = 0; k < wanted.size(); ++k) directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);

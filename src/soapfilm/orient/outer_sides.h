@@ -29,8 +29,8 @@ struct OuterSides {
 /// Tells sheets from bodies: outward normals of a closed surface cancel each other (divergence theorem), those of a
 /// sheet do not. A sheet's outer side is that towards `up`, unless it stands upright. Of a body, and of other sheets,
 /// the extreme points in 26 directions look outward; that is right for bodies, and for a sheet a guess, for it follows
-/// its curvature. Only flat points vote, not outliers; where almost none is flat, in noise, all points vote, on the whole
-/// from the part's middle (the flux of x through a closed surface is three times its volume).
+/// its curvature. Only flat points vote, not outliers; where almost none is flat, in noise, all points vote, on the
+/// whole from the part's middle (the flux of x through a closed surface is three times its volume).
 OuterSides find_outer_sides(const SignedParts& parts, std::optional<Vec3d> up);
 
 }  // namespace soapfilm

@@ -67,8 +67,8 @@ std::vector<LevelPiece> level_pieces(const PlanePoints& scene, Vec3d up, double&
 }  // namespace
 
 bool is_flat_layer(const PlanePoints& scene, Vec3d up) {
-  constexpr double thin = 0.35;       // of the shorter width
-  constexpr double level = 0.6;       // cosine
+  constexpr double thin = 0.35;  // of the shorter width
+  constexpr double level = 0.6;  // cosine
   constexpr double mostly_level = 0.5;
   if (scene.points.empty()) return false;
   const std::array<int, 2> axes = across(up);
@@ -80,7 +80,7 @@ bool is_flat_layer(const PlanePoints& scene, Vec3d up) {
 }
 
 bool is_storey(const PlanePoints& scene, Vec3d up) {
-  constexpr double apart = 1.5;         // columns: a slope is no second piece
+  constexpr double apart = 1.5;          // columns: a slope is no second piece
   constexpr size_t fewest = 8, few = 3;  // pieces of a column; of each of its levels
   constexpr double nearly_all = 0.4;     // of the columns
   double column = 0;

@@ -26,7 +26,8 @@ inline bool is_flat(const Plane& plane) {
 /// is, seen from the air. Measured without the outermost fiftieths, so outliers do not matter.
 bool is_flat_layer(const PlanePoints& scene, Vec3d up);
 
-/// Do level pieces lie above each other nearly everywhere, as a floor and its ceiling do? Then no place above sees both.
+/// Do level pieces lie above each other nearly everywhere, as a floor and its ceiling do? Then no place above sees
+/// both.
 bool is_storey(const PlanePoints& scene, Vec3d up);
 
 }  // namespace soapfilm

@@ -20,9 +20,9 @@ inline constexpr double default_voxel_over_noise = 1.75;
 
 struct Grid {
   Lattice lattice;
-  double density = 0;  ///< samples per voxel^2 of surface
-  double area = 0;     ///< of the surface, voxel^2, roughly; 0: unknown
-  double noise = 0;    ///< of the samples, standard deviation, input units; 0: unknown
+  double density = 0;           ///< samples per voxel^2 of surface
+  double area = 0;              ///< of the surface, voxel^2, roughly; 0: unknown
+  double noise = 0;             ///< of the samples, standard deviation, input units; 0: unknown
   double default_voxel = 0;     ///< whatever was asked for, input units
   bool voxel_by_noise = false;  ///< not by the samples' spacing
   bool ends = false;            ///< the surface ends where it was not seen: BorderReport, once it is known

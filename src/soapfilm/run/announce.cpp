@@ -133,14 +133,16 @@ void announce_trim(const TrimReport& trim, Trace& trace) {
 
 namespace {
 
-/// Empty where the noise of the samples is no reason to lose them. The voxel that helps is the one that would be chosen.
+/// Empty where the noise of the samples is no reason to lose them. The voxel that helps is the one that would be
+/// chosen.
 std::string too_noisy(double noise, const ReconstructReport& report) {
   constexpr double notably = 1.1;
   const double helps = default_voxel_over_noise * noise;
   if (helps < notably * report.grid.voxel) return {};
-  return fmt::format("their noise, about {:.2g}, is large for this grid; the mesh passes through their middle; try a "
-                     "larger --voxel, such as {:.2g}",
-                     noise, helps);
+  return fmt::format(
+      "their noise, about {:.2g}, is large for this grid; the mesh passes through their middle; try a "
+      "larger --voxel, such as {:.2g}",
+      noise, helps);
 }
 
 /// The most likely cause of lost samples, and what to try; half a line.
@@ -204,11 +206,12 @@ std::string made_up_surface(const ReconstructReport& report) {
   const Method method = report.params.method;
   // vrip's surface closes nothing, and only tv's can end at the box.
   if (method == Method::vrip || report.outside == Border::open || report.trim || !(invented > much)) return {};
-  return fmt::format("{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what was not scanned{}",
-                     100 * invented, self_check_reach,
-                     sides_are_guessed(report)  ? ", or the guess of the samples' sides is wrong; try --sensor X,Y,Z"
-                     : method == Method::tv ? "; try --outside open, or --trim auto"
-                                            : "; try --trim auto");
+  return fmt::format(
+      "{:.0f} % of the mesh is farther than {:g} voxels from all samples: it closes what was not scanned{}",
+      100 * invented, self_check_reach,
+      sides_are_guessed(report) ? ", or the guess of the samples' sides is wrong; try --sensor X,Y,Z"
+      : method == Method::tv    ? "; try --outside open, or --trim auto"
+                                : "; try --trim auto");
 }
 
 }  // namespace

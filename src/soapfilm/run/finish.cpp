@@ -16,8 +16,8 @@ ReconstructReport facts_of(const PointCloud& cloud, const Box3d& box, const Reco
                            const std::shared_ptr<ReportDetails>& details) {
   ReconstructReport report;
   report.params = params;
-  report.input = {cloud.size(), 0, 0, cloud.scans.size(), box, cloud.coordinate_system, grid.density, directions,
-                  grid.noise};
+  report.input = {cloud.size(), 0,          0,         cloud.scans.size(), box, cloud.coordinate_system,
+                  grid.density, directions, grid.noise};
   report.grid = grid.lattice;
   report.certificate.lambda = lambda.value;
   details->select = lambda.select;

@@ -315,9 +315,11 @@ void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, 
   check();
 }
 
-void MemoryBudget::plan_mesh(const Level& level, bool checked, const Context& context) {
+void MemoryBudget::plan_mesh(const Level& level, bool checked, uint64_t faced_samples, const Context& context) {
   if (params_.method != Method::tv) return;
-  plan_.mesh_bytes = mesh_bytes(count_faces(level, params_.surface.threshold, context), checked);
+  constexpr uint64_t faced_bytes = 45;  // their places and a tree over them, and directions in addition to the views
+  plan_.mesh_bytes =
+      mesh_bytes(count_faces(level, params_.surface.threshold, context), checked) + faced_bytes * faced_samples;
   check();
 }
 

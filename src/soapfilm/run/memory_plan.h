@@ -108,8 +108,9 @@ class MemoryBudget {
   void plan_grid(const PointCloud& cloud, uint64_t support_bricks);
   /// `user`, which also plans each level of the solve as it begins; `data_bricks` are the data term's.
   PyramidObserver watch(PyramidObserver user, uint64_t data_bricks);
-  /// Call once the surface is known. `checked`: check_result() will follow on this mesh.
-  void plan_mesh(const Level& level, bool checked, const Context& context);
+  /// Call once the surface is known. `checked`: check_result() will follow on this mesh. `faced_samples`:
+  /// those that trimming asks on which side they look.
+  void plan_mesh(const Level& level, bool checked, uint64_t faced_samples, const Context& context);
   /// Call once the refinement's band is known.
   void plan_refinement(uint64_t rows, bool tries_coarser, uint64_t samples);
 

@@ -24,14 +24,14 @@ namespace {
 
 constexpr size_t samples_per_task = size_t{1} << 15;
 
-/// Weight that a sample without a surface around it may have. What a scanner measured from a known place is there, as a
-/// rule; directions that were estimated among scattered samples, as in the crowns of trees, mean less; and of a cloud
-/// of normals such samples are its outliers.
-double trust_alone(const OrientReport& directions) {
-  constexpr double measured = 16, estimated = 2;
+/// Weight that a sample without a surface around it may have. What a scanner under the open sky measured is there, as a
+/// rule: a pole, a far wall. Among samples that were seen from above, as in the crowns of trees, it means less; and
+/// elsewhere such samples are mostly outliers.
+double trust_alone(const OrientReport& directions, const Scanners& scanners) {
+  constexpr double measured = 16, from_above = 2;
   const size_t all = directions.from_normals + directions.from_sensor + directions.from_scan + directions.estimated;
-  if (2 * directions.from_sensor > all) return measured;
-  return directions.assumed.empty() ? 1 : estimated;
+  if (2 * directions.from_sensor > all && scanners.surroundings.under_open_sky()) return measured;
+  return scanners.from_above ? from_above : 1;
 }
 
 bool counts_by_area(const ReconstructParams& params) {
@@ -89,7 +89,8 @@ Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const
                          {energy, params.cross_validation, params.solve}, context);
   if (!counts_by_area(params)) return lambda;
   constexpr double most_weight = 50;
-  const std::vector<float> weights = weigh_by_area(oriented.surface, most_weight, trust_alone(oriented.report), context);
+  const std::vector<float> weights =
+      weigh_by_area(oriented.surface, most_weight, trust_alone(oriented.report, scanners), context);
   parallel_for(context, samples.size(), samples_per_task,
                [&](size_t k) { samples.direction[k] = samples.direction[k] * weights[samples.source[k]]; });
   return lambda;
@@ -120,9 +121,8 @@ BorderReport find_border(SupportField& field, const Grid& grid, double lambda, c
   }
   trace.stage("border", [&] {
     if (asked == Border::automatic) {
-      border = choose_border({grid.lattice, field, lambda, params.energy.norm, grid.density,
-                              grid.default_voxel}, scanners.surroundings,
-                             params.border, params.solve, context);
+      border = choose_border({grid.lattice, field, lambda, params.energy.norm, grid.density, grid.default_voxel},
+                             scanners.surroundings, params.border, params.solve, context);
     } else {
       border.chosen = asked;
       border.ends = asked == Border::open;

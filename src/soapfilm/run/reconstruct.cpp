@@ -76,7 +76,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     return segment(grid.lattice, field, samples, lambda.value, params,
                    memory.watch(experiment.observe, field.grid.size()), context);
   });
-  memory.plan_mesh(found.level, params.checked, context);
+  memory.plan_mesh(found.level, params.checked, grid.ends ? samples.size() : 0, context);
   warn_unconverged(found.report, lambda.value, params, trace);
   details->solve = found.report;
 

@@ -174,7 +174,8 @@ ordered_json relax_json(const RelaxReport& r) {
 
 ordered_json trim_json(const TrimReport& r) {
   return {{"distance", r.distance},         {"removed", r.removed},     {"filled", r.filled},
-          {"removed_area", r.removed_area}, {"leftovers", r.leftovers}, {"unfaced", r.unfaced}, {"crossed", r.crossed}, {"shells", r.shells}, {"nothing_near", r.nothing_near}};
+          {"removed_area", r.removed_area}, {"leftovers", r.leftovers}, {"unfaced", r.unfaced},
+          {"crossed", r.crossed},           {"shells", r.shells},       {"nothing_near", r.nothing_near}};
 }
 
 ordered_json cross_validation_json(const CrossValidationReport& select) {
@@ -218,8 +219,8 @@ ordered_json scanners_json(const ScannerReport& r) {
 }
 
 ordered_json self_check_json(const SelfCheckReport& r) {
-  return {{"reach", self_check_reach}, {"samples", r.samples}, {"places", r.places},    {"lost", r.lost},
-          {"outliers", r.outliers},    {"alone", r.alone},     {"noise", r.noise},  {"invented", r.invented}};
+  return {{"reach", self_check_reach}, {"samples", r.samples}, {"places", r.places}, {"lost", r.lost},
+          {"outliers", r.outliers},    {"alone", r.alone},     {"noise", r.noise},   {"invented", r.invented}};
 }
 
 ordered_json mesh_json(const ReconstructReport& report) {
