@@ -302,6 +302,59 @@ TEST(CoarseToFine, ALevelEndsWhenItsLabelsHaveSettled) {
   EXPECT_EQ(threaded.reports.back().energies.gap, ended.energies.gap);
 }
 
+/// Rings on hilly ground, ever farther apart, as a spinning scanner sees them.
+PointCloud rings() {
+  PointCloud cloud;
+  for (double radius = 0.05; radius < 1; radius *= 1.3)
+    for (int i = 0; i < 720; ++i) {
+      const double angle = i * M_PI / 360, x = radius * std::cos(angle), y = radius * std::sin(angle);
+      cloud.positions.push_back({x, y, 0.1 * std::sin(7 * x) * std::cos(5 * y)});
+      cloud.normals.push_back(Vec3f(
+          normalized(Vec3d{-0.7 * std::cos(7 * x) * std::cos(5 * y), 0.5 * std::sin(7 * x) * std::sin(5 * y), 1})));
+    }
+  cloud.scans.push_back({"rings", 0, cloud.size(), {}, {}, {}});
+  return cloud;
+}
+
+/// Of an open surface no coarse level takes more than its share of the work; what is proved holds all the same.
+TEST(CoarseToFine, CoarseLevelsOfAnOpenSurfaceTakeABoundedShareOfTheWork) {
+  const Problem problem = [] {
+    const PointCloud cloud = rings();
+    Lattice lattice = lattice_of(cloud, 200);
+    lattice.open = true;
+    return make_problem(cloud, lattice);
+  }();
+  const auto solved = [&](bool settle, int threads) {
+    PrimalDualParams params;
+    params.settle = settle;
+    return solve_coarse_to_fine(problem.lattice, problem.support, 0.02, params, Context(threads));
+  };
+  const PyramidSolution bounded = solved(true, 1), all = solved(false, 1);
+  size_t spent = 0;
+  const double finest = 128.0 * static_cast<double>(problem.support.grid.vertices());
+  for (const LevelReport& level : bounded.reports) {
+    EXPECT_NE(level.stop, Stop::limit) << level.level;
+    spent += level.stop == Stop::spent;
+    if (level.level == 0) continue;
+    constexpr int after_growth = 40;
+    const auto vertices = static_cast<double>(level.active_vertices);
+    const double share = level.level == 1 ? 2 : 0.5;
+    EXPECT_LE(vertices * level.iterations, share * finest + after_growth * vertices) << level.level;
+  }
+  EXPECT_GT(spent, 0u);
+  for (const LevelReport& level : all.reports) EXPECT_NE(level.stop, Stop::spent) << level.level;
+
+  const Energies binary = evaluate_energy(bounded.finest, {.threshold = 0.5f, .certify = true}, one_thread);
+  const Energies best = evaluate_energy(all.finest, {.threshold = 0.5f, .certify = true}, one_thread);
+  EXPECT_LE(binary.dual, best.primal) << "a bound of any";
+  EXPECT_LE(best.dual, binary.primal);
+  EXPECT_LE(binary.primal, best.primal + 5e-3 * std::abs(best.primal));
+
+  const PyramidSolution threaded = solved(true, 3);
+  EXPECT_EQ(threaded.reports.back().iterations, bounded.reports.back().iterations);
+  EXPECT_EQ(threaded.reports.back().energies.gap, bounded.reports.back().energies.gap);
+}
+
 /// A film needs lambda times its area from either side of the band. With less it can only tear, whatever the
 /// iterations: the solver says so.
 TEST(CoarseToFine, ASurfaceThatTheBandBoundaryCannotFeedEndsStalled) {

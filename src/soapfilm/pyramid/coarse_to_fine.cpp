@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "soapfilm/pyramid/band.h"
@@ -31,6 +32,17 @@ double tolerance_of(int level, int start, double tolerance) {
   if (level == 0) return tolerance;
   return level == 1 && level < start ? next_to_finest * tolerance : std::min(tolerance, coarse_tolerance);
 }
+
+/// How much work, vertices times iterations, a coarse level of an open surface may take, in units of the finest
+/// level's: the vertices of its data times usual_iterations. Across wide gaps films are nearly as good in many places:
+/// a coarse level would look for the best one for longer than all others take together, and the finer ones move them
+/// anyway.
+double most_work(int level) {
+  constexpr double next_to_finest = 2, coarse = 0.5;
+  return level == 1 ? next_to_finest : coarse;
+}
+constexpr int usual_iterations = 128;
+constexpr int least_iterations = 32;  // on a band that has just grown
 
 /// sigma in units of the given parameter's. Where flux that was reduced (flux_kept()) must be restored, and the band is
 /// wide enough for it, larger steps of p save some iterations; elsewhere they cost some.
@@ -158,7 +170,7 @@ class Descent {
       stalls += report.stop == Stop::stalled;
       if (report.band_growths == max_growths) return level;
       const BrickMask grown = growth(level, held, context_);
-      const bool widen = tight && !report.converged && report.stop != Stop::settled;
+      const bool widen = tight && !report.converged && report.stop != Stop::settled && report.stop != Stop::spent;
       const double few = finest && box.open ? few_bricks * static_cast<double>(band.count()) : 0;
       if (static_cast<double>(grown.count()) <= few && !widen) return level;
       if (report.iterations >= params_.max_iterations || stalls > 1) return level;
@@ -179,9 +191,18 @@ class Descent {
     if (observe_.begins) observe_.begins(level, bricks.count(), beside);
   }
 
+  /// By the work that the level may take. The finest, those for a decision and those of closed surfaces may take all.
+  int iterations_left(const Level& level, const LevelReport& report) const {
+    if (!lattice_.open || !params_.settle || report.level == 0 || last_ > 0) return std::numeric_limits<int>::max();
+    const double finest = static_cast<double>(support_.grid.vertices()) * usual_iterations;
+    const double all = most_work(report.level) * finest / static_cast<double>(level.grid.vertices());
+    return std::max(least_iterations, static_cast<int>(std::min(all, 1e9)) - report.iterations);
+  }
+
   void solve(Level& level, LevelReport& report, int most_iterations) const {
     PrimalDualParams params = params_;
-    params.max_iterations = most_iterations;
+    const int may = iterations_left(level, report);
+    params.max_iterations = std::min(most_iterations, may);
     const bool rough = last_ > 0 && report.level <= start_;
     report.tolerance = params.tolerance =
         rough ? params_.tolerance : tolerance_of(report.level, start_, params_.tolerance);
@@ -203,7 +224,7 @@ class Descent {
     const PrimalDualReport solved = solve_primal_dual(level, params, context_, run);
     report.iterations += solved.iterations;
     report.converged = solved.converged;
-    report.stop = solved.stop;
+    report.stop = solved.stop == Stop::limit && may <= most_iterations ? Stop::spent : solved.stop;
     report.energies = solved.energies;
   }
 

@@ -22,14 +22,16 @@ constexpr int label_look_every = 32;
 constexpr double labels_per_area = 0.01;
 /// The thresholded gap counts as unchanged if it falls by at most this fraction between two comparisons.
 constexpr double same_gap = 0.01;
-/// The relaxed gap, a bound of what the dual can still gain, is at most this fraction of the thresholded one.
-constexpr double little_to_gain = 0.125;
+/// The relaxed gap, a bound of what the dual can still gain, is at most this fraction of the thresholded one. Films
+/// over wide gaps, of which open surfaces have many, lower it for hundreds of iterations without any change to the
+/// mesh.
+constexpr double little_to_gain = 0.125, little_for_films = 0.25;
 constexpr double labels_matter = 10;  // times the tolerance
 
 }  // namespace
 
 std::string_view name_of(Stop stop) {
-  constexpr std::array<std::string_view, 4> names = {"converged", "settled", "stalled", "limit"};
+  constexpr std::array<std::string_view, 5> names = {"converged", "settled", "stalled", "limit", "spent"};
   return names[static_cast<size_t>(stop)];
 }
 
@@ -54,7 +56,8 @@ bool Settling::found(int iterations, const Energies& relaxed) {
   const bool same = binary.gap >= (1 - same_gap) * gap_ && same_labels;
   iterations_ = iterations;
   gap_ = binary.gap;
-  return !first && same && relaxed.gap_band <= little_to_gain * binary.gap;
+  const double little = level_.box.open ? little_for_films : little_to_gain;
+  return !first && same && relaxed.gap_band <= little * binary.gap;
 }
 
 size_t Settling::changed_labels() {

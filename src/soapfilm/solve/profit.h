@@ -19,6 +19,7 @@ enum class Stop : uint8_t {
   settled,    ///< the thresholded u and its gap no longer change, and the dual cannot make that gap much smaller
   stalled,    ///< the gap no longer falls
   limit,      ///< the iterations ran out
+  spent,      ///< a coarse level of an open surface has taken its share of the run's work
 };
 
 std::string_view name_of(Stop stop);
