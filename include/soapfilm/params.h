@@ -35,8 +35,7 @@ enum class Axis : uint8_t { x, y, z, minus_x, minus_y, minus_z };
 struct OrientParams {
   DirectionSource source = DirectionSource::automatic;
   std::optional<Vec3d> sensor;   ///< scanner position of scans that have none, input units and frame
-  std::optional<Axis> up;        ///< a sheet without any known direction was seen from there; if not given: from z,
-                                 ///< unless that lies within it
+  std::optional<Axis> up;        ///< from where sheets without any known direction were seen; else z, except in a house
   int neighbors = 16;            ///< of a sample, for estimated normals; in [3, 1000]
   std::optional<double> radius;  ///< estimated normals: also all samples within this distance; > 0, input units
 };

@@ -112,23 +112,20 @@ struct RelaxReport {
 struct TrimReport {
   double distance = 0;             ///< used, input units
   size_t removed = 0, filled = 0;  ///< regions far from all samples, or facing none: cut away, and left as filled holes
-  size_t unfaced = 0;              ///< of those cut away: most of them near samples that look to the other side
-  size_t crossed = 0;              ///< of those cut away: rays of the scanners went through them
-  size_t shells = 0;               ///< closed parts of negative volume, dropped
-  double removed_area = 0;         ///< of all that was cut away, as a share of the mesh's area, [0, 1]
-  size_t leftovers = 0;            ///< small pieces left by the cuts, and dropped
-  bool nothing_near = false;       ///< no surface is within the distance: the mesh is unchanged
+  size_t unfaced = 0, crossed = 0;   ///< of those cut away: near samples that look to the other side; crossed by rays
+  double removed_area = 0;           ///< of all that was cut away, as a share of the mesh's area, [0, 1]
+  size_t shells = 0, leftovers = 0;  ///< dropped: closed parts of negative volume; small pieces left by the cuts
+  bool nothing_near = false;         ///< no surface is within the distance: the mesh is unchanged
 };
 
 /// Does the mesh contain what the samples show, and nothing else? "Far": more than 3 voxels.
 struct SelfCheckReport {
-  size_t samples = 0;   ///< compared
-  size_t places = 0;    ///< compared points on the surface, one on some triangles; weighted by triangle area
-  double lost = 0;      ///< share of these samples, by weight, that are far from the mesh, [0, 1]
-  double outliers = 0;  ///< share of the lost ones whose neighbors show no surface, [0, 1]; a guess
-  double alone = 0;     ///< share of the lost ones that have hardly any neighbors, [0, 1]
-  double noise = 0;     ///< standard deviation of the samples' noise, voxels, if it loses most of them; else 0; a guess
-  double invented = 0;  ///< share of the surface that is far from every sample, [0, 1]
+  size_t samples = 0;              ///< compared
+  size_t places = 0;               ///< compared points on the surface, one on some triangles; weighted by triangle area
+  double lost = 0;                 ///< share of these samples, by weight, that are far from the mesh, [0, 1]
+  double outliers = 0, alone = 0;  ///< shares of the lost ones: neighbors show no surface; hardly any; [0, 1], guesses
+  double noise = 0;                ///< standard deviation of the noise, voxels, if it loses most of them; else 0
+  double invented = 0;             ///< share of the surface that is far from every sample, [0, 1]
 };
 
 struct ScannerReport {
