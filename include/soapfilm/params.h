@@ -99,8 +99,7 @@ struct CrossValidationParams {
 struct PrimalDualParams {
   double tolerance = 1e-3;    ///< of the band's relative gap, > 0 (chosen by bench/results/tolerance.md)
   int max_iterations = 2000;  ///< per level, including those after its band grew, >= 1
-  bool settle = true;         ///< end a level when its labels do not change any more, whatever the relaxed gap; and
-                              ///< coarse levels of open surfaces when they have taken their share of the work
+  bool settle = true;         ///< end a level whose labels change no more; open coarse ones by their share of the work
   int check_every = 32;       ///< largest number of iterations between two gaps, 1 to 1000; the first comes after half
   double step_balance = 1.4;  ///< sigma in units of lambda at first, half of it near the end; tau = 1.3 / (12 sigma)
 };

@@ -15,7 +15,7 @@ namespace TEST_FILE {
 using namespace test;
 
 constexpr size_t samples = sanitized ? 8000 : 30000;
-constexpr double least_over_noise = 1.4;
+constexpr double least_over_noise = 1.75;
 
 /// A surface, sampled evenly with noise of so many spacings along its normals.
 struct Scanned {
@@ -34,7 +34,7 @@ struct Scanned {
     const Context context(2);
     const Box3d box = cloud.box();
     const LocalSurface surface = measure_local_surface(cloud.positions, cloud.normals, box, context);
-    return place_grid(cloud, box, surface, params, true, context);
+    return place_grid(cloud, box, surface, params, true, false, context);
   }
 };
 
@@ -56,7 +56,8 @@ TEST(Place, NoiseOfSpacingsSetsTheVoxel) {
     const double expected = least_over_noise * scanned.noise;
     EXPECT_TRUE(grid.voxel_by_noise) << spacings;
     EXPECT_GE(grid.lattice.voxel, least_over_noise * grid.noise * (1 - 1e-12)) << spacings;
-    EXPECT_NEAR(grid.lattice.voxel, expected, 0.25 * expected) << spacings;
+    const double curvature = spacings > 2 ? 0.5 : 0.25;  // of the larger neighborhoods counts as noise, too
+    EXPECT_NEAR(grid.lattice.voxel, expected, curvature * expected) << spacings;
   }
 }
 
@@ -89,7 +90,7 @@ TEST(Place, MoreSamplesOfTheSameNoiseKeepTheVoxel) {
   PointCloud more = sample_surface(*make_shape("sphere"), samples, 2);
   add_noise(more, scanned.noise, 8);
   scanned.cloud.append(std::move(more));
-  EXPECT_NEAR(scanned.grid().lattice.voxel, once, 0.15 * once);
+  EXPECT_NEAR(scanned.grid().lattice.voxel, once, 0.25 * once);
 }
 
 }  // namespace TEST_FILE

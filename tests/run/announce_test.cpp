@@ -75,7 +75,7 @@ TEST(Announce, NoiseAsksForTheVoxelThatItWouldHaveSet) {
   known.input.noise = 0.2;    // input units
   for (const ReconstructReport& report : {lost, known}) {
     EXPECT_TRUE(says(report, "their noise, about 0.2,")) << warnings_of(report);
-    EXPECT_TRUE(says(report, "larger --voxel, such as 0.28")) << warnings_of(report);
+    EXPECT_TRUE(says(report, "larger --voxel, such as 0.35")) << warnings_of(report);
   }
 }
 
@@ -84,7 +84,7 @@ TEST(Announce, AVoxelThatNoiseHasSetIsNotToBeMadeLarger) {
   report.input.noise = report.grid.voxel / default_voxel_over_noise;
   EXPECT_FALSE(says(report, "--voxel, such as")) << warnings_of(report);
   report.self_check.noise = 1.3;
-  EXPECT_TRUE(says(report, "larger --voxel, such as 0.18")) << "lost samples have more noise than half of the area has";
+  EXPECT_TRUE(says(report, "larger --voxel, such as 0.23")) << "lost samples have more noise than half of the area has";
 }
 
 /// What is alone is no noise, however much of it the others have.

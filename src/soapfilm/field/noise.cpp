@@ -16,9 +16,9 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t most_searched = 100000, most_asked = 500;
-constexpr size_t fewest_near = 16, most_near = 64;
+constexpr size_t fewest_near = 32, most_near = 64;
 constexpr size_t thinned_by = 4, thinnings = 3;  // 64 of the thinnest subset lie where 4,096 of the first do
-constexpr double most_thick = 0.05;              // least over middle variance: a quarter of the width
+constexpr double most_thick = 0.1;               // least over middle variance
 constexpr double least_wide = 0.15;              // middle over largest variance
 constexpr size_t asked_per_task = 32;
 

@@ -56,6 +56,7 @@ class MadeUp {
       const auto index = static_cast<uint32_t>(corners_.size());
       corners_.push_back(corners);
       vertex_.push_back(t[0]);
+      box_.extend(box);
       const Vec3d rounding{1e-6, 1e-6, 1e-6};
       const Vec3i lo = cube_of(box.lo - rounding), hi = cube_of(box.hi + rounding);
       for (int32_t z = lo.z; z <= hi.z; ++z)
@@ -69,9 +70,12 @@ class MadeUp {
   void for_each_crossed(const Ray& ray, Visit&& visit) const {
     const Vec3d from(ray.sample), to(ray.scanner);
     const double length = norm(to - from);
-    if (!(length > first_counted)) return;
+    if (!(length > first_counted) || !std::isfinite(length)) return;
     const Vec3d way = (to - from) / length;
-    const Vec3d start = from + way * first_counted;
+    double begin = first_counted, end = length;
+    clip(from, way, begin, end);
+    if (!(begin < end)) return;
+    const Vec3d start = from + way * begin;
     Vec3i at = cube_of(start);
     std::array<double, 3> next{}, step{};  // lengths along the ray: of the next wall, and from wall to wall
     std::array<int, 3> side{};
@@ -80,16 +84,16 @@ class MadeUp {
       side[k] = way[axis] > 0 ? 1 : way[axis] < 0 ? -1 : 0;
       step[k] = side[k] == 0 ? 2 * length : cube / std::abs(way[axis]);
       const double wall = cube * (at[axis] + (side[k] > 0));
-      next[k] = side[k] == 0 ? 2 * length : first_counted + (wall - start[axis]) / way[axis];
+      next[k] = side[k] == 0 ? 2 * length : begin + (wall - start[axis]) / way[axis];
     }
-    for (double begin = first_counted; begin < length;) {
+    for (double here = begin; here < end;) {
       const size_t axis = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
       if (const auto found = cubes_.find(key_of(at)); found != cubes_.end())
         for (const uint32_t i : found->second)
           if (const double there = crossing(corners_[i], from, way);
               there > first_counted && there < length && cube_of(from + way * there) == at)
             visit(vertex_[i]);
-      begin = std::min(next[axis], length);
+      here = next[axis];
       at[static_cast<int>(axis)] += side[axis];
       next[axis] += step[axis];
     }
@@ -98,6 +102,20 @@ class MadeUp {
   bool empty() const { return corners_.empty(); }
 
  private:
+  /// The part of a ray inside the box of all triangles, and a voxel around it: a scanner may be very far away.
+  void clip(Vec3d from, Vec3d way, double& begin, double& end) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double lo = box_.lo[axis] - 1 - from[axis], hi = box_.hi[axis] + 1 - from[axis];
+      if (way[axis] == 0) {
+        if (lo > 0 || hi < 0) end = begin;
+        continue;
+      }
+      begin = std::max(begin, std::min(lo / way[axis], hi / way[axis]));
+      end = std::min(end, std::max(lo / way[axis], hi / way[axis]));
+    }
+  }
+
+  Box3d box_;
   std::vector<Corners> corners_;
   std::vector<uint32_t> vertex_;
   std::unordered_map<uint64_t, std::vector<uint32_t>> cubes_;

@@ -66,7 +66,8 @@ Orientation find_directions(const PointCloud& cloud, const Box3d& box, const Rec
 Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& oriented, const ReconstructParams& params,
              MemoryBudget& memory, const Context& context) {
   Placed placed;
-  placed.grid = place_grid(cloud, box, oriented.surface, params.place, counts_by_area(params), context);
+  placed.grid = place_grid(cloud, box, oriented.surface, params.place, counts_by_area(params),
+                           !oriented.report.assumed.empty(), context);
   const Lattice& lattice = placed.grid.lattice;
   memory.plan_tables(cloud, box, lattice, placed.grid.area);
   placed.samples = sort_samples(cloud, oriented.directions, lattice, context);
