@@ -7,6 +7,7 @@
 
 #include "cli/reconstruct_runs.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/core/vec.h"
 #include "soapfilm/io.h"
 
 namespace soapfilm::test {

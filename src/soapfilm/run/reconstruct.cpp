@@ -8,6 +8,7 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/method.h"
+#include "soapfilm/finish/rays.h"
 #include "soapfilm/run/announce.h"
 #include "soapfilm/run/certify.h"
 #include "soapfilm/run/finish.h"

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "soapfilm/context.h"
+#include "soapfilm/finish/rays.h"
 #include "soapfilm/mesh.h"
 #include "soapfilm/refine/indicator.h"
 #include "soapfilm/refine/refine.h"
