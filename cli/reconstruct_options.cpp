@@ -63,7 +63,7 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->expected(3)
       ->option_text("X,Y,Z");
   directions(app.add_option("--up", p.orient.up,
-                            "Where sheets without any known direction were seen from: x, y, z, -x, -y\nor -z "
+                            "From where sheets without any known direction were seen: x, y, z,\n-x, -y or -z "
                             "(default: z, as terrain from the air)"))
       ->transform(named<Axis>())
       ->option_text("AXIS");

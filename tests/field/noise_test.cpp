@@ -9,12 +9,11 @@
 #include <vector>
 
 #include "soapfilm/core/random.h"
-#include "support/sanitized.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
 
-constexpr size_t samples = test::sanitized ? 10000 : 40000;
+constexpr size_t samples = 40000;
 constexpr double tolerance = 0.25;  // of the noise
 
 struct Surface {

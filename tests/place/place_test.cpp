@@ -7,14 +7,13 @@
 #include <utility>
 
 #include "support/problem.h"
-#include "support/sanitized.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
 
 using namespace test;
 
-constexpr size_t samples = sanitized ? 8000 : 30000;
+constexpr size_t samples = 30000;
 constexpr double least_over_noise = 1.75;
 
 /// A surface, sampled evenly with noise of so many spacings along its normals.
