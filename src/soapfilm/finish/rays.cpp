@@ -25,7 +25,8 @@ uint64_t key_of(Vec3i c) {
 }
 
 Vec3i cube_of(Vec3d p) {
-  const auto at = [](double v) { return static_cast<int32_t>(std::floor(v / cube)); };
+  constexpr double most = 1e9;
+  const auto at = [](double v) { return static_cast<int32_t>(std::clamp(std::floor(v / cube), -most, most)); };
   return {at(p.x), at(p.y), at(p.z)};
 }
 

@@ -54,8 +54,11 @@ std::vector<LevelPiece> level_pieces(const PlanePoints& scene, Vec3d up, double&
   if (!(column > 0)) return {};
   std::vector<LevelPiece> levels;
   for (const Vec3d& p : pieces) {
-    const auto i = static_cast<int64_t>(std::floor(p[axes[0]] / column));
-    const auto j = static_cast<int64_t>(std::floor(p[axes[1]] / column));
+    constexpr double most = 1e9;  // an outlier may be anywhere
+    const auto cell = [&](int axis) {
+      return static_cast<int64_t>(std::clamp(std::floor(p[axis] / column), -most, most));
+    };
+    const int64_t i = cell(axes[0]), j = cell(axes[1]);
     levels.push_back({i * (int64_t{1} << 31) + j, dot(p, up)});
   }
   std::sort(levels.begin(), levels.end(), [](const LevelPiece& p, const LevelPiece& q) {
