@@ -26,7 +26,7 @@ uint64_t key_of(Vec3i c) {
 
 Vec3i cube_of(Vec3d p) {
   constexpr double most = 1e9;
-  const auto at = [](double v) { return static_cast<int32_t>(std::clamp(std::floor(v / cube), -most, most)); };
+  const auto at = [&](double v) { return static_cast<int32_t>(std::clamp(std::floor(v / cube), -most, most)); };
   return {at(p.x), at(p.y), at(p.z)};
 }
 
