@@ -104,7 +104,12 @@ std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, std::vect
                                const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!trims(params, grid.ends)) return {};
   TrimReport report;
-  const TrimSetup setup{params.trim, grid.density, grid.ends, std::move(rays)};
+  // The border's trials on a coarse level took this closed surface for mostly invented; of thin bodies they do not see
+  // both sides.
+  constexpr double mostly_seen = 0.75;
+  const bool asked = params.trim.on || params.trim.distance || params.border.outside != Border::automatic;
+  const double least_beyond = grid.lattice.open || asked ? 0 : 1 - mostly_seen;
+  const TrimSetup setup{params.trim, grid.density, grid.ends, least_beyond, std::move(rays)};
   trace.stage("trim", [&] { trim(mesh, samples, grid.lattice, setup, context, report); });
   announce_trim(report, trace);
   if (mesh.triangles.empty())
