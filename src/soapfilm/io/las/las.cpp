@@ -180,8 +180,9 @@ class LasReader {
     const uint64_t each = bytes_per_row + header_.record_bytes;
     const uint64_t most = (most_growth * source_.bytes().size() + always) / each;
     if (header_.count > most)
-      throw InputError(fmt::format("{}: number of points = {}, must be at most {}: {} bytes each from a file of {} bytes",
-                                   source_.path(), header_.count, most, each, source_.bytes().size()));
+      throw InputError(
+          fmt::format("{}: number of points = {}, must be at most {}: {} bytes each from a file of {} bytes",
+                      source_.path(), header_.count, most, each, source_.bytes().size()));
   }
 
   /// `first`: how many of the file's points were before these.

@@ -12,8 +12,8 @@
 namespace soapfilm::io {
 
 struct LasFields {
-  std::vector<BinaryField> all;           ///< with names; they become the cloud's columns
-  BinaryField withheld;                   ///< 1: to be left out
+  std::vector<BinaryField> all;  ///< with names; they become the cloud's columns
+  BinaryField withheld;          ///< 1: to be left out
   BinaryField classification;
   BinaryField source;                     ///< the flight line, or the scanner
   std::optional<BinaryField> gps_time{};  ///< as it is stored; in `all` it counts from the file's first

@@ -27,9 +27,7 @@ struct LasHeader {
   uint64_t extended_offset = 0;   ///< where they begin; it may be wrong
   uint64_t waveform_offset = 0;   ///< of 1.3 and 1.4, after the points; it may be wrong
   /// Where other records may begin; compressed points end after that.
-  size_t end_of_points() const {
-    return points_offset + (compressed ? 0 : static_cast<size_t>(count) * record_bytes);
-  }
+  size_t end_of_points() const { return points_offset + (compressed ? 0 : static_cast<size_t>(count) * record_bytes); }
   bool has_waveforms() const { return point_format == 4 || point_format == 5 || point_format >= 9; }
 };
 

@@ -146,8 +146,8 @@ unsigned LazChannelLayer::next_return(Channel& own, uint32_t changes, bool time_
   }
 }
 
-/// Items beside the point (colors, extra bytes) of version 3 go back to channel 0 with the point after a change, and the
-/// first time in a channel that they know they still take the other one's last value. Version 4 mended both.
+/// Items beside the point (colors, extra bytes) of version 3 go back to channel 0 with the point after a change, and
+/// the first time in a channel that they know they still take the other one's last value. Version 4 mended both.
 void LazChannelLayer::set_items(LazPointState& state, bool switches) {
   state.item_before = last_.item_channel;
   state.item_channel = state.item_last = version_ >= 4 || switches ? state.channel : 0;

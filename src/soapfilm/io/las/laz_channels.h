@@ -1,5 +1,5 @@
-// The first layer of LAZ's layered compression: scanner channels, returns, x and y. It says what the points of the other
-// layers have in common.
+// The first layer of LAZ's layered compression: scanner channels, returns, x and y. It says what the points of the
+// other layers have in common.
 #pragma once
 
 #include <array>
@@ -20,11 +20,11 @@ struct LazPointState {
   uint8_t channel_before = 0;  ///< of the point before this one
   uint8_t level = 0;           ///< returns before or after this one, up to 7
   uint8_t height_context = 0;
-  uint8_t returns = 0;         ///< 1: the first of its pulse; 2: the last; 3: both
-  uint8_t item_channel = 0;    ///< whose models items beside the point use
-  uint8_t item_last = 0;       ///< in which channel they find their last value, and leave this one
-  uint8_t item_before = 0;     ///< item_channel of the point before this one
-  bool is_new = false;         ///< the channel's first point: what it does not say is as in channel_before
+  uint8_t returns = 0;       ///< 1: the first of its pulse; 2: the last; 3: both
+  uint8_t item_channel = 0;  ///< whose models items beside the point use
+  uint8_t item_last = 0;     ///< in which channel they find their last value, and leave this one
+  uint8_t item_before = 0;   ///< item_channel of the point before this one
+  bool is_new = false;       ///< the channel's first point: what it does not say is as in channel_before
   bool item_is_new = false;
   bool time_changes = false;
   bool angle_changes = false;

@@ -9,7 +9,7 @@ namespace {
 constexpr uint32_t longest_bit_cycle = 64;
 constexpr uint32_t most_bits = uint32_t{1} << LazBit::precision;
 constexpr uint32_t most_symbols = uint32_t{1} << LazSymbols::precision;
-constexpr uint32_t symbols_worth_a_table = 17;
+constexpr uint32_t least_table_bits = 6;
 
 }  // namespace
 
@@ -27,14 +27,11 @@ void LazBit::update() {
 }
 
 void LazSymbols::begin() {
-  if (symbols_ >= symbols_worth_a_table) {
-    uint32_t bits = 3;
-    while (symbols_ > uint32_t{1} << (bits + 2)) ++bits;
-    table_size_ = uint32_t{1} << bits;
-    table_shift_ = precision - bits;
-  }
-  constexpr uint32_t beyond = 2;  // a quotient may be a little more than 1
-  numbers_ = std::make_unique<uint16_t[]>(2 * symbols_ + (table_size_ > 0 ? table_size_ + beyond : 0));
+  uint32_t bits = least_table_bits;
+  while (2 * symbols_ > uint32_t{1} << bits) ++bits;
+  table_size_ = uint32_t{1} << bits;
+  table_shift_ = precision - bits;
+  numbers_ = std::make_unique<uint16_t[]>(2 * symbols_ + table_size_ + 1);
   std::fill_n(&numbers_[symbols_], symbols_, uint16_t{1});
   cycle_ = symbols_;
   update();
@@ -57,14 +54,10 @@ void LazSymbols::update() {
   for (uint32_t k = 0; k < symbols_; ++k) {
     numbers_[k] = static_cast<uint16_t>((scale * sum) >> (31 - precision));
     sum += counts[k];
-    if (table_shift_ == 0) continue;
     const uint32_t own = numbers_[k] >> table_shift_;
     while (cell < own) table[++cell] = static_cast<uint16_t>(k - 1);
   }
-  if (table_shift_ != 0) {
-    table[0] = 0;
-    while (cell <= table_size_) table[++cell] = static_cast<uint16_t>(symbols_ - 1);
-  }
+  while (cell < table_size_) table[++cell] = static_cast<uint16_t>(symbols_ - 1);
   cycle_ = std::min(5 * cycle_ / 4, (symbols_ + 6) * 8);
   until_update_ = cycle_;
 }
@@ -77,10 +70,10 @@ LazDecoder::LazDecoder(std::string_view bytes) : at_(bytes.data()), end_(bytes.d
   }
 }
 
-LazIntegers::LazIntegers(unsigned bits, unsigned contexts)
-    : mask_(bits < 32 ? (uint32_t{1} << bits) - 1 : 0xffffffff) {
+LazIntegers::LazIntegers(unsigned bits, unsigned contexts) : mask_(bits < 32 ? (uint32_t{1} << bits) - 1 : 0xffffffff) {
   for (unsigned k = 0; k < contexts; ++k) sizes_.emplace_back(bits + 1);
-  for (unsigned k = 1; k <= std::min(bits, 31u); ++k) differences_.emplace_back(uint32_t{1} << std::min(k, modeled_bits));
+  for (unsigned k = 1; k <= std::min(bits, 31u); ++k)
+    differences_.emplace_back(uint32_t{1} << std::min(k, modeled_bits));
 }
 
 void LazMedian::add(int32_t value) {

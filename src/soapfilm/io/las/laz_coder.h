@@ -1,7 +1,8 @@
-// The arithmetic decoder of LAZ (Said 2004, "Introduction to arithmetic coding") and its adaptive models: each number of
-// a point is decoded by a model of how often its values came before.
+// The arithmetic decoder of LAZ (Said 2004, "Introduction to arithmetic coding") and its adaptive models: each number
+// of a point is decoded by a model of how often its values came before.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -46,14 +47,10 @@ class LazSymbols {
   }
   /// The sum of the probabilities of all symbols before this one.
   uint32_t begin_of(uint32_t symbol) const { return numbers_[symbol]; }
-  /// The symbol whose part of [0, 1) holds `at`.
+  /// The symbol whose part of [0, 2^15) holds `at`.
   uint32_t find(uint32_t at) const {
-    uint32_t low = 0, high = symbols_;
-    if (table_shift_ != 0) {
-      const uint16_t* table = &numbers_[2 * symbols_ + (at >> table_shift_)];
-      low = table[0];
-      high = table[1] + 1u;
-    }
+    const uint16_t* const cell = &numbers_[2 * symbols_ + (at >> table_shift_)];
+    uint32_t low = cell[0], high = cell[1] + 1u;
     while (high > low + 1) {
       const uint32_t middle = (low + high) / 2;
       (numbers_[middle] > at ? high : low) = middle;
@@ -70,12 +67,12 @@ class LazSymbols {
   void update();
 
   uint32_t symbols_;
-  uint32_t table_size_ = 0;   // a power of two
-  uint32_t table_shift_ = 0;  // 0: no table
-  uint32_t total_ = 0;        // of counts
+  uint32_t table_size_ = 0;  // cells of [0, 2^15), a power of two
+  uint32_t table_shift_ = 0;
+  uint32_t total_ = 0;  // of counts
   uint32_t cycle_ = 0;
   uint32_t until_update_ = 0;
-  std::unique_ptr<uint16_t[]> numbers_;  // probabilities before each symbol; counts; the table of first guesses
+  std::unique_ptr<uint16_t[]> numbers_;  // probabilities before each symbol; counts; the symbol at each cell's begin
 };
 
 /// Decodes one stream. Beyond its end it reads zeros, and says so: whoever decodes asks once in a while.
@@ -103,7 +100,8 @@ class LazDecoder {
   uint32_t symbol(LazSymbols& model) {
     model.prepare();
     const uint32_t step = length_ >> LazSymbols::precision;
-    const uint32_t found = model.find(value_ / step);
+    constexpr uint32_t last = (1u << LazSymbols::precision) - 1;  // the division rounds
+    const uint32_t found = model.find(std::min(value_ / step, last));
     const uint32_t begin = model.begin_of(found) * step;
     const uint32_t end = found + 1 < model.symbols() ? model.begin_of(found + 1) * step : length_;
     take(begin, end - begin);

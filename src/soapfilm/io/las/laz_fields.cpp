@@ -106,8 +106,8 @@ void LazTimes::read_far(LazDecoder& from) {
 }
 
 LazColors::LazColors()
-    : changes_(128),
-      bytes_{LazSymbols(256), LazSymbols(256), LazSymbols(256), LazSymbols(256), LazSymbols(256), LazSymbols(256)} {}
+    : changes_(128), bytes_{LazSymbols(256), LazSymbols(256), LazSymbols(256),
+                            LazSymbols(256), LazSymbols(256), LazSymbols(256)} {}
 
 LazColors::Color LazColors::decode(LazDecoder& from, const Color& last) {
   const uint32_t changes = from.symbol(changes_);

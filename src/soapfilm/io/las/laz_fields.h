@@ -24,7 +24,8 @@ class LazTimes {
   void read_far(LazDecoder& from);
   bool switch_sequence(LazDecoder& from);
   int32_t step_near(LazDecoder& from, int32_t multiple, unsigned context) {
-    return static_cast<int32_t>(steps_.decode(from, static_cast<uint32_t>(multiple) * static_cast<uint32_t>(step()), context));
+    return static_cast<int32_t>(
+        steps_.decode(from, static_cast<uint32_t>(multiple) * static_cast<uint32_t>(step()), context));
   }
 
   int32_t& step() { return step_[now_]; }

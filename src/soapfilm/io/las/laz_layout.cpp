@@ -81,6 +81,7 @@ class LazLayoutReader {
     constexpr size_t head_bytes = 34, item_bytes = 6;
     const bool swap = std::endian::native != std::endian::little;
     const auto word = [&](size_t at) { return load<uint16_t>(record.data() + at, swap); };
+    if (record.empty()) fail("its points are marked as compressed, but no record of LASzip says how");
     if (record.size() < head_bytes)
       fail(fmt::format("its record of LASzip has {} bytes, must have at least {}", record.size(), head_bytes));
     compressor_ = word(0);
@@ -106,13 +107,14 @@ class LazLayoutReader {
                        layout_.point_format, layout_.extra_bytes));
     for (size_t k = 0; k < items.size(); ++k)
       if (items[k].type != expected[k].type || items[k].bytes != expected[k].bytes)
-        fail(fmt::format("item {} is of type {} and {} bytes, must be of type {} and {} bytes in point format {}", k + 1,
-                         items[k].type, items[k].bytes, expected[k].type, expected[k].bytes, layout_.point_format));
+        fail(fmt::format("item {} is of type {} and {} bytes, must be of type {} and {} bytes in point format {}",
+                         k + 1, items[k].type, items[k].bytes, expected[k].type, expected[k].bytes,
+                         layout_.point_format));
     layout_.layered = layout_.point_format >= 6;
     layout_.version = items.front().version;
     if (layout_.layered != (compressor_ == layered_chunked))
-      fail(fmt::format("compressor = {}, must be {} of point format {}", compressor_,
-                       layout_.layered ? "3" : "1 or 2", layout_.point_format));
+      fail(fmt::format("compressor = {}, must be {} of point format {}", compressor_, layout_.layered ? "3" : "1 or 2",
+                       layout_.point_format));
     const int oldest = layout_.layered ? 3 : 1;
     for (const LazItem& item : items) {
       const bool fits = item.version == layout_.version || (item.type == wave_item && item.version == 1);
@@ -141,8 +143,10 @@ class LazLayoutReader {
       table = ByteCursor(source_, static_cast<size_t>(at)).read<uint64_t>();
     }
     if (table < first_chunk || table > size - 8)
-      fail_at(at, fmt::format("offset of the table of chunks = {}, must be from {} to {}: the file is truncated, or was "
-                              "never finished", table, first_chunk, size - 8));
+      fail_at(at,
+              fmt::format("offset of the table of chunks = {}, must be from {} to {}: the file is truncated, or was "
+                          "never finished",
+                          table, first_chunk, size - 8));
     read_table(first_chunk, table);
   }
 
@@ -167,7 +171,8 @@ class LazLayoutReader {
       if (decoder.failed()) fail_at(at, fmt::format("the table of chunks ends before chunk {} of {}", k + 1, count));
       if (bytes > at - begin || own > rest || (own > 0 && bytes < layout_.record_bytes))
         fail_at(at, fmt::format("chunk {} of {}: {} bytes from {} and {} points, must be before byte {} and of at most "
-                                "{} points", k + 1, count, bytes, begin, own, at, rest));
+                                "{} points",
+                                k + 1, count, bytes, begin, own, at, rest));
       if (own > 0) layout_.chunks.push_back({begin, bytes, sum, own});
       begin += bytes;
       sum += own;

@@ -28,9 +28,9 @@ constexpr size_t x_at = 0, y_at = 4, z_at = 8, intensity_at = 12, returns_at = 1
 /// Which earlier points a point is like, by its number of returns and which of them it is. (Numbers of files that
 /// count from 0, or mix up the two, have groups, too.)
 constexpr uint8_t return_groups[8][8] = {
-    {15, 14, 13, 12, 11, 10, 9, 8},   {14, 0, 1, 3, 6, 10, 10, 9},      {13, 1, 2, 4, 7, 11, 11, 10},
-    {12, 3, 4, 5, 8, 12, 12, 11},     {11, 6, 7, 8, 9, 13, 13, 12},     {10, 10, 11, 12, 13, 14, 14, 13},
-    {9, 10, 11, 12, 13, 14, 15, 14},  {8, 9, 10, 11, 12, 13, 14, 15},
+    {15, 14, 13, 12, 11, 10, 9, 8},  {14, 0, 1, 3, 6, 10, 10, 9},    {13, 1, 2, 4, 7, 11, 11, 10},
+    {12, 3, 4, 5, 8, 12, 12, 11},    {11, 6, 7, 8, 9, 13, 13, 12},   {10, 10, 11, 12, 13, 14, 14, 13},
+    {9, 10, 11, 12, 13, 14, 15, 14}, {8, 9, 10, 11, 12, 13, 14, 15},
 };
 
 /// A byte that is decoded by what it was before.
@@ -64,7 +64,8 @@ class LazOldPoint {
   void decode_changes(LazDecoder& from, uint32_t changes, size_t group, char* record) {
     uint16_t& intensity = intensity_of_[group];
     if ((changes & 16) != 0)
-      intensity = static_cast<uint16_t>(intensities_.decode(from, intensity, std::min<unsigned>(static_cast<unsigned>(group), 3)));
+      intensity = static_cast<uint16_t>(
+          intensities_.decode(from, intensity, std::min<unsigned>(static_cast<unsigned>(group), 3)));
     put_binary(record + intensity_at, intensity);
     if ((changes & 8) != 0) record[class_at] = classes_.decode(from, record[class_at]);
     if ((changes & 4) != 0) {

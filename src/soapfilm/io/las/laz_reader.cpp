@@ -12,13 +12,18 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr size_t most_decoded_bytes = size_t{32} << 20;  // of records at once
+constexpr size_t parts = 16;  // of as many points as may be decoded at once, for the chunks that have more
 constexpr size_t chunks_per_thread = 2;
 
 }  // namespace
 
-LazReader::LazReader(ByteSource& source, LazLayout layout, std::vector<bool> wanted, const Context& context)
-    : source_(source), layout_(std::move(layout)), wanted_(std::move(wanted)), context_(context) {}
+LazReader::LazReader(ByteSource& source, LazLayout layout, std::vector<bool> wanted, const Context& context,
+                     size_t most_bytes)
+    : source_(source),
+      layout_(std::move(layout)),
+      wanted_(std::move(wanted)),
+      context_(context),
+      most_points_(std::max<size_t>(most_bytes / layout_.record_bytes, 1)) {}
 
 std::string_view LazReader::next() {
   context_.check();
@@ -27,10 +32,10 @@ std::string_view LazReader::next() {
   if (next_chunk_ == chunks.size()) return {};
   source_.release_before(chunks[next_chunk_].begin);
   const size_t first = next_chunk_;
-  const uint64_t most = most_decoded_bytes / layout_.record_bytes;
   const size_t most_chunks = chunks_per_thread * static_cast<size_t>(context_.threads());
   uint64_t points = 0;
-  while (next_chunk_ < chunks.size() && next_chunk_ - first < most_chunks && chunks[next_chunk_].points <= most - points)
+  while (next_chunk_ < chunks.size() && next_chunk_ - first < most_chunks &&
+         chunks[next_chunk_].points <= most_points_ - points)
     points += chunks[next_chunk_++].points;
   if (points == 0) {
     large_ = open(chunks[next_chunk_]);
@@ -47,7 +52,7 @@ std::string_view LazReader::next() {
 }
 
 std::string_view LazReader::read_part() {
-  const size_t count = std::min(left_, std::max<size_t>(most_decoded_bytes / 16 / layout_.record_bytes, 1));
+  const size_t count = std::min(left_, std::max<size_t>(most_points_ / parts, 1));
   records_.resize(std::max(records_.size(), count * layout_.record_bytes));
   read(*large_, layout_.chunks[next_chunk_ - 1], count, records_.data());
   left_ -= count;
@@ -68,9 +73,10 @@ void LazReader::read(LazPoints& points, const LazChunk& chunk, size_t count, cha
 }
 
 void LazReader::fail(const LazChunk& chunk) const {
-  throw InputError(fmt::format("{}: byte {}: LAZ: a chunk of {} bytes does not hold its {} points (from {} on): the file "
-                               "is damaged",
-                               source_.path(), chunk.begin, chunk.bytes, chunk.points, chunk.first));
+  throw InputError(
+      fmt::format("{}: byte {}: LAZ: a chunk of {} bytes does not hold its {} points (from {} on): the file "
+                  "is damaged",
+                  source_.path(), chunk.begin, chunk.bytes, chunk.points, chunk.first));
 }
 
 }  // namespace soapfilm::io

@@ -15,8 +15,10 @@ namespace soapfilm::io {
 
 class LazReader {
  public:
-  /// `wanted`: of each byte of a record, is it needed? The others may be anything.
-  LazReader(ByteSource& source, LazLayout layout, std::vector<bool> wanted, const Context& context);
+  /// `wanted`: of each byte of a record, is it needed? The others may be anything. `most_bytes`: of records that are
+  /// decoded at once.
+  LazReader(ByteSource& source, LazLayout layout, std::vector<bool> wanted, const Context& context,
+            size_t most_bytes = size_t{32} << 20);
 
   /// The next records, of some chunks or of a part of a large one; valid until the next call. Empty after the last.
   /// Throws InputError for a chunk that does not hold its points.
@@ -32,6 +34,7 @@ class LazReader {
   LazLayout layout_;
   std::vector<bool> wanted_;
   const Context& context_;
+  size_t most_points_;  // at once
   size_t next_chunk_ = 0;
   std::unique_ptr<LazPoints> large_;  // the chunk before next_chunk_, of which `left_` points are to be read
   size_t left_ = 0;
