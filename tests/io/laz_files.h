@@ -4,13 +4,14 @@
 #include "binary_bytes.h"
 #include "las_files.h"
 #include "laz_chunks.h"
+#include "laz_version1.h"
 
 namespace soapfilm {
 
 struct LazWriting {
   uint32_t chunk_points = 50000;
   std::vector<uint32_t> chunks{};  ///< points of each, of different numbers; instead of chunk_points
-  uint16_t version = 0;            ///< of the items; 0: 2, or 3 of formats 6 to 10
+  uint16_t version = 0;            ///< of the items; 0: 2, or 3 of formats 6 to 10; of 1 there are no chunks
   bool streamed = false;           ///< the place of the table of chunks is at the file's end
 };
 
@@ -41,6 +42,11 @@ inline std::string chunk(int format, int version, const std::vector<std::string>
     return records[0] + encoder.done();
   }
   Encoder to;
+  if (version == 1) {
+    Version1Encoder encoder(format, records[0]);
+    for (size_t i = 1; i < records.size(); ++i) encoder.encode(to, records[i]);
+    return records[0] + to.done();
+  }
   PointwiseEncoder encoder(format, records[0]);
   for (size_t i = 1; i < records.size(); ++i) encoder.encode(to, records[i]);
   return records[0] + to.done();
@@ -59,47 +65,77 @@ inline std::string table(const std::vector<uint32_t>& points, const std::vector<
 }  // namespace laz
 
 /// The LAZ file of the bytes of a LAS file without extended records.
-inline std::string laz_of(const std::string& las, const LazWriting& writing = {}) {
-  const auto header_bytes = laz::at<uint16_t>(las, 94), record_bytes = laz::at<uint16_t>(las, 105);
-  const auto points_offset = laz::at<uint32_t>(las, 96);
-  const int format = las[104];
-  const uint64_t count = las[25] >= 4 ? laz::at<uint64_t>(las, 247) : laz::at<uint32_t>(las, 107);
-  const uint16_t version = writing.version != 0 ? writing.version : format >= 6 ? 3 : 2;
-  const auto extra = static_cast<uint16_t>(record_bytes - LasFile::lengths[static_cast<size_t>(format)]);
-  const std::string items = laz::items(format, extra, version);
+class LazFile {
+ public:
+  LazFile(const std::string& las, const LazWriting& writing)
+      : las_(las),
+        writing_(writing),
+        format_(las[104]),
+        record_bytes_(laz::at<uint16_t>(las, 105)),
+        count_(las[25] >= 4 ? laz::at<uint64_t>(las, 247) : laz::at<uint32_t>(las, 107)),
+        version_(writing.version != 0 ? writing.version
+                 : format_ >= 6       ? 3
+                                      : 2) {}
 
-  const bool variable = !writing.chunks.empty();
-  const std::string record = LasFile::record(
-      "laszip encoded", 22204,
-      bytes_of<uint16_t>({static_cast<uint16_t>(format >= 6 ? 3 : 2), 0}) + bytes_of<uint8_t>({3, 4}) +
-          bytes_of(uint16_t{3}) + bytes_of(uint32_t{0}) + bytes_of(variable ? ~uint32_t{0} : writing.chunk_points) +
-          bytes_of<int64_t>({-1, -1}) + bytes_of(static_cast<uint16_t>(items.size() / 6)) + items);
-  std::string file = las.substr(0, header_bytes) + record + las.substr(header_bytes, points_offset - header_bytes);
-  put(file, 96, static_cast<uint32_t>(points_offset + record.size()));
-  put(file, 100, laz::at<uint32_t>(las, 100) + 1);
-  file[104] = static_cast<char>(format | 0x80);
-  const size_t table_place = file.size();
-  file += bytes_of(~uint64_t{0});
+  std::string bytes() const {
+    const auto points_offset = laz::at<uint32_t>(las_, 96);
+    const auto header_bytes = laz::at<uint16_t>(las_, 94);
+    const std::string record = laszip_record();
+    std::string file = las_.substr(0, header_bytes) + record + las_.substr(header_bytes, points_offset - header_bytes);
+    put(file, 96, static_cast<uint32_t>(points_offset + record.size()));
+    put(file, 100, laz::at<uint32_t>(las_, 100) + 1);
+    file[104] = static_cast<char>(format_ | 0x80);
+    if (version_ == 1) return file + chunk(0, count_);
 
-  std::vector<uint32_t> sizes;
-  for (uint64_t first = 0; first < count;) {
-    const uint64_t own =
-        std::min<uint64_t>(variable ? writing.chunks[sizes.size()] : writing.chunk_points, count - first);
-    std::vector<std::string> records;
-    for (uint64_t i = first; i < first + own; ++i)
-      records.push_back(las.substr(points_offset + i * record_bytes, record_bytes));
-    const std::string chunk = own > 0 ? laz::chunk(format, version, records) : std::string();
-    sizes.push_back(static_cast<uint32_t>(chunk.size()));
-    file += chunk;
-    first += own;
+    const size_t table_place = file.size();
+    file += bytes_of(~uint64_t{0});
+    std::vector<uint32_t> sizes;
+    for (uint64_t first = 0; first < count_;) {
+      const uint32_t most = writing_.chunks.empty() ? writing_.chunk_points : writing_.chunks[sizes.size()];
+      const uint64_t own = std::min<uint64_t>(most, count_ - first);
+      const std::string bytes = own > 0 ? chunk(first, own) : std::string();
+      sizes.push_back(static_cast<uint32_t>(bytes.size()));
+      file += bytes;
+      first += own;
+    }
+    const uint64_t table = file.size();
+    file += laz::table(writing_.chunks, sizes);
+    if (writing_.streamed)
+      file += bytes_of(table);
+    else
+      put(file, table_place, table);
+    return file;
   }
-  const uint64_t table = file.size();
-  file += laz::table(writing.chunks, sizes);
-  if (writing.streamed)
-    file += bytes_of(table);
-  else
-    put(file, table_place, table);
-  return file;
+
+ private:
+  std::string laszip_record() const {
+    const auto extra = static_cast<uint16_t>(record_bytes_ - LasFile::lengths[static_cast<size_t>(format_)]);
+    const std::string items = laz::items(format_, extra, version_);
+    const auto compressor = static_cast<uint16_t>(format_ >= 6 ? 3 : version_);
+    const uint32_t chunk_points = writing_.chunks.empty() ? writing_.chunk_points : ~uint32_t{0};
+    return LasFile::record("laszip encoded", 22204,
+                           bytes_of<uint16_t>({compressor, 0}) + bytes_of<uint8_t>({3, 4}) + bytes_of(uint16_t{3}) +
+                               bytes_of(uint32_t{0}) + bytes_of(chunk_points) + bytes_of<int64_t>({-1, -1}) +
+                               bytes_of(static_cast<uint16_t>(items.size() / 6)) + items);
+  }
+
+  std::string chunk(uint64_t first, uint64_t count) const {
+    std::vector<std::string> records;
+    for (uint64_t i = first; i < first + count; ++i)
+      records.push_back(las_.substr(laz::at<uint32_t>(las_, 96) + i * record_bytes_, record_bytes_));
+    return laz::chunk(format_, version_, records);
+  }
+
+  const std::string& las_;
+  const LazWriting& writing_;
+  int format_;
+  uint16_t record_bytes_;
+  uint64_t count_;
+  uint16_t version_;
+};
+
+inline std::string laz_of(const std::string& las, const LazWriting& writing = {}) {
+  return LazFile(las, writing).bytes();
 }
 
 }  // namespace soapfilm

@@ -48,15 +48,17 @@ void expect_same_records(const std::string& las, const std::string& laz, size_t 
   ADD_FAILURE() << "byte " << at % record_bytes << " of point " << at / record_bytes;
 }
 
+std::vector<uint16_t> versions_of(int format) {
+  return format < 6 ? std::vector<uint16_t>{1, 2} : std::vector<uint16_t>{3, 4};
+}
+
 TEST(Laz, RecordsOfAllFormatsComeBack) {
   for (int format = 0; format <= 10; ++format)
     for (const size_t extra : {0, 7})
-      for (const uint16_t version : {uint16_t{3}, uint16_t{4}}) {
-        if (format < 6 && version == 4) continue;
+      for (const uint16_t version : versions_of(format)) {
         SCOPED_TRACE(testing::Message() << "format " << format << ", extra bytes " << extra << ", version " << version);
         const std::string las = random_las(format, 3000, extra, static_cast<uint64_t>(format) + 100 * extra);
-        const uint16_t written = format < 6 ? 0 : version;
-        expect_same_records(las, laz_of(las, {.version = written}));
+        expect_same_records(las, laz_of(las, {.version = version}));
       }
 }
 
@@ -133,7 +135,9 @@ TEST(Laz, OnlyNamedColumnsAreKeptAndOnlyTheirLayersDecoded) {
   const std::string las_path = folder.write("a.las", las), path = folder.write("a.laz", laz);
   const PointCloud all = read_points(path);
   const auto with = [&](const std::string& from, std::vector<std::string> attributes) {
-    return read_points(from, nullptr, Context(1), {.attributes = std::move(attributes)});
+    ReadOptions options;
+    options.attributes = std::move(attributes);
+    return read_points(from, nullptr, Context(1), options);
   };
   for (const std::string& from : {las_path, path}) {
     const PointCloud none = with(from, {});
@@ -235,8 +239,9 @@ TEST(Laz, RefusalsNamePlaceValueAndConstraint) {
 TEST(Laz, BytesThatAreWrongDoNoHarm) {
   const TemporaryFolder folder;
   Random random(11);
-  for (const int format : {1, 5, 8, 10}) {
-    const std::string whole = laz_of(random_las(format, 300, 4, 5), {.chunk_points = 70});
+  for (const int format : {1, 3, 5, 8, 10}) {
+    const uint16_t version = format == 3 ? 1 : 0;
+    const std::string whole = laz_of(random_las(format, 300, 4, 5), {.chunk_points = 70, .version = version});
     const size_t first = laz::at<uint32_t>(whole, 96);
     for (int trial = 0; trial < 300; ++trial) {
       std::string bytes = whole;
@@ -250,6 +255,82 @@ TEST(Laz, BytesThatAreWrongDoNoHarm) {
       }
     }
   }
+}
+
+/// FNV-1a of the bytes of all coordinates, as doubles.
+uint64_t checksum_of_positions(const std::string& records, const io::LasHeader& header) {
+  uint64_t sum = 0x14650fb0739d0383;
+  for (size_t at = 0; at < records.size(); at += header.record_bytes)
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto raw = laz::at<int32_t>(records, at + 4 * static_cast<size_t>(axis));
+      for (const char byte : bytes_of(raw * header.scale[axis] + header.offset[axis]))
+        sum = (sum ^ static_cast<uint8_t>(byte)) * 0x100000001b3;
+    }
+  return sum;
+}
+
+std::string content(const std::string& path) {
+  const io::ByteSource source(path);
+  return std::string(source.bytes());
+}
+
+/// What LASzip and laz-perf, or the same points as LAS, say of a file.
+struct RealFile {
+  const char* name;
+  size_t points;
+  uint64_t positions;
+  const char* las;  // the same records; empty: none
+};
+
+// clang-format off
+const RealFile real_files[] = {
+    {"1.2-with-color.copc.laz", 1065, 0xd5fe47c0d5d3fe22, ""},
+    {"1815.laz", 1247, 0x3770f5f56b420218, "1815.las"},
+    {"1_4_w_evlr.laz", 1000, 0x18054de3b596025b, "1_4_w_evlr.las"},
+    {"autzen_trim.laz", 110000, 0xc9e9d783d843d753, "autzen_trim.las"},
+    {"ellipsoid.copc.laz", 100000, 0x8a882f64d913a5d8, ""},
+    {"extra-bytes.laz", 1065, 0xb5b9c21fd10f5316, "extra-bytes.las"},
+    {"fullwave.laz", 10750, 0x280e68538bae7d78, ""},
+    {"indoor.laz", 808042, 0xd25e49d4163f749f, ""},
+    {"liblas-generated.laz", 1065, 0xb5b9c21fd10f5316, "basefile.las"},
+    {"lone-star.copc.laz", 518862, 0x310d4acad722716f, ""},
+    {"padding2.laz", 1065, 0xb5b9c21fd10f5316, "basefile.las"},
+    {"pdrf10-1.4.laz", 1024, 0xfbc78dc6380e7629, "pdrf10-1.4.las"},
+    {"pdrf4-1.3.laz", 1024, 0xf0a3e0e1646abc55, "pdrf4-1.3.las"},
+    {"pdrf5-1.3.laz", 1024, 0xf0a3e0e1646abc55, "pdrf5-1.3.las"},
+    {"pdrf6-1.4.laz", 1024, 0xc98b34ca1a84e56d, "pdrf6-1.4.las"},
+    {"pdrf7-v4-1.4.laz", 1024, 0xab4ce57ee9e5831e, "pdrf7-v4-1.4.las"},
+    {"pdrf9-1.4.laz", 1024, 0xc98b34ca1a84e56d, "pdrf9-1.4.las"},
+    {"point-color.laz", 1065, 0x3260de457c14d3b4, "point-color.las"},
+    {"point-time-color.laz", 1065, 0x3260de457c14d3b4, "point-time-color.las"},
+    {"point-version-1-point-wise.laz", 11781, 0x013987fb70015ba9, "point-version-1-point-wise.las"},
+    {"point10.laz", 1065, 0x3260de457c14d3b4, "point10.las"},
+    {"simple-laszip-compressor-version-1.2r0.laz", 1065, 0xb5b9c21fd10f5316, "simple.las"}
+};
+// clang-format on
+
+TEST(Laz, RealFilesAreReadAsIndependentReadersDo) {
+  if (!real_data("laz/autzen_trim.laz")) GTEST_SKIP() << "no LAZ files in SOAPFILM_DATA";
+  for (const RealFile& file : real_files) {
+    SCOPED_TRACE(file.name);
+    const std::string laz = content(*real_data("laz/" + std::string(file.name)));
+    io::ByteSource source("a.laz", laz);
+    ReadReport report;
+    const io::LasHeader header = io::read_las_header(source, report);
+    EXPECT_EQ(header.count, file.points);
+    EXPECT_EQ(checksum_of_positions(records_of(laz), header), file.positions);
+    if (*file.las == '\0') continue;
+    const std::string las_path = *real_data("laz/" + std::string(file.las));
+    expect_same_records(content(las_path), laz);
+    const PointCloud cloud = read_points(*real_data("laz/" + std::string(file.name)), nullptr, Context(2));
+    EXPECT_EQ(cloud.positions, read_points(las_path).positions);
+  }
+  for (const char* name : {"coder", "compressor", "size", "type", "version"}) {
+    const std::string path = *real_data("laz/broken_" + std::string(name) + ".laz");
+    expect_refusal<InputError>([&] { read_points(path); }, {path, "LAZ", "must be"});
+  }
+  const std::string empty = *real_data("laz/no-points-1.3.laz");
+  expect_refusal<InputError>([&] { read_points(empty); }, {empty, "number of points = 0"});
 }
 
 }  // namespace TEST_FILE

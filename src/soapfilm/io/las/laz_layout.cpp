@@ -85,7 +85,6 @@ class LazLayoutReader {
     if (record.size() < head_bytes)
       fail(fmt::format("its record of LASzip has {} bytes, must have at least {}", record.size(), head_bytes));
     compressor_ = word(0);
-    layout_.writer = fmt::format("LASzip {}.{}", static_cast<uint8_t>(record[4]), static_cast<uint8_t>(record[5]));
     chunk_points_ = load<uint32_t>(record.data() + 12, swap);
     if (compressor_ < pointwise || compressor_ > layered_chunked)
       fail(fmt::format("compressor = {}, must be 1 to 3", compressor_));
@@ -127,10 +126,11 @@ class LazLayoutReader {
   /// Of the oldest compressor: it ends where the file ends.
   void add_only_chunk() {
     const uint64_t begin = header_.points_offset;
-    if (layout_.version == 1)
-      fail(fmt::format("compressed by {}, from before 2011: convert it with a newer one (laszip -i IN.laz -o OUT.laz)",
-                       layout_.writer));
-    layout_.chunks.push_back({begin, source_.bytes().size() - begin, 0, header_.count});
+    const uint64_t size = source_.bytes().size();
+    if (size - begin < layout_.record_bytes)
+      fail_at(begin, fmt::format("its points begin {} bytes before its end, must have {} for the first one",
+                                 size - begin, layout_.record_bytes));
+    layout_.chunks.push_back({begin, size - begin, 0, header_.count});
   }
 
   void read_chunks() {

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,7 +25,6 @@ struct LazLayout {
   size_t extra_bytes = 0;  ///< of a record, at its end
   bool layered = false;    ///< each field of a chunk in a stream of its own: formats 6 to 10
   int version = 2;         ///< of the items: 1, 2; layered 3, 4
-  std::string writer;      ///< such as "LASzip 3.4"
   std::vector<LazChunk> chunks;
 };
 

@@ -24,7 +24,9 @@ class LazPoints {
 std::unique_ptr<LazPoints> laz_points(const LazLayout& layout, uint64_t points, std::string_view bytes,
                                       const std::vector<bool>& wanted);
 
-/// One stream of all fields: formats 0 to 5, items of version 2.
+/// One stream of all fields: formats 0 to 5, items of version 1.
+std::unique_ptr<LazPoints> laz_version1(const LazLayout& layout, std::string_view bytes);
+/// The same, of version 2.
 std::unique_ptr<LazPoints> laz_pointwise(const LazLayout& layout, std::string_view bytes);
 /// A stream for each field, of which only those with wanted bytes are decoded: formats 6 to 10.
 std::unique_ptr<LazPoints> laz_layers(const LazLayout& layout, uint64_t points, std::string_view bytes,

@@ -179,7 +179,8 @@ std::unique_ptr<LazPoints> laz_pointwise(const LazLayout& layout, std::string_vi
 
 std::unique_ptr<LazPoints> laz_points(const LazLayout& layout, uint64_t points, std::string_view bytes,
                                       const std::vector<bool>& wanted) {
-  return layout.layered ? laz_layers(layout, points, bytes, wanted) : laz_pointwise(layout, bytes);
+  if (layout.layered) return laz_layers(layout, points, bytes, wanted);
+  return layout.version == 1 ? laz_version1(layout, bytes) : laz_pointwise(layout, bytes);
 }
 
 }  // namespace soapfilm::io
