@@ -351,7 +351,7 @@ TEST(Las, RealFilesAreReadAsAnIndependentReaderDoes) {
   EXPECT_EQ(one.size(), 1u);
   EXPECT_EQ(one.coordinate_system, "EPSG:26915");
   EXPECT_THROW(read_points(*real_data("formats/las-1.2-clipped.las")), InputError);
-  expect_same_cloud(read_points(*real_data("formats/laz-simple.laz")), cloud);
+  EXPECT_EQ(read_points(*real_data("formats/laz-simple.laz")).positions, cloud.positions);
 }
 
 }  // namespace TEST_FILE
