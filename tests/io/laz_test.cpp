@@ -25,7 +25,7 @@ std::string records_of(const std::string& bytes, size_t most_bytes = size_t{32} 
   io::LazReader reader(source, io::read_laz_layout(source, header, records.laszip),
                        std::vector<bool>(header.record_bytes, true), context, most_bytes);
   std::string all;
-  for (std::string_view some = reader.next(); !some.empty(); some = reader.next()) all += some;
+  reader.read([&](std::string_view some) { all += some; });
   return all;
 }
 

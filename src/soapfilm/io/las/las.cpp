@@ -161,10 +161,10 @@ class LasReader {
     cloud_ = rows.cloud_for_rows(header_.count, trajectory_.has_value());
     if (laz_) {
       size_t done = 0;
-      for (std::string_view records = laz_->next(); !records.empty(); records = laz_->next()) {
+      laz_->read([&](std::string_view records) {
         read_records(rows, records, done);
         done += records.size() / header_.record_bytes;
-      }
+      });
     } else {
       const size_t bytes = header_.end_of_points() - header_.points_offset;
       read_records(rows, source_.bytes().substr(header_.points_offset, bytes), 0);

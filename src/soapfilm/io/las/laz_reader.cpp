@@ -25,39 +25,58 @@ LazReader::LazReader(ByteSource& source, LazLayout layout, std::vector<bool> wan
       context_(context),
       most_points_(std::max<size_t>(most_bytes / layout_.record_bytes, 1)) {}
 
-std::string_view LazReader::next() {
-  context_.check();
-  if (left_ > 0) return read_part();
-  const std::vector<LazChunk>& chunks = layout_.chunks;
-  if (next_chunk_ == chunks.size()) return {};
-  source_.release_before(chunks[next_chunk_].begin);
-  const size_t first = next_chunk_;
-  const size_t most_chunks = chunks_per_thread * static_cast<size_t>(context_.threads());
-  uint64_t points = 0;
-  while (next_chunk_ < chunks.size() && next_chunk_ - first < most_chunks &&
-         chunks[next_chunk_].points <= most_points_ - points)
-    points += chunks[next_chunk_++].points;
-  if (points == 0) {
-    large_ = open(chunks[next_chunk_]);
-    left_ = static_cast<size_t>(chunks[next_chunk_++].points);
-    return read_part();
+void LazReader::read(const std::function<void(std::string_view)>& take) {
+  std::vector<char> records, spare;
+  for (std::string_view ready;;) {
+    context_.check();
+    const Batch batch = next_batch();
+    if (batch.points == 0 && ready.empty()) return;
+    spare.resize(std::max(spare.size(), batch.points * layout_.record_bytes));
+    const size_t taken = ready.empty() ? 0 : 1;
+    parallel_for(context_, taken + batch.chunks, 1, [&](size_t k) {
+      if (k < taken)
+        take(ready);
+      else
+        decode(batch, k - taken, spare.data());
+    });
+    records.swap(spare);
+    ready = {records.data(), batch.points * layout_.record_bytes};
   }
-  records_.resize(std::max(records_.size(), static_cast<size_t>(points) * layout_.record_bytes));
-  parallel_for(context_, next_chunk_ - first, 1, [&](size_t k) {
-    const LazChunk& chunk = chunks[first + k];
-    char* const to = records_.data() + static_cast<size_t>(chunk.first - chunks[first].first) * layout_.record_bytes;
-    read(*open(chunk), chunk, static_cast<size_t>(chunk.points), to);
-  });
-  return {records_.data(), static_cast<size_t>(points) * layout_.record_bytes};
 }
 
-std::string_view LazReader::read_part() {
-  const size_t count = std::min(left_, std::max<size_t>(most_points_ / parts, 1));
-  records_.resize(std::max(records_.size(), count * layout_.record_bytes));
-  read(*large_, layout_.chunks[next_chunk_ - 1], count, records_.data());
-  left_ -= count;
-  if (left_ == 0) large_.reset();
-  return {records_.data(), count * layout_.record_bytes};
+LazReader::Batch LazReader::next_batch() {
+  const std::vector<LazChunk>& chunks = layout_.chunks;
+  const size_t part = std::max<size_t>(most_points_ / parts, 1);
+  Batch batch;
+  batch.first_chunk = left_ > 0 ? next_chunk_ - 1 : next_chunk_;
+  if (batch.first_chunk < chunks.size()) source_.release_before(static_cast<size_t>(chunks[batch.first_chunk].begin));
+  const size_t most_chunks = chunks_per_thread * static_cast<size_t>(context_.threads());
+  while (left_ == 0 && next_chunk_ < chunks.size() && batch.chunks < most_chunks &&
+         chunks[next_chunk_].points <= most_points_ - batch.points) {
+    batch.points += static_cast<size_t>(chunks[next_chunk_++].points);
+    ++batch.chunks;
+  }
+  if (batch.chunks > 0) return batch;
+  if (left_ == 0 && next_chunk_ < chunks.size()) {
+    large_ = open(chunks[next_chunk_]);
+    left_ = static_cast<size_t>(chunks[next_chunk_++].points);
+  }
+  batch.points = std::min(left_, part);
+  batch.chunks = batch.points > 0 ? 1 : 0;
+  left_ -= batch.points;
+  return batch;
+}
+
+/// The batch's k-th chunk.
+void LazReader::decode(const Batch& batch, size_t k, char* to) {
+  const LazChunk& chunk = layout_.chunks[batch.first_chunk + k];
+  if (large_) {
+    if (!large_->read(batch.points, to)) fail(chunk);
+    if (left_ == 0) large_.reset();
+    return;
+  }
+  to += static_cast<size_t>(chunk.first - layout_.chunks[batch.first_chunk].first) * layout_.record_bytes;
+  if (!open(chunk)->read(static_cast<size_t>(chunk.points), to)) fail(chunk);
 }
 
 std::unique_ptr<LazPoints> LazReader::open(const LazChunk& chunk) const {
@@ -66,10 +85,6 @@ std::unique_ptr<LazPoints> LazReader::open(const LazChunk& chunk) const {
   std::unique_ptr<LazPoints> points = laz_points(layout_, chunk.points, bytes, wanted_);
   if (!points) fail(chunk);
   return points;
-}
-
-void LazReader::read(LazPoints& points, const LazChunk& chunk, size_t count, char* to) const {
-  if (!points.read(count, to)) fail(chunk);
 }
 
 void LazReader::fail(const LazChunk& chunk) const {

@@ -1,7 +1,8 @@
-// The point records of a LAZ file in order, decoded chunk by chunk on the threads of the context.
+// The point records of a LAZ file in order, their chunks decoded on the threads of the context.
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -20,14 +21,21 @@ class LazReader {
   LazReader(ByteSource& source, LazLayout layout, std::vector<bool> wanted, const Context& context,
             size_t most_bytes = size_t{32} << 20);
 
-  /// The next records, of some chunks or of a part of a large one; valid until the next call. Empty after the last.
-  /// Throws InputError for a chunk that does not hold its points.
-  std::string_view next();
+  /// take(records) for all records, in order: of some chunks or of a part of a large one. It is called by one thread at
+  /// a time, while others decode what comes next. Throws InputError for a chunk that does not hold its points.
+  void read(const std::function<void(std::string_view)>& take);
 
  private:
+  /// What is decoded at once: whole chunks, or a part of a large one.
+  struct Batch {
+    size_t first_chunk = 0;
+    size_t chunks = 0;
+    size_t points = 0;
+  };
+
+  Batch next_batch();
+  void decode(const Batch& batch, size_t k, char* to);
   std::unique_ptr<LazPoints> open(const LazChunk& chunk) const;
-  void read(LazPoints& points, const LazChunk& chunk, size_t count, char* to) const;
-  std::string_view read_part();
   [[noreturn]] void fail(const LazChunk& chunk) const;
 
   ByteSource& source_;
@@ -38,7 +46,6 @@ class LazReader {
   size_t next_chunk_ = 0;
   std::unique_ptr<LazPoints> large_;  // the chunk before next_chunk_, of which `left_` points are to be read
   size_t left_ = 0;
-  std::vector<char> records_;
 };
 
 }  // namespace soapfilm::io
