@@ -128,7 +128,8 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
 
   Stages stages(context);
   ReadReport read;
-  PointCloud cloud = stages.run("read", [&] { return read_input(options, options.params.surface.attributes, context, read); });
+  PointCloud cloud =
+      stages.run("read", [&] { return read_input(options, options.params.surface.attributes, context, read); });
   check_names(options, read);
   if (options.preview) make_preview(options.params, cloud, progress);
   LevelFiles levels;

@@ -133,8 +133,7 @@ void FieldReader::append_weights(PointCloud& cloud) {
     const auto weight = static_cast<float>(values[i]);
     if (!(weight >= 0) || !std::isfinite(weight)) {
       const size_t row = rows_before_ + first_ + (kept_ != nullptr ? (*kept_)[i] : i);
-      throw InputError(
-          fmt::format("{}: sample {}: weight = {}, must be finite and >= 0", path_, row, values[i]));
+      throw InputError(fmt::format("{}: sample {}: weight = {}, must be finite and >= 0", path_, row, values[i]));
     }
     cloud.weights.push_back(weight);
   }
