@@ -168,7 +168,7 @@ def laz(record, item_version, extra=0, chunk_points=50000):
         chunk += struct.pack("<I", len(POINTS)) + struct.pack("<I", 96) * layers
         chunk += b"".join(noise(96, k) for k in range(layers))
     else:
-        chunk += noise(600, 20 + record)
+        chunk += noise(600, record if record < 5 else 25)
     head = bytearray(data[:header] + vlr + data[header:offset])
     struct.pack_into("<I", head, 96, len(head))
     struct.pack_into("<I", head, 100, struct.unpack_from("<I", head, 100)[0] + 1)

@@ -101,16 +101,12 @@ LazPointState LazChannelLayer::next(char* record) {
   state.source_changes = (changes & 32) != 0;
   state.time_changes = (changes & 16) != 0;
   state.angle_changes = (changes & 8) != 0;
-  if ((changes & 4) != 0) {
-    const unsigned of = from_.symbol(own->numbers_of_returns[own->of]);
-    own->number = next_return(*own, changes, state.time_changes);
-    own->of = of;
-  } else {
-    own->number = next_return(*own, changes, state.time_changes);
-  }
+  const unsigned of = (changes & 4) != 0 ? from_.symbol(own->numbers_of_returns[own->of]) : own->of;
+  const unsigned number = next_return(*own, changes, state.time_changes);
+  own->number = number;
+  own->of = of;
   own->time_changed = state.time_changes;
-  state.returns = first_and_last(own->number, own->of);
-  const unsigned number = own->number, of = own->of;
+  state.returns = first_and_last(number, of);
   state.level = static_cast<uint8_t>(std::min(of > number ? of - number : number - of, most_level));
 
   const unsigned single = of == 1;
