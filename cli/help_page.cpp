@@ -87,7 +87,7 @@ const char* const global_options_note = "Global options (--threads, --quiet, --v
 const char* const first_page =
     R"(soapfilm turns raw 3D scans into a watertight mesh, and proves how good it is.
 
-With your own scans (PLY, E57, PTX, PCD, LAS, text and more), say scan.ply:
+With your own scans (PLY, E57, PTX, PCD, LAS, LAZ, text and more), say scan.ply:
   soapfilm info scan.ply                   what is in the file
   soapfilm reconstruct scan.ply --preview  a coarse mesh in a moment
   soapfilm reconstruct scan.ply            the mesh: scan.mesh.ply

@@ -76,8 +76,11 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   validate(params);
 }
 
-PointCloud read_input(const ReconstructOptions& options, const Context& context, ReadReport& read) {
-  PointCloud cloud = read_cloud(options.inputs, options.read, context, read);
+PointCloud read_input(const ReconstructOptions& options, const std::vector<std::string>& attributes,
+                      const Context& context, ReadReport& read) {
+  ReadOptions as = options.read;
+  as.attributes = attributes;  // what reaches no vertex is not kept
+  PointCloud cloud = read_cloud(options.inputs, as, context, read);
   context.progress().info(
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));
   return cloud;
@@ -146,7 +149,8 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
 
   Stages stages(context);
   ReadReport read;
-  PointCloud cloud = stages.run("read", [&] { return read_input(options, context, read); });
+  PointCloud cloud =
+      stages.run("read", [&] { return read_input(options, options.params.surface.attributes, context, read); });
   check_names(options, read);
   if (options.preview) make_preview(options.params, cloud, progress);
   LevelFiles levels;

@@ -3,6 +3,7 @@
 FOLDER/EXTENSION/ gets the files of an extension, FOLDER/beside/ the files that sets of scans name. Python's standard
 library alone; nothing of the program is used, so that a fault of a writer cannot hide one of its reader.
 """
+import hashlib
 import math
 import os
 import struct
@@ -113,6 +114,75 @@ def las(record, version=2, extra=0):
     return bytes(h) + vlr + rows
 
 
+class LazCoder:
+    """An arithmetic coder whose models are as they begin: all values are equally likely."""
+
+    def __init__(self):
+        self.low, self.length, self.bytes = 0, 0xFFFFFFFF, 4
+
+    def add(self, begin, length):
+        self.low, self.length = self.low + begin, length
+        while self.length < 1 << 24:
+            self.low, self.length, self.bytes = self.low << 8, self.length << 8, self.bytes + 1
+
+    def symbol(self, value, count):
+        step, scale = self.length >> 15, (1 << 31) // count
+        begin = (scale * value >> 16) * step
+        self.add(begin, (self.length if value + 1 == count else (scale * (value + 1) >> 16) * step) - begin)
+
+    def number(self, value):
+        """Of 32 bits, from 256 to 2^19, the one before it 0."""
+        bits, code = (value - 1).bit_length(), value - 1
+        self.symbol(bits, 33)
+        self.symbol(code >> bits - 8, 256)
+        step = self.length >> bits - 8
+        self.add((code & (1 << bits - 8) - 1) * step, step)
+
+    def done(self):
+        return (self.low + self.length // 2).to_bytes(self.bytes, "big") + bytes(4)
+
+
+def noise(size, seed):
+    """Any bytes are points: the coder has a number for each."""
+    return b"".join(hashlib.sha256(b"%d %d" % (seed, k)).digest() for k in range(size // 32 + 1))[:size]
+
+
+def laz(record, item_version, extra=0, chunk_points=50000):
+    """LAZ of one chunk: the first point of las(), and those that some bytes happen to mean."""
+    data = las(record, 4 if record >= 6 else 2, extra)
+    header, offset = struct.unpack_from("<HI", data, 94)
+    length, = struct.unpack_from("<H", data, 105)
+    point = [(10, 30, item_version)] if record >= 6 else [(6, 20, item_version)]
+    time = [(7, 8, item_version)] if record in (1, 3, 4, 5) else []
+    color = {2: [(8, 6, item_version)], 3: [(8, 6, item_version)], 5: [(8, 6, item_version)], 7: [(11, 6, item_version)],
+             8: [(12, 8, item_version)], 10: [(12, 8, item_version)]}.get(record, [])
+    waves = {4: [(9, 29, 1)], 5: [(9, 29, 1)], 9: [(13, 29, item_version)], 10: [(13, 29, item_version)]}.get(record, [])
+    items = point + time + color + waves + ([(14 if record >= 6 else 0, extra, item_version)] if extra else [])
+    compressor = 3 if record >= 6 else item_version
+    body = (struct.pack("<HHBBHIIqqH", compressor, 0, 3, 4, 3, 0, chunk_points, -1, -1, len(items)) +
+            b"".join(struct.pack("<HHH", *item) for item in items))
+    vlr = struct.pack("<H16sHH32s", 0, b"laszip encoded", 22204, len(body), b"") + body
+    chunk = data[offset:offset + length]
+    if record >= 6:
+        layers = 9 + {7: 1, 8: 2, 9: 1, 10: 3}.get(record, 0) + extra
+        chunk += struct.pack("<I", len(POINTS)) + struct.pack("<I", 96) * layers
+        chunk += b"".join(noise(96, k) for k in range(layers))
+    else:
+        chunk += noise(600, record if record < 5 else 25)
+    head = bytearray(data[:header] + vlr + data[header:offset])
+    struct.pack_into("<I", head, 96, len(head))
+    struct.pack_into("<I", head, 100, struct.unpack_from("<I", head, 100)[0] + 1)
+    head[104] |= 128
+    if compressor == 1:
+        return bytes(head) + chunk
+    coder = LazCoder()
+    if chunk_points == 0xFFFFFFFF:  # numbers of points are in the table, too
+        coder.symbol(3, 33)
+        coder.symbol(len(POINTS) - 1, 8)
+    coder.number(len(chunk))
+    return bytes(head) + struct.pack("<q", len(head) + 8 + len(chunk)) + chunk + struct.pack("<II", 0, 1) + coder.done()
+
+
 def npy(dtype, columns, order=False):
     head = "{'descr': '%s', 'fortran_order': %s, 'shape': (%d, %d), }" % (dtype, order, len(POINTS), columns)
     head = head.ljust(117) + "\n"
@@ -199,6 +269,8 @@ TABLES = [table(), table(","), table(";", header="x;y;z;nx;ny;nz;red;green;blue"
           table("\t", normals=False), text(str(len(POINTS))) + table(colors=False), table().replace(b"\n", b"\r\n")]
 
 LAS = [*(las(record) for record in range(6)), *(las(record, 4) for record in range(6, 11)), las(1, 2, 4)]
+LAZ = [*(laz(record, 2) for record in range(6)), *(laz(record, 3) for record in range(6, 11)), laz(3, 1, 4), laz(5, 1),
+       laz(3, 2, 4), laz(7, 3, 4), laz(8, 4, 4), laz(7, 3, 0, 0xFFFFFFFF), LAS[3][:104] + b"\x83" + LAS[3][105:]]
 
 FILES = {
     ".ply": [ply("ascii"), ply("binary_little_endian"), ply("binary_big_endian"), ply_mesh("ascii"),
@@ -212,7 +284,7 @@ FILES = {
     ".off": [off(False), off(True)],
     ".stl": [stl_binary(), stl_text()],
     ".las": LAS,
-    ".laz": [data[:104] + bytes([data[104] | 128]) + data[105:] for data in LAS],  # the bit of compressed points
+    ".laz": LAZ,
     ".bin": [b"".join(struct.pack("<4f", *p, 0.5) for p in POINTS)],
     ".npy": [npy("<f4", 3), npy("<f8", 6), npy(">f8", 3, True), npy("<i4", 3)],
     ".ptx": [ptx(False), ptx(True)],

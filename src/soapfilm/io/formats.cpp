@@ -27,14 +27,15 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr std::array<Format, 16> table{{
+constexpr std::array<Format, 17> table{{
     {".ply", {}, looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
     {.extensions = ".xyz .txt .csv .asc .pts .xyzn .xyzrgb .pwn .npts",
      .uses = "columns",
      .read_points = read_text_points},
     {.extensions = ".ptx", .begins = looks_like_ptx, .read_points = read_ptx},
     {.extensions = ".pcd", .uses = "trust_viewpoint", .begins = looks_like_pcd, .read_points = read_pcd},
-    {.extensions = ".las .laz", .uses = "trajectory", .begins = looks_like_las, .read_points = read_las},
+    {.extensions = ".las", .uses = "trajectory", .begins = looks_like_las, .read_points = read_las},
+    {.extensions = ".laz", .uses = "trajectory", .read_points = read_las},  // the same, but its points are compressed
     {.extensions = ".e57", .uses = "trust_viewpoint", .begins = looks_like_e57, .read_points = read_e57},
     {.extensions = ".bin", .read_points = read_kitti},
     {.extensions = ".npy", .begins = looks_like_npy, .read_points = read_npy},
