@@ -32,7 +32,7 @@ constexpr std::array<Format, 16> table{{
     {.extensions = ".xyz .txt .csv .asc .pts .xyzn .xyzrgb .pwn .npts",
      .uses = "columns",
      .read_points = read_text_points},
-    {.extensions = ".ptx", .begins = looks_like_ptx, .read_points = read_ptx},
+    {.extensions = ".ptx", .uses = "trust_viewpoint", .begins = looks_like_ptx, .read_points = read_ptx},
     {.extensions = ".pcd", .uses = "trust_viewpoint", .begins = looks_like_pcd, .read_points = read_pcd},
     {.extensions = ".las .laz", .uses = "trajectory", .begins = looks_like_las, .read_points = read_las},
     {.extensions = ".e57", .uses = "trust_viewpoint", .begins = looks_like_e57, .read_points = read_e57},

@@ -154,7 +154,8 @@ PointCloud read_e57(ByteSource& source, ReadReport& report, const ReadOptions& o
   warn_of_e57("rows and columns not used as a range grid", without_grid, source.path(), report);
   warn_of_e57("more records than recordCount says, ignored", with_more, source.path(), report);
   warn_of_e57(
-      "poses of round numbers taken for shifts of coordinates, not for scanners' places (else: --trust-viewpoint)",
+      "poses taken for shifts of coordinates, not for scanners' places, as they are of round numbers or the samples "
+      "were not seen from there (else: --trust-viewpoint)",
       shifted, source.path(), report);
   finish_points(cloud, std::move(file), {.float32 = e57_float32(head, plan)}, report);
   return cloud;

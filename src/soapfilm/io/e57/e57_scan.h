@@ -29,6 +29,8 @@ class E57ScanReader {
   bool shifted() const { return shifted_; }
 
  private:
+  bool tells_of_scanner(const Scan& scan) const;
+  bool contradicts_scanner(const Scan& scan) const;
   void append_block(const E57Records& records, size_t count);
   void append_positions(const E57Records& records);
   void append_colors(const E57Records& records);

@@ -1,0 +1,86 @@
+#include "soapfilm/io/leading_columns.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "soapfilm/core/vec.h"
+
+namespace soapfilm::io {
+
+namespace {
+
+bool is_whole(double value) { return value == std::floor(value); }
+
+template <class T>
+bool are_whole(const std::vector<T>& values) {
+  return std::all_of(values.begin(), values.end(), [](T v) { return is_whole(static_cast<double>(v)); });
+}
+
+template <class T>
+bool are_fractions(const std::vector<T>& values) {
+  return std::all_of(values.begin(), values.end(), [](T v) { return v >= 0 && v <= 1; });
+}
+
+/// An intensity, a class, a color: not a coordinate.
+template <class T>
+bool may_be_value(const std::vector<T>& values) {
+  return are_whole(values) || are_fractions(values);
+}
+
+bool rises(const std::vector<Vec3d>& positions) {
+  for (size_t i = 1; i < positions.size(); ++i)
+    if (!(positions[i].x > positions[i - 1].x)) return false;
+  return positions.size() > 1;
+}
+
+/// Counted from row to row; some numbers may be missing.
+bool counts_up(const std::vector<Vec3d>& positions) {
+  size_t ones = 0;
+  for (size_t i = 1; i < positions.size(); ++i) ones += positions[i].x - positions[i - 1].x == 1;
+  const size_t steps = positions.size() - 1;
+  return steps >= 3 && (ones == steps || (steps >= 9 && 2 * ones >= steps));
+}
+
+/// Do the first two columns go through the cells of a grid in order, the one of axis `slow` row by row?
+bool goes_through_cells(const std::vector<Vec3d>& positions, int slow) {
+  constexpr double most = 1e6;
+  const int fast = 1 - slow;
+  size_t within = 0, ones = 0;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const Vec3d& p = positions[i];
+    if (!is_whole(p.x) || !is_whole(p.y) || std::min(p.x, p.y) < 0 || std::max(p.x, p.y) > most) return false;
+    if (i == 0) continue;
+    const Vec3d& before = positions[i - 1];
+    const double step = p[fast] - before[fast];
+    if (p[slow] < before[slow] || (p[slow] == before[slow] && !(step > 0))) return false;
+    if (p[slow] > before[slow]) continue;
+    ++within;
+    ones += step == 1;
+  }
+  const double first = positions.front()[slow];
+  return 2 * within >= positions.size() && 2 * ones >= within && (positions.back()[slow] > first || first <= 1);
+}
+
+bool is_third_whole(const std::vector<Vec3d>& positions) {
+  return std::all_of(positions.begin(), positions.end(), [](const Vec3d& p) { return is_whole(p.z); });
+}
+
+}  // namespace
+
+LeadingColumns judge_leading(const PointCloud& cloud, const UnnamedColumns& unnamed) {
+  constexpr size_t least_rows = 4;
+  const size_t rows = cloud.size();
+  if (rows < least_rows || cloud.columns.empty()) return LeadingColumns::none;
+  const bool whole = unnamed.fourth.size() == rows;  // the first column
+  if (whole && unnamed.fifth.size() == rows && !may_be_value(unnamed.fourth) && !may_be_value(unnamed.fifth) &&
+      !is_third_whole(cloud.positions)) {
+    if (goes_through_cells(cloud.positions, 0)) return LeadingColumns::row_column;
+    if (goes_through_cells(cloud.positions, 1)) return LeadingColumns::column_row;
+  }
+  if (!rises(cloud.positions)) return LeadingColumns::none;
+  if (may_be_value(cloud.columns[0].values))
+    return whole && counts_up(cloud.positions) ? LeadingColumns::unclear : LeadingColumns::none;
+  return whole && counts_up(cloud.positions) ? LeadingColumns::number : LeadingColumns::unclear;
+}
+
+}  // namespace soapfilm::io
