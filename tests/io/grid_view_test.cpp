@@ -70,7 +70,7 @@ TEST(GridView, PerspectiveImagesAreSeenFromTheCamera) {
   EXPECT_NE(view(elsewhere), io::GridView::seen_from);
   EXPECT_EQ(io::judge_view(elsewhere.positions, elsewhere.scan, {1, 2, 1}), io::GridView::seen_from);
   // A plane looks the same from many places.
-  EXPECT_EQ(view(image_of(160, 120, [&](double u, double v) { return 3 * ray(u, v, 1.2); })), io::GridView::unclear);
+  EXPECT_EQ(view(image_of(160, 120, [&](double u, double v) { return 3.0 * ray(u, v, 1.2); })), io::GridView::unclear);
 }
 
 TEST(GridView, AngularImagesAreSeenFromTheScanner) {

@@ -235,7 +235,7 @@ TEST(Npy, RefusalsNamePlaceValueAndConstraint) {
   refused(literal("'<f4'", "(0, 3)"), {"(0, 3)", "no samples"});
   refused(literal("'<f4'", "(6,)"), {"(6,)", "(n, 3)"});
   refused(literal("'<f4'", "(3, 2)"), {"(3, 2)", "transposed"});
-  refused(literal("'<f4'", "(1, 2, 3)"), {"(1, 2, 3)"});
+  refused(literal("'<f4'", "(1, 2, 3, 1)"), {"(1, 2, 3, 1)"});
   refused(literal("'<f4'", "()"), {"()"});
   refused(literal("'<f4'", "(-2, 3)"), {"'-2, 3)", "whole number"});
   refused(literal("'<f2'", "(2, 3)"), {"'<f2'", "f4, f8"});

@@ -111,7 +111,7 @@ TEST(Ptx, ScansFollowEachOtherAndKeepTheirOwnScanner) {
 }
 
 TEST(Ptx, IsKnownByItsHeadUnderAnyName) {
-  const std::string text = head(1, 2) + "1 0 5 0.5\n2 0 5 0.5\n";
+  const std::string text = head(1, 2, "4 5 6") + "1 0 5 0.5\n2 0 5 0.5\n";
   for (const char* name : {"scan.txt", "scan.pts", "scan.xyz", "scan"}) {
     const PointCloud cloud = read_text(text, nullptr, name);
     EXPECT_EQ(cloud.size(), 2u) << name;

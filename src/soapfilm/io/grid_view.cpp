@@ -203,7 +203,7 @@ bool fits_only_here(const GridSample& grid, const Vec3d& from, double here, cons
     for (const double sign : {-1.0, 1.0}) {
       Vec3d other = from;
       other[axis] += sign * way;
-      if (!(error(other) > 2 * here + 0.25 * grid.tolerance())) return false;
+      if (!(error(other) > 2 * here + 0.05 * grid.tolerance())) return false;
     }
   return true;
 }
@@ -230,7 +230,7 @@ bool is_near_samples(const std::vector<Vec3d>& positions, const Scan& scan, cons
     if (is_finite(positions[i])) box.extend(positions[i]);
   Vec3d way{};
   for (int axis = 0; axis < 3; ++axis) way[axis] = std::max({box.lo[axis] - from[axis], from[axis] - box.hi[axis], 0.0});
-  return norm(way) <= diagonals * box.diagonal();
+  return box.diagonal() == 0 || norm(way) <= diagonals * box.diagonal();  // one place alone tells nothing
 }
 
 bool is_scanner_place(const std::vector<Vec3d>& positions, const Scan& scan, const Vec3d& from,

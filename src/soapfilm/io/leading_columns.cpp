@@ -78,7 +78,7 @@ LeadingColumns judge_leading(const PointCloud& cloud, const UnnamedColumns& unna
     if (goes_through_cells(cloud.positions, 1)) return LeadingColumns::column_row;
   }
   if (!rises(cloud.positions)) return LeadingColumns::none;
-  if (may_be_value(cloud.columns[0].values))
+  if (whole ? may_be_value(unnamed.fourth) : may_be_value(cloud.columns[0].values))
     return whole && counts_up(cloud.positions) ? LeadingColumns::unclear : LeadingColumns::none;
   return whole && counts_up(cloud.positions) ? LeadingColumns::number : LeadingColumns::unclear;
 }

@@ -225,7 +225,7 @@ bool is_shift_of_coordinates(const Placement& pose) {
 
 /// Merged and exported clouds lie at the origin of their coordinates, too, but no scanner stood there.
 bool E57ScanReader::tells_of_scanner(const Scan& scan) const {
-  constexpr double not_far = 3;  // diagonals
+  constexpr double not_far = 10;  // diagonals
   if (scan.range_grid) return is_scanner_place(cloud_.positions, scan, {}, true);
   return scan_.names_scanner && is_near_samples(cloud_.positions, scan, {}, not_far);
 }

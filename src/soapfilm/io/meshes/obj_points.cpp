@@ -186,7 +186,7 @@ class ObjPointsReader {
     scan.name = std::filesystem::path(source_.path()).stem().string();
     scan.end = cloud_.size();
     cloud_.scans.push_back(std::move(scan));
-    finish_points(cloud_, std::move(file), {}, report);
+    finish_points(cloud_, std::move(file), {.has_faces = counts_.faces > 0}, report);
     return std::move(cloud_);
   }
 

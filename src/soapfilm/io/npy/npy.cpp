@@ -30,6 +30,7 @@ class NpyReader {
       use_columns();
     PointCloud cloud = read_rows();
     const PointColumns columns = meaning();
+    warn_of_color_parts(columns, source_.path(), report_.warnings);
     if (!header_.has_names && fields_.size() > 3) judge(cloud);
     Scan scan;
     scan.name = std::filesystem::path(source_.path()).stem().string();

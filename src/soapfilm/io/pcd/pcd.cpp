@@ -117,6 +117,7 @@ class PcdReader {
     if (!layout_.unused.empty())
       report.warnings.push_back(
           fmt::format("{}: fields not used: {}", source_.path(), fmt::join(layout_.unused, ", ")));
+    warn_of_color_parts(layout_, source_.path(), report.warnings);
     finish(report, trust_viewpoint);
     return std::move(cloud_);
   }

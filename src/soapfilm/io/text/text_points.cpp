@@ -86,6 +86,7 @@ class TextReader {
     normals_after_positions();
     if (unnamed_) judge();
     drop_text_columns();
+    warn_of_color_parts(columns_, path_, head_.warnings);
     FileReport file;
     file.path = path_;
     file.format = head_.decimal_commas ? "text, decimal commas" : "text";
@@ -127,6 +128,7 @@ class TextReader {
     rules_.separator = head_.separator;
     rules_.decimal_commas = head_.decimal_commas;
     rules_.header = head_.header;
+    rules_.more_columns = head_.has_lists;
     rules_.weight = columns_.weight;
     rules_.fields.assign(names_.size(), FieldRule::skipped);
     for (const Triple& triple : {columns_.position, columns_.normal, columns_.sensor, columns_.color})
