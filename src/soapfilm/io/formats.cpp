@@ -8,6 +8,7 @@
 #include "soapfilm/io/kitti.h"
 #include "soapfilm/io/las/las.h"
 #include "soapfilm/io/meshes/gltf.h"
+#include "soapfilm/io/meshes/gltf_read.h"
 #include "soapfilm/io/meshes/obj.h"
 #include "soapfilm/io/meshes/off.h"
 #include "soapfilm/io/meshes/stl.h"
@@ -46,8 +47,17 @@ constexpr std::array<Format, 16> table{{
      .read_points = read_obj_points,
      .read_mesh = read_obj,
      .write_mesh = write_obj},
-    {.extensions = ".off", .read_mesh = read_off, .write_mesh = write_off},
-    {.extensions = ".glb", .write_mesh = write_glb},
+    {.extensions = ".off",
+     .has_faces = off_has_faces,
+     .read_points = read_off_points,
+     .read_mesh = read_off,
+     .write_mesh = write_off},
+    {.extensions = ".glb",
+     .begins = looks_like_glb,
+     .has_faces = glb_has_faces,
+     .read_points = read_glb_points,
+     .read_mesh = read_glb_mesh,
+     .write_mesh = write_glb},
     {.extensions = ".vdb", .write_mesh = write_vdb},
     {.extensions = ".stl", .read_mesh = read_stl, .write_mesh = write_stl},
 }};

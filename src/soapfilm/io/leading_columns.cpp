@@ -61,8 +61,12 @@ bool goes_through_cells(const std::vector<Vec3d>& positions, int slow) {
   return 2 * within >= positions.size() && 2 * ones >= within && (positions.back()[slow] > first || first <= 1);
 }
 
-bool is_third_whole(const std::vector<Vec3d>& positions) {
-  return std::all_of(positions.begin(), positions.end(), [](const Vec3d& p) { return is_whole(p.z); });
+/// Are columns 3 to 5 more like x y z than like a height and its attributes?
+bool are_coordinates(const PointCloud& cloud, const UnnamedColumns& unnamed) {
+  const bool third_whole =
+      std::all_of(cloud.positions.begin(), cloud.positions.end(), [](const Vec3d& p) { return is_whole(p.z); });
+  return !third_whole && !are_whole(unnamed.fourth) && !are_whole(unnamed.fifth) &&
+         !(are_fractions(unnamed.fourth) && are_fractions(unnamed.fifth));
 }
 
 }  // namespace
@@ -72,11 +76,12 @@ LeadingColumns judge_leading(const PointCloud& cloud, const UnnamedColumns& unna
   const size_t rows = cloud.size();
   if (rows < least_rows || cloud.columns.empty()) return LeadingColumns::none;
   const bool whole = unnamed.fourth.size() == rows;  // the first column
-  if (whole && unnamed.fifth.size() == rows && !may_be_value(unnamed.fourth) && !may_be_value(unnamed.fifth) &&
-      !is_third_whole(cloud.positions)) {
-    if (goes_through_cells(cloud.positions, 0)) return LeadingColumns::row_column;
-    if (goes_through_cells(cloud.positions, 1)) return LeadingColumns::column_row;
-  }
+  if (whole && unnamed.fifth.size() == rows)
+    for (const int slow : {0, 1})
+      if (goes_through_cells(cloud.positions, slow)) {
+        if (!are_coordinates(cloud, unnamed)) return LeadingColumns::unclear_cells;
+        return slow == 0 ? LeadingColumns::row_column : LeadingColumns::column_row;
+      }
   if (!rises(cloud.positions)) return LeadingColumns::none;
   if (whole ? may_be_value(unnamed.fourth) : may_be_value(cloud.columns[0].values))
     return whole && counts_up(cloud.positions) ? LeadingColumns::unclear : LeadingColumns::none;

@@ -222,6 +222,11 @@ Columns take_leading(PointCloud& cloud, UnnamedColumns& unnamed) {
           fmt::format("column 1 rises from row to row, as a point's number or a time does; it is taken for x{}",
                       unnamed.can_be_named ? " (else: --columns time,x,y,z,...)" : ""));
       return {};
+    case LeadingColumns::unclear_cells:
+      unnamed.remarks.push_back(
+          fmt::format("columns 1 and 2 go through the cells of a grid; they are taken for x and y{}",
+                      unnamed.can_be_named ? " (else: --columns row,column,x,y,z,...)" : ""));
+      return {};
     case LeadingColumns::number:
       unnamed.remarks.push_back(fmt::format(
           "column 1 counts the rows: taken for the point's number, columns 2 to 4 for x y z{}", else_plain));
@@ -239,7 +244,10 @@ Columns take_leading(PointCloud& cloud, UnnamedColumns& unnamed) {
 
 /// Such as " with --columns x,y,z,column_4".
 std::string option_of(const UnnamedColumns& unnamed) {
-  return fmt::format(" with --columns {}", fmt::join(unnamed.names, ","));
+  constexpr size_t most = 20;
+  const auto end = unnamed.names.begin() + static_cast<std::ptrdiff_t>(std::min(most, unnamed.names.size()));
+  return fmt::format(" with --columns {}{}", fmt::join(unnamed.names.begin(), end, ","),
+                     unnamed.names.size() > most ? ",..." : "");
 }
 
 /// Gives the columns that are left over a name if their place says one, else a remark.
@@ -247,6 +255,8 @@ void name_others(Columns& columns, const ColumnLayout& layout, const std::vector
                  size_t first_column) {
   const bool alone = columns.size() == 1;
   const auto others = std::count(used.begin(), used.end(), false);
+  constexpr size_t most_named = 12;
+  size_t unnamed_count = 0;
   std::string left;
   for (size_t k = 0; k < columns.size(); ++k) {
     if (used[k]) continue;
@@ -254,10 +264,11 @@ void name_others(Columns& columns, const ColumnLayout& layout, const std::vector
     const bool before_normal = layout.normal && k + 1 == *layout.normal;
     if (alone || (others == 1 && (beside_color || before_normal)))
       columns[k].name = unnamed.names[first_column + k] = "intensity";
-    else
+    else if (unnamed_count++ < most_named)
       left += (left.empty() ? "" : ", ") + columns[k].name;
   }
   if (left.empty()) return;
+  if (unnamed_count > most_named) left += fmt::format(" and {} more", unnamed_count - most_named);
   unnamed.remarks.push_back(
       fmt::format("nothing says what these columns are, and they are not like normals or colors: kept as attributes "
                   "{}; name{} them{}",

@@ -207,16 +207,18 @@ class ObjPointsReader {
 
 bool obj_has_faces(ByteSource& source) {
   bool found = false;
-  for_each_obj_line(source.bytes(), [&](std::string_view line, size_t end) {
+  ObjSource text(source);
+  for_each_obj_line(text.plain().bytes(), [&](std::string_view line, size_t end) {
     found = is_keyword(line, "f");
-    source.release_before(end);
+    text.plain().release_before(end);
     return !found;
   });
   return found;
 }
 
 PointCloud read_obj_points(ByteSource& source, ReadReport& report, const ReadOptions&, const Context& context) {
-  return ObjPointsReader(source, context).read(report);
+  ObjSource text(source);
+  return ObjPointsReader(text.plain(), context).read(report);
 }
 
 }  // namespace soapfilm::io

@@ -190,13 +190,14 @@ class PcdReader {
     const size_t points_at_once = std::clamp<size_t>(most_values / width, 1, header_.points);
     std::vector<double> numbers(points_at_once * width);
     std::string_view line;
+    std::string buffer;
     for (uint64_t i = 0; i < header_.points;) {
       context_.check();
       const size_t count = std::min<uint64_t>(points_at_once, header_.points - i);
       for (size_t k = 0; k < count; ++k) {
         if (!next_filled_line(cursor, line))
           cursor.fail(fmt::format("truncated: the file ends after {} of {} points", i + k, header_.points));
-        const size_t found = parse_number_line(cursor, line, {numbers.data() + k * width, width});
+        const size_t found = parse_number_line(cursor, without_commas(line, width, buffer), {numbers.data() + k * width, width});
         if (found != width) cursor.fail(fmt::format("point {}: {} numbers, must be {}", i + k, found, width));
         cursor.release();
       }
