@@ -23,8 +23,7 @@ Image image_of(int columns, int rows, const std::function<Vec3d(double, double)>
   Image image;
   image.scan.range_grid = io::full_grid(columns, rows);
   for (int r = 0; r < rows; ++r)
-    for (int c = 0; c < columns; ++c)
-      image.positions.push_back(position((c + 0.5) / columns, (r + 0.5) / rows));
+    for (int c = 0; c < columns; ++c) image.positions.push_back(position((c + 0.5) / columns, (r + 0.5) / rows));
   image.scan.end = image.positions.size();
   return image;
 }
@@ -79,7 +78,10 @@ TEST(GridView, AngularImagesAreSeenFromTheScanner) {
       EXPECT_EQ(view(image_of(120, 60, [&](double u, double v) { return wall(turned(u, v, range, tilt)); })),
                 io::GridView::seen_from)
           << tilt << " " << range;
-  EXPECT_EQ(view(image_of(120, 60, [&](double u, double v) { return wall(turned(u, v)) + Vec3d{0.8, 0.5, 0}; })),
+  EXPECT_EQ(view(image_of(120, 60,
+                          [&](double u, double v) {
+                            return wall(turned(u, v)) + Vec3d{0.8, 0.5, 0};
+                          })),
             io::GridView::not_from);
 }
 
@@ -98,7 +100,9 @@ TEST(GridView, HeightsOverAMapWereNotSeenFromItsOrigin) {
     EXPECT_NE(map(5000, 800, 100, rough), io::GridView::seen_from);
   }
   EXPECT_NE(view(image_of(100, 80,
-                          [](double u, double v) { return Vec3d{u, v, 3 + 0.3 * std::cos(6 * u) * std::sin(4 * v)}; })),
+                          [](double u, double v) {
+                            return Vec3d{u, v, 3 + 0.3 * std::cos(6 * u) * std::sin(4 * v)};
+                          })),
             io::GridView::seen_from);
 }
 

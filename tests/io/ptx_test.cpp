@@ -120,6 +120,46 @@ TEST(Ptx, IsKnownByItsHeadUnderAnyName) {
   EXPECT_EQ(read_text("2\n1 2 3\n4 5 6\n", nullptr, "list.pts").size(), 2u);  // a count and its points: no PTX
 }
 
+/// A scan of heights over a map from (x, y) on, as converters of other formats write it.
+std::string map_scan(int columns, int rows, double x, double y, const std::string& place = "0 0 0") {
+  std::string text = head(columns, rows, place);
+  for (int i = 0; i < columns * rows; ++i) {
+    const double px = x + i / 40, py = y + i % 40;
+    text += fmt::format("{:.3f} {:.3f} {:.3f} 0.5\n", px, py, 3 * std::sin(px / 7) * std::cos(py / 9) - 1.5);
+  }
+  return text;
+}
+
+TEST(Ptx, ADefaultMatrixIsAScannersOnlyIfTheSamplesWereSeenFromThere) {
+  const auto places = [](const std::string& text, size_t warnings) {
+    ReadReport report;
+    const PointCloud cloud = read_text(text, &report);
+    EXPECT_EQ(report.warnings.size(), warnings);
+    std::vector<bool> has;
+    for (const Scan& scan : cloud.scans) has.push_back(scan.sensor.has_value());
+    return has;
+  };
+  EXPECT_EQ(places(map_scan(1600, 1, 5e5, 4.1e6), 1), std::vector<bool>{false});
+  EXPECT_EQ(places(map_scan(1600, 1, -20, -20), 1), std::vector<bool>{false});
+  EXPECT_EQ(places(map_scan(40, 40, -20, -20), 1), std::vector<bool>{false});
+  EXPECT_EQ(places(map_scan(40, 40, -20, -20, "500000 4100000 0"), 1), std::vector<bool>{false});
+  EXPECT_EQ(places(map_scan(40, 40, 5e5, 4.1e6) + map_scan(3, 2, 10, 10, "1 2 3"), 1),
+            (std::vector<bool>{false, true}));
+  std::string scan = head(60, 30);
+  for (int c = 0; c < 60; ++c)
+    for (int r = 0; r < 30; ++r) {
+      const double azimuth = c * 0.1, height = 1 - r * 0.06, range = 5 + std::sin(c / 3) + 0.3 * std::cos(r / 4);
+      scan += fmt::format("{:.4f} {:.4f} {:.4f} 0.5\n", range * std::cos(height) * std::cos(azimuth),
+                          range * std::cos(height) * std::sin(azimuth), range * std::sin(height));
+    }
+  EXPECT_EQ(places(scan, 0), std::vector<bool>{true});
+  const TemporaryFolder folder;
+  ReadOptions trusting;
+  trusting.trust_viewpoint = true;
+  EXPECT_TRUE(
+      read_points(folder.write("a.ptx", map_scan(40, 40, -20, -20)), nullptr, Context(1), trusting).scans.at(0).sensor);
+}
+
 TEST(Ptx, MatricesThatScaleOneAxisAreUsedAndNamed) {
   const auto scaled = [](const char* x, const char* y, const char* z) {
     ReadReport report;

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double does_not_fit = std::numeric_limits<double>::infinity();
 constexpr size_t least_cells = 100;
-constexpr int least_lines = 8;   // rows or columns
-constexpr int most_lines = 64;   // of each kind that are looked at
+constexpr int least_lines = 8;  // rows or columns
+constexpr int most_lines = 64;  // of each kind that are looked at
 
 /// A sample in its cell.
 struct Seen {
@@ -150,7 +150,8 @@ std::vector<int> GridSample::plane_normals(const Vec3d& from, Normals& normals) 
 double GridSample::column_error(const Vec3d& from, const std::vector<int>& planes, const Normals& normals) const {
   std::vector<double> steps, squares;
   for (size_t k = 1; k < planes.size(); ++k) {
-    const double cosine = std::abs(dot(normals[static_cast<size_t>(planes[k - 1])], normals[static_cast<size_t>(planes[k])]));
+    const double cosine =
+        std::abs(dot(normals[static_cast<size_t>(planes[k - 1])], normals[static_cast<size_t>(planes[k])]));
     steps.push_back(std::acos(std::min(cosine, 1.0)) / (planes[k] - planes[k - 1]));
   }
   const double step = median(std::move(steps)) / column_step_;
@@ -229,7 +230,8 @@ bool is_near_samples(const std::vector<Vec3d>& positions, const Scan& scan, cons
   for (size_t i = scan.begin; i < scan.end; ++i)
     if (is_finite(positions[i])) box.extend(positions[i]);
   Vec3d way{};
-  for (int axis = 0; axis < 3; ++axis) way[axis] = std::max({box.lo[axis] - from[axis], from[axis] - box.hi[axis], 0.0});
+  for (int axis = 0; axis < 3; ++axis)
+    way[axis] = std::max({box.lo[axis] - from[axis], from[axis] - box.hi[axis], 0.0});
   return box.diagonal() == 0 || norm(way) <= diagonals * box.diagonal();  // one place alone tells nothing
 }
 

@@ -175,11 +175,12 @@ class PtxReader {
 
   void warn_of_defaults(ReadReport& report) const {
     if (defaults_.empty()) return;
-    report.warnings.push_back(fmt::format(
-        "{}: scan {}{}: its matrix does not turn, and its samples were not seen from where it says: no scanner is taken "
-        "from it (else: --trust-viewpoint)",
-        source_.path(), defaults_.front(),
-        defaults_.size() == 1 ? "" : fmt::format(" and {} more", defaults_.size() - 1)));
+    report.warnings.push_back(
+        fmt::format("{}: scan {}{}: its matrix does not turn, and its samples were not seen from where it says: no "
+                    "scanner is taken "
+                    "from it (else: --trust-viewpoint)",
+                    source_.path(), defaults_.front(),
+                    defaults_.size() == 1 ? "" : fmt::format(" and {} more", defaults_.size() - 1)));
   }
 
   /// False for a cell without a return. Such rows may have fewer columns than others.

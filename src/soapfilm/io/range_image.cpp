@@ -51,7 +51,8 @@ size_t drop_empty_cells(PointCloud& cloud) {
 
 std::string give_named_grid(PointCloud& cloud) {
   constexpr std::string_view row_names[] = {"row", "row_index", "rowindex", "v"};
-  constexpr std::string_view column_names[] = {"column", "col", "column_index", "columnindex", "col_index", "colindex", "u"};
+  constexpr std::string_view column_names[] = {"column",   "col", "column_index", "columnindex", "col_index",
+                                               "colindex", "u"};
   const Column* rows = find_index_column(cloud, row_names);
   const Column* columns = find_index_column(cloud, column_names);
   if (cloud.scans.size() != 1 || cloud.scans[0].range_grid || rows == nullptr || columns == nullptr) return {};

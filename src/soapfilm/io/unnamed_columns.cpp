@@ -235,9 +235,8 @@ Columns take_leading(PointCloud& cloud, UnnamedColumns& unnamed) {
     case LeadingColumns::column_row:
       break;
   }
-  unnamed.remarks.push_back(
-      fmt::format("columns 1 and 2 count the cells of a grid: taken for rows and columns, columns 3 to 5 for x y z{}",
-                  else_plain));
+  unnamed.remarks.push_back(fmt::format(
+      "columns 1 and 2 count the cells of a grid: taken for rows and columns, columns 3 to 5 for x y z{}", else_plain));
   const bool row_first = judge_leading(cloud, unnamed) == LeadingColumns::row_column;
   return shift_positions(cloud, unnamed, {row_first ? "row" : "column", row_first ? "column" : "row"});
 }

@@ -45,8 +45,9 @@ constexpr std::string_view e57_scan_parts[] = {"guid",
 
 /// Converters copy the system identifier of LAS files, which often names a program or what was done with the points.
 bool is_name_of_scanner(const std::string& name) {
-  constexpr std::string_view no_scanners[] = {"las", "pdal", "liblas", "cloudcompare", "merge", "modification", "extraction",
-                                              "transformation", "other", "unknown", "none", "n/a", "unified", "converted"};
+  constexpr std::string_view no_scanners[] = {"las",          "pdal",       "liblas",         "cloudcompare", "merge",
+                                              "modification", "extraction", "transformation", "other",        "unknown",
+                                              "none",         "n/a",        "unified",        "converted"};
   const std::string text = lower_case(name);
   return !text.empty() && std::none_of(std::begin(no_scanners), std::end(no_scanners),
                                        [&](std::string_view word) { return text.substr(0, word.size()) == word; });

@@ -42,9 +42,7 @@ size_t parts_of_type(std::string_view type) {
 
 double GltfArray::value(size_t element, size_t part) const {
   const char* from = at + element * stride + part * component_bytes(component);
-  const auto scaled = [&](double number, double most) {
-    return normalized ? std::max(number / most, -1.0) : number;
-  };
+  const auto scaled = [&](double number, double most) { return normalized ? std::max(number / most, -1.0) : number; };
   switch (component) {
     case int8:
       return scaled(load<int8_t>(from, glb_swaps), 127);
@@ -98,7 +96,8 @@ void GlbFile::refuse_extensions() const {
       const nlohmann::json& name = head_[list][i];
       for (const std::string_view other : not_read)
         if (name == other)
-          fail(fmt::format("extension {}, must be none that codes the arrays: save without compression", in_quotes(other)));
+          fail(fmt::format("extension {}, must be none that codes the arrays: save without compression",
+                           in_quotes(other)));
     }
 }
 
@@ -119,7 +118,10 @@ uint64_t GlbFile::number(const nlohmann::json& object, const char* name, uint64_
   const auto found = object.find(name);
   if (found == object.end()) return otherwise;
   if (!found->is_number_unsigned() || found->get<uint64_t>() > most)
-    fail(fmt::format("{} = {}, must be a whole number >= 0", name, in_quotes(found->is_primitive() ? found->dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) : "...")));
+    fail(fmt::format(
+        "{} = {}, must be a whole number >= 0", name,
+        in_quotes(found->is_primitive() ? found->dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)
+                                        : "...")));
   return found->get<uint64_t>();
 }
 
@@ -160,8 +162,7 @@ GltfArray GlbFile::accessor(uint64_t index) const {
   const uint64_t offset = number(accessor, "byteOffset", 0), count = number(accessor, "count", 0);
   const bool fits = count == 0 || (offset <= view.size() && bytes <= view.size() - offset &&
                                    count - 1 <= (view.size() - offset - bytes) / array.stride);
-  if (!fits)
-    refuse(fmt::format("count = {}, but its bufferView of {} bytes holds fewer", count, view.size()));
+  if (!fits) refuse(fmt::format("count = {}, but its bufferView of {} bytes holds fewer", count, view.size()));
   array.count = static_cast<size_t>(count);
   array.at = view.data() + (count == 0 ? 0 : offset);
   return array;

@@ -30,8 +30,8 @@ struct ObjCorner {
   std::optional<uint32_t> normal;
 };
 
-/// "v", "v/vt", "v//vn" or "v/vt/vn" (vt and vn may be empty), with indices from 1 up, or from -1 (the last one so far) down. Throws InputError
-/// at the line that `cursor` read last.
+/// "v", "v/vt", "v//vn" or "v/vt/vn" (vt and vn may be empty), with indices from 1 up, or from -1 (the last one so far)
+/// down. Throws InputError at the line that `cursor` read last.
 ObjCorner parse_obj_corner(const TextCursor& cursor, std::string_view field, size_t vertices_so_far,
                            size_t normals_so_far);
 

@@ -197,7 +197,8 @@ class PcdReader {
       for (size_t k = 0; k < count; ++k) {
         if (!next_filled_line(cursor, line))
           cursor.fail(fmt::format("truncated: the file ends after {} of {} points", i + k, header_.points));
-        const size_t found = parse_number_line(cursor, without_commas(line, width, buffer), {numbers.data() + k * width, width});
+        const size_t found =
+            parse_number_line(cursor, without_commas(line, width, buffer), {numbers.data() + k * width, width});
         if (found != width) cursor.fail(fmt::format("point {}: {} numbers, must be {}", i + k, found, width));
         cursor.release();
       }

@@ -101,8 +101,8 @@ class HeaderParser {
     next_field(rest, second);
     next_field(rest, third);
     int64_t count = 0;
-    const bool is_type = std::any_of(type_names.begin(), type_names.end(),
-                                     [&](const TypeName& known) { return known.name == second; });
+    const bool is_type =
+        std::any_of(type_names.begin(), type_names.end(), [&](const TypeName& known) { return known.name == second; });
     const bool is_element = parse_integer(third, count) && !next_field(rest, third);
     if (is_type || is_element || second == "list" || second == "ascii" || second.substr(0, 7) == "binary_" ||
         header_.stray.size() == most)

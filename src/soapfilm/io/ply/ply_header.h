@@ -61,7 +61,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::vector<PlyNote> notes;
   std::vector<PlyNote> stray;  ///< lines without a keyword
-  char line_end = '\n';  ///< or '\r'
+  char line_end = '\n';        ///< or '\r'
   size_t body_offset = 0;
   size_t body_line = 0;
 

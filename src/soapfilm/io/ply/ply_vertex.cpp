@@ -14,7 +14,8 @@ namespace {
 /// Text may say more than a byte holds.
 uint8_t byte_of(double value) { return value > 0 ? static_cast<uint8_t>(std::min(value, 255.0)) : uint8_t{0}; }
 
-/// The color of a 3D Gaussian splat from all sides: the constant spherical harmonic, 1 / sqrt(4 pi) (Kerbl et al. 2023).
+/// The color of a 3D Gaussian splat from all sides: the constant spherical harmonic, 1 / sqrt(4 pi) (Kerbl et al.
+/// 2023).
 uint8_t byte_of_splat(double coefficient) { return byte_of(255 * (0.5 + 0.28209479177387814 * coefficient) + 0.5); }
 
 }  // namespace

@@ -69,8 +69,9 @@ bool names_degrees(const std::vector<std::string>& names) {
 }
 
 bool means_no_position(const std::string& name) {
-  constexpr std::string_view others[] = {"no", "nr", "number", "point", "pointid", "point_id", "point id", "fid", "name",
-                                         "timestamp", "date", "row", "column", "col", "line", "range", "distance"};
+  constexpr std::string_view others[] = {"no",       "nr",  "number", "point",     "pointid", "point_id",
+                                         "point id", "fid", "name",   "timestamp", "date",    "row",
+                                         "column",   "col", "line",   "range",     "distance"};
   const std::string lower = lower_case(name);
   return name.empty() || is_known_column(name) || holds_labels(name) ||
          std::find(std::begin(others), std::end(others), lower) != std::end(others);

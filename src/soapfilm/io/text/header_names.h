@@ -14,8 +14,8 @@ std::vector<std::string> split_names(std::string_view line, char separator);
 /// the line gives them.
 std::vector<std::string> header_names(std::string_view line, size_t columns);
 
-/// The names of a header line with x, y and z before one of a list, such as TRACK[]; all of them if `whole` and there is
-/// none. Empty for other lines.
+/// The names of a header line with x, y and z before one of a list, such as TRACK[]; all of them if `whole` and there
+/// is none. Empty for other lines.
 std::vector<std::string> names_before_list(std::string_view line, bool whole);
 
 bool names_positions(const std::vector<std::string>& names);

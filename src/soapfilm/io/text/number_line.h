@@ -13,8 +13,8 @@ namespace soapfilm::io {
 /// more than fit into `values` and for anything else.
 size_t parse_number_line(const TextCursor& cursor, std::string_view line, std::span<double> values);
 
-/// A line in which commas separate numbers, or are their decimal points if blanks alone separate `count` of them, without
-/// commas; `buffer` holds it if there are some.
+/// A line in which commas separate numbers, or are their decimal points if blanks alone separate `count` of them,
+/// without commas; `buffer` holds it if there are some.
 std::string_view without_commas(std::string_view line, size_t count, std::string& buffer);
 
 /// The next line that is not blank; false at the end of the file.

@@ -15,8 +15,8 @@ namespace soapfilm::io {
 namespace {
 
 constexpr size_t most_columns = 1000;
-constexpr size_t most_titles = 20;    // lines of text before the first row
-constexpr size_t last_header = 1000;  // line
+constexpr size_t most_titles = 20;              // lines of text before the first row
+constexpr size_t last_header = 1000;            // line
 constexpr size_t first_rows = size_t{1} << 16;  // bytes of them, which tell the separators
 
 using HeadFields = std::vector<std::string_view>;
@@ -155,9 +155,10 @@ class HeadReader {
     split_fields(line_at(text_, head_.offset).text, head_.separator, first);
     const bool wide = first.size() > most_columns;
     if (wide && named_ == 0)
-      fail(head_.line, fmt::format("more than {} columns, must be at most as many (--columns x,y,z may name the first ones "
-                                   "alone)",
-                                   most_columns));
+      fail(head_.line,
+           fmt::format("more than {} columns, must be at most as many (--columns x,y,z may name the first ones "
+                       "alone)",
+                       most_columns));
     size_t given = 0, lines = 0, offset = head_.offset;
     bool whole_pairs = head_.separator == ',' && named_ == 0, leading_zero = false;
     for (; offset < text_.size() && offset - head_.offset < first_rows; ++lines) {
@@ -199,9 +200,9 @@ class HeadReader {
     if (!fixed && !lengths_.are_of_lists()) return;
     head_.has_lists = true;
     head_.columns = fixed.value_or(shortest);
-    head_.warnings.push_back(fmt::format(
-        "{}: rows of {} to {} columns: the first {} of them are read (--columns may name them)", path_, shortest,
-        longest, head_.columns));
+    head_.warnings.push_back(
+        fmt::format("{}: rows of {} to {} columns: the first {} of them are read (--columns may name them)", path_,
+                    shortest, longest, head_.columns));
   }
 
   /// "1,5, 2,25, 3,125": are these three columns or six?
