@@ -3,6 +3,7 @@
 #include "samples.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/io.h"
+#include "soapfilm/io/files.h"
 #include "soapfilm/io/text/text.h"
 
 namespace soapfilm {

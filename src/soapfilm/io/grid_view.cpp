@@ -197,7 +197,7 @@ double GridSample::angular_error(const Vec3d& from) const {
 /// Does the image fit about `from`, and about no place beside it?
 template <class Error>
 bool fits_only_here(const GridSample& grid, const Vec3d& from, double here, const Error& error) {
-  constexpr double beside = 0.3;  // of the range
+  constexpr double beside = 0.5;  // of the range
   if (here > grid.tolerance()) return false;
   const double way = beside * grid.median_range(from);
   for (int axis = 0; axis < 3; ++axis)

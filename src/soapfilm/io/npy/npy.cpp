@@ -104,9 +104,10 @@ class NpyReader {
   void use_columns() {
     constexpr std::string_view expected =
         "must be (n, 3), (n, 4), (n, 6) or more columns, or (height, width, 3) or more: x y z and further ones";
+    constexpr uint64_t most_columns = 1000;
     const std::vector<uint64_t>& shape = header_.shape;
     const bool is_image = shape.size() == 3;
-    if ((shape.size() != 2 && !is_image) || shape.back() < 3 || shape.back() > NpyHeader::most_fields ||
+    if ((shape.size() != 2 && !is_image) || shape.back() < 3 || shape.back() > most_columns ||
         (is_image && (shape[0] > INT32_MAX || shape[1] > INT32_MAX))) {
       const bool is_turned = shape.size() == 2 && shape[0] >= 3 && shape[0] <= 10;
       fail(fmt::format("shape = {}, {}{}", describe_shape(shape), expected,
