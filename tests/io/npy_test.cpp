@@ -291,6 +291,16 @@ TEST(Npy, ImagesOfPositionsAreRangeGrids) {
   }
 }
 
+TEST(Npy, ImagesMayHaveNamedFields) {
+  const TemporaryFolder folder;
+  const PointCloud cloud =
+      read_points(folder.write("a.npy", npy(literal("[('x','<f4'),('y','<f4'),('z','<f4')]", "(2, 2)"),
+                                            numbers<float>({1, 2, 3, 4, 5, 6, 0, 0, 0, 7, 8, 9}))));
+  EXPECT_EQ(cloud.positions, (std::vector<Vec3d>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}));
+  ASSERT_TRUE(cloud.scans.at(0).range_grid);
+  EXPECT_EQ(cloud.scans[0].range_grid->sample, (std::vector<int32_t>{0, 1, -1, 2}));
+}
+
 TEST(Npy, BytesAfterTheArrayAreTold) {
   const TemporaryFolder folder;
   ReadReport report;

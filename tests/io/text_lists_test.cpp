@@ -70,6 +70,16 @@ TEST(TextLists, TheOptionNamesTheFixedColumnsAlone) {
   expect_refusal<InputError>([&] { read(broken); }, {"t.txt:8:", "6 columns, must be 3"});
 }
 
+TEST(TextLists, EmptyFieldsAtTheEndAreNoShorterRows) {
+  std::string text;
+  for (int i = 0; i < 30; ++i)
+    text += fmt::format("{},2.5,3.5,{}\n", i * 7 % 11, i % 3 == 0 ? ",," : i % 3 == 1 ? "4," : "4,5");
+  const Read found = read("x,y,z,a,b\n" + text, {}, "t.csv");
+  EXPECT_EQ(found.cloud.size(), 30u);
+  EXPECT_EQ(found.columns, (Names{"a", "b"}));
+  EXPECT_TRUE(found.report.warnings.empty());
+}
+
 TEST(TextHeaders, PositionsHaveManyNames) {
   for (const std::string names : {"Point:0,Point:1,Point:2", "Points:0,Points:1,Points:2", "Points_0,Points_1,Points_2",
                                   "X_0,Y_0,Z_0", "E,N,H", "Easting,Northing,Height", "East (m),North (m),Elev (m)",

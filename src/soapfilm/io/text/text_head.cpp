@@ -165,8 +165,8 @@ class HeadReader {
       const TextLine line = line_at(text_, offset);
       offset = line.next;
       split_fields(line.text, head_.separator, fields_);
-      while (!fields_.empty() && fields_.back().empty()) fields_.pop_back();
       lengths_.add(fields_.size());
+      while (!fields_.empty() && fields_.back().empty()) fields_.pop_back();
       if (fields_.size() <= first.size()) given = std::max(given, fields_.size());
       head_.decimal_commas |= std::any_of(fields_.begin(), fields_.end(), has_decimal_comma);
       if (head_.separator == ',' && !head_.decimal_commas) refuse_blank_after_comma(line.text, head_.line + lines);
@@ -188,7 +188,8 @@ class HeadReader {
   void find_leading(bool wide) {
     const size_t shortest = lengths_.shortest, longest = lengths_.longest;
     if (named_ > 0) {
-      head_.has_lists = named_ < shortest && (wide || shortest != longest);
+      head_.has_lists =
+          (named_ < shortest && (wide || shortest != longest)) || (named_ == shortest && lengths_.are_of_lists());
       if (head_.has_lists) head_.columns = named_;
       return;
     }
