@@ -202,6 +202,9 @@ TEST(TextColumns, ALineScannersXIsNoTime) {
       ASSERT_FALSE(report.warnings.empty());
       EXPECT_NE(report.warnings[0].find("--columns time,x,y,z"), std::string::npos);
     }
+  // Whole numbers in no order, and a few rows that count: it is said what they may be.
+  EXPECT_EQ(found(table([](int, Random& r) { return whole(r, 100000) + " " + position(r); }), 1), "x y z intensity");
+  EXPECT_EQ(found("1 1.5 2.25 3.125\n2 2.5 2.5 3.5\n3 1.75 3.5 2.875\n", 1), "x y z intensity");
   // A profile's x may count: the fourth column is like an intensity.
   EXPECT_EQ(
       found(table([](int i, Random& r) { return fmt::format("{} 0.5 {:.3f} {}", i, r.normal(), whole(r, 255)); }), 1),

@@ -38,7 +38,13 @@ bool counts_up(const std::vector<Vec3d>& positions) {
   size_t ones = 0;
   for (size_t i = 1; i < positions.size(); ++i) ones += positions[i].x - positions[i - 1].x == 1;
   const size_t steps = positions.size() - 1;
-  return steps >= 3 && (ones == steps || (steps >= 9 && 2 * ones >= steps));
+  return ones == steps || (steps >= 9 && 2 * ones >= steps);
+}
+
+/// Are neither y nor z whole numbers?
+bool are_broken(const std::vector<Vec3d>& positions) {
+  return !std::all_of(positions.begin(), positions.end(), [](const Vec3d& p) { return is_whole(p.y); }) &&
+         !std::all_of(positions.begin(), positions.end(), [](const Vec3d& p) { return is_whole(p.z); });
 }
 
 /// Do the first two columns go through the cells of a grid in order, the one of axis `slow` row by row?
@@ -74,18 +80,20 @@ bool are_coordinates(const PointCloud& cloud, const UnnamedColumns& unnamed) {
 LeadingColumns judge_leading(const PointCloud& cloud, const UnnamedColumns& unnamed) {
   constexpr size_t least_rows = 4;
   const size_t rows = cloud.size();
-  if (rows < least_rows || cloud.columns.empty()) return LeadingColumns::none;
+  if (rows < 2 || cloud.columns.empty()) return LeadingColumns::none;
+  const bool few = rows < least_rows;
   const bool whole = unnamed.fourth.size() == rows;  // the first column
-  if (whole && unnamed.fifth.size() == rows)
+  if (!few && whole && unnamed.fifth.size() == rows)
     for (const int slow : {0, 1})
       if (goes_through_cells(cloud.positions, slow)) {
         if (!are_coordinates(cloud, unnamed)) return LeadingColumns::unclear_cells;
         return slow == 0 ? LeadingColumns::row_column : LeadingColumns::column_row;
       }
-  if (!rises(cloud.positions)) return LeadingColumns::none;
+  const bool rising = rises(cloud.positions), counting = whole && rising && counts_up(cloud.positions);
   if (whole ? may_be_value(unnamed.fourth) : may_be_value(cloud.columns[0].values))
-    return whole && counts_up(cloud.positions) ? LeadingColumns::unclear : LeadingColumns::none;
-  return whole && counts_up(cloud.positions) ? LeadingColumns::number : LeadingColumns::unclear;
+    return counting && !few ? LeadingColumns::unclear : LeadingColumns::none;
+  if (counting) return few ? LeadingColumns::unclear : LeadingColumns::number;
+  return (rising && !few) || (whole && are_broken(cloud.positions)) ? LeadingColumns::unclear : LeadingColumns::none;
 }
 
 }  // namespace soapfilm::io

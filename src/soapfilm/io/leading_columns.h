@@ -9,7 +9,7 @@ namespace soapfilm::io {
 /// unless whole numbers that count the rows, or the cells of a grid, stand before three others that are not whole.
 enum class LeadingColumns {
   none,
-  unclear,        ///< x y z is first, but the first column rises as numbers of points and times do
+  unclear,        ///< x y z is first, but the first column is whole or rises, as numbers of points and times do
   unclear_cells,  ///< x y z is first, but the first two go through the cells of a grid
   number,
   row_column,

@@ -219,7 +219,7 @@ Columns take_leading(PointCloud& cloud, UnnamedColumns& unnamed) {
       return {};
     case LeadingColumns::unclear:
       unnamed.remarks.push_back(
-          fmt::format("column 1 rises from row to row, as a point's number or a time does; it is taken for x{}",
+          fmt::format("column 1 is whole or rises from row to row, as a point's number or a time; it is taken for x{}",
                       unnamed.can_be_named ? " (else: --columns time,x,y,z,...)" : ""));
       return {};
     case LeadingColumns::unclear_cells:

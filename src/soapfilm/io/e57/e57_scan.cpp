@@ -248,6 +248,7 @@ std::string E57ScanReader::finish(bool trust_origin) {
   const bool moved = !(pose == Placement{});
   const bool of_scanner = trust_origin || layout_.spherical || tells_of_scanner(scan);
   const bool turned = !(pose.linear == Placement{}.linear);
+  unseen_ = !moved && !of_scanner && (scan.range_grid || scan_.names_scanner);
   shifted_ = moved && !turned && !of_scanner && (is_shift_of_coordinates(pose) || contradicts_scanner(scan));
   if (of_scanner || (moved && !shifted_)) scan.sensor = pose.translation;
   if (moved) place_samples(pose, cloud_, scan.begin, scan.end);

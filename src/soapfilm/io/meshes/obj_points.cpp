@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
@@ -15,6 +17,7 @@
 #include "soapfilm/io/point_table.h"
 #include "soapfilm/io/text/number_line.h"
 #include "soapfilm/io/text/text.h"
+#include "soapfilm/io/text/text_encoding.h"
 
 namespace soapfilm::io {
 
@@ -207,10 +210,10 @@ class ObjPointsReader {
 
 bool obj_has_faces(ByteSource& source) {
   bool found = false;
-  ObjSource text(source);
-  for_each_obj_line(text.plain().bytes(), [&](std::string_view line, size_t end) {
+  const std::optional<std::string> converted = utf8_of_utf16(source.bytes());
+  for_each_obj_line(converted ? *converted : source.bytes(), [&](std::string_view line, size_t end) {
     found = is_keyword(line, "f");
-    text.plain().release_before(end);
+    if (!converted) source.release_before(end);
     return !found;
   });
   return found;

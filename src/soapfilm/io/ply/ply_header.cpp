@@ -109,6 +109,7 @@ class HeaderParser {
       cursor_.fail("header keyword " + in_quotes(keyword) +
                    ", must be format, element, property, comment, obj_info or end_header");
     header_.stray.push_back({std::string(line), cursor_.line()});
+    header_.notes.push_back(header_.stray.back());
   }
 
   void parse_element(std::string_view rest) {
@@ -206,9 +207,9 @@ const PlyElement* PlyHeader::find(std::string_view element) const {
 void warn_of_stray_lines(const PlyHeader& header, const std::string& path, ReadReport& report) {
   if (header.stray.empty()) return;
   const PlyNote& first = header.stray.front();
-  report.warnings.push_back(
-      fmt::format("{}:{}: {}{}: no keyword of a PLY header, passed over", path, first.line, in_quotes(first.text),
-                  header.stray.size() == 1 ? "" : fmt::format(" and {} more lines", header.stray.size() - 1)));
+  report.warnings.push_back(fmt::format(
+      "{}:{}: {}{}: no keyword of a PLY header, taken for a comment", path, first.line, in_quotes(first.text),
+      header.stray.size() == 1 ? "" : fmt::format(" and {} more lines", header.stray.size() - 1)));
 }
 
 bool looks_like_ply(const ByteSource& source) { return !after_first_line(source).empty(); }
