@@ -258,6 +258,17 @@ TEST(ForeignPly, BoolIsAByte) {
   EXPECT_EQ(cloud.columns.at(0).values, std::vector<float>{1});
 }
 
+TEST(ForeignPly, BoolMayBeAWordInText) {
+  const TemporaryFolder folder;
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+      "z\nproperty bool inlier\nend_header\n";
+  const PointCloud cloud = read_points(folder.write("a.ply", head + "1 2 3 True\n4 5 6 false\n7 8 9 1\n"));
+  EXPECT_EQ(cloud.columns.at(0).values, (std::vector<float>{1, 0, 1}));
+  expect_refusal<InputError>([&] { read_points(folder.write("a.ply", head + "1 2 3 1\n4 5 6 yes\n7 8 9 1\n")); },
+                             {"a.ply:10:", "'yes'"});
+}
+
 TEST(ForeignPly, SplatsHaveTheColorOfTheirConstantHarmonic) {
   const TemporaryFolder folder;
   const PointCloud cloud = read_points(folder.write(
