@@ -59,6 +59,24 @@ PointCloud terrain(int samples = 9000) {
   return cloud;
 }
 
+/// E(1 - u) of the negated data is E(u) + sum(f): evidence for the inside, linear in u, around all samples. The surface
+/// that pays for none of its area is solid matter everywhere, E(1) = -sum(f).
+TEST(Border, EnergiesAreComparedWithTheirConstants) {
+  constexpr float evidence = 0.5;  // per vertex
+  Problem problem = make_problem(sampled("sphere", resolution, 1), resolution);
+  double sum = 0;
+  for (size_t b = 0; b < problem.support.grid.size(); ++b)
+    for (int i = 0; i < brick_volume; ++i) sum += problem.support.f.brick(b)[i] += evidence;
+  const BorderReport report =
+      choose_border({problem.lattice, problem.support, lambda, Norm::isotropic, 1, problem.lattice.voxel}, {}, {}, {},
+                    one_thread);
+  ASSERT_TRUE(report.solid);
+  EXPECT_LE(*report.solid, -0.9999 * sum);
+  EXPECT_GE(*report.solid, -1.2 * sum);
+  EXPECT_LT(*report.solid, *report.air);
+  EXPECT_EQ(report.chosen, Border::solid) << report.reason;
+}
+
 TEST(Border, ClosedObjectsHaveAirAround) {
   for (const char* shape : {"sphere", "torus", "part", "knot"}) {
     const BorderReport report = chosen_for(sampled(shape, resolution, 1));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -110,6 +111,19 @@ struct Trial {
   /// border of a closed problem.
   double bound_of_any() const { return bound - flux; }
 };
+
+/// E(u) where `complement` is the solution u' = 1 - u of the negated data: its energy is E(u) + sum(f). The sum is zero
+/// for the divergence of directions alone, not for further evidence linear in u.
+Trial of_original(Trial complement, const SupportField& field) {
+  double sum = 0;
+  for (size_t b = 0; b < field.grid.size(); ++b) {
+    const float* f = field.f.brick(b);
+    sum += std::accumulate(f, f + brick_volume, 0.0);
+  }
+  complement.energy -= sum;
+  complement.bound -= sum;
+  return complement;
+}
 
 Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParams solver, const Context& context) {
   solver.tolerance = std::max(solver.tolerance, trial_tolerance);
@@ -238,8 +252,9 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
     return report;
   }
   negate(problem.field, context);
-  const Trial solid = solve(problem, Border::solid, level, solver, context);
+  const Trial complement = solve(problem, Border::solid, level, solver, context);
   negate(problem.field, context);
+  const Trial solid = of_original(complement, problem.field);
   const Choice choice(params, air, solid, report.scanners);
   // A closed surface is an open one, too.
   const double closed = std::min(air.energy, solid.energy);

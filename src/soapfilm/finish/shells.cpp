@@ -8,6 +8,7 @@
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/extract/cut.h"
+#include "soapfilm/mesh/border_edges.h"
 
 namespace soapfilm {
 
@@ -31,10 +32,7 @@ std::vector<Part> measure_parts(const Mesh& mesh, DisjointSets& sets) {
     part.volume += dot(at(0), cross(at(1), at(2))) / 6;
     for (size_t k = 0; k < 3; ++k) edges.push_back(std::minmax(t[k], t[(k + 1) % 3]));
   }
-  std::sort(edges.begin(), edges.end());
-  for (size_t i = 0; i < edges.size(); ++i)
-    if ((i == 0 || edges[i] != edges[i - 1]) && (i + 1 == edges.size() || edges[i] != edges[i + 1]))
-      parts[sets.root(edges[i].first)].closed = false;
+  for (const auto& edge : edges_of_one_triangle(std::move(edges))) parts[sets.root(edge.first)].closed = false;
   return parts;
 }
 

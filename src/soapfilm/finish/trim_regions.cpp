@@ -6,6 +6,7 @@
 
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/vec.h"
+#include "soapfilm/mesh/border_edges.h"
 
 namespace soapfilm {
 
@@ -89,12 +90,9 @@ class Regions {
         const uint32_t a = t[k], b = t[(k + 1) % 3];
         if (far(a) || far(b)) edges.emplace_back(std::min(a, b), std::max(a, b));
       }
-    std::sort(edges.begin(), edges.end());
-    for (size_t i = 0; i < edges.size(); ++i) {
-      if ((i > 0 && edges[i] == edges[i - 1]) || (i + 1 < edges.size() && edges[i] == edges[i + 1])) continue;
-      for (const uint32_t v : {edges[i].first, edges[i].second})
+    for (const auto& [a, b] : edges_of_one_triangle(std::move(edges)))
+      for (const uint32_t v : {a, b})
         if (far(v)) at_[v].at_border = true;
-    }
   }
 
   const Mesh& mesh_;

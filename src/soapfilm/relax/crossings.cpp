@@ -50,7 +50,7 @@ CrossingSearch::CrossingSearch(const MeshChange& change, double voxel, const Con
     const std::vector<uint32_t> common = half_spaces(reach);
     entries_ = gather<uint64_t>(reach.size(), triangles_per_task, context, [&](size_t t, auto& found) {
       for_bins(reach[t], [&](uint64_t bin) {
-        if (common[bin & (common.size() - 1)] == 0) found.push_back(t << bin_bits_ | bin);
+        if (common[bin & (common.size() - 1)] == 0) found.push_back(uint64_t{t} << bin_bits_ | bin);
       });
     });
   }

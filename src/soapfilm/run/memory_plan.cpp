@@ -33,16 +33,19 @@ constexpr double band_over_support = 1.1;
 /// tv's finest band excludes support that needs no more work: measured 0.70 to 0.75 with a sample per voxel^2, 0.80 to
 /// 0.82 with an eighth, 0.94 with 0.03.
 constexpr double finest_over_support = 0.8;
+/// Of scenes, which are solved with less of lambda: the flux is close to its bound far around their samples, and the
+/// coarser level's would often break it. Measured 0.94 to 1.8 (a rock face seen from above), 1.2 to 1.7 as a rule.
+constexpr double finest_over_support_of_scene = 1.5;
 /// Certain shares of guesses (see Planned): of the solve's, until it begins; of the refinement's, until its band is
 /// known; of the gap's, until tv's finest band begins.
-constexpr double certain_of_solve = 0.9, certain_of_refine = 0.75, certain_of_gap = 0.7;
+constexpr double certain_of_solve = 0.9, certain_of_scene = 0.6, certain_of_refine = 0.75, certain_of_gap = 0.7;
 /// What is left of the coarser level and its data term while they are being freed, as a share of a whole band.
 constexpr double coarser_share = 0.1;
 
 /// Refinement: the narrow band and the fit's arrays, bytes per support brick; and bytes of each cell with samples, of
 /// which a brick has about as many as given here where samples are dense. (What a fit on coarser vertices saves with
 /// sparse samples is known too late.)
-constexpr uint64_t refined_brick_bytes = 11400;
+constexpr uint64_t refined_brick_bytes = 11400, refined_brick_bytes_of_scene = 13500;
 constexpr uint64_t refined_cell_bytes = 33;
 constexpr uint64_t refined_cells_per_brick = 32;
 
@@ -80,13 +83,14 @@ uint64_t box_bytes(Method method, const Lattice& lattice) {
 }
 
 /// The peak in addition to the box's arrays and the data term, bytes per support brick.
-double band_bytes_per_brick(Method method) {
+double band_bytes_per_brick(Method method, Kind kind) {
   const double level = band_over_support * level_brick_bytes;
   // Vertices with f != 0 and those around them fill more than half of the support's bricks.
   const double graph_vertices = 0.58 * brick_volume;
   switch (method) {
     case Method::tv:
-      return finest_over_support * level_brick_bytes + coarser_share * level;
+      return (kind == Kind::scene ? finest_over_support_of_scene : finest_over_support) * level_brick_bytes +
+             coarser_share * level;
     case Method::graph_cut_6:
       return level + 117 * graph_vertices;
     case Method::graph_cut_26:
@@ -148,22 +152,26 @@ uint64_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after) 
 }
 
 MemoryPlan plan_memory(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after,
-                       const Lattice& lattice, uint64_t support_bricks) {
+                       const Lattice& lattice, const Support& support) {
   const Method method = params.method;
   MemoryPlan plan;
   plan.placing_bytes = plan_placing(cloud);
   plan.fixed_bytes = plan_fixed(method, cloud, after);
-  const double per_brick = band_bytes_per_brick(method) + data_brick_bytes;
+  const bool scene = support.kind == Kind::scene;
+  const double per_brick = band_bytes_per_brick(method, support.kind) + data_brick_bytes;
   plan.tables_bytes = box_bytes(method, lattice);
   // tv's band becomes known only level by level.
   const bool guessed = method == Method::tv;
-  plan.solve = {plan.tables_bytes + static_cast<uint64_t>(static_cast<double>(support_bricks) * per_brick),
-                guessed ? certain_of_solve : 1};
-  if (params.surface.gap) plan.gap = {gap_bytes(support_bricks), certain_of_gap};
+  plan.solve = {plan.tables_bytes + static_cast<uint64_t>(static_cast<double>(support.bricks) * per_brick),
+                !guessed ? 1
+                : scene  ? certain_of_scene
+                         : certain_of_solve};
+  if (params.surface.gap) plan.gap = {gap_bytes(support.bricks), certain_of_gap};
   if (!refines(params)) return plan;
 
-  const uint64_t cells = std::min<uint64_t>(cloud.size(), refined_cells_per_brick * support_bricks);
-  plan.refine = {refined_brick_bytes * support_bricks + refined_cell_bytes * cells, guessed ? certain_of_refine : 1};
+  const uint64_t cells = std::min<uint64_t>(cloud.size(), refined_cells_per_brick * support.bricks);
+  const uint64_t brick_bytes = scene ? refined_brick_bytes_of_scene : refined_brick_bytes;
+  plan.refine = {brick_bytes * support.bricks + refined_cell_bytes * cells, guessed ? certain_of_refine : 1};
   return plan;
 }
 
@@ -264,7 +272,7 @@ double smallest_voxel(const PointCloud& cloud, double area, const ReconstructPar
     const double voxels2 = area / (voxel * voxel);
     if (voxels2 > 1e12) return false;
     const auto bricks = static_cast<uint64_t>(voxels2 / area_per_brick);
-    MemoryPlan plan = plan_memory(params, cloud, AfterPlacing::freed, lattice, bricks);
+    MemoryPlan plan = plan_memory(params, cloud, AfterPlacing::freed, lattice, {bricks});
     plan.mesh_bytes = mesh_bytes(static_cast<uint64_t>(voxels2 / area_per_face), params.checked);
     return plan.total() <= room.bytes;
   };
@@ -292,8 +300,8 @@ void MemoryBudget::plan_tables(const PointCloud& cloud, const Box3d& box, const 
   throw MemoryError(error.what() + far_samples(cloud, box));
 }
 
-void MemoryBudget::plan_grid(const PointCloud& cloud, uint64_t support_bricks) {
-  plan_ = plan_memory(params_, cloud, after_, lattice_, support_bricks);
+void MemoryBudget::plan_grid(const PointCloud& cloud, const Support& support) {
+  plan_ = plan_memory(params_, cloud, after_, lattice_, support);
   check();
   first_ = plan_.total();
 }

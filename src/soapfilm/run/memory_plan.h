@@ -45,11 +45,20 @@ struct MemoryPlan {
 /// What happens to the cloud once its samples are on the grid.
 enum class AfterPlacing { kept, freed };
 
-/// The needs of a reconstruction on this lattice. The band's size follows from the bricks that the
-/// samples reach (`support_bricks`), the only part of the grid that is known before the solve. The mesh is not planned
+/// An object, or what surrounds its scanners or was seen from above: such a scene has wide gaps and distant parts, and
+/// more of the grid is needed around its samples.
+enum class Kind { object, scene };
+
+/// The bricks that the samples reach, the only part of the grid that is known before the solve, and what of.
+struct Support {
+  uint64_t bricks = 0;
+  Kind kind = Kind::object;
+};
+
+/// The needs of a reconstruction on this lattice; the band's size follows from the support. The mesh is not planned
 /// yet.
 MemoryPlan plan_memory(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after,
-                       const Lattice& lattice, uint64_t support_bricks);
+                       const Lattice& lattice, const Support& support);
 
 /// The same before anything is built: arrays over the whole box, whatever the samples.
 MemoryPlan plan_tables(Method method, const Lattice& lattice);
@@ -105,7 +114,7 @@ class MemoryBudget {
   /// surface's, voxel^2. This and the following throw MemoryError.
   void plan_tables(const PointCloud& cloud, const Box3d& box, const Lattice& lattice, double area);
   /// Call once its samples are on it: plans with the bricks that they reach.
-  void plan_grid(const PointCloud& cloud, uint64_t support_bricks);
+  void plan_grid(const PointCloud& cloud, const Support& support);
   /// `user`, which also plans each level of the solve as it begins; `data_bricks` are the data term's.
   PyramidObserver watch(PyramidObserver user, uint64_t data_bricks);
   /// Call once the surface is known. `checked`: check_result() will follow on this mesh. `faced_samples`:

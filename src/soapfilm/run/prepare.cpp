@@ -48,13 +48,6 @@ Box3d check_cloud(const PointCloud& cloud, const ReconstructParams& params, cons
   return box;
 }
 
-Scanners find_scanners(const PointCloud& cloud, const ReconstructParams& params, const Context& context) {
-  Scanners found{scanner_positions(cloud, params.orient.sensor), {}};
-  if (params.border.outside == Border::automatic && params.method == Method::tv)
-    found.surroundings = measure_surroundings(cloud, params.orient.sensor, context);
-  return found;
-}
-
 Orientation find_directions(const PointCloud& cloud, const Box3d& box, const ReconstructParams& params,
                             const Context& context) {
   const OrientSetup how{params.orient, params.border.outside == Border::solid};
@@ -63,11 +56,21 @@ Orientation find_directions(const PointCloud& cloud, const Box3d& box, const Rec
   return found;
 }
 
-Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& oriented, const ReconstructParams& params,
-             MemoryBudget& memory, const Context& context) {
+Scanners find_scanners(const PointCloud& cloud, const OrientReport& directions, const ReconstructParams& params,
+                       const Context& context) {
+  Scanners found;
+  found.positions = scanner_positions(cloud, params.orient.sensor);
+  found.from_above = !directions.assumed.empty();
+  if (params.border.outside == Border::automatic && params.method == Method::tv)
+    found.surroundings = measure_surroundings(cloud, params.orient.sensor, context);
+  return found;
+}
+
+Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& oriented, const Scanners& scanners,
+             const ReconstructParams& params, MemoryBudget& memory, const Context& context) {
   Placed placed;
-  placed.grid = place_grid(cloud, box, oriented.surface, params.place, counts_by_area(params),
-                           !oriented.report.assumed.empty(), context);
+  placed.grid =
+      place_grid(cloud, box, oriented.surface, params.place, counts_by_area(params), scanners.from_above, context);
   const Lattice& lattice = placed.grid.lattice;
   memory.plan_tables(cloud, box, lattice, placed.grid.area);
   placed.samples = sort_samples(cloud, oriented.directions, lattice, context);
@@ -76,7 +79,9 @@ Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& orien
         fmt::format("weights: their median is {:.3g}; all are divided by it, as 1 means one sample", 1 / scale));
   if (placed.samples.size() == 0)
     throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
-  memory.plan_grid(cloud, support_mask(placed.samples, lattice.box(0), context).count());
+  const bool scene = scanners.from_above || scanners.surroundings.stand_among_samples();
+  memory.plan_grid(cloud,
+                   {support_mask(placed.samples, lattice.box(0), context).count(), scene ? Kind::scene : Kind::object});
   return placed;
 }
 

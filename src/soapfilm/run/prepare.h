@@ -21,24 +21,26 @@ namespace soapfilm {
 /// gets something else than range scans.
 Box3d check_cloud(const PointCloud& cloud, const ReconstructParams& params, const Context& context);
 
-struct Scanners {
-  std::vector<Vec3d> positions;  ///< input frame
-  Surroundings surroundings;     ///< if needed to choose the border
-  bool from_above = false;       ///< none is known; all samples were seen from above
-};
-Scanners find_scanners(const PointCloud& cloud, const ReconstructParams& params, const Context& context);
-
 /// Keeps the directions from before planes replaced them if the refinement needs them.
 Orientation find_directions(const PointCloud& cloud, const Box3d& box, const ReconstructParams& params,
                             const Context& context);
+
+/// From where the samples were seen.
+struct Scanners {
+  std::vector<Vec3d> positions;  ///< input frame
+  Surroundings surroundings;     ///< if needed to choose the border
+  bool from_above = false;       ///< none is known; all samples are taken as seen from above
+};
+Scanners find_scanners(const PointCloud& cloud, const OrientReport& directions, const ReconstructParams& params,
+                       const Context& context);
 
 struct Placed {
   Grid grid;
   GridSamples samples;
 };
 /// The grid, and the samples sorted into it. Throws MemoryError before arrays larger than the samples are allocated.
-Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& oriented, const ReconstructParams& params,
-             MemoryBudget& memory, const Context& context);
+Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& oriented, const Scanners& scanners,
+             const ReconstructParams& params, MemoryBudget& memory, const Context& context);
 
 /// Lambda on the grid. Where it is not given, each sample is weighted by the area that it represents: its direction
 /// gets that length. (Where it is given, it is the paper's: against one unit vector for each sample.)

@@ -30,14 +30,13 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   MemoryBudget memory(params, cloud, owned ? AfterPlacing::freed : AfterPlacing::kept);
 
   // Each sample gets a weak outward direction: its normal, towards the scanner, or estimated.
-  Scanners scanners = find_scanners(cloud, params, context);
   Orientation oriented = trace.stage("orient", [&] { return find_directions(cloud, box, params, context); });
   trace.keep(oriented.report.warnings);
   if (auto misfit = misfit_of_scans(cloud, oriented.directions, context)) trace.warn(std::move(*misfit));
-  scanners.from_above = !oriented.report.assumed.empty();
+  const Scanners scanners = find_scanners(cloud, oriented.report, params, context);
 
   // The grid: its voxel, its position, and the memory needed.
-  Placed placed = trace.stage("place", [&] { return place(cloud, box, oriented, params, memory, context); });
+  Placed placed = trace.stage("place", [&] { return place(cloud, box, oriented, scanners, params, memory, context); });
   Grid& grid = placed.grid;
   GridSamples& samples = placed.samples;
   std::vector<Ray> rays = some_rays(cloud, params.orient.sensor, grid.lattice);
