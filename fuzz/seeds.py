@@ -89,6 +89,22 @@ def off(colors):
     return text("COFF" if colors else "OFF", "4 4 6", *rows, *("3 %d %d %d" % t for t in TETRAHEDRON))
 
 
+def glb():
+    """A tetrahedron and points, with colors, below a node that moves them."""
+    binary = b"".join(struct.pack("<3f4B", *p, 10, 20, 30, 255) for p in POINTS[:4])
+    binary += struct.pack("<12H", *(k for t in TETRAHEDRON for k in t))
+    head = ('{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"translation":[1,2,3]},'
+            '{"mesh":0,"rotation":[0,0,0.6,0.8],"scale":[1,2,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,'
+            '"COLOR_0":1},"indices":2},{"attributes":{"POSITION":0},"mode":0}]}],"buffers":[{"byteLength":88}],'
+            '"bufferViews":[{"buffer":0,"byteLength":64,"byteStride":16},{"buffer":0,"byteOffset":64,"byteLength":24}],'
+            '"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":4},{"bufferView":0,"byteOffset":12,'
+            '"componentType":5121,"normalized":true,"type":"VEC4","count":4},{"bufferView":1,"componentType":5123,'
+            '"type":"SCALAR","count":12}]}').encode()
+    head += b" " * (-len(head) % 4)
+    return (b"glTF" + struct.pack("<II", 2, 28 + len(head) + len(binary)) + struct.pack("<I", len(head)) + b"JSON" +
+            head + struct.pack("<I", len(binary)) + b"BIN\0" + binary)
+
+
 def las(record, version=2, extra=0):
     """LAS 1.`version` of point format `record` with `extra` bytes per point."""
     header = {2: 227, 4: 375}[version]
@@ -281,7 +297,8 @@ FILES = {
                   '<MLMesh label="b" filename="b.xyz"/>', "</MeshGroup></MeshLabProject>")],
     ".aln": [text("2", "a.ply", "#", MATRIX, "b.xyz", "#", MATRIX, "0")],
     ".obj": [obj(True), obj(False)],
-    ".off": [off(False), off(True)],
+    ".off": [off(False), off(True), text("NOFF", "2 0 0", "1 2 3 0 0 1", "4 5 6 0 1 0")],
+    ".glb": [glb()],
     ".stl": [stl_binary(), stl_text()],
     ".las": LAS,
     ".laz": LAZ,

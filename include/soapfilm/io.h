@@ -32,7 +32,7 @@ struct ReadReport {
 struct ReadOptions {
   std::string columns;           ///< of text, such as "x,y,z,-,nx,ny,nz" ("-": skipped); empty: by header or values
   std::string trajectory;        ///< of LAS: a text file `time x y z`, the scanner's way; empty: none
-  bool trust_viewpoint = false;  ///< of PCD, E57: a pose that is the default, at the origin, is the scanner's, too
+  bool trust_viewpoint = false;  ///< of PCD, PTX, E57: a default or contradicted place is the scanner's, too
   std::vector<std::string> attributes{"all"};  ///< of LAS, LAZ: columns that are kept, by name, "color", or "all"
 };
 

@@ -153,7 +153,8 @@ void finish_points(PointCloud& cloud, FileReport file, const PointTraits& traits
   for (Vec3d& sensor : cloud.sensors)
     if (!is_finite(sensor)) sensor = {nan, nan, nan};
 
-  const size_t zeros = drop_where(cloud, traits.zero_is_none ? 1 : 2, [](const Vec3d& p) { return p == Vec3d{}; });
+  const auto is_zero = [](const Vec3d& p) { return p == Vec3d{}; };
+  const size_t zeros = traits.has_faces ? 0 : drop_where(cloud, traits.zero_is_none ? 1 : 2, is_zero);
   if (zeros > 0 && !traits.zero_is_none)
     report.warnings.push_back(fmt::format(
         "{}: {} of {} samples are at (0, 0, 0): taken for rays without a return, and dropped", file.path, zeros, read));
