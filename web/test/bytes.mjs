@@ -85,9 +85,10 @@ for (const [file, options, parameters] of [
 ])
   await compare(file, options, parameters);
 
-// So many triangles that the number of one and that of its place in the grid do not fit into 32 bits together.
-run('scan', 'knot', '-o', join(out, 'large'), '--samples', '250000', '--noise', '0.1%', '--seed', '5');
-const large = await compare(join(out, 'large/samples.ply'), ['--resolution', '200'], {place: {resolution: 200}});
+// So many triangles that the number of one and that of its place in the grid do not fit into 32 bits together; and the
+// few views leave holes, so that the last moves of vertices make crossings, which are found by these numbers.
+run('scan', 'knot', '-o', join(out, 'large'), '--views', '6', '--image', '200x200', '--seed', '5');
+const large = await compare(join(out, 'large/scans.conf'), ['--resolution', '200'], {place: {resolution: 200}});
 assert.ok(large > 200000, `${large} triangles are too few to tell`);
 
 if (process.env.SOAPFILM_DATA) {
