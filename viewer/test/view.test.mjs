@@ -324,6 +324,33 @@ test('above a million triangles fewer are drawn while the camera moves, all of t
 });
 
 inPage(
+  'a small window leaves the views free: neither tools nor legend lie over them',
+  () => two,
+  async (page) => {
+    const box = (name) => page.locator(name).boundingBox();
+    for (const panel of [false, true]) {
+      if (panel) await page.click('#tool-panel');
+      for (const color of ['plain', 'value distance']) {
+        await page.evaluate((key) => {
+          const {app} = window.soapfilm;
+          app.setColoring(app.colorings.find((one) => one.key === key));
+        }, color);
+        await page.waitForTimeout(400);
+        const [upper, lower] = [await box('#view0'), await box('#view1')];
+        assert.ok(upper.height > 100 && Math.abs(lower.height - upper.height) < 2, `${upper.height}, ${lower.height}`);
+        for (const over of ['#tools', '#legend', '#panel']) {
+          if (!(await page.isVisible(over))) continue;
+          const {y} = await box(over);
+          assert.ok(lower.y + lower.height <= y + 1, `${over} lies over the view, ${color}, panel ${panel}`);
+        }
+      }
+      assert.ok(new Set(await pixels(page)).size > 20, 'the picture is blank');
+    }
+  },
+  {viewport: {width: 400, height: 600}},
+);
+
+inPage(
   'a narrow window shows the picture, and the panel on request',
   () => two,
   async (page) => {
