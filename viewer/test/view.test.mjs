@@ -243,8 +243,9 @@ inPage(
   async (page) => {
     const camera = () =>
       page.evaluate(() => {
-        const {camera: {position}, controls: {target}} = window.soapfilm.app.views.views[0]; // prettier-ignore
-        const [x, y, z] = position.clone().sub(target).toArray();
+        const {camera, controls} = window.soapfilm.app.views.views[0];
+        const {target} = controls;
+        const [x, y, z] = camera.position.clone().sub(target).toArray();
         return {target: target.toArray(), distance: Math.hypot(x, y, z), around: Math.atan2(x, z), height: y};
       });
     const press = async (key) => {
@@ -282,7 +283,8 @@ inPage(
     await page.keyboard.press('?');
     const {top, scroll, tall} = await page.evaluate(() => {
       const help = document.getElementById('help');
-      return {top: help.querySelector('h2').getBoundingClientRect().top, scroll: help.scrollTop, tall: help.scrollHeight};
+      const {top} = help.querySelector('h2').getBoundingClientRect();
+      return {top, scroll: help.scrollTop, tall: help.scrollHeight};
     });
     assert.equal(scroll, 0);
     assert.ok(top >= 0 && tall > 400, 'the title is in sight, and more below');

@@ -34,7 +34,8 @@ test('scans become the mesh of the program, and nothing is asked of the network'
   await page.screenshot({path: inOut('web.png')});
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save-ply')]);
   await download.saveAs(inOut('web.ply'));
-  run('reconstruct', inOut('torus/samples.ply'), '-o', inOut('program.ply'), '--distance', '--gap', '--report', inOut('program.json'));
+  const asked = ['--distance', '--gap', '--report', inOut('program.json')];
+  run('reconstruct', inOut('torus/samples.ply'), '-o', inOut('program.ply'), ...asked);
   const body = (name) => readFileSync(inOut(name), 'latin1').replace(/^comment.*\n/gm, '');
   assert.ok(body('web.ply') === body('program.ply'), 'other bytes than the program');
   const [report] = await Promise.all([page.waitForEvent('download'), page.click('#save-report')]);
@@ -132,8 +133,8 @@ test('the same file can be chosen again after it was refused, and after a mesh',
 
 test('a scanner position and the upright axis go into the run, a wrong position is refused', async () => {
   const points = inOut('plain.xyz');
-  const cloud = Array.from({length: 900}, (_, i) => `${(i % 30) / 30} ${Math.floor(i / 30) / 30} ${Math.sin(i % 30) / 90}`);
-  writeFileSync(points, `${cloud.join('\n')}\n`);
+  const rows = Array.from({length: 900}, (_, i) => [(i % 30) / 30, Math.floor(i / 30) / 30, Math.sin(i % 30) / 90]);
+  writeFileSync(points, `${rows.map((row) => row.join(' ')).join('\n')}\n`);
   const {page, faults} = await open(browser, address);
   await choose(page, points);
   await page.fill('#sensor', '0.5, 0.5');
@@ -185,8 +186,9 @@ test('a small window shows all of it: nothing is wider, samples stay in sight', 
   const fits = async (name) => {
     await page.waitForTimeout(400);
     await shot(name);
-    const wide = await page.evaluate(() => [...document.querySelectorAll('button, input, select, p')]
-      .filter((one) => one.offsetParent && one.getBoundingClientRect().right > 400).map((one) => one.id)); // prettier-ignore
+    const wide = await page.$$eval('button, input, select, p', (all) =>
+      all.filter((one) => one.offsetParent && one.getBoundingClientRect().right > 400).map(({id}) => id),
+    );
     assert.deepEqual(wide, [], name);
   };
   await fits('small-begin');
