@@ -17,7 +17,7 @@ class Mesh:
     """Triangles, counter-clockwise seen from outside, in the units and the frame of the input.
 
     Arrays are read-only views of the library's memory, alive as long as they are used: ``.copy()`` them to change them.
-    ``Mesh(vertices, triangles)`` makes one of arrays.
+    ``Mesh(vertices, triangles)`` makes one of arrays. Meshes pickle and copy.
     """
 
     _core: Any
@@ -31,7 +31,7 @@ class Mesh:
             vertex, _arrays.indices("triangles", triangles),
             None if normals is None else _arrays.table("normals", normals, 3, rows),
             None if colors is None else _arrays.color_table("colors", colors, rows),
-            [(name, _arrays.column(name, values, rows)) for name, values in (attributes or {}).items()])
+            [(name, _arrays.column(name, values, rows)) for name, values in (attributes or {}).items()], 0.0)
 
     @classmethod
     def _of(cls, core: Any) -> Mesh:
@@ -144,6 +144,17 @@ class Mesh:
             mesh.point_data[name] = np.array(values)
         return mesh
 
+    def __copy__(self) -> Any:
+        copied = type(self).__new__(type(self))
+        copied.__dict__.update(self.__dict__)
+        return copied
+
+    def __deepcopy__(self, memo: Any) -> Any:
+        return self.__copy__()  # nothing of it can be changed: copies share the memory
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (type(self), _state(self._core), getattr(self, "_report", None))
+
     def __repr__(self) -> str:
         return f"<soapfilm.{type(self).__name__}: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
 
@@ -188,7 +199,6 @@ class Result(Mesh):
             _write_text(os.path.splitext(os.fspath(path))[0] + ".prj", system + "\n")
 
 
-
 def read_mesh(path: Path) -> Mesh:
     """Reads a triangle mesh (.ply, .obj, .off, .stl, ...); polygons become fans of triangles.
 
@@ -207,14 +217,41 @@ def mesh_of(value: Any, stacklevel: int = 3) -> tuple[Any, str]:
         return _read(value, stacklevel + 1), os.fspath(value)
     if isinstance(value, tuple) and len(value) == 2:
         return Mesh(*value)._core, "mesh"
-    if hasattr(value, "vertices") and hasattr(value, "triangles"):  # Open3D
-        return Mesh(value.vertices, value.triangles)._core, "mesh"
-    if hasattr(value, "vertices") and hasattr(value, "faces"):  # trimesh
-        return Mesh(value.vertices, value.faces)._core, "mesh"
-    if hasattr(value, "points") and hasattr(value, "regular_faces"):  # PyVista
-        return Mesh(value.points, value.regular_faces)._core, "mesh"
+    arrays = _triangles_of(value)
+    if arrays is not None:
+        return Mesh(*arrays)._core, "mesh"
     raise TypeError(f"mesh: {type(value).__name__}, must be a Mesh, a file, (vertices, triangles), or a mesh of "
                     "Open3D, trimesh or PyVista")
+
+
+def has_triangles(value: Any) -> bool:
+    arrays = None if isinstance(value, Mesh) else _triangles_of(value)
+    return isinstance(value, Mesh) or arrays is not None and len(arrays[1]) > 0
+
+
+def _triangles_of(value: Any) -> tuple[Any, Any] | None:
+    """Vertices and triangles of a mesh of another package."""
+    if hasattr(value, "vertex") and hasattr(value, "triangle"):  # Open3D's tensors
+        return value.vertex["positions"].cpu().numpy(), value.triangle["indices"].cpu().numpy()
+    for vertices, triangles in (("vertices", "triangles"), ("vertices", "faces"), ("points", "regular_faces")):
+        if hasattr(value, vertices) and hasattr(value, triangles):  # Open3D, trimesh, PyVista
+            return getattr(value, vertices), getattr(value, triangles)
+    return None
+
+
+def _state(core: Any) -> tuple[Any, ...]:
+    """The arguments of the module's mesh_of(), as arrays."""
+    return (_view(core.vertices), _view(core.triangles), _view(core.normals), _view(core.colors),
+            [(name, _view(values)) for name, values in core.attributes], core.voxel)
+
+
+def _restored(kind: type, state: tuple[Any, ...], report: str | None) -> Any:
+    """A mesh or result of its pickle."""
+    mesh = kind.__new__(kind)
+    mesh._core = _core.mesh_of(*state)
+    if report is not None:
+        mesh._report = report
+    return mesh
 
 
 def _read(path: Path, stacklevel: int) -> Any:

@@ -8,7 +8,8 @@ from typing import Any
 
 from . import _arrays, _core
 from ._arrays import Array
-from ._mesh import Mesh, mesh_of
+from ._foreign import columns_of
+from ._mesh import Mesh, has_triangles, mesh_of
 from ._points import Path, Points, is_path, thread_count
 from ._progress import Progress, listener
 from .errors import ParameterError
@@ -54,6 +55,8 @@ def evaluate(mesh: Any, truth: Any, *, samples: Any = None, voxel: float | None 
             raise ParameterError(f"voxel = {voxel}, must be > 0 and finite")
         given["voxel"] = voxel
     if samples is not None:
+        cloud = columns_of(samples)
+        samples = cloud["positions"] if cloud else samples
         given["samples"] = samples.positions if isinstance(samples, Points) else _arrays.table("samples", samples, 3)
         given["samples_name"] = "samples"
     return json.loads(_core.evaluate(core, object_, given, thread_count(threads), listener(progress, 3)))
@@ -174,7 +177,7 @@ def view(shapes: Any, path: Path | None = None, *, names: str | Sequence[str] = 
 def _name(item: Any) -> str:
     if is_path(item):
         return os.path.basename(os.fspath(item))
-    return "cloud" if isinstance(item, Points) else "mesh"
+    return "cloud" if isinstance(item, Points) or _is_cloud(item) else "mesh"
 
 
 def _tool(name: str) -> None:
@@ -242,8 +245,15 @@ def _shape(item: Any, as_points: bool) -> Any:
             if as_points:
                 raise
             return read_core(item, progress=False)  # a cloud
+    if _is_cloud(item):
+        return Points(item)._core
     core = mesh_of(item)[0]
     return Points(Mesh._of(core).vertices)._core if as_points else core
+
+
+def _is_cloud(item: Any) -> bool:
+    """Of another package, without triangles."""
+    return columns_of(item) is not None and not has_triangles(item)
 
 
 def _axis(up: str | Sequence[float]) -> tuple[float, ...]:
