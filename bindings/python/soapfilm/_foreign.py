@@ -1,7 +1,7 @@
 """Clouds of other packages, known by their attributes: none of the packages is imported.
 
-Open3D (``PointCloud``, ``t.geometry.PointCloud``, meshes), trimesh (``PointCloud``, ``Trimesh``), PyVista (``PolyData``)
-and arrays of any package that gives NumPy's interface or DLPack. Of a mesh its vertices are the samples.
+Open3D (``PointCloud``, ``t.geometry.PointCloud``, meshes), trimesh (``PointCloud``, ``Trimesh``), PyVista
+(``PolyData``) and arrays of any package that gives NumPy's interface or DLPack. Of a mesh its vertices are the samples.
 """
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _trimesh(value: Any) -> dict[str, Any] | None:
     rows = len(value.vertices)
     normals = getattr(value, "vertex_normals", None) if hasattr(value, "faces") else None
     colors = getattr(value, "colors", None)
-    visual = getattr(value, "visual", None)
+    visual: Any = getattr(value, "visual", None)
     if colors is None and getattr(visual, "kind", None) == "vertex":
         colors = visual.vertex_colors
     attributes = getattr(value, "vertex_attributes", None) or {}

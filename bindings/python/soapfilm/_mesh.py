@@ -3,14 +3,16 @@ from __future__ import annotations
 
 import json
 import os
-import warnings
+import pathlib
 from collections.abc import Mapping
 from typing import Any
 
 from . import _arrays, _core
 from ._arrays import Array
 from ._points import Path, _view
-from .errors import OutputError, SoapfilmWarning
+from ._words import in_python
+from .options import Viewer
+from .errors import OutputError, warn
 
 
 class Mesh:
@@ -91,13 +93,22 @@ class Mesh:
             OutputError: an OSError: an unknown extension, or a file that cannot be written.
         """
         for line in self._core.save(os.fspath(path), ascii):
-            warnings.warn(line, SoapfilmWarning, stacklevel=2)
+            warn(line, 2)
 
-    def show(self) -> Any:
-        """Shows the mesh: in a notebook below the cell, else in a window of Open3D or PyVista."""
+    def show(self, viewer: Viewer | None = None) -> pathlib.Path | None:
+        """Shows the mesh: in a notebook below the cell, else as a page in the browser.
+
+        Args:
+            viewer: "browser", "open3d" or "pyvista" to choose; the last two open a window and wait for its end. By
+                default the browser; where this package was built without the page, a window of what is installed.
+
+        Returns:
+            The page that was written (:func:`view`): where no browser is found a warning names it. None of a notebook
+            or a window.
+        """
         from ._show import show
 
-        return show(self)
+        return show(self, viewer)
 
     def _repr_html_(self) -> str:
         from ._show import viewer_html
@@ -183,8 +194,8 @@ class Result(Mesh):
 
     @property
     def warnings(self) -> list[str]:
-        """The lines that were shown as SoapfilmWarning."""
-        return self.report["warnings"]
+        """The lines that were shown as SoapfilmWarning. (In ``report`` they name options as the program does.)"""
+        return [in_python(line) for line in self.report["warnings"]]
 
     @property
     def voxel(self) -> float:
@@ -196,7 +207,7 @@ class Result(Mesh):
         super().save(path, ascii=ascii)
         system = self.report["input"]["coordinate_system"]
         if system:
-            _write_text(os.path.splitext(os.fspath(path))[0] + ".prj", system + "\n")
+            write_text(os.path.splitext(os.fspath(path))[0] + ".prj", system + "\n")
 
 
 def read_mesh(path: Path) -> Mesh:
@@ -245,7 +256,7 @@ def _state(core: Any) -> tuple[Any, ...]:
             [(name, _view(values)) for name, values in core.attributes], core.voxel)
 
 
-def _restored(kind: type, state: tuple[Any, ...], report: str | None) -> Any:
+def _restored(kind: Any, state: tuple[Any, ...], report: str | None) -> Any:
     """A mesh or result of its pickle."""
     mesh = kind.__new__(kind)
     mesh._core = _core.mesh_of(*state)
@@ -257,7 +268,7 @@ def _restored(kind: type, state: tuple[Any, ...], report: str | None) -> Any:
 def _read(path: Path, stacklevel: int) -> Any:
     mesh, lines = _core.read_mesh(os.fspath(path))
     for line in lines:
-        warnings.warn(line, SoapfilmWarning, stacklevel=stacklevel)
+        warn(line, stacklevel)
     return mesh
 
 
@@ -275,7 +286,7 @@ def _vertex_normals(vertices: Array, triangles: Array) -> Array:
     return normals
 
 
-def _write_text(path: str, text: str) -> None:
+def write_text(path: str, text: str) -> None:
     """Whole or not at all."""
     partial = f"{path}.{os.getpid()}.partial"
     try:
@@ -283,4 +294,6 @@ def _write_text(path: str, text: str) -> None:
             file.write(text)
         os.replace(partial, path)
     except OSError as error:
+        if os.path.exists(partial):
+            os.remove(partial)
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from error

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import pathlib
 from collections.abc import Mapping, Sequence
 from typing import Any, Union
 
@@ -10,6 +11,8 @@ from . import _arrays, _core
 from ._arrays import Array
 from ._foreign import as_array, columns_of
 from ._progress import Progress, listener
+from ._words import in_python
+from .options import Viewer
 from .errors import ParameterError
 
 Path = Union[str, "os.PathLike[str]"]
@@ -22,8 +25,8 @@ class Points:
     ``Points(positions, normals=None, *, sensors=None, colors=None, weights=None, scans=None, values=None)`` takes the
     arrays that :func:`reconstruct` takes, or a cloud of Open3D, trimesh or PyVista with what it has.
 
-    ``cloud[mask]``, ``cloud[10:20]`` and ``cloud[indices]`` are clouds of these samples; ``cloud + other`` has the scans
-    of both. Clouds do not change: copies share their memory, pickles hold all of it.
+    ``cloud[mask]``, ``cloud[10:20]`` and ``cloud[indices]`` are clouds of these samples; ``cloud + other`` has the
+    scans of both. Clouds do not change: copies share their memory, pickles hold all of it.
     """
 
     _core: Any
@@ -82,7 +85,7 @@ class Points:
             raise ParameterError("points: clouds of different coordinate systems, must be of one to be added")
         return Points._of(self._core.joined(other._core))
 
-    def __radd__(self, other: Any) -> Points:
+    def __radd__(self, other: Any) -> Any:
         """For sum(): 0 + cloud."""
         return self if isinstance(other, int) and other == 0 else NotImplemented
 
@@ -148,7 +151,7 @@ class Points:
     @property
     def warnings(self) -> list[str]:
         """Lines that were shown while reading."""
-        return self._core.warnings
+        return [in_python(line) for line in self._core.warnings]
 
     @property
     def coordinate_system(self) -> str | None:
@@ -158,6 +161,36 @@ class Points:
     def save(self, path: Path, *, ascii: bool = False) -> None:
         """Writes a PLY that keeps everything, whole or not at all."""
         self._core.save(os.fspath(path), ascii)
+
+    def to_open3d(self) -> Any:
+        """As ``open3d.geometry.PointCloud``: copies of positions, normals and colors."""
+        import numpy as np
+        import open3d as o3d
+
+        vector = o3d.utility.Vector3dVector
+        cloud = o3d.geometry.PointCloud(vector(np.array(self.positions)))
+        if self.normals is not None:
+            cloud.normals = vector(self.normals.astype(np.float64))
+        if self.colors is not None:
+            cloud.colors = vector(self.colors / 255.0)
+        return cloud
+
+    def to_pyvista(self) -> Any:
+        """As ``pyvista.PolyData``: normals and colors as the arrays "Normals" and "RGB", values by their names."""
+        import numpy as np
+        import pyvista
+
+        cloud = pyvista.PolyData(np.array(self.positions))
+        for name, column in (("Normals", self.normals), ("RGB", self.colors), *self.values.items()):
+            if column is not None:
+                cloud.point_data[name] = np.array(column)
+        return cloud
+
+    def show(self, viewer: Viewer | None = None) -> pathlib.Path | None:
+        """Shows the samples, as :meth:`Mesh.show` a mesh."""
+        from ._show import show
+
+        return show(self, viewer)
 
     def __repr__(self) -> str:
         scans = len(self._core.scans)

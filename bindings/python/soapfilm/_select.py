@@ -15,10 +15,10 @@ def selected(core: Any, which: Any) -> Any:
     """The samples of a slice, a mask or indices. Samples of a scan stay together, scans in their order."""
     import numpy as np
 
-    rows = _rows(core.size, which)
+    rows: Array = _rows(core.size, which)
     scans = core.scans
     ends = np.array([scan["end"] for scan in scans], dtype=np.int64)
-    scan_of_row = np.searchsorted(ends, rows, side="right")
+    scan_of_row: Array = np.searchsorted(ends, rows, side="right")
     if np.any(scan_of_row[1:] < scan_of_row[:-1]):
         order = np.argsort(scan_of_row, kind="stable")
         rows, scan_of_row = rows[order], scan_of_row[order]

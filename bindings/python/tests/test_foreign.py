@@ -109,7 +109,8 @@ def test_stand_ins(ball, colors, oracle):
     assert_cloud(Open3d(ball, ball, colors / 255), ball, colors, oracle)
     bare = soapfilm.Points(Open3d(ball, [], []))
     assert bare.normals is None and bare.colors is None
-    assert_cloud(types.SimpleNamespace(point=Tensors(positions=ball, normals=ball, colors=colors)), ball, colors, oracle)
+    tensors = Tensors(positions=ball, normals=ball, colors=colors)
+    assert_cloud(types.SimpleNamespace(point=tensors), ball, colors, oracle)
     data = PyVistaData(Normals=ball, RGB=colors, height=ball[:, 2], pairs=ball[:, :2])
     assert_cloud(types.SimpleNamespace(points=ball, point_data=data), ball, colors, oracle)
     assert list(soapfilm.Points(types.SimpleNamespace(points=ball, point_data=data)).values) == ["height"]
