@@ -112,7 +112,8 @@ def info_files(table):
     return {
         "METADATA": metadata(table).encode(),
         "LICENSE": (ROOT / "LICENSE").read_bytes(),
-        "WHEEL": f"Wheel-Version: 1.0\nGenerator: soapfilm_build\nRoot-Is-Purelib: false\nTag: {wheel_tag()}\n".encode(),
+        "WHEEL": f"Wheel-Version: 1.0\nGenerator: soapfilm_build\nRoot-Is-Purelib: false\n"
+                 f"Tag: {wheel_tag()}\n".encode(),
     }
 
 

@@ -45,7 +45,8 @@ def signature_with(function: Any, options: Any) -> inspect.Signature:
     named = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
     taken = {p.name for p in named}
     return signature.replace(parameters=[*named, *(
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=getattr(kind, "__forward_arg__", kind))
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None,
+                          annotation=getattr(kind, "__forward_arg__", kind))
         for name, kind in options.__annotations__.items() if name not in taken)])
 
 

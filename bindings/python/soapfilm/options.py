@@ -1,7 +1,8 @@
 """Types of parameters, for type checkers and completion: ``from soapfilm.options import Options, Solve``.
 
 ``Options`` has the keyword arguments of :func:`soapfilm.reconstruct`, ``Solve``, ``Place``, ... the groups of the
-report, such as ``solve=dict(tolerance=1e-4)``. What each means, with its default, unit and range: docs/reference/options.md.
+report, such as ``solve=dict(tolerance=1e-4)``. What each means, with its default, unit and range:
+docs/reference/options.md.
 """
 from __future__ import annotations
 

@@ -79,6 +79,15 @@ def test_completion_sees_every_option():
     assert "orbit" in inspect.signature(soapfilm.scan).parameters
 
 
+def test_jedi_completes_options():
+    """What notebooks and many editors ask."""
+    jedi = pytest.importorskip("jedi")
+    for line, name in [("soapfilm.reconstruct(cloud, max_it", "max_iterations="),
+                       ("soapfilm.scan('knot', orb", "orbit=")]:
+        found = jedi.Interpreter(line, [{"soapfilm": soapfilm}]).complete()
+        assert name in [completion.name for completion in found]
+
+
 @pytest.mark.skipif(not (Path("/usr/bin/mypy").exists() or importlib.util.find_spec("mypy")), reason="no mypy")
 def test_a_type_checker(tmp_path):
     good = ("import soapfilm\nfrom soapfilm.options import Options, Solve\n"
@@ -88,8 +97,10 @@ def test_a_type_checker(tmp_path):
             "solve: Solve = {'max_iterations': 3}\noptions: Options = {'outside': 'air', 'solve': solve}\n"
             "soapfilm.Reconstructor(resolution=64, weights='area').reconstruct(voxel=1)\n"
             "cloud = soapfilm.scan('knot', orbit='ring', noise='0.1%')\ncloud = cloud[::2] + cloud[3:]\n")
-    bad = {"soapfilm.reconstruct([], methd='tv')": "Unexpected keyword", "soapfilm.reconstruct([], method='tw')": "Literal",
-           "soapfilm.reconstruct([], solve={'tolerence': 1.0})": "tolerence", "soapfilm.scan('knot', orbit=3)": "Literal",
+    bad = {"soapfilm.reconstruct([], methd='tv')": "Unexpected keyword",
+           "soapfilm.reconstruct([], method='tw')": "Literal",
+           "soapfilm.reconstruct([], solve={'tolerence': 1.0})": "tolerence",
+           "soapfilm.scan('knot', orbit=3)": "Literal",
            "soapfilm.reconstruct([], outside='aer')": "Literal"}
     (tmp_path / "good.py").write_text(good)
     (tmp_path / "bad.py").write_text("import soapfilm\n" + "".join(f"{line}\n" for line in bad))

@@ -67,7 +67,8 @@ def test_every_option(option):
     ("name them with --columns -,x,y,z", "name them with columns='-,x,y,z' of soapfilm.read"),
     ("lambda = 3, must be", "lambda_ = 3, must be"), ("energy.lambda = 3: must be", "lambda_ = 3: must be"),
     ("surface.refine = 3: must be true or false", "refine = 3: must be True or False"),
-    ("sor.tolerance = 3: must be", "sor.tolerance = 3: must be"), ("a--b.ply: --- no option", "a--b.ply: --- no option"),
+    ("sor.tolerance = 3: must be", "sor.tolerance = 3: must be"),
+    ("a--b.ply: --- no option", "a--b.ply: --- no option"),
 ])
 def test_meaning(line, python):
     assert in_python(line) == python
