@@ -30,7 +30,8 @@ def reconstruct(points: Any, normals: Any = None, *, sensors: Any = None, colors
 
     Args:
         points: (N, 3) positions in any units, or what :func:`read` and :func:`scan` give, or files as :func:`read`
-            takes them. float32 and float64 of any strides are read where they are; other numbers are converted.
+            takes them, or a cloud of Open3D, trimesh or PyVista, whose normals and colors are taken along. float32 and
+            float64 of any strides are read where they are; other numbers are converted.
         normals: (N, 3) outward, any length; zero or not finite: none.
         sensors: scanner position: one (3,), one per scan (S, 3), or one per sample (N, 3).
         colors: (N, 3) or (N, 4): uint8, or floats in [0, 1].
@@ -40,13 +41,13 @@ def reconstruct(points: Any, normals: Any = None, *, sensors: Any = None, colors
             them to the vertices.
         voxel: edge of a grid cell, input units. Default: one sample per voxel^2 of surface.
         resolution: instead: grid vertices along the longest axis, padding included.
-        progress: True: a bar (tqdm, or a line on a terminal); False: nothing; or a function
-            ``progress(stage, fraction, detail)``; what it raises cancels the run.
+        progress: True: a bar (tqdm, or a line on a terminal); False: none; or a function
+            ``progress(stage, fraction, detail)``; what it raises cancels the run. Warnings come in any case.
         memory: refuse a run that needs more: bytes, or text such as "2G". Default: what the machine has free.
         threads: None for all that the process may use.
         params: all parameters of an earlier run: its result, report, or report file; what is given beside them wins.
         **options: the options of docs/reference/options.md: ``lambda_``, ``method``, ``outside``, ``trim``, ...; or the
-            groups of the report: ``solve=dict(tolerance=1e-4)``.
+            groups of the report: ``solve=dict(tolerance=1e-4)``. Their types: :class:`soapfilm.options.Options`.
 
     Raises:
         ParameterError: a value is refused (a ValueError; SamplesError for the samples).
