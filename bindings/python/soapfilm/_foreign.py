@@ -27,7 +27,10 @@ def as_array(name: str, value: Any) -> Any:
         value = value.detach()
     value = _on_the_host(name, value)
     if any(hasattr(value, way) for way in ("__array_interface__", "__array_struct__", "__array__")):
-        return np.asarray(value)
+        try:
+            return np.asarray(value)
+        except (RuntimeError, TypeError, ValueError) as error:
+            raise ParameterError(f"{name}: {_type(value)} gives no array: {_line(error)}") from error
     if hasattr(value, "__dlpack__") and hasattr(np, "from_dlpack"):
         try:
             return np.from_dlpack(value)
@@ -143,6 +146,8 @@ def _on_the_host(name: str, value: Any) -> Any:
     for way in ("cpu", "get"):  # PyTorch and Open3D; CuPy
         if callable(getattr(value, way, None)):
             return getattr(value, way)()
+    if hasattr(value, "__array__"):  # JAX copies by itself
+        return value
     raise ParameterError(f"{name}: {_type(value)} on a device, must be in the memory of the processor")
 
 

@@ -90,9 +90,12 @@ Scan scan_of(const py::dict& facts, size_t begin) {
 }
 
 FileReport file_of(const py::dict& facts) {
-  return {py::cast<std::string>(facts["path"]),         py::cast<std::string>(facts["format"]),
-          py::cast<size_t>(facts["samples"]),           py::cast<size_t>(facts["dropped"]),
-          py::cast<size_t>(facts["no_return"]),         py::cast<size_t>(facts["ignored_normals"]),
+  return {py::cast<std::string>(facts["path"]),
+          py::cast<std::string>(facts["format"]),
+          py::cast<size_t>(facts["samples"]),
+          py::cast<size_t>(facts["dropped"]),
+          py::cast<size_t>(facts["no_return"]),
+          py::cast<size_t>(facts["ignored_normals"]),
           py::cast<std::vector<std::string>>(facts["properties"])};
 }
 

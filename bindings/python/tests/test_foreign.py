@@ -201,6 +201,14 @@ def test_arrays_on_a_device(ball):
             return self.array
 
     assert np.array_equal(soapfilm.Points(Cuda(ball)).positions, ball)
+    class Jax(Dlpack):
+        def __array__(self, dtype=None):
+            return self.array
+
+    assert np.array_equal(soapfilm.Points(Jax(ball, device=2)).positions, ball)
+    del Cuda.cpu
+    with pytest.raises(soapfilm.ParameterError, match="points: .*Cuda gives no array: can't convert cuda:0"):
+        soapfilm.Points(Cuda(ball))
     with pytest.raises(soapfilm.ParameterError, match="points: .*Dlpack on a device, must be in the memory"):
         soapfilm.Points(Dlpack(ball, device=2))
 
