@@ -1,11 +1,60 @@
 #include "cli/help_page.h"
 
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include <utility>
+
+#include "soapfilm/platform/terminal.h"
+
 namespace soapfilm::cli {
 
 namespace {
 
-constexpr size_t name_columns = 30;
-constexpr size_t page_columns = 100;
+/// Of the terminal, or what the shell says of it; as a page in a file, 100.
+size_t columns_of_page() {
+  constexpr size_t of_file = 100, least = 40, most = 120;
+  if (is_terminal(stdout)) return std::clamp(terminal_columns(stdout), least, most);
+  const char* given = std::getenv("COLUMNS");
+  const long columns = given ? std::strtol(given, nullptr, 10) : 0;
+  return columns > 0 ? std::clamp(static_cast<size_t>(columns), least, most) : of_file;
+}
+
+/// What lines of their own are in a description begins with a parenthesis; other ends of lines are the source's.
+std::string joined(const std::string& text) {
+  std::string line;
+  for (size_t i = 0; i < text.size(); ++i)
+    line += text[i] == '\n' && i + 1 < text.size() && text[i + 1] != '(' ? ' ' : text[i];
+  return line;
+}
+
+/// Ends lines of more than `columns` at a space; `between` stands between their parts.
+std::string wrapped(const std::string& text, size_t columns, const std::string& between) {
+  std::string out;
+  size_t line = 0;  // where the current one begins in `out`
+  size_t space = std::string::npos;
+  const size_t margin = between.find('\n');  // of a mark at the end of the line
+  for (const char c : text) {
+    out += c;
+    if (c == '\n') line = out.size(), space = std::string::npos;
+    if (c == ' ' && out.find_first_not_of(' ', line) < out.size()) space = out.size() - 1;
+    if (out.size() - line + margin <= columns || space == std::string::npos) continue;
+    out.replace(space, 1, between);
+    line = space + margin + 1;
+    space = std::string::npos;
+  }
+  return out;
+}
+
+/// Where the text of a line begins: behind its indentation or, in a table, its first column.
+size_t text_begins(const std::string& line) {
+  constexpr size_t widest = 12;
+  const size_t first = std::min(line.find_first_not_of(' '), line.size());
+  const size_t gap = line.find("  ", first);
+  const size_t second = gap < widest ? line.find_first_not_of(' ', gap) : std::string::npos;
+  return second != std::string::npos ? second : first;
+}
 
 }  // namespace
 
@@ -38,7 +87,7 @@ const char* const global_options_note = "Global options (--threads, --quiet, --v
 const char* const first_page =
     R"(soapfilm turns raw 3D scans into a watertight mesh, and proves how good it is.
 
-With your own scans (PLY, E57, PTX, PCD, LAS, text and more), say scan.ply:
+With your own scans (PLY, E57, PTX, PCD, LAS, LAZ, text and more), say scan.ply:
   soapfilm info scan.ply                   what is in the file
   soapfilm reconstruct scan.ply --preview  a coarse mesh in a moment
   soapfilm reconstruct scan.ply            the mesh: scan.mesh.ply
@@ -55,17 +104,30 @@ More:
   soapfilm --help                          all commands
 )";
 
-HelpPage::HelpPage() { column_width(name_columns); }
+HelpPage::HelpPage() : columns_(columns_of_page()) { column_width(std::min<size_t>(30, columns_ * 3 / 10)); }
 
 std::string HelpPage::make_option_desc(const CLI::Option* option) const {
-  std::string text = CLI::Formatter::make_option_desc(option);
-  size_t line = 0;  // where the current line begins
-  for (size_t at = 0, space = 0; at < text.size(); ++at) {
-    if (text[at] == '\n') line = space = at + 1;
-    if (text[at] == ' ') space = at;
-    if (at - line < page_columns - name_columns || space <= line) continue;
-    text[space] = '\n';
-    line = space + 1;
+  return wrapped(joined(CLI::Formatter::make_option_desc(option)), columns_ - column_width_, "\n");
+}
+
+std::string HelpPage::make_subcommand(const CLI::App* command) const {
+  std::ostringstream out;
+  CLI::detail::format_help(out, command->get_name(),
+                           wrapped(joined(command->get_description()), columns_ - column_width_, "\n"), column_width_);
+  return out.str();
+}
+
+std::string HelpPage::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
+  std::istringstream page(CLI::Formatter::make_help(app, std::move(name), mode));
+  std::string text;
+  bool was_empty = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line.empty() && was_empty) continue;
+    was_empty = line.empty();
+    const size_t begin = text_begins(line);
+    const bool is_command = line.compare(begin, 9, "soapfilm ") == 0;
+    text +=
+        wrapped(line, columns_, (is_command ? " \\\n" : "\n") + std::string(begin + (is_command ? 4 : 0), ' ')) + "\n";
   }
   return text;
 }

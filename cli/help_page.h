@@ -2,15 +2,21 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
 #include <string>
 
 namespace soapfilm::cli {
 
-/// Help pages whose option descriptions are wrapped to the page.
+/// Help pages as wide as the terminal, 40 to 120 columns.
 class HelpPage : public CLI::Formatter {
  public:
   HelpPage();
   std::string make_option_desc(const CLI::Option* option) const override;
+  std::string make_subcommand(const CLI::App* command) const override;
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
+
+ private:
+  size_t columns_;
 };
 
 /// What `soapfilm --help` says after the options.

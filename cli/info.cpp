@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 #include "cli/coordinate_system.h"
 #include "cli/print.h"
 #include "cli/read_cloud.h"
+#include "cli/standard_streams.h"
 #include "soapfilm/core/json_text.h"
 #include "soapfilm/core/printable.h"
 #include "soapfilm/io.h"
@@ -32,6 +34,7 @@ using nlohmann::ordered_json;
 struct InfoOptions {
   std::vector<std::string> files;
   ReadOptions read;
+  std::string format;  ///< of standard input
   bool as_json = false;
 };
 
@@ -263,23 +266,26 @@ void print_mesh(const ordered_json& facts) {
   print_lines(lines);
 }
 
-int run_info(const InfoOptions& options) {
+int run_info(InfoOptions& options) {
+  StandardStreams streams(options.format);
+  streams.take_input(options.files);
   ordered_json all = ordered_json::array();
   for (const std::string& path : options.files) {
-    const ordered_json facts = file_kind(path) == FileKind::mesh ? mesh_facts(path) : point_facts(path, options.read);
+    const bool is_mesh = !std::filesystem::is_directory(path) && file_kind(path) == FileKind::mesh;
+    const ordered_json facts = is_mesh ? mesh_facts(path) : point_facts(path, options.read);
     if (options.as_json) {
       all.push_back(facts);
       continue;
     }
-    print(stdout, fmt::format("{}{}\n", path == options.files.front() ? "" : "\n", printable(path)));
+    print(stdout, fmt::format("{}{}\n", path == options.files.front() ? "" : "\n", printable(with_known_names(path))));
     if (facts["kind"] == "mesh")
       print_mesh(facts);
     else
       print_points(facts);
     for (const ordered_json& warning : facts["warnings"])
-      print(stdout, fmt::format("  warning: {}\n", printable(warning.get<std::string>())));
+      print(stdout, fmt::format("  warning: {}\n", printable(with_known_names(warning.get<std::string>()))));
   }
-  if (options.as_json) print(stdout, json_text(all) + "\n");
+  if (options.as_json) print(stdout, with_known_names(json_text(all)) + "\n");
   return 0;
 }
 
@@ -288,7 +294,14 @@ int run_info(const InfoOptions& options) {
 void add_info(CLI::App& app, const GlobalOptions& /*options*/, Runner& runner) {
   CLI::App* command = app.add_subcommand("info", "Print what is in a file: samples, box, spacing, directions, scans");
   auto options = std::make_shared<InfoOptions>();
-  command->add_option("files", options->files, "Point clouds, scan sets or meshes")->required()->type_name("FILE");
+  command
+      ->add_option("files", options->files,
+                   "Point clouds, scan sets or meshes; a folder is the scans in it, - standard input")
+      ->required()
+      ->type_name("FILE");
+  command
+      ->add_option("--format", options->format, "Of standard input, such as las (default: by how it begins, or text)")
+      ->option_text("EXT");
   command->add_flag("--json", options->as_json, "Print a JSON array, one object per file");
   add_read_options(*command, options->read);
   command->callback([options, &runner] { runner = [options] { return run_info(*options); }; });

@@ -53,7 +53,7 @@ CLI::Validator also(const std::vector<std::string>& words) {
 CLI::Validator one_of(const std::vector<std::string>& words) {
   return also(words).operation([words](std::string& text) -> std::string {
     if (std::find(words.begin(), words.end(), text) != words.end()) return "";
-    return fmt::format("Value {} not one of {}{}", text, fmt::join(words, ", "), did_you_mean(text, words));
+    return fmt::format("Value {} must be one of {}{}", text, fmt::join(words, ", "), did_you_mean(text, words));
   });
 }
 

@@ -29,7 +29,11 @@ uint64_t mixed(uint64_t i) {
 }  // namespace
 
 std::string default_mesh(const std::string& input, bool preview) {
-  return std::filesystem::path(input).stem().string() + (preview ? ".preview.ply" : ".mesh.ply");
+  // A folder's name may end in a slash, or be "."
+  std::filesystem::path path = std::filesystem::absolute(input).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  const bool folder = std::filesystem::is_directory(path);
+  return (folder ? path.filename() : path.stem()).string() + (preview ? ".preview.ply" : ".mesh.ply");
 }
 
 void make_preview(ReconstructParams& params, PointCloud& cloud, Progress& progress) {

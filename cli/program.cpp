@@ -9,11 +9,14 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cli/command.h"
 #include "cli/help_page.h"
 #include "cli/print.h"
 #include "cli/refusal.h"
+#include "cli/standard_streams.h"
 #include "cli/version_page.h"
 #include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
@@ -28,7 +31,7 @@ enum ExitCode { success = 0, internal_error = 1, refused = 2, empty = 3, cancell
 int fail(ExitCode code, std::string message) {
   while (!message.empty() && std::isspace(static_cast<unsigned char>(message.back()))) message.pop_back();
   std::replace(message.begin(), message.end(), '\n', ' ');
-  print(stderr, fmt::format("soapfilm: {}\n", printable(std::move(message))));
+  print(stderr, fmt::format("soapfilm: {}\n", printable(with_known_names(std::move(message)))));
   return code;
 }
 
@@ -42,9 +45,15 @@ void add_global_options(CLI::App& app, GlobalOptions& options) {
   app.set_help_flag("-h,--help", "Print this page and exit");
 }
 
+bool is_command(const CLI::App& app, const std::string& name) {
+  const std::vector<const CLI::App*> commands =
+      app.get_subcommands([&](const CLI::App* c) { return c->check_name(name); });
+  return !commands.empty();
+}
+
 int run(int argc, char** argv) {
   CLI::App app(
-      "Turns raw 3D scans into a watertight surface: a minimal surface over the samples,\n"
+      "Turns raw 3D scans into a watertight surface: a minimal surface over the samples, "
       "with a proof of how close it is to the global optimum.",
       "soapfilm");
   app.require_subcommand(1);
@@ -75,9 +84,16 @@ int run(int argc, char** argv) {
     std::cout << first_page;
     return success;
   }
-  refuse_single_dashes(app, options.arguments);
+  // "help COMMAND" is COMMAND --help.
+  std::vector<std::string> words = options.arguments;
+  if (words[0] == "help") {
+    words.erase(words.begin());
+    if (words.empty() || is_command(app, words[0])) words.emplace_back("--help");
+  }
+  refuse_single_dashes(app, words);
   try {
-    app.parse(argc, argv);
+    std::reverse(words.begin(), words.end());
+    app.parse(std::move(words));
   } catch (const CLI::Success& asked_for_help) {
     return app.exit(asked_for_help);
   } catch (const CLI::ParseError& error) {

@@ -13,7 +13,8 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
   input(app.add_option("--trajectory", options.trajectory, "Of LAS files: where the scanner was, lines of time x y z"))
       ->option_text("FILE");
   input(app.add_flag("--trust-viewpoint", options.trust_viewpoint,
-                     "Of PCD files: a VIEWPOINT at the origin, the default, is the scanner's\nposition, too"));
+                     "Of PCD, PTX and E57 files: a place that is the default, or that the samples\n"
+                     "were not seen from, is the scanner's, too"));
 }
 
 PointCloud read_cloud(const std::vector<std::string>& files, const ReadOptions& options, const Context& context,

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/command.h"
@@ -18,12 +19,14 @@
 #include "cli/preview.h"
 #include "cli/read_cloud.h"
 #include "cli/reconstruct_options.h"
+#include "cli/standard_streams.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
+#include "soapfilm/io/sets/input_files.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/run/run.h"
 #include "tools/evaluate/check_result.h"
@@ -73,8 +76,11 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   validate(params);
 }
 
-PointCloud read_input(const ReconstructOptions& options, const Context& context, ReadReport& read) {
-  PointCloud cloud = read_cloud(options.inputs, options.read, context, read);
+PointCloud read_input(const ReconstructOptions& options, const std::vector<std::string>& attributes,
+                      const Context& context, ReadReport& read) {
+  ReadOptions as = options.read;
+  as.attributes = attributes;  // what reaches no vertex is not kept
+  PointCloud cloud = read_cloud(options.inputs, as, context, read);
   context.progress().info(
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));
   return cloud;
@@ -115,17 +121,36 @@ void write_report(const ReconstructOptions& options, const ReconstructReport& re
   }
 }
 
+/// Folders and standard streams become files.
+void find_files(ReconstructOptions& options, StandardStreams& streams, Progress& progress) {
+  const bool unnamed = options.output.empty() && options.inputs[0] == "-";
+  if (unnamed) throw ParameterError("output: no name, must be given with -o where standard input is read");
+  streams.take_output(options.output);
+  if (!options.output.empty()) check_mesh_output(options.output);
+  streams.take_input(options.inputs);
+  std::vector<std::string> warnings;
+  const std::string given = options.inputs[0];
+  options.inputs = io::input_files(options.inputs, warnings);
+  if (options.output.empty()) {
+    const bool is_folder = std::filesystem::is_directory(given);
+    options.output = default_mesh(is_folder ? given : options.inputs[0], options.preview);
+    check_mesh_output(options.output);
+  }
+  for (const std::string& warning : warnings) progress.warn(warning);
+}
+
 int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
   const Context context(global.threads, progress);
   finish_params(app, options);
-  if (options.output.empty()) options.output = default_mesh(options.inputs[0], options.preview);
-  check_mesh_output(options.output);
+  StandardStreams streams(options.format);
+  find_files(options, streams, progress);
   if (!options.report.empty()) check_output(options.report);
 
   Stages stages(context);
   ReadReport read;
-  PointCloud cloud = stages.run("read", [&] { return read_input(options, context, read); });
+  PointCloud cloud =
+      stages.run("read", [&] { return read_input(options, options.params.surface.attributes, context, read); });
   check_names(options, read);
   if (options.preview) make_preview(options.params, cloud, progress);
   LevelFiles levels;
@@ -153,11 +178,12 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
       report.warnings.push_back(warning);
     }
   });
-  if (!report.input.coordinate_system.empty())
+  if (!report.input.coordinate_system.empty() && !streams.gives_output())
     write_text_file(coordinate_system_file(options), report.input.coordinate_system + "\n");
   report.command = global.command;
   report.input.dropped = read.dropped();
   report.input.no_return = no_returns(read);
+  for (std::string& warning : read.warnings) warning = with_known_names(std::move(warning));
   report.warnings.insert(report.warnings.begin(), read.warnings.begin(), read.warnings.end());
   // The program's own stages: reading before the library's, checking and writing after them.
   for (const StageTime& stage : stages.times())
@@ -165,6 +191,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   report.peak_bytes = peak_memory_bytes();
   if (!options.report.empty()) write_report(options, report);
   levels.keep();
+  if (streams.gives_output()) streams.give_output();
   progress.info(
       fmt::format("{}: {} vertices, {} triangles", options.output, report.mesh_vertices, report.mesh_triangles));
   if (options.preview) progress.info("full run: " + full_run(global.arguments));

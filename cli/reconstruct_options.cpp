@@ -16,8 +16,12 @@ namespace {
 
 void add_main_options(CLI::App& app, ReconstructOptions& o) {
   ReconstructParams& p = o.params;
-  app.add_option("input", o.inputs,
-                 fmt::format("Point clouds or scan sets ({}); several are several\nscans", point_extensions()))
+  app.add_option(
+         "input", o.inputs,
+         fmt::format(
+             "Point clouds or scan sets ({}); several are several scans, a folder is the scans in it, - standard "
+             "input",
+             point_extensions()))
       ->required()
       ->option_text("FILE...");
   app.add_option_function<std::string>(
@@ -28,8 +32,12 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->option_text("FILE.json");
   app.add_option("-o,--output", o.output,
                  "Mesh to write: " + mesh_output_extensions() +
-                     "\n(default: the first input's NAME.mesh.ply, in the current folder)")
+                     "; - is standard output\n(default: the first input's NAME.mesh.ply, in the current folder)")
       ->option_text("FILE");
+  app.add_option("--format", o.format,
+                 "Of standard input and output, such as las, or xyz,ply for both\n(default: input by how it begins, or "
+                 "text; output ply)")
+      ->option_text("EXT[,EXT]");
   app.add_flag("--preview", o.preview,
                "A first look at a quarter of the resolution, to NAME.preview.ply unless\n-o says where; prints the "
                "command for the full run");

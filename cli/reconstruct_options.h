@@ -15,6 +15,7 @@ struct ReconstructOptions {
   std::vector<std::string> inputs;
   ReadOptions read;
   std::string output;
+  std::string format;  ///< of standard input and output
   std::string report;
   std::string memory;
   std::string isovalue;

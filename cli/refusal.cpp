@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <regex>
 #include <system_error>
 
 #include "cli/option_table.h"
@@ -23,15 +24,39 @@ std::string number_kind(const CLI::Option& option) {
   return "";
 }
 
-/// The text after CLI11's "Could not convert: --name = value".
-std::string constraint(const CLI::App& command, const std::string& what) {
-  const size_t name = what.find("--"), end = what.find(" = ");
-  if (name >= end || end == std::string::npos) return "";
-  const CLI::Option* option = nullptr;
-  for (const CLI::App* app = &command; app && !option; app = app->get_parent())
-    option = app->get_option_no_throw(what.substr(name, end - name));
-  const std::string kind = option ? number_kind(*option) : "";
-  return kind.empty() ? "" : ", must be " + kind;
+/// The option that CLI11's text about a value names; null: none is.
+const CLI::Option* option_in(const CLI::App& command, const std::string& what) {
+  const size_t name = what.find('-'), end = what.find_first_of(" :", name);
+  if (name == std::string::npos || end == std::string::npos) return nullptr;
+  for (const CLI::App* app = &command; app; app = app->get_parent())
+    if (const CLI::Option* option = app->get_option_no_throw(what.substr(name, end - name))) return option;
+  return nullptr;
+}
+
+/// What CLI11 says of a value, as the program's other messages say it: option = value, must be so.
+std::string in_own_words(const CLI::App& command, const std::string& what) {
+  const CLI::Option* option = option_in(command, what);
+  if (!option) return what;
+  const std::string name = option->get_name(), kind = number_kind(*option);
+  const std::string must = kind.empty() ? "" : ", must be " + kind;
+  static const std::regex unread("Could not convert: \\S+ = ([^]*)"), no_value(".*: 1 required .*missing.*"),
+      range(".*: Value ([^]*) not in range (\\S+) to (\\S+)"), word(".*: Value ([^]*) (must be one of [^]*)"),
+      count(".*: (?:At least |At most )?(\\d+) required but received (\\d+)");
+  std::smatch part;
+  if (std::regex_match(what, part, unread)) return fmt::format("{} = {}{}", name, part.str(1), must);
+  if (std::regex_match(what, part, range))
+    return fmt::format("{} = {}, must be a {} from {} to {}", name, part.str(1),
+                       kind == "a number" ? "number" : "whole number", part.str(2), part.str(3));
+  if (std::regex_match(what, part, word)) return fmt::format("{} = {}, {}", name, part.str(1), part.str(2));
+  if (std::regex_match(what, part, count))
+    return fmt::format("{}: {} values, must be {}", name, part.str(2), part.str(1));
+  const std::vector<std::string> words = known_words(*option);
+  if (std::regex_match(what, no_value))
+    return fmt::format("{}: no value{}", name,
+                       !must.empty()   ? must
+                       : words.empty() ? std::string(", must have one")
+                                       : fmt::format(", must be one of {}", fmt::join(words, ", ")));
+  return what;
 }
 
 std::vector<const CLI::App*> commands_of(const CLI::App& program) {
@@ -98,7 +123,7 @@ std::string parse_message(const CLI::App& program, const CLI::ParseError& error)
   const CLI::App* command = chosen.empty() ? nullptr : chosen[0];
   std::string what = error.what();
   const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
-  if (code == CLI::ExitCodes::ConversionError) what += constraint(command ? *command : program, what);
+  what = in_own_words(command ? *command : program, what);
   const std::vector<std::string> extras = program.remaining(true);
   // Something unknown often explains why something required is missing.
   if (!extras.empty() && (code == CLI::ExitCodes::ExtrasError || code == CLI::ExitCodes::RequiredError)) {

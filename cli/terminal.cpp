@@ -12,6 +12,7 @@
 
 #include "cli/command.h"
 #include "cli/print.h"
+#include "cli/standard_streams.h"
 #include "soapfilm/core/printable.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
@@ -70,10 +71,7 @@ void TerminalProgress::begin_stage(std::string_view name) {
   stage_detail_.clear();
   fraction_ = 0;
   stage_begin_ = Clock::now();
-  if (live_)
-    draw();
-  else if (!quiet_)
-    write_line(fmt::format("{} ...", stage_));
+  if (live_) draw();
 }
 
 void TerminalProgress::advance(double fraction, std::string_view detail) {
@@ -118,7 +116,7 @@ void TerminalProgress::erase() {
 
 void TerminalProgress::write_line(const std::string& line) {
   erase();
-  print(out_, fmt::format("{}\n", printable(line)));
+  print(out_, fmt::format("{}\n", printable(with_known_names(line))));
   if (live_ && !stage_.empty()) draw();
   std::fflush(out_);
 }

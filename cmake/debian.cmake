@@ -68,8 +68,8 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 
 debian_package(program soapfilm science "watertight surfaces from raw 3D scans" "${what}
 .
-This package has the program: it reads E57, PTX, PCD, LAS, PLY, text and
-more, reconstructs meshes, judges them against a truth, makes virtual scans
+This package has the program: it reads E57, PTX, PCD, LAS, LAZ, PLY, text
+and more, reconstructs meshes, judges them against a truth, makes virtual scans
 and draws pictures.")
 
 # The Python package, where it is built (SOAPFILM_BUILD_PYTHON): its module is for one version of Python.

@@ -3,6 +3,7 @@
 FOLDER/EXTENSION/ gets the files of an extension, FOLDER/beside/ the files that sets of scans name. Python's standard
 library alone; nothing of the program is used, so that a fault of a writer cannot hide one of its reader.
 """
+import hashlib
 import math
 import os
 import struct
@@ -88,6 +89,22 @@ def off(colors):
     return text("COFF" if colors else "OFF", "4 4 6", *rows, *("3 %d %d %d" % t for t in TETRAHEDRON))
 
 
+def glb():
+    """A tetrahedron and points, with colors, below a node that moves them."""
+    binary = b"".join(struct.pack("<3f4B", *p, 10, 20, 30, 255) for p in POINTS[:4])
+    binary += struct.pack("<12H", *(k for t in TETRAHEDRON for k in t))
+    head = ('{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"translation":[1,2,3]},'
+            '{"mesh":0,"rotation":[0,0,0.6,0.8],"scale":[1,2,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,'
+            '"COLOR_0":1},"indices":2},{"attributes":{"POSITION":0},"mode":0}]}],"buffers":[{"byteLength":88}],'
+            '"bufferViews":[{"buffer":0,"byteLength":64,"byteStride":16},{"buffer":0,"byteOffset":64,"byteLength":24}],'
+            '"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":4},{"bufferView":0,"byteOffset":12,'
+            '"componentType":5121,"normalized":true,"type":"VEC4","count":4},{"bufferView":1,"componentType":5123,'
+            '"type":"SCALAR","count":12}]}').encode()
+    head += b" " * (-len(head) % 4)
+    return (b"glTF" + struct.pack("<II", 2, 28 + len(head) + len(binary)) + struct.pack("<I", len(head)) + b"JSON" +
+            head + struct.pack("<I", len(binary)) + b"BIN\0" + binary)
+
+
 def las(record, version=2, extra=0):
     """LAS 1.`version` of point format `record` with `extra` bytes per point."""
     header = {2: 227, 4: 375}[version]
@@ -111,6 +128,75 @@ def las(record, version=2, extra=0):
         row = struct.pack("<3iH", *(round(1000 * v) for v in p), 100 * i).ljust(lengths[record], bytes([17]))
         rows += row + struct.pack("<f", i).ljust(extra, b"\0")[:extra]
     return bytes(h) + vlr + rows
+
+
+class LazCoder:
+    """An arithmetic coder whose models are as they begin: all values are equally likely."""
+
+    def __init__(self):
+        self.low, self.length, self.bytes = 0, 0xFFFFFFFF, 4
+
+    def add(self, begin, length):
+        self.low, self.length = self.low + begin, length
+        while self.length < 1 << 24:
+            self.low, self.length, self.bytes = self.low << 8, self.length << 8, self.bytes + 1
+
+    def symbol(self, value, count):
+        step, scale = self.length >> 15, (1 << 31) // count
+        begin = (scale * value >> 16) * step
+        self.add(begin, (self.length if value + 1 == count else (scale * (value + 1) >> 16) * step) - begin)
+
+    def number(self, value):
+        """Of 32 bits, from 256 to 2^19, the one before it 0."""
+        bits, code = (value - 1).bit_length(), value - 1
+        self.symbol(bits, 33)
+        self.symbol(code >> bits - 8, 256)
+        step = self.length >> bits - 8
+        self.add((code & (1 << bits - 8) - 1) * step, step)
+
+    def done(self):
+        return (self.low + self.length // 2).to_bytes(self.bytes, "big") + bytes(4)
+
+
+def noise(size, seed):
+    """Any bytes are points: the coder has a number for each."""
+    return b"".join(hashlib.sha256(b"%d %d" % (seed, k)).digest() for k in range(size // 32 + 1))[:size]
+
+
+def laz(record, item_version, extra=0, chunk_points=50000):
+    """LAZ of one chunk: the first point of las(), and those that some bytes happen to mean."""
+    data = las(record, 4 if record >= 6 else 2, extra)
+    header, offset = struct.unpack_from("<HI", data, 94)
+    length, = struct.unpack_from("<H", data, 105)
+    point = [(10, 30, item_version)] if record >= 6 else [(6, 20, item_version)]
+    time = [(7, 8, item_version)] if record in (1, 3, 4, 5) else []
+    color = {2: [(8, 6, item_version)], 3: [(8, 6, item_version)], 5: [(8, 6, item_version)], 7: [(11, 6, item_version)],
+             8: [(12, 8, item_version)], 10: [(12, 8, item_version)]}.get(record, [])
+    waves = {4: [(9, 29, 1)], 5: [(9, 29, 1)], 9: [(13, 29, item_version)], 10: [(13, 29, item_version)]}.get(record, [])
+    items = point + time + color + waves + ([(14 if record >= 6 else 0, extra, item_version)] if extra else [])
+    compressor = 3 if record >= 6 else item_version
+    body = (struct.pack("<HHBBHIIqqH", compressor, 0, 3, 4, 3, 0, chunk_points, -1, -1, len(items)) +
+            b"".join(struct.pack("<HHH", *item) for item in items))
+    vlr = struct.pack("<H16sHH32s", 0, b"laszip encoded", 22204, len(body), b"") + body
+    chunk = data[offset:offset + length]
+    if record >= 6:
+        layers = 9 + {7: 1, 8: 2, 9: 1, 10: 3}.get(record, 0) + extra
+        chunk += struct.pack("<I", len(POINTS)) + struct.pack("<I", 96) * layers
+        chunk += b"".join(noise(96, k) for k in range(layers))
+    else:
+        chunk += noise(600, record if record < 5 else 25)
+    head = bytearray(data[:header] + vlr + data[header:offset])
+    struct.pack_into("<I", head, 96, len(head))
+    struct.pack_into("<I", head, 100, struct.unpack_from("<I", head, 100)[0] + 1)
+    head[104] |= 128
+    if compressor == 1:
+        return bytes(head) + chunk
+    coder = LazCoder()
+    if chunk_points == 0xFFFFFFFF:  # numbers of points are in the table, too
+        coder.symbol(3, 33)
+        coder.symbol(len(POINTS) - 1, 8)
+    coder.number(len(chunk))
+    return bytes(head) + struct.pack("<q", len(head) + 8 + len(chunk)) + chunk + struct.pack("<II", 0, 1) + coder.done()
 
 
 def npy(dtype, columns, order=False):
@@ -199,6 +285,8 @@ TABLES = [table(), table(","), table(";", header="x;y;z;nx;ny;nz;red;green;blue"
           table("\t", normals=False), text(str(len(POINTS))) + table(colors=False), table().replace(b"\n", b"\r\n")]
 
 LAS = [*(las(record) for record in range(6)), *(las(record, 4) for record in range(6, 11)), las(1, 2, 4)]
+LAZ = [*(laz(record, 2) for record in range(6)), *(laz(record, 3) for record in range(6, 11)), laz(3, 1, 4), laz(5, 1),
+       laz(3, 2, 4), laz(7, 3, 4), laz(8, 4, 4), laz(7, 3, 0, 0xFFFFFFFF), LAS[3][:104] + b"\x83" + LAS[3][105:]]
 
 FILES = {
     ".ply": [ply("ascii"), ply("binary_little_endian"), ply("binary_big_endian"), ply_mesh("ascii"),
@@ -209,10 +297,11 @@ FILES = {
                   '<MLMesh label="b" filename="b.xyz"/>', "</MeshGroup></MeshLabProject>")],
     ".aln": [text("2", "a.ply", "#", MATRIX, "b.xyz", "#", MATRIX, "0")],
     ".obj": [obj(True), obj(False)],
-    ".off": [off(False), off(True)],
+    ".off": [off(False), off(True), text("NOFF", "2 0 0", "1 2 3 0 0 1", "4 5 6 0 1 0")],
+    ".glb": [glb()],
     ".stl": [stl_binary(), stl_text()],
     ".las": LAS,
-    ".laz": [data[:104] + bytes([data[104] | 128]) + data[105:] for data in LAS],  # the bit of compressed points
+    ".laz": LAZ,
     ".bin": [b"".join(struct.pack("<4f", *p, 0.5) for p in POINTS)],
     ".npy": [npy("<f4", 3), npy("<f8", 6), npy(">f8", 3, True), npy("<i4", 3)],
     ".ptx": [ptx(False), ptx(True)],

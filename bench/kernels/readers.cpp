@@ -15,7 +15,7 @@
 #include "soapfilm/core/random.h"
 #include "soapfilm/io.h"
 #include "tests/io/e57_writer.h"
-#include "tests/io/las_files.h"
+#include "tests/io/laz_files.h"
 #include "tests/io/pcd_files.h"
 
 namespace {
@@ -130,8 +130,14 @@ int main() {
     las.points.push_back(point);
   }
   files.measure("LAS, format 3 (times, colors)", ".las", las.bytes());
+  files.measure("LAZ, format 3 (times, colors)", ".laz", laz_of(las.bytes()));
+  las.format = 6;
+  las.minor = 4;
+  files.measure("LAZ, format 6 (times)", ".laz", laz_of(las.bytes()));
   las.format = 0;
+  las.minor = 2;
   files.measure("LAS, format 0", ".las", las.bytes());
+  files.measure("LAZ, format 0", ".laz", laz_of(las.bytes()));
 
   files.measure("E57, float", ".e57",
                 E57Writer::file({{{floats("cartesianX", x), floats("cartesianY", y), floats("cartesianZ", z)}}}));

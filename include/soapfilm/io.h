@@ -32,7 +32,8 @@ struct ReadReport {
 struct ReadOptions {
   std::string columns;           ///< of text, such as "x,y,z,-,nx,ny,nz" ("-": skipped); empty: by header or values
   std::string trajectory;        ///< of LAS: a text file `time x y z`, the scanner's way; empty: none
-  bool trust_viewpoint = false;  ///< of PCD, E57: a pose that is the default, at the origin, is the scanner's, too
+  bool trust_viewpoint = false;  ///< of PCD, PTX, E57: a default or contradicted place is the scanner's, too
+  std::vector<std::string> attributes{"all"};  ///< of LAS, LAZ: columns that are kept, by name, "color", or "all"
 };
 
 /// Reads a point cloud of one or several scans. Samples with a non-finite coordinate are dropped and counted. As many
@@ -52,8 +53,7 @@ Mesh read_mesh(const std::string& path, ReadReport* report = nullptr);
 
 struct WriteOptions {
   bool ascii = false;                 ///< PLY and STL as text; OBJ always is
-  double coordinate_precision = 0;    ///< largest rounding error allowed, input units; 0: 1e-3 of a mesh's mean edge,
-                                      ///< none for a cloud
+  double coordinate_precision = 0;    ///< rounding error allowed, input units; 0: 1e-3 mean edges of a mesh, else none
   std::vector<std::string> comments;  ///< lines for the head of a PLY or OBJ file
   double voxel = 0;                   ///< of .vdb: edge of a cell, input units; 0: the mesh's mean edge
 };

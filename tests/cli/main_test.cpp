@@ -32,6 +32,28 @@ void expect_fits(const std::string& text, size_t lines, size_t columns) {
   for (std::string line; std::getline(page, line);) EXPECT_LE(line.size(), columns) << line;
 }
 
+/// Pages are as wide as the terminal, 40 to 120 columns: the shell says in COLUMNS how wide that is.
+TEST(Program, ItsPagesFitTheTerminal) {
+  for (const size_t columns : {20, 40, 57, 80, 120, 200})
+    for (const char* command : {"", "reconstruct", "scan", "evaluate", "info", "render", "view"}) {
+      const ProcessResult result = run_process(
+          {"/bin/sh", "-c", "COLUMNS=" + std::to_string(columns) + " " + SOAPFILM_PROGRAM + " help " + command});
+      EXPECT_EQ(result.exit_code, 0) << result.err;
+      const size_t page = std::clamp<size_t>(columns, 40, 120);
+      expect_fits(result.out, 1000, page);
+      size_t longest = 0;
+      std::istringstream lines(result.out);
+      for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
+      EXPECT_GT(longest, page * 3 / 4) << command << ": the page is not used";
+    }
+}
+
+TEST(Program, HelpOfACommandIsItsPage) {
+  EXPECT_EQ(run({"help", "info"}).out, run({"info", "--help"}).out);
+  EXPECT_EQ(run({"help"}).out, run({"--help"}).out);
+  expect_refused({"help", "inffo"}, "unknown command 'inffo', did you mean 'info'");
+}
+
 TEST(Program, AloneShowsTheWayToAFirstMeshOnOneScreen) {
   const ProcessResult result = run({});
   EXPECT_EQ(result.exit_code, 0);

@@ -144,7 +144,7 @@ TEST(Scan, RefusesInOneLineAndWritesNothing) {
   expect_refused({"part", "--position", "0,0,9", "--target", "0,9,9"}, "no ray of 1 range images met the surface");
   expect_refused({"plate", "--thickness", "0.9"}, "thickness = 0.9, must be in [0.0001, 0.5] times the size");
   expect_refused({"part", "--views", "0"}, "views = 0, must be in [1, 10000]");
-  expect_refused({"part", "--seed", "-1"}, "--seed: Value -1 not in range 0 to 9223372036854775807");
+  expect_refused({"part", "--seed", "-1"}, "--seed = -1, must be a whole number from 0 to 9223372036854775807");
   expect_refused({"part", "--step", "0"}, "step = 0, must be > 0");
   expect_refused({"sphere", "--gap", "0.2"}, "--gap: shape sphere has none");
   expect_refused({"arch", "--thickness", "0.2"}, "--thickness: shape arch has none");

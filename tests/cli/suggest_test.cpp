@@ -69,7 +69,7 @@ TEST(Nearest, SaysNothingWhereNoneIsNear) {
 
 TEST(Mistyped, CommandsAndOptionsNameTheNearest) {
   expect_refused({"reconstuct", "a.ply"}, "unknown command 'reconstuct', did you mean 'reconstruct'? (see soapfilm");
-  expect_refused({"help"}, "did you mean '--help'?");
+  expect_refused({"hlp"}, "did you mean '--help'?");
   expect_refused({"reconstruct", "a.ply", "--resolutoin", "256"},
                  "unknown option '--resolutoin', did you mean '--resolution'? (see soapfilm reconstruct --help)");
   expect_refused({"reconstruct", "a.ply", "--voxle=2"}, "unknown option '--voxle=2', did you mean '--voxel'?");
@@ -90,7 +90,7 @@ TEST(Mistyped, LongOptionsWithOneDashAreNotReadAsShortOnes) {
 
 TEST(Mistyped, ValuesNameTheNearest) {
   expect_refused({"reconstruct", "a.ply", "--method", "grph-cut-6"},
-                 "not one of tv, tv-sor, poisson, graph-cut-6, graph-cut-26, vrip, did you mean 'graph-cut-6'?");
+                 "must be one of tv, tv-sor, poisson, graph-cut-6, graph-cut-26, vrip, did you mean 'graph-cut-6'?");
   expect_refused({"reconstruct", "a.ply", "--outside", "sold"}, "did you mean 'solid'?");
   expect_refused({"reconstruct", "a.ply", "--settle", "of"}, "did you mean 'off'?");
   expect_refused({"scan", "knot", "-o", "x", "--orbit", "rnig"}, "did you mean 'ring'?");

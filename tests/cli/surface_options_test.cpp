@@ -104,10 +104,10 @@ TEST_F(SurfaceOptions, WeightsByAreaKeepAThinlySampledHalf) {
 }
 
 TEST_F(SurfaceOptions, BadValuesAreRefusedWithTheirRange) {
-  expect_bad("--refine", "maybe", "--refine: Value maybe not one of on, off");
-  expect_bad("--refine", "1", "--refine: Value 1 not one of on, off");
-  expect_bad("--weights", "some", "--weights: Value some not one of area, samples");
-  expect_bad("--drop-components", "sink", "--drop-components: Value sink not one of on, off");
+  expect_bad("--refine", "maybe", "--refine = maybe, must be one of on, off");
+  expect_bad("--refine", "1", "--refine = 1, must be one of on, off");
+  expect_bad("--weights", "some", "--weights = some, must be one of area, samples");
+  expect_bad("--drop-components", "sink", "--drop-components = sink, must be one of on, off");
   for (const char* value : {"0", "-1", "2000000", "inf", "nan"})
     expect_bad("--smoothing", value, "smoothing = " + std::string(value) + ", must be in [1e-06, 1e+06]");
   expect_bad("--smoothing", "rough", "--smoothing = rough, must be a number");
@@ -117,7 +117,7 @@ TEST_F(SurfaceOptions, BadValuesAreRefusedWithTheirRange) {
   expect_bad("--split-tolerance", "", "--split-tolerance: no value, must be a number");
   expect_bad("--min-support", "", "--min-support: no value, must be a number");
   expect_bad("--threads", "", "--threads: no value, must be a whole number");
-  expect_bad("--refine", "", "--refine: Value  not one of on, off");
+  expect_bad("--refine", "", "--refine = , must be one of on, off");
   expect_bad("--min-support", "few", "--min-support = few, must be a number");
   expect_bad("--resolution", "1.5", "--resolution = 1.5, must be a whole number");
 }

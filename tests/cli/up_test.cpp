@@ -61,7 +61,7 @@ TEST_F(Up, TheOppositeAxisTurnsTheFacesHoweverItIsWritten) {
   }
 }
 
-TEST_F(Up, AnotherWordIsRefused) { refused({valley(), "--up", "w"}, "w not one of x, y, z, -x, -y, -z"); }
+TEST_F(Up, AnotherWordIsRefused) { refused({valley(), "--up", "w"}, "--up = w, must be one of x, y, z, -x, -y, -z"); }
 
 }  // namespace TEST_FILE
 }  // namespace soapfilm::test

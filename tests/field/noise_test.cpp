@@ -45,7 +45,9 @@ std::vector<Vec3d> sampled(const Surface& surface, size_t count, double noise, u
 
 double spacing_of(const Surface& surface, size_t count) { return std::sqrt(surface.area / static_cast<double>(count)); }
 
-double noise_of(const std::vector<Vec3d>& points, int threads = 2) { return measure_noise(points, Context(threads)); }
+double noise_of(const std::vector<Vec3d>& points, int threads = 2) {
+  return measure_noise(points, std::vector<Vec3f>(points.size()), Context(threads));
+}
 
 TEST(Noise, IsMeasuredWithinAQuarter) {
   for (const Surface& surface : surfaces())
@@ -113,6 +115,24 @@ TEST(Noise, LosesNothingFarFromTheOrigin) {
   const double measured = noise_of(points);
   for (Vec3d& p : points) p += Vec3d{691000, 5334000, 500};
   EXPECT_NEAR(noise_of(points), measured, 1e-3 * measured);
+}
+
+/// The two sides of a sheet, as far apart as some samples of one side are: their distance is no noise where directions
+/// say which side a sample is on.
+TEST(Noise, IsNotTheThicknessOfASheet) {
+  const Surface plane = surfaces()[0];
+  const double spacing = spacing_of(plane, samples / 2);
+  const Vec3d normal = normalized(Vec3d{1, 2, 3});
+  for (const double thickness : {0.5, 1.0, 3.0, 10.0}) {
+    std::vector<Vec3d> points = sampled(plane, samples, 0.05 * spacing);
+    std::vector<Vec3f> directions;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const double side = i % 2 == 0 ? 1 : -1;
+      points[i] += normal * (side * thickness * spacing / 2);
+      directions.push_back(Vec3f(normal * side));
+    }
+    EXPECT_NEAR(measure_noise(points, directions, Context(2)), 0.05 * spacing, 0.02 * spacing) << thickness;
+  }
 }
 
 /// A second frame of the same surface is no reason for a finer grid: its samples have the same noise.

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "../io/files.h"
-#include "../io/las_files.h"
+#include "../io/laz_files.h"
 #include "../io/samples.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/io.h"
@@ -166,6 +166,10 @@ TEST(Fuzz, LasAndItsTrajectory) {
   }
   const std::string las = folder.write("p.las", file.bytes());
   fuzz(folder, "p.las", 500,
+       [&](const std::string& path) { check_cloud(read_points(path, nullptr, Context(1), options)); });
+  file.extended_records.clear();
+  folder.write("p.laz", laz_of(file.bytes(), {.chunk_points = 3}));
+  fuzz(folder, "p.laz", 502,
        [&](const std::string& path) { check_cloud(read_points(path, nullptr, Context(1), options)); });
   fuzz(folder, "way.txt", 501, [&](const std::string& path) {
     ReadOptions changed;

@@ -123,37 +123,6 @@ TEST(E57, PosesMovePositionsNormalsAndSensors) {
   EXPECT_EQ(rotated.scans[0].sensor, (Vec3d{0, 0, 0}));
 }
 
-TEST(E57, ScannerStandsAtTheOriginOnlyIfTheScanIsOneOfAScanner) {
-  const std::string none = pose_xml("1 0 0 0", "0 0 0");
-  ReadOptions trusting;
-  trusting.trust_viewpoint = true;
-  EXPECT_FALSE(read_e57_file({line_scan(2)}).scans[0].sensor);
-  EXPECT_FALSE(read_e57_file({line_scan(2, {}, none)}).scans[0].sensor);
-  EXPECT_TRUE(read_e57_file({line_scan(2, {}, "<sensorModel type=\"String\">P40</sensorModel>")}).scans[0].sensor);
-  EXPECT_TRUE(read_e57_file({line_scan(2)}, nullptr, {}, trusting).scans[0].sensor);
-  const E57TestScan grid = line_scan(2, {integers("rowIndex", {0, 1}, 0, 1), integers("columnIndex", {0, 1}, 0, 1)});
-  EXPECT_TRUE(read_e57_file({grid}).scans[0].sensor);
-  const E57TestScan list = line_scan(2, {integers("rowIndex", {0, 1}, 0, 1), integers("columnIndex", {0, 0}, 0, 1)});
-  EXPECT_FALSE(read_e57_file({list}).scans[0].sensor);
-}
-
-TEST(E57, AShiftOfCoordinatesByRoundNumbersIsNoScannersPlace) {
-  const auto sensor = [](const char* rotation, const char* translation, const ReadOptions& options = {}) {
-    ReadReport report;
-    const PointCloud cloud = read_e57_file({line_scan(2, {}, pose_xml(rotation, translation))}, &report, {}, options);
-    EXPECT_GT(norm(cloud.positions[1]), 100);  // moved in any case
-    EXPECT_EQ(report.warnings.size(), cloud.scans[0].sensor ? 0 : 1);
-    return cloud.scans[0].sensor;
-  };
-  ReadOptions trusting;
-  trusting.trust_viewpoint = true;
-  EXPECT_FALSE(sensor("1 0 0 0", "691000 5334000 0"));
-  EXPECT_TRUE(sensor("1 0 0 0", "691000 5334000 0", trusting));
-  EXPECT_TRUE(sensor("1 0 0 0", "691000 5334000 1.5"));
-  EXPECT_TRUE(sensor("1 0 0 0", "120 40 0"));
-  EXPECT_TRUE(sensor("0 0 0 1", "691000 5334000 0"));
-}
-
 TEST(E57, SphericalCoordinatesAreConverted) {
   const double pi = std::acos(-1.0);
   ReadReport report;

@@ -232,5 +232,51 @@ TEST(ForeignPly, CoordinatesOf32BitsFarFromTheOriginAreNamed) {
   EXPECT_EQ(report.warnings, std::vector<std::string>());
 }
 
+TEST(ForeignPly, LinesWithoutAKeywordArePassedOver) {
+  const TemporaryFolder folder;
+  const std::string rest =
+      "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n";
+  ReadReport report;
+  const PointCloud cloud =
+      read_points(folder.write("a.ply", "ply\nformat ascii 1.0\nhappy Buddha, standing\n" + rest), &report);
+  EXPECT_EQ(cloud.positions.at(0), (Vec3d{1, 2, 3}));
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("a.ply:3: 'happy Buddha, standing'"), std::string::npos);
+  for (const std::string typo : {"proprety float nx", "elment face 12", "property2 list uchar int a"})
+    expect_refusal<InputError>(
+        [&] { read_points(folder.write("a.ply", "ply\nformat ascii 1.0\n" + typo + "\n" + rest)); }, {"a.ply:3:"});
+}
+
+TEST(ForeignPly, BoolIsAByte) {
+  const TemporaryFolder folder;
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty bool inlier\nproperty float x\nproperty float "
+      "y\nproperty float z\nend_header\n";
+  bytes += std::string("\1\0\0\x80\x3F\0\0\0\x40\0\0\x40\x40", 13);
+  const PointCloud cloud = read_points(folder.write("a.ply", bytes));
+  EXPECT_EQ(cloud.positions.at(0), (Vec3d{1, 2, 3}));
+  EXPECT_EQ(cloud.columns.at(0).values, std::vector<float>{1});
+}
+
+TEST(ForeignPly, BoolMayBeAWordInText) {
+  const TemporaryFolder folder;
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+      "z\nproperty bool inlier\nend_header\n";
+  const PointCloud cloud = read_points(folder.write("a.ply", head + "1 2 3 True\n4 5 6 false\n7 8 9 1\n"));
+  EXPECT_EQ(cloud.columns.at(0).values, (std::vector<float>{1, 0, 1}));
+  expect_refusal<InputError>([&] { read_points(folder.write("a.ply", head + "1 2 3 1\n4 5 6 yes\n7 8 9 1\n")); },
+                             {"a.ply:10:", "'yes'"});
+}
+
+TEST(ForeignPly, SplatsHaveTheColorOfTheirConstantHarmonic) {
+  const TemporaryFolder folder;
+  const PointCloud cloud = read_points(folder.write(
+      "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+      "f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nend_header\n1 2 3 0 -9 9\n1 2 4 1 -1 0.5\n"));
+  EXPECT_EQ(cloud.colors, (std::vector<Rgb8>{{128, 0, 255}, {199, 56, 163}}));
+}
+
 }  // namespace TEST_FILE
 }  // namespace soapfilm

@@ -3,6 +3,7 @@
 #include "samples.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/io.h"
+#include "soapfilm/io/files.h"
 #include "soapfilm/io/text/text.h"
 
 namespace soapfilm {
@@ -258,6 +259,32 @@ TEST(Georeferenced, CloudLosesNothing) {
     options.coordinate_precision = 1e-6;
     EXPECT_TRUE(write_points(folder / "c.ply", cloud, options).double_coordinates);
     expect_same_cloud(read_points(folder / "c.ply"), cloud);
+  }
+}
+
+TEST(Off, CloudsAreRead) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.off", "NOFF\n2 0 0\n1 2 3 0 0 1\n4 5 6 0 1 0\n");
+  EXPECT_EQ(file_kind(path), FileKind::points);
+  const PointCloud cloud = read_points(path);
+  EXPECT_EQ(cloud.positions, (std::vector<Vec3d>{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(cloud.normals, (std::vector<Vec3f>{{0, 0, 1}, {0, 1, 0}}));
+  const std::string mesh = folder.write("m.off", "OFF\n3 1 0\n0 0 0\n0 0 0\n0 1 0\n3 0 1 2\n");
+  EXPECT_EQ(file_kind(mesh), FileKind::mesh);
+  EXPECT_EQ(read_points(mesh).size(), 3u);  // corners at the origin are samples
+  expect_refusal<InputError>([&] { read_mesh(path); }, {"holds no faces"});
+}
+
+TEST(Pcd, CommasSeparateOrAreDecimal) {
+  const TemporaryFolder folder;
+  for (const std::string rows : {"1.5, 2.5, 3.5, 1\n1.0,2.0,3.0,2\n", "1,5 2,5 3,5 1\n1,0 2,0 3,0 2\n"}) {
+    const PointCloud cloud =
+        read_points(folder.write("a.pcd",
+                                 "VERSION 0.7\nFIELDS x,y,z, i\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH "
+                                 "2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n" +
+                                     rows));
+    EXPECT_EQ(cloud.positions, (std::vector<Vec3d>{{1.5, 2.5, 3.5}, {1, 2, 3}}));
+    EXPECT_EQ(cloud.columns.at(0).values, (std::vector<float>{1, 2}));
   }
 }
 

@@ -282,7 +282,7 @@ TEST(Las, RefusalsNamePlaceValueAndConstraint) {
   refused(with(107, uint32_t{4294967295}), {"byte 107", "4294967295", "at most 3"});
   refused(with(131, 0.0), {"byte 131", "scale of x", "not 0"});
   refused(with(163, std::numeric_limits<double>::infinity()), {"byte 163", "offset of y", "inf", "finite"});
-  refused(with(104, uint8_t{0x83}), {"LAZ", "decompress", "laszip"});
+  refused(with(104, uint8_t{0x83}), {"LAZ", "no record of LASzip"});
   std::string huge = three_points(6).bytes();
   put(huge, 247, uint64_t{1} << 63);
   refused(huge, {"byte 247", "9223372036854775808", "at most 3"});
@@ -351,7 +351,7 @@ TEST(Las, RealFilesAreReadAsAnIndependentReaderDoes) {
   EXPECT_EQ(one.size(), 1u);
   EXPECT_EQ(one.coordinate_system, "EPSG:26915");
   EXPECT_THROW(read_points(*real_data("formats/las-1.2-clipped.las")), InputError);
-  expect_refusal<InputError>([] { read_points(*real_data("formats/laz-simple.laz")); }, {"LAZ", "decompress"});
+  EXPECT_EQ(read_points(*real_data("formats/laz-simple.laz")).positions, cloud.positions);
 }
 
 }  // namespace TEST_FILE

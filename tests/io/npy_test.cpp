@@ -235,7 +235,7 @@ TEST(Npy, RefusalsNamePlaceValueAndConstraint) {
   refused(literal("'<f4'", "(0, 3)"), {"(0, 3)", "no samples"});
   refused(literal("'<f4'", "(6,)"), {"(6,)", "(n, 3)"});
   refused(literal("'<f4'", "(3, 2)"), {"(3, 2)", "transposed"});
-  refused(literal("'<f4'", "(1, 2, 3)"), {"(1, 2, 3)"});
+  refused(literal("'<f4'", "(1, 2, 3, 1)"), {"(1, 2, 3, 1)"});
   refused(literal("'<f4'", "()"), {"()"});
   refused(literal("'<f4'", "(-2, 3)"), {"'-2, 3)", "whole number"});
   refused(literal("'<f2'", "(2, 3)"), {"'<f2'", "f4, f8"});
@@ -257,6 +257,48 @@ TEST(Npy, RefusalsNamePlaceValueAndConstraint) {
   refused_bytes(
       npy(literal("[('x','<f4'),('y','<f4'),('z','<f4'),('weight','<f4')]", "(1,)"), numbers<float>({1, 2, 3, -5})),
       {"sample 0", "weight = -5", ">= 0"});
+}
+
+TEST(Npy, ImagesOfPositionsAreRangeGrids) {
+  constexpr int height = 30, width = 40;
+  const auto position = [](int r, int c) {
+    const double t = 3 + 0.5 * std::sin(c / 4.0) * std::cos(r / 5.0);
+    return Vec3d{(c - 19.5) / 40 * t, (r - 14.5) / 40 * t, t};
+  };
+  std::vector<double> by_rows, by_columns(3 * height * width);
+  for (int r = 0; r < height; ++r)
+    for (int c = 0; c < width; ++c)
+      for (int k = 0; k < 3; ++k) {
+        const double value = r == 4 && c < 9 ? (c < 3 ? std::nan("") : 0) : position(r, c)[k];
+        by_rows.push_back(value);
+        by_columns[static_cast<size_t>(r + height * (c + width * k))] = value;
+      }
+  for (const bool fortran : {false, true}) {
+    const TemporaryFolder folder;
+    ReadReport report;
+    const std::string bytes =
+        npy(literal("'<f4'", "(30, 40, 3)", fortran), numbers<float>(fortran ? by_columns : by_rows));
+    const PointCloud cloud = read_points(folder.write("a.npy", bytes), &report);
+    EXPECT_EQ(cloud.size(), 1191u);
+    EXPECT_EQ(report.files.at(0).no_return, 9u);
+    const Scan& scan = cloud.scans.at(0);
+    ASSERT_TRUE(scan.range_grid && scan.sensor);
+    EXPECT_EQ(*scan.sensor, (Vec3d{0, 0, 0}));
+    EXPECT_EQ(scan.range_grid->rows, height);
+    EXPECT_EQ(scan.range_grid->sample[4 * width + 5], -1);
+    const auto sample = static_cast<size_t>(scan.range_grid->sample[7 * width + 11]);
+    EXPECT_LT(norm(cloud.positions[sample] - position(7, 11)), 1e-6);
+  }
+}
+
+TEST(Npy, ImagesMayHaveNamedFields) {
+  const TemporaryFolder folder;
+  const PointCloud cloud =
+      read_points(folder.write("a.npy", npy(literal("[('x','<f4'),('y','<f4'),('z','<f4')]", "(2, 2)"),
+                                            numbers<float>({1, 2, 3, 4, 5, 6, 0, 0, 0, 7, 8, 9}))));
+  EXPECT_EQ(cloud.positions, (std::vector<Vec3d>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}));
+  ASSERT_TRUE(cloud.scans.at(0).range_grid);
+  EXPECT_EQ(cloud.scans[0].range_grid->sample, (std::vector<int32_t>{0, 1, -1, 2}));
 }
 
 TEST(Npy, BytesAfterTheArrayAreTold) {

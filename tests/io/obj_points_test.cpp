@@ -15,6 +15,31 @@ PointCloud read_text(const std::string& text, ReadReport* report = nullptr) {
   return read_points(folder.write("a.obj", text), report);
 }
 
+TEST(Obj, LinesGoOnAfterABackslash) {
+  const std::string text =
+      "# C:\\temp\\\nv 0 0 0\r\nv 1 0 \\\r\n 0\r\nv 0 1 0\r\nv 0 0 1\nf 1/1/ 2// \\  \n\\\n3//\nf 1 2\\\n 4";
+  std::string wide = "\xFF\xFE";
+  for (const char c : text) wide += {c, '\0'};
+  const TemporaryFolder folder;
+  for (const std::string& bytes : {text, wide}) {
+    const std::string path = folder.write("a.obj", bytes);
+    EXPECT_EQ(file_kind(path), FileKind::mesh);
+    const Mesh mesh = read_mesh(path);
+    EXPECT_EQ(mesh.vertices.size(), 4u);
+    EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 1, 3}}));
+    EXPECT_EQ(read_points(path).positions, mesh.vertices);
+  }
+  expect_refusal<InputError>([&] { read_mesh(folder.write("a.obj", "v 0 0 \\\n0\nf 1 2 x\n")); }, {"a.obj:3:", "'x'"});
+}
+
+TEST(Obj, CornersAtTheOriginAreSamples) {
+  ReadReport report;
+  const PointCloud cloud = read_text("v 0 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 4\nf 2 4 5\n", &report);
+  EXPECT_EQ(cloud.size(), 5u);
+  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_EQ(read_text("v 0 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", &report).size(), 2u);  // a scan's
+}
+
 TEST(ObjPoints, NormalsBelongToVerticesOneToOneWithoutFaces) {
   const std::vector<Vec3d> positions{{1, 2, 3}, {4, 5, 6}};
   const std::vector<Vec3f> normals{{0, 0, 1}, {0, 1, 0}};

@@ -353,5 +353,24 @@ TEST(Pcd, RealFiles) {
   EXPECT_EQ(report.warnings, std::vector<std::string>());
 }
 
+TEST(Pcd, ImagesOfDepthCamerasShowWhereTheCameraStood) {
+  const auto image = [](const Vec3d& camera, const std::string& viewpoint = "0 0 0 1 0 0 0") {
+    std::string text =
+        "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 40\nHEIGHT 30\nVIEWPOINT " + viewpoint +
+        "\nPOINTS 1200\nDATA ascii\n";
+    for (int r = 0; r < 30; ++r)
+      for (int c = 0; c < 40; ++c) {
+        const double t = 3 + 0.5 * std::sin(c / 4.0) * std::cos(r / 5.0);
+        const Vec3d p = t * Vec3d{(c - 19.5) / 40, (r - 14.5) / 40, 1} + camera;
+        text += c == 5 ? "nan nan nan\n" : fmt::format("{:.4f} {:.4f} {:.4f}\n", p.x, p.y, p.z);
+      }
+    const TemporaryFolder folder;
+    return read_points(folder.write("a.pcd", text)).scans.at(0).sensor;
+  };
+  EXPECT_EQ(image({}), (Vec3d{0, 0, 0}));
+  EXPECT_FALSE(image({1, 2, -1}));
+  EXPECT_EQ(image({1, 2, -1}, "1 2 -1 1 0 0 0"), (Vec3d{1, 2, -1}));
+}
+
 }  // namespace TEST_FILE
 }  // namespace soapfilm

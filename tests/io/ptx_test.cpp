@@ -111,13 +111,53 @@ TEST(Ptx, ScansFollowEachOtherAndKeepTheirOwnScanner) {
 }
 
 TEST(Ptx, IsKnownByItsHeadUnderAnyName) {
-  const std::string text = head(1, 2) + "1 0 5 0.5\n2 0 5 0.5\n";
+  const std::string text = head(1, 2, "4 5 6") + "1 0 5 0.5\n2 0 5 0.5\n";
   for (const char* name : {"scan.txt", "scan.pts", "scan.xyz", "scan"}) {
     const PointCloud cloud = read_text(text, nullptr, name);
     EXPECT_EQ(cloud.size(), 2u) << name;
     EXPECT_TRUE(cloud.scans.at(0).sensor) << name;
   }
   EXPECT_EQ(read_text("2\n1 2 3\n4 5 6\n", nullptr, "list.pts").size(), 2u);  // a count and its points: no PTX
+}
+
+/// A scan of heights over a map from (x, y) on, as converters of other formats write it.
+std::string map_scan(int columns, int rows, double x, double y, const std::string& place = "0 0 0") {
+  std::string text = head(columns, rows, place);
+  for (int i = 0; i < columns * rows; ++i) {
+    const double px = x + i / 40, py = y + i % 40;
+    text += fmt::format("{:.3f} {:.3f} {:.3f} 0.5\n", px, py, 3 * std::sin(px / 7) * std::cos(py / 9) - 1.5);
+  }
+  return text;
+}
+
+TEST(Ptx, ADefaultMatrixIsAScannersOnlyIfTheSamplesWereSeenFromThere) {
+  const auto places = [](const std::string& text, size_t warnings) {
+    ReadReport report;
+    const PointCloud cloud = read_text(text, &report);
+    EXPECT_EQ(report.warnings.size(), warnings);
+    std::vector<bool> has;
+    for (const Scan& scan : cloud.scans) has.push_back(scan.sensor.has_value());
+    return has;
+  };
+  EXPECT_EQ(places(map_scan(1600, 1, 5e5, 4.1e6), 1), std::vector<bool>{false});
+  EXPECT_EQ(places(map_scan(1600, 1, -20, -20), 1), std::vector<bool>{false});
+  EXPECT_EQ(places(map_scan(40, 40, -20, -20), 1), std::vector<bool>{false});
+  EXPECT_EQ(places(map_scan(40, 40, -20, -20, "500000 4100000 0"), 1), std::vector<bool>{false});
+  EXPECT_EQ(places(map_scan(40, 40, 5e5, 4.1e6) + map_scan(3, 2, 10, 10, "1 2 3"), 1),
+            (std::vector<bool>{false, true}));
+  std::string scan = head(60, 30);
+  for (int c = 0; c < 60; ++c)
+    for (int r = 0; r < 30; ++r) {
+      const double azimuth = c * 0.1, height = 1 - r * 0.06, range = 5 + std::sin(c / 3) + 0.3 * std::cos(r / 4);
+      scan += fmt::format("{:.4f} {:.4f} {:.4f} 0.5\n", range * std::cos(height) * std::cos(azimuth),
+                          range * std::cos(height) * std::sin(azimuth), range * std::sin(height));
+    }
+  EXPECT_EQ(places(scan, 0), std::vector<bool>{true});
+  const TemporaryFolder folder;
+  ReadOptions trusting;
+  trusting.trust_viewpoint = true;
+  EXPECT_TRUE(
+      read_points(folder.write("a.ptx", map_scan(40, 40, -20, -20)), nullptr, Context(1), trusting).scans.at(0).sensor);
 }
 
 TEST(Ptx, MatricesThatScaleOneAxisAreUsedAndNamed) {
@@ -191,7 +231,7 @@ TEST(Ptx, RealFiles) {
   ASSERT_EQ(cloud.scans.size(), 2u);
   EXPECT_EQ(cloud.size(), 8u);
   EXPECT_EQ(cloud.scans[0].sensor, (Vec3d{600000, 800000, 400}));
-  EXPECT_EQ(cloud.scans[1].sensor, (Vec3d{0, 0, 0}));
+  EXPECT_FALSE(cloud.scans[1].sensor);  // the identity, and coordinates of a map
   EXPECT_TRUE(cloud.scans[0].range_grid);
   expect_box(cloud, {636699.38, 848991.01, 425.39}, {637012.24, 849106.66, 446.39}, 1e-6);
   for (size_t i = 0; i < 4; ++i) EXPECT_LT(norm(cloud.positions[i] - cloud.positions[4 + i]), 1e-6);

@@ -40,8 +40,8 @@ TEST(Refusals, FilesThatCannotBeOpened) {
 
 TEST(Refusals, UnknownExtensions) {
   expect_points_refused("cloud.doc", "words", {"'.doc'", ".ply, .xyz, .txt, .csv", ".las"});
-  expect_points_refused("mesh.off", "OFF", {"'.off'", "points"});
-  expect_mesh_refused("mesh.xyz", "0 0 0", {"'.xyz'", ".ply, .obj, .off or .stl"});
+  expect_points_refused("mesh.stl", "solid", {"'.stl'", "points"});
+  expect_mesh_refused("mesh.xyz", "0 0 0", {"'.xyz'", ".ply, .obj, .off, .glb or .stl"});
   const TemporaryFolder folder;
   const Mesh mesh = torus_mesh(4, 1);
   expect_refusal<OutputError>([&] { write_mesh(folder / "m.xyz", mesh); },

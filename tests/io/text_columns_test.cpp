@@ -174,8 +174,9 @@ TEST(TextColumns, ATimeMayComeFirst) {
   const auto on_the_way = [](int i) {
     return fmt::format("{:.3f} {:.3f} {:.3f}", 0.31 * i, 5 - 0.17 * i, 0.01 * i * i);
   };
+  // It looks like a line scanner's x, so it is taken for x, and said.
   EXPECT_EQ(found(table([&](int i, Random&) { return fmt::format("{:.4f} {}", 1000 + 0.05 * i, on_the_way(i)); }), 1),
-            "time x y z");
+            "x y z intensity");
   // Sorted by x: the intensity is whole, or what it is cannot be told.
   const auto sorted = [](int i, Random& r) {
     return fmt::format("{:.4f} {:.3f} {:.3f}", 0.05 * i, r.normal(), r.normal());
@@ -183,6 +184,61 @@ TEST(TextColumns, ATimeMayComeFirst) {
   EXPECT_EQ(found(table([&](int i, Random& r) { return sorted(i, r) + " " + whole(r, 255); })), "x y z intensity");
   EXPECT_EQ(found(table([&](int i, Random& r) { return fmt::format("{} {:.3f}", sorted(i, r), -9 * r.uniform()); }), 1),
             "x y z intensity");
+}
+
+TEST(TextColumns, ALineScannersXIsNoTime) {
+  for (const int count : {8, rows})
+    for (const int more : {1, 2, 4}) {
+      std::string text;
+      for (int i = 0; i < count; ++i) {
+        text += fmt::format("{:.3f} {:.3f} {:.3f}", 371349.85 + 0.01 * i, 796969.999 - 0.002 * i, 65.5 + 0.01 * i * i);
+        for (int k = 0; k < more; ++k) text += fmt::format(" {:.3f}", -20.25 + 0.03 * i + k * i % 3);
+        text += "\n";
+      }
+      const TemporaryFolder folder;
+      ReadReport report;
+      const PointCloud cloud = read_points(folder.write("t.xyz", text), &report);
+      EXPECT_EQ(cloud.positions[0], (Vec3d{371349.85, 796969.999, 65.5}));
+      ASSERT_FALSE(report.warnings.empty());
+      EXPECT_NE(report.warnings[0].find("--columns time,x,y,z"), std::string::npos);
+    }
+  // Whole numbers in no order, and a few rows that count: it is said what they may be.
+  EXPECT_EQ(found(table([](int, Random& r) { return whole(r, 100000) + " " + position(r); }), 1), "x y z intensity");
+  EXPECT_EQ(found("1 1.5 2.25 3.125\n2 2.5 2.5 3.5\n3 1.75 3.5 2.875\n", 1), "x y z intensity");
+  // A profile's x may count: the fourth column is like an intensity.
+  EXPECT_EQ(
+      found(table([](int i, Random& r) { return fmt::format("{} 0.5 {:.3f} {}", i, r.normal(), whole(r, 255)); }), 1),
+      "x y z intensity");
+}
+
+TEST(TextColumns, RowsAndColumnsMayComeFirst) {
+  for (const bool row_first : {false, true})
+    for (const int height : {2, 12}) {
+      std::string text;
+      for (int r = 0; r < height; ++r)
+        for (int c = 0; c < 20; ++c) {
+          const double u = (c - 9.5) / 20, v = (r - 5.5) / 20, t = 500003 + 0.5 * std::sin(9 * u);
+          text += fmt::format("{} {} {:.4f} {:.4f} {:.4f}\n", row_first ? r : c, row_first ? c : r, u * t, v * t, t);
+        }
+      const TemporaryFolder folder;
+      ReadReport report;
+      const PointCloud cloud = read_points(folder.write("t.xyz", text), &report);
+      EXPECT_NEAR(cloud.positions[5].z, 500003 + 0.5 * std::sin(9 * -4.5 / 20), 1e-4);
+      ASSERT_TRUE(cloud.scans.at(0).range_grid);
+      EXPECT_EQ(cloud.scans[0].range_grid->columns, 20);
+      EXPECT_EQ(cloud.scans[0].range_grid->rows, height);
+      ASSERT_EQ(report.warnings.size(), 1u);
+      EXPECT_NE(report.warnings[0].find("--columns x,y,z"), std::string::npos);
+    }
+  // A raster of heights with an intensity and a class stays one; so does one with colors.
+  std::string raster, colored;
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c < 8; ++c) {
+      raster += fmt::format("{} {} {:.2f} {} {}\n", r, c, 0.31 * r * c, 7 * c, 2);
+      colored += fmt::format("{} {} {:.2f} {} {} {}\n", r, c, 0.31 * r * c, 7 * c, 20 + r, 30 * r);
+    }
+  EXPECT_EQ(found(raster, 2), "x y z column_4 column_5");
+  EXPECT_EQ(found(colored), "x y z red green blue");
 }
 
 TEST(TextColumns, NormalsThatAreNotOrientedAreNormals) {

@@ -33,7 +33,7 @@ struct Scanned {
     const Context context(2);
     const Box3d box = cloud.box();
     const LocalSurface surface = measure_local_surface(cloud.positions, cloud.normals, box, context);
-    return place_grid(cloud, box, surface, params, true, false, context);
+    return place_grid(cloud, box, {surface, cloud.normals}, params, true, context);
   }
 };
 

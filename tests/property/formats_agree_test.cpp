@@ -9,7 +9,7 @@
 
 #include "io/e57_writer.h"
 #include "io/files.h"
-#include "io/las_files.h"
+#include "io/laz_files.h"
 #include "io/pcd_files.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/io.h"
@@ -167,6 +167,9 @@ TEST_F(FormatsAgree, OnMeshAndColors) {
   options.trajectory = folder.write("trajectory.txt", trajectory);
   expect_same(read_points(each_scan(".las", [&](size_t k) { return las_of(cloud, k); }), nullptr, Context(1), options),
               "LAS");
+  expect_same(read_points(each_scan(".laz", [&](size_t k) { return laz_of(las_of(cloud, k), {.chunk_points = 1000}); }),
+                          nullptr, Context(2), options),
+              "LAZ");
 }
 
 TEST_F(FormatsAgree, AndColorsOfVerticesAreThoseOfTheirPlaces) {

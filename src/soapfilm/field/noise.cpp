@@ -16,18 +16,30 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t most_searched = 100000, most_asked = 500;
-constexpr size_t fewest_near = 32, most_near = 64;
+constexpr size_t fewest_near = 32, most_near = 64, most_of_both_sides = 2 * most_near;
 constexpr size_t thinned_by = 4, thinnings = 3;  // 64 of the thinnest subset lie where 4,096 of the first do
 constexpr double most_thick = 0.1;               // least over middle variance
 constexpr double least_wide = 0.15;              // middle over largest variance
 constexpr size_t asked_per_task = 32;
 
-/// Evenly spread over the order of the positions, relative to the first.
-std::vector<Vec3d> some_of(std::span<const Vec3d> positions) {
+struct Points {
+  std::vector<Vec3d> places;     ///< relative to the first sample
+  std::vector<Vec3f> direction;  ///< zero: unknown
+  size_t size() const { return places.size(); }
+  void add(Vec3d place, Vec3f towards) {
+    places.push_back(place);
+    direction.push_back(towards);
+  }
+};
+
+/// Evenly spread over the order of the positions.
+Points some_of(std::span<const Vec3d> positions, std::span<const Vec3f> directions) {
   const size_t stretch = (positions.size() + most_searched - 1) / most_searched;
-  std::vector<Vec3d> some;
-  for (size_t k = 0; k * stretch < positions.size(); ++k)
-    some.push_back(positions[one_of_stretch(k, stretch, positions.size())] - positions[0]);
+  Points some;
+  for (size_t k = 0; k * stretch < positions.size(); ++k) {
+    const size_t i = one_of_stretch(k, stretch, positions.size());
+    some.add(positions[i] - positions[0], directions[i]);
+  }
   return some;
 }
 
@@ -75,40 +87,50 @@ Layer layer_of(const std::vector<Vec3d>& points, Vec3d center, std::span<const u
   return {true, has_ground(height, deviation) ? -1 : deviation};
 }
 
-/// The layer in the smallest neighborhood where it is thin.
-Layer look_around(const std::vector<Vec3d>& points, const KdTree& tree, Vec3d center, size_t fewest) {
-  std::array<uint32_t, most_near> index{};
-  std::array<double, most_near> squared{};
-  const size_t found = tree->knnSearch(&center.x, most_near, index.data(), squared.data());
-  for (size_t count = fewest; count <= found; count *= 2)
-    if (const Layer layer = layer_of(points, center, {index.data(), count}); layer.thin) return layer;
+/// The other side of a sheet, or the side of a post. An unknown direction is on any face.
+bool on_another_face(Vec3f a, Vec3f b) {
+  constexpr float alike = 0.5f;  // cosine
+  return dot(a, b) < alike && !(a == Vec3f{}) && !(b == Vec3f{});
+}
+
+/// The layer of one face in the smallest neighborhood where it is thin.
+Layer look_around(const Points& points, const KdTree& tree, Vec3d center, Vec3f direction, size_t fewest) {
+  std::array<uint32_t, most_of_both_sides> index{};
+  std::array<double, most_of_both_sides> squared{};
+  const size_t found = tree->knnSearch(&center.x, most_of_both_sides, index.data(), squared.data());
+  const auto end = std::remove_if(index.begin(), index.begin() + static_cast<std::ptrdiff_t>(found),
+                                  [&](uint32_t i) { return on_another_face(points.direction[i], direction); });
+  const size_t alike = std::min(static_cast<size_t>(end - index.begin()), most_near);
+  for (size_t count = fewest; count <= alike; count *= 2)
+    if (const Layer layer = layer_of(points.places, center, {index.data(), count}); layer.thin) return layer;
   return {};
 }
 
 /// Every so manieth point.
-std::vector<Vec3d> thinned(const std::vector<Vec3d>& points) {
-  std::vector<Vec3d> some;
-  for (size_t k = 0; k < points.size(); k += thinned_by) some.push_back(points[k]);
+Points thinned(const Points& points) {
+  Points some;
+  for (size_t k = 0; k < points.size(); k += thinned_by) some.add(points.places[k], points.direction[k]);
   return some;
 }
 
 }  // namespace
 
-double measure_noise(std::span<const Vec3d> positions, const Context& context) {
+double measure_noise(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Context& context) {
   constexpr double enough = 0.3;  // of those asked
   if (positions.size() < 2 * most_near) return 0;
-  std::vector<Vec3d> points = some_of(positions);
-  std::vector<Vec3d> asked;
+  Points points = some_of(positions, directions), asked;
   for (size_t k = 0, step = (points.size() + most_asked - 1) / most_asked; k < points.size(); k += step)
-    asked.push_back(points[k]);
+    asked.add(points.places[k], points.direction[k]);
   std::vector<Layer> found(asked.size());
   for (size_t thinning = 0; thinning <= thinnings && points.size() >= 2 * most_near; ++thinning) {
     if (thinning > 0) points = thinned(points);
-    const KdTree tree(points);
+    const KdTree tree(points.places);
     parallel_chunks(context, asked.size(), asked_per_task, [&](size_t begin, size_t end) {
       context.check();
       for (size_t k = begin; k < end; ++k)
-        if (!found[k].thin) found[k] = look_around(points, tree, asked[k], thinning == 0 ? fewest_near : most_near);
+        if (!found[k].thin)
+          found[k] =
+              look_around(points, tree, asked.places[k], asked.direction[k], thinning == 0 ? fewest_near : most_near);
     });
   }
   std::vector<double> deviations;

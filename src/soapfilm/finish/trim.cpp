@@ -168,6 +168,23 @@ void validate(const TrimParams& params) {
   if (params.on && !*params.on && params.holes) throw ParameterError("trim_holes: trimming is off");
 }
 
+namespace {
+
+/// Share of the area that lies beyond the cut.
+double share_beyond(const Mesh& mesh, const TrimLevels& levels) {
+  double all = 0, beyond = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3d a = mesh.vertices[t[0]];
+    const double area = norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
+    const auto corners = std::count_if(t.begin(), t.end(), [&](uint32_t v) { return levels.level[v] > 1; });
+    all += area;
+    beyond += area * static_cast<double>(corners) / 3;
+  }
+  return all > 0 ? beyond / all : 0;
+}
+
+}  // namespace
+
 void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const TrimSetup& params,
           const Context& context, TrimReport& report) {
   const double spacing = params.density > 0 ? 1 / std::sqrt(params.density) : 1;
@@ -175,7 +192,7 @@ void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const 
   TrimLevels levels = find_trim_levels(mesh, samples, lattice, report.distance, params.ends, context);
   report.nothing_near = std::all_of(levels.level.begin(), levels.level.end(), [](double level) { return level > 1; });
   context.progress().advance(0.6, "distances");
-  if (report.nothing_near) return;
+  if (report.nothing_near || share_beyond(mesh, levels) < params.least_beyond) return;
   const double before = mesh.area();
   const std::vector<uint32_t> crossings =
       params.ends ? count_crossings(mesh, levels.level, params.rays, lattice, context) : std::vector<uint32_t>();

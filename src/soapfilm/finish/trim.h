@@ -21,6 +21,7 @@ void validate(const TrimParams& params);
 struct TrimSetup : TrimParams {
   double density = 1;       ///< samples per voxel^2 of surface
   bool ends = false;        ///< the surface ends where it was not seen: an open one
+  double least_beyond = 0;  ///< share of the area; where less is to be cut the surface is a closed one after all
   std::vector<Ray> rays{};  ///< of the scanners that are known
 };
 

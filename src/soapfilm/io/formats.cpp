@@ -8,6 +8,7 @@
 #include "soapfilm/io/kitti.h"
 #include "soapfilm/io/las/las.h"
 #include "soapfilm/io/meshes/gltf.h"
+#include "soapfilm/io/meshes/gltf_read.h"
 #include "soapfilm/io/meshes/obj.h"
 #include "soapfilm/io/meshes/off.h"
 #include "soapfilm/io/meshes/stl.h"
@@ -27,14 +28,15 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr std::array<Format, 16> table{{
+constexpr std::array<Format, 17> table{{
     {".ply", {}, looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
     {.extensions = ".xyz .txt .csv .asc .pts .xyzn .xyzrgb .pwn .npts",
      .uses = "columns",
      .read_points = read_text_points},
-    {.extensions = ".ptx", .begins = looks_like_ptx, .read_points = read_ptx},
+    {.extensions = ".ptx", .uses = "trust_viewpoint", .begins = looks_like_ptx, .read_points = read_ptx},
     {.extensions = ".pcd", .uses = "trust_viewpoint", .begins = looks_like_pcd, .read_points = read_pcd},
-    {.extensions = ".las .laz", .uses = "trajectory", .begins = looks_like_las, .read_points = read_las},
+    {.extensions = ".las", .uses = "trajectory", .begins = looks_like_las, .read_points = read_las},
+    {.extensions = ".laz", .uses = "trajectory", .read_points = read_las},  // the same, but its points are compressed
     {.extensions = ".e57", .uses = "trust_viewpoint", .begins = looks_like_e57, .read_points = read_e57},
     {.extensions = ".bin", .read_points = read_kitti},
     {.extensions = ".npy", .begins = looks_like_npy, .read_points = read_npy},
@@ -46,8 +48,17 @@ constexpr std::array<Format, 16> table{{
      .read_points = read_obj_points,
      .read_mesh = read_obj,
      .write_mesh = write_obj},
-    {.extensions = ".off", .read_mesh = read_off, .write_mesh = write_off},
-    {.extensions = ".glb", .write_mesh = write_glb},
+    {.extensions = ".off",
+     .has_faces = off_has_faces,
+     .read_points = read_off_points,
+     .read_mesh = read_off,
+     .write_mesh = write_off},
+    {.extensions = ".glb",
+     .begins = looks_like_glb,
+     .has_faces = glb_has_faces,
+     .read_points = read_glb_points,
+     .read_mesh = read_glb_mesh,
+     .write_mesh = write_glb},
     {.extensions = ".vdb", .write_mesh = write_vdb},
     {.extensions = ".stl", .read_mesh = read_stl, .write_mesh = write_stl},
 }};

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/formats.h"
+#include "soapfilm/io/sets/input_files.h"
 #include "soapfilm/io/sets/read_each.h"
 #include "soapfilm/io/text/text.h"
 
@@ -60,6 +62,8 @@ PointCloud read_points(io::ByteSource& source, ReadReport& report, const ReadOpt
 
 PointCloud read_points(const std::string& path, ReadReport* report, const Context& context,
                        const ReadOptions& options) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return read_points(std::vector{path}, report, context, options);
   ReadReport unused;
   io::ByteSource source(path);
   return read_points(source, report != nullptr ? *report : unused, options, context);
@@ -84,14 +88,16 @@ void refuse_unused(const std::vector<std::string>& paths, const ReadOptions& opt
 
 }  // namespace
 
-PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report, const Context& context,
+PointCloud read_points(const std::vector<std::string>& given, ReadReport* report, const Context& context,
                        const ReadOptions& options) {
-  if (paths.empty()) throw ParameterError("0 input files, must be > 0");
+  if (given.empty()) throw ParameterError("0 input files, must be > 0");
+  ReadReport unused;
+  ReadReport& to_all = report != nullptr ? *report : unused;
+  const std::vector<std::string> paths = io::input_files(given, to_all.warnings);
   refuse_unused(paths, options);
   if (paths.size() == 1) return read_points(paths.front(), report, context, options);
-  ReadReport unused;
   const Context silent = silenced(context);
-  return io::read_each(paths.size(), report != nullptr ? *report : unused, context,
+  return io::read_each(paths.size(), to_all, context,
                        [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, silent, options); });
 }
 

@@ -24,6 +24,8 @@ struct PointColumns {
   Triple normal;
   Triple sensor;  ///< the scanner's position, per sample
   Triple color;
+  Triple splat_color;       ///< of 3D Gaussian splats, if there is no color: see color_of_splat()
+  std::string color_parts;  ///< names of an incomplete color's channels, for a warning; mostly empty
   size_t weight = Triple::absent;
   std::vector<size_t> others;  ///< without a meaning here, in order; of transparency nothing is kept
 };
@@ -31,6 +33,9 @@ struct PointColumns {
 /// Names are compared without case, quotes, blanks, '_', '.', '-', leading '/' and '#', and units in brackets. Of equal
 /// ones the first counts. (docs/reference/formats.md has the table.)
 PointColumns meaning_of(const std::vector<std::string>& names);
+
+/// "PATH: 'red', 'green' without ...", if the color is not complete; to `warnings`.
+void warn_of_color_parts(const PointColumns& columns, const std::string& path, std::vector<std::string>& warnings);
 
 /// Does any of these names say what its column is? (Then a line of them is a header.)
 bool is_known_column(std::string_view name);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -20,12 +21,6 @@ namespace {
 
 constexpr uint64_t most_samples = INT32_MAX;  // range grids hold indices of 32 bits
 constexpr size_t worth_planning = size_t{64} << 20;
-
-size_t bytes_per_sample(const PointHeader& header) {
-  return sizeof(Vec3d) + header.normals * sizeof(Vec3f) + header.sensors * sizeof(Vec3d) +
-         header.weights * sizeof(float) + header.colors * (sizeof(Rgb8) + sizeof(Vec3f)) +
-         header.columns.size() * sizeof(float);
-}
 
 /// The names, a number added to those that are there already, or that PLY gives a meaning.
 std::vector<std::string> made_different(const std::vector<std::string>& names) {
@@ -70,6 +65,12 @@ size_t drop_where(PointCloud& cloud, size_t least, Bad&& bad) {
 
 }  // namespace
 
+size_t bytes_per_sample(const PointHeader& header) {
+  const size_t color = sizeof(Rgb8) + (header.colors_of_16_bits ? sizeof(std::array<uint16_t, 3>) : sizeof(Vec3f));
+  return sizeof(Vec3d) + header.normals * sizeof(Vec3f) + header.sensors * sizeof(Vec3d) +
+         header.weights * sizeof(float) + header.colors * color + header.columns.size() * sizeof(float);
+}
+
 PointCloud cloud_for(const PointHeader& header, const std::string& path) {
   if (header.samples > most_samples)
     throw InputError(fmt::format("{}: holds {} samples, must be at most {}", path, header.samples, most_samples));
@@ -94,10 +95,19 @@ PointCloud cloud_for(const PointHeader& header, const std::string& path) {
   return cloud;
 }
 
-void ColorNumbers::reserve(size_t count) { reserve_many(values_, count); }
+void ColorNumbers::reserve(size_t count, bool of_16_bits) {
+  of_16_bits_ = of_16_bits;
+  if (of_16_bits_)
+    reserve_many(words_, count);
+  else
+    reserve_many(values_, count);
+}
 
 void ColorNumbers::add(double red, double green, double blue) {
-  values_.push_back({static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)});
+  if (of_16_bits_)
+    words_.push_back({static_cast<uint16_t>(red), static_cast<uint16_t>(green), static_cast<uint16_t>(blue)});
+  else
+    values_.push_back({static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)});
 }
 
 float ColorNumbers::largest() const {
@@ -105,23 +115,29 @@ float ColorNumbers::largest() const {
   for (const Vec3f& c : values_)
     for (int k = 0; k < 3; ++k)
       if (std::isfinite(c[k])) largest = std::max(largest, c[k]);
-  return largest;
+  uint16_t largest_word = 0;
+  for (const Words& c : words_)
+    for (const uint16_t word : c) largest_word = std::max(largest_word, word);
+  return std::max(largest, static_cast<float>(largest_word));
+}
+
+Rgb8 ColorNumbers::rounded(const Vec3f& color, double scale) {
+  Rgb8 rgb{128, 128, 128};  // as PointCloud::append() fills
+  if (color.x >= 0 && color.y >= 0 && color.z >= 0 && is_finite(color))
+    for (int k = 0; k < 3; ++k)
+      rgb[static_cast<size_t>(k)] = static_cast<uint8_t>(std::lround(std::min(color[k] * scale, 255.0)));
+  return rgb;
 }
 
 std::vector<Rgb8> ColorNumbers::bytes(bool whole) const {
-  constexpr Rgb8 gray{128, 128, 128};     // as PointCloud::append() fills
   constexpr float a_little_over_one = 2;  // renderers and filters overshoot; of numbers to 255 all would be black
   const float range = largest();
   const double scale = !whole && range < a_little_over_one ? 255.0 : range <= 255 ? 1.0 : 1.0 / 257;
   std::vector<Rgb8> colors;
-  reserve_many(colors, values_.size());
-  for (const Vec3f& c : values_) {
-    Rgb8 rgb = gray;
-    if (c.x >= 0 && c.y >= 0 && c.z >= 0 && is_finite(c))
-      for (int k = 0; k < 3; ++k)
-        rgb[static_cast<size_t>(k)] = static_cast<uint8_t>(std::lround(std::min(c[k] * scale, 255.0)));
-    colors.push_back(rgb);
-  }
+  reserve_many(colors, values_.size() + words_.size());
+  for (const Vec3f& c : values_) colors.push_back(rounded(c, scale));
+  for (const auto& [red, green, blue] : words_)
+    colors.push_back(rounded({static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)}, scale));
   return colors;
 }
 
@@ -137,7 +153,8 @@ void finish_points(PointCloud& cloud, FileReport file, const PointTraits& traits
   for (Vec3d& sensor : cloud.sensors)
     if (!is_finite(sensor)) sensor = {nan, nan, nan};
 
-  const size_t zeros = drop_where(cloud, traits.zero_is_none ? 1 : 2, [](const Vec3d& p) { return p == Vec3d{}; });
+  const auto is_zero = [](const Vec3d& p) { return p == Vec3d{}; };
+  const size_t zeros = traits.has_faces ? 0 : drop_where(cloud, traits.zero_is_none ? 1 : 2, is_zero);
   if (zeros > 0 && !traits.zero_is_none)
     report.warnings.push_back(fmt::format(
         "{}: {} of {} samples are at (0, 0, 0): taken for rays without a return, and dropped", file.path, zeros, read));

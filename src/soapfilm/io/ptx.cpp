@@ -7,10 +7,12 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/grid_view.h"
 #include "soapfilm/io/point_table.h"
 #include "soapfilm/io/text/number_line.h"
 #include "soapfilm/io/text/text.h"
@@ -24,7 +26,7 @@ struct PtxHead {
   size_t columns = 0;
   size_t rows = 0;
   size_t line = 0;  ///< of the file, where it begins
-  std::array<Vec3d, 3> axis;
+  std::array<Vec3d, 3> axis{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   Vec3d scanner;
 
   uint64_t cells() const { return uint64_t{columns} * rows; }
@@ -36,7 +38,8 @@ constexpr size_t ptx_bare = 3, ptx_intensity = 4, ptx_color = 7;
 
 class PtxReader {
  public:
-  PtxReader(ByteSource& source, const Context& context) : source_(source), context_(context), cursor_(source) {}
+  PtxReader(ByteSource& source, const Context& context, bool trust_pose)
+      : source_(source), context_(context), trust_pose_(trust_pose), cursor_(source) {}
 
   PointCloud read(ReadReport& report) {
     PointCloud all;
@@ -47,6 +50,7 @@ class PtxReader {
       PointCloud scan = read_cells(head);
       if (scan.size() > 0) all.append(std::move(scan));
     }
+    warn_of_defaults(report);
     const std::string name = std::filesystem::path(source_.path()).stem().string();
     for (size_t s = 0; s < all.scans.size(); ++s)
       all.scans[s].name = all.scans.size() == 1 ? name : fmt::format("{} {}", name, s + 1);
@@ -150,10 +154,33 @@ class PtxReader {
     if (has_color_) cloud.colors = colors_.bytes(true);
     Scan scan;
     scan.end = cloud.size();
-    scan.sensor = head.scanner;
     if (is_image) scan.range_grid = std::move(grid);
+    if (trust_pose_ || tells_of_scanner(head, cloud, scan))
+      scan.sensor = head.scanner;
+    else if (cloud.size() > 0)
+      defaults_.push_back(scan_);
     cloud.scans.push_back(std::move(scan));
     return cloud;
+  }
+
+  /// Programs that merge scans, or convert other formats, write the identity, or a shift that keeps numbers small: no
+  /// scanner stood there.
+  static bool tells_of_scanner(const PtxHead& head, const PointCloud& cloud, const Scan& scan) {
+    constexpr double far = 30;  // diagonals
+    if (head.axis != PtxHead().axis) return true;
+    if (head.scanner == Vec3d{}) return is_scanner_place(cloud.positions, scan, head.scanner, true);
+    return is_near_samples(cloud.positions, scan, head.scanner, far) &&
+           judge_view(cloud.positions, scan, head.scanner) != GridView::not_from;
+  }
+
+  void warn_of_defaults(ReadReport& report) const {
+    if (defaults_.empty()) return;
+    report.warnings.push_back(
+        fmt::format("{}: scan {}{}: its matrix does not turn, and its samples were not seen from where it says: no "
+                    "scanner is taken "
+                    "from it (else: --trust-viewpoint)",
+                    source_.path(), defaults_.front(),
+                    defaults_.size() == 1 ? "" : fmt::format(" and {} more", defaults_.size() - 1)));
   }
 
   /// False for a cell without a return. Such rows may have fewer columns than others.
@@ -205,6 +232,7 @@ class PtxReader {
 
   ByteSource& source_;
   const Context& context_;
+  bool trust_pose_;
   TextCursor cursor_;
   std::array<double, ptx_color> values_{};
   size_t scan_ = 0;         // number of the scan in progress, from 1
@@ -212,6 +240,7 @@ class PtxReader {
   ColorNumbers colors_;     // of its samples
   bool has_color_ = false;  // one of them is not (0, 0, 0)
   bool warned_ = false;
+  std::vector<size_t> defaults_;  // numbers of scans whose matrix tells of no scanner
   size_t no_return_ = 0;
 };
 
@@ -240,8 +269,8 @@ bool looks_like_ptx(const ByteSource& source) {
   return true;
 }
 
-PointCloud read_ptx(ByteSource& source, ReadReport& report, const ReadOptions&, const Context& context) {
-  return PtxReader(source, context).read(report);
+PointCloud read_ptx(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context) {
+  return PtxReader(source, context, options.trust_viewpoint).read(report);
 }
 
 }  // namespace soapfilm::io

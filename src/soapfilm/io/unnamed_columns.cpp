@@ -10,6 +10,7 @@
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/vec.h"
+#include "soapfilm/io/leading_columns.h"
 #include "soapfilm/io/point_columns.h"
 #include "soapfilm/io/point_table.h"
 
@@ -185,71 +186,67 @@ std::vector<Rgb8> colors_of(const Columns& columns, size_t first, ColorRange ran
   return numbers.bytes(false);
 }
 
-/// What the first column is where it rises in all rows.
-enum class LeadingColumn { position, number, time, unknown };
-
-/// Counted from row to row; some numbers may be missing.
-bool counts_up(const std::vector<Vec3d>& positions) {
-  size_t ones = 0;
-  for (size_t i = 0; i < positions.size(); ++i) {
-    if (!is_whole_number(positions[i].x)) return false;
-    ones += i > 0 && positions[i].x - positions[i - 1].x == 1;
-  }
-  const size_t steps = positions.size() - 1;
-  return steps >= 3 && (ones == steps || (steps >= 9 && 2 * ones >= steps));
-}
-
-/// Do the values go from row to row in steps that are small beside their range, as a scanner's do?
-template <class Value>
-bool goes_in_small_steps(size_t rows, Value&& value) {
-  constexpr double small = 0.1;  // 1/3 for values in any order
-  double least = value(0), most = value(0), way = 0;
-  for (size_t i = 1; i < rows; ++i) {
-    least = std::min(least, value(i));
-    most = std::max(most, value(i));
-    way += std::abs(value(i) - value(i - 1));
-  }
-  return most > least && way < small * (most - least) * static_cast<double>(rows - 1);
-}
-
-bool may_be_intensity(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return is_whole_number(v); }) ||
-         std::all_of(values.begin(), values.end(), [](double v) { return v >= 0 && v <= 1; });
-}
-
-LeadingColumn judge_leading(const PointCloud& cloud, const std::vector<double>& fourth) {
-  constexpr size_t few = 20;
-  const size_t rows = cloud.size();
-  if (fourth.size() != rows || rows < 4) return LeadingColumn::position;
-  const size_t others = cloud.columns.size();
-  if (others >= 3 && are_normals(cloud.columns, 0)) return LeadingColumn::position;
-  if (others == 3 && color_range(cloud.columns, 0) != ColorRange::none) return LeadingColumn::position;
-  if (counts_up(cloud.positions)) return LeadingColumn::number;
-  if (rows < few) return LeadingColumn::position;
-  if (goes_in_small_steps(rows, [&](size_t i) { return cloud.positions[i].y; }) &&
-      goes_in_small_steps(rows, [&](size_t i) { return cloud.positions[i].z; }) &&
-      goes_in_small_steps(rows, [&](size_t i) { return fourth[i]; }))
-    return LeadingColumn::time;
-  return may_be_intensity(fourth) ? LeadingColumn::position : LeadingColumn::unknown;
-}
-
-/// The first column is no coordinate: those are the next three.
-void shift_positions(PointCloud& cloud, UnnamedColumns& unnamed, const std::string& name) {
-  Column& leading = cloud.columns[0];
-  leading.name = name;
-  leading.is_label = holds_labels(name);
+/// The first columns, of these names, are no coordinates: those are the next three. Returns the columns.
+Columns shift_positions(PointCloud& cloud, UnnamedColumns& unnamed, const std::vector<std::string>& leading) {
+  const size_t count = leading.size();
   for (size_t i = 0; i < cloud.size(); ++i) {
     Vec3d& p = cloud.positions[i];
-    leading.values[i] = static_cast<float>(p.x);
-    p = {p.y, p.z, unnamed.fourth[i]};
+    cloud.columns[0].values[i] = static_cast<float>(p.x);
+    if (count == 2) cloud.columns[1].values[i] = static_cast<float>(p.y);
+    p = count == 1 ? Vec3d{p.y, p.z, unnamed.fourth[i]} : Vec3d{p.z, unnamed.fourth[i], unnamed.fifth[i]};
   }
-  const std::array<std::string, 4> names{name, "x", "y", "z"};
+  Columns front;
+  for (size_t k = 0; k < count; ++k) {
+    cloud.columns[k].name = leading[k];
+    cloud.columns[k].is_label = holds_labels(leading[k]);
+    front.push_back(std::move(cloud.columns[k]));
+  }
+  cloud.columns.erase(cloud.columns.begin(), cloud.columns.begin() + static_cast<std::ptrdiff_t>(count));
+  std::vector<std::string> names = leading;
+  for (const char* axis : {"x", "y", "z"}) names.emplace_back(axis);
   std::copy(names.begin(), names.end(), unnamed.names.begin());
+  return front;
+}
+
+/// Puts columns before x y z where they belong, with a remark; returns them.
+Columns take_leading(PointCloud& cloud, UnnamedColumns& unnamed) {
+  const size_t others = cloud.columns.size();
+  if (others >= 3 && are_normals(cloud.columns, 0)) return {};
+  if (others == 3 && color_range(cloud.columns, 0) != ColorRange::none) return {};
+  const char* const else_plain = unnamed.can_be_named ? " (else: --columns x,y,z,...)" : "";
+  switch (judge_leading(cloud, unnamed)) {
+    case LeadingColumns::none:
+      return {};
+    case LeadingColumns::unclear:
+      unnamed.remarks.push_back(
+          fmt::format("column 1 is whole or rises from row to row, as a point's number or a time; it is taken for x{}",
+                      unnamed.can_be_named ? " (else: --columns time,x,y,z,...)" : ""));
+      return {};
+    case LeadingColumns::unclear_cells:
+      unnamed.remarks.push_back(
+          fmt::format("columns 1 and 2 go through the cells of a grid; they are taken for x and y{}",
+                      unnamed.can_be_named ? " (else: --columns row,column,x,y,z,...)" : ""));
+      return {};
+    case LeadingColumns::number:
+      unnamed.remarks.push_back(fmt::format(
+          "column 1 counts the rows: taken for the point's number, columns 2 to 4 for x y z{}", else_plain));
+      return shift_positions(cloud, unnamed, {"id"});
+    case LeadingColumns::row_column:
+    case LeadingColumns::column_row:
+      break;
+  }
+  unnamed.remarks.push_back(fmt::format(
+      "columns 1 and 2 count the cells of a grid: taken for rows and columns, columns 3 to 5 for x y z{}", else_plain));
+  const bool row_first = judge_leading(cloud, unnamed) == LeadingColumns::row_column;
+  return shift_positions(cloud, unnamed, {row_first ? "row" : "column", row_first ? "column" : "row"});
 }
 
 /// Such as " with --columns x,y,z,column_4".
 std::string option_of(const UnnamedColumns& unnamed) {
-  return fmt::format(" with --columns {}", fmt::join(unnamed.names, ","));
+  constexpr size_t most = 20;
+  const auto end = unnamed.names.begin() + static_cast<std::ptrdiff_t>(std::min(most, unnamed.names.size()));
+  return fmt::format(" with --columns {}{}", fmt::join(unnamed.names.begin(), end, ","),
+                     unnamed.names.size() > most ? ",..." : "");
 }
 
 /// Gives the columns that are left over a name if their place says one, else a remark.
@@ -257,6 +254,8 @@ void name_others(Columns& columns, const ColumnLayout& layout, const std::vector
                  size_t first_column) {
   const bool alone = columns.size() == 1;
   const auto others = std::count(used.begin(), used.end(), false);
+  constexpr size_t most_named = 12;
+  size_t unnamed_count = 0;
   std::string left;
   for (size_t k = 0; k < columns.size(); ++k) {
     if (used[k]) continue;
@@ -264,10 +263,11 @@ void name_others(Columns& columns, const ColumnLayout& layout, const std::vector
     const bool before_normal = layout.normal && k + 1 == *layout.normal;
     if (alone || (others == 1 && (beside_color || before_normal)))
       columns[k].name = unnamed.names[first_column + k] = "intensity";
-    else
+    else if (unnamed_count++ < most_named)
       left += (left.empty() ? "" : ", ") + columns[k].name;
   }
   if (left.empty()) return;
+  if (unnamed_count > most_named) left += fmt::format(" and {} more", unnamed_count - most_named);
   unnamed.remarks.push_back(
       fmt::format("nothing says what these columns are, and they are not like normals or colors: kept as attributes "
                   "{}; name{} them{}",
@@ -279,22 +279,9 @@ void name_others(Columns& columns, const ColumnLayout& layout, const std::vector
 
 void judge_unnamed_columns(PointCloud& cloud, UnnamedColumns& unnamed) {
   if (cloud.columns.empty() || cloud.size() == 0) return;
-  const LeadingColumn leading = judge_leading(cloud, unnamed.fourth);
-  Columns front;
-  if (leading == LeadingColumn::number || leading == LeadingColumn::time) {
-    shift_positions(cloud, unnamed, leading == LeadingColumn::number ? "id" : "time");
-    front.push_back(std::move(cloud.columns[0]));
-    cloud.columns.erase(cloud.columns.begin());
-    unnamed.remarks.push_back(
-        fmt::format("column 1 {}: taken for the {}, columns 2 to 4 for x y z{}",
-                    leading == LeadingColumn::number ? "counts the rows" : "rises from row to row",
-                    leading == LeadingColumn::number ? "point's number" : "time",
-                    unnamed.can_be_named ? " (else: --columns x,y,z,...)" : ""));
-  } else if (leading == LeadingColumn::unknown) {
-    unnamed.remarks.push_back(fmt::format("column 1 rises from row to row, as a time does; it is taken for x{}",
-                                          unnamed.can_be_named ? " (else: --columns time,x,y,z)" : ""));
-  }
+  Columns front = take_leading(cloud, unnamed);
   release(unnamed.fourth);
+  release(unnamed.fifth);
 
   Columns& columns = cloud.columns;
   const size_t first_column = 3 + front.size();

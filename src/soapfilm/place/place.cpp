@@ -83,13 +83,14 @@ void warn_of_thin_sheets(const SideStatistics& sides, double longest, double vox
 
 }  // namespace
 
-Grid place_grid(const PointCloud& cloud, const Box3d& box, const LocalSurface& surface, const PlaceParams& params,
-                bool by_area, bool from_above, const Context& context) {
+Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, const PlaceParams& params, bool by_area,
+                const Context& context) {
+  const LocalSurface& surface = seen.surface;
   const Sampling sampling = measure_sampling(cloud, box, context);
   const AreaCoverage& coverage = surface.coverage;
   Grid grid;
   grid.default_voxel = voxel_of_spacing(params, box, sampling, surface);
-  if (!from_above) grid.noise = measure_noise(cloud.positions, context);
+  if (!seen.from_above) grid.noise = measure_noise(cloud.positions, seen.directions, context);
   const bool is_given = params.voxel || params.resolution;
   if (const double by_noise = default_voxel_over_noise * grid.noise;
       by_noise > grid.default_voxel && by_noise < box.longest() / 8) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,13 +30,19 @@ struct Grid {
   std::vector<std::string> warnings;
 };
 
+/// What is known of the samples' surface, and from where it was seen.
+struct Seen {
+  const LocalSurface& surface;
+  std::span<const Vec3f> directions;  ///< one for each sample; zero: unknown
+  bool from_above = false;            ///< from the air, where what looks like noise are trees
+};
+
 /// The voxel as given, or by the spacing of the samples and the thickness of sheets, but not far below the samples'
 /// noise: more samples than that say where the surface is, not how it is shaped. The lattice around the samples' box.
 /// `by_area`: the density is an average over the area, where it could be measured, not over the samples.
-/// `from_above`: the samples were seen from the air, where what looks like noise are trees. Throws ParameterError where
-/// no such lattice is possible.
-Grid place_grid(const PointCloud& cloud, const Box3d& box, const LocalSurface& surface, const PlaceParams& params,
-                bool by_area, bool from_above, const Context& context);
+/// Throws ParameterError where no such lattice is possible.
+Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, const PlaceParams& params, bool by_area,
+                const Context& context);
 
 /// " (...)", if a thousandth of the samples makes the box at least twice as long: what the box would be without them,
 /// and the position of one. Nothing otherwise.

@@ -69,8 +69,8 @@ Scanners find_scanners(const PointCloud& cloud, const OrientReport& directions, 
 Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& oriented, const Scanners& scanners,
              const ReconstructParams& params, MemoryBudget& memory, const Context& context) {
   Placed placed;
-  placed.grid =
-      place_grid(cloud, box, oriented.surface, params.place, counts_by_area(params), scanners.from_above, context);
+  placed.grid = place_grid(cloud, box, {oriented.surface, oriented.directions, scanners.from_above}, params.place,
+                           counts_by_area(params), context);
   const Lattice& lattice = placed.grid.lattice;
   memory.plan_tables(cloud, box, lattice, placed.grid.area);
   placed.samples = sort_samples(cloud, oriented.directions, lattice, context);

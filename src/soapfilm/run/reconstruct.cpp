@@ -9,6 +9,7 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/method.h"
 #include "soapfilm/finish/rays.h"
+#include "soapfilm/orient/scan_fit.h"
 #include "soapfilm/run/announce.h"
 #include "soapfilm/run/certify.h"
 #include "soapfilm/run/finish.h"
@@ -31,6 +32,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // Each sample gets a weak outward direction: its normal, towards the scanner, or estimated.
   Orientation oriented = trace.stage("orient", [&] { return find_directions(cloud, box, params, context); });
   trace.keep(oriented.report.warnings);
+  if (auto misfit = misfit_of_scans(cloud, oriented.directions, context)) trace.warn(std::move(*misfit));
   const Scanners scanners = find_scanners(cloud, oriented.report, params, context);
 
   // The grid: its voxel, its position, and the memory needed.

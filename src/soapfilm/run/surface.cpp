@@ -70,6 +70,11 @@ Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda,
   Mesh mesh = extract_isosurface(
       field.grid, field.value, [&](Vec3i brick) { return field.missing_value(brick); },
       static_cast<float>(surface.isovalue), lattice, context, drawn_range(lattice.box(0)));
+  if (mesh.triangles.empty() && surface.refine)
+    throw EmptyResult(fmt::format("empty result: refining left nothing of the surface, curvature weight {:.3g}; a "
+                                  "smaller --smoothing or --voxel may keep it",
+                                  surface.refine->fit_weights.smoothing),
+                      lambda);
   if (mesh.triangles.empty())
     throw EmptyResult(
         fmt::format("empty result: the smoothed indicator stays on one side of the isovalue {:.3g}; parts "
@@ -99,9 +104,20 @@ std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, std::vect
                                const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!trims(params, grid.ends)) return {};
   TrimReport report;
-  const TrimSetup setup{params.trim, grid.density, grid.ends, std::move(rays)};
+  // The border's trials on a coarse level took this closed surface for mostly invented; of thin bodies they do not see
+  // both sides.
+  constexpr double mostly_seen = 0.75;
+  const bool asked = params.trim.on || params.trim.distance || params.border.outside != Border::automatic;
+  const double least_beyond = grid.lattice.open || asked ? 0 : 1 - mostly_seen;
+  const TrimSetup setup{params.trim, grid.density, grid.ends, least_beyond, std::move(rays)};
   trace.stage("trim", [&] { trim(mesh, samples, grid.lattice, setup, context, report); });
   announce_trim(report, trace);
+  if (mesh.triangles.empty())
+    throw EmptyResult(
+        fmt::format("empty result: no part of the surface within {:.3g} of a sample faces one; try --trim "
+                    "off, or a smaller --voxel than {:.4g}",
+                    report.distance, grid.lattice.voxel),
+        0);
   return report;
 }
 

@@ -50,7 +50,7 @@ std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridS
 /// Reverses the faces and directions of a complement: they are the scene's again.
 void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border);
 
-/// Removes surface far from all samples, if enabled.
+/// Removes surface far from all samples, if enabled. Throws EmptyResult where none is left.
 std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, std::vector<Ray> rays, const Grid& grid,
                                const ReconstructParams& params, Trace& trace, const Context& context);
 

@@ -56,22 +56,34 @@ void read_field(std::string_view bytes, const BinaryField& field, size_t first, 
     for (size_t i = 0; i < count; ++i) to[i] = to[i] * field.scale + field.add;
 }
 
-PointCloud FieldReader::cloud_for_rows(uint64_t rows, bool sensors) {
+PointHeader FieldReader::header_for_rows(uint64_t rows, bool sensors) const {
+  const auto is_word = [&](size_t k) {
+    const BinaryField& field = fields_[k];
+    const bool is_small = field.type == NumberType::uint8 || field.type == NumberType::uint16;
+    return is_small && field.scale == 1 && field.add == 0 && !field.no_data;
+  };
   PointHeader header{.samples = rows,
                      .normals = meaning_.normal.present(),
                      .sensors = sensors || meaning_.sensor.present(),
                      .weights = meaning_.weight != Triple::absent,
                      .colors = meaning_.color.present(),
                      .columns = {}};
+  const auto& color = meaning_.color.index;
+  header.colors_of_16_bits = header.colors && std::all_of(color.begin(), color.end(), is_word);
   for (const size_t k : meaning_.others) header.columns.push_back(fields_[k].name);
-  PointCloud cloud = cloud_for(header, source_.path());
-  if (header.colors) colors_.reserve(static_cast<size_t>(rows));
+  return header;
+}
+
+PointCloud FieldReader::cloud_for_rows(uint64_t rows, bool sensors) {
+  const PointHeader header = header_for_rows(rows, sensors);
+  PointCloud cloud = cloud_for(header, path_);
+  if (header.colors) colors_.reserve(static_cast<size_t>(rows), header.colors_of_16_bits);
   return cloud;
 }
 
 /// Those of the block's rows that are kept; returns how many.
 size_t FieldReader::read(size_t field, Block& to) const {
-  read_field(source_.bytes(), fields_[field], first_, count_, to.data());
+  read_field(bytes_, fields_[field], first_, count_, to.data());
   if (kept_ == nullptr) return count_;
   for (size_t i = 0; i < kept_->size(); ++i) to[i] = to[(*kept_)[i]];
   return kept_->size();
@@ -117,13 +129,11 @@ void FieldReader::append_colors() {
 
 void FieldReader::append_weights(PointCloud& cloud) {
   Block& values = block_[0];
-  const BinaryField& field = fields_[meaning_.weight];
   for (size_t i = 0, n = read(meaning_.weight, values); i < n; ++i) {
     const auto weight = static_cast<float>(values[i]);
     if (!(weight >= 0) || !std::isfinite(weight)) {
-      const size_t row = first_ + (kept_ != nullptr ? (*kept_)[i] : i);
-      throw InputError(fmt::format("{}: byte {}: sample {}: weight = {}, must be finite and >= 0", source_.path(),
-                                   field.offset + row * field.stride, row, values[i]));
+      const size_t row = rows_before_ + first_ + (kept_ != nullptr ? (*kept_)[i] : i);
+      throw InputError(fmt::format("{}: sample {}: weight = {}, must be finite and >= 0", path_, row, values[i]));
     }
     cloud.weights.push_back(weight);
   }

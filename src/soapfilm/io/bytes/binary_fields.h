@@ -30,7 +30,7 @@ inline bool is_integer(NumberType type) { return type < NumberType::float32; }
 struct BinaryField {
   std::string name;
   NumberType type = NumberType::float32;
-  size_t offset = 0;  ///< of the first row's, in the file
+  size_t offset = 0;  ///< of the first row's, in the bytes of the rows
   size_t stride = 0;  ///< from row to row
   bool swap = false;
   uint8_t shift = 0;  ///< raw = (byte >> shift) & mask, of uint8 alone
@@ -40,7 +40,7 @@ struct BinaryField {
   std::optional<double> no_data{};  ///< this raw number means none: not-a-number
 };
 
-/// The numbers of rows [first, first + count), which must be in the file.
+/// The numbers of rows [first, first + count), which must be in `bytes`.
 void read_field(std::string_view bytes, const BinaryField& field, size_t first, size_t count, double* to);
 
 /// Appends rows to a cloud, a block at a time.
@@ -50,10 +50,20 @@ class FieldReader {
 
   /// `meaning` has indices into the fields; it has positions.
   FieldReader(const ByteSource& source, const std::vector<BinaryField>& fields, PointColumns meaning)
-      : source_(source), fields_(fields), meaning_(std::move(meaning)) {}
+      : path_(source.path()), bytes_(source.bytes()), fields_(fields), meaning_(std::move(meaning)) {}
+
+  /// From now on rows are in `bytes` instead of the file, from which their offsets and numbers count; the first of them
+  /// is the file's row `first_row`.
+  void read_from(std::string_view bytes, size_t first_row) {
+    bytes_ = bytes;
+    rows_before_ = first_row;
+  }
 
   /// Columns, and colors, that are zero in all rows are left out.
   void leave_out_zeros() { zeros_left_out_ = true; }
+
+  /// The memory that a row needs in a cloud from cloud_for_rows().
+  size_t bytes_per_row(bool sensors) const { return bytes_per_sample(header_for_rows(1, sensors)); }
 
   /// An empty cloud with room for the rows; `sensors`: also for positions of the scanner that no field holds.
   PointCloud cloud_for_rows(uint64_t rows, bool sensors = false);
@@ -68,6 +78,7 @@ class FieldReader {
  private:
   using Block = std::array<double, block_rows>;
 
+  PointHeader header_for_rows(uint64_t rows, bool sensors) const;
   size_t read(size_t field, Block& to) const;
   size_t read(const Triple& triple);
   template <class T>
@@ -76,7 +87,9 @@ class FieldReader {
   void append_weights(PointCloud& cloud);
   void append_column(size_t field, Column& column, size_t rows_before);
 
-  const ByteSource& source_;
+  const std::string& path_;
+  std::string_view bytes_;
+  size_t rows_before_ = 0;  // of the file's
   const std::vector<BinaryField>& fields_;
   PointColumns meaning_;
   bool zeros_left_out_ = false;

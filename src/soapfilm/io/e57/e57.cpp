@@ -140,7 +140,7 @@ PointCloud read_e57(ByteSource& source, ReadReport& report, const ReadOptions& o
   cloud.coordinate_system = head.coordinate_system;
   FileReport file = describe_e57(head, source.path());
 
-  std::vector<std::string> without_grid, with_more, shifted;
+  std::vector<std::string> without_grid, with_more, shifted, unseen;
   for (size_t s = 0; s < head.scans.size(); ++s) {
     const E57Scan& scan = head.scans[s];
     E57Records records(pages, scan, plan.sections[s], plan.layouts[s].used(scan.fields.size()));
@@ -149,13 +149,17 @@ PointCloud read_e57(ByteSource& source, ReadReport& report, const ReadOptions& o
     if (records.more_left()) with_more.push_back(in_quotes(scan.name));
     const std::string why = reader.finish(options.trust_viewpoint);
     if (reader.shifted()) shifted.push_back(in_quotes(scan.name));
+    if (reader.unseen()) unseen.push_back(in_quotes(scan.name));
     if (!why.empty()) without_grid.push_back(in_quotes(scan.name) + ": " + why);
   }
   warn_of_e57("rows and columns not used as a range grid", without_grid, source.path(), report);
   warn_of_e57("more records than recordCount says, ignored", with_more, source.path(), report);
   warn_of_e57(
-      "poses of round numbers taken for shifts of coordinates, not for scanners' places (else: --trust-viewpoint)",
+      "poses taken for shifts of coordinates, not for scanners' places, as they are of round numbers or the samples "
+      "were not seen from there (else: --trust-viewpoint)",
       shifted, source.path(), report);
+  warn_of_e57("no pose, and samples that were not seen from the origin: no scanner is taken (else: --trust-viewpoint)",
+              unseen, source.path(), report);
   finish_points(cloud, std::move(file), {.float32 = e57_float32(head, plan)}, report);
   return cloud;
 }

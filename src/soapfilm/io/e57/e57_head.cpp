@@ -43,6 +43,16 @@ constexpr std::string_view e57_scan_parts[] = {"guid",
                                                "points",
                                                "pointGroupingSchemes"};
 
+/// Converters copy the system identifier of LAS files, which often names a program or what was done with the points.
+bool is_name_of_scanner(const std::string& name) {
+  constexpr std::string_view no_scanners[] = {"las",          "pdal",       "liblas",         "cloudcompare", "merge",
+                                              "modification", "extraction", "transformation", "other",        "unknown",
+                                              "none",         "n/a",        "unified",        "converted"};
+  const std::string text = lower_case(name);
+  return !text.empty() && std::none_of(std::begin(no_scanners), std::end(no_scanners),
+                                       [&](std::string_view word) { return text.substr(0, word.size()) == word; });
+}
+
 class E57HeadReader {
  public:
   E57HeadReader(E57Pages& pages, const Xml& xml) : pages_(pages), xml_(xml) {}
@@ -84,8 +94,8 @@ class E57HeadReader {
     scan.name = plain_text(child_of(node, "name"));
     if (scan.name.empty()) scan.name = plain_text(child_of(node, "guid"));
     if (scan.name.empty()) scan.name = fmt::format("scan {}", number);
-    scan.names_scanner =
-        !plain_text(child_of(node, "sensorModel")).empty() || !plain_text(child_of(node, "sensorSerialNumber")).empty();
+    scan.names_scanner = is_name_of_scanner(plain_text(child_of(node, "sensorModel"))) ||
+                         is_name_of_scanner(plain_text(child_of(node, "sensorSerialNumber")));
     if (const pugi::xml_node pose = child_of(node, "pose")) scan.pose = read_pose(pose);
     if (const pugi::xml_node limits = child_of(node, "colorLimits")) scan.color_limits = read_color_limits(limits);
 

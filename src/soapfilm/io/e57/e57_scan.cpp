@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "soapfilm/io/grid_view.h"
+
 namespace soapfilm::io {
 
 namespace {
@@ -221,6 +223,19 @@ bool is_shift_of_coordinates(const Placement& pose) {
 
 }  // namespace
 
+/// Merged and exported clouds lie at the origin of their coordinates, too, but no scanner stood there.
+bool E57ScanReader::tells_of_scanner(const Scan& scan) const {
+  constexpr double not_far = 10;  // diagonals
+  if (scan.range_grid) return is_scanner_place(cloud_.positions, scan, {}, true);
+  return scan_.names_scanner && is_near_samples(cloud_.positions, scan, {}, not_far);
+}
+
+bool E57ScanReader::contradicts_scanner(const Scan& scan) const {
+  constexpr double far = 30;  // diagonals
+  return !is_near_samples(cloud_.positions, scan, {}, far) ||
+         judge_view(cloud_.positions, scan, {}) == GridView::not_from;
+}
+
 std::string E57ScanReader::finish(bool trust_origin) {
   Scan scan;
   scan.name = scan_.name;
@@ -231,9 +246,10 @@ std::string E57ScanReader::finish(bool trust_origin) {
   if (layout_.has_cells()) why_no_grid = cells_.give_to(scan);
   const Placement pose = scan_.pose.value_or(Placement{});
   const bool moved = !(pose == Placement{});
-  // Merged and exported clouds lie at the origin, too, but no scanner stood there.
-  const bool of_scanner = layout_.spherical || scan.range_grid || scan_.names_scanner || trust_origin;
-  shifted_ = !of_scanner && is_shift_of_coordinates(pose);
+  const bool of_scanner = trust_origin || layout_.spherical || tells_of_scanner(scan);
+  const bool turned = !(pose.linear == Placement{}.linear);
+  unseen_ = !moved && !of_scanner && (scan.range_grid || scan_.names_scanner);
+  shifted_ = moved && !turned && !of_scanner && (is_shift_of_coordinates(pose) || contradicts_scanner(scan));
   if (of_scanner || (moved && !shifted_)) scan.sensor = pose.translation;
   if (moved) place_samples(pose, cloud_, scan.begin, scan.end);
   cloud_.scans.push_back(std::move(scan));

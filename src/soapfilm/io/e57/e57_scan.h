@@ -27,8 +27,13 @@ class E57ScanReader {
   std::string finish(bool trust_origin);
   /// After finish(): the pose is a shift of coordinates by round numbers, and tells of no scanner.
   bool shifted() const { return shifted_; }
+  /// After finish(): without a pose the scan seems to be one of a scanner, but the samples were not seen from the
+  /// origin.
+  bool unseen() const { return unseen_; }
 
  private:
+  bool tells_of_scanner(const Scan& scan) const;
+  bool contradicts_scanner(const Scan& scan) const;
   void append_block(const E57Records& records, size_t count);
   void append_positions(const E57Records& records);
   void append_colors(const E57Records& records);
@@ -54,6 +59,7 @@ class E57ScanReader {
   size_t no_return_ = 0;
   size_t at_origin_ = 0;
   bool shifted_ = false;
+  bool unseen_ = false;
 };
 
 }  // namespace soapfilm::io

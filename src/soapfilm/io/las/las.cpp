@@ -13,6 +13,8 @@
 #include "soapfilm/io/las/las_fields.h"
 #include "soapfilm/io/las/las_header.h"
 #include "soapfilm/io/las/las_records.h"
+#include "soapfilm/io/las/laz_layout.h"
+#include "soapfilm/io/las/laz_reader.h"
 #include "soapfilm/io/las/trajectory.h"
 
 namespace soapfilm::io {
@@ -37,39 +39,75 @@ std::string_view clock_of(const TimeRange& range) {
   return "adjusted standard GPS time (seconds since 1980 less 1e9)";
 }
 
-const std::vector<float>* find_values(const PointCloud& cloud, std::string_view name) {
-  for (const Column& column : cloud.columns)
-    if (column.name == name) return &column.values;
-  return nullptr;
-}
+/// Runs of samples of one source (a flight line).
+class SourceRuns {
+ public:
+  void add(double source, size_t sample) {
+    if (sample > 0 && source == last_) return;
+    last_ = source;
+    if (runs_.size() <= most_runs) runs_.push_back({source, sample});
+  }
+
+  /// A scan for each run, unless sources alternate.
+  void split(PointCloud& cloud, const std::string& stem) const {
+    const size_t count = runs_.size();
+    const bool splits = count > 1 && count <= most_runs && cloud.size() / count >= least_mean_run;
+    for (size_t k = 0; k < (splits ? count : 1); ++k) {
+      Scan& scan = cloud.scans.emplace_back();
+      scan.name = splits ? fmt::format("{} {}", stem, runs_[k].source) : stem;
+      scan.begin = splits ? runs_[k].begin : 0;
+      scan.end = splits && k + 1 < count ? runs_[k + 1].begin : cloud.size();
+    }
+  }
+
+ private:
+  static constexpr size_t most_runs = 1000;
+  static constexpr size_t least_mean_run = 1000;
+  struct Run {
+    double source;
+    size_t begin;
+  };
+  double last_ = 0;
+  std::vector<Run> runs_;
+};
 
 class LasReader {
  public:
   LasReader(ByteSource& source, ReadReport& report, const Context& context)
       : source_(source), report_(report), context_(context), header_(read_las_header(source, report)) {}
 
-  PointCloud read(const std::string& trajectory) {
+  PointCloud read(const ReadOptions& options) {
     const size_t extra_bytes = header_.record_bytes - standard_bytes(header_.point_format);
     LasRecords records = read_las_records(source_, header_, extra_bytes, report_);
-    fields_ = las_fields(source_, header_, records);
-    if (!trajectory.empty()) open(trajectory);
+    FileReport file;
+    file.path = source_.path();
+    file.format = fmt::format("{} 1.{}, point format {}", header_.compressed ? "LAZ" : "LAS", header_.minor_version,
+                              header_.point_format);
+    std::optional<LazLayout> layout;
+    if (header_.compressed) layout = read_laz_layout(source_, header_, records.laszip);
+    fields_ = las_fields(first_record(layout), header_, records);
+    for (const BinaryField& field : fields_.all) file.properties.push_back(field.name);
+    if (!options.trajectory.empty()) open(options.trajectory);
+    meaning_ = kept_columns(options.attributes);
+    if (layout) laz_.emplace(source_, std::move(*layout), wanted_bytes(), context_);
     read_points();
     cloud_.coordinate_system = std::move(records.coordinate_system);
     cloud_.is_survey = true;
     warn_of_unread(records);
     warn_of_samples();
-    split_into_scans();
-
-    FileReport file;
-    file.path = source_.path();
-    file.format = fmt::format("LAS 1.{}, point format {}", header_.minor_version, header_.point_format);
-    for (const BinaryField& field : fields_.all) file.properties.push_back(field.name);
+    runs_.split(cloud_, std::filesystem::path(source_.path()).stem().string());
     finish_points(cloud_, std::move(file), {}, report_);
     return std::move(cloud_);
   }
 
  private:
   void warn(const std::string& message) { report_.warnings.push_back(source_.path() + ": " + message); }
+
+  /// Also of a compressed file: each chunk begins with a point as it is.
+  std::string_view first_record(const std::optional<LazLayout>& layout) const {
+    const size_t begin = layout ? static_cast<size_t>(layout->chunks.front().begin) : header_.points_offset;
+    return source_.bytes().substr(begin, header_.record_bytes);
+  }
 
   void open(const std::string& trajectory) {
     if (fields_.gps_time)
@@ -79,7 +117,9 @@ class LasReader {
                        header_.point_format, trajectory));
   }
 
-  PointColumns meaning() const {
+  /// Of the further columns and colors only those that `attributes` names; all if it names one that is not there, so
+  /// that who looks for it can say which are.
+  PointColumns kept_columns(const std::vector<std::string>& attributes) const {
     std::vector<std::string> names;
     for (const BinaryField& field : fields_.all) names.push_back(field.name);
     PointColumns columns = meaning_of(names);
@@ -87,30 +127,82 @@ class LasReader {
       columns.others.insert(columns.others.end(), columns.sensor.index.begin(), columns.sensor.index.end());
       columns.sensor = {};
     }
+    const auto is_named = [&](const std::string& name) {
+      return std::find(attributes.begin(), attributes.end(), name) != attributes.end();
+    };
+    const auto is_other = [&](size_t k) { return is_named(column_name(names[k])); };
+    const auto found = std::count_if(columns.others.begin(), columns.others.end(), is_other);
+    if (static_cast<size_t>(found) + is_named("color") != attributes.size()) return columns;
+    std::erase_if(columns.others, [&](size_t k) { return !is_other(k); });
+    if (!is_named("color")) columns.color = {};
     return columns;
   }
 
+  /// Of each byte of a record: is it read?
+  std::vector<bool> wanted_bytes() const {
+    std::vector<bool> wanted(header_.record_bytes);
+    const auto want = [&](const BinaryField& field) {
+      std::fill_n(wanted.begin() + static_cast<std::ptrdiff_t>(field.offset), size_of(field.type), true);
+    };
+    for (const BinaryField* field : {&fields_.withheld, &fields_.classification, &fields_.source}) want(*field);
+    if (trajectory_) want(*fields_.gps_time);
+    for (const Triple& triple : {meaning_.position, meaning_.normal, meaning_.sensor, meaning_.color})
+      if (triple.present())
+        for (const size_t k : triple.index) want(fields_.all[k]);
+    if (meaning_.weight != Triple::absent) want(fields_.all[meaning_.weight]);
+    for (const size_t k : meaning_.others) want(fields_.all[k]);
+    return wanted;
+  }
+
   void read_points() {
-    FieldReader rows(source_, fields_.all, meaning());
+    FieldReader rows(source_, fields_.all, meaning_);
     rows.leave_out_zeros();
+    if (header_.compressed) check_growth(rows.bytes_per_row(trajectory_.has_value()));
     cloud_ = rows.cloud_for_rows(header_.count, trajectory_.has_value());
-    const auto count = static_cast<size_t>(header_.count);
-    for (size_t first = 0; first < count; first += FieldReader::block_rows) {
-      context_.check();
-      const size_t block = std::min(FieldReader::block_rows, count - first);
-      const bool all = find_kept(first, block);
-      rows.append(first, block, all ? nullptr : &kept_, cloud_);
-      if (trajectory_) append_sensors(first, block, all);
-      source_.release_before(header_.points_offset + first * header_.record_bytes);
+    if (laz_) {
+      size_t done = 0;
+      laz_->read([&](std::string_view records) {
+        read_records(rows, records, done);
+        done += records.size() / header_.record_bytes;
+      });
+    } else {
+      const size_t bytes = header_.end_of_points() - header_.points_offset;
+      read_records(rows, source_.bytes().substr(header_.points_offset, bytes), 0);
     }
     rows.finish(cloud_);
     if (cloud_.size() == 0)
       throw InputError(fmt::format("{}: all of its {} points are marked as withheld", source_.path(), header_.count));
   }
 
+  /// A few bits of a file can be a point; far more than real files have of this would be an attack.
+  void check_growth(size_t bytes_per_row) const {
+    constexpr uint64_t most_growth = 256, always = uint64_t{32} << 20;
+    const uint64_t each = bytes_per_row + header_.record_bytes;
+    const uint64_t most = (most_growth * source_.bytes().size() + always) / each;
+    if (header_.count > most)
+      throw InputError(
+          fmt::format("{}: number of points = {}, must be at most {}: {} bytes each from a file of {} bytes",
+                      source_.path(), header_.count, most, each, source_.bytes().size()));
+  }
+
+  /// `first`: how many of the file's points were before these.
+  void read_records(FieldReader& rows, std::string_view records, size_t first) {
+    records_ = records;
+    rows.read_from(records, first);
+    const size_t count = records.size() / header_.record_bytes;
+    for (size_t begin = 0; begin < count; begin += FieldReader::block_rows) {
+      context_.check();
+      const size_t block = std::min(FieldReader::block_rows, count - begin);
+      const bool all = find_kept(begin, block);
+      rows.append(begin, block, all ? nullptr : &kept_, cloud_);
+      note_samples(begin, block, all);
+      if (!laz_) source_.release_before(header_.points_offset + begin * header_.record_bytes);
+    }
+  }
+
   /// The block's points that are not marked as withheld; true if these are all.
   bool find_kept(size_t first, size_t count) {
-    read_field(source_.bytes(), fields_.withheld, first, count, block_.data());
+    read_field(records_, fields_.withheld, first, count, block_.data());
     kept_.clear();
     for (size_t i = 0; i < count; ++i)
       if (block_[i] == 0) kept_.push_back(static_cast<uint32_t>(i));
@@ -118,8 +210,19 @@ class LasReader {
     return kept_.size() == count;
   }
 
+  /// What is told of the samples, kept or not as columns.
+  void note_samples(size_t first, size_t count, bool all) {
+    const size_t used = all ? count : kept_.size();
+    const auto value = [&](size_t i) { return block_[all ? i : kept_[i]]; };
+    read_field(records_, fields_.classification, first, count, block_.data());
+    for (size_t i = 0; i < used; ++i) noise_ += value(i) == 7 || value(i) == 18;
+    read_field(records_, fields_.source, first, count, block_.data());
+    for (size_t i = 0; i < used; ++i) runs_.add(value(i), cloud_.size() - used + i);
+    if (trajectory_) append_sensors(first, count, all);
+  }
+
   void append_sensors(size_t first, size_t count, bool all) {
-    read_field(source_.bytes(), *fields_.gps_time, first, count, block_.data());
+    read_field(records_, *fields_.gps_time, first, count, block_.data());
     const size_t used = all ? count : kept_.size();
     for (size_t i = 0; i < used; ++i) {
       const double time = block_[all ? i : kept_[i]];
@@ -155,12 +258,9 @@ class LasReader {
   }
 
   void warn_of_samples() {
-    if (const std::vector<float>* classes = find_values(cloud_, "classification")) {
-      const auto noise = std::count_if(classes->begin(), classes->end(), [](float c) { return c == 7 || c == 18; });
-      if (noise > 0)
-        warn(fmt::format("{} of {} samples are classified as noise (7 or 18), and used all the same", noise,
-                         cloud_.size()));
-    }
+    if (noise_ > 0)
+      warn(fmt::format("{} of {} samples are classified as noise (7 or 18), and used all the same", noise_,
+                       cloud_.size()));
     const Box3d box = cloud_.box(context_);
     const bool given =
         std::isfinite(header_.box.diagonal()) && !(header_.box.lo == Vec3d{} && header_.box.hi == Vec3d{});
@@ -173,39 +273,21 @@ class LasReader {
     }
   }
 
-  /// A scan for each run of points of one source (a flight line), unless sources alternate.
-  void split_into_scans() {
-    constexpr size_t most_runs = 1000;
-    constexpr size_t least_mean_run = 1000;
-    const std::string stem = std::filesystem::path(source_.path()).stem().string();
-    const std::vector<float>* sources = find_values(cloud_, "point_source_id");
-    for (size_t i = 0; sources != nullptr && i < cloud_.size(); ++i) {
-      if (i > 0 && (*sources)[i] == (*sources)[i - 1]) continue;
-      if (!cloud_.scans.empty()) cloud_.scans.back().end = i;
-      Scan& scan = cloud_.scans.emplace_back();
-      scan.name = fmt::format("{} {}", stem, (*sources)[i]);
-      scan.begin = i;
-      scan.end = cloud_.size();
-      if (cloud_.scans.size() > most_runs) break;
-    }
-    const size_t runs = cloud_.scans.size();
-    if (runs > 1 && runs <= most_runs && cloud_.size() / runs >= least_mean_run) return;
-    Scan whole;
-    whole.name = stem;
-    whole.end = cloud_.size();
-    cloud_.scans = {whole};
-  }
-
   ByteSource& source_;
   ReadReport& report_;
   const Context& context_;
   LasHeader header_;
   LasFields fields_;
   std::optional<Trajectory> trajectory_;
+  PointColumns meaning_;
+  std::optional<LazReader> laz_;  // of a compressed file
+  std::string_view records_;      // that are being read
   PointCloud cloud_;
   std::array<double, FieldReader::block_rows> block_{};
   std::vector<uint32_t> kept_;  // of the block
   size_t withheld_ = 0;
+  size_t noise_ = 0;
+  SourceRuns runs_;
   size_t outside_ = 0;  // of the trajectory's times
   TimeRange times_;
 };
@@ -215,7 +297,7 @@ class LasReader {
 bool looks_like_las(const ByteSource& source) { return source.begins_with("LASF"); }
 
 PointCloud read_las(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context) {
-  return LasReader(source, report, context).read(options.trajectory);
+  return LasReader(source, report, context).read(options);
 }
 
 }  // namespace soapfilm::io

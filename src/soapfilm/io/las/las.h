@@ -1,4 +1,4 @@
-// Reads LAS files (ASPRS, versions 1.0 to 1.4); docs/reference/formats.md describes what is read.
+// Reads LAS and LAZ files (ASPRS, versions 1.0 to 1.4); docs/reference/formats.md describes what is read.
 #pragma once
 
 #include "soapfilm/io.h"

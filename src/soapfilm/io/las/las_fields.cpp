@@ -60,7 +60,7 @@ constexpr std::array<LasPlaces, 11> places_of_format{{{0, 0, 0},
 
 BinaryField field_of(const LasField& from, const LasHeader& header) {
   BinaryField field{.name = std::string(from.name), .type = from.type};
-  field.offset = header.points_offset + from.offset;
+  field.offset = from.offset;
   field.stride = header.record_bytes;
   field.swap = std::endian::native != std::endian::little;
   field.shift = from.shift;
@@ -71,7 +71,7 @@ BinaryField field_of(const LasField& from, const LasHeader& header) {
 
 }  // namespace
 
-LasFields las_fields(const ByteSource& source, const LasHeader& header, const LasRecords& records) {
+LasFields las_fields(std::string_view first_record, const LasHeader& header, const LasRecords& records) {
   constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
   constexpr std::array<std::string_view, 3> colors{"red", "green", "blue"};
   const LasPlaces& place = places_of_format[static_cast<size_t>(header.point_format)];
@@ -88,11 +88,15 @@ LasFields las_fields(const ByteSource& source, const LasHeader& header, const La
   else
     for (const LasField& field : old_fields) add(field);
   fields.withheld = field_of(is_new ? new_withheld : old_withheld, header);
+  for (const BinaryField& field : fields.all) {
+    if (field.name == "classification") fields.classification = field;
+    if (field.name == "point_source_id") fields.source = field;
+  }
   if (place.gps_time > 0) {
     add({"gps_time", NumberType::float64, place.gps_time});
     fields.gps_time = fields.all.back();
     double first = 0;
-    read_field(source.bytes(), *fields.gps_time, 0, 1, &first);
+    read_field(first_record, *fields.gps_time, 0, 1, &first);
     if (std::isfinite(first)) fields.all.back().add = -first;
   }
   if (place.color > 0)
@@ -100,7 +104,7 @@ LasFields las_fields(const ByteSource& source, const LasHeader& header, const La
   if (place.infrared > 0) add({"nir", NumberType::uint16, place.infrared});
   for (const BinaryField& extra : records.extra) {
     fields.all.push_back(extra);
-    fields.all.back().offset += header.points_offset + standard_bytes(header.point_format);
+    fields.all.back().offset += standard_bytes(header.point_format);
     fields.all.back().stride = header.record_bytes;
   }
   return fields;

@@ -38,7 +38,7 @@ class LasHeaderReader {
       header_.extended_offset = at<uint64_t>(235);
       header_.extended_records = at<uint32_t>(243);
     }
-    warn_of_rest();
+    if (!header_.compressed) warn_of_rest();
     return header_;
   }
 
@@ -75,11 +75,10 @@ class LasHeaderReader {
       fail(96, "offset of the points", header_.points_offset,
            fmt::format("must be from {} (the header) to {} (the file)", header_.header_bytes, size));
     header_.variable_records = at<uint32_t>(100);
-    const int format = at<uint8_t>(104);
-    if ((format & 0x80) != 0)
-      throw InputError(source_.path() +
-                       ": is compressed (LAZ), must be LAS: decompress it before, for example by laszip, las2las, "
-                       "`pdal translate IN.laz OUT.las` or CloudCompare");
+    constexpr int compressed = 0x80, marks = 0xc0;  // both marks are LASzip's
+    int format = at<uint8_t>(104);
+    header_.compressed = (format & compressed) != 0;
+    if (header_.compressed) format &= ~marks;
     if (format >= static_cast<int>(standard_record_bytes.size()))
       fail(104, "point format", format, "must be from 0 to 10");
     header_.point_format = format;
@@ -105,6 +104,7 @@ class LasHeaderReader {
                          count));
     }
     if (header_.count == 0) fail(place, "number of points", 0, "must be > 0");
+    if (header_.compressed) return;
     const uint64_t most = (source_.bytes().size() - header_.points_offset) / header_.record_bytes;
     if (header_.count > most)
       fail(place, "number of points", header_.count,

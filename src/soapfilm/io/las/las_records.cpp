@@ -21,6 +21,7 @@ constexpr size_t most_extra_fields = 256;
 constexpr uint16_t wkt_record = 2112;
 constexpr uint16_t geotiff_keys_record = 34735;
 constexpr uint16_t extra_bytes_record = 4;
+constexpr uint16_t laszip_record = 22204;
 
 constexpr uint16_t projected_system_key = 3072;
 constexpr uint16_t geographic_system_key = 2048;
@@ -87,6 +88,8 @@ class LasRecordsReader {
       geotiff_keys_ = content;
     else if (user == "LASF_Spec" && id == extra_bytes_record)
       use_extra_bytes(content);
+    else if (user == "laszip encoded" && id == laszip_record)
+      records_.laszip = content;
   }
 
   void use_wkt(std::string_view content) {

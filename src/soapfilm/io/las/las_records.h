@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "soapfilm/io/bytes/binary_fields.h"
@@ -15,6 +16,7 @@ struct LasRecords {
   std::vector<BinaryField> extra;  ///< described fields; offsets count from the extra bytes' beginning
   size_t extra_bytes = 0;          ///< that records describe, at most `room`
   size_t undescribed_bytes = 0;    ///< of `room`
+  std::string_view laszip;         ///< how the points are compressed; empty: no record says it
 };
 
 /// `room`: the extra bytes of each point. Records that lie, or are not in the file, are warned of and left out.

@@ -18,17 +18,6 @@ namespace soapfilm::io {
 
 namespace {
 
-/// Converts from 1 upwards, or from -1 (the last one so far) downwards, to from 0 upwards.
-uint32_t parse_obj_index(const TextCursor& cursor, std::string_view text, size_t so_far) {
-  int64_t index = 0;
-  if (!parse_integer(text, index)) cursor.fail("index " + in_quotes(text) + ", must be an integer");
-  if (index <= 0 && (index == 0 || index < -static_cast<int64_t>(so_far)))
-    cursor.fail(fmt::format("index {}, must be from 1 up or from -1 down to -{}", index, so_far));
-  const int64_t from_zero = index > 0 ? index - 1 : static_cast<int64_t>(so_far) + index;
-  if (from_zero > INT32_MAX) cursor.fail(fmt::format("index {}, must be at most {}", index, INT32_MAX));
-  return static_cast<uint32_t>(from_zero);
-}
-
 class ObjReader {
  public:
   explicit ObjReader(ByteSource& source) : source_(source), cursor_(source) {}
@@ -151,17 +140,10 @@ class ObjWriter {
 
 }  // namespace
 
-ObjCorner parse_obj_corner(const TextCursor& cursor, std::string_view field, size_t vertices_so_far,
-                           size_t normals_so_far) {
-  const size_t slash = field.find('/');
-  ObjCorner corner{parse_obj_index(cursor, field.substr(0, slash), vertices_so_far), {}};
-  const size_t second = slash == std::string_view::npos ? slash : field.find('/', slash + 1);
-  if (second != std::string_view::npos)
-    corner.normal = parse_obj_index(cursor, field.substr(second + 1), normals_so_far);
-  return corner;
+Mesh read_obj(ByteSource& source, ReadReport&) {
+  ObjSource text(source);
+  return ObjReader(text.plain()).read();
 }
-
-Mesh read_obj(ByteSource& source, ReadReport&) { return ObjReader(source).read(); }
 
 WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
   check_mesh(mesh);

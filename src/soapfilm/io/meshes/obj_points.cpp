@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
@@ -15,6 +17,7 @@
 #include "soapfilm/io/point_table.h"
 #include "soapfilm/io/text/number_line.h"
 #include "soapfilm/io/text/text.h"
+#include "soapfilm/io/text/text_encoding.h"
 
 namespace soapfilm::io {
 
@@ -186,7 +189,7 @@ class ObjPointsReader {
     scan.name = std::filesystem::path(source_.path()).stem().string();
     scan.end = cloud_.size();
     cloud_.scans.push_back(std::move(scan));
-    finish_points(cloud_, std::move(file), {}, report);
+    finish_points(cloud_, std::move(file), {.has_faces = counts_.faces > 0}, report);
     return std::move(cloud_);
   }
 
@@ -207,16 +210,18 @@ class ObjPointsReader {
 
 bool obj_has_faces(ByteSource& source) {
   bool found = false;
-  for_each_obj_line(source.bytes(), [&](std::string_view line, size_t end) {
+  const std::optional<std::string> converted = utf8_of_utf16(source.bytes());
+  for_each_obj_line(converted ? *converted : source.bytes(), [&](std::string_view line, size_t end) {
     found = is_keyword(line, "f");
-    source.release_before(end);
+    if (!converted) source.release_before(end);
     return !found;
   });
   return found;
 }
 
 PointCloud read_obj_points(ByteSource& source, ReadReport& report, const ReadOptions&, const Context& context) {
-  return ObjPointsReader(source, context).read(report);
+  ObjSource text(source);
+  return ObjPointsReader(text.plain(), context).read(report);
 }
 
 }  // namespace soapfilm::io

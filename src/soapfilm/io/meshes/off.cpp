@@ -7,6 +7,7 @@
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/bytes/atomic_file.h"
+#include "soapfilm/io/meshes/mesh_points.h"
 #include "soapfilm/io/meshes/polygon.h"
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/text/text.h"
@@ -17,7 +18,13 @@ namespace {
 
 class OffReader {
  public:
-  explicit OffReader(ByteSource& source) : cursor_(source) {}
+  explicit OffReader(ByteSource& source, bool is_mesh = true) : cursor_(source), is_mesh_(is_mesh) {}
+
+  /// Counts of faces are in the head.
+  bool has_faces() {
+    read_head();
+    return faces_ > 0;
+  }
 
   Mesh read() {
     read_head();
@@ -28,7 +35,7 @@ class OffReader {
     for (uint64_t i = 0; i < faces_; ++i) read_face(mesh, i);
     std::string_view rest;
     if (cursor_.next_content_line(rest)) cursor_.fail(fmt::format("text after the last of {} faces", faces_));
-    if (mesh.triangles.empty()) cursor_.fail("holds no faces, must be a mesh");
+    if (is_mesh_ && mesh.triangles.empty()) cursor_.fail("holds no faces, must be a mesh");
     return mesh;
   }
 
@@ -50,7 +57,7 @@ class OffReader {
     std::string_view field;
     const bool valid = next_field(line, field) && parse_integer(field, vertices) && next_field(line, field) &&
                        parse_integer(field, faces);
-    if (!valid || vertices <= 0 || faces <= 0)
+    if (!valid || vertices <= 0 || faces < 0)
       cursor_.fail("not an OFF file: " + in_quotes(field) + ", must be the counts of vertices and faces, integers > 0");
     vertices_ = static_cast<uint64_t>(vertices);
     faces_ = static_cast<uint64_t>(faces);
@@ -74,7 +81,7 @@ class OffReader {
   void read_vertex(Mesh& mesh, uint64_t index) {
     std::string_view line = content_line(fmt::format("vertex {}", index));
     const Vec3d position = read_vector(line, index);
-    if (!is_finite(position)) cursor_.fail(fmt::format("vertex {}: the position must be finite", index));
+    if (is_mesh_ && !is_finite(position)) cursor_.fail(fmt::format("vertex {}: the position must be finite", index));
     mesh.vertices.push_back(position);
     if (has_normal_) mesh.normals.push_back(static_cast<Vec3f>(read_vector(line, index)));
     if (!has_color_) return;
@@ -127,6 +134,7 @@ class OffReader {
   }
 
   TextCursor cursor_;
+  bool is_mesh_;
   uint64_t vertices_ = 0;
   uint64_t faces_ = 0;
   bool has_color_ = false;
@@ -144,6 +152,12 @@ void put_off_numbers(AtomicFile& file, const Vec3<T>& v, bool begins) {
 }
 
 }  // namespace
+
+bool off_has_faces(ByteSource& source) { return OffReader(source).has_faces(); }
+
+PointCloud read_off_points(ByteSource& source, ReadReport& report, const ReadOptions&, const Context&) {
+  return points_of_mesh(OffReader(source, false).read(), source, "OFF", false, report);
+}
 
 Mesh read_off(ByteSource& source, ReadReport&) { return OffReader(source).read(); }
 

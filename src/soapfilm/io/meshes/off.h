@@ -6,6 +6,10 @@
 
 namespace soapfilm::io {
 
+/// Does the head count faces?
+bool off_has_faces(ByteSource& source);
+/// The vertices as samples; of clouds there are no faces.
+PointCloud read_off_points(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
 Mesh read_off(ByteSource& source, ReadReport& report);
 
 /// Normals (NOFF) and colors (COFF) come along, attributes are left out with a warning.

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/grid_view.h"
 #include "soapfilm/io/npy/npy_header.h"
+#include "soapfilm/io/range_image.h"
 #include "soapfilm/io/text/text.h"
 #include "soapfilm/io/unnamed_columns.h"
 
@@ -27,19 +30,29 @@ class NpyReader {
       use_columns();
     PointCloud cloud = read_rows();
     const PointColumns columns = meaning();
+    warn_of_color_parts(columns, source_.path(), report_.warnings);
     if (!header_.has_names && fields_.size() > 3) judge(cloud);
     Scan scan;
     scan.name = std::filesystem::path(source_.path()).stem().string();
     scan.end = cloud.size();
+    const bool has_grid = is_image_ && header_.shape[0] > 1 && header_.shape[1] > 1;
+    if (has_grid) {
+      scan.range_grid =
+          full_grid(static_cast<int>(header_.shape[1]), static_cast<int>(header_.shape[0]), header_.fortran_order);
+      if (is_scanner_place(cloud.positions, scan, {}, false)) scan.sensor = Vec3d{};
+    }
     cloud.scans.push_back(std::move(scan));
 
     FileReport file;
+    if (is_image_) file.no_return = drop_empty_cells(cloud);
     file.path = source_.path();
     file.format = fmt::format("NumPy array {}", describe_shape(header_.shape));
     for (const BinaryField& field : fields_) file.properties.push_back(field.name);
     const bool float32 = std::all_of(columns.position.index.begin(), columns.position.index.end(),
                                      [&](size_t k) { return fields_[k].type == NumberType::float32; });
-    finish_points(cloud, std::move(file), {.float32 = float32}, report_);
+    finish_points(cloud, std::move(file), {.float32 = float32, .zero_is_none = is_image_}, report_);
+    if (const std::string why = give_named_grid(cloud); !why.empty())
+      warn("rows and columns not used as a range grid: " + why);
     return cloud;
   }
 
@@ -64,11 +77,16 @@ class NpyReader {
     if (left > rows_ * row_bytes) warn(fmt::format("{} bytes after the array are not read", left - rows_ * row_bytes));
   }
 
-  /// One element with fields for each sample.
+  bool are_sizes_of_image() const { return header_.shape[0] <= INT32_MAX && header_.shape[1] <= INT32_MAX; }
+
+  /// One element with fields for each sample, or for each cell of a range image.
   void use_names() {
-    if (header_.shape.size() != 1)
-      fail(fmt::format("shape = {}, must be (n,) of elements with named fields", describe_shape(header_.shape)));
-    check_size(header_.shape[0], header_.element_bytes);
+    const std::vector<uint64_t>& shape = header_.shape;
+    is_image_ = shape.size() == 2;
+    if ((shape.size() != 1 && !is_image_) || (is_image_ && !are_sizes_of_image()))
+      fail(fmt::format("shape = {}, must be (n,) or (height, width) of elements with named fields",
+                       describe_shape(shape)));
+    check_size(is_image_ ? shape[0] * shape[1] : shape[0], header_.element_bytes);
     fields_ = header_.fields;
     for (BinaryField& field : fields_) {
       field.name = printable(std::move(field.name));  // it reaches reports and files
@@ -87,17 +105,21 @@ class NpyReader {
     if (!unread.empty()) warn(fmt::format("fields that are no numbers of 1 to 8 bytes are not read: {}", unread));
   }
 
-  /// One row of numbers for each sample.
+  /// One row of numbers for each sample, or for each cell of a range image.
   void use_columns() {
-    constexpr std::string_view expected = "must be (n, 3), (n, 4), (n, 6) or more columns: x y z and further ones";
+    constexpr std::string_view expected =
+        "must be (n, 3), (n, 4), (n, 6) or more columns, or (height, width, 3) or more: x y z and further ones";
+    constexpr uint64_t most_columns = 1000;
     const std::vector<uint64_t>& shape = header_.shape;
-    if (shape.size() != 2 || shape[1] < 3 || shape[1] > NpyHeader::most_fields) {
+    is_image_ = shape.size() == 3;
+    if ((shape.size() != 2 && !is_image_) || shape.back() < 3 || shape.back() > most_columns ||
+        (is_image_ && !are_sizes_of_image())) {
       const bool is_turned = shape.size() == 2 && shape[0] >= 3 && shape[0] <= 10;
       fail(fmt::format("shape = {}, {}{}", describe_shape(shape), expected,
                        is_turned ? " (save the transposed array)" : ""));
     }
-    const auto columns = static_cast<size_t>(shape[1]);
-    check_size(shape[0], columns * header_.element_bytes);
+    const auto columns = static_cast<size_t>(shape.back());
+    check_size(is_image_ ? shape[0] * shape[1] : shape[0], columns * header_.element_bytes);
     for (size_t k = 0; k < columns; ++k) {
       BinaryField field = header_.fields.at(0);
       field.stride = header_.fortran_order ? header_.element_bytes : columns * header_.element_bytes;
@@ -113,10 +135,14 @@ class NpyReader {
     UnnamedColumns unnamed;
     unnamed.can_be_named = false;
     for (const BinaryField& field : fields_) unnamed.names.push_back(field.name);
-    const auto falls = [](const Vec3d& a, const Vec3d& b) { return !(b.x > a.x); };
-    if (std::adjacent_find(cloud.positions.begin(), cloud.positions.end(), falls) == cloud.positions.end()) {
+    const auto is_fraction = [](const Vec3d& p) { return p.x != std::floor(p.x); };
+    if (std::none_of(cloud.positions.begin(), cloud.positions.end(), is_fraction)) {
       unnamed.fourth.resize(rows_);
       read_field(source_.bytes(), fields_[3], 0, rows_, unnamed.fourth.data());
+      if (fields_.size() > 4) {
+        unnamed.fifth.resize(rows_);
+        read_field(source_.bytes(), fields_[4], 0, rows_, unnamed.fifth.data());
+      }
     }
     judge_unnamed_columns(cloud, unnamed);
     for (size_t k = 0; k < fields_.size(); ++k) fields_[k].name = unnamed.names[k];
@@ -142,6 +168,7 @@ class NpyReader {
   NpyHeader header_;
   std::vector<BinaryField> fields_;
   size_t rows_ = 0;
+  bool is_image_ = false;  // the first two sizes are those of a range image
 };
 
 }  // namespace

@@ -5,15 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
 
 #include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/bytes/lzf.h"
+#include "soapfilm/io/grid_view.h"
 #include "soapfilm/io/pcd/pcd_header.h"
 #include "soapfilm/io/point_columns.h"
 #include "soapfilm/io/point_table.h"
+#include "soapfilm/io/range_image.h"
 #include "soapfilm/io/text/number_line.h"
 #include "soapfilm/io/text/text.h"
 
@@ -116,6 +117,7 @@ class PcdReader {
     if (!layout_.unused.empty())
       report.warnings.push_back(
           fmt::format("{}: fields not used: {}", source_.path(), fmt::join(layout_.unused, ", ")));
+    warn_of_color_parts(layout_, source_.path(), report.warnings);
     finish(report, trust_viewpoint);
     return std::move(cloud_);
   }
@@ -188,13 +190,15 @@ class PcdReader {
     const size_t points_at_once = std::clamp<size_t>(most_values / width, 1, header_.points);
     std::vector<double> numbers(points_at_once * width);
     std::string_view line;
+    std::string buffer;
     for (uint64_t i = 0; i < header_.points;) {
       context_.check();
       const size_t count = std::min<uint64_t>(points_at_once, header_.points - i);
       for (size_t k = 0; k < count; ++k) {
         if (!next_filled_line(cursor, line))
           cursor.fail(fmt::format("truncated: the file ends after {} of {} points", i + k, header_.points));
-        const size_t found = parse_number_line(cursor, line, {numbers.data() + k * width, width});
+        const size_t found =
+            parse_number_line(cursor, without_commas(line, width, buffer), {numbers.data() + k * width, width});
         if (found != width) cursor.fail(fmt::format("point {}: {} numbers, must be {}", i + k, found, width));
         cursor.release();
       }
@@ -300,16 +304,11 @@ class PcdReader {
     Scan scan;
     scan.name = std::filesystem::path(source_.path()).stem().string();
     scan.end = cloud_.size();
-    place_scanner(scan, trust_viewpoint, report);
     const bool is_image = header_.columns > 1 && header_.rows > 1;
-    if (is_image) {
-      RangeGrid grid{static_cast<int>(header_.columns), static_cast<int>(header_.rows), {}};
-      grid.sample.resize(cloud_.size());
-      std::iota(grid.sample.begin(), grid.sample.end(), 0);
-      scan.range_grid = std::move(grid);
-    }
+    if (is_image) scan.range_grid = full_grid(static_cast<int>(header_.columns), static_cast<int>(header_.rows));
+    place_scanner(scan, trust_viewpoint, report);
     cloud_.scans.push_back(std::move(scan));
-    if (is_image) file.no_return = drop_empty_cells();
+    if (is_image) file.no_return = drop_empty_cells(cloud_);
     const bool float32 = std::all_of(layout_.position.index.begin(), layout_.position.index.end(), [&](size_t k) {
       return header_.fields[k].type == 'F' && header_.fields[k].size == 4 && header_.data != PcdData::ascii;
     });
@@ -321,26 +320,13 @@ class PcdReader {
     const auto& [x, y, z, qw, qx, qy, qz] = header_.viewpoint;
     const bool turned = qx != 0 || qy != 0 || qz != 0;
     const bool is_default = x == 0 && y == 0 && z == 0 && !turned;
-    if (is_default && !trust_viewpoint) return;
+    if (is_default && !trust_viewpoint && !is_scanner_place(cloud_.positions, scan, {}, false)) return;
     scan.sensor = Vec3d{x, y, z};
     if (turned)
       report.warnings.push_back(fmt::format(
           "{}: VIEWPOINT is turned: only its position ({}, {}, {}) is used; if the points are in the scanner's own "
           "frame, pcl_transform_from_viewpoint moves them",
           source_.path(), x, y, z));
-  }
-
-  /// Cells of a range image whose coordinates are all nan are rays that met nothing.
-  size_t drop_empty_cells() {
-    std::vector<bool> keep(cloud_.size());
-    size_t empty = 0;
-    for (size_t i = 0; i < keep.size(); ++i) {
-      const Vec3d& p = cloud_.positions[i];
-      keep[i] = !(std::isnan(p.x) && std::isnan(p.y) && std::isnan(p.z));
-      empty += !keep[i];
-    }
-    if (empty > 0) cloud_.filter(keep);
-    return empty;
   }
 
   static constexpr size_t most_values = size_t{1} << 15, bytes_at_once = size_t{1} << 17;  // in the cache

@@ -15,10 +15,17 @@ namespace {
 
 constexpr size_t most_pcd_fields = 1024;
 
-/// The words of a line; of a longer one than any header has only the first.
+/// The words of a line, between blanks or commas; of a longer one than any header has only the first.
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
-  for (std::string_view word; words.size() <= most_pcd_fields && next_field(line, word);) words.push_back(word);
+  const auto ends = [](char c) { return is_blank(c) || c == ','; };
+  while (words.size() <= most_pcd_fields) {
+    while (!line.empty() && ends(line.front())) line.remove_prefix(1);
+    const auto end = std::find_if(line.begin(), line.end(), ends) - line.begin();
+    if (line.empty()) break;
+    words.push_back(line.substr(0, static_cast<size_t>(end)));
+    line.remove_prefix(static_cast<size_t>(end));
+  }
   return words;
 }
 
@@ -126,7 +133,9 @@ class PcdHeaderParser {
   }
 
   void parse_viewpoint(std::string_view rest) {
-    const size_t count = parse_number_line(cursor_, rest, header_.viewpoint);
+    std::string buffer;
+    const size_t count =
+        parse_number_line(cursor_, without_commas(rest, header_.viewpoint.size(), buffer), header_.viewpoint);
     if (count != header_.viewpoint.size() ||
         !std::all_of(header_.viewpoint.begin(), header_.viewpoint.end(), [](double v) { return std::isfinite(v); }))
       cursor_.fail(fmt::format("VIEWPOINT of {} numbers, must be 7 finite ones: tx ty tz qw qx qy qz", count));

@@ -16,7 +16,8 @@ struct TypeName {
   std::string_view name;
   PlyType type;
 };
-constexpr std::array<TypeName, 16> type_names{{{"char", PlyType::int8},
+constexpr std::array<TypeName, 17> type_names{{{"bool", PlyType::uint8},
+                                               {"char", PlyType::int8},
                                                {"int8", PlyType::int8},
                                                {"uchar", PlyType::uint8},
                                                {"uint8", PlyType::uint8},
@@ -72,8 +73,7 @@ class HeaderParser {
       } else if (keyword == "comment" || keyword == "obj_info") {
         header_.notes.push_back({std::string(rest), cursor_.line()});
       } else {
-        cursor_.fail("header keyword " + in_quotes(keyword) +
-                     ", must be format, element, property, comment, obj_info or end_header");
+        note_stray_line(line, keyword, rest);
       }
     }
     cursor_.fail("truncated: the header has no end_header line");
@@ -92,6 +92,24 @@ class HeaderParser {
       cursor_.fail("format " + in_quotes(name) + ", must be ascii, binary_little_endian or binary_big_endian");
     }
     format_seen_ = true;
+  }
+
+  /// A remark without `comment` before it, but not a misspelled keyword.
+  void note_stray_line(std::string_view line, std::string_view keyword, std::string_view rest) {
+    constexpr size_t most = 100;
+    std::string_view second, third;
+    next_field(rest, second);
+    next_field(rest, third);
+    int64_t count = 0;
+    const bool is_type =
+        std::any_of(type_names.begin(), type_names.end(), [&](const TypeName& known) { return known.name == second; });
+    const bool is_element = parse_integer(third, count) && !next_field(rest, third);
+    if (is_type || is_element || second == "list" || second == "ascii" || second.substr(0, 7) == "binary_" ||
+        header_.stray.size() == most)
+      cursor_.fail("header keyword " + in_quotes(keyword) +
+                   ", must be format, element, property, comment, obj_info or end_header");
+    header_.stray.push_back({std::string(line), cursor_.line()});
+    header_.notes.push_back(header_.stray.back());
   }
 
   void parse_element(std::string_view rest) {
@@ -184,6 +202,14 @@ const PlyElement* PlyHeader::find(std::string_view element) const {
   const auto found =
       std::find_if(elements.begin(), elements.end(), [&](const PlyElement& other) { return other.name == element; });
   return found == elements.end() ? nullptr : &*found;
+}
+
+void warn_of_stray_lines(const PlyHeader& header, const std::string& path, ReadReport& report) {
+  if (header.stray.empty()) return;
+  const PlyNote& first = header.stray.front();
+  report.warnings.push_back(fmt::format(
+      "{}:{}: {}{}: no keyword of a PLY header, taken for a comment", path, first.line, in_quotes(first.text),
+      header.stray.size() == 1 ? "" : fmt::format(" and {} more lines", header.stray.size() - 1)));
 }
 
 bool looks_like_ply(const ByteSource& source) { return !after_first_line(source).empty(); }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "soapfilm/io.h"
 #include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm::io {
@@ -59,12 +60,15 @@ struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
   std::vector<PlyNote> notes;
-  char line_end = '\n';  ///< or '\r'
+  std::vector<PlyNote> stray;  ///< lines without a keyword
+  char line_end = '\n';        ///< or '\r'
   size_t body_offset = 0;
   size_t body_line = 0;
 
   const PlyElement* find(std::string_view element) const;
 };
+
+void warn_of_stray_lines(const PlyHeader& header, const std::string& path, ReadReport& report);
 
 /// Does it begin with a line `ply`? (Blanks may follow; lines may end with LF, CRLF or CR.)
 bool looks_like_ply(const ByteSource& source);

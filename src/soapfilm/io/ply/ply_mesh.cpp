@@ -61,6 +61,8 @@ Mesh read_ply_mesh(ByteSource& source, ReadReport& report) {
   const PlyHeader header = read_ply_header(source);
   const PlyElement& vertex = vertex_element(header, source.path());
   const PlyVertexLayout layout = find_vertex_layout(vertex, source.path());
+  warn_of_stray_lines(header, source.path(), report);
+  warn_of_color_parts(layout, source.path(), report.warnings);
   Mesh mesh;
   PlyRows rows(source, header);
   for (const PlyElement& element : header.elements) {

@@ -38,7 +38,7 @@ PointHeader point_header(const PlyElement& vertex, const PlyVertexLayout& layout
                      layout.normal.present(),
                      layout.sensor.present(),
                      layout.weight != Triple::absent,
-                     layout.color.present(),
+                     layout.has_color(),
                      {}};
   for (const size_t k : layout.others) header.columns.push_back(vertex.properties[k].name);
   return header;
@@ -65,7 +65,7 @@ void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout
   rows.begin(vertex);
   cloud = cloud_for(point_header(vertex, layout), path);
   const bool weighted = layout.weight != Triple::absent;
-  if (rows.plain_floats() && !weighted && !layout.color.present()) return read_floats(rows, vertex, layout, cloud);
+  if (rows.plain_floats() && !weighted && !layout.has_color()) return read_floats(rows, vertex, layout, cloud);
 
   PlyColors colors(layout, vertex.count);
   for (uint64_t i = 0; i < vertex.count; ++i) {
@@ -133,6 +133,7 @@ void share_out_range_grids(const std::vector<int32_t>& cells, std::vector<PlySca
 
 /// What the header says of elements besides the vertices.
 struct PlyPlan {
+  bool has_faces = false;
   bool faces_tell_normals = false;  ///< the vertices have none
   bool faces_first = false;         ///< before the vertices
   Triple camera;                    ///< where the scanner stood, among the properties of element `camera`
@@ -142,8 +143,8 @@ struct PlyPlan {
 PlyPlan plan_of(const PlyHeader& header, const PlyVertexLayout& layout, const std::vector<PlyScan>& scans) {
   PlyPlan plan;
   for (const PlyElement& element : header.elements) {
-    if (element.count > 0 && index_list(element) != PlyElement::absent && !layout.normal.present())
-      plan.faces_tell_normals = true;
+    if (element.count > 0 && index_list(element) != PlyElement::absent) plan.has_faces = true;
+    plan.faces_tell_normals = plan.has_faces && !layout.normal.present();
     if (element.name == "vertex") plan.faces_first = plan.faces_tell_normals;
     if (element.name == "camera" && element.count == 1 && scans.size() == 1)
       plan.camera.index = {element.find_scalar("view_px"), element.find_scalar("view_py"),
@@ -202,6 +203,8 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOpt
   std::vector<PlyScan> scans = find_scans(header, vertex.count, source.path());
   const PlyPlan plan = plan_of(header, layout, scans);
   warn_of_unused(header, plan, source.path(), report);
+  warn_of_stray_lines(header, source.path(), report);
+  warn_of_color_parts(layout, source.path(), report.warnings);
 
   PointCloud cloud;
   std::optional<FaceNormals> normals;
@@ -230,11 +233,12 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOpt
   for (PlyScan& scan : scans) cloud.scans.push_back(std::move(scan.scan));
   FileReport file;
   file.path = source.path();
-  file.format = std::string(describe(header.format)) + (plan.faces_tell_normals ? ", normals from its faces" : "");
+  file.format = std::string(describe(header.format)) + (plan.faces_tell_normals ? ", normals from its faces" : "") +
+                (layout.splats ? ", colors of splats (f_dc)" : "");
   file.properties = layout.names;
   const bool float32 = std::all_of(layout.position.index.begin(), layout.position.index.end(),
                                    [&](size_t k) { return vertex.properties[k].type == PlyType::float32; });
-  finish_points(cloud, std::move(file), {.float32 = float32}, report);
+  finish_points(cloud, std::move(file), {.float32 = float32, .has_faces = plan.has_faces}, report);
   return cloud;
 }
 

@@ -68,6 +68,16 @@ void read_chunk(std::string_view text, size_t columns, TextChunk& chunk) {
   chunk.whole = true;
 }
 
+/// A `bool` as some programs write it, "True" or "false"; else none, and the token is not consumed.
+std::optional<bool> take_truth(TextCursor& text) {
+  text.skip_blanks();
+  const size_t offset = text.offset(), line = text.line();
+  const std::string word = lower_case(text.token().substr(0, 8));
+  if (word == "true" || word == "false") return word == "true";
+  text.jump(offset, line);
+  return std::nullopt;
+}
+
 }  // namespace
 
 PlyRows::PlyRows(ByteSource& source, const PlyHeader& header, const Context* context)
@@ -173,6 +183,8 @@ double PlyRows::read_value(const PlyProperty& property, PlyType type) {
   if (!text_) return load_as_double(binary_->take(size_of(type)), type, binary_->swaps());
   if (is_integer(type))
     if (const std::optional<uint32_t> count = text_->small_count()) return *count;
+  if (type == PlyType::uint8)
+    if (const std::optional<bool> truth = take_truth(*text_)) return *truth;
   return text_->number(property.name);
 }
 

@@ -14,17 +14,25 @@ namespace {
 /// Text may say more than a byte holds.
 uint8_t byte_of(double value) { return value > 0 ? static_cast<uint8_t>(std::min(value, 255.0)) : uint8_t{0}; }
 
+/// The color of a 3D Gaussian splat from all sides: the constant spherical harmonic, 1 / sqrt(4 pi) (Kerbl et al.
+/// 2023).
+uint8_t byte_of_splat(double coefficient) { return byte_of(255 * (0.5 + 0.28209479177387814 * coefficient) + 0.5); }
+
 }  // namespace
 
 PlyColors::PlyColors(const PlyVertexLayout& layout, size_t count) : layout_(layout) {
-  if (!layout.color.present()) return;
-  if (layout.byte_colors)
+  if (!layout.has_color()) return;
+  if (layout.byte_colors || layout.splats)
     bytes_.reserve(count);
   else
     numbers_.reserve(count);
 }
 
 void PlyColors::add(const PlyRows& rows) {
+  if (layout_.splats) {
+    const Vec3d f = read(rows, layout_.splat_color);
+    return bytes_.push_back({byte_of_splat(f.x), byte_of_splat(f.y), byte_of_splat(f.z)});
+  }
   if (!layout_.color.present()) return;
   const Vec3d color = read(rows, layout_.color);
   if (layout_.byte_colors)
@@ -34,7 +42,7 @@ void PlyColors::add(const PlyRows& rows) {
 }
 
 std::vector<Rgb8> PlyColors::finish() {
-  return layout_.byte_colors ? std::move(bytes_) : numbers_.bytes(layout_.whole_colors);
+  return layout_.byte_colors || layout_.splats ? std::move(bytes_) : numbers_.bytes(layout_.whole_colors);
 }
 
 PlyVertexLayout find_vertex_layout(const PlyElement& vertex, const std::string& path) {
@@ -54,6 +62,7 @@ PlyVertexLayout find_vertex_layout(const PlyElement& vertex, const std::string& 
     layout.byte_colors = std::all_of(layout.color.index.begin(), layout.color.index.end(),
                                      [&](size_t k) { return vertex.properties[k].type == PlyType::uint8; });
   }
+  layout.splats = layout.splat_color.present();
   return layout;
 }
 

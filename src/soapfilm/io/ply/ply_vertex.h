@@ -12,8 +12,11 @@
 namespace soapfilm::io {
 
 struct PlyVertexLayout : PointColumns {
-  bool whole_colors = false;       ///< of an integer type
-  bool byte_colors = false;        ///< from 0 to 255 whatever their values
+  bool whole_colors = false;  ///< of an integer type
+  bool byte_colors = false;   ///< from 0 to 255 whatever their values
+  bool splats = false;        ///< colors are those of splat_color
+
+  bool has_color() const { return color.present() || splats; }
   std::vector<std::string> names;  ///< of all properties, in the file's order
 };
 

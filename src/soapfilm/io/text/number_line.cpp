@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace soapfilm::io {
 
 size_t parse_number_line(const TextCursor& cursor, std::string_view line, std::span<double> values) {
@@ -22,6 +24,17 @@ size_t parse_number_line(const TextCursor& cursor, std::string_view line, std::s
     if (!parse_number(token, values[count]))
       cursor.fail(fmt::format("column {} = {}, must be a number", count + 1, in_quotes(token)));
   }
+}
+
+std::string_view without_commas(std::string_view line, size_t count, std::string& buffer) {
+  if (line.find(',') == std::string_view::npos) return line;
+  size_t words = 0, decimal = 0;
+  std::string_view rest = line;
+  for (std::string_view word; next_field(rest, word); ++words)
+    decimal += word.find(',') != std::string_view::npos && word.back() != ',';
+  buffer = line;
+  std::replace(buffer.begin(), buffer.end(), ',', words == count && decimal > 0 ? '.' : ' ');
+  return buffer;
 }
 
 bool next_filled_line(TextCursor& cursor, std::string_view& line) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 
@@ -10,10 +11,35 @@
 
 namespace soapfilm::io {
 
+bool is_utf8_text(std::string_view text) {
+  for (size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i++]);
+    if (lead < 0x80) continue;
+    const int more = lead >= 0xF0 && lead < 0xF5   ? 3
+                     : lead >= 0xE0 && lead < 0xF0 ? 2
+                     : lead >= 0xC2 && lead < 0xE0 ? 1
+                                                   : 0;
+    if (more == 0) return false;
+    uint32_t code = lead & (0x3Fu >> more);
+    for (int k = 0; k < more; ++k, ++i) {
+      if (i >= text.size() || (static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) return false;
+      code = code << 6 | (static_cast<unsigned char>(text[i]) & 0x3Fu);
+    }
+    const uint32_t least = more == 1 ? 0xA0 : more == 2 ? 0x800 : 0x10000;
+    if (code < least || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000)) return false;
+  }
+  return true;
+}
+
 std::string in_quotes(std::string_view token) {
   constexpr size_t longest = 40;
+  const auto goes_on = [&](size_t at) { return (static_cast<unsigned char>(token[at]) & 0xC0) == 0x80; };
+  size_t end = std::min(token.size(), longest);
+  const bool is_utf8 = is_utf8_text(token);
+  while (is_utf8 && end > 0 && end < token.size() && goes_on(end)) --end;
   std::string text = "'";
-  for (const char c : token.substr(0, longest)) text += c >= ' ' && c <= '~' ? c : '?';
+  for (const char c : token.substr(0, end))
+    text += (c >= ' ' && c <= '~') || (is_utf8 && static_cast<unsigned char>(c) >= 0x80) ? c : '?';
   return text + (token.size() > longest ? "...'" : "'");
 }
 

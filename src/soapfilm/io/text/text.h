@@ -11,7 +11,10 @@
 
 namespace soapfilm::io {
 
-/// `token` in quotes for a message: unprintable bytes as '?', cut after 40 characters.
+/// UTF-8 without control characters beyond ASCII?
+bool is_utf8_text(std::string_view text);
+
+/// `token` in quotes for a message: unprintable bytes as '?', cut after 40 bytes or a few less.
 std::string in_quotes(std::string_view token);
 
 std::string lower_case(std::string_view text);

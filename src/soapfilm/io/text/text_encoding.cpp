@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
+#include <bit>
+#include <utility>
 
 #include "soapfilm/error.h"
 #include "soapfilm/io/text/text.h"
@@ -62,9 +63,15 @@ void check_is_text(std::string_view text, const std::string& path) {
 
 }  // namespace
 
+std::optional<std::string> utf8_of_utf16(std::string_view bytes) {
+  const std::optional<std::endian> order = utf16_order(bytes);
+  if (!order) return std::nullopt;
+  return utf8_of(bytes, *order);
+}
+
 PlainText::PlainText(ByteSource& source) : source_(source), text_(after_byte_order_mark(source.bytes())) {
-  if (const std::optional<std::endian> order = utf16_order(source.bytes())) {
-    converted_ = utf8_of(source.bytes(), *order);
+  if (std::optional<std::string> converted = utf8_of_utf16(source.bytes())) {
+    converted_ = std::move(*converted);
     text_ = converted_;
   }
   constexpr char end_of_file = 0x1A;  // of DOS programs

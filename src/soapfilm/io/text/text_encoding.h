@@ -1,12 +1,16 @@
 // Bytes of a file as text: byte order marks, UTF-16, and files that are no text.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm::io {
+
+/// The UTF-8 of a text in UTF-16; none for other bytes.
+std::optional<std::string> utf8_of_utf16(std::string_view bytes);
 
 /// The text of a file without its byte order mark; UTF-16 becomes UTF-8. Throws InputError if the first bytes are not
 /// text.

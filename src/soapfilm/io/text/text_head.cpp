@@ -7,16 +7,16 @@
 
 #include "soapfilm/error.h"
 #include "soapfilm/io/point_columns.h"
+#include "soapfilm/io/text/header_names.h"
 #include "soapfilm/io/text/text.h"
 
 namespace soapfilm::io {
 
 namespace {
 
-constexpr size_t most_columns = 256;
-constexpr size_t most_titles = 20;    // lines of text before the first row
-constexpr size_t last_header = 1000;  // line
-constexpr size_t longest_header = size_t{1} << 14;
+constexpr size_t most_columns = 1000;
+constexpr size_t most_titles = 20;              // lines of text before the first row
+constexpr size_t last_header = 1000;            // line
 constexpr size_t first_rows = size_t{1} << 16;  // bytes of them, which tell the separators
 
 using HeadFields = std::vector<std::string_view>;
@@ -41,46 +41,20 @@ char separator_of_row(std::string_view row) {
   return ',';
 }
 
-/// The names in a line, with units in brackets at the end of theirs.
-std::vector<std::string> split_names(std::string_view line, char separator) {
-  HeadFields fields;
-  split_fields(line.substr(0, longest_header), separator, fields);
-  std::vector<std::string> names;
-  for (const std::string_view field : fields) {
-    const bool is_unit = !field.empty() && (field.front() == '(' || field.front() == '[') && !names.empty();
-    if (separator == ' ' && is_unit)
-      names.back() += field;
-    else if (!(separator == ' ' && names.empty() && field.size() > 1 && field.back() == ':'))  // "columns: x y z"
-      names.emplace_back(field);
+/// Of the first rows.
+struct RowLengths {
+  size_t shortest = 0, longest = 0, first = 0, rows = 0, others = 0;
+
+  void add(size_t length) {
+    if (length < 2) return;  // a comment or a count
+    if (rows++ == 0) shortest = longest = first = length;
+    shortest = std::min(shortest, length);
+    longest = std::max(longest, length);
+    others += length != first;
   }
-  return names;
-}
-
-/// The names in a header line, as many as `columns` if some separator gives so many; else as the first one that is in
-/// the line gives them.
-std::vector<std::string> header_names(std::string_view line, size_t columns) {
-  std::string_view after;
-  if (is_comment(line, after)) line = after;
-  std::vector<std::string> first;
-  for (const char separator : {';', ',', '\t', ' '}) {
-    if (separator != ' ' && line.find(separator) == std::string_view::npos) continue;
-    std::vector<std::string> names = split_names(line, separator);
-    while (names.size() > columns && names.back().empty()) names.pop_back();
-    if (names.size() == columns) return names;
-    if (first.empty()) first = std::move(names);
-  }
-  return first;
-}
-
-bool names_positions(const std::vector<std::string>& names) { return meaning_of(names).position.present(); }
-
-bool names_degrees(const std::vector<std::string>& names) {
-  const auto is = [&](std::string_view begin) {
-    return std::any_of(names.begin(), names.end(),
-                       [&](const std::string& name) { return lower_case(name).substr(0, begin.size()) == begin; });
-  };
-  return is("lat") && is("lon");
-}
+  /// Not a few broken rows.
+  bool are_of_lists() const { return shortest >= 3 && longest > shortest + 1 && others >= 3 && 5 * others >= rows; }
+};
 
 struct HeadLine {
   std::string_view text;
@@ -179,14 +153,19 @@ class HeadReader {
   void find_columns() {
     HeadFields first;
     split_fields(line_at(text_, head_.offset).text, head_.separator, first);
-    if (first.size() > most_columns)
-      fail(head_.line, fmt::format("more than {} columns, must be at most as many", most_columns));
+    const bool wide = first.size() > most_columns;
+    if (wide && named_ == 0)
+      fail(head_.line,
+           fmt::format("more than {} columns, must be at most as many (--columns x,y,z may name the first ones "
+                       "alone)",
+                       most_columns));
     size_t given = 0, lines = 0, offset = head_.offset;
     bool whole_pairs = head_.separator == ',' && named_ == 0, leading_zero = false;
     for (; offset < text_.size() && offset - head_.offset < first_rows; ++lines) {
       const TextLine line = line_at(text_, offset);
       offset = line.next;
       split_fields(line.text, head_.separator, fields_);
+      lengths_.add(fields_.size());
       while (!fields_.empty() && fields_.back().empty()) fields_.pop_back();
       if (fields_.size() <= first.size()) given = std::max(given, fields_.size());
       head_.decimal_commas |= std::any_of(fields_.begin(), fields_.end(), has_decimal_comma);
@@ -200,7 +179,31 @@ class HeadReader {
            "columns; write points, or ';' between columns");
     head_.columns = given;
     if (named_ > given && named_ <= first.size()) head_.columns = named_;
+    find_leading(wide);
     if (head_.columns < 3) fail(head_.line, fmt::format("{} columns, must be at least 3 (x y z)", head_.columns));
+  }
+
+  /// Rows that end with lists have a leading part in common: as long as the option or the header says, else as the
+  /// shortest row.
+  void find_leading(bool wide) {
+    const size_t shortest = lengths_.shortest, longest = lengths_.longest;
+    if (named_ > 0) {
+      head_.has_lists =
+          (named_ < shortest && (wide || shortest != longest)) || (named_ == shortest && lengths_.are_of_lists());
+      if (head_.has_lists) head_.columns = named_;
+      return;
+    }
+    std::optional<size_t> fixed;
+    for (const HeadLine& line : before_)
+      if (const std::vector<std::string> names = names_before_list(line.text, lengths_.are_of_lists());
+          !names.empty() && names.size() <= shortest)
+        fixed = names.size();
+    if (!fixed && !lengths_.are_of_lists()) return;
+    head_.has_lists = true;
+    head_.columns = fixed.value_or(shortest);
+    head_.warnings.push_back(
+        fmt::format("{}: rows of {} to {} columns: the first {} of them are read (--columns may name them)", path_,
+                    shortest, longest, head_.columns));
   }
 
   /// "1,5, 2,25, 3,125": are these three columns or six?
@@ -240,8 +243,9 @@ class HeadReader {
     split_fields(line_at(text_, head_.offset).text, head_.separator, first);
     const HeadLine* header = nullptr;
     for (const HeadLine& line : before_)
-      for (size_t columns = head_.columns; columns <= first.size(); ++columns) {
-        std::vector<std::string> names = header_names(line.text, columns);
+      for (size_t columns = head_.columns; columns <= (head_.has_lists ? head_.columns : first.size()); ++columns) {
+        std::vector<std::string> names =
+            head_.has_lists ? names_before_list(line.text, true) : header_names(line.text, columns);
         if (names.size() != columns || !names_positions(names)) continue;
         head_.columns = columns;
         head_.names = std::move(names);
@@ -260,11 +264,7 @@ class HeadReader {
     if (names_positions(names)) {
       const auto known = std::count_if(names.begin(), names.end(), is_known_column);
       if (line.comment && 2 * static_cast<size_t>(known) < names.size()) return;  // a sentence
-      if (head_.names.empty())
-        head_.warnings.push_back(fmt::format(
-            "{}:{}: {} names for {} columns: not used, columns are judged by their values (--columns says what they "
-            "are)",
-            path_, line.line, names.size(), head_.columns));
+      if (head_.names.empty()) use_names_in_part(line, names);
       return;
     }
     if (line.comment) return;
@@ -278,12 +278,55 @@ class HeadReader {
     const auto numbers = std::count_if(row.begin(), row.end(),
                                        [&](std::string_view f) { return parse_field(f, head_.decimal_commas, value); });
     if (row.size() == head_.columns && static_cast<size_t>(numbers) + 1 >= row.size()) refuse_text(line);
+    if (head_.names.empty() && names.size() == head_.columns && use_names_without_positions(line, names)) return;
     const bool may_be_names = names.size() == head_.columns && head_.names.empty();
     head_.warnings.push_back(fmt::format("{}:{}: {} {}", path_, line.line, in_quotes(line.text),
                                          may_be_names
                                              ? "does not say which columns are x, y and z: they are judged by their "
                                                "values (--columns says what they are)"
                                              : "is passed over: no numbers, and not one name for each column"));
+  }
+
+  /// More or fewer names than columns, x, y and z among them. Of x, y and z alone values tell what follows them.
+  void use_names_in_part(const HeadLine& line, std::vector<std::string> names) {
+    const size_t given = names.size();
+    names.resize(std::min(given, head_.columns));
+    const bool used = names_positions(names) && names.size() > 3;
+    if (used) {
+      for (size_t k = names.size() + 1; k <= head_.columns; ++k) names.push_back(fmt::format("column_{}", k));
+      head_.names = std::move(names);
+      head_.header = line.text;
+    }
+    head_.warnings.push_back(fmt::format("{}:{}: {} names for {} columns: {} (--columns says what they are)", path_,
+                                         line.line, given, head_.columns,
+                                         used ? "used for the first ones" : "columns are judged by their values"));
+  }
+
+  /// A name for each column, but none that says where x, y and z are: they are the first three numbers whose names mean
+  /// nothing else. The other columns keep their names: what they are is said. False if the line may be a title.
+  bool use_names_without_positions(const HeadLine& line, std::vector<std::string> names) {
+    const bool is_title = line.text.find_first_of(",;\t\"") == std::string_view::npos &&
+                          std::none_of(names.begin(), names.end(), is_known_column);
+    HeadFields row;
+    split_fields(line_at(text_, head_.offset).text, head_.separator, row);
+    const auto may_be_position = [&](size_t k) {
+      double value = 0;
+      return k < row.size() && !row[k].empty() && parse_field(row[k], head_.decimal_commas, value) &&
+             !means_no_position(names[k]);
+    };
+    size_t first = 0;
+    while (first + 3 <= names.size() &&
+           !(may_be_position(first) && may_be_position(first + 1) && may_be_position(first + 2)))
+      ++first;
+    if (is_title || first + 3 > names.size()) return false;
+    for (size_t k = 0; k < 3; ++k) names[first + k] = std::string(1, "xyz"[k]);
+    head_.names = std::move(names);
+    head_.header = line.text;
+    head_.warnings.push_back(fmt::format(
+        "{}:{}: {} does not say which columns are x, y and z: {} to {} are taken for them (--columns says what they "
+        "are)",
+        path_, line.line, in_quotes(line.text), first + 1, first + 3));
+    return true;
   }
 
   void warn_of_repeated_names() {
@@ -305,6 +348,7 @@ class HeadReader {
   const std::string& path_;
   TextHead head_;
   HeadFields fields_;
+  RowLengths lengths_;
   std::vector<HeadLine> before_;  // the last lines that are neither rows nor counts
 };
 

@@ -13,7 +13,8 @@ namespace soapfilm::io {
 struct TextHead {
   char separator = ' ';
   bool decimal_commas = false;
-  size_t columns = 0;
+  size_t columns = 0;              ///< that are read
+  bool has_lists = false;          ///< rows have further ones, not all as many
   std::vector<std::string> names;  ///< one for each column, x, y and z among them; empty if no line says so
   std::string_view header;         ///< the line of the names
   size_t offset = 0;               ///< of the first row

@@ -12,6 +12,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/io/point_columns.h"
 #include "soapfilm/io/point_table.h"
+#include "soapfilm/io/range_image.h"
 #include "soapfilm/io/text/text.h"
 #include "soapfilm/io/text/text_encoding.h"
 #include "soapfilm/io/text/text_head.h"
@@ -85,12 +86,15 @@ class TextReader {
     normals_after_positions();
     if (unnamed_) judge();
     drop_text_columns();
+    warn_of_color_parts(columns_, path_, head_.warnings);
     FileReport file;
     file.path = path_;
     file.format = head_.decimal_commas ? "text, decimal commas" : "text";
     for (const std::string& name : names_) file.properties.push_back(column_name(name));
     std::move(head_.warnings.begin(), head_.warnings.end(), std::back_inserter(report.warnings));
     finish_points(cloud_, std::move(file), {}, report);
+    if (const std::string why = give_named_grid(cloud_); !why.empty())
+      report.warnings.push_back(fmt::format("{}: rows and columns not used as a range grid: {}", path_, why));
     return std::move(cloud_);
   }
 
@@ -124,6 +128,7 @@ class TextReader {
     rules_.separator = head_.separator;
     rules_.decimal_commas = head_.decimal_commas;
     rules_.header = head_.header;
+    rules_.more_columns = head_.has_lists;
     rules_.weight = columns_.weight;
     rules_.fields.assign(names_.size(), FieldRule::skipped);
     for (const Triple& triple : {columns_.position, columns_.normal, columns_.sensor, columns_.color})
@@ -183,17 +188,24 @@ class TextReader {
         colors_.add(chunk.values[i + c[0]], chunk.values[i + c[1]], chunk.values[i + c[2]]);
     for (size_t k = 0; k < columns_.others.size(); ++k)
       append_values(chunk, columns, columns_.others[k], cloud_.columns[k].values);
-    if (unnamed_) keep_fourth(chunk, before);
+    if (unnamed_) keep_coordinates(chunk, before);
     for (const TextFields& text : chunk.texts) add_text(text, line);
     return line + chunk.lines;
   }
 
-  /// As long as the first column rises it may be a number or a time: then the fourth is a coordinate.
-  void keep_fourth(const RowChunk& chunk, size_t before) {
+  /// As long as the first column is whole it may count rows or cells: then these are coordinates.
+  void keep_coordinates(const RowChunk& chunk, size_t before) {
     if (unnamed_->fourth.size() != before) return;
     for (size_t i = before; i < cloud_.size(); ++i)
-      if (i > 0 && !(cloud_.positions[i].x > cloud_.positions[i - 1].x)) return release(unnamed_->fourth);
-    for (size_t i = 3; i < chunk.rows * names_.size(); i += names_.size()) unnamed_->fourth.push_back(chunk.values[i]);
+      if (const double x = cloud_.positions[i].x; x != std::floor(x)) {
+        release(unnamed_->fourth);
+        return release(unnamed_->fifth);
+      }
+    const size_t columns = names_.size();
+    for (size_t i = 0; i < chunk.rows * columns; i += columns) {
+      unnamed_->fourth.push_back(chunk.values[i + 3]);
+      if (columns > 4) unnamed_->fifth.push_back(chunk.values[i + 4]);
+    }
   }
 
   void add_text(const TextFields& found, size_t line) {

@@ -109,6 +109,8 @@ class RowReader {
       if (at == end || *at != separator) return 0;
       ++at;
     }
+    if (rules_.more_columns)
+      while (at != end && !is_end_of_line(*at)) ++at;
     if (separator != ' ' && at != end && *at == separator) {
       ++at;
       skip();
@@ -126,6 +128,7 @@ class RowReader {
     if (fields_.empty() || (!rules_.header.empty() && line == rules_.header)) return false;
     if (fields_.size() == 1) return read_count();
     while (fields_.size() > columns && fields_.back().empty()) fields_.pop_back();
+    if (rules_.more_columns && fields_.size() > columns) fields_.resize(columns);
     if (fields_.size() != columns)
       return refuse(fmt::format("{} columns, must be {} {}", fields_.size(), columns, rules_.expected));
     for (size_t k = 0; k < columns; ++k) {

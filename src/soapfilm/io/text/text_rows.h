@@ -37,6 +37,7 @@ struct RowRules {
   bool decimal_commas = false;
   std::vector<FieldRule> fields;            ///< one for each column
   size_t weight = static_cast<size_t>(-1);  ///< of this column, if there is one, numbers must be finite and >= 0
+  bool more_columns = false;                ///< rows may go on: what follows is not read
   std::string_view header;                  ///< this line is skipped where it comes again
   std::string expected;                     ///< such as "as in line 2": who says how many columns there are
 };
