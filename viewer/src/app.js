@@ -1,7 +1,7 @@
 // The viewer: a scene with its tools and its panel.
 import {byId, choice, element} from './dom.js';
 import {icon} from './icons.js';
-import {colorBy, colorings, showEdges, showIn} from './items.js';
+import {colorBy, colorings, makeCoarse, showCoarse, showEdges, showIn} from './items.js';
 import {listen} from './keys.js';
 import {Legend} from './legend.js';
 import {Measure} from './measure.js';
@@ -13,6 +13,7 @@ import {Section} from './section.js';
 import {Views} from './views.js';
 
 const narrow = matchMedia('(max-width: 760px)');
+const smoothly = 1000000; // triangles that are turned as they are
 
 /** The two items that are compared, if there are just two: the first left, the second right. */
 const compared = (data) => data.items.length === 2;
@@ -39,6 +40,10 @@ export class App {
     this.setTwo(compared(data));
     this.setPanel(!narrow.matches);
     views.look('corner', data.up);
+    this.coarse = makeCoarse(data, smoothly).then((made) => {
+      if (made) views.coarsely = (on) => showCoarse(data, on);
+      return made;
+    });
   }
 
   setTwo(on) {
@@ -133,7 +138,7 @@ export class App {
       ['section', 'Section (X, Y, Z)', () => this.toggleSection()],
       ['measure', 'Measure a distance (M)', () => this.measure.setOn(!this.measure.on)],
       ['picture', 'Save a picture (P)', () => this.save()],
-      ['help', 'Keys and mouse (?)', () => byId('help').showModal()],
+      ['help', 'Keys and mouse (?)', () => this.help()],
       ['panel', 'Panel (H)', () => this.setPanel(!document.body.classList.contains('panel-open'))],
     ];
     const buttons = tools.map(([name, title, action]) => {
@@ -173,6 +178,11 @@ export class App {
     byId(id).onchange({target: byId(id)});
   }
 
+  help() {
+    byId('help').showModal();
+    byId('help').scrollTop = 0;
+  }
+
   escape() {
     if (this.measure.points.length) this.measure.clear();
     else if (this.measure.on) this.measure.setOn(false);
@@ -182,7 +192,22 @@ export class App {
   #keys() {
     const {section, views} = this;
     const move = (step) => section.axis !== 'off' && section.setShare(section.share + step);
+    const arrows = [
+      ['ArrowLeft', -1, 0],
+      ['ArrowRight', 1, 0],
+      ['ArrowUp', 0, -1],
+      ['ArrowDown', 0, 1],
+    ];
+    const [first, ...others] = arrows.map(([name, x, y]) => [name, null, () => views.turn(x, y)]);
+    const [firstShift, ...othersShift] = arrows.map(([name, x, y]) => [`Shift+${name}`, null, () => views.move(x, y)]);
     listen([
+      [first[0], 'turn', first[2], '← ↑ → ↓'],
+      ...others,
+      [firstShift[0], 'move', firstShift[2], 'Shift + ← ↑ → ↓'],
+      ...othersShift,
+      ['+', 'nearer', () => views.approach(1)],
+      ['=', null, () => views.approach(1)], // the key of + without Shift
+      ['-', 'farther', () => views.approach(-1)],
       ['f', 'all in the picture', () => views.fit()],
       ['1', 'from the front', () => views.look('front')],
       ['3', 'from the right', () => views.look('right')],
@@ -197,14 +222,14 @@ export class App {
       ['y', 'section across y', () => this.setSection('y')],
       ['z', 'section across z', () => this.setSection('z')],
       ['v', 'section across the line of sight', () => this.setSection('view')],
-      ['ArrowUp', 'section forward', () => move(0.01), '↑'],
-      ['ArrowDown', 'section back', () => move(-0.01), '↓'],
+      ['PageUp', 'section forward', () => move(0.01), 'Page ↑'],
+      ['PageDown', 'section back', () => move(-0.01), 'Page ↓'],
       ['r', 'the other side of the section', () => section.axis !== 'off' && section.flip()],
       ['m', 'measure a distance', () => this.measure.setOn(!this.measure.on)],
       ['p', 'save a picture', () => this.save()],
       ['h', 'hide or show the panel', () => this.setPanel(!document.body.classList.contains('panel-open'))],
       ['Escape', 'clear the distance, then the tool', () => this.escape(), 'Esc'],
-      ['?', 'this page', () => byId('help').showModal()],
+      ['?', 'this page', () => this.help()],
     ]);
   }
 }

@@ -1,6 +1,7 @@
 // The items of the scene as three.js objects, and what they can be colored by.
 import {BufferAttribute, BufferGeometry, Mesh, Points, Scene} from 'three';
 import {breathe} from './dom.js';
+import {coarseIndices} from './coarse.js';
 import {edgesMaterial, modes, pointsMaterial, surfaceMaterial} from './material.js';
 
 const clay = [
@@ -92,10 +93,37 @@ export async function buildScene(data) {
 /** Shows the item in the views whose number is set in `views`. */
 export function showIn(item, views) {
   item.views = views;
-  for (const object of [item.object, item.edges]) {
+  for (const object of [item.object, item.edges, item.coarse]) {
     if (!object) continue;
     object.layers.disableAll();
     views.forEach((on, view) => on && object.layers.enable(view));
+  }
+}
+
+/** Meshes of so many triangles together get coarse pictures, for while the camera moves. */
+export async function makeCoarse(data, limit) {
+  const meshes = data.items.filter((item) => item.indices);
+  const triangles = meshes.reduce((sum, item) => sum + item.triangles, 0);
+  if (triangles <= limit) return false;
+  for (const item of meshes) {
+    const indices = await coarseIndices(item.positions, item.indices, (limit / 4) * (item.triangles / triangles));
+    const geometry = new BufferGeometry();
+    geometry.attributes = item.object.geometry.attributes; // the same ones, now and later
+    geometry.setIndex(new BufferAttribute(indices, 1));
+    item.coarse = new Mesh(geometry, item.object.material);
+    Object.assign(item.coarse, {frustumCulled: false, matrixAutoUpdate: false, visible: false});
+    item.object.parent.add(item.coarse);
+    showIn(item, item.views);
+  }
+  return true;
+}
+
+export function showCoarse(data, on) {
+  for (const item of data.items) {
+    if (!item.coarse) continue;
+    item.coarse.visible = on;
+    item.object.visible = !on;
+    if (item.edges) item.edges.visible = !on && item.edgesOn;
   }
 }
 
@@ -109,7 +137,8 @@ export function showEdges(data, on) {
       item.object.parent.add(item.edges);
       showIn(item, item.views);
     }
-    if (item.edges) item.edges.visible = on;
+    item.edgesOn = on;
+    if (item.edges) item.edges.visible = on && item.object.visible;
   }
 }
 

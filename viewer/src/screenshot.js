@@ -58,6 +58,7 @@ function drawLegend(pen, box, top) {
 
 /** Draws everything into a canvas of its own. */
 export function picture(views) {
+  views.rest();
   views.drawNow(); // a canvas of WebGL keeps its pixels only until the browser shows it
   const source = views.renderer.domElement;
   const canvas = element('canvas', {width: source.width, height: source.height});

@@ -7,6 +7,7 @@ import {shared} from './material.js';
 const angle = 30; // of view, degrees
 const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
 const dark = matchMedia('(prefers-color-scheme: dark)');
+const restAfter = 200; // ms without a change of the camera
 
 const sides = {
   y: {front: [0, 0, 1], back: [0, 0, -1], left: [-1, 0, 0], right: [1, 0, 0], top: [0, 1, 0], bottom: [0, -1, 0]},
@@ -47,11 +48,17 @@ export class Views {
     controls.rotateSpeed = 0.9;
     controls.zoomToCursor = true;
     controls.addEventListener('change', () => {
+      this.#moves();
       if (this.linked && this.two && this.leader === index) this.#follow(index);
       this.draw();
     });
     controls.addEventListener('start', () => {
       this.leader = index;
+      this.held = true;
+    });
+    controls.addEventListener('end', () => {
+      this.held = false;
+      if (this.moving) this.#moves();
     });
     holder.addEventListener(
       'wheel',
@@ -61,6 +68,21 @@ export class Views {
       {capture: true, passive: true},
     );
     return {camera, controls, holder, caption: holder.querySelector('.caption')};
+  }
+
+  /** While cameras move, items that have a coarse picture show it: `coarsely(on)` is told. */
+  #moves() {
+    if (!this.coarsely) return;
+    clearTimeout(this.resting);
+    if (!this.moving) this.coarsely((this.moving = true));
+    if (!this.held) this.resting = setTimeout(() => this.rest(), restAfter);
+  }
+
+  rest() {
+    clearTimeout(this.resting);
+    if (!this.moving) return;
+    this.coarsely((this.moving = false));
+    this.draw();
   }
 
   /** Center and radius of all items, in the page's own coordinates. */
@@ -158,6 +180,32 @@ export class Views {
       controls.update();
     }
     this.draw();
+  }
+
+  /** What keys act upon: the view that was used last. */
+  #led() {
+    const index = this.two ? (this.leader ?? 0) : 0;
+    this.leader = index;
+    return this.views[index];
+  }
+
+  /** Turns by steps of a key, as a drag to the right and down does. */
+  turn(right, down) {
+    const {controls} = this.#led();
+    controls.rotateLeft((right * Math.PI) / 24);
+    controls.rotateUp((down * Math.PI) / 24);
+  }
+
+  /** Moves what is seen by steps of a key. */
+  move(right, down) {
+    const {controls, holder} = this.#led();
+    const step = 0.05 * Math.min(holder.clientWidth, holder.clientHeight);
+    controls.pan(right * step, down * step);
+  }
+
+  /** Nearer by steps of a key, or farther. */
+  approach(steps) {
+    this.#led().controls.dollyIn(0.9 ** steps);
   }
 
   resize() {

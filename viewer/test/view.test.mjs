@@ -238,6 +238,92 @@ inPage(
 );
 
 inPage(
+  'keys turn, move and zoom, as far as a drag would',
+  () => one,
+  async (page) => {
+    const camera = () =>
+      page.evaluate(() => {
+        const {camera: {position}, controls: {target}} = window.soapfilm.app.views.views[0]; // prettier-ignore
+        const [x, y, z] = position.clone().sub(target).toArray();
+        return {target: target.toArray(), distance: Math.hypot(x, y, z), around: Math.atan2(x, z), height: y};
+      });
+    const press = async (key) => {
+      await page.keyboard.press(key);
+      await page.waitForTimeout(50);
+      return camera();
+    };
+    const start = await camera();
+    const turned = await press('ArrowRight');
+    assert.ok(Math.abs(start.around - turned.around - Math.PI / 24) < 1e-6, 'right turns it to the right');
+    assert.ok(Math.abs(start.around - (await press('ArrowLeft')).around) < 1e-6, 'left turns it back');
+    assert.ok((await press('ArrowDown')).height > start.height + 1e-3, 'down turns its upper side to the viewer');
+    assert.ok(Math.abs((await press('ArrowUp')).height - start.height) < 1e-6);
+    const before = await pixels(page);
+    const moved = await press('Shift+ArrowRight');
+    assert.ok(Math.hypot(...moved.target.map((v, k) => v - start.target[k])) > 0.01, 'nothing moved');
+    assert.ok(Math.abs(moved.around - start.around) < 1e-6 && Math.abs(moved.distance - start.distance) < 1e-6);
+    assert.ok(difference(before, await pixels(page)) > 0.01);
+    assert.ok(Math.abs((await press('+')).distance / start.distance - 0.9) < 1e-6);
+    assert.ok(Math.abs((await press('-')).distance / start.distance - 1) < 1e-6);
+    await page.focus('#size, #color-by'); // its arrows are its own
+    assert.deepEqual((await press('ArrowDown')).target, moved.target);
+    await page.focus('#view0');
+    await page.keyboard.press('x');
+    const cut = await page.inputValue('#section-at');
+    await page.keyboard.press('PageUp');
+    assert.ok(Number(await page.inputValue('#section-at')) > Number(cut), 'the section did not move');
+  },
+);
+
+inPage(
+  'the page of keys opens at its top in a small window, and can be closed there',
+  () => one,
+  async (page) => {
+    await page.keyboard.press('?');
+    const {top, scroll, tall} = await page.evaluate(() => {
+      const help = document.getElementById('help');
+      return {top: help.querySelector('h2').getBoundingClientRect().top, scroll: help.scrollTop, tall: help.scrollHeight};
+    });
+    assert.equal(scroll, 0);
+    assert.ok(top >= 0 && tall > 400, 'the title is in sight, and more below');
+    await page.screenshot({path: inOut('help-small.png')});
+    await page.click('#help button');
+    assert.ok(!(await page.isVisible('#help')));
+  },
+  {viewport: {width: 400, height: 400}},
+);
+
+test('above a million triangles fewer are drawn while the camera moves, all of them at rest', async () => {
+  const shape = box(corner, size, 300);
+  assert.ok(shape.triangles.length > 1e6);
+  const address = makePage('many', [writePly('many.ply', shape.points, shape.triangles)], '--triangles', '0');
+  const {page, faults, context} = await open(browser, address);
+  const drawn = () => page.evaluate(() => window.soapfilm.app.views.renderer.info.render.triangles);
+  assert.equal(await page.evaluate(() => window.soapfilm.app.coarse), true);
+  const rest = () => page.waitForFunction(() => !window.soapfilm.app.views.moving);
+  await rest();
+  const full = await pixels(page);
+  assert.equal(await drawn(), shape.triangles.length);
+  await page.mouse.move(300, 320);
+  await page.mouse.down();
+  await page.mouse.move(330, 330, {steps: 2});
+  await page.waitForFunction(() => window.soapfilm.app.views.moving);
+  await page.waitForTimeout(300);
+  const few = await drawn();
+  assert.ok(few > 1e5 && few < 5e5, `${few} triangles while it moves`);
+  await page.screenshot({path: inOut('coarse.png')});
+  await page.mouse.move(300, 320);
+  await page.mouse.up();
+  await rest();
+  await page.waitForTimeout(300);
+  assert.equal(await drawn(), shape.triangles.length);
+  await page.screenshot({path: inOut('full.png')});
+  assert.ok(difference(full, await pixels(page)) < 0.001);
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+inPage(
   'a narrow window shows the picture, and the panel on request',
   () => two,
   async (page) => {
