@@ -247,7 +247,7 @@ TEST_F(EvaluateCommand, RefusesInOneLine) {
   expect({"--truth", "sphere", "--gap", "0.2"}, "--gap: shape sphere has none");
   expect({"--truth", "sphere", "--error-ply", mesh}, "is also an input");
   const std::string scan = folder.file("scan.ply"), set = folder.file("set.conf");
-  std::filesystem::copy_file(mesh, scan);
+  write_points(scan, sample_surface(*make_sphere(), 20, 1));
   std::ofstream(set) << "bmesh scan.ply 0 0 0 0 0 0 1\n";
   expect({"--truth", "sphere", "--samples", set, "--error-ply", scan}, "scan.ply: is also an input");
   expect({"--truth", "sphere", "--error-ply", folder.file("e.ply"), "--json", folder.file("e.ply")},

@@ -157,7 +157,8 @@ TEST(ForeignPly, FacesTellDirectionsWhereVerticesHaveNoNormals) {
     EXPECT_LT(norm(static_cast<Vec3d>(cloud.normals[0]) - normalized(Vec3d{-1, -1, -1})), 1e-6);
     EXPECT_EQ(cloud.normals[4], Vec3f{});  // in no face
     EXPECT_EQ(report.files.at(0).format, "PLY, ASCII, normals from its faces");
-    EXPECT_EQ(report.warnings, std::vector<std::string>());
+    ASSERT_EQ(report.warnings.size(), 1u);  // these faces are a tetrahedron's
+    EXPECT_NE(report.warnings[0].find("a closed mesh"), std::string::npos) << report.warnings[0];
   }
   // The file's own normals come first, even where its faces say otherwise.
   ReadReport report;
@@ -167,6 +168,18 @@ TEST(ForeignPly, FacesTellDirectionsWhereVerticesHaveNoNormals) {
   EXPECT_EQ(cloud.normals, std::vector<Vec3f>(3, {0, 0, -1}));
   EXPECT_EQ(report.files.at(0).format, "PLY, ASCII");
   EXPECT_EQ(report.warnings, std::vector<std::string>());
+}
+
+/// Of a range mesh each edge at its border is passed once; of faces that do not agree where outside is, twice one way.
+TEST(ForeignPly, AMeshThatIsNotClosedIsAScan) {
+  const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+  for (const std::string faces : {"3 0 2 1\n3 0 1 3\n3 0 3 2\n", "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 3 2\n"}) {
+    ReadReport report;
+    read_text(ascii + "element vertex 4\n" + xyz + fmt::format("element face {}\n", faces.size() / 8) +
+                  "property list uchar int vertex_indices\nend_header\n" + vertices + faces,
+              &report);
+    EXPECT_EQ(report.warnings, std::vector<std::string>());
+  }
 }
 
 TEST(ForeignPly, NormalsOfFacesAreWeightedByAreaAtAnyScaleAndPlace) {

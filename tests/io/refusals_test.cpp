@@ -31,7 +31,7 @@ TEST(Refusals, FilesThatCannotBeOpened) {
   expect_refusal<InputError>([&] { read_points(folder / "none.ply"); }, {"none.ply", "No such file"});
   expect_refusal<InputError>([&] { read_mesh(folder / "none.obj"); }, {"none.obj", "No such file"});
   std::filesystem::create_directory(folder / "dir.ply");
-  expect_refusal<InputError>([&] { read_points(folder / "dir.ply"); }, {"dir.ply", "is a directory"});
+  expect_refusal<InputError>([&] { read_points(folder / "dir.ply"); }, {"dir.ply", "a folder without scans"});
   expect_refusal<InputError>([&] { read_points("/dev/null"); }, {"/dev/null", "device"});
   folder.write("empty.ply", "");
   expect_refusal<InputError>([&] { read_points(folder / "empty.ply"); }, {"empty.ply", "is empty"});

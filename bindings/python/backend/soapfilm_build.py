@@ -107,6 +107,27 @@ class Wheel:
         self.zip.close()
 
 
+def info_files(table):
+    """Of the folder .dist-info, but RECORD; nothing is compiled for them."""
+    return {
+        "METADATA": metadata(table).encode(),
+        "LICENSE": (ROOT / "LICENSE").read_bytes(),
+        "WHEEL": f"Wheel-Version: 1.0\nGenerator: soapfilm_build\nRoot-Is-Purelib: false\n"
+                 f"Tag: {wheel_tag()}\n".encode(),
+    }
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """For pip, which asks before it builds: without this hook it would build a wheel to look into it."""
+    table = project()
+    name = f"{table['name']}-{table['version']}.dist-info"
+    folder = Path(metadata_directory) / name
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, data in info_files(table).items():
+        (folder / file).write_bytes(data)
+    return name
+
+
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     table = project()
     package = build(config_settings)
@@ -117,10 +138,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     scripts = sorted(p.name for p in (ROOT / "bindings/python/soapfilm").iterdir() if p.suffix in (".py", ".pyi"))
     for file in [*scripts, "py.typed", module]:
         wheel.add(f"soapfilm/{file}", (package / file).read_bytes(), executable=file == module)
-    wheel.add(f"{info}/METADATA", metadata(table).encode())
-    wheel.add(f"{info}/LICENSE", (ROOT / "LICENSE").read_bytes())
-    wheel.add(f"{info}/WHEEL", f"Wheel-Version: 1.0\nGenerator: soapfilm_build\nRoot-Is-Purelib: false\n"
-                               f"Tag: {wheel_tag()}\n".encode())
+    for file, data in info_files(table).items():
+        wheel.add(f"{info}/{file}", data)
     wheel.close()
     return name
 

@@ -10,6 +10,7 @@
     result.save("mesh.ply")
 
     soapfilm.reconstruct(soapfilm.read("scans.conf"))             # files of any format
+    soapfilm.reconstruct(pcd)                                     # clouds of Open3D, trimesh, PyVista
 
 ``help(soapfilm.reconstruct)`` has all arguments; docs/guide/python.md shows how they are used.
 """

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ._foreign import as_array
 from .errors import ParameterError, SamplesError
 
 Array = Any  # numpy.ndarray; NumPy is loaded by who uses arrays
@@ -71,7 +72,7 @@ def scan_counts(scans: Any, rows: int) -> tuple[Array | None, list[int]]:
 
     if scans is None:
         return None, [rows]
-    array = np.asarray(scans)
+    array = as_array("scans", scans)
     if array.ndim != 1 or array.dtype.kind not in "iub" or array.size == 0:
         raise ParameterError(f"scans: {array.dtype} of shape {array.shape}, must be integers: a label of each sample, "
                              "or counts")
@@ -99,10 +100,10 @@ def matrix(name: str, value: Any) -> list[float]:
 
 
 def _numbers(name: str, value: Any) -> Array:
-    import numpy as np
-
     try:
-        array = np.asarray(value)
+        array = as_array(name, value)
+    except ParameterError:
+        raise
     except ValueError as error:
         raise ParameterError(f"{name}: rows of different lengths") from error
     if array.dtype.kind not in "fiub":

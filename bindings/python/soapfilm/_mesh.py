@@ -3,21 +3,23 @@ from __future__ import annotations
 
 import json
 import os
-import warnings
+import pathlib
 from collections.abc import Mapping
 from typing import Any
 
 from . import _arrays, _core
 from ._arrays import Array
 from ._points import Path, _view
-from .errors import OutputError, SoapfilmWarning
+from ._words import in_python
+from .options import Viewer
+from .errors import OutputError, warn
 
 
 class Mesh:
     """Triangles, counter-clockwise seen from outside, in the units and the frame of the input.
 
     Arrays are read-only views of the library's memory, alive as long as they are used: ``.copy()`` them to change them.
-    ``Mesh(vertices, triangles)`` makes one of arrays.
+    ``Mesh(vertices, triangles)`` makes one of arrays. Meshes pickle and copy.
     """
 
     _core: Any
@@ -31,7 +33,7 @@ class Mesh:
             vertex, _arrays.indices("triangles", triangles),
             None if normals is None else _arrays.table("normals", normals, 3, rows),
             None if colors is None else _arrays.color_table("colors", colors, rows),
-            [(name, _arrays.column(name, values, rows)) for name, values in (attributes or {}).items()])
+            [(name, _arrays.column(name, values, rows)) for name, values in (attributes or {}).items()], 0.0)
 
     @classmethod
     def _of(cls, core: Any) -> Mesh:
@@ -91,13 +93,22 @@ class Mesh:
             OutputError: an OSError: an unknown extension, or a file that cannot be written.
         """
         for line in self._core.save(os.fspath(path), ascii):
-            warnings.warn(line, SoapfilmWarning, stacklevel=2)
+            warn(line, 2)
 
-    def show(self) -> Any:
-        """Shows the mesh: in a notebook below the cell, else in a window of Open3D or PyVista."""
+    def show(self, viewer: Viewer | None = None) -> pathlib.Path | None:
+        """Shows the mesh: in a notebook below the cell, else as a page in the browser.
+
+        Args:
+            viewer: "browser", "open3d" or "pyvista" to choose; the last two open a window and wait for its end. By
+                default the browser; where this package was built without the page, a window of what is installed.
+
+        Returns:
+            The page that was written (:func:`view`): where no browser is found a warning names it. None of a notebook
+            or a window.
+        """
         from ._show import show
 
-        return show(self)
+        return show(self, viewer)
 
     def _repr_html_(self) -> str:
         from ._show import viewer_html
@@ -144,6 +155,17 @@ class Mesh:
             mesh.point_data[name] = np.array(values)
         return mesh
 
+    def __copy__(self) -> Any:
+        copied = type(self).__new__(type(self))
+        copied.__dict__.update(self.__dict__)
+        return copied
+
+    def __deepcopy__(self, memo: Any) -> Any:
+        return self.__copy__()  # nothing of it can be changed: copies share the memory
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (type(self), _state(self._core), getattr(self, "_report", None))
+
     def __repr__(self) -> str:
         return f"<soapfilm.{type(self).__name__}: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
 
@@ -172,8 +194,8 @@ class Result(Mesh):
 
     @property
     def warnings(self) -> list[str]:
-        """The lines that were shown as SoapfilmWarning."""
-        return self.report["warnings"]
+        """The lines that were shown as SoapfilmWarning. (In ``report`` they name options as the program does.)"""
+        return [in_python(line) for line in self.report["warnings"]]
 
     @property
     def voxel(self) -> float:
@@ -185,8 +207,7 @@ class Result(Mesh):
         super().save(path, ascii=ascii)
         system = self.report["input"]["coordinate_system"]
         if system:
-            _write_text(os.path.splitext(os.fspath(path))[0] + ".prj", system + "\n")
-
+            write_text(os.path.splitext(os.fspath(path))[0] + ".prj", system + "\n")
 
 
 def read_mesh(path: Path) -> Mesh:
@@ -207,20 +228,47 @@ def mesh_of(value: Any, stacklevel: int = 3) -> tuple[Any, str]:
         return _read(value, stacklevel + 1), os.fspath(value)
     if isinstance(value, tuple) and len(value) == 2:
         return Mesh(*value)._core, "mesh"
-    if hasattr(value, "vertices") and hasattr(value, "triangles"):  # Open3D
-        return Mesh(value.vertices, value.triangles)._core, "mesh"
-    if hasattr(value, "vertices") and hasattr(value, "faces"):  # trimesh
-        return Mesh(value.vertices, value.faces)._core, "mesh"
-    if hasattr(value, "points") and hasattr(value, "regular_faces"):  # PyVista
-        return Mesh(value.points, value.regular_faces)._core, "mesh"
+    arrays = _triangles_of(value)
+    if arrays is not None:
+        return Mesh(*arrays)._core, "mesh"
     raise TypeError(f"mesh: {type(value).__name__}, must be a Mesh, a file, (vertices, triangles), or a mesh of "
                     "Open3D, trimesh or PyVista")
+
+
+def has_triangles(value: Any) -> bool:
+    arrays = None if isinstance(value, Mesh) else _triangles_of(value)
+    return isinstance(value, Mesh) or arrays is not None and len(arrays[1]) > 0
+
+
+def _triangles_of(value: Any) -> tuple[Any, Any] | None:
+    """Vertices and triangles of a mesh of another package."""
+    if hasattr(value, "vertex") and hasattr(value, "triangle"):  # Open3D's tensors
+        return value.vertex["positions"].cpu().numpy(), value.triangle["indices"].cpu().numpy()
+    for vertices, triangles in (("vertices", "triangles"), ("vertices", "faces"), ("points", "regular_faces")):
+        if hasattr(value, vertices) and hasattr(value, triangles):  # Open3D, trimesh, PyVista
+            return getattr(value, vertices), getattr(value, triangles)
+    return None
+
+
+def _state(core: Any) -> tuple[Any, ...]:
+    """The arguments of the module's mesh_of(), as arrays."""
+    return (_view(core.vertices), _view(core.triangles), _view(core.normals), _view(core.colors),
+            [(name, _view(values)) for name, values in core.attributes], core.voxel)
+
+
+def _restored(kind: Any, state: tuple[Any, ...], report: str | None) -> Any:
+    """A mesh or result of its pickle."""
+    mesh = kind.__new__(kind)
+    mesh._core = _core.mesh_of(*state)
+    if report is not None:
+        mesh._report = report
+    return mesh
 
 
 def _read(path: Path, stacklevel: int) -> Any:
     mesh, lines = _core.read_mesh(os.fspath(path))
     for line in lines:
-        warnings.warn(line, SoapfilmWarning, stacklevel=stacklevel)
+        warn(line, stacklevel)
     return mesh
 
 
@@ -238,7 +286,7 @@ def _vertex_normals(vertices: Array, triangles: Array) -> Array:
     return normals
 
 
-def _write_text(path: str, text: str) -> None:
+def write_text(path: str, text: str) -> None:
     """Whole or not at all."""
     partial = f"{path}.{os.getpid()}.partial"
     try:
@@ -246,4 +294,6 @@ def _write_text(path: str, text: str) -> None:
             file.write(text)
         os.replace(partial, path)
     except OSError as error:
+        if os.path.exists(partial):
+            os.remove(partial)
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from error

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 import json
 import math
 import os
@@ -9,23 +10,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from . import _core
+from ._words import OPTIONS, SWITCHES
 from .errors import ParameterError
-
-#: Option of the program, in Python's spelling, and its key in the report's `parameters`.
-OPTIONS = {
-    "voxel": "place.voxel", "resolution": "place.resolution", "padding": "place.padding", "memory": "memory.limit",
-    "outside": "border.outside", "directions": "orient.directions", "sensor": "orient.sensor", "up": "orient.up",
-    "neighbors": "orient.neighbors", "radius": "orient.radius", "lambda": "energy.lambda",
-    "weights": "energy.by_area", "norm": "energy.norm", "tolerance": "solve.tolerance",
-    "max_iterations": "solve.max_iterations", "settle": "solve.settle", "method": "solve.method",
-    "link_weights": "graph_cut.weights", "front": "vrip.front", "behind": "vrip.behind",
-    "folds": "cross_validation.folds", "fold_source": "cross_validation.source", "threshold": "surface.threshold",
-    "isovalue": "surface.isovalue", "refine": "surface.refine", "drop_components": "surface.drop_components",
-    "min_support": "components.min_support", "smoothing": "refine.smoothing", "holes": "refine.holes",
-    "split_tolerance": "surface.split_tolerance", "trim": "trim.distance", "trim_holes": "trim.holes",
-    "attributes": "surface.attributes", "distance": "surface.distance", "support": "surface.support",
-    "gap": "surface.gap",
-}
 
 #: Options of the program that are no parameters, and what takes their place.
 ELSEWHERE = {
@@ -39,10 +25,6 @@ ELSEWHERE = {
     "trust_viewpoint": "soapfilm.read(files, trust_viewpoint=True) has it",
 }
 
-#: Flags, and options that take on or off.
-SWITCHES = {"settle", "refine", "drop_components", "trim_holes", "distance", "support", "gap"}
-
-
 @functools.lru_cache(maxsize=None)
 def _known() -> dict[str, tuple[str, ...]]:
     """The groups and their keys, as the library has them."""
@@ -55,6 +37,17 @@ def _unknown(name: str, known: list[str]) -> TypeError:
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
     hint = f"; the nearest is '{near[0]}'" if near else ""
     return TypeError(f"unknown parameter '{name}'{hint}")
+
+
+def signature_with(function: Any, options: Any) -> inspect.Signature:
+    """Of a function with ``**options``, for help() and completion: each option as an argument with its type."""
+    signature = inspect.signature(function)
+    named = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    taken = {p.name for p in named}
+    return signature.replace(parameters=[*named, *(
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None,
+                          annotation=getattr(kind, "__forward_arg__", kind))
+        for name, kind in options.__annotations__.items() if name not in taken)])
 
 
 def parameters_json(flat: Mapping[str, Any], base: Any = None) -> str:
@@ -81,7 +74,7 @@ def parameters_json(flat: Mapping[str, Any], base: Any = None) -> str:
     try:
         return json.dumps(groups, default=_plain, allow_nan=False)
     except ValueError as error:
-        raise ParameterError(f"parameters: {_not_finite(groups)}, must be finite") from error
+        raise ParameterError(f"{_not_finite(groups)}, must be finite") from error
 
 
 def _base(base: Any) -> dict[str, dict[str, Any]]:
@@ -188,4 +181,4 @@ def _not_finite(groups: Mapping[str, Mapping[str, Any]]) -> str:
         for key, value in values.items():
             if isinstance(value, float) and not math.isfinite(value):
                 return f"{group}.{key} = {value}"
-    return "a value is not a number"
+    return "parameters: a value is not a number"

@@ -1,13 +1,18 @@
 """Point clouds of one or several scans: from arrays or files."""
 from __future__ import annotations
 
+import itertools
 import os
+import pathlib
 from collections.abc import Mapping, Sequence
 from typing import Any, Union
 
 from . import _arrays, _core
 from ._arrays import Array
+from ._foreign import as_array, columns_of
 from ._progress import Progress, listener
+from ._words import in_python
+from .options import Viewer
 from .errors import ParameterError
 
 Path = Union[str, "os.PathLike[str]"]
@@ -18,7 +23,10 @@ class Points:
     ``Points(positions, ...)``; arrays are read-only views, alive as long as they are used.
 
     ``Points(positions, normals=None, *, sensors=None, colors=None, weights=None, scans=None, values=None)`` takes the
-    arrays that :func:`reconstruct` takes.
+    arrays that :func:`reconstruct` takes, or a cloud of Open3D, trimesh or PyVista with what it has.
+
+    ``cloud[mask]``, ``cloud[10:20]`` and ``cloud[indices]`` are clouds of these samples; ``cloud + other`` has the
+    scans of both. Clouds do not change: copies share their memory, pickles hold all of it.
     """
 
     _core: Any
@@ -26,6 +34,12 @@ class Points:
     def __init__(self, positions: Any, normals: Any = None, *, sensors: Any = None, colors: Any = None,
                  weights: Any = None, scans: Any = None, values: Mapping[str, Any] | None = None,
                  name: str = "") -> None:
+        found = columns_of(positions)
+        if found is not None:
+            positions = found["positions"]
+            normals = found.get("normals") if normals is None else normals
+            colors = found.get("colors") if colors is None else colors
+            values = {**found.get("values", {}), **(values or {})}
         position = _arrays.table("points", positions, 3)
         rows = len(position)
         order, counts = _arrays.scan_counts(scans, rows)
@@ -38,7 +52,10 @@ class Points:
             "colors": None if colors is None else _arrays.color_table("colors", colors, rows),
             "order": order,
         }
-        self._core = _core.points_of(columns, _value_columns(values or {}, rows), counts, of_scans, name)
+        ends = itertools.accumulate(counts)
+        runs = [{"name": name, "end": end, "sensor": sensor} for end, sensor in
+                zip(ends, itertools.repeat(None) if of_scans is None else of_scans.tolist())]
+        self._core = _core.points_of(columns, _value_columns(values or {}, rows), runs, {})
 
     @classmethod
     def _of(cls, core: Any) -> Points:
@@ -48,6 +65,46 @@ class Points:
 
     def __len__(self) -> int:
         return self._core.size
+
+    def __getitem__(self, which: Any) -> Points:
+        """The samples of a slice, a mask or indices, in the order of their scans; each keeps its scan and its columns.
+        """
+        from . import _select
+
+        return Points._of(_select.selected(self._core, which))
+
+    __iter__ = None  # a cloud is no sequence of rows: cloud.positions is
+    __array_ufunc__ = None  # and no array: cloud + array is neither a sum of clouds nor of numbers
+
+    def __add__(self, other: Any) -> Points:
+        """Both clouds, as further scans; a column that one of them lacks is neutral there."""
+        if not isinstance(other, Points):
+            return NotImplemented
+        ours, theirs = self.coordinate_system, other.coordinate_system
+        if ours and theirs and ours != theirs:
+            raise ParameterError("points: clouds of different coordinate systems, must be of one to be added")
+        return Points._of(self._core.joined(other._core))
+
+    def __radd__(self, other: Any) -> Any:
+        """For sum(): 0 + cloud."""
+        return self if isinstance(other, int) and other == 0 else NotImplemented
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
+        """For NumPy a cloud is its positions."""
+        import numpy as np
+
+        return np.array(self.positions, dtype=dtype) if copy or dtype is not None else self.positions
+
+    def __copy__(self) -> Points:
+        return Points._of(self._core)
+
+    def __deepcopy__(self, memo: Any) -> Points:
+        return self.__copy__()  # nothing of it can be changed
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        from . import _select
+
+        return _select.restored, (_select.state_of(self._core),)
 
     @property
     def positions(self) -> Array:
@@ -94,7 +151,7 @@ class Points:
     @property
     def warnings(self) -> list[str]:
         """Lines that were shown while reading."""
-        return self._core.warnings
+        return [in_python(line) for line in self._core.warnings]
 
     @property
     def coordinate_system(self) -> str | None:
@@ -104,6 +161,36 @@ class Points:
     def save(self, path: Path, *, ascii: bool = False) -> None:
         """Writes a PLY that keeps everything, whole or not at all."""
         self._core.save(os.fspath(path), ascii)
+
+    def to_open3d(self) -> Any:
+        """As ``open3d.geometry.PointCloud``: copies of positions, normals and colors."""
+        import numpy as np
+        import open3d as o3d
+
+        vector = o3d.utility.Vector3dVector
+        cloud = o3d.geometry.PointCloud(vector(np.array(self.positions)))
+        if self.normals is not None:
+            cloud.normals = vector(self.normals.astype(np.float64))
+        if self.colors is not None:
+            cloud.colors = vector(self.colors / 255.0)
+        return cloud
+
+    def to_pyvista(self) -> Any:
+        """As ``pyvista.PolyData``: normals and colors as the arrays "Normals" and "RGB", values by their names."""
+        import numpy as np
+        import pyvista
+
+        cloud = pyvista.PolyData(np.array(self.positions))
+        for name, column in (("Normals", self.normals), ("RGB", self.colors), *self.values.items()):
+            if column is not None:
+                cloud.point_data[name] = np.array(column)
+        return cloud
+
+    def show(self, viewer: Viewer | None = None) -> pathlib.Path | None:
+        """Shows the samples, as :meth:`Mesh.show` a mesh."""
+        from ._show import show
+
+        return show(self, viewer)
 
     def __repr__(self) -> str:
         scans = len(self._core.scans)
@@ -174,7 +261,7 @@ def _sensors(sensors: Any, rows: int, scans: int) -> tuple[Any, Any]:
         return None, None
     import numpy as np
 
-    array = np.asarray(sensors)
+    array = as_array("sensors", sensors)
     if array.shape == (3,):
         array = np.broadcast_to(array, (scans, 3))
     array = _arrays.table("sensors", array, 3)
@@ -190,11 +277,10 @@ def _sensors(sensors: Any, rows: int, scans: int) -> tuple[Any, Any]:
 
 def _value_columns(values: Mapping[str, Any], rows: int) -> list[tuple[str, Any, bool]]:
     """Integers are labels: of several samples the most frequent one counts."""
-    import numpy as np
-
     columns = []
     for name, value in values.items():
         if not isinstance(name, str) or not name:
             raise ParameterError(f"values: {name!r}, must be a name")
-        columns.append((name, _arrays.column(f"values['{name}']", value, rows), np.asarray(value).dtype.kind in "iub"))
+        columns.append((name, _arrays.column(f"values['{name}']", value, rows),
+                        as_array(name, value).dtype.kind in "iub"))
     return columns

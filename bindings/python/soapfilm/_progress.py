@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any, Union
 
-from .errors import SoapfilmWarning
+from .errors import warn
 
 #: Of a caller: progress(stage, fraction in [0, 1], detail). What it raises cancels the run.
 Function = Callable[[str, float, str], Any]
@@ -24,7 +24,7 @@ def listener(progress: Progress, stacklevel: int) -> Callable[[str, float, str],
 
     def on_event(kind: str, number: float, text: str) -> None:
         if kind == "warning":
-            warnings.warn(text, SoapfilmWarning, stacklevel=stacklevel)
+            warn(text, stacklevel)
         elif show is not None:
             show(kind, number, text)
 

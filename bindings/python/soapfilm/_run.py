@@ -3,22 +3,26 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _arrays, _core
 from ._mesh import Result
-from ._params import parameters_json
+from ._params import parameters_json, signature_with
 from ._points import Points, is_paths, read_core, thread_count
 from ._progress import Progress, listener
 from .errors import ParameterError
+from .options import Memory, Options, RunOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 _ARRAYS = ("normals", "colors", "weights", "scans", "values")
 
 
 def reconstruct(points: Any, normals: Any = None, *, sensors: Any = None, colors: Any = None, weights: Any = None,
                 scans: Any = None, values: Mapping[str, Any] | None = None, voxel: float | None = None,
-                resolution: int | None = None, progress: Progress = True, memory: int | str | None = None,
-                threads: int | None = None, params: Any = None, **options: Any) -> Result:
+                resolution: int | None = None, progress: Progress = True, memory: int | str | Memory | None = None,
+                threads: int | None = None, params: Any = None, **options: Unpack[Options]) -> Result:
     """Reconstructs the surface from which samples were taken, with a proof of how near it is to the best one.
 
     The same samples and parameters give the same mesh, bit for bit, for any number of threads: the one that
@@ -26,7 +30,8 @@ def reconstruct(points: Any, normals: Any = None, *, sensors: Any = None, colors
 
     Args:
         points: (N, 3) positions in any units, or what :func:`read` and :func:`scan` give, or files as :func:`read`
-            takes them. float32 and float64 of any strides are read where they are; other numbers are converted.
+            takes them, or a cloud of Open3D, trimesh or PyVista, whose normals and colors are taken along. float32 and
+            float64 of any strides are read where they are; other numbers are converted.
         normals: (N, 3) outward, any length; zero or not finite: none.
         sensors: scanner position: one (3,), one per scan (S, 3), or one per sample (N, 3).
         colors: (N, 3) or (N, 4): uint8, or floats in [0, 1].
@@ -36,13 +41,13 @@ def reconstruct(points: Any, normals: Any = None, *, sensors: Any = None, colors
             them to the vertices.
         voxel: edge of a grid cell, input units. Default: one sample per voxel^2 of surface.
         resolution: instead: grid vertices along the longest axis, padding included.
-        progress: True: a bar (tqdm, or a line on a terminal); False: nothing; or a function
-            ``progress(stage, fraction, detail)``; what it raises cancels the run.
+        progress: True: a bar (tqdm, or a line on a terminal); False: none; or a function
+            ``progress(stage, fraction, detail)``; what it raises cancels the run. Warnings come in any case.
         memory: refuse a run that needs more: bytes, or text such as "2G". Default: what the machine has free.
         threads: None for all that the process may use.
         params: all parameters of an earlier run: its result, report, or report file; what is given beside them wins.
         **options: the options of docs/reference/options.md: ``lambda_``, ``method``, ``outside``, ``trim``, ...; or the
-            groups of the report: ``solve=dict(tolerance=1e-4)``.
+            groups of the report: ``solve=dict(tolerance=1e-4)``. Their types: :class:`soapfilm.options.Options`.
 
     Raises:
         ParameterError: a value is refused (a ValueError; SamplesError for the samples).
@@ -52,15 +57,18 @@ def reconstruct(points: Any, normals: Any = None, *, sensors: Any = None, colors
         KeyboardInterrupt: at once on Ctrl-C, when called from the main thread.
         TypeError: an unknown parameter; the message names the nearest one.
     """
-    options = {"voxel": voxel, "resolution": resolution, "memory": memory, **options}
+    given: dict[str, Any] = {"voxel": voxel, "resolution": resolution, "memory": memory, **options}
     if isinstance(weights, str):
-        options["weights"], weights = weights, None
+        given["weights"], weights = weights, None
     arrays = dict(normals=normals, colors=colors, weights=weights, scans=scans, values=values)
     core, ours, sensor = _cloud(points, sensors, arrays, threads, progress)
     if sensor is not None:
-        options["sensor"] = sensor
-    text = parameters_json(options, params)
+        given["sensor"] = sensor
+    text = parameters_json(given, params)
     return Result._of_run(_core.reconstruct(core, ours, text, thread_count(threads), listener(progress, 3)))
+
+
+reconstruct.__signature__ = signature_with(reconstruct, Options)  # type: ignore[attr-defined]
 
 
 def _cloud(points: Any, sensors: Any, arrays: dict[str, Any], threads: int | None,
@@ -100,7 +108,7 @@ class Reconstructor:
         **options: parameters of :func:`reconstruct` for all runs.
     """
 
-    def __init__(self, *, threads: int | None = None, params: Any = None, **options: Any) -> None:
+    def __init__(self, *, threads: int | None = None, params: Any = None, **options: Unpack[RunOptions]) -> None:
         parameters_json(options, params)  # refuses what is wrong now, not after the first scan
         self._core = _core.Scans()
         self._threads = threads
@@ -140,11 +148,12 @@ class Reconstructor:
             return read_core(points, threads=self._threads, progress=progress, stacklevel=5), True
         return points._core, False
 
-    def reconstruct(self, *, progress: Progress = True, **options: Any) -> Result:
+    def reconstruct(self, *, progress: Progress = True, **options: Unpack[RunOptions]) -> Result:
         """The surface of all scans until now. `options` replace those of the constructor for this run."""
-        merged = {**self._options, **options}
+        given = dict(options)
+        merged: dict[str, Any] = {**self._options, **given}
         for one, other in (("voxel", "resolution"), ("resolution", "voxel")):
-            if options.get(one) is not None and other not in options:
+            if given.get(one) is not None and other not in given:
                 merged.pop(other, None)
         text = parameters_json(merged, self._params)
         with self._lock:
@@ -161,3 +170,7 @@ class Reconstructor:
 
     def __repr__(self) -> str:
         return f"<soapfilm.Reconstructor: {len(self)} samples in {self.scans} scans>"
+
+
+for _function in (Reconstructor.__init__, Reconstructor.reconstruct):
+    _function.__signature__ = signature_with(_function, RunOptions)  # type: ignore[attr-defined]

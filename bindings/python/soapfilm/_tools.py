@@ -3,15 +3,22 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
-from typing import Any
+import pathlib
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal
 
 from . import _arrays, _core
 from ._arrays import Array
-from ._mesh import Mesh, mesh_of
+from ._foreign import columns_of
+from ._mesh import Mesh, Result, has_triangles, mesh_of, write_text
+from ._params import signature_with
 from ._points import Path, Points, is_path, thread_count
 from ._progress import Progress, listener
 from .errors import ParameterError
+from .options import Axis, Scan, Shape
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 _SHAPE = ("size", "center", "thickness", "gap")
 _SCANNER = ("views", "orbit", "elevations", "distance", "positions", "target", "rays", "image", "step", "span",
@@ -27,7 +34,7 @@ _COLORS = {"white": (255, 255, 255), "black": (0, 0, 0)}
 
 def evaluate(mesh: Any, truth: Any, *, samples: Any = None, voxel: float | None = None,
              f_score: float | Sequence[float] = (), points: int = 300_000, seed: int = 1, threads: int | None = None,
-             progress: Progress = True, **shape: Any) -> dict[str, Any]:
+             progress: Progress = True, **shape: Unpack[Shape]) -> dict[str, Any]:
     """Compares a mesh with the truth: distances, normals, F-scores, volume, topology.
 
     Args:
@@ -54,12 +61,15 @@ def evaluate(mesh: Any, truth: Any, *, samples: Any = None, voxel: float | None 
             raise ParameterError(f"voxel = {voxel}, must be > 0 and finite")
         given["voxel"] = voxel
     if samples is not None:
+        cloud = columns_of(samples)
+        samples = cloud["positions"] if cloud else samples
         given["samples"] = samples.positions if isinstance(samples, Points) else _arrays.table("samples", samples, 3)
         given["samples_name"] = "samples"
     return json.loads(_core.evaluate(core, object_, given, thread_count(threads), listener(progress, 3)))
 
 
-def scan(shape: Any, *, threads: int | None = None, progress: Progress = True, **options: Any) -> Points:
+def scan(shape: Any, *, threads: int | None = None, progress: Progress = True,
+         **options: Unpack[Scan]) -> Points:
     """Scans a surface that is known, with the errors of a real scanner: docs/reference/scanner.md.
 
     Args:
@@ -74,15 +84,19 @@ def scan(shape: Any, *, threads: int | None = None, progress: Progress = True, *
     """
     _tool("scan")
     _known_names(options, (*_SCANNER, *_SHAPE), "scan")
-    options = _present(options)
-    _check_scan(options)
+    given = _present(options)
+    _check_scan(given)
     object_, name = _object(shape)
-    return Points._of(_core.scan(object_, name, options, thread_count(threads), listener(progress, 3)))
+    return Points._of(_core.scan(object_, name, given, thread_count(threads), listener(progress, 3)))
+
+
+scan.__signature__ = signature_with(scan, Scan)  # type: ignore[attr-defined]
 
 
 def render(shapes: Any, path: Path | None = None, *, captions: str | Sequence[str] = (), columns: int = 0,
-           size: tuple[int, int] = (800, 800), view: str | Sequence[float] = "front", up: str | Sequence[float] = "y",
-           framing: str = "shared", zoom: Sequence[float] | None = None, shading: str = "flat",
+           size: tuple[int, int] = (800, 800), view: str | Sequence[float] = "front", up: Axis | Sequence[float] = "y",
+           framing: Literal["shared", "centered", "fitted"] = "shared", zoom: Sequence[float] | None = None,
+           shading: Literal["flat", "smooth"] = "flat",
            color_by: str | None = None, range: tuple[float, float] | None = None, points: bool = False,
            point_radius: float | None = None, background: str = "white", samples: int = 3, occlusion_rays: int = 5,
            threads: int | None = None) -> Array:
@@ -130,18 +144,23 @@ def render(shapes: Any, path: Path | None = None, *, captions: str | Sequence[st
         given["transparent"] = True
     else:
         given["background"] = _color(background)
-    width, height, data = _core.render([(_shape(item, points), text) for item, text in zip(items, texts)], given,
-                                       "" if path is None else os.fspath(path), thread_count(threads), None)
+    entries = []
+    for item, text in zip(items, texts):
+        entries.append((_shape(item, points, 5), text))
+    width, height, data = _core.render(entries, given, "" if path is None else os.fspath(path), thread_count(threads),
+                                       listener(False, 3))
     return np.frombuffer(bytearray(data), dtype=np.uint8).reshape(height, width, 4)
 
 
 def view(shapes: Any, path: Path | None = None, *, names: str | Sequence[str] = (), title: str = "", unit: str = "",
-         up: str = "y", triangles: int = 1_000_000, samples: int = 1_000_000, threads: int | None = None) -> str:
+         up: Literal["y", "z"] = "y", triangles: int = 1_000_000, samples: int = 1_000_000,
+         threads: int | None = None) -> pathlib.Path:
     """A page for any browser to turn, cut, color, compare and measure: docs/guide/viewer.md.
 
     Args:
-        shapes: one or a list of results (their reports are shown beside them), meshes, clouds, files.
-        path: an .html to write; None: only return the page.
+        shapes: one or a list of results (their reports are shown beside them), meshes, clouds, files, objects of
+            Open3D, trimesh and PyVista.
+        path: an .html to write; None: a new file in the folder of temporary files, which stays.
         names: of the shapes, as the page shows them.
         title, unit: shown: the page's title, the unit of lengths.
         up: the upright axis at first, "y" or "z".
@@ -149,32 +168,52 @@ def view(shapes: Any, path: Path | None = None, *, names: str | Sequence[str] = 
         samples: of larger clouds at most so many are drawn, chosen evenly at random; 0: all.
 
     Returns:
-        The page as HTML: one text that asks no server for anything.
+        The page that was written, one file that asks no server for anything. Its text:
+        ``soapfilm.view(result).read_text(encoding="utf-8")``.
 
     Raises:
         OutputError: an OSError: this package was built without the viewer, or `path` cannot be written.
     """
     _tool("view")
+    page = page_of(shapes, names=names, title=title, unit=unit, up=up, triangles=triangles, samples=samples,
+                   threads=threads, stacklevel=6)
+    if path is None:
+        return _temporary_page(page)
+    write_text(os.fspath(path), page)
+    return pathlib.Path(path)
+
+
+def page_of(shapes: Any, *, names: str | Sequence[str] = (), title: str = "", unit: str = "",
+            up: Literal["y", "z"] = "y", triangles: int = 1_000_000, samples: int = 1_000_000,
+            threads: int | None = None, stacklevel: int = 5) -> str:
+    """The page of view() as HTML."""
     items = shapes if isinstance(shapes, list) else [shapes]
     texts = [names] if isinstance(names, str) else list(names)
     if len(texts) > len(items):
         raise ParameterError(f"names: {len(texts)}, must be at most one for each of the {len(items)} shapes")
     texts += [_name(item) for item in items[len(texts):]]
     given = {"title": title, "unit": unit, "up": up, "triangles": triangles, "samples": samples}
-    reports = [getattr(item, "report", None) for item in items]
-    entries = [(_shape(item, False), text, json.dumps(report) if report else "")
-               for item, text, report in zip(items, texts, reports)]
-    page = _core.view(entries, given, thread_count(threads), listener(False, 3))
-    if path is not None:
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(page)
-    return page
+    entries = []
+    for item, text in zip(items, texts):
+        report = {**item.report, "warnings": item.warnings} if isinstance(item, Result) else None
+        entries.append((_shape(item, False, stacklevel), text, json.dumps(report) if report else ""))
+    return _core.view(entries, given, thread_count(threads), listener(False, stacklevel - 2))
+
+
+def _temporary_page(page: str) -> pathlib.Path:
+    """A file that only its owner reads. It stays: a browser may open it after the program has ended."""
+    import tempfile
+
+    handle, path = tempfile.mkstemp(prefix="soapfilm-", suffix=".html")
+    with open(handle, "w", encoding="utf-8") as file:
+        file.write(page)
+    return pathlib.Path(path)
 
 
 def _name(item: Any) -> str:
     if is_path(item):
         return os.path.basename(os.fspath(item))
-    return "cloud" if isinstance(item, Points) else "mesh"
+    return "cloud" if isinstance(item, Points) or _is_cloud(item) else "mesh"
 
 
 def _tool(name: str) -> None:
@@ -183,7 +222,7 @@ def _tool(name: str) -> None:
                                   "(SOAPFILM_BUILD_TOOLS=OFF)")
 
 
-def _known_names(given: dict[str, Any], known: Sequence[str], function: str) -> None:
+def _known_names(given: Mapping[str, Any], known: Sequence[str], function: str) -> None:
     for name in given:
         if name not in known:
             import difflib
@@ -217,7 +256,7 @@ def _check_scan(options: dict[str, Any]) -> None:
         refuse(("image",), "only one of step and image may be given")
 
 
-def _present(values: dict[str, Any]) -> dict[str, Any]:
+def _present(values: Mapping[str, Any]) -> dict[str, Any]:
     """Without None, arrays as lists."""
     return {name: value.tolist() if hasattr(value, "tolist") else value
             for name, value in values.items() if value is not None}
@@ -230,20 +269,29 @@ def _object(value: Any) -> tuple[Any, str]:
     return mesh_of(value, 4)
 
 
-def _shape(item: Any, as_points: bool) -> Any:
+def _shape(item: Any, as_points: bool, stacklevel: int) -> Any:
+    """What is drawn. `stacklevel`: of warnings about a file, from where it is read."""
     if isinstance(item, Points):
         return item._core
     if is_path(item):
         from ._points import read_core
 
         try:
-            return read_core(item, progress=False) if as_points else mesh_of(item, 4)[0]
+            return read_core(item, progress=False, stacklevel=stacklevel) if as_points else \
+                mesh_of(item, stacklevel - 1)[0]
         except ValueError:
             if as_points:
                 raise
-            return read_core(item, progress=False)  # a cloud
+            return read_core(item, progress=False, stacklevel=stacklevel)  # a cloud
+    if _is_cloud(item):
+        return Points(item)._core
     core = mesh_of(item)[0]
     return Points(Mesh._of(core).vertices)._core if as_points else core
+
+
+def _is_cloud(item: Any) -> bool:
+    """Of another package, without triangles."""
+    return columns_of(item) is not None and not has_triangles(item)
 
 
 def _axis(up: str | Sequence[float]) -> tuple[float, ...]:

@@ -1,12 +1,29 @@
-"""What soapfilm raises and warns of. Every message is one line: what, its value, its constraint."""
+"""What soapfilm raises and warns of. Every message is one line: what, its value, its constraint; in Python's words,
+also where the library speaks of options of its program."""
+from __future__ import annotations
+
+import warnings
+
+from ._words import in_python
 
 
 class SoapfilmWarning(UserWarning):
-    """A warning of the library: also in ``result.warnings``."""
+    """A warning of the library: also in ``result.warnings``. Given with ``progress=False``, too."""
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(in_python(message))
+
+
+def warn(line: str, stacklevel: int) -> None:
+    """`stacklevel`: as of warnings.warn(), from the one who calls this."""
+    warnings.warn(SoapfilmWarning(line), stacklevel=stacklevel + 1)
 
 
 class SoapfilmError(Exception):
     """Any error of this package."""
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(in_python(message))
 
 
 class ParameterError(SoapfilmError, ValueError):

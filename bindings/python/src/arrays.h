@@ -40,7 +40,8 @@ py::object optional_view(std::shared_ptr<const void> owner, const std::vector<Ro
   return rows.empty() ? py::object(py::none()) : py::cast(view_of<Value>(std::move(owner), rows));
 }
 
-/// Numbers of a caller in rows; the Python side has checked shape and type: float32, float64, uint8, uint32, int64.
+/// Numbers of a caller in rows; the Python side has checked shape and type: float32, float64, uint8,
+/// int32, uint32, int64.
 class Table {
  public:
   explicit Table(const py::object& array) {
@@ -54,6 +55,8 @@ class Table {
   explicit operator bool() const { return kind_ != 0; }
   size_t rows() const { return info_.shape.empty() ? 0 : static_cast<size_t>(info_.shape[0]); }
 
+  size_t columns() const { return info_.ndim > 1 ? static_cast<size_t>(info_.shape[1]) : 1; }
+
   template <class T>
   T at(size_t row, size_t k = 0) const {
     const char* from = static_cast<const char*>(info_.ptr) + static_cast<py::ssize_t>(row) * info_.strides[0];
@@ -65,6 +68,8 @@ class Table {
         return static_cast<T>(load<double>(from));
       case 'B':
         return static_cast<T>(load<uint8_t>(from));
+      case 'i':
+        return static_cast<T>(load<int32_t>(from));
       case 'I':
         return static_cast<T>(load<uint32_t>(from));
       default:

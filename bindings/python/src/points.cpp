@@ -63,13 +63,57 @@ void fill(const Arrays& arrays, PointCloud& cloud) {
   }
 }
 
-/// `columns`: (name, array, is_label) each. `counts`: samples of each scan. `scanners`: None or one row per scan.
-Points points_of(const py::dict& columns_of_samples, const py::list& columns, const std::vector<size_t>& counts,
-                 const py::object& scanners, const std::string& name) {
+std::optional<Vec3d> vector_in(const py::dict& facts, const char* key) {
+  if (!facts.contains(key) || facts[key].is_none()) return {};
+  const auto v = py::cast<std::array<double, 3>>(facts[key]);
+  return Vec3d{v[0], v[1], v[2]};
+}
+
+/// A scan that begins where the one before it ends: `end`, and optionally `name`, `sensor`, `view_direction`,
+/// `range_grid`.
+Scan scan_of(const py::dict& facts, size_t begin) {
+  Scan scan;
+  scan.begin = begin;
+  scan.end = py::cast<size_t>(facts["end"]);
+  if (facts.contains("name")) scan.name = py::cast<std::string>(facts["name"]);
+  scan.sensor = vector_in(facts, "sensor");
+  scan.view_direction = vector_in(facts, "view_direction");
+  const Table grid(facts.contains("range_grid") ? py::object(facts["range_grid"]) : py::none());
+  if (!grid) return scan;
+  RangeGrid& range = scan.range_grid.emplace();
+  range.rows = static_cast<int>(grid.rows());
+  range.columns = static_cast<int>(grid.columns());
+  range.sample.reserve(grid.rows() * grid.columns());
+  for (size_t row = 0; row < grid.rows(); ++row)
+    for (size_t k = 0; k < grid.columns(); ++k) range.sample.push_back(grid.at<int32_t>(row, k));
+  return scan;
+}
+
+FileReport file_of(const py::dict& facts) {
+  return {py::cast<std::string>(facts["path"]),
+          py::cast<std::string>(facts["format"]),
+          py::cast<size_t>(facts["samples"]),
+          py::cast<size_t>(facts["dropped"]),
+          py::cast<size_t>(facts["no_return"]),
+          py::cast<size_t>(facts["ignored_normals"]),
+          py::cast<std::vector<std::string>>(facts["properties"])};
+}
+
+/// What facts_of() gave.
+void take_facts(const py::dict& facts, Points& points) {
+  points.cloud->coordinate_system = py::cast<std::string>(facts["coordinate_system"]);
+  points.cloud->is_survey = py::cast<bool>(facts["is_survey"]);
+  points.read.warnings = py::cast<std::vector<std::string>>(facts["warnings"]);
+  for (const py::handle& file : py::cast<py::list>(facts["files"]))
+    points.read.files.push_back(file_of(py::cast<py::dict>(file)));
+}
+
+/// `columns`: (name, array, is_label) each. `scans`: of scan_of(), in order. `facts`: of facts_of(), or empty.
+Points points_of(const py::dict& columns_of_samples, const py::list& columns, const py::list& scans,
+                 const py::dict& facts) {
   const auto table = [&](const char* key) { return Table(columns_of_samples[key]); };
   const Arrays arrays{table("positions"), table("normals"), table("sensors"),
                       table("weights"),   table("colors"),  table("order")};
-  const Table sensors(scanners);
   std::vector<std::pair<Column, Table>> values;
   for (const py::handle& entry : columns) {
     const auto column = py::cast<py::tuple>(entry);
@@ -77,21 +121,15 @@ Points points_of(const py::dict& columns_of_samples, const py::list& columns, co
   }
   Points points;
   PointCloud& cloud = *points.cloud;
-  {
-    const py::gil_scoped_release unlocked;
-    fill(arrays, cloud);
-    for (auto& [column, table_of] : values) {
-      column.values.resize(cloud.size());
-      for (size_t i = 0; i < cloud.size(); ++i) column.values[i] = table_of.at<float>(arrays.row(i));
-      cloud.columns.push_back(std::move(column));
-    }
-    for (size_t k = 0; k < counts.size(); ++k) {
-      Scan& scan = cloud.scans.emplace_back();
-      scan.name = name;
-      scan.begin = k == 0 ? 0 : cloud.scans[k - 1].end;
-      scan.end = scan.begin + counts[k];
-      if (sensors) scan.sensor = sensors.vector<double>(k);
-    }
+  for (const py::handle& scan : scans)
+    cloud.scans.push_back(scan_of(py::cast<py::dict>(scan), cloud.scans.empty() ? 0 : cloud.scans.back().end));
+  if (!facts.empty()) take_facts(facts, points);
+  const py::gil_scoped_release unlocked;
+  fill(arrays, cloud);
+  for (auto& [column, table_of] : values) {
+    column.values.resize(cloud.size());
+    for (size_t i = 0; i < cloud.size(); ++i) column.values[i] = table_of.at<float>(arrays.row(i));
+    cloud.columns.push_back(std::move(column));
   }
   return points;
 }
@@ -166,6 +204,28 @@ py::list files_of(const Points& points) {
   return files;
 }
 
+/// What is neither of single samples nor of scans; for take_facts().
+py::dict facts_of(const Points& points) {
+  py::dict facts;
+  facts["coordinate_system"] = points.cloud->coordinate_system;
+  facts["is_survey"] = points.cloud->is_survey;
+  facts["files"] = files_of(points);
+  facts["warnings"] = points.read.warnings;
+  return facts;
+}
+
+/// Both clouds, as further scans.
+Points joined(const Points& first, const Points& second) {
+  const py::gil_scoped_release unlocked;
+  Points both;
+  both.read = first.read;
+  both.read.files.insert(both.read.files.end(), second.read.files.begin(), second.read.files.end());
+  both.read.warnings.insert(both.read.warnings.end(), second.read.warnings.begin(), second.read.warnings.end());
+  *both.cloud = *first.cloud;
+  both.cloud->append(PointCloud(*second.cloud));
+  return both;
+}
+
 void save_points(const Points& points, const std::string& path, bool ascii) {
   WriteOptions options;
   options.ascii = ascii;
@@ -194,6 +254,8 @@ void add_points(py::module_& module) {
       .def_property_readonly("files", &files_of)
       .def_property_readonly("warnings", [](const Points& p) { return p.read.warnings; })
       .def_property_readonly("coordinate_system", [](const Points& p) { return p.cloud->coordinate_system; })
+      .def_property_readonly("facts", &facts_of)
+      .def("joined", &joined)
       .def("save", &save_points);
   module.def("points_of", &points_of);
   module.def("read", &read_files);

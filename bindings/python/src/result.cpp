@@ -12,9 +12,9 @@ namespace soapfilm::python {
 
 namespace {
 
-/// `attributes`: (name, array) each. The Python side has checked shapes and types.
+/// `attributes`: (name, array) each. The Python side has checked shapes and types. `voxel`: of a result, else 0.
 MeshHolder mesh_of(const py::object& vertices, const py::object& triangles, const py::object& normals,
-                   const py::object& colors, const py::list& attributes) {
+                   const py::object& colors, const py::list& attributes, double voxel) {
   const auto mesh = std::make_shared<Mesh>();
   const Table vertex(vertices), corner(triangles), normal(normals), color(colors);
   mesh->vertices.resize(vertex.rows());
@@ -44,7 +44,7 @@ MeshHolder mesh_of(const py::object& vertices, const py::object& triangles, cons
     column.values.resize(values.rows());
     for (size_t i = 0; i < values.rows(); ++i) column.values[i] = values.at<float>(i);
   }
-  return {mesh};
+  return {mesh, voxel};
 }
 
 py::list attributes_of(const MeshHolder& holder) {
@@ -105,6 +105,7 @@ void add_meshes(py::module_& module) {
       .def_property_readonly("attributes", &attributes_of)
       .def_property_readonly("area", [](const MeshHolder& m) { return m.mesh->area(); })
       .def_property_readonly("volume", [](const MeshHolder& m) { return m.mesh->volume(); })
+      .def_property_readonly("voxel", [](const MeshHolder& m) { return m.voxel; })
       .def("topology", &topology_of)
       .def("save", &save_mesh);
   module.def("mesh_of", &mesh_of);

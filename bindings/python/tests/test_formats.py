@@ -33,7 +33,7 @@ def test_as_the_program(tmp_path, program, module, extension, data):
         message = program("reconstruct", path, "-o", tmp_path / "mesh.ply", "--quiet", code=2)
         assert str(error) in message
         return
-    assert len(points) >= 4 and np.isfinite(points.positions).all()
+    assert len(points) >= 1 and np.isfinite(points.positions).all()
     assert sum(file["samples"] for file in points.files) == len(points)
     assert points.scans[-1]["end"] == len(points)
     assert re.search(rf"\b{len(points)}\b", program("info", path))

@@ -71,9 +71,56 @@ def test_real_packages(result, package, convert):
     assert mesh.volume == pytest.approx(result.volume, rel=1e-6)
 
 
+def test_windows_of_other_packages(monkeypatch, result, ball):
+    """By name; without one only where there is no page, whichever is installed."""
+    shown = []
+    for shape in (result, soapfilm.Points(ball, ball, colors=np.abs(ball), values={"a": ball[:, 0]})):
+        monkeypatch.setattr(type(shape), "to_open3d", lambda self: "mesh of Open3D")
+        monkeypatch.setattr(type(shape), "to_pyvista", lambda self: types.SimpleNamespace(plot=lambda: shown.append(3)))
+        stand_in(monkeypatch, "open3d", visualization=types.SimpleNamespace(
+            draw_geometries=lambda shapes, window_name: shown.append(shapes)))
+        assert shape.show("open3d") is None and shown.pop() == ["mesh of Open3D"]
+        assert shape.show("pyvista") is None and shown.pop() == 3
+        monkeypatch.setattr(soapfilm._core, "has_viewer", False)
+        assert shape.show() is None and shown.pop() == ["mesh of Open3D"]
+        monkeypatch.setitem(sys.modules, "open3d", None)
+        stand_in(monkeypatch, "pyvista")
+        assert shape.show() is None and shown.pop() == 3
+
+
+def test_clouds_in_open3d(ball):
+    o3d = pytest.importorskip("open3d")
+    cloud = soapfilm.Points(ball, ball, colors=np.abs(ball)).to_open3d()
+    assert isinstance(cloud, o3d.geometry.PointCloud) and cloud.has_normals() and cloud.has_colors()
+    again = soapfilm.Points(cloud)
+    assert np.array_equal(again.positions, ball) and np.array_equal(again.colors, np.rint(255 * np.abs(ball)))
+
+
+def test_clouds_in_pyvista(monkeypatch, ball):
+    class PolyData:
+        def __init__(self, points):
+            self.points, self.point_data = points, {}
+
+    stand_in(monkeypatch, "pyvista", PolyData=PolyData)
+    cloud = soapfilm.Points(ball, ball, values={"a": ball[:, 0]}).to_pyvista()
+    assert set(cloud.point_data) == {"Normals", "a"} and len(cloud.points) == len(ball)
+
+
 def test_show_without_anything(monkeypatch, result):
-    for name in ("open3d", "pyvista", "IPython"):
+    for name in ("open3d", "pyvista"):
         monkeypatch.setitem(sys.modules, name, None)
-    monkeypatch.delitem(sys.modules, "IPython")
-    with pytest.raises(ImportError, match="show\\(\\) needs"):
+    monkeypatch.setattr(soapfilm._core, "has_viewer", False)
+    with pytest.raises(ImportError, match="show\\(\\) needs the viewer"):
         result.show()
+
+
+def test_show_in_a_notebook(monkeypatch, result):
+    """Below the cell: nothing is opened, nothing written."""
+    shown = []
+    stand_in(monkeypatch, "ipykernel")
+    stand_in(monkeypatch, "IPython", get_ipython=lambda: "a shell")
+    stand_in(monkeypatch, "IPython.display", HTML=lambda text: text, display=shown.append)
+    assert result.show() is None
+    assert len(shown) == 1 and "proved" in shown[0]
+    soapfilm.Points(result.vertices).show()
+    assert "samples" in shown[1] and ("<iframe" in shown[1] or "<img" in shown[1])

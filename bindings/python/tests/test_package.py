@@ -1,5 +1,7 @@
 """What is installed, and what is built from it."""
 import ast
+import importlib.util
+import json
 import re
 import subprocess
 import sys
@@ -64,3 +66,26 @@ def test_an_sdist_has_what_a_build_needs(tmp_path):
                  "bindings/python/soapfilm/py.typed", "tools/render/render.cpp"):
         assert f"{base}/{file}" in names
     assert not any("build/" in n or "__pycache__" in n for n in names)
+
+
+def test_metadata_is_made_without_building(tmp_path):
+    """pip asks for it before it builds; where nothing can be compiled it is there all the same, as in the wheel."""
+    import os
+
+    code = ("import sys; sys.path.insert(0, sys.argv[1]); import soapfilm_build; "
+            "print(soapfilm_build.prepare_metadata_for_build_wheel(sys.argv[2]))")
+    words = [sys.executable, "-c", code, str(ROOT / "bindings/python/backend"), str(tmp_path)]
+    nothing = {**os.environ, "PATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
+    name = subprocess.run(words, check=True, capture_output=True, text=True, env=nothing).stdout.strip()
+    assert name == f"soapfilm-{soapfilm.__version__}.dist-info"
+    installed = metadata.distribution("soapfilm")
+    for file in ("METADATA", "LICENSE", "WHEEL"):
+        assert (tmp_path / name / file).read_text(encoding="utf-8") == installed.read_text(file), file
+    if importlib.util.find_spec("pip") is None:
+        return
+    words = [sys.executable, "-m", "pip", "install", "--dry-run", "--ignore-installed", "--no-index",
+             "--no-build-isolation", "--no-deps", "--report", str(tmp_path / "report.json"), "--quiet", str(ROOT)]
+    done = subprocess.run(words, capture_output=True, text=True, env=nothing)
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "report.json").read_text())["install"][0]["metadata"]
+    assert (found["name"], found["version"]) == ("soapfilm", soapfilm.__version__)

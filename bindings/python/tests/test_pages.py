@@ -1,4 +1,5 @@
 """The programs in Python on the documents' pages run as they stand, those of a page in their order."""
+import importlib.util
 import re
 import subprocess
 import sys
@@ -44,7 +45,10 @@ def beside(tmp_path, monkeypatch, ball):
 
 
 def programs_of(page):
-    return re.findall(r"^```python\n(.*?)^```$", page.read_text(), flags=re.M | re.S)
+    """Those that need a package only where it is installed."""
+    found = re.findall(r"^(?:<!-- not run: needs (\w+) -->\n+)?```python\n(.*?)^```$", page.read_text(),
+                       flags=re.M | re.S)
+    return [program for needs, program in found if not needs or importlib.util.find_spec(needs.lower())]
 
 
 PAGES = [page for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))] if programs_of(page)]

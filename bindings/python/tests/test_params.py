@@ -79,11 +79,11 @@ def test_an_unknown_name_names_the_nearest(ball, given, nearest):
 
 @pytest.mark.parametrize("given, message", [
     ({"voxel": -1}, "voxel = -1, must be > 0"),
-    ({"voxel": float("nan")}, "place.voxel = nan, must be finite"),
+    ({"voxel": float("nan")}, "voxel = nan, must be finite"),
     ({"voxel": 1, "resolution": 32}, "only one of them"),
     ({"method": "best"}, "must be one of tv"),
-    ({"outside": 3}, "border.outside = 3: must be a string"),
-    ({"refine": "maybe"}, "surface.refine"),
+    ({"outside": 3}, "outside = 3: must be a string"),
+    ({"refine": "maybe"}, "must be True or False"),
     ({"memory": "much"}, "memory = 'much'"),
     ({"memory": -1}, "memory = -1, must be > 0"),
     ({"trim": "some"}, "trim = 'some'"),

@@ -1,6 +1,8 @@
 """Evaluation, virtual scanner, pictures: what the program gives."""
 import json
 import struct
+import tempfile
+import webbrowser
 import zlib
 
 import numpy as np
@@ -105,12 +107,35 @@ def test_the_page_of_a_notebook(result, monkeypatch):
 
 
 @pytest.mark.skipif(not soapfilm._core.has_viewer, reason="built without the viewer (no node or npm)")
-def test_a_page_for_the_browser(result, tmp_path):
-    page = soapfilm.view(result, tmp_path / "a.html", names="<one>", unit="mm")
-    assert (tmp_path / "a.html").read_text(encoding="utf-8") == page and page.startswith("<!")
-    assert "<one>" not in page and "http://" not in page.split("<body")[0]
-    assert page == soapfilm.view(result, names="<one>", unit="mm")
-    assert len(soapfilm.view(result, triangles=100)) < len(page)
+def test_a_page_for_the_browser(result, tmp_path, monkeypatch):
+    path = soapfilm.view(result, tmp_path / "a.html", names="<one>", unit="mm")
+    assert path == tmp_path / "a.html" and soapfilm.view(result, str(path), names="<one>", unit="mm") == path
+    page = path.read_text(encoding="utf-8")
+    assert page.startswith("<!") and "<one>" not in page and "http://" not in page.split("<body")[0]
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    other = soapfilm.view(result, names="<one>", unit="mm")
+    assert other.parent == tmp_path and other.suffix == ".html" and other != path
+    assert other.read_text(encoding="utf-8") == page and other.stat().st_mode & 0o077 == 0
+    assert soapfilm.view(result, triangles=100).stat().st_size < len(page)
+    with pytest.raises(soapfilm.OutputError):
+        soapfilm.view(result, tmp_path / "no" / "a.html")
+
+
+@pytest.mark.skipif(not soapfilm._core.has_viewer, reason="built without the viewer (no node or npm)")
+def test_show_opens_the_page(result, knot, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(webbrowser, "open", lambda url: opened.append(url) or True)
+    for shape in (result, soapfilm.Points(*knot)):
+        path = shape.show()
+        assert opened[-1] == path.as_uri() and path.read_text(encoding="utf-8").startswith("<!")
+        assert shape.show("browser") is not None
+    monkeypatch.setattr(webbrowser, "open", lambda url: False)
+    with pytest.warns(soapfilm.SoapfilmWarning, match=r"no browser was found: open .*\.html") as seen:
+        assert result.show().exists()
+    assert seen[0].filename == __file__
+    with pytest.raises(soapfilm.ParameterError, match="viewer = 'opened3d'"):
+        result.show("opened3d")
 
 
 @pytest.mark.parametrize("call, kind, message", [

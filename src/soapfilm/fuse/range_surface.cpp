@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "soapfilm/core/median.h"
+#include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
 
 namespace soapfilm {
@@ -18,12 +19,12 @@ namespace {
 void check(const Scan& scan, const RangeGrid& grid) {
   const auto cells = static_cast<size_t>(std::max(grid.columns, 0)) * static_cast<size_t>(std::max(grid.rows, 0));
   if (grid.sample.size() != cells)
-    throw ParameterError(fmt::format("scan \"{}\": range grid of {} cells, must be columns * rows = {}", scan.name,
-                                     grid.sample.size(), cells));
+    throw ParameterError(fmt::format("scan \"{}\": range grid of {} cells, must be columns * rows = {}",
+                                     printable(scan.name), grid.sample.size(), cells));
   for (const int32_t s : grid.sample)
     if (s >= 0 && static_cast<size_t>(s) >= scan.size())
       throw ParameterError(
-          fmt::format("scan \"{}\": range grid names sample {}, must be < {}", scan.name, s, scan.size()));
+          fmt::format("scan \"{}\": range grid names sample {}, must be < {}", printable(scan.name), s, scan.size()));
 }
 
 double squared(Vec3d v) { return dot(v, v); }
@@ -122,17 +123,17 @@ Viewpoint::Viewpoint(const Scan& scan, const std::optional<Vec3d>& sensor) {
   const std::optional<Vec3d>& position = scan.sensor ? scan.sensor : sensor;
   central_ = position.has_value();
   if (!position && !scan.view_direction)
-    throw ParameterError(
-        fmt::format("vrip needs range scans: scan \"{}\" has no sensor position and no viewing direction", scan.name));
+    throw ParameterError(fmt::format(
+        "vrip needs range scans: scan \"{}\" has no sensor position and no viewing direction", printable(scan.name)));
   vector_ = position ? *position : normalized(*scan.view_direction);
   if (!is_finite(vector_) || (!central_ && vector_ == Vec3d{}))
-    throw ParameterError(fmt::format("scan \"{}\": {} must be finite{}", scan.name,
+    throw ParameterError(fmt::format("scan \"{}\": {} must be finite{}", printable(scan.name),
                                      central_ ? "sensor position" : "viewing direction", central_ ? "" : ", not zero"));
 }
 
 void require_range_scan(const Scan& scan, const std::optional<Vec3d>& sensor) {
   if (!scan.range_grid)
-    throw ParameterError(fmt::format("vrip needs range scans: scan \"{}\" has no range grid", scan.name));
+    throw ParameterError(fmt::format("vrip needs range scans: scan \"{}\" has no range grid", printable(scan.name)));
   [[maybe_unused]] const Viewpoint view(scan, sensor);
 }
 

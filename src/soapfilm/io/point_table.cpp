@@ -165,6 +165,9 @@ void finish_points(PointCloud& cloud, FileReport file, const PointTraits& traits
     throw InputError(fmt::format("{}: none of its {} samples is usable: {} have a non-finite coordinate, {} no return",
                                  file.path, read, file.dropped, file.no_return));
   if (traits.float32) warn_of_steps(cloud, file.path, report);
+  if (traits.closed)
+    report.warnings.push_back(file.path +
+                              ": a closed mesh, as programs make them of scans; its vertices are read as samples");
   report.files.push_back(std::move(file));
 }
 

@@ -57,6 +57,7 @@ struct PointTraits {
   bool float32 = false;       ///< coordinates have 24 bits
   bool zero_is_none = false;  ///< (0, 0, 0) is a cell without a return; else it is if several samples are there
   bool has_faces = false;     ///< vertices of a mesh: one at (0, 0, 0) is as good as any
+  bool closed = false;        ///< of a closed mesh: more often a result than a scan
 };
 
 /// The end of every reader. Drops and counts samples without a return and those with a non-finite coordinate; replaces

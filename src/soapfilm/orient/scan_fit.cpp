@@ -19,7 +19,7 @@ namespace soapfilm {
 
 namespace {
 
-constexpr size_t most_scans = 12, most_samples = 10000, least_samples = 200, most_queries = 500;
+constexpr size_t most_scans = 12, most_samples = 3000, least_samples = 200, most_queries = 500;
 
 /// Some samples of a scan with their directions.
 struct ThinScan {

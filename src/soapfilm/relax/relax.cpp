@@ -83,10 +83,10 @@ class Relaxation {
     return start;
   }
 
-  /// Exchanges diagonals, except near places where that would make the mesh intersect itself; none at all if such
-  /// places keep appearing.
+  /// Exchanges diagonals, except near places where that would make the mesh intersect itself: farther and farther
+  /// around them if such places keep appearing.
   HalfEdges flipped(std::vector<Vec3f> normals) {
-    constexpr int most_tries = 8;
+    constexpr int most_tries = 12, tries_at_the_places = 4;
     const std::vector<Triangle> before = mesh_.triangles;
     std::vector<Triangle> failed;  // triangles of intersecting pairs that were already handled
     for (int tries = 0; tries < most_tries; ++tries) {
@@ -102,9 +102,19 @@ class Relaxation {
         for (const uint32_t t : pair)
           for (const uint32_t v : mesh_.triangles[t])
             normals[v] = {};  // flip_edges() ignores vertices with unknown normals
+      for (int ring = tries_at_the_places; ring < tries; ++ring) spread_unknown(normals);
       failed = std::exchange(mesh_.triangles, before);
     }
     return HalfEdges(mesh_);
+  }
+
+  /// To the other corners of the triangles there.
+  void spread_unknown(std::vector<Vec3f>& normals) const {
+    std::vector<uint32_t> beside;
+    for (const Triangle& t : mesh_.triangles)
+      if (std::any_of(t.begin(), t.end(), [&](uint32_t v) { return normals[v] == Vec3f{}; }))
+        beside.insert(beside.end(), t.begin(), t.end());
+    for (const uint32_t v : beside) normals[v] = {};
   }
 
   /// Edges that may lie too far from the surface, by the half that runs upwards.
@@ -213,8 +223,7 @@ RelaxReport relax_mesh(Mesh& mesh, const SmoothField& field, const GridSamples& 
   validate(params);
   RelaxReport report;
   report.triangles_before = mesh.triangles.size();
-  // Half edges, and triangles including new ones, are counted in 32 bits.
-  if (params.split_tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() >= none / 4) return report;
+  if (params.split_tolerance == 0 || mesh.triangles.empty() || mesh.triangles.size() > most_relaxed) return report;
   const Residuals leftover(samples, field, scale, context);
   report.split_edges = Relaxation(mesh, field, lattice, params.split_tolerance, context).run(leftover);
   return report;

@@ -88,6 +88,10 @@ std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridS
                                  const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!surface.refine || surface.refine->fit_weights.edge_preserving || !(params.surface.relax.split_tolerance > 0))
     return {};
+  if (mesh.triangles.size() > most_relaxed)
+    trace.warn(
+        fmt::format("not relaxed: {} triangles, at most {} can be; flat triangles stay where the surface is curved",
+                    mesh.triangles.size(), most_relaxed));
   return trace.stage("relax", [&] {
     return relax_mesh(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples, surface.scale,
                       grid.lattice, params.surface.relax, context);

@@ -15,6 +15,7 @@ PointCloud points_of_mesh(Mesh&& mesh, const ByteSource& source, std::string for
   file.format = std::move(format);
   file.properties = {"x", "y", "z"};
   const bool has_faces = !mesh.triangles.empty();
+  bool closed = false;
   PointCloud cloud;
   cloud.positions = std::move(mesh.vertices);
   cloud.normals = std::move(mesh.normals);
@@ -23,6 +24,7 @@ PointCloud points_of_mesh(Mesh&& mesh, const ByteSource& source, std::string for
   } else if (has_faces) {
     FaceNormals normals(cloud.positions);
     for (const Triangle& triangle : mesh.triangles) normals.add(triangle);
+    closed = normals.closed();
     cloud.normals = normals.finish();
     file.format += ", normals from its faces";
   }
@@ -37,7 +39,7 @@ PointCloud points_of_mesh(Mesh&& mesh, const ByteSource& source, std::string for
   scan.name = std::filesystem::path(source.path()).stem().string();
   scan.end = cloud.size();
   cloud.scans.push_back(std::move(scan));
-  finish_points(cloud, std::move(file), {.float32 = float32, .has_faces = has_faces}, report);
+  finish_points(cloud, std::move(file), {.float32 = float32, .has_faces = has_faces, .closed = closed}, report);
   return cloud;
 }
 

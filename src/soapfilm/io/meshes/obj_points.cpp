@@ -155,6 +155,7 @@ class ObjPointsReader {
       if (!same_indices) from_faces.add(corners);
     }
     if (same_indices) return true;
+    closed_ = from_faces.closed();
     cloud_.normals = from_faces.finish();
     return false;
   }
@@ -189,7 +190,7 @@ class ObjPointsReader {
     scan.name = std::filesystem::path(source_.path()).stem().string();
     scan.end = cloud_.size();
     cloud_.scans.push_back(std::move(scan));
-    finish_points(cloud_, std::move(file), {.has_faces = counts_.faces > 0}, report);
+    finish_points(cloud_, std::move(file), {.has_faces = counts_.faces > 0, .closed = closed_}, report);
     return std::move(cloud_);
   }
 
@@ -198,6 +199,7 @@ class ObjPointsReader {
   ByteSource& source_;
   const Context& context_;
   ObjCounts counts_;
+  bool closed_ = false;  ///< the faces, where they were looked at
   PointCloud cloud_;
   ColorNumbers colors_;
   bool has_color_ = false;

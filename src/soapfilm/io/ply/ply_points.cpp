@@ -228,6 +228,7 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOpt
   }
   rows.finish(vertex, report);
   if (plan.faces_first) add_all_faces(source, header, vertex.count, *normals);
+  const bool closed = normals && normals->closed();
   if (normals) cloud.normals = normals->finish();
 
   for (PlyScan& scan : scans) cloud.scans.push_back(std::move(scan.scan));
@@ -238,7 +239,7 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOpt
   file.properties = layout.names;
   const bool float32 = std::all_of(layout.position.index.begin(), layout.position.index.end(),
                                    [&](size_t k) { return vertex.properties[k].type == PlyType::float32; });
-  finish_points(cloud, std::move(file), {.float32 = float32, .has_faces = plan.has_faces}, report);
+  finish_points(cloud, std::move(file), {.float32 = float32, .has_faces = plan.has_faces, .closed = closed}, report);
   return cloud;
 }
 
