@@ -120,7 +120,7 @@ async function byEngine(file) {
 }
 
 const seeds = join(out, 'seeds');
-const formats = ['.ply', '.ptx', '.e57', '.las', '.pcd', '.xyz', '.csv', '.npy', '.bin', '.obj', '.laz'];
+const formats = ['.ply', '.ptx', '.e57', '.las', '.pcd', '.xyz', '.csv', '.npy', '.bin', '.obj', '.off', '.laz'];
 execFileSync('python3', ['-B', 'fuzz/seeds.py', seeds, ...formats]);
 const named = join(out, 'formats');
 mkdirSync(named, {recursive: true});
