@@ -60,6 +60,13 @@ async function view(items, origin) {
   document.body.classList.add('viewing');
 }
 
+/** All samples in sight, beside the settings. */
+function showCloud() {
+  state.app.setPanel(false);
+  show('settings', 'actions');
+  state.app.views.fit();
+}
+
 /** Positions can be shown twice: buffers that went to a viewer are its own. */
 const copied = (item) => ({...item, attributes: item.attributes.map((attribute) => ({...attribute}))});
 
@@ -83,14 +90,14 @@ const hear = {
     byId('voxel').placeholder = `about ${short(summary.spacing, 2)}`;
     byId('memory').textContent = memoryLine(memory);
     await view([copied(state.cloud.item)], origin);
-    state.app.setPanel(false);
-    show('settings', 'actions');
+    showCloud();
   },
   async mesh(result) {
     state.mesh = result;
     const {item, origin, summary} = state.cloud;
     await view([copied(item), meshItem(meshName(), result, summary.box)], origin);
     show();
+    state.app.views.fit();
     document.documentElement.dataset.ready = 'mesh';
   },
   written({name, bytes}) {
@@ -197,8 +204,7 @@ function begin(...besides) {
 async function change() {
   state.mesh = null;
   await view([copied(state.cloud.item)], state.cloud.origin);
-  state.app.setPanel(false);
-  show('settings', 'actions');
+  showCloud();
 }
 
 function save(content, name) {
