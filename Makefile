@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find include src tools cli tests fuzz examples bench bindings web -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test test-python notebook fuzz docs docs-demo web web-demo bench paper accuracy scenes deb test-deb format format-check tidy clean
+.PHONY: help build demo test test-python notebook fuzz docs test-docs web web-demo bench paper accuracy scenes deb test-deb format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -95,10 +95,10 @@ format-check: packages-format ## fail if `make format` would change anything
 
 docs: packages-docs ## the documentation as a site, to out/site/; its links are checked
 	/usr/bin/python3 -B docs/site/stage.py out/site-pages && mkdocs build --strict --quiet && doxygen docs/site/Doxyfile
-	/usr/bin/python3 -B docs/site/links.py out/site
+	/usr/bin/python3 -B docs/site/search.py out/site && /usr/bin/python3 -B docs/site/links.py out/site
 
-docs-demo: docs ## serve it at http://localhost:8000 (its search asks a server, also on this machine alone)
-	/usr/bin/python3 -m http.server --bind 127.0.0.1 --directory out/site 8000
+test-docs: docs build-release packages-viewer-test ## its search, in headless Chromium
+	sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/site-test ../../docs/site/search.test.mjs
 
 tidy: packages-tidy build-dev ## lint with clang-tidy
 	find src tools cli -name '*.cpp' | xargs -n 1 -P $(JOBS) clang-tidy --quiet -p build/dev --extra-arg=-Wno-unknown-warning-option

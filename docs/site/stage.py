@@ -50,7 +50,7 @@ def main():
     files = [p for p in (ROOT / "docs").rglob("*") if p.is_file() and "site" not in p.relative_to(ROOT).parts]
     files += sorted((ROOT / "bench/results").iterdir())
     files += [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "LICENSE")]
-    shutil.copytree(ROOT / "docs/site", out, ignore=shutil.ignore_patterns("*.py", "Doxyfile", "*.md"))
+    shutil.copytree(ROOT / "docs/site", out, ignore=shutil.ignore_patterns("*.py", "*.mjs", "Doxyfile", "*.md", "theme"))
     for source in files:
         target = moved(source)
         (out / target).parent.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,5 @@
-// A coarse picture of a mesh, for while it is turned: some of its vertices, by the cells of a grid (Rossignac and Borrel
-// 1993).
+// A coarse picture of a mesh, for while it is turned: some of its vertices, by the cells of a grid (Rossignac and
+// Borrel 1993).
 import {breathe} from './dom.js';
 
 const piece = 3 << 17; // corners handled at once: the page stays alive

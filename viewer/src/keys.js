@@ -23,8 +23,8 @@ function press(event) {
 addEventListener('keydown', press);
 
 /**
- * `commands`: [key, text, action, name of the key for people]; without a text they are not explained. Keys with Ctrl, Alt
- * or Meta stay the browser's, and those whose action returns false.
+ * `commands`: [key, text, action, name of the key for people]; without a text they are not explained. Keys with Ctrl,
+ * Alt or Meta stay the browser's, and those whose action returns false.
  */
 export function listen(commands) {
   actions = new Map(commands.map(([key, , action]) => [key, action]));

@@ -44,6 +44,7 @@ export class Legend {
     this.coloring = coloring;
     const legend = byId('legend');
     legend.hidden = coloring.kind !== 'scalar' && coloring.kind !== 'labels';
+    byId('stage').classList.toggle('legend', !legend.hidden); // views end above it where the window is narrow
     if (coloring.kind === 'labels') this.#labels(coloring);
     if (coloring.kind === 'scalar') this.setRange(coloring.low, coloring.high);
   }

@@ -243,8 +243,9 @@ inPage(
   async (page) => {
     const camera = () =>
       page.evaluate(() => {
-        const {camera: {position}, controls: {target}} = window.soapfilm.app.views.views[0]; // prettier-ignore
-        const [x, y, z] = position.clone().sub(target).toArray();
+        const {camera, controls} = window.soapfilm.app.views.views[0];
+        const {target} = controls;
+        const [x, y, z] = camera.position.clone().sub(target).toArray();
         return {target: target.toArray(), distance: Math.hypot(x, y, z), around: Math.atan2(x, z), height: y};
       });
     const press = async (key) => {
@@ -282,7 +283,8 @@ inPage(
     await page.keyboard.press('?');
     const {top, scroll, tall} = await page.evaluate(() => {
       const help = document.getElementById('help');
-      return {top: help.querySelector('h2').getBoundingClientRect().top, scroll: help.scrollTop, tall: help.scrollHeight};
+      const {top} = help.querySelector('h2').getBoundingClientRect();
+      return {top, scroll: help.scrollTop, tall: help.scrollHeight};
     });
     assert.equal(scroll, 0);
     assert.ok(top >= 0 && tall > 400, 'the title is in sight, and more below');
@@ -322,6 +324,33 @@ test('above a million triangles fewer are drawn while the camera moves, all of t
   assert.deepEqual(faults, []);
   await context.close();
 });
+
+inPage(
+  'a small window leaves the views free: neither tools nor legend lie over them',
+  () => two,
+  async (page) => {
+    const box = (name) => page.locator(name).boundingBox();
+    for (const panel of [false, true]) {
+      if (panel) await page.click('#tool-panel');
+      for (const color of ['plain', 'value distance']) {
+        await page.evaluate((key) => {
+          const {app} = window.soapfilm;
+          app.setColoring(app.colorings.find((one) => one.key === key));
+        }, color);
+        await page.waitForTimeout(400);
+        const [upper, lower] = [await box('#view0'), await box('#view1')];
+        assert.ok(upper.height > 100 && Math.abs(lower.height - upper.height) < 2, `${upper.height}, ${lower.height}`);
+        for (const over of ['#tools', '#legend', '#panel']) {
+          if (!(await page.isVisible(over))) continue;
+          const {y} = await box(over);
+          assert.ok(lower.y + lower.height <= y + 1, `${over} lies over the view, ${color}, panel ${panel}`);
+        }
+      }
+      assert.ok(new Set(await pixels(page)).size > 20, 'the picture is blank');
+    }
+  },
+  {viewport: {width: 400, height: 600}},
+);
 
 inPage(
   'a narrow window shows the picture, and the panel on request',

@@ -11,7 +11,7 @@ export async function engine(create, onEvent) {
   const must = (message) => {
     if (message) throw new Error(message);
   };
-  FS.mkdir('/in');
+  for (const folder of ['/in', '/out']) FS.mkdir(folder);
 
   return {
     version: () => call('web_version', 'string'),
@@ -80,9 +80,9 @@ export async function engine(create, onEvent) {
 
     /** The mesh as a file's bytes. */
     write(name) {
-      must(call('web_write', 'string', ['string'], [`/${name}`]));
-      const bytes = FS.readFile(`/${name}`);
-      FS.unlink(`/${name}`);
+      must(call('web_write', 'string', ['string'], [`/out/${name}`]));
+      const bytes = FS.readFile(`/out/${name}`);
+      FS.unlink(`/out/${name}`);
       return bytes;
     },
     memory: () => module.HEAPU8.length,

@@ -1,4 +1,9 @@
-// What a page may have, and what every run of it asks for: the page tells it, the worker plans with it.
+// What page and worker agree about.
+
+/** Sets name the files that belong to them: only they are read. */
+export const isSet = (name) => /\.(conf|mlp|aln)$/i.test(name);
+
+/** What a page may have, and what every run asks for: the page tells it, the worker plans with it. */
 export const pageBytes = 4 * 2 ** 30;
 export const runParameters = {
   surface: {distance: true, gap: true},

@@ -5,20 +5,28 @@ import {buildScene} from '../../viewer/src/items.js';
 import {grouped, short} from '../../viewer/src/numbers.js';
 import {picture} from '../../viewer/src/screenshot.js';
 import {Convergence} from './convergence.js';
-import {pageBytes, runParameters} from './limits.js';
+import {isSet, pageBytes, runParameters} from './limits.js';
 import {cloudItem, meshItem} from './scene.js';
 
-const state = {worker: null, name: '', cloud: null, mesh: null, app: null};
+// used: the worker has begun a run, and its samples are gone; doing: its task.
+const state = {worker: null, used: false, doing: '', files: [], name: '', cloud: null, mesh: null, app: null};
 const template = byId('stage').cloneNode(true);
 
 function show(...ids) {
   for (const id of ['drop', 'run', 'settings', 'problem', 'actions']) byId(id).hidden = !ids.includes(id);
   byId('welcome').hidden = ids.length === 0;
+  byId('results').hidden = ids.length > 0;
+  byId('cancel').textContent = ids.includes('settings') ? 'Other files' : ids.includes('run') ? 'Cancel' : 'Close';
+  state.app?.views.resize();
 }
 
-function fail(message) {
+/** What was read stays: only a file that cannot be read leads back to the choice of files. */
+function fail(message, during = state.doing) {
   byId('problem').textContent = message;
-  show('drop', 'problem', ...(state.cloud && state.worker ? ['settings'] : []));
+  if (during === 'write') return show('problem', 'actions');
+  if (!state.cloud) return begin('problem');
+  startWorker();
+  return show('settings', 'problem', 'actions');
 }
 
 /** The worker's script is a part of the page. */
@@ -26,10 +34,16 @@ function startWorker() {
   state.worker?.terminate();
   const script = new Blob([byId('worker').textContent], {type: 'text/javascript'});
   const address = URL.createObjectURL(script);
-  state.worker = new Worker(address);
-  state.worker.onmessage = ({data}) => hear[data.type](data);
-  state.worker.onerror = (event) => fail(`the worker failed: ${event.message}`);
+  const worker = new Worker(address);
+  worker.onmessage = ({data}) => worker === state.worker && hear[data.type](data);
+  worker.onerror = (event) => worker === state.worker && fail(`the worker failed: ${event.message}`);
+  Object.assign(state, {worker, used: false});
   URL.revokeObjectURL(address);
+}
+
+function ask(task, content) {
+  state.doing = task;
+  state.worker.postMessage({type: task, ...content});
 }
 
 const mib = (bytes) => `${grouped(bytes / 2 ** 20)} MiB`;
@@ -75,16 +89,15 @@ const hear = {
   async mesh(result) {
     state.mesh = result;
     const {item, origin, summary} = state.cloud;
-    await view([copied(item), meshItem('mesh', result, summary.box)], origin);
+    await view([copied(item), meshItem(meshName(), result, summary.box)], origin);
     show();
-    byId('results').hidden = false;
     document.documentElement.dataset.ready = 'mesh';
   },
-  glb({bytes}) {
-    save(bytes, 'glb');
+  written({name, bytes}) {
+    save(bytes, name);
   },
-  failed({message}) {
-    fail(message);
+  failed({message, during}) {
+    fail(message, during);
   },
 };
 
@@ -100,46 +113,97 @@ const memoryLine = (used) => {
 function read(files) {
   if (!files.length) return;
   Object.assign(state, {
+    files: [...files],
     name: files.length === 1 ? files[0].name : `${files.length} files`,
     cloud: null,
     mesh: null,
     warnings: [],
     stage: 'read',
-    convergence: null,
   });
-  byId('results').hidden = true;
-  byId('gap').replaceChildren();
-  byId('gap-line').textContent = '';
+  byId('settings').reset();
+  forgetGap();
   startWorker();
   show('run', 'actions');
-  state.worker.postMessage({type: 'read', files: [...files]});
+  ask('read', {files: state.files});
+}
+
+function forgetGap() {
+  state.convergence = null;
+  byId('gap').replaceChildren();
+  byId('gap-line').textContent = '';
+}
+
+/** Named after the set or the first file, as the program names it. */
+function meshName() {
+  const named = state.files.find(({name}) => isSet(name)) ?? state.files[0];
+  return `${named.name.replace(/\.[^.]*$/, '')}.mesh`;
+}
+
+/** What the settings say, or null where they cannot be understood. */
+function settings() {
+  const number = (id) => Number(byId(id).value);
+  const place = number('voxel') > 0 ? {voxel: number('voxel')} : null;
+  const across = number('resolution') > 0 ? {resolution: number('resolution')} : null;
+  const sensor = byId('sensor').value.trim();
+  const position = sensor ? sensor.split(/[\s,;]+/).map(Number) : null;
+  if (position && !(position.length === 3 && position.every(Number.isFinite))) return null;
+  const up = byId('upright').value;
+  return {
+    ...runParameters,
+    ...(place || across ? {place: place ?? across} : {}),
+    orient: {...(up === 'auto' ? {} : {up}), ...(position ? {sensor: position} : {})},
+    border: {outside: byId('outside').value},
+  };
 }
 
 function reconstruct(event) {
   event.preventDefault();
+  const parameters = settings();
+  if (!parameters) {
+    byId('problem').textContent = 'Scanner position: three numbers, such as 1.5, 0, 2';
+    show('settings', 'problem', 'actions');
+    return;
+  }
+  if (state.used) startWorker();
+  forgetGap();
   state.convergence = new Convergence();
-  const voxel = Number(byId('voxel').value);
-  const up = byId('up').value;
-  const parameters = {
-    ...runParameters,
-    ...(voxel > 0 ? {place: {voxel}} : {}),
-    ...(up === 'auto' ? {} : {orient: {up}}),
-    border: {outside: byId('outside').value},
-  };
+  state.used = true;
+  state.stage = 'begin';
   show('run', 'actions');
-  state.worker.postMessage({type: 'reconstruct', parameters});
+  ask('reconstruct', {parameters, files: state.files});
 }
 
+/** A run that is cancelled leaves what was read; without a run the page begins anew. */
 function cancel() {
-  state.worker?.terminate();
-  state.worker = null;
-  state.cloud = null;
-  show('drop');
+  if (!byId('run').hidden && state.cloud) {
+    startWorker();
+    show('settings', 'actions');
+  } else if (state.mesh && byId('settings').hidden) {
+    show();
+  } else {
+    begin();
+  }
 }
 
-function save(bytes, extension) {
-  const address = URL.createObjectURL(new Blob([bytes]));
-  element('a', {href: address, download: `${state.name.replace(/\.[^.]*$/, '') || 'mesh'}.${extension}`}).click();
+/** The page as it was opened. */
+function begin(...besides) {
+  state.worker?.terminate();
+  Object.assign(state, {worker: null, cloud: null, mesh: null});
+  document.body.classList.remove('viewing');
+  show('drop', ...besides);
+}
+
+/** The samples again, for a run with other settings. */
+async function change() {
+  state.mesh = null;
+  await view([copied(state.cloud.item)], state.cloud.origin);
+  state.app.setPanel(false);
+  show('settings', 'actions');
+}
+
+function save(content, name) {
+  const address = URL.createObjectURL(new Blob([content]));
+  element('a', {href: address, download: name}).click();
   setTimeout(() => URL.revokeObjectURL(address), 10000);
 }
 
@@ -153,17 +217,23 @@ addEventListener('drop', (event) => {
   document.body.classList.remove('over');
   read(event.dataTransfer.files);
 });
-byId('files').onchange = (event) => read(event.target.files);
-byId('settings').onsubmit = reconstruct;
-byId('cancel').onclick = cancel;
-byId('again').onclick = () => {
-  document.body.classList.remove('viewing');
-  byId('results').hidden = true;
-  cancel();
+byId('files').onchange = ({target}) => {
+  const files = [...target.files];
+  target.value = ''; // so that the same files can be chosen again
+  read(files);
 };
-byId('save-ply').onclick = () => save(state.mesh.files.ply, 'ply');
-byId('save-glb').onclick = () => state.worker.postMessage({type: 'glb'});
-byId('save-report').onclick = () => save(state.mesh.report, 'report.json');
+byId('settings').onsubmit = reconstruct;
+for (const [id, other] of [
+  ['voxel', 'resolution'],
+  ['resolution', 'voxel'],
+])
+  byId(id).oninput = () => (byId(other).value = '');
+byId('cancel').onclick = cancel;
+byId('change').onclick = change;
+byId('again').onclick = () => begin();
+for (const extension of ['ply', 'glb', 'stl', 'obj'])
+  byId(`save-${extension}`).onclick = () => ask('write', {name: `${meshName()}.${extension}`});
+byId('save-report').onclick = () => save(state.mesh.report, `${meshName()}.report.json`);
 byId('loading').remove();
 show('drop');
 document.documentElement.dataset.ready = 'true';

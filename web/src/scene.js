@@ -1,4 +1,5 @@
 // Scenes for the viewer, made in the browser as tools/view/ makes them for pages.
+import {inWords} from './words.js';
 
 /** Center of the box, rounded to a multiple of a power of two about as large as the box. */
 export function originOf(box) {
@@ -42,7 +43,7 @@ export function meshItem(name, {mesh, report}, box) {
     source: {triangles, vertices},
     error: 0,
     box,
-    report: JSON.parse(report),
+    report: JSON.parse(report, (_, value) => (typeof value === 'string' ? inWords(value) : value)),
     ...mesh,
     attributes: mesh.attributes.map((attribute) => ({...attribute, length: attribute.name === 'distance'})),
   };

@@ -1,6 +1,6 @@
 // The engine of the browser gives the same mesh, byte for byte, as the program, and reads each kind of single file as
-// it does: node bytes.mjs PROGRAM ENGINE FOLDER, where ENGINE is soapfilm.js of web/CMakeLists.txt. With real files, too,
-// and with whole scenes, where the variable SOAPFILM_DATA names the folder of the real ones.
+// it does: node bytes.mjs PROGRAM ENGINE FOLDER, where ENGINE is soapfilm.js of web/CMakeLists.txt. With real files,
+// too, and with whole scenes, where the variable SOAPFILM_DATA names the folder of the real ones.
 import assert from 'node:assert/strict';
 import {execFileSync, spawnSync} from 'node:child_process';
 import {copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync} from 'node:fs';
