@@ -47,14 +47,13 @@ continuous global optimization: closed objects come out watertight, each
 surface with a proved bound of its distance from the global optimum.")
 set(version ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})
 
-debian_package(library libsoapfilm0 libs "watertight surfaces from raw 3D scans (shared library)" "${what}
+# A minor version before 1.0 may break the interface: it has a soname, and so a package, of its own.
+set(soname ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+set(library libsoapfilm${soname})
+debian_package(library ${library} libs "watertight surfaces from raw 3D scans (shared library)" "${what}
 .
 This package has the shared library.")
-# A minor version before 1.0 may break the interface: what was linked with this one takes no later one.
-math(EXPR next "${PROJECT_VERSION_MINOR} + 1")
-set(soname ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs
-  "libsoapfilm ${soname} libsoapfilm0 (>= ${soname}), libsoapfilm0 (<< ${PROJECT_VERSION_MAJOR}.${next}~)\n")
+file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs "libsoapfilm ${soname} ${library} (>= ${soname})\n")
 file(WRITE ${PROJECT_BINARY_DIR}/debian/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/shlibs
   ${PROJECT_BINARY_DIR}/debian/triggers)
@@ -63,7 +62,7 @@ debian_package(development libsoapfilm-dev libdevel "watertight surfaces from ra
 .
 This package has the headers of the C++ and C interfaces, and what CMake
 and pkg-config need to find the library.")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libsoapfilm0 (= ${version})")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${library} (= ${version})")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 
 debian_package(program soapfilm science "watertight surfaces from raw 3D scans" "${what}
@@ -71,6 +70,10 @@ debian_package(program soapfilm science "watertight surfaces from raw 3D scans" 
 This package has the program: it reads E57, PTX, PCD, LAS, LAZ, PLY, text
 and more, reconstructs meshes, judges them against a truth, makes virtual scans
 and draws pictures.")
+
+# The guides and the reference beside the program, without the pictures of measurements.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/guide ${PROJECT_SOURCE_DIR}/docs/reference DESTINATION share/doc/soapfilm
+  COMPONENT program FILES_MATCHING PATTERN "*.md" PATTERN "*.py" PATTERN "*.jpg" PATTERN "*.png")
 
 # The Python package, where it is built (SOAPFILM_BUILD_PYTHON): its module is for one version of Python.
 if(TARGET soapfilm_python)

@@ -77,7 +77,7 @@ at_try bash -c 'source /usr/share/bash-completion/completions/soapfilm
 say "install the library: apt install ./libsoapfilm*.deb, with a compiler"
 inside sh -c 'apt-get install -y --no-install-recommends /debs/libsoapfilm*.deb g++ cmake make pkg-config' \
   >> "$work/apt.log" 2>&1 || { tail -20 "$work/apt.log" >&2; die "the library cannot be installed"; }
-version=$(inside dpkg-query -W -f '${Version}' libsoapfilm0 | sed 's/-.*//')
+version=$(inside dpkg-query -W -f '${Version}' libsoapfilm0.1 | sed 's/-.*//')
 cp -r "$here/../tests/consumer/cpp" "$here/../tests/consumer/c" "$root/try/"
 for language in cpp c; do
   at_try cmake -S $language -B build-$language -D EXPECTED_VERSION="$version" > "$work/cmake.log" 2>&1 &&

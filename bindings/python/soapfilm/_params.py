@@ -23,6 +23,7 @@ ELSEWHERE = {
     "verbose": "progress=callable gets all details", "columns": "soapfilm.read(files, columns=...) has it",
     "trajectory": "soapfilm.read(files, trajectory=...) has it",
     "trust_viewpoint": "soapfilm.read(files, trust_viewpoint=True) has it",
+    "format": "only the program reads and writes streams; a name says its format by how it ends",
 }
 
 @functools.lru_cache(maxsize=None)

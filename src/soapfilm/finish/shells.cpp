@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/border_edges.h"
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/extract/cut.h"
-#include "soapfilm/mesh/border_edges.h"
 
 namespace soapfilm {
 

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <utility>
 
+#include "soapfilm/core/border_edges.h"
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/vec.h"
-#include "soapfilm/mesh/border_edges.h"
 
 namespace soapfilm {
 

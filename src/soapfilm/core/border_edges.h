@@ -5,8 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/mesh.h"
-
 namespace soapfilm {
 
 /// Of these edges, given once by each triangle that has them with the smaller vertex first, those of one triangle

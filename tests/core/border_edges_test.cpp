@@ -1,10 +1,12 @@
-#include "soapfilm/mesh/border_edges.h"
+#include "soapfilm/core/border_edges.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <utility>
 #include <vector>
+
+#include "soapfilm/mesh.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

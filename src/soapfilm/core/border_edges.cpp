@@ -1,4 +1,4 @@
-#include "soapfilm/mesh/border_edges.h"
+#include "soapfilm/core/border_edges.h"
 
 #include <algorithm>
 
