@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find include src tools cli tests fuzz examples bench bindings web -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test test-python notebook fuzz docs test-docs web web-demo bench paper accuracy scenes deb test-deb format format-check tidy clean
+.PHONY: help build demo test test-python notebook fuzz docs test-docs web web-demo bench paper accuracy scenes gallery deb test-deb format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -78,6 +78,9 @@ accuracy: build-release packages-accuracy ## errors against the truth, beside pe
 
 scenes: build-release packages-scenes ## scenes as people scan them, beside a peer, to docs/scenes/ (SOAPFILM_DATA: as above)
 	/usr/bin/python3 -B bench/scenes/scenes.py build/release/bin out/scenes docs/scenes --jobs $(JOBS)
+
+gallery: build-release packages-scenes ## the gallery of real scans, to docs/gallery/ and pages to turn to out/gallery/ (SOAPFILM_DATA: as above)
+	/usr/bin/python3 -B docs/gallery/gallery.py build/release/bin/soapfilm out/gallery-work docs/gallery out/gallery
 
 deb: packages-build packages-viewer packages-python packages-deb build-deb ## Debian packages into out/deb/
 	rm -rf out/deb && cpack --config build/deb/CPackConfig.cmake -B out/deb

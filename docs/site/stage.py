@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """stage.py OUT: gathers the pages of the site in OUT: docs/, measured results of bench/, and the pages at the root.
 
-Links between them are made to hold there; those to sources become plain text.
+Links between them are made to hold there; those to sources become plain text. Pages of the gallery that are there are linked.
 """
 import os
 import re
@@ -11,6 +11,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 LINK = re.compile(r"(!?)\[([^]]*)\]\(([^)\s#]*)(#[^)\s]*)?\)")
+
+LIVE = re.compile(r"<!-- live: (\w+) -->")
 
 
 def moved(path):
@@ -44,6 +46,19 @@ def page_with_links(source, target):
     return "".join(part if i % 2 else LINK.sub(link, part) for i, part in enumerate(parts))
 
 
+def with_live_pages(text, out):
+    """Links of the gallery to pages that `make gallery` has left in out/gallery/, copied beside it."""
+    def link(match):
+        page = ROOT / "out/gallery" / f"{match[1]}.html"
+        if not page.exists():
+            return ""
+        (out / "gallery/live").mkdir(parents=True, exist_ok=True)
+        shutil.copy(page, out / "gallery/live" / page.name)
+        return f'<a href="live/{page.name}">Turn it, cut it, measure it</a>'
+
+    return LIVE.sub(link, text)
+
+
 def main():
     out = Path(sys.argv[1])
     shutil.rmtree(out, ignore_errors=True)
@@ -55,7 +70,7 @@ def main():
         target = moved(source)
         (out / target).parent.mkdir(parents=True, exist_ok=True)
         if source.suffix == ".md":
-            (out / target).write_text(page_with_links(source, target), encoding="utf-8")
+            (out / target).write_text(with_live_pages(page_with_links(source, target), out), encoding="utf-8")
         else:
             shutil.copy(source, out / target)
 
