@@ -67,9 +67,8 @@ TEST(Border, EnergiesAreComparedWithTheirConstants) {
   double sum = 0;
   for (size_t b = 0; b < problem.support.grid.size(); ++b)
     for (int i = 0; i < brick_volume; ++i) sum += problem.support.f.brick(b)[i] += evidence;
-  const BorderReport report =
-      choose_border({problem.lattice, problem.support, lambda, Norm::isotropic, 1, problem.lattice.voxel}, {}, {}, {},
-                    one_thread);
+  const BorderReport report = choose_border(
+      {problem.lattice, problem.support, lambda, Norm::isotropic, 1, problem.lattice.voxel}, {}, {}, {}, one_thread);
   ASSERT_TRUE(report.solid);
   EXPECT_LE(*report.solid, -0.9999 * sum);
   EXPECT_GE(*report.solid, -1.2 * sum);
