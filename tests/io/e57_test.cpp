@@ -1,5 +1,5 @@
 // E57: every coding, on files written here; real ones when SOAPFILM_DATA names the data.
-#include "e57_writer.h"
+#include "e57_files.h"
 #include "files.h"
 #include "samples.h"
 #include "soapfilm/io.h"
@@ -18,12 +18,7 @@ using test::floats;
 using test::integers;
 using test::line_scan;
 using test::pose_xml;
-
-PointCloud read_e57_file(const std::vector<E57TestScan>& scans, ReadReport* report = nullptr,
-                         const E57TestOptions& options = {}, const ReadOptions& read = {}) {
-  const TemporaryFolder folder;
-  return read_points(folder.write("scans.e57", E57Writer::file(scans, options)), report, Context(1), read);
-}
+using test::read_e57_file;
 
 const Column* column_of(const PointCloud& cloud, const std::string& name) {
   for (const Column& column : cloud.columns)

@@ -1,35 +1,14 @@
 // A coarse picture of a mesh, for while it is turned: some of its vertices, by the cells of a grid (Rossignac and
 // Borrel 1993).
-import {breathe} from './dom.js';
-
-const piece = 3 << 17; // corners handled at once: the page stays alive
-
-/** Runs work(begin, end) over pieces of `count`. */
-async function inPieces(count, work) {
-  for (let begin = 0; begin < count; begin += piece) {
-    work(begin, Math.min(begin + piece, count));
-    await breathe();
-  }
-}
+import {forEachFace, inPieces} from './faces.js';
 
 /** The area of a mesh, and the low end of its box. */
 async function extent(positions, indices) {
   const lo = [Infinity, Infinity, Infinity];
   for (let i = 0; i < positions.length; ++i) if (positions[i] < lo[i % 3]) lo[i % 3] = positions[i];
   let area = 0;
-  await inPieces(indices.length, (begin, end) => {
-    for (let t = begin; t < end; t += 3) {
-      const a = 3 * indices[t],
-        b = 3 * indices[t + 1],
-        c = 3 * indices[t + 2];
-      const ux = positions[b] - positions[a],
-        uy = positions[b + 1] - positions[a + 1],
-        uz = positions[b + 2] - positions[a + 2];
-      const vx = positions[c] - positions[a],
-        vy = positions[c + 1] - positions[a + 1],
-        vz = positions[c + 2] - positions[a + 2];
-      area += Math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx) / 2;
-    }
+  await forEachFace(positions, indices, (a, b, c, x, y, z) => {
+    area += Math.hypot(x, y, z) / 2;
   });
   return {lo, area};
 }

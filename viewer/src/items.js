@@ -1,7 +1,7 @@
 // The items of the scene as three.js objects, and what they can be colored by.
 import {BufferAttribute, BufferGeometry, Mesh, Points, Scene} from 'three';
-import {breathe} from './dom.js';
 import {coarseIndices} from './coarse.js';
+import {forEachFace} from './faces.js';
 import {edgesMaterial, modes, pointsMaterial, surfaceMaterial} from './material.js';
 
 const clay = [
@@ -25,30 +25,13 @@ export const missing = 3e38; // stands for not-a-number in shaders
 /** Normals of vertices: the triangles' ones, weighted by area. In pieces, so that the page stays alive. */
 async function vertexNormals(positions, indices) {
   const normals = new Float32Array(positions.length);
-  const step = 3 << 18;
-  for (let begin = 0; begin < indices.length; begin += step) {
-    const end = Math.min(begin + step, indices.length);
-    for (let t = begin; t < end; t += 3) {
-      const a = 3 * indices[t],
-        b = 3 * indices[t + 1],
-        c = 3 * indices[t + 2];
-      const ux = positions[b] - positions[a],
-        uy = positions[b + 1] - positions[a + 1],
-        uz = positions[b + 2] - positions[a + 2];
-      const vx = positions[c] - positions[a],
-        vy = positions[c + 1] - positions[a + 1],
-        vz = positions[c + 2] - positions[a + 2];
-      const x = uy * vz - uz * vy,
-        y = uz * vx - ux * vz,
-        z = ux * vy - uy * vx;
-      for (const corner of [a, b, c]) {
-        normals[corner] += x;
-        normals[corner + 1] += y;
-        normals[corner + 2] += z;
-      }
+  await forEachFace(positions, indices, (a, b, c, x, y, z) => {
+    for (const corner of [a, b, c]) {
+      normals[corner] += x;
+      normals[corner + 1] += y;
+      normals[corner + 2] += z;
     }
-    await breathe();
-  }
+  });
   for (let i = 0; i < normals.length; i += 3) {
     const length = Math.hypot(normals[i], normals[i + 1], normals[i + 2]);
     if (length > 0) for (let k = 0; k < 3; ++k) normals[i + k] /= length;

@@ -30,6 +30,16 @@ double area_of(const Mesh& mesh, const Triangle& t) {
   return 0.5 * norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
 }
 
+/// The area that lies beyond the cut.
+double area_beyond(const Mesh& mesh, const TrimLevels& levels) {
+  double beyond = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const auto corners = std::count_if(t.begin(), t.end(), [&](uint32_t v) { return levels.level[v] > 1; });
+    beyond += area_of(mesh, t) * static_cast<double>(corners) / 3;
+  }
+  return beyond;
+}
+
 /// Cuts a mesh along the line where its vertices' levels pass 1 (TrimLevels).
 class Cut {
  public:
@@ -168,23 +178,6 @@ void validate(const TrimParams& params) {
   if (params.on && !*params.on && params.holes) throw ParameterError("trim_holes: trimming is off");
 }
 
-namespace {
-
-/// Share of the area that lies beyond the cut.
-double share_beyond(const Mesh& mesh, const TrimLevels& levels) {
-  double all = 0, beyond = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3d a = mesh.vertices[t[0]];
-    const double area = norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
-    const auto corners = std::count_if(t.begin(), t.end(), [&](uint32_t v) { return levels.level[v] > 1; });
-    all += area;
-    beyond += area * static_cast<double>(corners) / 3;
-  }
-  return all > 0 ? beyond / all : 0;
-}
-
-}  // namespace
-
 void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const TrimSetup& params,
           const Context& context, TrimReport& report) {
   const double spacing = params.density > 0 ? 1 / std::sqrt(params.density) : 1;
@@ -192,8 +185,9 @@ void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const 
   TrimLevels levels = find_trim_levels(mesh, samples, lattice, report.distance, params.ends, context);
   report.nothing_near = std::all_of(levels.level.begin(), levels.level.end(), [](double level) { return level > 1; });
   context.progress().advance(0.6, "distances");
-  if (report.nothing_near || share_beyond(mesh, levels) < params.least_beyond) return;
+  if (report.nothing_near) return;
   const double before = mesh.area();
+  if (area_beyond(mesh, levels) < params.least_beyond * before) return;
   const std::vector<uint32_t> crossings =
       params.ends ? count_crossings(mesh, levels.level, params.rays, lattice, context) : std::vector<uint32_t>();
   if (choose_regions(mesh, levels, crossings, {params.ends, params.holes, report.distance, lattice.voxel}, report)) {

@@ -16,7 +16,6 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr bool kitti_swap = std::endian::native != std::endian::little;
 constexpr size_t kitti_columns = 4;
 constexpr size_t nuscenes_columns = 5;
 constexpr std::array<std::string_view, nuscenes_columns> sweep_names{"x", "y", "z", "intensity", "ring"};
@@ -68,7 +67,7 @@ class SweepReader {
       BinaryField field{.name = names.back()};
       field.offset = k * sizeof(float);
       field.stride = columns * sizeof(float);
-      field.swap = kitti_swap;
+      field.swap = std::endian::native != std::endian::little;
       fields.push_back(std::move(field));
     }
     FieldReader reader(source_, fields, meaning_of(names));
@@ -84,7 +83,7 @@ class SweepReader {
 
  private:
   size_t rows(size_t columns) const { return source_.bytes().size() / (columns * sizeof(float)); }
-  float value(size_t index) const { return load<float>(source_.bytes().data() + index * sizeof(float), kitti_swap); }
+  float value(size_t index) const { return load_little<float>(source_.bytes().data() + index * sizeof(float)); }
 
   bool is_text() const {
     const std::string_view head = source_.bytes().substr(0, 4096);

@@ -65,6 +65,12 @@ T load(const char* at, bool swap) {
   return swap ? swap_bytes(value) : value;
 }
 
+/// The same of a value that is stored little-endian.
+template <class T>
+T load_little(const char* at) {
+  return load<T>(at, std::endian::native != std::endian::little);
+}
+
 /// Reads binary values in order.
 class ByteCursor {
  public:

@@ -17,10 +17,9 @@ E57Pages::E57Pages(ByteSource& source) : source_(source) {
   pages_ = 1;
   char header[header_size];
   read(0, header, header_size);
-  constexpr bool swap = std::endian::native != std::endian::little;
-  const auto version = load<uint32_t>(header + 8, swap);
-  const auto length = load<uint64_t>(header + 16, swap);
-  const auto page_size = load<uint64_t>(header + 40, swap);
+  const auto version = load_little<uint32_t>(header + 8);
+  const auto length = load_little<uint64_t>(header + 16);
+  const auto page_size = load_little<uint64_t>(header + 40);
   if (version != 1) throw InputError(fmt::format("{}: byte 8: version = {}, must be 1", path(), version));
   if (page_size != page)
     throw InputError(fmt::format("{}: byte 40: page size = {}, must be {}", path(), page_size, page));
@@ -30,8 +29,8 @@ E57Pages::E57Pages(ByteSource& source) : source_(source) {
                     "there{}",
                     path(), length, page, file_size(), length > file_size() ? " (truncated)" : ""));
   pages_ = length / page;
-  xml_offset_ = logical(load<uint64_t>(header + 24, swap), "byte 24: offset of the XML");
-  xml_length_ = load<uint64_t>(header + 32, swap);
+  xml_offset_ = logical(load_little<uint64_t>(header + 24), "byte 24: offset of the XML");
+  xml_length_ = load_little<uint64_t>(header + 32);
   if (xml_length_ == 0 || xml_length_ > size() - xml_offset_)
     throw InputError(fmt::format("{}: byte 32: length of the XML = {}, must be from 1 to {}", path(), xml_length_,
                                  size() - xml_offset_));

@@ -36,7 +36,7 @@ class E57Pages {
   T read(uint64_t offset) {
     char bytes[sizeof(T)];
     read(offset, bytes, sizeof(T));
-    return load<T>(bytes, std::endian::native != std::endian::little);
+    return load_little<T>(bytes);
   }
   /// All before this logical offset has been read; offsets may go back.
   void release_before(uint64_t offset);

@@ -10,25 +10,23 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr bool e57_swap = std::endian::native != std::endian::little;
-
 /// The raw integer of `bits` in 1 to 64 that begins at `bit`; up to 9 bytes are loaded.
 uint64_t bits_at(const char* bytes, uint64_t bit, int bits) {
   const char* at = bytes + bit / 8;
   const int shift = static_cast<int>(bit % 8);
-  uint64_t raw = load<uint64_t>(at, e57_swap) >> shift;
+  uint64_t raw = load_little<uint64_t>(at) >> shift;
   if (shift + bits > 64) raw |= static_cast<uint64_t>(static_cast<uint8_t>(at[8])) << (64 - shift);
   return bits == 64 ? raw : raw & ((uint64_t{1} << bits) - 1);
 }
 
 template <class Raw>
 void decode_whole(const char* at, const E57Field& field, size_t count, double* to) {
-  for (size_t i = 0; i < count; ++i) to[i] = field.value(load<Raw>(at + i * sizeof(Raw), e57_swap));
+  for (size_t i = 0; i < count; ++i) to[i] = field.value(load_little<Raw>(at + i * sizeof(Raw)));
 }
 
 template <class Float>
 void decode_floats(const char* at, size_t count, double* to) {
-  for (size_t i = 0; i < count; ++i) to[i] = static_cast<double>(load<Float>(at + i * sizeof(Float), e57_swap));
+  for (size_t i = 0; i < count; ++i) to[i] = static_cast<double>(load_little<Float>(at + i * sizeof(Float)));
 }
 
 /// From a byte's first bit.
@@ -145,7 +143,7 @@ void E57Records::read_data_packet(uint64_t at, uint64_t end) {
   pages_.read(at + header_size, lengths_.data(), lengths_.size());
   uint64_t stream_at = at + header_size + 2 * fields;
   for (size_t k = 0; k < fields; ++k) {
-    const auto length = load<uint16_t>(lengths_.data() + 2 * k, e57_swap);
+    const auto length = load_little<uint16_t>(lengths_.data() + 2 * k);
     if (length > end - stream_at)
       pages_.fail(
           at + header_size + 2 * k,

@@ -1,15 +1,12 @@
 #include "soapfilm/io/las/laz_channels.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "soapfilm/io/bytes/encode.h"
 
 namespace soapfilm::io {
 
 namespace {
-
-constexpr bool swap_channels = std::endian::native != std::endian::little;
 
 /// Which earlier points a point is like, by its number of returns and which of them it is.
 constexpr uint8_t new_return_groups[16][16] = {
@@ -62,8 +59,8 @@ LazChannelLayer::LazChannelLayer(LazDecoder from, const char* record, int versio
   last_.is_new = last_.item_is_new = true;
   items_begun_[last_.channel] = true;
   Channel& first = channel(last_.channel, nullptr);
-  first.x = load<uint32_t>(record + x_place, swap_channels);
-  first.y = load<uint32_t>(record + y_place, swap_channels);
+  first.x = load_little<uint32_t>(record + x_place);
+  first.y = load_little<uint32_t>(record + y_place);
   first.number = returns & 15;
   first.of = returns >> 4;
 }

@@ -1,15 +1,12 @@
 #include "soapfilm/io/las/laz_fields.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm::io {
 
 namespace {
-
-constexpr bool swap_laz = std::endian::native != std::endian::little;
 
 // Codes of a step: the multiple of the last one up to 500, then 500 + the multiple of its opposite up to 10, and more.
 constexpr uint32_t most_multiple = 500;
@@ -152,9 +149,9 @@ LazWaves::LazWaves(const char* first)
       sizes_(32, 1),
       places_(32, 1),
       directions_(32, 3),
-      size_(load<uint32_t>(first + 9, swap_laz)),
-      place_(load<uint32_t>(first + 13, swap_laz)) {
-  for (size_t k = 0; k < 3; ++k) direction_[k] = load<uint32_t>(first + 17 + 4 * k, swap_laz);
+      size_(load_little<uint32_t>(first + 9)),
+      place_(load_little<uint32_t>(first + 13)) {
+  for (size_t k = 0; k < 3; ++k) direction_[k] = load_little<uint32_t>(first + 17 + 4 * k);
 }
 
 void LazWaves::pass(LazDecoder& from) {

@@ -1,7 +1,6 @@
 // Points of formats 6 to 10: each field in a layer, a stream of its own; items of versions 3 and 4.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <optional>
@@ -15,13 +14,6 @@
 namespace soapfilm::io {
 
 namespace {
-
-constexpr bool swap_layers = std::endian::native != std::endian::little;
-
-template <class T>
-T get_field(const char* at) {
-  return load<T>(at, swap_layers);
-}
 
 constexpr size_t layer_block = 1024;  // points that each layer decodes before the next one does
 
@@ -53,7 +45,7 @@ template <class Value, class Model>
 class LazPointLayer : public LazLayer {
  public:
   LazPointLayer(std::string_view bytes, size_t place, const char* first) : LazLayer(bytes), place_(place) {
-    first_ = get_field<Value>(first + place);
+    first_ = load_little<Value>(first + place);
   }
 
   void begin(const LazPointState& state) override {
@@ -194,9 +186,9 @@ class LazItemLayer : public LazLayer {
  private:
   static Value get(const char* at) {
     if constexpr (std::is_same_v<Value, LazColors::Color>)
-      return {get_field<uint16_t>(at), get_field<uint16_t>(at + 2), get_field<uint16_t>(at + 4)};
+      return {load_little<uint16_t>(at), load_little<uint16_t>(at + 2), load_little<uint16_t>(at + 4)};
     else
-      return get_field<Value>(at);
+      return load_little<Value>(at);
   }
   static void put(char* to, const Value& value) {
     if constexpr (std::is_same_v<Value, LazColors::Color>)
@@ -268,13 +260,13 @@ class LazLayers : public LazPoints {
     const std::vector<LazLayerKind> kinds = layers_of(layout);
     const char* size = bytes.data() + layout.record_bytes + sizeof(uint32_t);
     const auto take = [&](uint64_t& at) {
-      const uint64_t begin = at, own = get_field<uint32_t>(size);
+      const uint64_t begin = at, own = load_little<uint32_t>(size);
       size += sizeof(uint32_t);
       at += own;
       return at > bytes.size() ? std::string_view() : bytes.substr(begin, own);
     };
     uint64_t at = layout.record_bytes + sizeof(uint32_t) * (2 + kinds.size());
-    if (at > bytes.size() || get_field<uint32_t>(bytes.data() + layout.record_bytes) != points) return false;
+    if (at > bytes.size() || load_little<uint32_t>(bytes.data() + layout.record_bytes) != points) return false;
     const std::string_view channels = take(at);
     for (const LazLayerKind& kind : kinds) {
       const std::string_view own = take(at);

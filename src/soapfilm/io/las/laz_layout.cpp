@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <string>
 #include <utility>
 
@@ -79,13 +78,12 @@ class LazLayoutReader {
 
   void read_record(std::string_view record) {
     constexpr size_t head_bytes = 34, item_bytes = 6;
-    const bool swap = std::endian::native != std::endian::little;
-    const auto word = [&](size_t at) { return load<uint16_t>(record.data() + at, swap); };
+    const auto word = [&](size_t at) { return load_little<uint16_t>(record.data() + at); };
     if (record.empty()) fail("its points are marked as compressed, but no record of LASzip says how");
     if (record.size() < head_bytes)
       fail(fmt::format("its record of LASzip has {} bytes, must have at least {}", record.size(), head_bytes));
     compressor_ = word(0);
-    chunk_points_ = load<uint32_t>(record.data() + 12, swap);
+    chunk_points_ = load_little<uint32_t>(record.data() + 12);
     if (compressor_ < pointwise || compressor_ > layered_chunked)
       fail(fmt::format("compressor = {}, must be 1 to 3", compressor_));
     if (word(2) != 0) fail(fmt::format("coder = {}, must be 0 (arithmetic)", word(2)));

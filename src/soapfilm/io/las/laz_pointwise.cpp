@@ -1,7 +1,6 @@
 // Points of formats 0 to 5: their fields one after the other in one stream, items of version 2.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <optional>
@@ -13,13 +12,6 @@
 namespace soapfilm::io {
 
 namespace {
-
-constexpr bool swap_points = std::endian::native != std::endian::little;
-
-template <class T>
-T get(const char* at) {
-  return load<T>(at, swap_points);
-}
 
 // Places in a record.
 constexpr size_t x_at = 0, y_at = 4, z_at = 8, intensity_at = 12, returns_at = 14, class_at = 15, angle_at = 16,
@@ -74,7 +66,8 @@ class LazOldPoint {
     }
     if ((changes & 2) != 0) record[user_at] = users_.decode(from, record[user_at]);
     if ((changes & 1) != 0)
-      put_binary(record + source_at, static_cast<uint16_t>(sources_.decode(from, get<uint16_t>(record + source_at))));
+      put_binary(record + source_at,
+                 static_cast<uint16_t>(sources_.decode(from, load_little<uint16_t>(record + source_at))));
   }
 
   void decode_position(LazDecoder& from, size_t group, unsigned returns, unsigned level, char* record) {
@@ -87,8 +80,8 @@ class LazOldPoint {
     y_medians_[group].add(dy);
     const unsigned bits = (x_bits + y_steps_.bits_of_last()) / 2;
     height_of_[level] = heights_.decode_signed(from, height_of_[level], single + even(bits, 18));
-    put_binary(record + x_at, get<uint32_t>(record + x_at) + static_cast<uint32_t>(dx));
-    put_binary(record + y_at, get<uint32_t>(record + y_at) + static_cast<uint32_t>(dy));
+    put_binary(record + x_at, load_little<uint32_t>(record + x_at) + static_cast<uint32_t>(dx));
+    put_binary(record + y_at, load_little<uint32_t>(record + y_at) + static_cast<uint32_t>(dy));
     put_binary(record + z_at, height_of_[level]);
   }
 
@@ -110,7 +103,7 @@ class LazPointwise : public LazPoints {
     size_t at = old_point_bytes;
     if (format != 0 && format != 2) {
       time_at_ = at;
-      times_.emplace(get<uint64_t>(bytes.data() + at), true);
+      times_.emplace(load_little<uint64_t>(bytes.data() + at), true);
       at += sizeof(uint64_t);
     }
     if (format == 2 || format == 3 || format == 5) {
@@ -147,7 +140,7 @@ class LazPointwise : public LazPoints {
     if (times_) put_binary(record + time_at_, times_->decode(from_));
     if (colors_) {
       LazColors::Color color{};
-      for (size_t k = 0; k < 3; ++k) color[k] = get<uint16_t>(record + color_at_ + 2 * k);
+      for (size_t k = 0; k < 3; ++k) color[k] = load_little<uint16_t>(record + color_at_ + 2 * k);
       color = colors_->decode(from_, color);
       for (size_t k = 0; k < 3; ++k) put_binary(record + color_at_ + 2 * k, color[k]);
     }

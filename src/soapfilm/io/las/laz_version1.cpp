@@ -1,7 +1,6 @@
 // Points of formats 0 to 5 with items of version 1, of LASzip before 2011.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <optional>
@@ -15,11 +14,9 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr bool swap_version1 = std::endian::native != std::endian::little;
-
 template <class T>
 T get_version1(const char* at) {
-  return load<T>(at, swap_version1);
+  return load_little<T>(at);
 }
 
 /// Of the last three numbers.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 
 #include "soapfilm/error.h"
 #include "soapfilm/io/text/text.h"
@@ -14,8 +13,6 @@ namespace soapfilm::io {
 namespace {
 
 constexpr uint32_t glb_json = 0x4E4F534A, glb_binary = 0x004E4942;
-constexpr bool glb_swaps = std::endian::native != std::endian::little;
-
 size_t component_bytes(int component) {
   switch (component) {
     case GltfArray::int8:
@@ -45,17 +42,17 @@ double GltfArray::value(size_t element, size_t part) const {
   const auto scaled = [&](double number, double most) { return normalized ? std::max(number / most, -1.0) : number; };
   switch (component) {
     case int8:
-      return scaled(load<int8_t>(from, glb_swaps), 127);
+      return scaled(load_little<int8_t>(from), 127);
     case uint8:
-      return scaled(load<uint8_t>(from, glb_swaps), 255);
+      return scaled(load_little<uint8_t>(from), 255);
     case int16:
-      return scaled(load<int16_t>(from, glb_swaps), 32767);
+      return scaled(load_little<int16_t>(from), 32767);
     case uint16:
-      return scaled(load<uint16_t>(from, glb_swaps), 65535);
+      return scaled(load_little<uint16_t>(from), 65535);
     case uint32:
-      return load<uint32_t>(from, glb_swaps);
+      return load_little<uint32_t>(from);
     default:
-      return static_cast<double>(load<float>(from, glb_swaps));
+      return static_cast<double>(load_little<float>(from));
   }
 }
 

@@ -22,8 +22,6 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr bool swaps_little = std::endian::native != std::endian::little;
-
 /// Values of one field, `stride` bytes apart. Those of text are numbers whatever the field's type.
 struct PcdValues {
   const char* at;
@@ -34,8 +32,7 @@ struct PcdValues {
 
 template <class T, class Put>
 void put_values(const PcdValues& values, const Put& put) {
-  for (size_t i = 0; i < values.count; ++i)
-    put(i, static_cast<double>(load<T>(values.at + i * values.stride, swaps_little)));
+  for (size_t i = 0; i < values.count; ++i) put(i, static_cast<double>(load_little<T>(values.at + i * values.stride)));
 }
 
 /// Calls put(i, value) for each of them.
@@ -176,8 +173,7 @@ class PcdReader {
   void put_packed(const PcdField& field, size_t first, const PcdValues& values) {
     for (size_t i = 0; i < values.count; ++i) {
       const char* at = values.at + i * values.stride;
-      const uint32_t bits =
-          values.is_text ? packed_color(field, load<double>(at, false)) : load<uint32_t>(at, swaps_little);
+      const uint32_t bits = values.is_text ? packed_color(field, load<double>(at, false)) : load_little<uint32_t>(at);
       cloud_.colors[first + i] = {static_cast<uint8_t>(bits >> 16 & 255), static_cast<uint8_t>(bits >> 8 & 255),
                                   static_cast<uint8_t>(bits & 255)};
     }
