@@ -76,10 +76,14 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   validate(params);
 }
 
+/// Of files with levels of detail no more is read than this; four samples for each voxel^2.
+constexpr double samples_along_voxel = 2;
+
 PointCloud read_input(const ReconstructOptions& options, const std::vector<std::string>& attributes,
                       const Context& context, ReadReport& read) {
   ReadOptions as = options.read;
   as.attributes = attributes;  // what reaches no vertex is not kept
+  as.spacing = options.params.place.voxel.value_or(0) / samples_along_voxel;
   PointCloud cloud = read_cloud(options.inputs, as, context, read);
   context.progress().info(
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));

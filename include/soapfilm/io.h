@@ -9,8 +9,7 @@
 
 namespace SOAPFILM_API soapfilm {
 
-/// What reading one file found.
-struct FileReport {
+struct FileReport {  ///< What reading one file found.
   std::string path;
   std::string format;                   ///< such as "PLY, binary little-endian"
   size_t samples = 0;                   ///< kept
@@ -34,6 +33,7 @@ struct ReadOptions {
   std::string trajectory;        ///< of LAS: a text file `time x y z`, the scanner's way; empty: none
   bool trust_viewpoint = false;  ///< of PCD, PTX, E57: a default or contradicted place is the scanner's, too
   std::vector<std::string> attributes{"all"};  ///< of LAS, LAZ: columns that are kept, by name, "color", or "all"
+  double spacing = 0;  ///< of COPC: levels are read until points are this near, input units; 0: all
 };
 
 /// Reads a point cloud of one or several scans. Samples with a non-finite coordinate are dropped and counted. As many

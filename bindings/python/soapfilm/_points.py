@@ -201,7 +201,8 @@ class Points:
 
 
 def read(files: Path | Sequence[Path], *, columns: str | Sequence[str] = "", trajectory: Path = "",
-         trust_viewpoint: bool = False, threads: int | None = None, progress: Progress = True) -> Points:
+         trust_viewpoint: bool = False, spacing: float = 0, threads: int | None = None,
+         progress: Progress = True) -> Points:
     """Reads point clouds or scan sets of any format of docs/reference/formats.md.
 
     Args:
@@ -209,6 +210,7 @@ def read(files: Path | Sequence[Path], *, columns: str | Sequence[str] = "", tra
         columns: of text files: what their columns are, such as "x,y,z,-,nx,ny,nz" ("-": passed over).
         trajectory: of LAS files: where the scanner was, a text file of lines ``time x y z``.
         trust_viewpoint: of PCD and E57: a pose at the origin, the default, is the scanner's, too.
+        spacing: of COPC: levels are read until points are this near, input units; 0: all.
         threads: None for all that the process may use.
         progress: as of :func:`reconstruct`.
 
@@ -217,17 +219,17 @@ def read(files: Path | Sequence[Path], *, columns: str | Sequence[str] = "", tra
         ParameterError: an option that none of the files takes.
     """
     return Points._of(read_core(files, columns=columns, trajectory=trajectory, trust_viewpoint=trust_viewpoint,
-                                threads=threads, progress=progress, stacklevel=4))
+                                spacing=spacing, threads=threads, progress=progress, stacklevel=4))
 
 
 def read_core(files: Any, *, columns: str | Sequence[str] = "", trajectory: Path = "", trust_viewpoint: bool = False,
-              threads: int | None = None, progress: Progress = True, stacklevel: int = 4) -> Any:
+              spacing: float = 0, threads: int | None = None, progress: Progress = True, stacklevel: int = 4) -> Any:
     paths = [os.fspath(files)] if is_path(files) else [os.fspath(file) for file in files]
     if not paths:
         raise ParameterError("files: none given, must be one or several")
     names = columns if isinstance(columns, str) else ",".join(columns)
-    return _core.read(paths, names, os.fspath(trajectory), trust_viewpoint, thread_count(threads),
-                      listener(progress, stacklevel))
+    return _core.read(paths, names, os.fspath(trajectory), trust_viewpoint, spacing,
+                      thread_count(threads), listener(progress, stacklevel))
 
 
 def thread_count(threads: int | None) -> int:

@@ -61,7 +61,7 @@ def reconstruct(points: Any, normals: Any = None, *, sensors: Any = None, colors
     if isinstance(weights, str):
         given["weights"], weights = weights, None
     arrays = dict(normals=normals, colors=colors, weights=weights, scans=scans, values=values)
-    core, ours, sensor = _cloud(points, sensors, arrays, threads, progress)
+    core, ours, sensor = _cloud(points, sensors, arrays, voxel, threads, progress)
     if sensor is not None:
         given["sensor"] = sensor
     text = parameters_json(given, params)
@@ -71,7 +71,7 @@ def reconstruct(points: Any, normals: Any = None, *, sensors: Any = None, colors
 reconstruct.__signature__ = signature_with(reconstruct, Options)  # type: ignore[attr-defined]
 
 
-def _cloud(points: Any, sensors: Any, arrays: dict[str, Any], threads: int | None,
+def _cloud(points: Any, sensors: Any, arrays: dict[str, Any], voxel: Any, threads: int | None,
            progress: Progress) -> tuple[Any, bool, Any]:
     """The library's cloud, whether it is ours alone, and a scanner position for scans that do not have one."""
     of_files = is_paths(points)
@@ -90,7 +90,9 @@ def _cloud(points: Any, sensors: Any, arrays: dict[str, Any], threads: int | Non
         sensors = sensors.tolist()
     if not of_files:
         return points._core, False, sensors
-    return read_core(points, threads=threads, progress=progress, stacklevel=5), True, sensors
+    # Of files with levels of detail, as the program: four samples for each voxel^2.
+    spacing = voxel / 2 if isinstance(voxel, (int, float)) else 0
+    return read_core(points, spacing=spacing, threads=threads, progress=progress, stacklevel=5), True, sensors
 
 
 class Reconstructor:

@@ -23,7 +23,7 @@ OPTIONS = {
 SWITCHES = {"settle", "refine", "drop_components", "trim_holes", "distance", "support", "gap"}
 
 #: Arguments of soapfilm.read(), not of reconstruct().
-READING = {"columns", "trajectory", "trust_viewpoint"}
+READING = {"columns", "trajectory", "trust_viewpoint", "spacing"}
 _FLAGS = {"trim_holes", "distance", "support", "gap", "trust_viewpoint"}
 
 #: What follows an option and is its value: a number, a place, names of columns, a word of an enumeration.

@@ -143,13 +143,15 @@ void tell_of_reading(const Points& points, Progress& progress) {
 }
 
 Points read_files(const std::vector<std::string>& paths, const std::string& columns, const std::string& trajectory,
-                  bool trust_viewpoint, int threads, const py::object& on_event) {
+                  bool trust_viewpoint, double spacing, int threads, const py::object& on_event) {
   Points points;
   work_beside_python(threads, on_event, [&](const Context& context) {
     const auto begin = std::chrono::steady_clock::now();
     const double cpu = context.cpu_seconds();
     context.progress().begin_stage("read");
-    *points.cloud = read_points(paths, &points.read, context, {columns, trajectory, trust_viewpoint});
+    ReadOptions options{columns, trajectory, trust_viewpoint};
+    options.spacing = spacing;
+    *points.cloud = read_points(paths, &points.read, context, options);
     const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     context.progress().end_stage(elapsed);
     points.reading = StageTime{"read", elapsed, context.cpu_seconds() - cpu};

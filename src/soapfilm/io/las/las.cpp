@@ -10,6 +10,7 @@
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/las/copc.h"
 #include "soapfilm/io/las/las_fields.h"
 #include "soapfilm/io/las/las_header.h"
 #include "soapfilm/io/las/las_records.h"
@@ -85,6 +86,7 @@ class LasReader {
                               header_.point_format);
     std::optional<LazLayout> layout;
     if (header_.compressed) layout = read_laz_layout(source_, header_, records.laszip);
+    if (layout && !records.copc.empty() && options.spacing > 0) keep_levels(records.copc, options.spacing, *layout);
     fields_ = las_fields(first_record(layout), header_, records);
     for (const BinaryField& field : fields_.all) file.properties.push_back(field.name);
     if (!options.trajectory.empty()) open(options.trajectory);
@@ -102,6 +104,17 @@ class LasReader {
 
  private:
   void warn(const std::string& message) { report_.warnings.push_back(source_.path() + ": " + message); }
+
+  /// The header's number of points becomes that of the levels that are kept.
+  void keep_levels(std::string_view copc, double spacing, LazLayout& layout) {
+    const std::optional<CopcLevels> levels = keep_copc_levels(source_, copc, spacing, layout);
+    if (!levels)
+      warn("its octree (COPC) is damaged: all points are read");
+    else if (levels->points < header_.count)
+      warn(fmt::format("levels 0 to {} of 0 to {} (COPC), {:.4g} apart, are read: {} of {} points", levels->kept - 1,
+                       levels->all - 1, levels->spacing, levels->points, header_.count));
+    if (levels) header_.count = levels->points;
+  }
 
   /// Also of a compressed file: each chunk begins with a point as it is.
   std::string_view first_record(const std::optional<LazLayout>& layout) const {

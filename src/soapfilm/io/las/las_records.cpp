@@ -22,6 +22,7 @@ constexpr uint16_t wkt_record = 2112;
 constexpr uint16_t geotiff_keys_record = 34735;
 constexpr uint16_t extra_bytes_record = 4;
 constexpr uint16_t laszip_record = 22204;
+constexpr uint16_t copc_record = 1;
 
 constexpr uint16_t projected_system_key = 3072;
 constexpr uint16_t geographic_system_key = 2048;
@@ -90,6 +91,8 @@ class LasRecordsReader {
       use_extra_bytes(content);
     else if (user == "laszip encoded" && id == laszip_record)
       records_.laszip = content;
+    else if (user == "copc" && id == copc_record)
+      records_.copc = content;
   }
 
   void use_wkt(std::string_view content) {

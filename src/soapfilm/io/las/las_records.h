@@ -17,6 +17,7 @@ struct LasRecords {
   size_t extra_bytes = 0;          ///< that records describe, at most `room`
   size_t undescribed_bytes = 0;    ///< of `room`
   std::string_view laszip;         ///< how the points are compressed; empty: no record says it
+  std::string_view copc;           ///< the octree of a COPC file; empty: it is none
 };
 
 /// `room`: the extra bytes of each point. Records that lie, or are not in the file, are warned of and left out.
