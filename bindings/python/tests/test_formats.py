@@ -46,6 +46,7 @@ def test_options_of_reading(tmp_path):
     assert np.array_equal(points.positions[2], [2, 4, 2])
     with pytest.raises(soapfilm.ParameterError):
         soapfilm.read(path, trust_viewpoint=True)
+    assert len(soapfilm.read(path, columns="x,-,y,z", spacing=10)) == 6  # without levels all is read
 
 
 def test_a_georeferenced_mesh_has_its_coordinate_system(tmp_path, ball, monkeypatch):
