@@ -1,12 +1,10 @@
 # Debian packages by cpack (make deb), one for each component of the install rules. Dependencies come from
-# dpkg-shlibdeps.
+# dpkg-shlibdeps. The version has no Debian revision: the packaging is part of these sources.
 set(directory ${PROJECT_SOURCE_DIR}/packaging/debian)
 file(STRINGS ${directory}/changelog heads LIMIT_COUNT 1)
-if(NOT heads MATCHES "^soapfilm \\(${PROJECT_VERSION}-([0-9]+)\\)")
-  message(FATAL_ERROR
-    "packaging/debian/changelog: begins with '${heads}', must be 'soapfilm (${PROJECT_VERSION}-REVISION)'")
+if(NOT heads MATCHES "^soapfilm \\(${PROJECT_VERSION}\\)")
+  message(FATAL_ERROR "packaging/debian/changelog: begins with '${heads}', must be 'soapfilm (${PROJECT_VERSION})'")
 endif()
-set(CPACK_DEBIAN_PACKAGE_RELEASE ${CMAKE_MATCH_1})
 file(STRINGS ${directory}/changelog maintainers REGEX "^ -- " LIMIT_COUNT 1)
 string(REGEX REPLACE "^ -- (.*>)  .*" "\\1" CPACK_PACKAGE_CONTACT "${maintainers}")
 
@@ -25,6 +23,7 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/debian_files.cmake)
+set(CPACK_POST_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/debian_scripts.cmake)
 
 # NAME of a component, its package, section, summary and description.
 set(CPACK_COMPONENTS_ALL "")
@@ -37,15 +36,13 @@ function(debian_package component package section summary description)
   endforeach()
   set(CPACK_COMPONENTS_ALL ${CPACK_COMPONENTS_ALL} ${component} PARENT_SCOPE)
   install(FILES ${directory}/copyright DESTINATION share/doc/${package} COMPONENT ${component})
-  install(FILES ${directory}/changelog DESTINATION share/doc/${package} RENAME changelog.Debian COMPONENT ${component})
-  install(FILES ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION share/doc/${package} RENAME changelog
+  install(FILES ${directory}/changelog ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION share/doc/${package}
     COMPONENT ${component})
 endfunction()
 
 set(what "Soapfilm fits a minimal surface to the samples of 3D scans by certified
 continuous global optimization: closed objects come out watertight, each
 surface with a proved bound of its distance from the global optimum.")
-set(version ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})
 
 # A minor version before 1.0 may break the interface: it has a soname, and so a package, of its own.
 set(soname ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
@@ -62,7 +59,7 @@ debian_package(development libsoapfilm-dev libdevel "watertight surfaces from ra
 .
 This package has the headers of the C++ and C interfaces, and what CMake
 and pkg-config need to find the library.")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${library} (= ${version})")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${library} (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 
 debian_package(program soapfilm science "watertight surfaces from raw 3D scans" "${what}

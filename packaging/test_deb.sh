@@ -1,18 +1,14 @@
 #!/bin/sh
 # test_deb.sh DEBS WORK: checks the licenses of what the packages in DEBS depend on, installs them into a fresh Debian
 # 12 under WORK, and uses all of them there: the program, its manual pages and completion, CMake, pkg-config; then
-# removes them. MIRROR: where Debian comes from. Needs root (chroot); without it the packages are unpacked and the
-# program is run with this machine's libraries, which tests less, and says so.
+# removes them. Needs root (chroot); without it the packages are unpacked and the program is run with this machine's
+# libraries, which tests less, and says so.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 debs=$(cd "$1" && pwd)
 mkdir -p "$2"
 work=$(cd "$2" && pwd)
-root=$work/root
-mirror=${MIRROR:-http://deb.debian.org/debian}
-
-say() { echo "== $*"; }
-die() { echo "test_deb.sh: $*" >&2; exit 1; }
+. "$here/fresh_debian.sh"
 
 say "licenses of the dependencies"
 for deb in "$debs"/*.deb; do
@@ -46,7 +42,7 @@ use_program() {
   $1 soapfilm render scans.mesh.ply -o knot.png
 }
 
-if [ "$(id -u)" != 0 ] || ! command -v debootstrap >/dev/null; then
+if ! can_make_debian; then
   say "no root or no debootstrap: the program only, with this machine's libraries"
   rm -rf "$work/run" && mkdir "$work/run" && cd "$work/run"
   use_program "env PATH=$work/unpacked/usr/bin:$PATH"
@@ -54,29 +50,21 @@ if [ "$(id -u)" != 0 ] || ! command -v debootstrap >/dev/null; then
 fi
 
 say "a fresh Debian 12"
-rm -rf "$root"
-debootstrap --variant=minbase bookworm "$root" "$mirror" > "$work/debootstrap.log" 2>&1 ||
-  { tail -5 "$work/debootstrap.log" >&2; die "debootstrap failed"; }
-inside() {
-  chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive HOME=/root "$@"
-}
-mkdir "$root/debs" "$root/try" && cp "$debs"/*.deb "$root/debs/"
+make_debian "$work"
+mkdir "$root/debs" && cp "$debs"/*.deb "$root/debs/"
 # A list of files that no package made, to see what stays behind.
 list() { (cd "$root" && find etc opt usr var/lib/soapfilm* -name '*soapfilm*' 2>/dev/null | sort); }
 
 say "install the program: apt install ./soapfilm_*.deb"
-inside apt-get update > "$work/apt.log" 2>&1
-inside sh -c 'apt-get install -y --no-install-recommends /debs/soapfilm_*.deb' >> "$work/apt.log" 2>&1 ||
-  { tail -20 "$work/apt.log" >&2; die "the program cannot be installed"; }
-at_try() { inside sh -c 'cd /try && "$@"' sh "$@"; }
+install_there "the program" '/debs/soapfilm_*.deb'
 use_program at_try
 at_try bash -c 'source /usr/share/bash-completion/completions/soapfilm
   COMP_WORDS=(soapfilm reconstruct --meth) COMP_CWORD=2; _soapfilm; [[ ${COMPREPLY[0]} == --method ]]' ||
   die "completion does not work"
 
 say "install the library: apt install ./libsoapfilm*.deb, with a compiler"
-inside sh -c 'apt-get install -y --no-install-recommends /debs/libsoapfilm*.deb g++ cmake make pkg-config' \
-  >> "$work/apt.log" 2>&1 || { tail -20 "$work/apt.log" >&2; die "the library cannot be installed"; }
+install_there "the library" '/debs/libsoapfilm*.deb g++ cmake make pkg-config'
+inside ldconfig -p | grep libsoapfilm > /dev/null || die "the trigger did not call ldconfig"
 version=$(inside dpkg-query -W -f '${Version}' libsoapfilm0.1 | sed 's/-.*//')
 cp -r "$here/../tests/consumer/cpp" "$here/../tests/consumer/c" "$root/try/"
 for language in cpp c; do
@@ -89,8 +77,7 @@ done
 at_try sh -c 'gcc c/*.c $(pkg-config --cflags --libs soapfilm) -lm -o by-pkg-config && ./by-pkg-config'
 if ls "$debs"/python3-soapfilm_*.deb >/dev/null 2>&1; then
   say "install the Python module"
-  inside sh -c 'apt-get install -y --no-install-recommends /debs/python3-soapfilm_*.deb' >> "$work/apt.log" 2>&1 ||
-    { tail -20 "$work/apt.log" >&2; die "the Python module cannot be installed"; }
+  install_there "the Python module" '/debs/python3-soapfilm_*.deb'
   at_try python3 -c 'import numpy, soapfilm
 points = numpy.random.default_rng(1).normal(size=(20000, 3))
 points /= numpy.linalg.norm(points, axis=1)[:, None]
