@@ -36,16 +36,19 @@ notebook: test-python packages-notebook ## run the notebook of examples/python a
 test-viewer: build-release packages-viewer-test ## the page of `soapfilm view` in headless Chromium
 	sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/viewer
 
-web: build-release packages-web ## the program for browsers: out/web/index.html, one file (Emscripten)
+web: build-release packages-web ## the program for browsers: out/web/index.html, one file (Emscripten); the npm package beside it
 	@test -f build/web/build.ninja || (cd web && emcmake cmake -S . -B ../build/web -G Ninja >/dev/null)
 	NODE_PATH=/usr/share/nodejs cmake --build build/web --parallel $(JOBS)
+	rm -rf out/web
 	node web/build.mjs build/release/viewer/node_modules build/web/soapfilm.js out/web
+	node web/package.mjs build/release/viewer/node_modules build/web/soapfilm.js out/web
 
 web-demo: web ## serve it at http://localhost:8000
 	node web/serve.mjs out/web 8000
 
 test-web: web packages-viewer-test ## it gives the program's bytes, in node and Chromium
-	node web/test/bytes.mjs $(PROGRAM) build/web/soapfilm.js out/web-test
+	node web/test/bytes.mjs $(PROGRAM) out/web/npm/soapfilm.mjs out/web-test
+	node web/test/npm.mjs $(PROGRAM) out/web-test out/web/soapfilm-*.tgz
 	SOAPFILM_PAGE=out/web/index.html sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/web-test \
 	  ../../web/test/web.test.mjs
 

@@ -1,7 +1,6 @@
 // node build.mjs NODE_MODULES ENGINE OUT: makes OUT/index.html, the page that reconstructs in the browser, one file that
-// asks the network for nothing. ENGINE is soapfilm.js of web/CMakeLists.txt; it and engine.js, for other pages, are put
-// beside it.
-import {copyFileSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+// asks the network for nothing. ENGINE is soapfilm.js of web/CMakeLists.txt. For other pages: package.mjs.
+import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {dirname, join, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {bundler} from '../viewer/build.mjs';
@@ -25,5 +24,3 @@ const page = readFileSync(join(viewer, 'page.html'), 'utf8')
   .replace(/@(STYLE|SCRIPT|LICENSES)@/g, (_, name) => parts[name]);
 mkdirSync(out, {recursive: true});
 writeFileSync(join(out, 'index.html'), page);
-copyFileSync(engine, join(out, 'soapfilm.js'));
-copyFileSync(join(here, 'src/engine.js'), join(out, 'engine.js'));

@@ -1,16 +1,15 @@
 // The engine of the browser gives the same mesh, byte for byte, as the program, and reads each kind of single file as
-// it does: node bytes.mjs PROGRAM ENGINE FOLDER, where ENGINE is soapfilm.js of web/CMakeLists.txt. With real files,
-// too, and with whole scenes, where the variable SOAPFILM_DATA names the folder of the real ones.
+// it does: node bytes.mjs PROGRAM MODULE FOLDER, where MODULE is soapfilm.mjs of the npm package. With real files, too,
+// and with whole scenes, where the variable SOAPFILM_DATA names the folder of the real ones.
 import assert from 'node:assert/strict';
 import {execFileSync, spawnSync} from 'node:child_process';
 import {copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync} from 'node:fs';
-import {createRequire} from 'node:module';
 import {basename, dirname, extname, join, resolve} from 'node:path';
-import {engine} from '../src/engine.js';
+import {pathToFileURL} from 'node:url';
 
-const [program, script, out] = process.argv.slice(2).map((path) => resolve(path));
+const [program, module, out] = process.argv.slice(2).map((path) => resolve(path));
 mkdirSync(out, {recursive: true});
-const create = createRequire(script)(script);
+const {engine} = await import(pathToFileURL(module));
 const run = (...args) => execFileSync(program, [...args, '--quiet'], {stdio: ['ignore', 'ignore', 'inherit']});
 
 /** A PLY without the comments of its head: the program says there how it was called. */
@@ -28,7 +27,7 @@ const scansOf = (file) =>
 
 async function inBrowser(file, parameters) {
   const events = [];
-  const soapfilm = await engine(create, (kind, fraction, text) => events.push([kind, fraction, text]));
+  const soapfilm = await engine((kind, fraction, text) => events.push([kind, fraction, text]));
   for (const path of [file, ...scansOf(file)]) soapfilm.put(basename(path), readFileSync(path));
   soapfilm.read(basename(file));
   soapfilm.reconstruct(parameters);
@@ -109,7 +108,7 @@ function byProgram(file) {
 /** The same by the engine. */
 async function byEngine(file) {
   const warnings = [];
-  const soapfilm = await engine(create, (kind, _, text) => kind === 'warning' && warnings.push(text));
+  const soapfilm = await engine((kind, _, text) => kind === 'warning' && warnings.push(text));
   soapfilm.put(basename(file), readFileSync(file));
   try {
     soapfilm.read(basename(file));
@@ -152,23 +151,6 @@ for (const extension of formats.filter((name) => name !== '.obj'))
   assert.ok(read.get(extension) > 0, `no ${extension} was read`);
 const counted = (counts) => [...counts].map(([extension, count]) => `${count} ${extension}`).join(', ');
 console.log(`read as the program reads them: ${counted(read)}; refused in the same words: ${counted(refused)}`);
-
-// The program of the guide runs as it stands.
-const guide = join(out, 'guide');
-mkdirSync(guide, {recursive: true});
-const [, page] = readFileSync('docs/guide/browser.md', 'utf8').match(/<!-- file: mesh\.mjs -->\n```js\n([^]*?)```/);
-writeFileSync(join(guide, 'mesh.mjs'), page);
-for (const [from, to] of [
-  [script, 'soapfilm.js'],
-  ['web/src/engine.js', 'engine.js'],
-  [scans, 'samples.ply'],
-])
-  copyFileSync(from, join(guide, to));
-const printed = execFileSync('node', ['mesh.mjs'], {cwd: guide, encoding: 'utf8'});
-assert.match(printed, /smallest_voxel: 0\.0/);
-assert.match(printed, /\d+ \d+ distance\n$/);
-assert.equal(readFileSync(join(guide, 'mesh.glb')).toString('latin1', 0, 4), 'glTF');
-console.log('the program of the guide runs');
 
 await assert.rejects(inBrowser(text, {place: {voxel: -1}}), /voxel/);
 console.log('a bad voxel is refused in one line');

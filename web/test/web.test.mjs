@@ -1,8 +1,8 @@
 // The page that reconstructs, in headless Chromium: node web.test.mjs (by viewer/test/run.sh, with SOAPFILM_PAGE).
 import assert from 'node:assert/strict';
-import {execFileSync} from 'node:child_process';
-import {readFileSync, writeFileSync} from 'node:fs';
-import {resolve} from 'node:path';
+import {execFileSync, spawn} from 'node:child_process';
+import {copyFileSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+import {dirname, join, resolve} from 'node:path';
 import {after, before, test} from 'node:test';
 import {pathToFileURL} from 'node:url';
 import {inOut, launch, open, pixels} from '../../viewer/test/kit.mjs';
@@ -200,4 +200,42 @@ test('a small window shows all of it: nothing is wider, samples stay in sight', 
   await fits('small-mesh');
   assert.ok((await page.locator('#results').boundingBox()).height < 100, 'the buttons take the picture');
   assert.deepEqual(faults, []);
+});
+
+test('a worker of another page imports the module of the npm package', async () => {
+  const folder = inOut('module');
+  mkdirSync(folder, {recursive: true});
+  copyFileSync(join(dirname(resolve(process.env.SOAPFILM_PAGE)), 'npm/soapfilm.mjs'), join(folder, 'soapfilm.mjs'));
+  writeFileSync(join(folder, 'index.html'), '<!doctype html><link rel="icon" href="data:,"><title>Page</title>');
+  const worker = `import {engine} from './soapfilm.mjs';
+    onmessage = async ({data}) => {
+      const soapfilm = await engine();
+      soapfilm.put('a.ply', data);
+      soapfilm.read('a.ply');
+      soapfilm.reconstruct({place: {resolution: 48}});
+      postMessage(soapfilm.mesh([0, 0, 0]).indices.length / 3);
+    };`;
+  writeFileSync(join(folder, 'worker.mjs'), worker);
+  const server = spawn('node', ['web/serve.mjs', folder, '0'], {stdio: ['ignore', 'pipe', 'inherit']});
+  try {
+    const [line] = await server.stdout.map(String).take(1).toArray();
+    const page = await (await browser.newContext()).newPage();
+    await page.goto(line.match(/http:\S+/)[0]);
+    const samples = [...readFileSync(inOut('torus/samples.ply'))];
+    const triangles = await page.evaluate(
+      (bytes) =>
+        new Promise((done, fail) => {
+          const worker = new Worker('worker.mjs', {type: 'module'});
+          worker.onmessage = ({data}) => done(data);
+          worker.onerror = ({message}) => fail(new Error(message));
+          worker.postMessage(new Uint8Array(bytes));
+        }),
+      samples,
+    );
+    run('reconstruct', inOut('torus/samples.ply'), '-o', inOut('module.ply'), '--resolution', '48');
+    const [facts] = JSON.parse(execFileSync(program, ['info', '--json', inOut('module.ply')], {encoding: 'utf8'}));
+    assert.equal(triangles, facts.triangles);
+  } finally {
+    server.kill();
+  }
 });

@@ -1,0 +1,54 @@
+// Types of the npm package, for editors and TypeScript: engine.js has the functions.
+export type Point = [number, number, number];
+
+/** Groups and names of parameters as in a report: docs/reference/options.md. */
+export type Parameters = Record<string, Record<string, unknown>>;
+
+export interface Summary {
+  samples: number;
+  /** Input units; 0: none fits into the memory of the parameters. */
+  smallest_voxel: number;
+  scans: number;
+  spacing: number;
+  normals: boolean;
+  colors: boolean;
+  coordinate_system: string;
+  box: {lo: Point; hi: Point};
+}
+
+export interface Mesh {
+  /** x, y, z of each vertex, around the origin that was asked for. */
+  positions: Float32Array;
+  /** Three vertices for each triangle. */
+  indices: Uint32Array;
+  /** r, g, b, 255 of each vertex. */
+  colors: Uint8Array | null;
+  attributes: {name: string; values: Float32Array}[];
+}
+
+export interface Engine {
+  version(): string;
+  /** A file's bytes, under its name. */
+  put(name: string, bytes: Uint8Array): void;
+  /** What was put under that name becomes part of the cloud. */
+  read(name: string): void;
+  /** Gives the memory of a file back. */
+  forget(name: string): void;
+  summary(parameters?: Parameters): Summary;
+  /** At most so many of the samples, around the origin. */
+  preview(most: number, origin: Point): {positions: Float32Array; colors: Uint8Array | null};
+  /** Computes until it is done. Throws an Error with one line that says what is refused. */
+  reconstruct(parameters: Parameters): void;
+  mesh(origin: Point): Mesh;
+  /** JSON. */
+  report(): string;
+  /** The mesh as bytes of a file: .ply .glb .obj .stl. */
+  write(name: string): Uint8Array;
+  /** Bytes in use. */
+  memory(): number;
+}
+
+/** A new engine, for one run. */
+export function engine(
+  onEvent?: (kind: 'stage' | 'advance' | 'info' | 'warning', fraction: number, text: string) => void,
+): Promise<Engine>;
