@@ -5,12 +5,12 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find include src tools cli tests fuzz examples bench bindings web -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test test-python notebook fuzz docs test-docs web web-demo bench paper accuracy scenes gallery deb test-deb format format-check tidy clean
+.PHONY: help build demo test test-python wheel-portable test-wheel notebook fuzz docs test-docs web web-demo bench paper accuracy scenes gallery deb test-deb format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
 	@echo 'make TARGET, where TARGET is one of'
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-14s%s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-15s%s\n", $$1, $$2 }' Makefile
 
 build: build-release ## the program, at build/release/bin/soapfilm
 
@@ -89,6 +89,12 @@ deb: packages-build packages-viewer packages-python packages-deb build-deb ## De
 	rm -rf out/deb && cpack --config build/deb/CPackConfig.cmake -B out/deb
 	rm -rf out/deb/_CPack_Packages
 	lintian --fail-on error,warning out/deb/*.deb
+
+wheel-portable: build-release packages-python packages-wheel ## the wheel with what it links inside, into out/wheel/
+	sh packaging/wheel/build.sh build/release out/wheel
+
+test-wheel: wheel-portable packages-test-deb ## install it where its libraries are not, and use it there
+	sh packaging/test_wheel.sh out/wheel/*.whl out/wheel-test
 
 test-deb: deb packages-test-deb ## install the Debian packages into a fresh Debian 12 and use them there
 	sh packaging/test_deb.sh out/deb out/deb-test
