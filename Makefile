@@ -36,7 +36,7 @@ notebook: test-python packages-notebook ## run the notebook of examples/python a
 test-viewer: build-release packages-viewer-test ## the page of `soapfilm view` in headless Chromium
 	sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/viewer
 
-web: build-release packages-web ## the program for browsers: out/web/index.html, one file (Emscripten); the npm package beside it
+web: build-release packages-web ## the program for browsers: out/web/index.html, one file (Emscripten); the npm package
 	@test -f build/web/build.ninja || (cd web && emcmake cmake -S . -B ../build/web -G Ninja >/dev/null)
 	NODE_PATH=/usr/share/nodejs cmake --build build/web --parallel $(JOBS)
 	rm -rf out/web

@@ -12,7 +12,8 @@ make_debian() {
   work=$1
   root=$work/root
   rm -rf "$root"
-  debootstrap --variant=minbase bookworm "$root" "${MIRROR:-http://deb.debian.org/debian}" > "$work/debootstrap.log" 2>&1 ||
+  mirror=${MIRROR:-http://deb.debian.org/debian}
+  debootstrap --variant=minbase bookworm "$root" "$mirror" > "$work/debootstrap.log" 2>&1 ||
     { tail -5 "$work/debootstrap.log" >&2; die "debootstrap failed"; }
   mkdir "$root/try"
   inside apt-get update > "$work/apt.log" 2>&1

@@ -21,8 +21,8 @@ function notices() {
   return files.map((file) => `======== Debian's ${file}\n\n${readFileSync(file, 'utf8').trim()}\n`).join('\n');
 }
 
-// Emscripten's text asks where it runs. Without these names it takes node for a browser, and so needs no `require`, which
-// an ES module does not have; wasm lies inside, nothing is loaded from a file.
+// Emscripten's text asks where it runs. Without these names it takes node for a browser, and so needs no `require`,
+// which an ES module does not have; wasm lies inside, nothing is loaded from a file.
 const create = `const createSoapfilm = ((process, require, module, exports, define) => {
 ${readFileSync(engine, 'utf8')}
 return createSoapfilm;

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""portable.py WHEEL OUT: makes from a wheel of this machine one for every Linux whose glibc is not older than this one's.
+"""portable.py WHEEL OUT: makes from a wheel of this machine one for every Linux whose glibc is not older than its own.
 
-What `auditwheel repair` does, which Debian 12 does not have: the libraries that the module links go into the wheel, under
-names with a hash, so that no library of the same name that is loaded already takes their place; the module finds them
-beside itself; the tag becomes manylinux_2_NN (PEP 600). Left to the system are the C and C++ runtime alone. The licenses
-of what is inside go along; a library that packaging/licenses.txt does not name, or names as GPL, is refused.
+What `auditwheel repair` does, which Debian 12 does not have: the libraries that the module links go into the wheel,
+under names with a hash, so that no library of the same name that is loaded already takes their place; the module finds
+them beside itself; the tag becomes manylinux_2_NN (PEP 600). Left to the system are the C and C++ runtime alone. The
+licenses of what is inside go along; a library that packaging/licenses.txt does not name, or names as GPL, is refused.
 """
 import hashlib
 import os

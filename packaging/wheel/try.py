@@ -41,4 +41,4 @@ notices = {file.name for file in importlib.metadata.files("soapfilm") if file.pa
 content = importlib.metadata.distribution("soapfilm").read_text("licenses/CONTENT.txt")
 for package in re.findall(r": (\S+) \S+, ", content):
     assert f"{package}.copyright" in notices, package
-print(f"soapfilm {soapfilm.__version__}: {len(result.triangles)} triangles, {len(inside)} libraries, all from the wheel")
+print(f"soapfilm {soapfilm.__version__}: {len(result.triangles)} triangles, {len(inside)} libraries from the wheel")

@@ -1,5 +1,5 @@
-// The npm package as a user gets it: node npm.mjs PROGRAM FOLDER TARBALL. It is installed from the tarball into an empty
-// project in FOLDER, and the programs of the guide run there as they stand, by `import` and by `require`.
+// The npm package as a user gets it: node npm.mjs PROGRAM FOLDER TARBALL. It is installed from the tarball into an
+// empty project in FOLDER, and the programs of the guide run there as they stand, by `import` and by `require`.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
