@@ -10,7 +10,9 @@
 
 #include "soapfilm/border/closing.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/portable_math.h"
 #include "soapfilm/error.h"
+#include "soapfilm/grid/ordered_sum.h"
 
 namespace soapfilm {
 
@@ -31,7 +33,7 @@ constexpr double mostly_closing = 0.4, half = 0.5;
 /// reaches three voxels to each side of the samples, and in larger cells what is before them and what is behind cancel
 /// out.
 int trial_level(const BorderProblem& problem) {
-  const double by_scale = std::log2(4 * problem.default_voxel / problem.lattice.voxel);
+  const double by_scale = portable_log2(4 * problem.default_voxel / problem.lattice.voxel);
   constexpr double coarsest = 2;
   int level = static_cast<int>(std::lround(std::clamp(by_scale, 0.0, coarsest)));
   for (double here = std::ldexp(problem.density, 2 * (level - 1)); here < 1 && level < 5; here *= 4) ++level;
@@ -114,12 +116,11 @@ struct Trial {
 
 /// E(u) where `complement` is the solution u' = 1 - u of the negated data: its energy is E(u) + sum(f). The sum is zero
 /// for the divergence of directions alone, not for further evidence linear in u.
-Trial of_original(Trial complement, const SupportField& field) {
-  double sum = 0;
-  for (size_t b = 0; b < field.grid.size(); ++b) {
+Trial of_original(Trial complement, const SupportField& field, const Context& context) {
+  const auto sum = ordered_sum<double>(field.grid, context, [&](size_t b) {
     const float* f = field.f.brick(b);
-    sum += std::accumulate(f, f + brick_volume, 0.0);
-  }
+    return std::accumulate(f, f + brick_volume, 0.0);
+  });
   complement.energy -= sum;
   complement.bound -= sum;
   return complement;
@@ -254,7 +255,7 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
   negate(problem.field, context);
   const Trial complement = solve(problem, Border::solid, level, solver, context);
   negate(problem.field, context);
-  const Trial solid = of_original(complement, problem.field);
+  const Trial solid = of_original(complement, problem.field, context);
   const Choice choice(params, air, solid, report.scanners);
   // A closed surface is an open one, too.
   const double closed = std::min(air.energy, solid.energy);

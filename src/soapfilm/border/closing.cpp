@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "soapfilm/core/gather.h"
+#include "soapfilm/grid/ordered_sum.h"
 
 namespace soapfilm {
 
@@ -60,11 +61,7 @@ Area area_of(const Level& level, size_t b, double flux) {
 }  // namespace
 
 double closing_share(const Level& level, double flux, const Context& context) {
-  const auto area = sum_chunks<Area>(level.grid.size(), 64, context, [&](size_t begin, size_t end) {
-    Area part;
-    for (size_t b = begin; b < end; ++b) part += area_of(level, b, flux);
-    return part;
-  });
+  const auto area = ordered_sum<Area>(level.grid, context, [&](size_t b) { return area_of(level, b, flux); });
   return area.all > 0 ? area.closing / area.all : 0;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "soapfilm/core/median.h"
+#include "soapfilm/core/portable_math.h"
 #include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
 
@@ -150,7 +151,7 @@ RangeSurface range_surface(const PointCloud& cloud, const Scan& scan, const Rang
   if (clockwise(surface.triangles, p, view))
     for (Triangle& t : surface.triangles) std::swap(t[1], t[2]);
   const double longest = params.max_edge * spacing(*scan.range_grid, p);
-  const double least_cosine = std::cos(params.max_incidence_deg * std::numbers::pi / 180);
+  const double least_cosine = portable_cos(params.max_incidence_deg * std::numbers::pi / 180);
   const auto bridges_step = [&](const Triangle& t) {
     const Vec3d area = area_vector(p, t);
     const double edge2 = std::max({squared(p[t[1]] - p[t[0]]), squared(p[t[2]] - p[t[1]]), squared(p[t[0]] - p[t[2]])});

@@ -9,6 +9,7 @@
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
 #include "soapfilm/field/sampling.h"
+#include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/lambda/coarse_problem.h"
 #include "soapfilm/solve/energy.h"
 
@@ -29,9 +30,7 @@ double flux_through(const Level& level, const SupportField& field, const Context
     for (int i = 0; i < brick_volume; ++i)
       if (u ? u[i] > threshold : inside) sums[b] += f[i];
   });
-  double total = 0;
-  for (const double sum : sums) total += sum;
-  return total;
+  return ordered_sum(field.grid, sums);
 }
 
 /// The held-out flux of one candidate; absent when the optimum is empty.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include "soapfilm/core/portable_math.h"
 
 namespace soapfilm {
 
@@ -64,7 +65,7 @@ int cells_with(const FacetsAround& around, Wanted&& wanted) {
 double mean_with_zeros(double seen) {
   double mean = seen;
   for (int k = 0; k < 8; ++k) {
-    const double e = std::exp(-mean);
+    const double e = portable_exp(-mean);
     const double value = mean - seen * (1 - e), slope = 1 - seen * e;
     if (slope <= 0.05 || value < 1e-3 * mean) break;
     mean = std::max(mean - value / slope, 0.05);
@@ -120,7 +121,7 @@ void measure_area(const FacetsAround& around, Wanted&& wanted, FacetPlane& plane
   const double per_area = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   // Parts shared by several samples count once: estimates the number if each had a part of its own.
   const double parts = parts_per_face * cells;
-  const double apart = -parts * std::log1p(-std::min(distinct / parts, 0.95));
+  const double apart = -parts * portable_log1p(-std::min(distinct / parts, 0.95));
   const double in_cell = mean_with_zeros(std::max(apart / cells, 1.0 + 1e-3));
   // Cells, including those without samples; but no more than the plane passes through (samples in a raster miss none).
   // Cells of which a plane cuts only corners are missed more often: how often was measured on spheres, planes, rasters

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/pyramid/band.h"
 #include "soapfilm/pyramid/prolong.h"
 #include "soapfilm/pyramid/restrict.h"
@@ -49,11 +50,12 @@ constexpr int least_iterations = 32;  // on a band that has just grown
 double balance_of(int level, int start) { return level > 1 && level < start ? 1.4 : 1.0; }
 
 /// An upper bound of what any surface can gain from a level's data: the sum of its positive part.
-double largest_gain(const SupportField& support) {
-  double sum = 0;
-  for (size_t b = 0; b < support.grid.size(); ++b)
+double largest_gain(const SupportField& support, const Context& context) {
+  return ordered_sum<double>(support.grid, context, [&](size_t b) {
+    double sum = 0;
     for (int i = 0; i < brick_volume; ++i) sum += std::max(0.0f, support.f.brick(b)[i]);
-  return sum;
+    return sum;
+  });
 }
 
 /// The fraction of lambda used on each level, the finest first, up to the end of the pyramid. A level uses all of
@@ -62,7 +64,8 @@ double largest_gain(const SupportField& support) {
 /// estimated from the bricks that the samples reach: a surface reaches one per 20 voxel^2. Coarser levels use the
 /// fraction that their data pays for, if there is any: they show roughly where the inside is, which from zero takes one
 /// iteration per third of a vertex.
-std::vector<double> lambda_shares(const std::vector<const SupportField*>& data, double lambda, Norm norm) {
+std::vector<double> lambda_shares(const std::vector<const SupportField*>& data, double lambda, Norm norm,
+                                  const Context& context) {
   constexpr double area_per_brick = 20;
   constexpr double gain_per_cost = 1.5;
   constexpr double least_share = 0.25;
@@ -70,7 +73,7 @@ std::vector<double> lambda_shares(const std::vector<const SupportField*>& data, 
   const double cost = lambda * mean_area(norm) * area_per_brick * static_cast<double>(data[0]->grid.size());
   std::vector<double> shares(data.size(), 1.0);
   for (size_t l = data.size(); l-- > paper_levels;) {
-    shares[l] = std::min(1.0, largest_gain(*data[l]) / (gain_per_cost * cost));
+    shares[l] = std::min(1.0, largest_gain(*data[l], context) / (gain_per_cost * cost));
     if (shares[l] == 1) break;
   }
   const auto end = std::find_if(shares.begin(), shares.end(), [](double share) { return share < least_share; });
@@ -103,7 +106,7 @@ class Descent {
     std::vector<SupportField> coarser = coarser_fields(support_, lattice_, lattice_.levels, context_);
     std::vector<const SupportField*> data = {&support_};
     for (const SupportField& field : coarser) data.push_back(&field);
-    const std::vector<double> shares = lambda_shares(data, lambda_, norm_);
+    const std::vector<double> shares = lambda_shares(data, lambda_, norm_, context_);
     coarsest_ = static_cast<int>(shares.size()) - 1;
     start_ = static_cast<int>(std::count(shares.begin(), shares.end(), 1.0)) - 1;
     last = std::min(last, start_);

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/grid/window.h"
 #include "soapfilm/pyramid/children.h"
 
@@ -190,11 +191,13 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
   });
   if (box.open && box.level >= same_border_levels) cut_off_flux(fine, context);
   fine.outside = coarse.outside;
+  TileSums<Outside> outside;
   for (size_t b = 0; b < coarse.grid.size(); ++b)
     for (int k = 0; k < 8; ++k) {
       fine.inside.set(child_of(coarse.grid.coord(b), k), left_out[b].inside >> k & 1);
-      fine.outside += left_out[b].outside[static_cast<size_t>(k)];
+      outside.add(coarse.grid.coord(b), left_out[b].outside[static_cast<size_t>(k)]);
     }
+  fine.outside += outside.total();
   return fine;
 }
 

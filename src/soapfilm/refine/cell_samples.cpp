@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <numeric>
 #include <utility>
 
 #include "soapfilm/core/bits.h"
@@ -170,7 +169,10 @@ CellSamples::CellSamples(const GridSamples& samples, const NarrowBand& band, con
     present_.push_back(r.present);
     first_.push_back(first_.back() + static_cast<uint32_t>(count_bits(r.present)));
     brick_[r.brick + 1] = static_cast<uint32_t>(row_.size());
-    layer_[static_cast<size_t>(samples.bricks.coord(r.brick).z) + 1] = row_.size();
+  }
+  for (size_t b = 0; b < bricks; ++b) {
+    coord_.push_back(samples.bricks.coord(b));
+    layer_[static_cast<size_t>(coord_.back().z) + 1] = b + 1;
   }
   for (size_t b = 0; b < bricks; ++b) brick_[b + 1] = std::max(brick_[b], brick_[b + 1]);
   for (size_t z = 1; z < layer_.size(); ++z) layer_[z] = std::max(layer_[z - 1], layer_[z]);
@@ -266,16 +268,25 @@ DataTerm DataTerm::row_sums(const NarrowBand& band, const CellSamples& data, Row
   return {band, data, nullptr, false, 1, &out};
 }
 
-double DataTerm::add(int layer) const {
+double DataTerm::total(const std::vector<double>& energies) const {
+  TileSums<double> sums;
+  for (size_t b = 0; b < energies.size(); ++b) sums.add(data_.coord_[b], energies[b]);
+  return sums.total();
+}
+
+void DataTerm::add(int layer, std::vector<double>* energies) const {
   const auto first = data_.layer_.begin() + layer;
-  return band_.kernel().data_term(band_.view(), job_, first[0], first[1]);
+  for (size_t b = first[0]; b < first[1]; ++b) {
+    const auto [begin, end] = data_.brick(b);
+    const double energy = band_.kernel().data_term(band_.view(), job_, begin, end);
+    if (energies) (*energies)[b] = energy;
+  }
 }
 
 double DataTerm::add(const Context& context) const {
-  std::vector<double> energy(static_cast<size_t>(layers_of(band_)));
-  for_even_then_odd_layers(layers_of(band_), context,
-                           [&](int layer) { energy[static_cast<size_t>(layer)] = add(layer); });
-  return std::accumulate(energy.begin(), energy.end(), 0.0);
+  std::vector<double> energies = make_energies();
+  for_even_then_odd_layers(layers_of(band_), context, [&](int layer) { add(layer, &energies); });
+  return total(energies);
 }
 
 }  // namespace soapfilm

@@ -70,7 +70,8 @@ class CellSamples {
   std::vector<uint8_t> present_;  // which cells of each row exist
   std::vector<uint32_t> first_;   // cells before each row; one more at the end
   std::vector<uint32_t> brick_;   // first row of each brick of samples; one more at the end
-  std::vector<size_t> layer_;     // first row of each layer of bricks along z; one more at the end
+  std::vector<size_t> layer_;     // first of these bricks of each layer along z; one more at the end
+  std::vector<Vec3i> coord_;      // of these bricks
   AlignedArray<float> values_;    // in the layout of DataJob
 };
 
@@ -99,10 +100,13 @@ class DataTerm {
   /// out += the row sums of the positions' part of the Hessian: its weight on smooth functions.
   static DataTerm row_sums(const NarrowBand& band, const CellSamples& data, RowArray& out);
 
-  /// Adds the cells of a layer, in order; they touch vertices of this layer and of the next. Returns <v, H v> for a
-  /// Hessian.
-  double add(int layer) const;
-  /// Adds all layers, even ones before odd ones.
+  /// A part of <v, H v> for each brick of samples, of a Hessian; and their sum (ordered_sum).
+  std::vector<double> make_energies() const { return std::vector<double>(data_.coord_.size()); }
+  double total(const std::vector<double>& energies) const;
+
+  /// Adds the cells of a layer, in order; they touch vertices of this layer and of the next.
+  void add(int layer, std::vector<double>* energies = nullptr) const;
+  /// Adds all layers, even ones before odd ones. Returns <v, H v> of a Hessian.
   double add(const Context& context) const;
 
  private:

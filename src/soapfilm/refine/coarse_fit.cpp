@@ -33,7 +33,7 @@ bool suffices(const CoarseFit& coarse, const FineProblem& finer, const RobustPar
 bool is_near(const Start& start, const RowArray& phi, double far, const Context& context) {
   constexpr float at_surface = 1;  // voxels
   constexpr double allowed = 0.002;
-  const double excess = sum_over_rows(all_rows(start.band), context, [&](size_t begin, size_t end) {
+  const double excess = sum_over_rows(start.band, context, [&](size_t begin, size_t end) {
     double sum = 0;
     for (size_t i = begin * brick_side; i < end * brick_side; ++i) {
       const float before = start.phi0.data()[i], now = phi.data()[i];

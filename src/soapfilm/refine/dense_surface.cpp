@@ -8,6 +8,7 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
+#include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/solve/dense_level.h"
 
 namespace soapfilm {
@@ -28,9 +29,7 @@ double mean_at_samples(const DenseField<float>& u, const GridSamples& samples, c
     }
     sums[b] = sum;
   });
-  double total = 0;
-  for (const double sum : sums) total += sum;
-  return total / static_cast<double>(samples.size());
+  return ordered_sum(samples.bricks, sums) / static_cast<double>(samples.size());
 }
 
 DenseSurface dense_surface(const DenseField<float>& u, double isovalue, const LevelBox& box, const Context& context) {

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/gather.h"
 #include "soapfilm/core/median.h"
 #include "soapfilm/refine/layers.h"
 
@@ -58,12 +56,10 @@ void Displacement::reweight_curvature(double medians) {
     kernel.saddles(rows, {phi_.data(), weight.data(), product.data()}, begin, end);
   };
   if (!multilevel_.local_mean(find_bends, product, weight, weight, 1, mean, context_)) return;
-  auto squares =
-      gather<float>(subsample_rows(band_), rows_per_task, context_, [&](size_t k, std::vector<float>& found) {
-        const size_t first = subsample_row(band_, k) * brick_side;
-        for (size_t i = first; i < first + brick_side; ++i)
-          if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach) found.push_back(mean.data()[i]);
-      });
+  std::vector<float> squares;
+  for (const size_t row : some_rows(band_))
+    for (size_t i = row * brick_side; i < (row + 1) * brick_side; ++i)
+      if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach) squares.push_back(mean.data()[i]);
   if (squares.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
   const float per_square = 1 / std::max(squared_medians * median(std::move(squares)), 1e-12f);
@@ -77,10 +73,9 @@ void Displacement::reweight_curvature(double medians) {
   multilevel_.local_mean(find_shares, product, weight, inside, follow, target_, context_);
 }
 
-double Displacement::laplacian(const LaplacianJob& job, int layer) const {
-  const RowKernel& kernel = band_.kernel();
-  return sum_over_rows(rows_of_layer(band_, layer),
-                       [&](size_t begin, size_t end) { return kernel.laplacian(band_.view(), job, begin, end); });
+void Displacement::laplacian(const LaplacianJob& job, int layer) const {
+  const auto [begin, end] = rows_of_layer(band_, layer);
+  band_.kernel().laplacian(band_.view(), job, begin, end);
 }
 
 /// Minus half of the energy's gradient.
@@ -114,11 +109,11 @@ double Displacement::search_direction(const CellSamples& data, Smoothness smooth
   if (ratio == 0) std::swap(direction_, scratch_);
   float* direction = direction_.data();
   const float* preconditioned = scratch_.data();
-  const auto layers = static_cast<size_t>(layers_of(band_));
-  std::vector<double> smooth(layers), pulled(layers);  // parts of the energy
+  LayerSums smooth(band_);  // of the energy
   const LaplacianJob inner{direction, smoothness.slope, smoothness.curvature, scratch_.data(), share_.data()};
   const LaplacianJob outer{scratch_.data(), 0, 1, image_.data()};
   const DataTerm pull = DataTerm::hessian(band_, data, direction_, last ? nullptr : &image_);
+  std::vector<double> pulled = pull.make_energies();
   layer_by_layer(
       layers_of(band_), context_,
       [&](int layer) {
@@ -126,12 +121,15 @@ double Displacement::search_direction(const CellSamples& data, Smoothness smooth
         for_values(rows_of_layer(band_, layer),
                    [&](size_t i) { direction[i] = preconditioned[i] + ratio * direction[i]; });
       },
-      [&](int layer) { smooth[static_cast<size_t>(layer)] = laplacian(inner, layer); },
+      [&](int layer) {
+        smooth.add(layer,
+                   [&](size_t begin, size_t end) { return band_.kernel().laplacian(band_.view(), inner, begin, end); });
+      },
       [&](int layer) {
         if (!last) laplacian(outer, layer);
       },
-      EvenOddStage{[&](int layer) { pulled[static_cast<size_t>(layer)] = pull.add(layer); }});
-  return std::accumulate(smooth.begin(), smooth.end(), 0.0) + std::accumulate(pulled.begin(), pulled.end(), 0.0);
+      EvenOddStage{[&](int layer) { pull.add(layer, &pulled); }});
+  return smooth.total() + pull.total(pulled);
 }
 
 int Displacement::minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits) {

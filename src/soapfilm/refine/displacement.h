@@ -62,7 +62,7 @@ class Displacement {
   /// need it.
   double search_direction(const CellSamples& data, Smoothness smoothness, float ratio, bool last);
   /// The kernel of that name on a layer of bricks.
-  double laplacian(const LaplacianJob& job, int layer) const;
+  void laplacian(const LaplacianJob& job, int layer) const;
 
   const NarrowBand& band_;
   const Context& context_;

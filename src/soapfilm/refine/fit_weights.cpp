@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "soapfilm/core/portable_math.h"
 #include "soapfilm/refine/held_out.h"
 
 namespace soapfilm {
@@ -53,7 +54,7 @@ double between_steps(double x, double step, double least, double most, Score&& s
   if (x / step < least || x * step > most) return x;
   const double a = score(x / step), b = score(x), c = score(x * step);
   const double bend = a - 2 * b + c;
-  return bend > 0 ? x * std::pow(step, std::clamp(0.5 * (a - c) / bend, -0.5, 0.5)) : x;
+  return bend > 0 ? x * portable_pow(step, std::clamp(0.5 * (a - c) / bend, -0.5, 0.5)) : x;
 }
 
 /// The largest x from `x` upwards whose score is at most `allowed`, by interpolation in log(x); score(x) must be.
@@ -62,7 +63,7 @@ double largest_within(double x, double step, double most, double allowed, Score&
   while (x * step <= most && score(x * step) <= allowed) x *= step;
   if (x * step > most) return x;
   const double here = score(x), next = score(x * step);
-  return x * std::pow(step, (allowed - here) / (next - here));
+  return x * portable_pow(step, (allowed - here) / (next - here));
 }
 
 }  // namespace
@@ -74,7 +75,7 @@ FitWeights choose_fit_weights(const Start& start, const GridSamples& samples, co
 
   // A rough fit gives the noise, and thereby the smallest gamma to try.
   const double noise = held_out.outcome(best.smoothing, best.normals).noise;
-  const double least = std::clamp(std::pow(shortest_bend * noise, 4), least_smoothing, most_smoothing);
+  const double least = std::clamp(portable_pow(shortest_bend * noise, 4), least_smoothing, most_smoothing);
   if (!params.smoothing) best.smoothing = std::max(best.smoothing, least);
   best.edge_preserving = noise > least_noise_to_reweight;
   if (!best.edge_preserving) held_out.reset_curvature_weights();

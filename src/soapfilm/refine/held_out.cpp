@@ -9,6 +9,7 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/median.h"
+#include "soapfilm/core/portable_math.h"
 #include "soapfilm/core/random.h"
 
 namespace soapfilm {
@@ -167,8 +168,8 @@ double HeldOut::agreement() const {
   std::vector<float> angles;
   for (size_t s = 0; s < jets.size(); ++s)
     if (jets[s])
-      angles.push_back(
-          std::acos(std::clamp(-dot(normalized(samples_.direction[s]), normalized(jets[s]->gradient)), -1.0f, 1.0f)));
+      angles.push_back(static_cast<float>(portable_acos(
+          std::clamp(-dot(normalized(samples_.direction[s]), normalized(jets[s]->gradient)), -1.0f, 1.0f))));
   return 180 / std::numbers::pi * static_cast<double>(median(std::move(angles)));
 }
 

@@ -8,6 +8,7 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/grid/smoothing.h"
 #include "soapfilm/solve/inside_bits.h"
 
@@ -176,9 +177,7 @@ double mean_at_samples(const SurfaceField& field, const GridSamples& samples, co
     }
     sums[b] = sum;
   });
-  double total = 0;
-  for (const double sum : sums) total += sum;
-  return total / static_cast<double>(samples.size());
+  return ordered_sum(samples.bricks, sums) / static_cast<double>(samples.size());
 }
 
 size_t count_inside(const Level& level, float threshold, const Context& context) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "soapfilm/core/parallel.h"
@@ -201,13 +200,11 @@ bool Multilevel::weigh_little(const RowArray& position_weights) const {
   constexpr double most_share = 0.25;
   double sum = 0;
   size_t count = 0;
-  for (size_t k = 0; k < subsample_rows(fine_); ++k) {
-    const size_t first = subsample_row(fine_, k) * brick_side;
-    for (size_t i = first; i < first + brick_side; ++i) {
+  for (const size_t row : some_rows(fine_))
+    for (size_t i = row * brick_side; i < (row + 1) * brick_side; ++i) {
       sum += static_cast<double>(position_weights.data()[i]);
       count += position_weights.data()[i] > 0;
     }
-  }
   const double most = most_share * 6 * static_cast<double>(diffusion_);
   return sum <= most * most * static_cast<double>(count);
 }
@@ -324,8 +321,7 @@ double Multilevel::solve_coarsest(const RowArray& b, RowArray& work, RowArray& x
     job.out = to.data();
     job.weight = weight ? weight->data() : nullptr;
     const RowKernel& kernel = band.kernel();
-    sum = sum_over_rows(all_rows(band),
-                        [&](size_t begin, size_t end) { return kernel.smooth(band.view(), job, begin, end); });
+    sum = sum_over_rows(band, [&](size_t begin, size_t end) { return kernel.smooth(band.view(), job, begin, end); });
   };
   for (int step = 0; step < coarsest_steps; step += 2) {
     smooth(x, work);
@@ -347,17 +343,15 @@ double Multilevel::correct(size_t level, const RowArray& b, RowArray& work, RowA
   smooth.x = work.data();
   smooth.out = x.data();
   smooth.weight = weight ? weight->data() : nullptr;
-  std::vector<double> sums(static_cast<size_t>(layers_of(band)));
+  LayerSums sums(band);
   const RowKernel& kernel = band.kernel();
   layer_by_layer(
       layers_of(band), context, [&](int layer) { c.coarse.prolong_onto(layer, band, prolong); },
       [&](int layer) {
-        sums[static_cast<size_t>(layer)] = sum_over_rows(rows_of_layer(band, layer), [&](size_t begin, size_t end) {
-          return kernel.smooth(band.view(), smooth, begin, end);
-        });
+        sums.add(layer, [&](size_t begin, size_t end) { return kernel.smooth(band.view(), smooth, begin, end); });
       },
       after...);
-  return std::accumulate(sums.begin(), sums.end(), 0.0);
+  return sums.total();
 }
 
 }  // namespace soapfilm

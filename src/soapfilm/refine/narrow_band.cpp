@@ -89,7 +89,7 @@ size_t NarrowBand::count() const {
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
                        const Context& context) {
   const RowKernel& kernel = band.kernel();
-  return sum_over_rows(all_rows(band), context, [&](size_t begin, size_t end) {
+  return sum_over_rows(band, context, [&](size_t begin, size_t end) {
     return kernel.laplacian(band.view(), {v.data(), weight_v, weight_g, out.data()}, begin, end);
   });
 }

@@ -13,9 +13,9 @@
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/core/random.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
+#include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/kernels/row_kernel.h"
 
 namespace soapfilm {
@@ -87,16 +87,15 @@ inline RowRange rows_of_layer(const NarrowBand& band, int z) {
   return {band.first_row(begin), band.first_row(end)};
 }
 
-/// A subset of the rows, used for statistics: their number, 8,000 to 16,000 for larger bands, and the k-th of them.
-inline size_t subsample_step(const NarrowBand& band) {
-  constexpr size_t enough_rows = 1 << 13;
-  return std::max<size_t>(band.rows() / enough_rows, 1);
-}
-inline size_t subsample_rows(const NarrowBand& band) {
-  return (band.rows() + subsample_step(band) - 1) / subsample_step(band);
-}
-inline size_t subsample_row(const NarrowBand& band, size_t k) {
-  return 1 + one_of_stretch(k, subsample_step(band), band.rows());
+/// A subset of the rows, used for statistics: of larger bands those of bricks with some 16,000 rows, chosen by place.
+inline std::vector<uint32_t> some_rows(const NarrowBand& band) {
+  constexpr size_t enough_rows = 1 << 14;
+  const size_t step = std::max<size_t>(band.rows() / enough_rows, 1);
+  std::vector<uint32_t> rows;
+  for (size_t b = 0; b < band.grid().size(); ++b)
+    if (step == 1 || is_sampled(band.grid().coord(b), step))
+      for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) rows.push_back(r);
+  return rows;
 }
 
 /// body(begin, end) over rows in chunks.
@@ -106,21 +105,37 @@ void for_rows(RowRange rows, const Context& context, Body&& body) {
                   [&](size_t begin, size_t end) { body(rows.begin + begin, rows.begin + end); });
 }
 
-/// The sum of body(begin, end) over rows in chunks, in an order that does not depend on threads.
+/// The sum of body(begin, end) over the rows of each brick (ordered_sum).
 template <class Body>
-double sum_over_rows(RowRange rows, const Context& context, Body&& body) {
-  return sum_chunks<double>(rows.end - rows.begin, rows_per_task, context,
-                            [&](size_t begin, size_t end) { return body(rows.begin + begin, rows.begin + end); });
+double sum_over_rows(const NarrowBand& band, const Context& context, Body&& body) {
+  return ordered_sum<double>(band.grid(), context,
+                             [&](size_t b) { return body(band.first_row(b), band.first_row(b + 1)); });
 }
 
 /// The same, bit for bit, on the calling thread alone.
 template <class Body>
-double sum_over_rows(RowRange rows, Body&& body) {
-  double total = 0;
-  for (size_t begin = rows.begin; begin < rows.end; begin += rows_per_task)
-    total += body(begin, std::min(begin + rows_per_task, rows.end));
-  return total;
+double sum_over_rows(const NarrowBand& band, Body&& body) {
+  TileSums<double> sums;
+  for (size_t b = 0; b < band.grid().size(); ++b)
+    sums.add(band.grid().coord(b), body(band.first_row(b), band.first_row(b + 1)));
+  return sums.total();
 }
+
+/// The same in layers of bricks, which threads may take in any order.
+class LayerSums {
+ public:
+  explicit LayerSums(const NarrowBand& band) : band_(band), of_brick_(band.grid().size()) {}
+  template <class Body>
+  void add(int layer, Body&& body) {
+    const auto [first, last] = band_.grid().layer(layer);
+    for (size_t b = first; b < last; ++b) of_brick_[b] = body(band_.first_row(b), band_.first_row(b + 1));
+  }
+  double total() const { return ordered_sum(band_.grid(), of_brick_); }
+
+ private:
+  const NarrowBand& band_;
+  std::vector<double> of_brick_;
+};
 
 /// visit(vertex, index into an array over the band), in the order of rows.
 template <class Visit>

@@ -7,6 +7,7 @@
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/kernels/robust.h"
 
 namespace soapfilm {
@@ -174,8 +175,7 @@ double Residuals::share_of_surface(const Context& context) const {
       });
     }
   });
-  PairSums sums;
-  for (const PairSums& part : parts) sums += part;
+  const PairSums sums = ordered_sum(bricks_, parts);
   return std::clamp(sums.share_of_surface() / enough, 0.0, 1.0);
 }
 

@@ -6,7 +6,7 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/core/random.h"
+#include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/kernels/energy_kernel.h"
 #include "soapfilm/kernels/kernels.h"
 
@@ -175,26 +175,47 @@ double outside_variation(const Level& level, const Context& context) {
   return faces;
 }
 
-/// term(i) for one of every `stride` i < count.
-template <class Term>
-std::vector<EnergyTerms> terms_of_every(size_t stride, size_t count, const Context& context, Term&& term) {
-  std::vector<EnergyTerms> terms((count + stride - 1) / stride);
-  parallel_for(context, terms.size(), 256, [&](size_t k) { terms[k] = term(one_of_stretch(k, stride, count)); });
-  return terms;
+/// Of bricks in lattice order: how many, where, and their terms.
+template <class Coord, class Term>
+struct Bricks {
+  size_t count;
+  Coord coord;
+  Term term;
+};
+template <class Coord, class Term>
+Bricks(size_t, Coord, Term) -> Bricks<Coord, Term>;
+
+template <class Coord, class Term>
+EnergyTerms sum_over(const Bricks<Coord, Term>& bricks, const Context& context) {
+  return ordered_sum<EnergyTerms>(bricks.count, context, bricks.coord, bricks.term);
 }
 
-EnergyTerms sum_of(const std::vector<EnergyTerms>& terms) {
-  EnergyTerms sum;
-  for (const EnergyTerms& t : terms) sum += t;
-  return sum;
-}
-
-/// The sum over `count` bricks, extrapolated from some of them.
-EnergyTerms sum_from(const std::vector<EnergyTerms>& some, size_t count) {
-  EnergyTerms sum = sum_of(some);
-  const double share = some.empty() ? 1 : static_cast<double>(count) / static_cast<double>(some.size());
+/// The same from one in four bricks, or from all of few.
+template <class Coord, class Term>
+EnergyTerms estimate_over(const Bricks<Coord, Term>& bricks, const Context& context) {
+  constexpr size_t few = 512, stride = 4;
+  if (bricks.count <= few) return sum_over(bricks, context);
+  std::vector<size_t> some;
+  for (size_t b = 0; b < bricks.count; ++b)
+    if (is_sampled(bricks.coord(b), stride)) some.push_back(b);
+  EnergyTerms sum = ordered_sum<EnergyTerms>(
+      some.size(), context, [&](size_t k) { return bricks.coord(some[k]); },
+      [&](size_t k) { return bricks.term(some[k]); });
+  const double share = some.empty() ? 1 : static_cast<double>(bricks.count) / static_cast<double>(some.size());
   for (double* term : {&sum.variation, &sum.data, &sum.dual, &sum.gap}) *term *= share;
   return sum;
+}
+
+/// The active bricks.
+auto bricks_of(const Evaluator& evaluator) {
+  return Bricks{evaluator.level.grid.size(), [&](size_t b) { return evaluator.level.grid.coord(b); },
+                [&](size_t b) { return evaluator.brick_terms(b); }};
+}
+
+/// The inactive ones below them.
+auto rim_of(const Evaluator& evaluator, const std::vector<Vec3i>& below) {
+  return Bricks{below.size(), [&](size_t b) { return below[b]; },
+                [&](size_t b) { return evaluator.rim_terms(below[b]); }};
 }
 
 /// From the sum over the band and the inactive bricks below it.
@@ -219,19 +240,14 @@ double Energies::relative_gap_band(double lambda) const { return gap_band / std:
 
 Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Context& context) {
   Evaluator evaluator{level, options.threshold, 1.0, kernels_of(context).energy(level.norm)};
-  const auto evaluate_band = [&] {
-    return sum_of(terms_of_every(1, level.grid.size(), context, [&](size_t b) { return evaluator.brick_terms(b); }));
-  };
-  EnergyTerms sum = evaluate_band();
+  EnergyTerms sum = sum_over(bricks_of(evaluator), context);
   const double max_norm = std::sqrt(sum.max_norm_squared) / level.lambda;
   if (options.certify && max_norm > 1) {
     evaluator.p_scale = 1 / max_norm;
-    sum = evaluate_band();
+    sum = sum_over(bricks_of(evaluator), context);
   }
   const std::vector<Vec3i> below = bricks_below_band(level, context);
-  for (const EnergyTerms& t :
-       terms_of_every(1, below.size(), context, [&](size_t b) { return evaluator.rim_terms(below[b]); }))
-    sum += t;
+  sum += sum_over(rim_of(evaluator, below), context);
   Energies e = energies_of(level, sum, evaluator.p_scale, context);
   e.max_dual_norm = max_norm;
   return e;
@@ -250,15 +266,10 @@ Field<float> local_gap(const Level& level, const EnergyOptions& options, double 
 }
 
 double estimate_gap(const Level& level, const Context& context) {
-  constexpr size_t stride = 7;
   const Evaluator evaluator{level, {}, 1.0, kernels_of(context).energy(level.norm)};
-  const size_t bricks = level.grid.size();
-  EnergyTerms sum =
-      sum_from(terms_of_every(stride, bricks, context, [&](size_t b) { return evaluator.brick_terms(b); }), bricks);
+  EnergyTerms sum = estimate_over(bricks_of(evaluator), context);
   const std::vector<Vec3i> below = bricks_below_band(level, context);
-  sum +=
-      sum_from(terms_of_every(stride, below.size(), context, [&](size_t b) { return evaluator.rim_terms(below[b]); }),
-               below.size());
+  sum += estimate_over(rim_of(evaluator, below), context);
   return energies_of(level, sum, evaluator.p_scale, context).relative_gap_band(level.lambda);
 }
 
