@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "soapfilm/reconstruct.h"
 #include "support/problem.h"
 
 namespace soapfilm {
@@ -90,6 +93,77 @@ TEST(Place, MoreSamplesOfTheSameNoiseKeepTheVoxel) {
   add_noise(more, scanned.noise, 8);
   scanned.cloud.append(std::move(more));
   EXPECT_NEAR(scanned.grid().lattice.voxel, once, 0.25 * once);
+}
+
+/// A few hundred samples of a sphere, and many more within so small a distance of one place on it.
+PointCloud with_cluster(double radius, bool flat) {
+  PointCloud cloud = sample_surface(*make_sphere(), 224, 1);
+  const Vec3d at = cloud.positions[0];
+  Random random(2);
+  for (int i = 0; i < 2855; ++i) {
+    const Vec3d p = at + Vec3d{random.normal(), random.normal(), random.normal()} * (radius / 2);
+    cloud.positions.push_back(flat ? p * (norm(at) / norm(p)) : p);
+    cloud.normals.push_back(static_cast<Vec3f>(normalized(p)));
+  }
+  cloud.scans.back().end = cloud.size();
+  return cloud;
+}
+
+TEST(Place, NearlyCoincidingSamplesDoNotSetTheVoxel) {
+  const double sphere_volume = std::acos(-1.0) / 6;
+  const PointCloud alone = sample_surface(*make_sphere(), 224, 1);
+  const double expected = reconstruct(alone, {}, Context(1)).report.grid.voxel;
+  for (const double radius : {0.0001, 0.001, 0.003, 0.01})
+    for (const bool flat : {false, true}) {
+      PointCloud cloud = with_cluster(radius, flat);
+      for (const bool bare : {false, true}) {
+        if (bare) cloud.normals.clear();
+        const Reconstruction found = reconstruct(cloud, {}, Context(2));
+        EXPECT_NEAR(found.report.grid.voxel, expected, 0.2 * expected) << radius;
+        EXPECT_NEAR(found.mesh.volume(), sphere_volume, 0.1 * sphere_volume) << radius;
+        std::string warnings;
+        for (const std::string& w : found.report.warnings) warnings += w;
+        EXPECT_NE(warnings.find("nearly coincide"), std::string::npos) << warnings;
+      }
+    }
+}
+
+/// Each place measured many times, almost the same: as if measured once. Many small objects far apart are surfaces.
+TEST(Place, NearCopiesAreOneSampleObjectsAreNot) {
+  const auto spread = [](double radius, int copies) {
+    const PointCloud once = sample_surface(*make_sphere(), 224, 1);
+    PointCloud cloud;
+    Random random(3);
+    for (size_t i = 0; i < once.size(); ++i)
+      for (int k = 0; k < copies; ++k) {
+        const Vec3d from = normalized(Vec3d{random.normal(), random.normal(), random.normal()});
+        cloud.positions.push_back(once.positions[i] + from * radius);
+        cloud.normals.push_back(radius < 1e-4 ? once.normals[i] : static_cast<Vec3f>(from));
+      }
+    cloud.scans.push_back({"spread", 0, cloud.size(), {}, {}, {}});
+    const Context context(1);
+    const Box3d box = cloud.box();
+    const LocalSurface surface = measure_local_surface(cloud.positions, cloud.normals, box, context);
+    return place_grid(cloud, box, {surface, cloud.normals}, {}, true, context);
+  };
+  const Grid copies = spread(1e-6, 14);
+  EXPECT_NEAR(copies.lattice.voxel, 0.12, 0.03);
+  EXPECT_FALSE(copies.weights.empty());
+  EXPECT_TRUE(spread(1e-3, 14).weights.empty());
+}
+
+/// Neither an uneven density nor a few far outliers are taken for clusters.
+TEST(Place, UnevenSamplesAreNoClusters) {
+  Scanned scanned("torus", 0);
+  EXPECT_TRUE(scanned.grid().weights.empty());
+  Random random(3);
+  PointCloud& cloud = scanned.cloud;
+  std::vector<bool> keep(cloud.size());
+  for (size_t i = 0; i < keep.size(); ++i) keep[i] = cloud.positions[i].x < 0 || random.uniform() < 0.01;
+  cloud.filter(keep);
+  EXPECT_TRUE(scanned.grid().weights.empty());
+  for (int i = 0; i < 5; ++i) cloud.positions[static_cast<size_t>(i)] = Vec3d{40.0 + i, 3.0 * i, 20};
+  EXPECT_TRUE(scanned.grid().weights.empty());
 }
 
 }  // namespace TEST_FILE

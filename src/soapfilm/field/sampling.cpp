@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/core/gather.h"
@@ -147,6 +148,43 @@ Sampling measure_sampling(const PointCloud& cloud, const Box3d& box, const Conte
   const double cell = longest / static_cast<double>(1 << scale.depth);
   sampling.per_area = scale.companions / (mean_section * cell * cell);
   return sampling;
+}
+
+ThinnedSampling measure_thinned(const PointCloud& cloud, const Box3d& box, const Context& context) {
+  constexpr size_t fewest = 64;          // kept samples whose density means something
+  constexpr size_t several = 4;          // samples in a cell
+  constexpr double clearly_apart = 1.6;  // voxel of one sample each, cells
+  ThinnedSampling thinned;
+  const double longest = box.longest();
+  if (!(longest > 0)) return thinned;
+  using Keyed = std::pair<uint64_t, uint32_t>;
+  std::vector<Keyed> order(cloud.size());
+  parallel_for(context, order.size(), keys_per_task, [&](size_t i) {
+    order[i] = {morton_key((cloud.positions[i] - box.lo) / longest, deepest), static_cast<uint32_t>(i)};
+  });
+  std::sort(order.begin(), order.end());
+  PointCloud kept;
+  for (int depth = coarsest; depth <= deepest; ++depth) {
+    context.check();
+    const int up = 3 * (deepest - depth);
+    const auto shares_cell = [&](size_t k) { return k > 0 && order[k].first >> up == order[k - 1].first >> up; };
+    kept.positions.clear();
+    for (size_t k = 0; k < order.size(); ++k)
+      if (!shares_cell(k)) kept.positions.push_back(cloud.positions[order[k].second]);
+    if (kept.size() < fewest) continue;
+    const Sampling sampling = measure_sampling(kept, box, context);
+    if (sampling.voxel(1) < clearly_apart * longest / static_cast<double>(1 << depth)) continue;
+    thinned.sampling = sampling;
+    thinned.weights.resize(cloud.size());
+    for (size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+      for (++end; end < order.size() && shares_cell(end);) ++end;
+      for (size_t k = begin; k < end; ++k) thinned.weights[order[k].second] = 1.0f / static_cast<float>(end - begin);
+      thinned.crowded += end - begin > several;
+    }
+    thinned.crowded /= static_cast<double>(kept.size());
+    return thinned;
+  }
+  return thinned;
 }
 
 }  // namespace soapfilm

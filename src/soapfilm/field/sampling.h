@@ -1,6 +1,8 @@
 // How densely the samples cover the surface: the default voxel and the default lambda are computed from it.
 #pragma once
 
+#include <vector>
+
 #include "soapfilm/cloud.h"
 #include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
@@ -26,6 +28,18 @@ struct Sampling {
 Sampling measure_sampling(const PointCloud& cloud, const Context& context);
 /// The same for a cloud whose box is known, all of it.
 Sampling measure_sampling(const PointCloud& cloud, const Box3d& box, const Context& context);
+
+/// The same where clusters of nearly coinciding samples hide the surface's own density.
+struct ThinnedSampling {
+  Sampling sampling;           ///< of one sample from each occupied cell; nothing measured: no such cells were found
+  std::vector<float> weights;  ///< of each sample: 1 over the number of samples in its cell
+  double crowded = 0;          ///< share of the cells that hold more than four samples
+};
+
+/// Of the samples only one is kept from each cell of a grid, from coarse grids to fine ones. While the cells are larger
+/// than the spacing the kept samples are about one cell apart; the first grid on which they are clearly farther apart
+/// shows the spacing on most of the area. Clusters count as one sample there, and outliers alone do not matter.
+ThinnedSampling measure_thinned(const PointCloud& cloud, const Box3d& box, const Context& context);
 
 /// A surface over even samples with less than lambda / critical_density per voxel^2 costs more than it gains: the
 /// optimum is empty. Measured on spheres and tori (repeated in tests/field); flat parts and edges allow slightly more.

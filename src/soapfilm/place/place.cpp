@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "soapfilm/core/farthest.h"
 #include "soapfilm/error.h"
@@ -81,6 +82,37 @@ void warn_of_thin_sheets(const SideStatistics& sides, double longest, double vox
                   100 * thin.share, thickness, thickness / held_well));
 }
 
+/// Would a surface across the box have far more voxels than there are samples? With even samples there are about as
+/// many; a thin rod, a scan that thins out with the distance or a few outliers far away change this some 50 times.
+bool is_far_too_fine(double voxel, const Box3d& box, size_t samples) {
+  constexpr double far_more = 256;
+  const double across = box.longest() / voxel;
+  return voxel > 0 && across * across > far_more * static_cast<double>(samples);
+}
+
+/// The sampling away from clusters of nearly coinciding samples, where these made the voxel useless: then the surface
+/// elsewhere has less than a 64th of a sample per voxel^2, and is lost in any case. Nothing otherwise.
+std::optional<ThinnedSampling> sampling_beside_clusters(const PointCloud& cloud, const Box3d& box,
+                                                        const PlaceParams& params, double voxel,
+                                                        const Context& context) {
+  // Where many of the kept samples stand for several, each may be an object of its own, and its samples a surface.
+  constexpr double much_wider = 8, wider_than_objects = 256, most_crowded = 0.25;
+  if (!is_far_too_fine(voxel, box, cloud.size())) return {};
+  ThinnedSampling thinned = measure_thinned(cloud, box, context);
+  const double wider = thinned.crowded < most_crowded ? much_wider : wider_than_objects;
+  if (thinned.sampling.voxel(params.samples_per_voxel2) < wider * voxel) return {};
+  return thinned;
+}
+
+std::string about_clusters(const ThinnedSampling& thinned, double voxel, bool is_given) {
+  const auto crowded = std::count_if(thinned.weights.begin(), thinned.weights.end(), [](float w) { return w < 0.25f; });
+  return fmt::format(
+      "{} of {} samples nearly coincide with many others: their spacing asks for a voxel of {:.3g}, {}; "
+      "those at one place count as one",
+      crowded, thinned.weights.size(), voxel,
+      is_given ? "the others' for a coarser one" : "the others' is used instead (--voxel sets it)");
+}
+
 }  // namespace
 
 Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, const PlaceParams& params, bool by_area,
@@ -90,8 +122,14 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, con
   const AreaCoverage& coverage = surface.coverage;
   Grid grid;
   grid.default_voxel = voxel_of_spacing(params, box, sampling, surface);
-  if (!seen.from_above) grid.noise = measure_noise(cloud.positions, seen.directions, context);
   const bool is_given = params.voxel || params.resolution;
+  std::optional<ThinnedSampling> thinned = sampling_beside_clusters(cloud, box, params, grid.default_voxel, context);
+  if (thinned) {
+    grid.warnings.push_back(about_clusters(*thinned, grid.default_voxel, is_given));
+    grid.default_voxel = thinned->sampling.voxel(params.samples_per_voxel2);
+    grid.weights = std::move(thinned->weights);
+  }
+  if (!seen.from_above) grid.noise = measure_noise(cloud.positions, seen.directions, context);
   if (const double by_noise = default_voxel_over_noise * grid.noise;
       by_noise > grid.default_voxel && by_noise < box.longest() / 8) {
     grid.default_voxel = by_noise;
@@ -104,8 +142,8 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, con
     throw ParameterError(error.what() + far_samples(cloud, box));
   }
   refuse_too_far(box, voxel);
-  const double density = sampling.density(voxel);
-  grid.density = by_area && coverage.area > 0 ? coverage.per_area * voxel * voxel : density;
+  const double density = (thinned ? thinned->sampling : sampling).density(voxel);
+  grid.density = !thinned && by_area && coverage.area > 0 ? coverage.per_area * voxel * voxel : density;
   grid.area = density > 0 ? static_cast<double>(cloud.size()) / density : 0;
   warn_of_repeats(sampling, cloud.size(), grid.warnings);
   warn_of_thin_sheets(surface.sides, box.longest(), voxel, grid.warnings);

@@ -27,6 +27,7 @@ struct Grid {
   double default_voxel = 0;     ///< whatever was asked for, input units
   bool voxel_by_noise = false;  ///< not by the samples' spacing
   bool ends = false;            ///< the surface ends where it was not seen: BorderReport, once it is known
+  std::vector<float> weights;   ///< of each sample, where clusters of samples hid the spacing; else empty
   std::vector<std::string> warnings;
 };
 
@@ -39,6 +40,8 @@ struct Seen {
 
 /// The voxel as given, or by the spacing of the samples and the thickness of sheets, but not far below the samples'
 /// noise: more samples than that say where the surface is, not how it is shaped. The lattice around the samples' box.
+/// Where most samples nearly coincide, so that their spacing asks for far more voxels than there are samples, the
+/// spacing away from such clusters decides instead, and the samples of a cluster weigh together as much as one.
 /// `by_area`: the density is an average over the area, where it could be measured, not over the samples.
 /// Throws ParameterError where no such lattice is possible.
 Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, const PlaceParams& params, bool by_area,

@@ -96,7 +96,9 @@ Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const
   if (!counts_by_area(params)) return lambda;
   constexpr double most_weight = 50;
   const std::vector<float> weights =
-      weigh_by_area(oriented.surface, most_weight, trust_alone(oriented.report, scanners), context);
+      grid.weights.empty()
+          ? weigh_by_area(oriented.surface, most_weight, trust_alone(oriented.report, scanners), context)
+          : grid.weights;
   parallel_for(context, samples.size(), samples_per_task,
                [&](size_t k) { samples.direction[k] = samples.direction[k] * weights[samples.source[k]]; });
   return lambda;
