@@ -59,6 +59,23 @@ INSTANTIATE_TEST_SUITE_P(Samples, PlannedMemory,
                                          Planned{"torus", 1, 0, true}, Planned{"knot", 0.2, 0, true},
                                          Planned{"part", 1, 0, true}, Planned{"knot", 0.1, 1, false, 256, 1.25}));
 
+/// Samples far too sparse for the grid: the band of a graph cut grows over the whole box.
+TEST(PlannedCut, FollowsAGrowingBandSlow) {
+  PointCloud cloud;
+  Random random(1);
+  for (int i = 0; i < 50; ++i) cloud.positions.push_back({random.uniform(), random.uniform(), random.uniform()});
+  cloud.scans.push_back({"noise", 0, cloud.size(), {}, {}, {}});
+  ReconstructParams params;
+  params.method = Method::graph_cut_26;
+  params.place.resolution = 56;
+  const Reconstruction result = reconstruct(std::move(cloud), params, Context(1));
+  const auto planned = static_cast<double>(result.report.planned_bytes);
+  const auto peak = static_cast<double>(result.report.peak_bytes);
+  EXPECT_GT(peak, 45.0 * (1 << 20)) << "too small to say anything";
+  EXPECT_LT(peak, 1.2 * planned);
+  EXPECT_GT(peak, 0.75 * planned);
+}
+
 /// Scanned surfaces that are not closed: parts of a box's faces from within.
 struct Scene {
   std::string name;

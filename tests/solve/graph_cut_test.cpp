@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
+#include "soapfilm/error.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/refine/indicator.h"
@@ -328,6 +332,19 @@ TEST(GraphCut, RefusesBadParameters) {
   EXPECT_THROW(graph_links({18, LinkWeights::edge_length, Norm::isotropic}, 1), ParameterError);
   EXPECT_THROW(graph_links({}, 0), ParameterError);
   EXPECT_THROW(graph_links({}, std::nan("")), ParameterError);
+}
+
+TEST(GraphCut, TellsEachGraphBeforeItIsMade) {
+  const Problem problem = make_problem(sampled("torus", 96, 0.05), 96);
+  GraphCutReport report;
+  std::vector<size_t> told;
+  const auto tell = [&](size_t vertices) { told.push_back(vertices); };
+  solve_graph_cut(problem.lattice, problem.support, 0.002, {}, Context(1), report, tell);
+  ASSERT_EQ(told.size(), static_cast<size_t>(report.growths) + 1);
+  EXPECT_EQ(told.back(), report.vertices);
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  const auto refuse = [](size_t) { throw MemoryError("too many"); };
+  EXPECT_THROW(solve_graph_cut(problem.lattice, problem.support, 0.002, {}, Context(1), report, refuse), MemoryError);
 }
 
 TEST(GraphCut, CanBeCancelledWithinTheCut) {

@@ -44,6 +44,11 @@ class VertexMask {
   bool empty() const {
     return std::all_of(rows_.begin(), rows_.end(), [](uint8_t row_bits) { return row_bits == 0; });
   }
+  size_t count() const {
+    size_t set_bits = 0;
+    for (const uint8_t row_bits : rows_) set_bits += static_cast<size_t>(std::popcount(row_bits));
+    return set_bits;
+  }
 
   /// Calls visit(v) for every set vertex, x fastest, then y, then z.
   template <class Visit>

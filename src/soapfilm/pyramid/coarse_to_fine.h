@@ -47,6 +47,8 @@ struct PyramidObserver {
   /// For every level, before its memory is allocated: its bricks, and those of coarser levels held at the same time.
   /// May throw.
   std::function<void(int level, size_t bricks, size_t beside)> begins;
+  /// The same for every graph of a graph cut: its vertices. May throw.
+  std::function<void(size_t vertices)> cuts;
 };
 
 /// Solves min lambda TV(u) - <f, u> (equation (4)) on the lattice, TV by `norm`. `support` is the finest level's data

@@ -82,6 +82,10 @@ uint64_t box_bytes(Method method, const Lattice& lattice) {
       std::min(most, (masks + ranks) * count / 8 + dense_bytes_per_vertex(method) * lattice.vertices()));
 }
 
+/// A graph cut's bytes per vertex: 12 per edge, two edges to the terminals, and the search trees. A band around samples
+/// has fewer links than `neighbors`, which its vertices inside a grown band all have.
+constexpr uint64_t cut_bytes_per_vertex(Method method) { return method == Method::graph_cut_6 ? 122 : 365; }
+
 /// The peak in addition to the box's arrays and the data term, bytes per support brick.
 double band_bytes_per_brick(Method method, Kind kind) {
   const double level = band_over_support * level_brick_bytes;
@@ -311,7 +315,19 @@ PyramidObserver MemoryBudget::watch(PyramidObserver user, uint64_t data_bricks) 
     plan_level(level, data_bricks, bricks, beside);
     if (begins) begins(level, bricks, beside);
   };
+  user.cuts = [this, data_bricks](size_t vertices) { plan_cut(vertices, data_bricks); };
   return user;
+}
+
+void MemoryBudget::plan_cut(uint64_t vertices, uint64_t data_bricks) {
+  // Samples too sparse for the grid leave ways through the band, which then grows far beyond them.
+  constexpr uint64_t rows_bytes = 2 * brick_area;  // masks of the box's vertices, beside the graph
+  const Vec3i n = lattice_.box(0).bricks;
+  const uint64_t masks =
+      rows_bytes * static_cast<uint64_t>(n.x) * static_cast<uint64_t>(n.y) * static_cast<uint64_t>(n.z);
+  const uint64_t graph = cut_bytes_per_vertex(params_.method) * vertices;
+  plan_.solve.bytes = std::max(plan_.solve.bytes, plan_.tables_bytes + data_brick_bytes * data_bricks + masks + graph);
+  check();
 }
 
 void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, uint64_t beside) {

@@ -115,7 +115,7 @@ class MemoryBudget {
   void plan_tables(const PointCloud& cloud, const Box3d& box, const Lattice& lattice, double area);
   /// Call once its samples are on it: plans with the bricks that they reach.
   void plan_grid(const PointCloud& cloud, const Support& support);
-  /// `user`, which also plans each level of the solve as it begins; `data_bricks` are the data term's.
+  /// `user`, which also plans each level or graph of the solve as it begins; `data_bricks` are the data term's.
   PyramidObserver watch(PyramidObserver user, uint64_t data_bricks);
   /// Call once the surface is known. `checked`: check_result() will follow on this mesh. `faced_samples`:
   /// those that trimming asks on which side they look.
@@ -128,6 +128,7 @@ class MemoryBudget {
   uint64_t first_bytes() const { return first_; }
 
  private:
+  void plan_cut(uint64_t vertices, uint64_t data_bricks);
   void plan_level(int level, uint64_t data_bricks, uint64_t bricks, uint64_t beside);
   void check(double area = 0) const;
 

@@ -38,10 +38,11 @@ Segmentation by_sor(const Task& t) {
   return found;
 }
 
-Segmentation by_graph_cut(const Task& t, int neighbors) {
+Segmentation by_graph_cut(const Task& t, int neighbors, const PyramidObserver& observe) {
   const GraphCutSetup setup{neighbors, t.params.graph_cut.weights, t.params.energy.norm};
   Segmentation found;
-  found.level = solve_graph_cut(t.lattice, t.field, t.lambda, setup, t.context, found.report.graph_cut.emplace());
+  found.level =
+      solve_graph_cut(t.lattice, t.field, t.lambda, setup, t.context, found.report.graph_cut.emplace(), observe.cuts);
   return found;
 }
 
@@ -75,9 +76,9 @@ Segmentation segment(const Lattice& lattice, const SupportField& field, const Gr
     case Method::poisson:
       return by_poisson(task, samples);
     case Method::graph_cut_6:
-      return by_graph_cut(task, 6);
+      return by_graph_cut(task, 6, observe);
     case Method::graph_cut_26:
-      return by_graph_cut(task, 26);
+      return by_graph_cut(task, 26, observe);
     case Method::vrip:
       break;
   }

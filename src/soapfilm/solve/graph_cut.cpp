@@ -183,7 +183,8 @@ std::vector<Link> graph_links(const GraphCutSetup& params, double lambda) {
 }
 
 Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutSetup& params,
-                      const Context& context, GraphCutReport& report) {
+                      const Context& context, GraphCutReport& report,
+                      const std::function<void(size_t vertices)>& begins) {
   const auto start = std::chrono::steady_clock::now();
   const std::vector<Link> links = graph_links(params, lambda);
   const LevelBox box = lattice.box(0);
@@ -195,6 +196,7 @@ Level solve_graph_cut(const Lattice& lattice, const SupportField& support, doubl
   VertexMask inside;
   for (int reach = first_growth;; reach = twice(reach)) {
     context.check();
+    if (begins) begins(band.count());
     {
       const BandGraph graph(band, box, support, links, context);
       context.progress().detail(fmt::format("graph cut {}: {} vertices", report.growths + 1, graph.vertices()));

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "soapfilm/context.h"
@@ -48,8 +49,10 @@ std::vector<Link> graph_links(const GraphCutSetup& params, double lambda);
 /// without links to other vertices. That gives a lower bound, which the labels reach if each outside part can take the
 /// label of its whole boundary with the band. Where the boundary of a part disagrees the graph grows between its two
 /// labels and is cut again. The returned level has binary u, p = 0 and the norm of the parameters. `support` must
-/// outlive it. The cut uses one thread. Throws ParameterError as above and if the graph has more than 2^32 edges.
+/// outlive it. `begins` is told each graph's vertices before the graph is made; it may throw. The cut uses one thread.
+/// Throws ParameterError as above and if the graph has more than 2^32 edges.
 Level solve_graph_cut(const Lattice& lattice, const SupportField& support, double lambda, const GraphCutSetup& params,
-                      const Context& context, GraphCutReport& report);
+                      const Context& context, GraphCutReport& report,
+                      const std::function<void(size_t vertices)>& begins = {});
 
 }  // namespace soapfilm
