@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cli/reconstruct_runs.h"
+#include "soapfilm/core/random.h"
 #include "soapfilm/io.h"
 #include "soapfilm/mesh/topology.h"
 #include "tools/scanner/mesh_surface.h"
@@ -318,6 +319,56 @@ TEST_F(Outside, LostSamplesAreWarnedOfAndSetTheExitCodeOfStrictRuns) {
   EXPECT_EQ(strict.exit_code, 4);
   EXPECT_NE(strict.err.find("% of the samples are farther than 3 voxels"), std::string::npos);
   EXPECT_FALSE(written().triangles.empty());
+}
+
+/// Most signs are wrong, the others right: by the majority the body looks inward, as if all were wrong.
+TEST_F(Outside, ABodyWithMostSignsWrongIsTurnedOver) {
+  for (const double share : {0.3, 0.7, 0.8, 0.9}) {
+    PointCloud all = sample_surface(*make_torus(), samples, 1);
+    Random random(5);
+    for (Vec3f& n : all.normals)
+      if (random.uniform() < share) n = -n;
+    const std::string cloud = folder.file("mixed.ply");
+    write_points(cloud, all);
+    const json turned = reported({cloud, "--resolution", "48"});
+    EXPECT_GT(written().volume(), 0) << share;
+    EXPECT_EQ(turned["border"]["turned"], share > 0.5) << share;
+    const std::string warnings = turned["warnings"].dump();
+    EXPECT_NE(warnings.find(share > 0.5 ? "oriented inward by" : "oriented outward by"), std::string::npos) << warnings;
+    EXPECT_EQ(warnings.find("--outside solid") != std::string::npos, share > 0.5) << warnings;
+  }
+}
+
+/// Where a closed mesh of negative volume stays, the warning names the options; not where it was asked for.
+TEST_F(Outside, AHollowThatNobodyAskedForIsWarnedOf) {
+  const auto is_warned = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--resolution", "48"});
+    const json report = reported(arguments);
+    EXPECT_EQ(report["mesh"]["closed"], true);
+    const bool warned = report["warnings"].dump().find("hollow in solid matter") != std::string::npos;
+    EXPECT_TRUE(!warned || written().volume() < 0);
+    return warned;
+  };
+  EXPECT_TRUE(is_warned({sphere(true), "--outside", "open"}));
+  EXPECT_FALSE(is_warned({sphere(true), "--outside", "solid"}));
+  EXPECT_FALSE(is_warned({sphere(true)}));
+  EXPECT_FALSE(is_warned({sphere(false), "--outside", "open"}));
+  // The faces of a box look like a room's walls.
+  PointCloud box;
+  Random random(1);
+  for (size_t i = 0; i < samples; ++i) {
+    const int axis = static_cast<int>(i % 3), side = i % 2 == 0 ? 1 : -1;
+    Vec3d p{random.uniform(), random.uniform(), random.uniform()};
+    p[axis] = 0.5 + 0.5 * side;
+    Vec3f n;
+    n[axis] = static_cast<float>(-side);
+    box.positions.push_back(p);
+    box.normals.push_back(n);
+  }
+  const std::string cloud = folder.file("box.ply");
+  write_points(cloud, box);
+  EXPECT_TRUE(is_warned({cloud}));
+  EXPECT_FALSE(is_warned({cloud, "--directions", "estimate"}));
 }
 
 TEST_F(Outside, OnlyTvMayBeOpen) {

@@ -345,16 +345,18 @@ bool check_signs(const PointCloud& cloud, const OrientSetup& params, const SideS
     return false;
   }
   const EstimatedNormals propagated = estimate_open(cloud, params, known, cloud.normals, context, turned);
+  directions.swap(turned);
+  for (size_t i = 0; i < cloud.size(); ++i) report.reoriented += dot(directions[i], cloud.normals[i]) < 0;
+  // The majority of the signs decides where it is clear, so whole parts may look inward now.
+  report.inward = open > 0 && 2 * report.from_normals > cloud.size() && point_inward(cloud, directions, context);
   warn(context, report,
        found + ": used without their signs, " +
            (open == 0 ? "oriented towards the scanners"
                       : fmt::format("oriented {} by propagation over {}, which is a guess (give scanner positions "
                                     "with --sensor)",
-                                    params.from_within ? "inward" : "outward",
+                                    params.from_within || report.inward ? "inward" : "outward",
                                     plural(propagated.components, "connected part"))) +
            "; --directions normals takes them as given");
-  directions.swap(turned);
-  for (size_t i = 0; i < cloud.size(); ++i) report.reoriented += dot(directions[i], cloud.normals[i]) < 0;
   return true;
 }
 

@@ -148,7 +148,7 @@ void reverse_for_solid(BorderReport& border, const OrientReport& given, const Sc
   for (Vec3f& direction : samples.direction) direction = -direction;
   for (Vec3f& view : views) view = -view;
   // A room seen from inside and a body whose normals are reversed are the same data. Scanners, the user or walls tell.
-  if (params.border.outside != Border::automatic || !given.inward || given.reoriented > 0) return;
+  if (params.border.outside != Border::automatic || !given.inward) return;
   if (!scanners.positions.empty()) return;
   if (look_along_walls(samples.direction, context)) {
     border.reason += "; if it is a body with reversed normals, give --directions estimate";

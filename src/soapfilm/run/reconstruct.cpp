@@ -122,6 +122,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // Flips a complement's faces. Removes surface that nobody saw.
   undo_border(mesh, samples, border);
   report.trim = trim(mesh, samples, std::move(rays), grid, params, trace, context);
+  warn_inside_out(mesh, border, scanners, params, trace);
 
   carry(attributes, samples, grid.lattice, trace, context, mesh);
   carry(gap, grid.lattice, trace, context, mesh);

@@ -50,6 +50,10 @@ std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridS
 /// Reverses the faces and directions of a complement: they are the scene's again.
 void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border);
 
+/// Warns of a closed mesh whose volume is negative, where neither the user nor a scanner says that it is a hollow.
+void warn_inside_out(const Mesh& mesh, const BorderReport& border, const Scanners& scanners,
+                     const ReconstructParams& params, Trace& trace);
+
 /// Removes surface far from all samples, if enabled. Throws EmptyResult where none is left.
 std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, std::vector<Ray> rays, const Grid& grid,
                                const ReconstructParams& params, Trace& trace, const Context& context);
