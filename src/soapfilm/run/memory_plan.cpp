@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/core/gather.h"
@@ -315,7 +316,10 @@ PyramidObserver MemoryBudget::watch(PyramidObserver user, uint64_t data_bricks) 
     plan_level(level, data_bricks, bricks, beside);
     if (begins) begins(level, bricks, beside);
   };
-  user.cuts = [this, data_bricks](size_t vertices) { plan_cut(vertices, data_bricks); };
+  // The first graph is the plan's.
+  user.cuts = [this, data_bricks, is_first = true](size_t vertices) mutable {
+    if (!std::exchange(is_first, false)) plan_cut(vertices, data_bricks);
+  };
   return user;
 }
 
