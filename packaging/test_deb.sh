@@ -65,7 +65,7 @@ at_try bash -c 'source /usr/share/bash-completion/completions/soapfilm
 say "install the library: apt install ./libsoapfilm*.deb, with a compiler"
 install_there "the library" '/debs/libsoapfilm*.deb g++ cmake make pkg-config'
 inside ldconfig -p | grep libsoapfilm > /dev/null || die "the trigger did not call ldconfig"
-version=$(inside dpkg-query -W -f '${Version}' libsoapfilm0.1 | sed 's/-.*//')
+version=$(inside dpkg-query -W -f '${Version}' libsoapfilm0.1)
 cp -r "$here/../tests/consumer/cpp" "$here/../tests/consumer/c" "$root/try/"
 for language in cpp c; do
   at_try cmake -S $language -B build-$language -D EXPECTED_VERSION="$version" > "$work/cmake.log" 2>&1 &&

@@ -9,7 +9,8 @@
 
 namespace SOAPFILM_API soapfilm {
 
-struct FileReport {  ///< What reading one file found.
+/// What reading one file found.
+struct FileReport {
   std::string path;
   std::string format;                   ///< such as "PLY, binary little-endian"
   size_t samples = 0;                   ///< kept
@@ -42,8 +43,7 @@ struct ReadOptions {
 PointCloud read_points(const std::string& path, ReadReport* report = nullptr, const Context& context = Context(1),
                        const ReadOptions& options = {});
 
-/// Reads several files, as many at once as there are threads, and appends them in order as further scans. Throws
-/// ParameterError for an option that none of them takes.
+/// Several files at once, as further scans in order. Throws ParameterError for an option that none of them takes.
 PointCloud read_points(const std::vector<std::string>& paths, ReadReport* report = nullptr,
                        const Context& context = Context(1), const ReadOptions& options = {});
 

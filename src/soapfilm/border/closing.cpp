@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "soapfilm/core/gather.h"
 #include "soapfilm/grid/ordered_sum.h"
 
 namespace soapfilm {

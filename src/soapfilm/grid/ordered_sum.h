@@ -13,8 +13,8 @@
 
 namespace soapfilm {
 
-/// Edge of a tile: 256 vertices.
-inline constexpr int tile_bricks = 32;
+/// A tile has 2^5 = 32 bricks, 256 vertices, along each axis.
+inline constexpr int tile_bits = 5;
 
 /// The terms of each tile's bricks are added in lattice order (x fastest, then y, then z), then the tiles' sums in that
 /// order. T{} is 0.
@@ -23,8 +23,7 @@ class TileSums {
  public:
   /// Bricks of the same tile in lattice order; other tiles' bricks may come between.
   void add(Vec3i brick, const T& term) {
-    const auto tile = [](int c) { return c >= 0 ? c / tile_bricks : (c + 1) / tile_bricks - 1; };
-    const Key key{tile(brick.z), tile(brick.y), tile(brick.x)};
+    const Key key{brick.z >> tile_bits, brick.y >> tile_bits, brick.x >> tile_bits};
     if (!last_ || key != last_key_) {
       last_ = &tiles_[key];
       last_key_ = key;
@@ -44,14 +43,20 @@ class TileSums {
   T* last_ = nullptr;
 };
 
-/// The sum of term(b) over the bricks coord(b), b < count, which are in lattice order.
+/// The sum of the terms of bricks coord(b), b < terms.size(), which are in lattice order.
+template <class T, class Coord>
+T ordered_sum(const std::vector<T>& terms, Coord&& coord) {
+  TileSums<T> sums;
+  for (size_t b = 0; b < terms.size(); ++b) sums.add(coord(b), terms[b]);
+  return sums.total();
+}
+
+/// The same of term(b), b < count, which all threads compute.
 template <class T, class Coord, class Term>
 T ordered_sum(size_t count, const Context& context, Coord&& coord, Term&& term) {
   std::vector<T> terms(count);
   parallel_for(context, count, 256, [&](size_t b) { terms[b] = term(b); });
-  TileSums<T> sums;
-  for (size_t b = 0; b < count; ++b) sums.add(coord(b), terms[b]);
-  return sums.total();
+  return ordered_sum(terms, coord);
 }
 
 /// The sum of term(b) over the bricks of a grid.
@@ -64,9 +69,7 @@ T ordered_sum(const BrickGrid& grid, const Context& context, Term&& term) {
 /// The sum of terms that are there already.
 template <class T>
 T ordered_sum(const BrickGrid& grid, const std::vector<T>& terms) {
-  TileSums<T> sums;
-  for (size_t b = 0; b < grid.size(); ++b) sums.add(grid.coord(b), terms[b]);
-  return sums.total();
+  return ordered_sum(terms, [&](size_t b) { return grid.coord(b); });
 }
 
 /// Whether a brick belongs to a subsample of one in `stride` bricks, chosen by its place alone.

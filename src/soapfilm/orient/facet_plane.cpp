@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+
 #include "soapfilm/core/portable_math.h"
 
 namespace soapfilm {

@@ -171,10 +171,10 @@ CellSamples::CellSamples(const GridSamples& samples, const NarrowBand& band, con
     brick_[r.brick + 1] = static_cast<uint32_t>(row_.size());
   }
   for (size_t b = 0; b < bricks; ++b) {
+    brick_[b + 1] = std::max(brick_[b], brick_[b + 1]);
     coord_.push_back(samples.bricks.coord(b));
     layer_[static_cast<size_t>(coord_.back().z) + 1] = b + 1;
   }
-  for (size_t b = 0; b < bricks; ++b) brick_[b + 1] = std::max(brick_[b], brick_[b + 1]);
   for (size_t z = 1; z < layer_.size(); ++z) layer_[z] = std::max(layer_[z - 1], layer_[z]);
   values_ = AlignedArray<float>(DataJob::values * size_t{first_.back()}, pages_of(context));
 }
@@ -269,9 +269,7 @@ DataTerm DataTerm::row_sums(const NarrowBand& band, const CellSamples& data, Row
 }
 
 double DataTerm::total(const std::vector<double>& energies) const {
-  TileSums<double> sums;
-  for (size_t b = 0; b < energies.size(); ++b) sums.add(data_.coord_[b], energies[b]);
-  return sums.total();
+  return ordered_sum(energies, [&](size_t b) { return data_.coord_[b]; });
 }
 
 void DataTerm::add(int layer, std::vector<double>* energies) const {

@@ -1,7 +1,6 @@
 #include "soapfilm/refine/fit_weights.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "soapfilm/core/portable_math.h"
 #include "soapfilm/refine/held_out.h"

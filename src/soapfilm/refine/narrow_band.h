@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"

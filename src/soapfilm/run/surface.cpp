@@ -8,6 +8,7 @@
 #include "soapfilm/components/components.h"
 #include "soapfilm/components/scanners.h"
 #include "soapfilm/core/names.h"
+#include "soapfilm/core/random.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
@@ -20,21 +21,14 @@ namespace soapfilm {
 
 namespace {
 
-/// A number per edge that looks random.
-uint64_t scattered(uint64_t edge) {
-  edge = (edge ^ edge >> 30) * 0xBF58476D1CE4E5B9;
-  edge = (edge ^ edge >> 27) * 0x94D049BB133111EB;
-  return edge ^ edge >> 31;
-}
-
-/// Does each edge occur as often in one direction as in the other? Then the sum over all of them is zero, and only then
-/// but for a chance of 2^-64.
+/// Does each edge occur as often in one direction as in the other? Then the sum of random numbers of the edges, of
+/// either sign, is zero, and only then but for a chance of 2^-64: no edges are kept or sorted.
 bool is_closed(const Mesh& mesh) {
   uint64_t sum = 0;
   for (const Triangle& t : mesh.triangles)
     for (size_t k = 0; k < 3; ++k) {
       const uint64_t from = t[k], to = t[(k + 1) % 3];
-      sum += from < to ? scattered(from << 32 | to) : -scattered(to << 32 | from);
+      sum += from < to ? Random(from << 32 | to).next() : -Random(to << 32 | from).next();
     }
   return sum == 0;
 }
@@ -132,7 +126,7 @@ void undo_border(Mesh& mesh, GridSamples& samples, const BorderReport& border) {
 void warn_inside_out(const Mesh& mesh, const BorderReport& border, const Scanners& scanners,
                      const ReconstructParams& params, Trace& trace) {
   if (params.border.outside == Border::solid || !scanners.positions.empty()) return;
-  if (!is_closed(mesh) || !(mesh.volume() < 0)) return;
+  if (!(mesh.volume() < 0) || !is_closed(mesh)) return;
   trace.warn(fmt::format(
       "the mesh is a hollow in solid matter, of negative volume, as most directions point inward (outside: {}): if it "
       "is a body, --directions estimate ignores them, --outside air keeps the outside free; a hollow is --outside "
