@@ -22,7 +22,7 @@ Level drawn_level(const LevelBox& box, bool sparse, Inside&& inside) {
   });
   const Context context(1);
   Level level = make_level(box, 1, band, BrickGrid(BrickMask(box.bricks), context), nothing, context);
-  level.inside = full;
+  level.inside = GapSides(level.grid, bricks_with_free(box), [&](Vec3i b) { return full.test(b); });
   for (size_t b = 0; b < level.grid.size(); ++b)
     for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) { level.u.brick(b)[i] = inside(v) ? 1.0f : 0.0f; });
   return level;

@@ -11,6 +11,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/run/memory_plan.h"
+#include "soapfilm/run/run.h"
 #include "support/hash.h"
 #include "support/problem.h"
 #include "support/sanitized.h"
@@ -185,7 +186,7 @@ TEST(MemoryPlan, ARefusalNamesAVoxelThatFits) {
   const PointCloud cloud = sampled("torus", 64, 1);
   ReconstructParams params;
   params.memory_limit = size_t{40} << 20;
-  params.place.voxel = cloud.box().longest() / 1'000'000;
+  params.place.voxel = cloud.box().longest() / 2000;
   const std::string message = refusal(cloud, params), before = "--voxel ";
   const size_t at = message.find(before);
   ASSERT_NE(at, std::string::npos) << message;
@@ -233,12 +234,61 @@ TEST(MemoryPlan, CountsTheGap) {
 
 TEST(MemoryPlan, ARefusalNamesFarSamplesWhereThereAreSome) {
   PointCloud cloud = sampled("torus", 64, 1);
-  cloud.positions[7] = {1e6, 0, 0};
+  cloud.positions[7] = {1e3, 0, 0};
   ReconstructParams params;
+  params.method = Method::poisson;  // its arrays span the box
   params.memory_limit = size_t{40} << 20;
-  params.place.voxel = 0.01;
+  params.place.voxel = 0.05;
   const std::string message = refusal(cloud, params);
-  EXPECT_NE(message.find("far away, one at (1e+06, 0, 0)"), std::string::npos) << message;
+  EXPECT_NE(message.find("far away, one at (1000, 0, 0)"), std::string::npos) << message;
+}
+
+/// What a reconstruction costs, whatever the machine: the bricks of its levels, and the memory that it plans.
+struct Cost {
+  size_t bricks = 0;
+  size_t bytes = 0;
+};
+
+Cost cost_of(const PointCloud& cloud, double voxel) {
+  ReconstructParams params;
+  params.place.voxel = voxel;
+  Cost cost;
+  Experiment experiment;
+  experiment.observe.begins = [&](int, size_t bricks, size_t) { cost.bricks += bricks; };
+  cost.bytes = run(cloud, nullptr, params, Context(1), experiment).report.planned_bytes;
+  return cost;
+}
+
+/// Cost follows the samples, not the box around them.
+TEST(MemoryPlan, OfTwoFarBallsIsThatOfTwoNearOnes) {
+  const PointCloud ball = sampled("sphere", 80, 1);
+  const double voxel = ball.box().longest() / 76, diameter = ball.box().longest();
+  const auto two = [&](double diameters) {
+    PointCloud both = ball;
+    for (size_t i = 0; i < ball.size(); ++i) {
+      both.positions.push_back(ball.positions[i] + Vec3d{1, 0.9, 0.8} * (diameters * diameter / 1.56));
+      both.normals.push_back(ball.normals[i]);
+    }
+    return cost_of(both, voxel);
+  };
+  const Cost near = two(4);
+  for (const double diameters : {160.0, 10000.0}) {
+    const Cost far = two(diameters);
+    EXPECT_LE(static_cast<double>(far.bricks), 1.2 * static_cast<double>(near.bricks)) << diameters;
+    EXPECT_LE(static_cast<double>(far.bytes), 1.2 * static_cast<double>(near.bytes)) << diameters;
+  }
+}
+
+TEST(MemoryPlan, OfACloudWithOneFarSampleIsThatOfTheRest) {
+  PointCloud cloud = sampled("sphere", 80, 1);
+  const double voxel = cloud.box().longest() / 76;
+  const Cost without = cost_of(cloud, voxel);
+  for (const double far : {10.0, 1e5}) {
+    cloud.positions[0] = Vec3d{1, 0.9, 0.8} * (far * 76 * voxel);
+    const Cost with = cost_of(cloud, voxel);
+    EXPECT_LE(static_cast<double>(with.bricks), 1.2 * static_cast<double>(without.bricks)) << far;
+    EXPECT_LE(static_cast<double>(with.bytes), 1.2 * static_cast<double>(without.bytes)) << far;
+  }
 }
 
 TEST(MemoryPlan, ACloudThatMayBeFreedGivesTheSameMeshForLess) {
@@ -294,7 +344,8 @@ TEST(MemoryPlan, OfSamplesThatAloneDoNotFitNamesNoResolution) {
 TEST(MemoryPlan, RefusesABoxThatOnlyItsTablesWouldFill) {
   const PointCloud cloud = sampled("sphere", 64, 0.05);
   ReconstructParams params;
-  params.place.resolution = 16000;
+  params.method = Method::poisson;
+  params.place.resolution = 1000;
   params.memory_limit = size_t{1} << 30;
   EXPECT_THROW(reconstruct(cloud, params, Context(1)), MemoryError);
 }

@@ -113,6 +113,13 @@ TEST(Band, LeavesOutOnlyFeasibleBricks) {
   });
 }
 
+/// A grid of these bricks of a level's box.
+BrickGrid grid_of(const LevelBox& box, const std::vector<Vec3i>& bricks) {
+  BrickMask mask(box.bricks);
+  for (const Vec3i b : bricks) mask.set(b);
+  return BrickGrid(mask, one_thread);
+}
+
 /// A level that is solved whole has every free vertex and every face of one, and not what its box is rounded up by.
 TEST(Band, OfAWholeLevelFollowsTheFreeVertices) {
   for (const Vec3i size : {Vec3i{60, 61, 62}, {1181, 220, 38}, {5000, 50, 50}, {64, 65, 200}}) {
@@ -121,7 +128,7 @@ TEST(Band, OfAWholeLevelFollowsTheFreeVertices) {
     lattice.levels = 5;
     for (int l = 0; l < lattice.levels; ++l) {
       const LevelBox box = lattice.box(l);
-      const BrickMask bricks = free_bricks(box, BrickGrid());
+      const BrickMask bricks = start_bricks(box, grid_of(box, {brick_of(box.free_lo)}), 1e9);
       double most = 1;
       for (int axis = 0; axis < 3; ++axis) {
         most *= (box.free_hi[axis] - box.free_lo[axis] + 3) / brick_side + 2;
@@ -137,15 +144,53 @@ TEST(Band, OfAWholeLevelFollowsTheFreeVertices) {
   }
 }
 
+/// Far apart samples get blocks around them, as large as the limit allows, and never less than what is next to them.
+TEST(Band, OfAStartFollowsTheDataInALargeBox) {
+  Lattice lattice;
+  lattice.size = {100000, 80000, 90000};
+  lattice.levels = 3;
+  const LevelBox box = lattice.box(0);
+  const std::vector<Vec3i> data = {{100, 200, 300}, {101, 200, 300}, {9000, 8000, 11000}};
+  const BrickGrid support = grid_of(box, data);
+  for (const double most : {1.0, 16.0, 64.0, 1000.0, 1e5}) {
+    const BrickMask bricks = start_bricks(box, support, most);
+    for (const Vec3i at : data)
+      for (int slot = 0; slot < 27; ++slot) ASSERT_TRUE(bricks.test(at + slot_offset(slot)));
+    const auto count = static_cast<double>(bricks.count());
+    EXPECT_LE(count, std::max({64.0, most * 3, 27.0 * 3}));
+    if (most >= 64) {
+      EXPECT_GE(8 * 8 * count, most * 3) << "blocks of twice the side were too many";
+    }
+  }
+}
+
+/// A hollow ball: as long as it is small beside the limit, what it encloses is there too, with a far sample as without.
+TEST(Band, OfAStartHoldsWhatSamplesEnclose) {
+  Lattice lattice;
+  lattice.size = {4000, 4000, 4000};
+  lattice.levels = 3;
+  const LevelBox box = lattice.box(0);
+  std::vector<Vec3i> data;
+  const Vec3i center{20, 21, 22};
+  BrickRange{{10, 10, 10}, {32, 32, 32}}.for_each([&](Vec3i b) {
+    const double r = norm(Vec3d(b - center));
+    if (r > 5 && r < 6) data.push_back(b);
+  });
+  data.push_back({400, 390, 300});
+  const BrickMask bricks = start_bricks(box, grid_of(box, data), 16);
+  BrickRange{{10, 10, 10}, {32, 32, 32}}.for_each(
+      [&](Vec3i b) { EXPECT_TRUE(norm(Vec3d(b - center)) >= 6 || bricks.test(b)); });
+}
+
 TEST(Band, GrowsWhereTheInterfaceReachesTheRim) {
   Blank blank;
   BrickMask band(blank.lattice.box(0).bricks);
   band.set({3, 3, 3});
   Level fine = prolong_level(blank.coarse, blank.lattice.box(0), band, blank.no_data, one_thread);
-  EXPECT_EQ(growth(fine, blank.coarse.grid, Context(2)).count(), 0u);
+  EXPECT_EQ(growth(fine, &blank.coarse.grid, Context(2)).count(), 0u);
   fine.u.brick(0)[brick_offset(7, 4, 4)] = 0.9f;
   fine.u.brick(0)[brick_offset(4, 4, 0)] = 0.9f;
-  const BrickMask grown = growth(fine, blank.coarse.grid, Context(2));
+  const BrickMask grown = growth(fine, &blank.coarse.grid, Context(2));
   EXPECT_EQ(grown.count(), 2u);
   EXPECT_TRUE(grown.test({4, 3, 3}));
   EXPECT_TRUE(grown.test({3, 3, 2}));

@@ -169,7 +169,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Topology, testing::Values("plate", "sheets", "k
 TEST(Topology, IsKeptForAnyRequest) {
   // Half of the vertices near a solid ball's surface should change their label.
   const NarrowBand band = random_band(3, 1, 1);
-  BrickMask none(band.grid().bricks());
+  const GapSides none(band.grid());
   SignBits signs(band.grid(), none);
   Field<float> value(band.grid());
   RowArray phi = band.make_array();
@@ -216,7 +216,7 @@ struct Specks {
   }
 
   NarrowBand band = random_band(3, 1, 1);
-  BrickMask none{band.grid().bricks()};
+  GapSides none{band.grid()};
   SignBits signs{band.grid(), none};
   RowArray phi = band.make_array();
 };
@@ -272,9 +272,8 @@ TEST(Topology, WhatASpeckKeptApartMovesOnceItIsGone) {
 
 TEST(Topology, TheLastObjectDoesNotVanish) {
   // Two of these are one vertex each, and so is the rest of the pair.
-  for (const bool brick : {false, true}) {
+  {
     Specks specks(false);
-    if (brick) specks.none.set({0, 0, 0});  // bits of bricks that the grid has are outdated
     for (const Vec3i v : {Specks::kept, Specks::lost, Specks::pair, Specks::pair + Vec3i{1, 0, 0}})
       specks.at(v) = -0.3f;
     const FlipCount count = follow(specks.phi, specks.band, specks.signs, held, 2);

@@ -23,7 +23,7 @@ float u_at(const Level& level, Vec3i v) {
 struct Filled : RandomLevel {
   explicit Filled(uint64_t seed) : RandomLevel(seed) {
     Random random(seed);
-    BrickMask::whole(level.box.bricks).for_each([&](Vec3i b) { level.inside.set(b, random.uniform() < 0.5); });
+    for (size_t gap = 0; gap < level.grid.gaps(); ++gap) level.inside.set(gap, random.uniform() < 0.5);
   }
 };
 

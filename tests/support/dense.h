@@ -61,7 +61,9 @@ void for_each_vertex(Vec3i brick, Visit&& visit) {
 /// u on the whole box: that of the band, elsewhere from `inside`. With a threshold: 1 where u exceeds it.
 inline Dense<double> dense_u(const Level& level, std::optional<float> threshold = {}) {
   Dense<double> u(level.box.bricks * brick_side);
-  level.inside.for_each([&](Vec3i b) { for_each_vertex(b, [&](Vec3i v, int) { u[v] = 1; }); });
+  BrickRange::whole(level.box.bricks).for_each([&](Vec3i b) {
+    if (level.missing_u(level.grid.find(b), b) > 0) for_each_vertex(b, [&](Vec3i v, int) { u[v] = 1; });
+  });
   for (size_t b = 0; b < level.grid.size(); ++b)
     for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
       const float value = level.u.brick(b)[i];

@@ -59,9 +59,9 @@ uint32_t root_of(std::vector<uint32_t>& parent, uint32_t node) {
 
 }  // namespace
 
-Parts::Parts(const Level& level, float threshold, const Context& context) : grid_(level.grid) {
+Parts::Parts(const Level& level, float threshold, const Context& context)
+    : grid_(level.grid), box_(level.box), gaps_(grid_), side_(level.inside) {
   find_pieces(level, threshold, context);
-  find_gaps(level);
   std::vector<std::vector<Contact>> contacts((grid_.size() + grain - 1) / grain + 1);
   parallel_chunks(context, grid_.size(), grain, [&](size_t begin, size_t end) {
     for (size_t b = begin; b < end; ++b) touch_brick(level, b, contacts[begin / grain]);
@@ -86,23 +86,10 @@ void Parts::find_pieces(const Level& level, float threshold, const Context& cont
   for (size_t b = 0; b < grid_.size(); ++b) first_piece_[b + 1] += first_piece_[b];
 }
 
-void Parts::find_gaps(const Level& level) {
-  const Vec3i bricks = grid_.bricks();
-  gaps_.reserve(grid_.size() + static_cast<size_t>(bricks.y) * static_cast<size_t>(bricks.z));
-  size_t next = 0;
-  for (int z = 0; z < bricks.z; ++z)
-    for (int y = 0; y < bricks.y; ++y)
-      for (int x = 0; x <= bricks.x;) {
-        const bool in_row = next < grid_.size() && grid_.coord(next).y == y && grid_.coord(next).z == z;
-        const int end = in_row ? grid_.coord(next++).x : bricks.x;
-        const Vec3i first{x, y, z};
-        gaps_.push_back({first, end - x, end > x && level.inside.test(first)});
-        x = end + 1;
-      }
-}
-
+/// In an open box bricks without free vertices count as beyond the domain.
 uint32_t Parts::node_of_missing(int32_t slot, Vec3i brick) const {
-  return slot == outside_box ? 0 : node_of_gap(grid_.gap(brick));
+  if (slot == outside_box || (box_.open && !has_free(box_, brick))) return 0;
+  return node_of_gap(grid_.gap(brick));
 }
 
 void Parts::touch_brick(const Level& level, size_t brick, std::vector<Contact>& contacts) const {
@@ -136,46 +123,16 @@ void Parts::touch_brick(const Level& level, size_t brick, std::vector<Contact>& 
   }
 }
 
-/// Gaps touch those of the rows around and the end of the domain. (If two of different sides touched, the surface
-/// between them would not be drawn: extract/isosurface.h.)
+/// Gaps touch each other and the end of the domain. (If two of different sides touched, the surface between them would
+/// not be drawn: extract/isosurface.h.)
 void Parts::touch_gaps(std::vector<Contact>& contacts) const {
-  const Vec3i bricks = grid_.bricks();
-  const auto end_of_row = [&](size_t begin) {
-    size_t end = begin;
-    while (end < gaps_.size() && gaps_[end].first.y == gaps_[begin].first.y &&
-           gaps_[end].first.z == gaps_[begin].first.z)
-      ++end;
-    return end;
-  };
-  std::vector<size_t> row;
-  for (size_t begin = 0; begin < gaps_.size(); begin = end_of_row(begin)) row.push_back(begin);
-  row.push_back(gaps_.size());
-
-  const auto join_rows = [&](size_t a, size_t a_end, size_t b, size_t b_end, bool faces) {
-    while (a < a_end && b < b_end) {
-      const Gap &g = gaps_[a], &h = gaps_[b];
-      const int g_end = g.first.x + g.bricks, h_end = h.first.x + h.bricks;
-      const int reach = g.inside ? 0 : 1;
-      if (g.bricks > 0 && h.bricks > 0 && g.inside == h.inside && (faces || !g.inside) && g.first.x < h_end + reach &&
-          h.first.x < g_end + reach)
-        contacts.push_back({node_of_gap(static_cast<int32_t>(a)), node_of_gap(static_cast<int32_t>(b)), 0});
-      g_end < h_end ? ++a : ++b;
-    }
-  };
-  for (size_t r = 0; r + 1 < row.size(); ++r) {
-    const Vec3i first = gaps_[row[r]].first;
-    for (const auto& [dy, dz] : {std::pair{-1, 0}, {-1, -1}, {0, -1}, {1, -1}}) {
-      const int y = first.y + dy, z = first.z + dz;
-      if (y < 0 || z < 0 || y >= bricks.y) continue;
-      const auto other = static_cast<size_t>(z) * static_cast<size_t>(bricks.y) + static_cast<size_t>(y);
-      join_rows(row[r], row[r + 1], row[other], row[other + 1], dy == 0 || dz == 0);
-    }
-    const bool rim = first.y == 0 || first.z == 0 || first.y == bricks.y - 1 || first.z == bricks.z - 1;
-    for (size_t g = row[r]; g < row[r + 1]; ++g)
-      if (const Gap& gap = gaps_[g];
-          gap.bricks > 0 && !gap.inside && (rim || gap.first.x == 0 || gap.first.x + gap.bricks == bricks.x))
-        contacts.push_back({0, node_of_gap(static_cast<int32_t>(g)), 0});
-  }
+  gaps_.for_each_contact([&](size_t a, size_t b) {
+    if (side_[a] == side_[b] && (!side_[a] || shared_faces(gaps_[a], gaps_[b]) > 0))
+      contacts.push_back({node_of_gap(a), node_of_gap(b), 0});
+  });
+  const BrickRange box = BrickRange::whole(grid_.bricks());
+  for (size_t g = 0; g < gaps_.size(); ++g)
+    if (!side_[g] && faces_at_end(gaps_[g], box) > 0) contacts.push_back({0, node_of_gap(g), 0});
 }
 
 void Parts::number_parts(const std::vector<std::vector<Contact>>& contacts) {
@@ -200,9 +157,10 @@ void Parts::number_parts(const std::vector<std::vector<Contact>>& contacts) {
   };
   put(0, false, 0);
   for (uint32_t k = 0; k < pieces_.size(); ++k) put(node_of_piece(k), pieces_[k].inside, pieces_[k].vertices.count());
+  constexpr double most = 0x1p48;  // no more of the outermost part of a large box are counted
   for (size_t g = 0; g < gaps_.size(); ++g)
-    if (gaps_[g].bricks > 0)
-      put(node_of_gap(static_cast<int32_t>(g)), gaps_[g].inside, static_cast<size_t>(gaps_[g].bricks) * brick_volume);
+    if (!gaps_[g].empty())
+      put(node_of_gap(g), side_[g], static_cast<size_t>(std::min(most, brick_volume * gaps_[g].count())));
 }
 
 void Parts::find_surroundings(const std::vector<std::vector<Contact>>& contacts) {
@@ -261,11 +219,8 @@ void Parts::write(const std::vector<uint8_t>& inside, Level& level, const Contex
       if (flipped(node_of_piece(k)))
         pieces_[k].vertices.for_each([&](int i) { u[i] = pieces_[k].inside ? 0.0f : 1.0f; });
   });
-  for (size_t g = 0; g < gaps_.size(); ++g) {
-    const Gap& gap = gaps_[g];
-    if (gap.bricks == 0 || !flipped(node_of_gap(static_cast<int32_t>(g)))) continue;
-    for (int x = 0; x < gap.bricks; ++x) level.inside.set(gap.first + Vec3i{x, 0, 0}, !gap.inside);
-  }
+  for (size_t g = 0; g < gaps_.size(); ++g)
+    if (!gaps_[g].empty() && flipped(node_of_gap(g))) level.inside.set(g, !side_[g]);
 }
 
 }  // namespace soapfilm

@@ -8,6 +8,7 @@
 
 #include "soapfilm/context.h"
 #include "soapfilm/grid/brick_bits.h"
+#include "soapfilm/grid/gaps.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
@@ -37,14 +38,9 @@ class Parts {
  private:
   friend class PartsAround;
 
-  /// A connected part within one brick. Parts consist of pieces and of gaps: runs of missing bricks along x.
+  /// A connected part within one brick. Parts consist of pieces and of gaps.
   struct Piece {
     BrickBits vertices;
-    bool inside;
-  };
-  struct Gap {
-    Vec3i first;  ///< brick
-    int bricks;   ///< none where active bricks touch
     bool inside;
   };
   struct Contact {
@@ -54,22 +50,21 @@ class Parts {
 
   // Nodes: 0 is everything beyond the domain, then the pieces, then the gaps.
   uint32_t node_of_piece(uint32_t piece) const { return 1 + piece; }
-  uint32_t node_of_gap(int32_t gap) const {
-    return 1 + static_cast<uint32_t>(pieces_.size()) + static_cast<uint32_t>(gap);
-  }
+  uint32_t node_of_gap(size_t gap) const { return 1 + static_cast<uint32_t>(pieces_.size() + gap); }
   uint32_t node_of_missing(int32_t slot, Vec3i brick) const;
 
   void find_pieces(const Level& level, float threshold, const Context& context);
-  void find_gaps(const Level& level);
   void touch_brick(const Level& level, size_t brick, std::vector<Contact>& contacts) const;
   void touch_gaps(std::vector<Contact>& contacts) const;
   void number_parts(const std::vector<std::vector<Contact>>& contacts);
   void find_surroundings(const std::vector<std::vector<Contact>>& contacts);
 
   const BrickGrid& grid_;
+  LevelBox box_;
   std::vector<uint32_t> first_piece_;  ///< of each brick; one more at the end
   std::vector<Piece> pieces_;
-  std::vector<Gap> gaps_;       ///< by BrickGrid::gap
+  Gaps gaps_;
+  GapSides side_;               ///< of each gap
   std::vector<uint32_t> part_;  ///< of each node
   std::vector<Part> parts_;
 };

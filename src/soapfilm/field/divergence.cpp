@@ -93,41 +93,37 @@ void add_splat(const Splat& splat, Vec3i d, SplatWindow& window) {
   return add_splat<0>(splat, d, window);
 }
 
-/// Bricks are in order of z: layer k of a grid holds [begin[k], begin[k + 1]).
-std::vector<size_t> layers_of(const BrickGrid& grid, int layers) {
-  std::vector<size_t> begin(static_cast<size_t>(layers) + 1, 0);
-  for (size_t b = 0; b < grid.size(); ++b) ++begin[static_cast<size_t>(grid.coord(b).z) + 1];
-  for (size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
-  return begin;
-}
-
 /// The splats of the three layers of bricks that a layer of the field needs; no more are kept.
 class SplatLayers {
  public:
-  SplatLayers(const GridSamples& samples, int layers, const Context& context)
-      : samples_(samples), context_(context), begin_(layers_of(samples.bricks, layers)) {
-    for (size_t k = 0; k + 1 < begin_.size(); ++k) widest_ = std::max(widest_, begin_[k + 1] - begin_[k]);
+  SplatLayers(const GridSamples& samples, const Context& context) : samples_(samples), context_(context) {
+    for (const BrickGrid::Slice& slice : samples.bricks.slices()) widest_ = std::max(widest_, slice.end - slice.begin);
     // Not set to zero here: each layer is set to zero when it is splatted.
     splats_ = std::make_unique_for_overwrite<Splat[]>(held * widest_);
   }
 
-  void splat(int layer) {
-    const size_t first = begin_[static_cast<size_t>(layer)];
-    parallel_for(context_, begin_[static_cast<size_t>(layer) + 1] - first, bricks_per_task,
-                 [&](size_t i) { splat_brick(samples_, first + i, splats_[slot(layer) * widest_ + i]); });
+  /// Splats the layers from z - 1 to z + 1 that are not there yet; z must not descend.
+  void go_to(int z) {
+    for (next_ = std::max(next_, z - 1); next_ <= z + 1; ++next_) {
+      const size_t begin = first_of(next_) = samples_.bricks.bricks_below(next_);
+      parallel_for(context_, samples_.bricks.bricks_below(next_ + 1) - begin, bricks_per_task,
+                   [&](size_t i) { splat_brick(samples_, begin + i, splats_[slot(next_) * widest_ + i]); });
+    }
   }
 
-  const Splat& of(int32_t brick, int layer) const {
-    return splats_[slot(layer) * widest_ + (static_cast<size_t>(brick) - begin_[static_cast<size_t>(layer)])];
+  const Splat& of(int32_t brick, int z) const {
+    return splats_[slot(z) * widest_ + (static_cast<size_t>(brick) - first_[slot(z)])];
   }
 
  private:
   static constexpr size_t held = 3;
-  static size_t slot(int layer) { return static_cast<size_t>(layer) % held; }
+  static size_t slot(int z) { return static_cast<size_t>(z + 1) % held; }
+  size_t& first_of(int z) { return first_[slot(z)]; }
 
   const GridSamples& samples_;
   const Context& context_;
-  std::vector<size_t> begin_;
+  int next_ = -1;                     ///< the layer to be splatted next
+  std::array<size_t, held> first_{};  ///< brick of each layer that is held
   size_t widest_ = 0;
   std::unique_ptr<Splat[]> splats_;
 };
@@ -175,29 +171,24 @@ SupportField divergence_field(const GridSamples& samples, const LevelBox& box, c
     samples_of[static_cast<size_t>(field.grid.find(samples.bricks.coord(b)))] = static_cast<int32_t>(b);
   });
 
-  const int layers = box.bricks.z;
-  const std::vector<size_t> begin = layers_of(field.grid, layers);
-  SplatLayers splats(samples, layers, context);
+  SplatLayers splats(samples, context);
   const DivergenceKernel divergence = kernels_of(context).divergence;
-  splats.splat(0);
-  for (int layer = 0; layer < layers; ++layer) {
-    if (layer + 1 < layers) splats.splat(layer + 1);
-    context.progress().advance(static_cast<double>(layer) / layers, {});
-    const size_t first = begin[static_cast<size_t>(layer)];
-    parallel_chunks(context, begin[static_cast<size_t>(layer) + 1] - first, bricks_per_task,
-                    [&](size_t from, size_t to) {
-                      SplatWindow window;
-                      for (size_t b = first + from; b < first + to; ++b) {
-                        const BrickGrid::Neighbors& neighbors = field.grid.neighbors(b);
-                        for (int slot = 0; slot < 27; ++slot) {
-                          const int32_t holder = neighbors[static_cast<size_t>(slot)];
-                          const int32_t brick = holder < 0 ? none : samples_of[static_cast<size_t>(holder)];
-                          const Vec3i d = slot_offset(slot);
-                          if (brick != none) add_splat(splats.of(brick, layer + d.z), d, window);
-                        }
-                        if (!window.empty()) divergence(window, field.f.brick(b));
-                      }
-                    });
+  for (const BrickGrid::Slice& slice : field.grid.slices()) {
+    splats.go_to(slice.z);
+    context.progress().advance(static_cast<double>(slice.begin) / static_cast<double>(field.grid.size()), {});
+    parallel_chunks(context, slice.end - slice.begin, bricks_per_task, [&](size_t from, size_t to) {
+      SplatWindow window;
+      for (size_t b = slice.begin + from; b < slice.begin + to; ++b) {
+        const BrickGrid::Neighbors& neighbors = field.grid.neighbors(b);
+        for (int k = 0; k < 27; ++k) {
+          const int32_t holder = neighbors[static_cast<size_t>(k)];
+          const int32_t brick = holder < 0 ? none : samples_of[static_cast<size_t>(holder)];
+          const Vec3i d = slot_offset(k);
+          if (brick != none) add_splat(splats.of(brick, slice.z + d.z), d, window);
+        }
+        if (!window.empty()) divergence(window, field.f.brick(b));
+      }
+    });
   }
   return field;
 }

@@ -1,86 +1,121 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cstdint>
 #include <vector>
 
 #include "soapfilm/core/bits.h"
-#include "soapfilm/core/vec.h"
+#include "soapfilm/grid/brick_range.h"
+#include "soapfilm/grid/brick_words.h"
 
 namespace soapfilm {
 
-/// One bit per brick of a box of bricks: which ones are active, supported by samples, or inside.
+/// A set of bricks of a box: which ones are active, or supported by samples. Its memory follows the bricks that it
+/// holds, not the box.
 class BrickMask {
  public:
   BrickMask() = default;
-  explicit BrickMask(Vec3i bricks)
-      : bricks_(bricks), words_((static_cast<size_t>(bricks.x) * bricks.y * bricks.z + 63) / 64, 0) {}
+  explicit BrickMask(Vec3i bricks) : bricks_(bricks) {}
 
-  /// With every brick of the box set.
+  /// With every brick of a small box set.
   static BrickMask whole(Vec3i bricks) {
     BrickMask mask(bricks);
-    for (uint64_t& w : mask.words_) w = ~uint64_t{0};
-    if (const size_t rest = mask.volume() & 63; rest != 0) mask.words_.back() &= (uint64_t{1} << rest) - 1;
+    BrickRange::whole(bricks).for_each([&](Vec3i b) { mask.set(b); });
     return mask;
   }
 
   Vec3i bricks() const { return bricks_; }
-  bool contains(Vec3i b) const {
-    return b.x >= 0 && b.y >= 0 && b.z >= 0 && b.x < bricks_.x && b.y < bricks_.y && b.z < bricks_.z;
-  }
+  bool contains(Vec3i b) const { return BrickRange::whole(bricks_).contains(b); }
   /// `b` must be in the box.
   bool test(Vec3i b) const {
-    const size_t i = index(b);
-    return (words_[i >> 6] >> (i & 63)) & 1u;
+    const uint64_t* bits = shard(word_of(b)).words.find(word_of(b));
+    return bits && (*bits >> bit_in_word(b) & 1);
   }
   void set(Vec3i b, bool value = true) {
-    const size_t i = index(b);
-    const uint64_t bit = uint64_t{1} << (i & 63);
-    words_[i >> 6] = value ? words_[i >> 6] | bit : words_[i >> 6] & ~bit;
+    const uint64_t bit = uint64_t{1} << bit_in_word(b);
+    uint64_t& bits = shard(word_of(b)).words[word_of(b)];
+    bits = value ? bits | bit : bits & ~bit;
   }
   /// set(b), which other threads may call at the same time.
   void set_shared(Vec3i b) {
-    const size_t i = index(b);
-    const std::atomic_ref<uint64_t> word(words_[i >> 6]);
-    const uint64_t bit = uint64_t{1} << (i & 63);
-    if ((word.load(std::memory_order_relaxed) & bit) == 0) word.fetch_or(bit, std::memory_order_relaxed);
+    Shard& own = shard(word_of(b));
+    own.lock.acquire();
+    own.words[word_of(b)] |= uint64_t{1} << bit_in_word(b);
+    own.lock.release();
   }
   size_t count() const {
     size_t n = 0;
-    for (uint64_t w : words_) n += static_cast<size_t>(count_bits(w));
+    for_each_word([&](Vec3i, uint64_t bits) { n += static_cast<size_t>(count_bits(bits)); });
     return n;
   }
   void operator|=(const BrickMask& other) {
-    for (size_t i = 0; i < words_.size(); ++i) words_[i] |= other.words_[i];
+    other.for_each_word([&](Vec3i word, uint64_t bits) { shard(word).words[word] |= bits; });
   }
+  bool operator==(const BrickMask& other) const { return bricks_ == other.bricks_ && sorted() == other.sorted(); }
 
   /// Calls visit(b) for every set brick, x fastest, then y, then z.
   template <class Visit>
   void for_each(Visit&& visit) const {
-    const size_t row = static_cast<size_t>(bricks_.x);
-    const size_t layer = row * bricks_.y;
-    for (size_t w = 0; w < words_.size(); ++w) {
-      for (uint64_t bits = words_[w]; bits != 0; bits &= bits - 1) {
-        const size_t i = w * 64 + static_cast<size_t>(std::countr_zero(bits));
-        visit(Vec3i{static_cast<int>(i % row), static_cast<int>(i / row % bricks_.y), static_cast<int>(i / layer)});
-      }
-    }
-  }
-
-  /// Bit i & 63 of word i >> 6 is the brick with index i.
-  const std::vector<uint64_t>& words() const { return words_; }
-  /// Index of a brick in a box of `bricks`: x fastest, then y, then z.
-  static size_t index(Vec3i bricks, Vec3i b) {
-    return (static_cast<size_t>(b.z) * bricks.y + static_cast<size_t>(b.y)) * bricks.x + static_cast<size_t>(b.x);
+    for (const Word& word : sorted())
+      for (uint64_t bits = word.bits; bits != 0; bits &= bits - 1)
+        visit(brick_of_word(word.at, std::countr_zero(bits)));
   }
 
  private:
-  size_t index(Vec3i b) const { return index(bricks_, b); }
-  size_t volume() const { return static_cast<size_t>(bricks_.x) * bricks_.y * bricks_.z; }
+  /// Held for a few instructions. A copy of it is free.
+  class SpinLock {
+   public:
+    SpinLock() = default;
+    SpinLock(const SpinLock&) {}
+    SpinLock& operator=(const SpinLock&) { return *this; }
+    void acquire() {
+      while (taken_.test_and_set(std::memory_order_acquire)) taken_.wait(true, std::memory_order_relaxed);
+    }
+    void release() {
+      taken_.clear(std::memory_order_release);
+      taken_.notify_one();
+    }
+
+   private:
+    std::atomic_flag taken_;
+  };
+  /// Threads mostly set bricks of different shards.
+  struct Shard {
+    SpinLock lock;
+    BrickWords<uint64_t> words;
+  };
+  struct Word {
+    Vec3i at;
+    uint64_t bits;
+    bool operator==(const Word&) const = default;
+  };
+  static constexpr int shard_bits = 4;
+
+  static size_t shard_of(Vec3i word) { return BrickWords<uint64_t>::hash(word) & ((1u << shard_bits) - 1); }
+  Shard& shard(Vec3i word) { return shards_[shard_of(word)]; }
+  const Shard& shard(Vec3i word) const { return shards_[shard_of(word)]; }
+
+  /// visit(word, bits), in no order.
+  template <class Visit>
+  void for_each_word(Visit&& visit) const {
+    for (const Shard& part : shards_)
+      for (const auto& entry : part.words.entries())
+        if (entry.used() && entry.value != 0) visit(entry.word, entry.value);
+  }
+  std::vector<Word> sorted() const {
+    std::vector<Word> words;
+    for_each_word([&](Vec3i at, uint64_t bits) { words.push_back({at, bits}); });
+    std::sort(words.begin(), words.end(), [](const Word& a, const Word& b) {
+      return a.at.z != b.at.z ? a.at.z < b.at.z : a.at.y != b.at.y ? a.at.y < b.at.y : a.at.x < b.at.x;
+    });
+    return words;
+  }
 
   Vec3i bricks_;
-  std::vector<uint64_t> words_;
+  std::array<Shard, 1 << shard_bits> shards_;
 };
 
 }  // namespace soapfilm

@@ -25,7 +25,7 @@ double flux_through(const Level& level, const SupportField& field, const Context
     const Vec3i brick = field.grid.coord(b);
     const int32_t n = level.grid.find(brick);
     const float* u = n >= 0 ? level.u.brick(static_cast<size_t>(n)) : nullptr;
-    const bool inside = level.inside.test(brick);
+    const bool inside = level.inside.test(level.grid, brick);
     const float* f = field.f.brick(b);
     for (int i = 0; i < brick_volume; ++i)
       if (u ? u[i] > threshold : inside) sums[b] += f[i];

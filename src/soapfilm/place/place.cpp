@@ -36,6 +36,19 @@ double voxel_as_given(const PlaceParams& params, const Box3d& box) {
                                    *params.voxel, box.longest()));
 }
 
+/// Samples that far apart are lone points to the grid: nothing joins them, and each is paid for by itself.
+void refuse_too_fine(const PlaceParams& params, const Box3d& box, double voxel, double density) {
+  constexpr double most_apart = 100;  // voxels
+  if (!(density > 0) || density * most_apart * most_apart >= 1) return;
+  const double spacing = voxel / std::sqrt(density), least = spacing / most_apart;
+  const std::string given = params.resolution && !params.voxel
+                                ? fmt::format("resolution = {}, must be at most {:.0f}", *params.resolution,
+                                              std::floor(box.longest() / least) + 2 * params.padding)
+                                : fmt::format("voxel = {:.4g}, must be at least {:.3g}", voxel, least);
+  throw ParameterError(
+      fmt::format("{}, {:g} voxels between samples: they are about {:.3g} apart", given, most_apart, spacing));
+}
+
 double voxel_of_spacing(const PlaceParams& params, const Box3d& box, const Sampling& sampling,
                         const LocalSurface& surface) {
   const double voxel = surface.coverage.area > 0 ? surface.coverage.spacing * std::sqrt(params.samples_per_voxel2)
@@ -144,6 +157,7 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, con
   refuse_too_far(box, voxel);
   const double density = (thinned ? thinned->sampling : sampling).density(voxel);
   grid.density = !thinned && by_area && coverage.area > 0 ? coverage.per_area * voxel * voxel : density;
+  if (is_given) refuse_too_fine(params, box, voxel, density);
   grid.area = density > 0 ? static_cast<double>(cloud.size()) / density : 0;
   warn_of_repeats(sampling, cloud.size(), grid.warnings);
   warn_of_thin_sheets(surface.sides, box.longest(), voxel, grid.warnings);

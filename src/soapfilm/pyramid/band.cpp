@@ -93,13 +93,18 @@ bool is_free(const FreeRange& range, int offset) {
 }
 
 /// Where the coarser level's cells extend beyond an open border its flux through the border is set to 0: the vertices
-/// there must be in the band.
-void add_upper_border(const LevelBox& box, BrickMask& band) {
-  BrickMask::whole(box.bricks).for_each([&](Vec3i brick) {
-    if (!has_free(box, brick)) return;
-    for (int axis = 0; axis < 3; ++axis)
-      if (brick_side * (brick[axis] + 1) > box.free_hi[axis]) band.set(brick);
-  });
+/// there must be in the band. (Children of bricks that were never in a band have none.)
+void add_upper_border(const LevelBox& box, const BrickGrid& coarse, BrickMask& band) {
+  const BrickRange free = bricks_with_free(box);
+  for (size_t b = 0; b < coarse.size(); ++b)
+    for (int k = 0; k < 8; ++k)
+      if (const Vec3i child = child_of(coarse.coord(b), k);
+          free.contains(child) && (child.x == free.hi.x || child.y == free.hi.y || child.z == free.hi.z))
+        band.set(child);
+}
+
+void add_bricks(const BrickGrid& grid, BrickMask& band) {
+  for (size_t b = 0; b < grid.size(); ++b) band.set(grid.coord(b));
 }
 
 /// Of each brick.
@@ -109,13 +114,40 @@ std::vector<BrickBits> interfaces(const Level& level, const Context& context) {
 
 }  // namespace
 
-BrickMask free_bricks(const LevelBox& box, const BrickGrid& support) {
+BrickMask start_bricks(const LevelBox& box, const BrickGrid& support, double most) {
+  constexpr double few = 64;     // bricks that are always cheap, 32^3 vertices
+  constexpr size_t many = 1024;  // of data; a level without a band has this many where samples are scattered
   BrickMask mask(box.bricks);
-  const Vec3i lo = brick_of(box.free_lo - Vec3i{1, 1, 1}), hi = brick_of(box.free_hi + Vec3i{1, 1, 1});
-  for (int z = lo.z; z <= std::min(hi.z, box.bricks.z - 1); ++z)
-    for (int y = lo.y; y <= std::min(hi.y, box.bricks.y - 1); ++y)
-      for (int x = lo.x; x <= std::min(hi.x, box.bricks.x - 1); ++x) mask.set({x, y, z});
-  for (size_t b = 0; b < support.size(); ++b) mask.set(support.coord(b));
+  add_bricks(support, mask);
+  const BrickRange free =
+      BrickRange{brick_of(box.free_lo - Vec3i{1, 1, 1}), brick_of(box.free_hi + Vec3i{1, 1, 1})}.common(
+          BrickRange::whole(box.bricks));
+  const double limit = std::max(few, most * static_cast<double>(std::min(support.size(), many)));
+  if (free.count() <= limit) {
+    free.for_each([&](Vec3i b) { mask.set(b); });
+    return mask;
+  }
+  // Blocks of 2^size bricks along each axis that hold bricks of the data or bricks next to these.
+  const auto blocks_of = [&](int size) {
+    const auto block = [size](Vec3i b) { return Vec3i{b.x >> size, b.y >> size, b.z >> size}; };
+    BrickMask blocks(block(box.bricks) + Vec3i{1, 1, 1});
+    for (size_t b = 0; b < support.size(); ++b)
+      for (int slot = 0; slot < 27; ++slot)
+        if (const Vec3i near = support.coord(b) + slot_offset(slot); free.contains(near)) blocks.set(block(near));
+    return blocks;
+  };
+  int size = 0;
+  BrickMask blocks = blocks_of(size);
+  for (;;) {
+    BrickMask larger = blocks_of(size + 1);
+    if (static_cast<double>(larger.count()) * std::ldexp(1, 3 * (size + 1)) > limit) break;
+    blocks = std::move(larger);
+    ++size;
+  }
+  blocks.for_each([&](Vec3i block) {
+    const Vec3i first = block * (1 << size), last = first + Vec3i{1, 1, 1} * ((1 << size) - 1);
+    BrickRange{first, last}.common(free).for_each([&](Vec3i b) { mask.set(b); });
+  });
   return mask;
 }
 
@@ -123,9 +155,9 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
                       const Context& context) {
   const std::vector<BrickBits> interface = interfaces(coarse, context);
   BrickMask band = interface_children(coarse, interface, box.bricks, context);
-  if (box.open && box.level >= same_border_levels) add_upper_border(box, band);
+  if (box.open && box.level >= same_border_levels) add_upper_border(box, coarse.grid, band);
   if (box.level > 0) {
-    for (size_t b = 0; b < support.grid.size(); ++b) band.set(support.grid.coord(b));
+    add_bricks(support.grid, band);
     return band;
   }
   std::vector<double> gap(support.grid.size());
@@ -151,7 +183,7 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
   return band;
 }
 
-BrickMask growth(const Level& level, const BrickGrid& coarse, const Context& context) {
+BrickMask growth(const Level& level, const BrickGrid* coarse, const Context& context) {
   BrickMask grown(level.box.bricks);
   parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     const float* u = level.u.brick(b);
@@ -162,9 +194,9 @@ BrickMask growth(const Level& level, const BrickGrid& coarse, const Context& con
         const int slot = up ? slot_up[axis] : slot_down[axis];
         if (level.grid.neighbors(b)[static_cast<size_t>(slot)] != outside_band) continue;
         const Vec3i next = level.grid.coord(b) + slot_offset(slot);
-        if (coarse.find(parent_of(next)) < 0) continue;
+        if (coarse && coarse->find(parent_of(next)) < 0) continue;
         if (level.box.open && !has_free(level.box, next)) continue;
-        const bool outside_is_inside = level.inside.test(next);
+        const bool outside_is_inside = level.inside.test(level.grid, outside_band, next);
         const auto [first, second] = strides_across(axis);
         const float* layer = u + (up ? (brick_side - 1) * brick_stride[axis] : 0);
         bool reached = false;

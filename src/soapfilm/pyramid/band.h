@@ -8,10 +8,10 @@
 
 namespace soapfilm {
 
-/// The bricks of a level that is solved without a band: those with free vertices, including the faces around these, and
-/// those of its data, `support`. In the rest of the box, which is rounded up to whole bricks of the coarsest level and
-/// so may be many times larger, u = 0 and p = 0.
-BrickMask free_bricks(const LevelBox& box, const BrickGrid& support);
+/// The bricks of a level that is solved without a coarser one's surface: all those with free vertices, including the
+/// faces around these, and those of its data, `support`; if these are more than `most` times the support's, and many,
+/// only blocks of bricks around the support, the largest that are not too many. In the rest of the box u = 0 and p = 0.
+BrickMask start_bricks(const LevelBox& box, const BrickGrid& support, double most);
 
 /// The band of the level below `coarse`: the bricks of its data, `support`, and those children of the coarse bricks
 /// that hold
@@ -25,8 +25,8 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
                       const Context& context);
 
 /// The bricks just outside the band that its interface has reached (rounded u differs across the band boundary) and
-/// whose parent is in the coarse band: where the band must grow.
-BrickMask growth(const Level& level, const BrickGrid& coarse, const Context& context);
+/// whose parent is in the coarse band, if there is one: where the band must grow.
+BrickMask growth(const Level& level, const BrickGrid* coarse, const Context& context);
 
 /// `band` and its neighboring bricks whose parents are in the coarse band: for a band that does not converge. A band
 /// boundary close to where the flux must change direction may fix a flux that is not feasible on the finer level.

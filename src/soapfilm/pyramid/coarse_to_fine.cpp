@@ -19,7 +19,10 @@ namespace {
 constexpr int max_growths = 8;
 constexpr int patience = 128;           // iterations; wide enough bands take 16 to 112
 constexpr double share_left_out = 0.1;  // of the gap's tolerance, for data that the finest band leaves out
-constexpr double few_bricks = 0.01;     // of the band, to which the finest open level does not grow
+/// A level without a band has at most so many times the bricks of its data. Hollows between samples should be in there,
+/// and what an open border leaves inside; if they are not, it is solved again on more.
+constexpr double most_bricks = 16, more_bricks = 8;
+constexpr double few_bricks = 0.01;  // of the band, to which the finest open level does not grow
 
 /// The tolerance of a level. The two finest take almost all of the time. The finest has the tolerance itself:
 /// thresholding leaves a gap of its own, about 1 % on raw scans. From the next level it takes as many iterations, and
@@ -119,8 +122,7 @@ class Descent {
       report.level = l;
       report.lambda_share = shares[static_cast<size_t>(l)];
       if (l >= start_) {
-        level = on_whole_box(std::move(level), field, report);
-        solve(level, report, params_.max_iterations);
+        level = without_band(level, field, report);
       } else {
         coarser.erase(coarser.begin() + l, coarser.end());  // not needed any more: coarse.data() is not read from here
                                                             // on
@@ -136,17 +138,23 @@ class Descent {
   }
 
  private:
-  /// A level without a band, started from the coarser one, solved with less of lambda, if there is one.
-  Level on_whole_box(Level coarse, const SupportField& field, const LevelReport& report) const {
+  /// A level without a band, solved from the coarser one, solved with less of lambda, if there is one: on the bricks
+  /// around its data, and on more of them as long as the surface ends where they do and finer levels start from it.
+  /// (The bounds of a rough solution are valid on any bricks.)
+  Level without_band(const Level& coarse, const SupportField& field, LevelReport& report) const {
     const LevelBox box = lattice_.box(report.level);
     const auto scale = static_cast<double>(size_t{1} << (2 * box.level));
     const auto lambda = static_cast<float>(lambda_ * report.lambda_share * scale);
-    const BrickMask bricks = free_bricks(box, field.grid);
-    begin(report.level, bricks, coarse.grid.size());
-    if (report.level == coarsest_) return make_level(box, lambda, bricks, field.grid, field.f, context_, norm_);
-    Level level = prolong_level(coarse, box, bricks, field, context_);
-    level.lambda = lambda;
-    return level;
+    for (double most = most_bricks;; most *= more_bricks) {
+      const BrickMask bricks = start_bricks(box, field.grid, most);
+      begin(report.level, bricks, coarse.grid.size());
+      Level level = report.level == coarsest_ ? make_level(box, lambda, bricks, field.grid, field.f, context_, norm_)
+                                              : prolong_level(coarse, box, bricks, field, context_);
+      level.lambda = lambda;
+      solve(level, report, params_.max_iterations);
+      const bool decides = last_ == 0 && report.level == start_;
+      if (!decides || growth(level, nullptr, context_).count() == 0) return level;
+    }
   }
 
   /// The level below `coarse`, on a band that grows until its interface stays inside; above the finest level it is
@@ -172,7 +180,7 @@ class Descent {
       solve(level, report, tight ? std::min(patience, left) : left);
       stalls += report.stop == Stop::stalled;
       if (report.band_growths == max_growths) return level;
-      const BrickMask grown = growth(level, held, context_);
+      const BrickMask grown = growth(level, &held, context_);
       const bool widen = tight && !report.converged && report.stop != Stop::settled && report.stop != Stop::spent;
       const double few = finest && box.open ? few_bricks * static_cast<double>(band.count()) : 0;
       if (static_cast<double>(grown.count()) <= few && !widen) return level;

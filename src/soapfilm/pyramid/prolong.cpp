@@ -154,7 +154,7 @@ LeftOut left_out_children(const Level& coarse, size_t brick, const Level& fine, 
 
 /// Frees the memory below a layer along z.
 void give_back_below(Level& level, int z) {
-  const size_t end = level.grid.layer(std::clamp(z, 0, level.grid.bricks().z - 1)).first;
+  const size_t end = level.grid.bricks_below(z);
   level.u.release_before(end);
   level.p.release_before(end);
 }
@@ -162,41 +162,39 @@ void give_back_below(Level& level, int z) {
 /// For the children of a coarse layer, and of the next one, as large pages extend across both: uses pages that the
 /// coarse level has freed.
 void supply_pages(Level& fine, int coarse_z) {
-  const int lowest = 2 * coarse_z, top = fine.grid.bricks().z - 1;
-  if (lowest > top) return;
-  const size_t begin = fine.grid.layer(lowest).first, end = fine.grid.layer(std::min(lowest + 3, top)).second;
+  const size_t begin = fine.grid.bricks_below(2 * coarse_z), end = fine.grid.bricks_below(2 * coarse_z + 4);
+  if (begin == end) return;
   fine.u.supply_pages(begin, end);
   fine.p.supply_pages(begin, end);
 }
 
-/// By layers of coarse bricks along z; used(z) is called when nothing of the coarse level below layer z is read any
+/// By slices of coarse bricks; used(z) is called when nothing of the coarse level below layer z is read any
 /// more, and of the previous level no child of layer z.
 template <class Used>
 Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                      const Context& context, const Level* previous, Used&& used) {
   Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, context, coarse.norm);
   std::vector<LeftOut> left_out(coarse.grid.size());
-  for (int z = 0; z < coarse.grid.bricks().z; ++z) {
-    supply_pages(fine, z);
-    const auto [begin, end] = coarse.grid.layer(z);
-    parallel_for(context, end - begin, 16, [&, first = begin](size_t i) {
+  for (const BrickGrid::Slice& slice : coarse.grid.slices()) {
+    supply_pages(fine, slice.z);
+    parallel_for(context, slice.end - slice.begin, 16, [&, first = slice.begin](size_t i) {
       prolong_children(coarse, first + i, fine, previous);
       left_out[first + i] = left_out_children(coarse, first + i, fine, support);
     });
-    used(z);
+    used(slice.z);
   }
-  coarse.inside.for_each([&](Vec3i b) {
-    for (int k = 0; k < 8; ++k)
-      if (!box.open || has_free(box, child_of(b, k))) fine.inside.set(child_of(b, k));
+  fine.inside = GapSides(fine.grid, bricks_with_free(box), [&](Vec3i child) {
+    const Vec3i parent = parent_of(child);
+    const int32_t slot = coarse.grid.find(parent);
+    if (slot < 0) return coarse.inside.test(coarse.grid, slot, parent);
+    const Vec3i octant = octant_in_parent(child);
+    return (left_out[static_cast<size_t>(slot)].inside >> (octant.x + 2 * octant.y + 4 * octant.z) & 1) != 0;
   });
   if (box.open && box.level >= same_border_levels) cut_off_flux(fine, context);
   fine.outside = coarse.outside;
   TileSums<Outside> outside;
   for (size_t b = 0; b < coarse.grid.size(); ++b)
-    for (int k = 0; k < 8; ++k) {
-      fine.inside.set(child_of(coarse.grid.coord(b), k), left_out[b].inside >> k & 1);
-      outside.add(coarse.grid.coord(b), left_out[b].outside[static_cast<size_t>(k)]);
-    }
+    for (int k = 0; k < 8; ++k) outside.add(coarse.grid.coord(b), left_out[b].outside[static_cast<size_t>(k)]);
   fine.outside += outside.total();
   return fine;
 }

@@ -159,7 +159,6 @@ CellSamples::CellSamples(const GridSamples& samples, const NarrowBand& band, con
       }
   });
   brick_.assign(bricks + 1, 0);
-  layer_.assign(static_cast<size_t>(band.grid().bricks().z) + 1, 0);
   row_.reserve(found.size());
   present_.reserve(found.size());
   first_.assign(1, 0);
@@ -173,9 +172,10 @@ CellSamples::CellSamples(const GridSamples& samples, const NarrowBand& band, con
   for (size_t b = 0; b < bricks; ++b) {
     brick_[b + 1] = std::max(brick_[b], brick_[b + 1]);
     coord_.push_back(samples.bricks.coord(b));
-    layer_[static_cast<size_t>(coord_.back().z) + 1] = b + 1;
   }
-  for (size_t z = 1; z < layer_.size(); ++z) layer_[z] = std::max(layer_[z - 1], layer_[z]);
+  layer_.assign(1, 0);
+  for (int layer = 0; layer < layers_of(band); ++layer)
+    layer_.push_back(samples.bricks.bricks_below(band.layers().z(layer) + 1));
   values_ = AlignedArray<float>(DataJob::values * size_t{first_.back()}, pages_of(context));
 }
 

@@ -52,7 +52,8 @@ CoarseHoleSurface::CoarseHoleSurface(const Level& fine, float threshold, const H
 
 float CoarseHoleSurface::distance(Vec3i v) const {
   const float far = static_cast<float>(reach) + 1;
-  return value_at(start_.band, phi_, v, level_.u_at(v) > 0.5f ? far : -far);
+  const bool inside = level_.grid.find(brick_of(v)) >= 0 ? level_.u_at(v) > 0.5f : fine_.u_at(2 * v) > threshold_;
+  return value_at(start_.band, phi_, v, inside ? far : -far);
 }
 
 /// The indicator on the bricks that are needed now; parts already curved are kept.

@@ -53,11 +53,8 @@ DenseSurface dense_surface(const DenseField<float>& u, double isovalue, const Le
       std::transform(row, row + n, field.value.brick(b) + brick_offset(x, y, z), [&](float v) { return scale * v; });
     });
   });
-  field.inside = BrickMask(box.bricks);
-  for (int z = 0; z < box.bricks.z; ++z)
-    for (int y = 0; y < box.bricks.y; ++y)
-      for (int x = 0; x < box.bricks.x; ++x)
-        if (const Vec3i brick{x, y, z}; surface.binary.get(brick * brick_side) > 0.5f) field.inside.set(brick);
+  field.inside = GapSides(field.grid, bricks_with_free(box),
+                          [&](Vec3i brick) { return surface.binary.get(brick * brick_side) > 0.5f; });
   return surface;
 }
 

@@ -20,15 +20,6 @@ constexpr double most_bulge = 0.5;     // volume over area^1.5 of a hole; half a
 
 using BrickRows = std::array<uint8_t, brick_area>;  // of a brick: one byte per row, bit x for vertex x
 
-/// A mask on another box of bricks: bricks beyond it are dropped, new ones are not set.
-BrickMask in_box(const BrickMask& mask, Vec3i bricks) {
-  BrickMask other(bricks);
-  mask.for_each([&](Vec3i b) {
-    if (other.contains(b)) other.set(b);
-  });
-  return other;
-}
-
 /// Transfers the curved surface over holes from the half-resolution grid to the full grid.
 class CurvedToGrid {
  public:
@@ -162,8 +153,9 @@ Level CurvedToGrid::bent(const std::vector<HoleSurface>& holes, HoleReport& repo
   for (size_t b = 0; b < start.grid.size(); ++b) near_surface.set(start.grid.coord(b));
   Level bent;
   bent.box = fine_.box;
-  bent.inside = in_box(start.inside, fine_.box.bricks);
   bent.grid = BrickGrid(near_surface, context_);
+  bent.inside = GapSides(bent.grid, bricks_with_free(fine_.box),
+                         [&](Vec3i brick) { return start.inside.test(start.grid, brick); });
   std::vector<uint8_t> vertices(bent.grid.size() * brick_area);
   SignBits signs(bent.grid, bent.inside);
   parallel_for(context_, bent.grid.size(), 64, [&](size_t b) {
@@ -192,7 +184,6 @@ void make_room(Level& level) {
   box.free_hi = box.free_hi + room;
   for (int axis = 0; axis < 3; ++axis)
     box.bricks[axis] = std::max(box.bricks[axis], brick_of(box.free_hi + Vec3i{1, 1, 1})[axis] + 1);
-  level.inside = in_box(level.inside, box.bricks);
 }
 
 bool curve_holes(Level& level, float threshold, const std::vector<HoleSurface>& holes, const HoleFinder& finder,

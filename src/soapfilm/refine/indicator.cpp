@@ -100,8 +100,10 @@ void smooth_brick(const std::array<const BrickBits*, 27>& around, float* out) {
 
 }  // namespace
 
-SurfaceField smoothed_indicator(const Level& level, float threshold, const Context& context) {
-  const InsideBits bits(level, threshold, context);
+namespace {
+
+/// The bricks within the surface's margin of the interface.
+BrickGrid bricks_near_surface(const Level& level, const InsideBits& bits, const Context& context) {
   BrickMask mask(level.box.bricks);
   parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     const uint32_t near = bricks_near(bits.interface(b));
@@ -109,14 +111,15 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Conte
       if (const Vec3i brick = level.grid.coord(b) + slot_offset(slot); near >> slot & 1u && mask.contains(brick))
         mask.set_shared(brick);
   });
+  return BrickGrid(mask, context);
+}
 
+SurfaceField smoothed(const Level& level, const InsideBits& bits, BrickGrid bricks, const Context& context) {
   SurfaceField field;
-  field.inside = level.inside;
-  for (size_t b = 0; b < level.grid.size(); ++b) {  // the first vertex gives the value of a constant brick
-    const Vec3i brick = level.grid.coord(b);
-    field.inside.set(brick, bits.continued(static_cast<int32_t>(b), brick).test(0, 0, 0));
-  }
-  field.grid = BrickGrid(mask, context);
+  field.grid = std::move(bricks);
+  field.inside = GapSides(field.grid, bricks_with_free(level.box), [&](Vec3i brick) {
+    return bits.continued(level.grid.find(brick), brick).test(0, 0, 0);  // constant: any vertex
+  });
   field.value = Field<float>(field.grid, pages_of(context));
   parallel_for(context, field.grid.size(), 64, [&](size_t b) {
     std::array<const BrickBits*, 27> around;
@@ -134,6 +137,17 @@ SurfaceField smoothed_indicator(const Level& level, float threshold, const Conte
     smooth_brick(around, field.value.brick(b));
   });
   return field;
+}
+
+}  // namespace
+
+SurfaceField smoothed_indicator(const Level& level, float threshold, const Context& context) {
+  const InsideBits bits(level, threshold, context);
+  return smoothed(level, bits, bricks_near_surface(level, bits, context), context);
+}
+
+SurfaceField smoothed_indicator(const Level& level, float threshold, BrickGrid bricks, const Context& context) {
+  return smoothed(level, InsideBits(level, threshold, context), std::move(bricks), context);
 }
 
 SurfaceField binary_indicator(const Level& level, float threshold, const Context& context) {
@@ -186,13 +200,15 @@ size_t count_inside(const Level& level, float threshold, const Context& context)
                [&](size_t b) { counts[b] = BrickBits::above(level.u.brick(b), threshold).count(); });
   size_t total = 0;
   for (const size_t count : counts) total += count;
-  level.inside.for_each([&](Vec3i b) {
-    if (level.grid.find(b) >= 0) return;
-    const FreeRange range = free_range(level.box, b);
-    total += static_cast<size_t>(std::max(0, range.hi.x - range.lo.x)) *
-             static_cast<size_t>(std::max(0, range.hi.y - range.lo.y)) *
-             static_cast<size_t>(std::max(0, range.hi.z - range.lo.z));
-  });
+  const Gaps gaps(level.grid);
+  const auto free = [&](int axis, const BrickRange& range) {
+    const int lo = std::max(level.box.free_lo[axis], brick_side * range.lo[axis]);
+    return std::max(0, std::min(level.box.free_hi[axis], brick_side * (range.hi[axis] + 1) - 1) - lo + 1);
+  };
+  for (size_t g = 0; g < gaps.size(); ++g)
+    if (level.inside[g])
+      total += static_cast<size_t>(free(0, gaps[g])) * static_cast<size_t>(free(1, gaps[g])) *
+               static_cast<size_t>(free(2, gaps[g]));
   return total;
 }
 

@@ -92,7 +92,7 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Context& context) {
   const BrickGrid& grid = fine.grid();
   const int layers = layers_of(fine);
   const auto for_bricks = [&](int layer, auto&& body) {
-    const auto [begin, end] = grid.layer(layer);
+    const auto [begin, end] = fine.layers()[layer];
     for (size_t b = begin; b < end; ++b)
       if (fine.first_row(b) < fine.first_row(b + 1)) body(b);
   };

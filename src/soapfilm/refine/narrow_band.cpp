@@ -28,10 +28,24 @@ constexpr auto bytes_of_bits = [] {
 
 }  // namespace
 
+BandLayers::BandLayers(const BrickGrid& grid) {
+  int next = 0;  // the z after those of the layers so far
+  for (const BrickGrid::Slice& slice : grid.slices()) {
+    if ((slice.z - next) % 2 != 0) {
+      z_.push_back(next);
+      begin_.push_back(slice.begin);
+    }
+    z_.push_back(slice.z);
+    begin_.push_back(slice.end);
+    next = slice.z + 1;
+  }
+}
+
 NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Context& context)
     : kernel_(kernels_of(context).rows),
       pages_(pages_of(context)),
       grid_(std::move(grid)),
+      layers_(grid_),
       row_of_(vertices.size(), pages_of(context)),
       first_row_(grid_.size() + 1) {
   parallel_for(context, grid_.size(), 256, [&](size_t b) {

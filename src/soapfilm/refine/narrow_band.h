@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/core/parallel.h"
@@ -21,6 +22,25 @@ namespace soapfilm {
 
 using RowArray = AlignedArray<float>;
 
+/// The layers of a grid's bricks along z, numbered so that neighboring layers have neighboring numbers and a layer's
+/// number is even where its z is even: of empty layers between others at most one is counted.
+class BandLayers {
+ public:
+  BandLayers() = default;
+  explicit BandLayers(const BrickGrid& grid);
+
+  int size() const { return static_cast<int>(z_.size()); }
+  int z(int layer) const { return z_[static_cast<size_t>(layer)]; }
+  /// Bricks [first, second).
+  std::pair<size_t, size_t> operator[](int layer) const {
+    return {begin_[static_cast<size_t>(layer)], begin_[static_cast<size_t>(layer) + 1]};
+  }
+
+ private:
+  std::vector<int> z_;
+  std::vector<size_t> begin_ = {0};
+};
+
 /// A set of vertices on a grid of bricks. Immutable once built.
 class NarrowBand {
  public:
@@ -29,6 +49,7 @@ class NarrowBand {
   NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, const Context& context);
 
   const BrickGrid& grid() const { return grid_; }
+  const BandLayers& layers() const { return layers_; }
   size_t rows() const { return mask_.size() - 2; }
   /// Size of an array; one row more than there are, so that a row's end can be loaded together with what follows.
   size_t slots() const { return mask_.size() * brick_side; }
@@ -64,6 +85,7 @@ class NarrowBand {
   RowKernel kernel_{};
   PagePool pages_;
   BrickGrid grid_;
+  BandLayers layers_;
   AlignedArray<uint32_t> row_of_;
   std::vector<uint32_t> first_row_;
   std::vector<uint8_t> mask_ = {0, 0};
@@ -80,9 +102,9 @@ struct RowRange {
 };
 inline RowRange all_rows(const NarrowBand& band) { return {1, band.rows() + 1}; }
 /// Layers of bricks, along z.
-inline int layers_of(const NarrowBand& band) { return band.grid().bricks().z; }
-inline RowRange rows_of_layer(const NarrowBand& band, int z) {
-  const auto [begin, end] = band.grid().layer(z);
+inline int layers_of(const NarrowBand& band) { return band.layers().size(); }
+inline RowRange rows_of_layer(const NarrowBand& band, int layer) {
+  const auto [begin, end] = band.layers()[layer];
   return {band.first_row(begin), band.first_row(end)};
 }
 
@@ -126,7 +148,7 @@ class LayerSums {
   explicit LayerSums(const NarrowBand& band) : band_(band), of_brick_(band.grid().size()) {}
   template <class Body>
   void add(int layer, Body&& body) {
-    const auto [first, last] = band_.grid().layer(layer);
+    const auto [first, last] = band_.layers()[layer];
     for (size_t b = first; b < last; ++b) of_brick_[b] = body(band_.first_row(b), band_.first_row(b + 1));
   }
   double total() const { return ordered_sum(band_.grid(), of_brick_); }

@@ -74,7 +74,8 @@ BrickGrid every_second_vertex(const BrickGrid& fine, const Context& context) {
 
 Start start_from(const Level& level, float threshold, double reach, const Context& context, const BrickMask* where) {
   // The smoothed indicator gives the approximate distance of each vertex from the surface.
-  SurfaceField field = smoothed_indicator(level, threshold, context);
+  SurfaceField field =
+      where ? smoothed_indicator(level, threshold, level.grid, context) : smoothed_indicator(level, threshold, context);
   NarrowBand band = make_band(field, level.box, reach, where, context);
   RowArray phi0 = distance_on(band, field, context);
   return {level.box, std::move(field.grid), std::move(field.inside), std::move(band), std::move(phi0)};
@@ -96,9 +97,8 @@ Level every_second_vertex(const Level& fine, float threshold, const Context& con
   coarse.box = {fine.box.level + 1, half_up(fine.box.free_lo), half_of(fine.box.free_hi), half_up(fine.box.bricks),
                 fine.box.open};
   coarse.grid = where ? BrickGrid(*where, context) : every_second_vertex(fine.grid, context);
-  coarse.inside = BrickMask(coarse.box.bricks);
-  fine.inside.for_each([&](Vec3i b) {
-    if (octant_in_parent(b) == Vec3i{}) coarse.inside.set(parent_of(b));
+  coarse.inside = GapSides(coarse.grid, bricks_with_free(coarse.box), [&](Vec3i b) {
+    return fine.u_at(nearest_free(fine.box, child_of(b, 0) * brick_side)) > threshold;
   });
   coarse.u = Field<float>(coarse.grid, pages_of(context));
   parallel_for(context, coarse.grid.size(), bricks_of_a_task, [&](size_t b) {

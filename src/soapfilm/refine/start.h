@@ -12,14 +12,15 @@ namespace soapfilm {
 
 struct Start {
   LevelBox box;
-  BrickGrid grid;    ///< the bricks near the surface
-  BrickMask inside;  ///< for all other bricks: whether they are inside
-  NarrowBand band;   ///< on that grid
-  RowArray phi0;     ///< approximate signed distance to the surface, positive inside, voxels
+  BrickGrid grid;   ///< the bricks near the surface
+  GapSides inside;  ///< for all other bricks: whether they are inside
+  NarrowBand band;  ///< on that grid
+  RowArray phi0;    ///< approximate signed distance to the surface, positive inside, voxels
 };
 
 /// Starts from the surface of u > threshold; the band is `reach` voxels wide on either side.
-/// `where`: restricts the band to these bricks.
+/// `where`: restricts the band to these bricks; the start's are then all of the level's, which must hold those around
+/// them.
 Start start_from(const Level& level, float threshold, double reach, const Context& context,
                  const BrickMask* where = nullptr);
 

@@ -20,7 +20,7 @@ uint32_t SignBits::neighborhood(size_t brick, int x, int y, int z) const {
         const int32_t n = slot == own_slot ? static_cast<int32_t>(brick) : around[static_cast<size_t>(slot)];
         if (n >= 0) return row(static_cast<size_t>(n), ny & 7, nz & 7);
         const Vec3i coord = grid_->coord(brick) + slot_offset(slot);
-        return n == outside_band && inside_->test(coord) ? 0xffu : 0u;
+        return inside_->test(*grid_, n, coord) ? 0xffu : 0u;
       };
       unsigned three = 0;
       if (x == 0)
@@ -37,16 +37,17 @@ uint32_t SignBits::neighborhood(size_t brick, int x, int y, int z) const {
 bool SignBits::test(Vec3i vertex) const {
   const Vec3i coord{vertex.x >> 3, vertex.y >> 3, vertex.z >> 3};
   const int32_t brick = grid_->find(coord);
-  return brick < 0 ? inside_->contains(coord) && inside_->test(coord)
+  return brick < 0 ? inside_->test(*grid_, brick, coord)
                    : test(static_cast<size_t>(brick), vertex.x & 7, vertex.y & 7, vertex.z & 7);
 }
 
 size_t SignBits::count() const {
+  constexpr double most = 0x1p48;
   size_t found = 0;
   for (const uint8_t row : rows_) found += static_cast<size_t>(count_bits(row));
-  inside_->for_each([&](Vec3i brick) {
-    if (grid_->find(brick) < 0) found += brick_volume;
-  });
+  const Gaps gaps(*grid_);
+  for (size_t g = 0; g < gaps.size(); ++g)
+    if ((*inside_)[g]) found += static_cast<size_t>(std::min(most, brick_volume * gaps[g].count()));
   return found;
 }
 

@@ -7,6 +7,7 @@
 
 #include "soapfilm/core/vec.h"
 #include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/gaps.h"
 #include "soapfilm/refine/narrow_band.h"
 
 namespace soapfilm {
@@ -14,7 +15,7 @@ namespace soapfilm {
 /// One bit per vertex of a grid of bricks, constant in bricks that are not in the grid.
 class SignBits {
  public:
-  SignBits(const BrickGrid& grid, const BrickMask& inside) : grid_(&grid), inside_(&inside), rows_(grid.size() * 64) {}
+  SignBits(const BrickGrid& grid, const GapSides& inside) : grid_(&grid), inside_(&inside), rows_(grid.size() * 64) {}
 
   uint8_t& row(size_t brick, int y, int z) { return rows_[brick * 64 + static_cast<size_t>(y + 8 * z)]; }
   uint8_t row(size_t brick, int y, int z) const { return rows_[brick * 64 + static_cast<size_t>(y + 8 * z)]; }
@@ -27,7 +28,7 @@ class SignBits {
 
  private:
   const BrickGrid* grid_;
-  const BrickMask* inside_;
+  const GapSides* inside_;
   std::vector<uint8_t> rows_;
 };
 

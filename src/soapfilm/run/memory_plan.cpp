@@ -72,15 +72,16 @@ double two_digits_above(double value) {
   return std::ceil(value / unit) * unit;
 }
 
-/// Arrays over the whole box: bits per brick in masks and grids, and the arrays of methods without a band.
+/// A graph cut's masks of the box's vertices, beside the graph: bytes per brick.
+constexpr double cut_masks_bytes = 2 * brick_area;
+
+/// Arrays over the whole box: of methods without a band, and the masks of graph cuts.
 uint64_t box_bytes(Method method, const Lattice& lattice) {
   const Vec3i bricks = lattice.box(0).bricks;
-  const double count = static_cast<double>(bricks.x) * bricks.y * bricks.z;
-  constexpr double masks = 6;      // support, band, inside; each together with its coarser or older one
-  constexpr double ranks = 3 * 2;  // BrickGrid's two bits: samples, data, level
+  const bool cuts = method == Method::graph_cut_6 || method == Method::graph_cut_26;
+  const double masks = cuts ? cut_masks_bytes * bricks.x * bricks.y * bricks.z : 0;
   constexpr double most = 0x1p60;  // fits in uint64_t; no machine has it
-  return static_cast<uint64_t>(
-      std::min(most, (masks + ranks) * count / 8 + dense_bytes_per_vertex(method) * lattice.vertices()));
+  return static_cast<uint64_t>(std::min(most, masks + dense_bytes_per_vertex(method) * lattice.vertices()));
 }
 
 /// A graph cut's bytes per vertex: 12 per edge, two edges to the terminals, and the search trees. A band around samples
@@ -225,7 +226,7 @@ size_t count_faces(const Level& level, double threshold, const Context& context)
         --below[axis];
         if (below[axis] >= 0 && level.grid.find(below) >= 0) continue;
         // The faces below are counted nowhere else; what lies there is constant.
-        const bool in = below[axis] >= 0 && level.inside.test(below);
+        const bool in = below[axis] >= 0 && level.inside.test(level.grid, below);
         faces += inside_lowest((in ? ~own : own) & inside.joined_to(b, axis, -1), axis);
       }
     }
@@ -293,14 +294,15 @@ MemoryBudget::MemoryBudget(const ReconstructParams& params, const PointCloud& cl
   check_placing(plan_placing(cloud), room_, cloud.size());
 }
 
-void MemoryBudget::check(double area) const {
-  check_memory(plan_, room_, lattice_, area, params_.place.resolution && !params_.place.voxel);
+void MemoryBudget::check() const {
+  check_memory(plan_, room_, lattice_, area_, params_.place.resolution && !params_.place.voxel);
 }
 
 void MemoryBudget::plan_tables(const PointCloud& cloud, const Box3d& box, const Lattice& lattice, double area) try {
   lattice_ = lattice;
+  area_ = area;
   plan_ = soapfilm::plan_tables(params_.method, lattice);
-  check(area);
+  check();
 } catch (const MemoryError& error) {
   throw MemoryError(error.what() + far_samples(cloud, box));
 }
@@ -325,12 +327,8 @@ PyramidObserver MemoryBudget::watch(PyramidObserver user, uint64_t data_bricks) 
 
 void MemoryBudget::plan_cut(uint64_t vertices, uint64_t data_bricks) {
   // Samples too sparse for the grid leave ways through the band, which then grows far beyond them.
-  constexpr uint64_t rows_bytes = 2 * brick_area;  // masks of the box's vertices, beside the graph
-  const Vec3i n = lattice_.box(0).bricks;
-  const uint64_t masks =
-      rows_bytes * static_cast<uint64_t>(n.x) * static_cast<uint64_t>(n.y) * static_cast<uint64_t>(n.z);
   const uint64_t graph = cut_bytes_per_vertex(params_.method) * vertices;
-  plan_.solve.bytes = std::max(plan_.solve.bytes, plan_.tables_bytes + data_brick_bytes * data_bricks + masks + graph);
+  plan_.solve.bytes = std::max(plan_.solve.bytes, plan_.tables_bytes + data_brick_bytes * data_bricks + graph);
   check();
 }
 

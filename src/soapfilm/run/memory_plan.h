@@ -130,12 +130,13 @@ class MemoryBudget {
  private:
   void plan_cut(uint64_t vertices, uint64_t data_bricks);
   void plan_level(int level, uint64_t data_bricks, uint64_t bricks, uint64_t beside);
-  void check(double area = 0) const;
+  void check() const;
 
   const ReconstructParams& params_;
   AfterPlacing after_;
   Room room_;
   Lattice lattice_;
+  double area_ = 0;  ///< of the surface, voxel^2
   MemoryPlan plan_;
   uint64_t first_ = 0;
 };

@@ -71,10 +71,7 @@ Level level_of(const DenseField<float>& u, const LevelBox& box, float lambda, co
       std::copy(row, row + n, level.u.brick(b) + brick_offset(x, y, z));
     });
   });
-  for (int z = 0; z < box.bricks.z; ++z)
-    for (int y = 0; y < box.bricks.y; ++y)
-      for (int x = 0; x < box.bricks.x; ++x)
-        if (const Vec3i b{x, y, z}; !band.test(b) && u.get(b * brick_side) == 1.0f) level.inside.set(b);
+  level.inside = GapSides(level.grid, bricks_with_free(box), [&](Vec3i b) { return u.get(b * brick_side) == 1.0f; });
   return level;
 }
 

@@ -143,7 +143,7 @@ struct Evaluator {
 
 /// Inactive bricks of the domain with an active upper neighbor, in order.
 std::vector<Vec3i> bricks_below_band(const Level& level, const Context& context) {
-  BrickMask below(level.box.bricks);
+  BrickMask below(level.grid.bricks());
   parallel_for(context, level.grid.size(), 1024, [&](size_t b) {
     for (int axis = 0; axis < 3; ++axis)
       if (level.grid.neighbors(b)[static_cast<size_t>(slot_down[axis])] == outside_band) {
@@ -157,22 +157,19 @@ std::vector<Vec3i> bricks_below_band(const Level& level, const Context& context)
   return bricks;
 }
 
-/// A bound of the variation between inactive bricks of different constant u: 0, unless a band is too narrow.
-double outside_variation(const Level& level, const Context& context) {
-  BrickMask band(level.box.bricks);
-  parallel_for(context, level.grid.size(), 1024, [&](size_t b) { band.set_shared(level.grid.coord(b)); });
+/// A bound of the variation between gaps of different constant u: 0, unless a band is too narrow.
+double outside_variation(const Level& level) {
+  const Gaps gaps(level.grid);
+  const BrickRange box = BrickRange::whole(level.grid.bricks());
+  const BrickRange meant = level.box.open ? box.common(bricks_with_free(level.box)) : box;
   double faces = 0;
-  level.inside.for_each([&](Vec3i b) {
-    if (band.test(b) || (level.box.open && !has_free(level.box, b))) return;
-    for (int axis = 0; axis < 3; ++axis)
-      for (int step = -1; step <= 1; step += 2) {
-        Vec3i next = b;
-        next[axis] += step;
-        if (level.box.open && !has_free(level.box, next)) continue;
-        if (!band.contains(next) || (!band.test(next) && !level.inside.test(next))) faces += brick_area;
-      }
+  gaps.for_each_contact([&](size_t a, size_t b) {
+    if (level.inside[a] != level.inside[b]) faces += shared_faces(gaps[a].common(meant), gaps[b].common(meant));
   });
-  return faces;
+  if (!level.box.open)
+    for (size_t g = 0; g < gaps.size(); ++g)
+      if (level.inside[g]) faces += faces_at_end(gaps[g], box);
+  return faces * brick_area;
 }
 
 /// Of bricks in lattice order: how many, where, and their terms.
@@ -219,8 +216,8 @@ auto rim_of(const Evaluator& evaluator, const std::vector<Vec3i>& below) {
 }
 
 /// From the sum over the band and the inactive bricks below it.
-Energies energies_of(const Level& level, const EnergyTerms& sum, double p_scale, const Context& context) {
-  const double outside = outside_variation(level, context);
+Energies energies_of(const Level& level, const EnergyTerms& sum, double p_scale) {
+  const double outside = outside_variation(level);
   Energies e;
   e.total_variation = sum.variation + outside;
   e.data = sum.data + level.outside.data;
@@ -248,7 +245,7 @@ Energies evaluate_energy(const Level& level, const EnergyOptions& options, const
   }
   const std::vector<Vec3i> below = bricks_below_band(level, context);
   sum += sum_over(rim_of(evaluator, below), context);
-  Energies e = energies_of(level, sum, evaluator.p_scale, context);
+  Energies e = energies_of(level, sum, evaluator.p_scale);
   e.max_dual_norm = max_norm;
   return e;
 }
@@ -270,7 +267,7 @@ double estimate_gap(const Level& level, const Context& context) {
   EnergyTerms sum = estimate_over(bricks_of(evaluator), context);
   const std::vector<Vec3i> below = bricks_below_band(level, context);
   sum += estimate_over(rim_of(evaluator, below), context);
-  return energies_of(level, sum, evaluator.p_scale, context).relative_gap_band(level.lambda);
+  return energies_of(level, sum, evaluator.p_scale).relative_gap_band(level.lambda);
 }
 
 }  // namespace soapfilm

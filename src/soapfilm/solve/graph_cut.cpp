@@ -152,11 +152,10 @@ Level level_of_labels(const VertexMask& inside, const LevelBox& box, const Suppo
         level.u.brick(b)[brick_side * r + x] = inside.row(brick.x, y, z) >> x & 1 ? 1.0f : 0.0f;
     });
   });
-  size_t i = 0;
-  for (int z = 0; z < n.z; ++z)
-    for (int y = 0; y < n.y; ++y)
-      for (int x = 0; x < n.x; ++x, ++i)
-        if (content[i] == BrickContent::one && !band.test({x, y, z})) level.inside.set({x, y, z});
+  level.inside = GapSides(level.grid, bricks_with_free(box), [&](Vec3i b) {
+    const size_t row = static_cast<size_t>(b.z) * static_cast<size_t>(n.y) + static_cast<size_t>(b.y);
+    return content[row * static_cast<size_t>(n.x) + static_cast<size_t>(b.x)] == BrickContent::one;
+  });
   return level;
 }
 

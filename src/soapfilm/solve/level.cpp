@@ -33,7 +33,7 @@ Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const
   level.lambda = lambda;
   level.norm = norm;
   level.grid = BrickGrid(band, context);
-  level.inside = BrickMask(box.bricks);
+  level.inside = GapSides(level.grid);
   level.u = Field<float>(level.grid, pages_of(context));
   level.p = Field<float, 3>(level.grid, pages_of(context));
   level.rim = Rim(level.grid, pages_of(context));
@@ -76,11 +76,6 @@ FreeRange free_range(const LevelBox& box, Vec3i brick) {
     range.hi[axis] = std::clamp(box.free_hi[axis] + 1 - brick_side * brick[axis], 0, brick_side);
   }
   return range;
-}
-
-bool has_free(const LevelBox& box, Vec3i brick) {
-  const FreeRange range = free_range(box, brick);
-  return range.lo.x < range.hi.x && range.lo.y < range.hi.y && range.lo.z < range.hi.z;
 }
 
 bool at_border(const LevelBox& box, Vec3i brick) {

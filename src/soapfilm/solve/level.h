@@ -9,6 +9,7 @@
 #include "soapfilm/context.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
+#include "soapfilm/grid/gaps.h"
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/kernels/low_face.h"
 #include "soapfilm/kernels/norm.h"
@@ -66,9 +67,9 @@ struct Level {
   LevelBox box;
   float lambda = 0;  ///< 4^level (area of a face in fine faces) times the finest level's, or a share of that
   Norm norm = Norm::isotropic;
-  BrickGrid grid;    ///< the band
-  BrickMask inside;  ///< for bricks outside the band: is u = 1 there
-  Field<float> u;    ///< relaxed indicator, in [0, 1]
+  BrickGrid grid;   ///< the band
+  GapSides inside;  ///< for the gaps of the band: is u = 1 there
+  Field<float> u;   ///< relaxed indicator, in [0, 1]
   Field<float, 3>
       p;  ///< dual: p_k of the face between a vertex and the next along axis k; |p| <= lambda by the norm's dual
   Rim rim;
@@ -79,7 +80,7 @@ struct Level {
   /// 512 values of f.
   const float* data(size_t brick) const;
   /// u of a brick that is not in the band (slot value as BrickGrid::find gives it).
-  float missing_u(int32_t slot, Vec3i brick) const { return slot == outside_band && inside.test(brick) ? 1.0f : 0.0f; }
+  float missing_u(int32_t slot, Vec3i brick) const;
   /// u of a vertex, in the band or not.
   float u_at(Vec3i vertex) const {
     const Vec3i brick = brick_of(vertex);
@@ -117,14 +118,20 @@ struct FreeRange {
   }
 };
 FreeRange free_range(const LevelBox& box, Vec3i brick);
+/// The bricks with free vertices.
+inline BrickRange bricks_with_free(const LevelBox& box) { return {brick_of(box.free_lo), brick_of(box.free_hi)}; }
 /// Whether any vertex of the brick is free.
-bool has_free(const LevelBox& box, Vec3i brick);
+inline bool has_free(const LevelBox& box, Vec3i brick) { return bricks_with_free(box).contains(brick); }
 /// Whether a vertex of the brick is fixed or next to a fixed one.
 bool at_border(const LevelBox& box, Vec3i brick);
 /// The nearest free vertex.
 inline Vec3i nearest_free(const LevelBox& box, Vec3i v) {
   for (int axis = 0; axis < 3; ++axis) v[axis] = std::clamp(v[axis], box.free_lo[axis], box.free_hi[axis]);
   return v;
+}
+
+inline float Level::missing_u(int32_t slot, Vec3i brick) const {
+  return inside.test(grid, slot, brick) && (!box.open || has_free(box, brick)) ? 1.0f : 0.0f;
 }
 
 }  // namespace soapfilm

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <functional>
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
@@ -24,6 +25,8 @@ constexpr RowMask first_z = 0xFF;  // rows with z = 0
 /// them fit in part of the last-level cache.
 constexpr int tile_y = 4;
 constexpr int tile_z = 4;
+/// Rows of tiles that a band has for each thread: enough of them on most diagonals to keep all threads busy.
+constexpr int rows_per_thread = 2;
 
 RowMask pairs_of(RowMask rows) { return (rows | rows >> 1) & even_rows; }
 RowMask rows_of(RowMask pairs) { return pairs | pairs << 1; }
@@ -102,12 +105,23 @@ void fetch_neighbors(const BrickGrid& grid, size_t brick) {
   for (const size_t byte : {size_t{0}, size_t{64}, sizeof(BrickGrid::Neighbors) - 1}) __builtin_prefetch(bytes + byte);
 }
 
+/// The y of all rows, descending.
+std::vector<int> rows_down(const BrickGrid& grid) {
+  std::vector<int> ys;
+  ys.reserve(grid.rows().size());
+  for (const BrickGrid::Row& row : grid.rows()) ys.push_back(row.y);
+  std::sort(ys.begin(), ys.end(), std::greater<>());
+  ys.erase(std::unique(ys.begin(), ys.end()), ys.end());
+  return ys;
+}
+
 }  // namespace
 
 Sweeper::Sweeper(Level& level, const Context& context)
     : level_(level),
       context_(context),
       kernel_(kernels_of(context).sweep(level.norm)),
+      y_down_(rows_down(level.grid)),
       faces_(level.grid.size() * faces_per_brick, pages_of(context)),
       u_moved_(level.grid.size()),
       p_moved_(level.grid.size()),
@@ -124,35 +138,33 @@ void Sweeper::sweep(StepSizes steps, int times) {
 }
 
 void Sweeper::sweep_tiles(StepSizes steps, int sweeps) {
-  const auto tiles = [&](int bricks, int side) { return (bricks + sweeps - 1 + side - 1) / side; };
-  const Vec3i bricks = level_.grid.bricks();
-  const int ny = tiles(bricks.y, tile_y), nz = tiles(bricks.z, tile_z);
-  if (context_.threads() == 1) {  // along z, where the next tile reads what is still in the cache
-    parallel_for(context_, static_cast<size_t>(ny) * nz, 1, [&](size_t k) {
-      const auto tile = static_cast<int>(k);
-      sweep_tile({tile / nz, tile % nz, sweeps}, steps);
-    });
-    return;
-  }
-  for (int diagonal = 0; diagonal < ny + nz - 1; ++diagonal) {
-    const int first = std::max(0, diagonal - nz + 1), end = std::min(ny, diagonal + 1);
-    parallel_for(context_, static_cast<size_t>(end - first), 1, [&](size_t k) {
-      const int y = first + static_cast<int>(k);
-      sweep_tile({y, diagonal - y, sweeps}, steps);
-    });
+  const auto tiles = [&](size_t bricks, int side) { return (static_cast<int>(bricks) + sweeps - 1 + side - 1) / side; };
+  const int ny = tiles(y_down_.size(), tile_y), nz = tiles(level_.grid.slices().size(), tile_z);
+  const int height = context_.threads() == 1 ? 1 : rows_per_thread * context_.threads();  // of a band, in tiles
+  for (int band = 0; band < nz; band += height) {
+    const int rows = std::min(height, nz - band);
+    for (int diagonal = 0; diagonal < ny + rows - 1; ++diagonal) {
+      const int first = std::max(0, diagonal - ny + 1), end = std::min(rows, diagonal + 1);
+      parallel_for(context_, static_cast<size_t>(end - first), 1, [&](size_t k) {
+        const int row = first + static_cast<int>(k);
+        sweep_tile({diagonal - row, band + row, sweeps}, steps);
+      });
+    }
   }
 }
 
 void Sweeper::sweep_tile(Tile tile, StepSizes steps) {
-  const Vec3i bricks = level_.grid.bricks();
+  const BrickGrid& grid = level_.grid;
+  const int ny = static_cast<int>(y_down_.size()), nz = static_cast<int>(grid.slices().size());
   for (int z = tile.z * tile_z; z < (tile.z + 1) * tile_z; ++z)
-    for (int k = 0; k < tile.sweeps; ++k)
-      for (int y = tile.y * tile_y; y < (tile.y + 1) * tile_y; ++y) {
-        const int by = bricks.y - 1 - (y - k), bz = bricks.z - 1 - (z - k);
-        if (by < 0 || bz < 0 || by >= bricks.y || bz >= bricks.z) continue;
-        const auto [begin, end] = level_.grid.row(by, bz);
-        for (size_t brick = end; brick-- > begin;) sweep_brick(brick, steps);
-      }
+    for (int k = 0; k < tile.sweeps; ++k) {
+      const int first = std::max(0, tile.y * tile_y - k), last = std::min(ny, (tile.y + 1) * tile_y - k) - 1;
+      if (z < k || z - k >= nz || first > last) continue;
+      const BrickGrid::Slice& slice = grid.slices()[static_cast<size_t>(nz - 1 - (z - k))];
+      const int top = y_down_[static_cast<size_t>(first)], bottom = y_down_[static_cast<size_t>(last)];
+      for (size_t r = grid.row_from(slice, top + 1); r > slice.first_row && grid.rows()[r - 1].y >= bottom; --r)
+        for (size_t brick = grid.rows()[r - 1].end; brick-- > grid.rows()[r - 1].begin;) sweep_brick(brick, steps);
+    }
 }
 
 RowMask Sweeper::primal_rows(size_t brick) const {

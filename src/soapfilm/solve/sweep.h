@@ -14,7 +14,8 @@
 // Several sweeps at once: sweep k + 1 may step a brick as soon as sweep k has stepped it and its lower neighbors. With
 // rows of bricks along x numbered from the upper end of y and z, and sweep k's rows shifted by k along both, every row
 // depends only on rows before it, so the shifted rows are cut into rectangular tiles: all sweeps of a tile are done
-// while its bricks are in the cache, and tiles on a diagonal run in parallel.
+// while its bricks are in the cache. The tiles of a row follow each other along y, and the next row finds what both
+// read still in the cache; with several threads the tiles on a diagonal of a band of such rows run in parallel.
 //
 // Rows are skipped: a step with the same inputs as in the last sweep has the same result, so a row is stepped only when
 // a value that it reads has changed. That is exact: the bits are those of sweeps that step every row. On scans half of
@@ -56,7 +57,7 @@ class Sweeper {
   static constexpr double bytes_per_vertex = 4 * (2 + 6 + 1);
 
  private:
-  /// Some shifted rows of bricks, for `sweeps` sweeps.
+  /// Some shifted rows of bricks, for `sweeps` sweeps. Rows and slices without bricks are not counted.
   struct Tile {
     int y, z;
     int sweeps;
@@ -72,6 +73,7 @@ class Sweeper {
   const Context& context_;
   SweepKernel kernel_;
   std::optional<StepSizes> last_steps_;
+  std::vector<int> y_down_;           ///< y of all rows of bricks, descending
   AlignedArray<float> faces_;         ///< u_bar of each brick's first layers: 3 x 64
   std::vector<RowMask> u_moved_;      ///< per brick: rows changed by the last primal step
   std::vector<RowMask> p_moved_;      ///< and by the last dual step
