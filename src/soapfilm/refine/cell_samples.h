@@ -38,7 +38,7 @@ struct MergedCell {
 /// Samples merged by cell. A sample is used where all eight corners of its cell are in the band; cells without such
 /// samples are not stored. The quadratic data term over the cells, phi trilinear in each (phi > 0 inside: its gradient
 /// is minus the normal), with v and s of DataWeights:
-///   sum_c w_c (phi(p_c)^2 + v |g_c - n_c (n_c g_c)|^2 + s (n_c g_c)^2),  g_c = grad phi(p_c) + n_c.
+///   sum_c w_c (phi(p_c)^2 + v (|g_c|^2 - (n_c g_c)^2) + s (n_c g_c)^2),  g_c = grad phi(p_c) + n_c.
 class CellSamples {
  public:
   CellSamples() = default;
