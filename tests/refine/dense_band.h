@@ -20,6 +20,7 @@ struct DenseBand {
   std::vector<Vec3i> vertex;
   std::vector<size_t> slot;  ///< in arrays over the band
   std::map<std::tuple<int, int, int>, size_t> index;
+  std::vector<std::vector<size_t>> around;  ///< each one's neighbors
 
   explicit DenseBand(const NarrowBand& band) {
     for_each_vertex(band, [&](Vec3i v, size_t i) {
@@ -27,6 +28,10 @@ struct DenseBand {
       vertex.push_back(v);
       slot.push_back(i);
     });
+    around.resize(size());
+    for (size_t i = 0; i < size(); ++i)
+      for (int axis = 0; axis < 3; ++axis)
+        for (const size_t j : neighbors(i, axis)) around[i].push_back(j);
   }
 
   size_t size() const { return vertex.size(); }
@@ -51,12 +56,7 @@ struct DenseBand {
       if (const auto j = find(next)) found.push_back(*j);
     return found;
   }
-  std::vector<size_t> neighbors(size_t i) const {
-    std::vector<size_t> found;
-    for (int axis = 0; axis < 3; ++axis)
-      for (const size_t j : neighbors(i, axis)) found.push_back(j);
-    return found;
-  }
+  const std::vector<size_t>& neighbors(size_t i) const { return around[i]; }
 
   /// Sum over the neighbors of x_i - x_j.
   Values graph_laplacian(const Values& x) const {
