@@ -43,11 +43,17 @@ Context::State::State(const State& parent, Progress* whole, double begin, double
     : reports(&part),
       stopped_by(parent.stopped_by),
       kernels(parent.kernels),
+      device(parent.device),
       threads(parent.threads),
       pages(parent.pages) {
   part.whole = whole;
   part.begin = begin;
   part.end = end;
+}
+
+Context::State::State(const State& parent, std::shared_ptr<const Device> other_device)
+    : State(parent, parent.reports, 0, 1) {
+  device = std::move(other_device);
 }
 
 Context::Context(int threads, const std::string& simd) : state_(std::make_unique<State>(threads, simd, nullptr)) {}
@@ -69,6 +75,9 @@ Context silenced(const Context& context) {
 }
 Context part_of(const Context& context, double begin, double end) {
   return Context(std::make_unique<Context::State>(context.state(), context.state().reports, begin, end));
+}
+Context on_device(const Context& context, std::shared_ptr<const Device> device) {
+  return Context(std::make_unique<Context::State>(context.state(), std::move(device)));
 }
 
 }  // namespace soapfilm

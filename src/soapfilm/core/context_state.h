@@ -11,6 +11,7 @@
 
 namespace soapfilm {
 
+class Device;
 struct Kernels;
 
 /// Reports its fractions as fractions from `begin` to `end` of a whole.
@@ -30,11 +31,13 @@ std::shared_ptr<const Kernels> kernels_for(const std::string& target);
 struct Context::State {
   State(int thread_count, const std::string& simd_target, Progress* progress);
   State(const State& parent, Progress* whole, double begin, double end);
+  State(const State& parent, std::shared_ptr<const Device> other_device);
 
   PartOfProgress part;
   Progress* reports;
   const Progress* stopped_by;
   std::shared_ptr<const Kernels> kernels;
+  std::shared_ptr<const Device> device;  ///< of the solve (solve/device.h); null: the CPU
   std::shared_ptr<Threads> threads;
   PagePool pages;
 };
@@ -43,8 +46,11 @@ struct Context::State {
 Context silenced(const Context& context);
 /// Its fractions [0, 1] are reported as fractions from `begin` to `end`, in [0, 1], of `context`.
 Context part_of(const Context& context, double begin, double end);
+/// The same context, and must not outlive it, but the solve runs on `device`; null: on the CPU.
+Context on_device(const Context& context, std::shared_ptr<const Device> device);
 
 inline const Kernels& kernels_of(const Context& context) { return *context.state().kernels; }
+inline const Device* device_of(const Context& context) { return context.state().device.get(); }
 inline const PagePool& pages_of(const Context& context) { return context.state().pages; }
 
 }  // namespace soapfilm

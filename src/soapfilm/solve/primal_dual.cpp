@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
-#include "soapfilm/solve/sweep.h"
+#include "soapfilm/solve/device.h"
 
 namespace soapfilm {
 
@@ -73,7 +74,7 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
                                    const PrimalDualRun& run) {
   const double sigma = params.step_balance * level.lambda;
   const int estimates = run.evaluated || level.grid.size() < least_bricks_to_estimate ? 1 : most_estimates;
-  Sweeper sweeper(level, context);
+  const std::unique_ptr<LevelSolver> solver = level_solver(level, context);
   PrimalDualReport report;
   Forecast forecast(params.tolerance);
   Stall stall;
@@ -83,10 +84,12 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
   int check_after = (params.check_every + 1) / 2;
   for (int check = 1; report.iterations < params.max_iterations && !ended; ++check) {
     const int sweeps = std::min(check_after, params.max_iterations - report.iterations);
-    for (int done = 0; done < sweeps; done += Sweeper::tile_sweeps) {
+    for (int done = 0; done < sweeps; done += LevelSolver::sweeps_at_once) {
       context.check();
-      sweeper.sweep(steps_of(late ? late_balance * sigma : sigma), std::min(Sweeper::tile_sweeps, sweeps - done));
+      solver->sweep(steps_of(late ? late_balance * sigma : sigma),
+                    std::min(LevelSolver::sweeps_at_once, sweeps - done));
     }
+    solver->download();
     report.iterations += sweeps;
     double gap = 0;
     bool whole = check % estimates == 0 || report.iterations == params.max_iterations;

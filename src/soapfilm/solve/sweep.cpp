@@ -70,10 +70,6 @@ PrimalJob primal_job(Level& level, size_t brick, RowMask pairs, StepSizes steps,
           level.p.brick(after_next)};
 }
 
-/// Rounding moves a projected p by at most 3.5e-7 of lambda: projected onto a ball this much smaller it stays exactly
-/// feasible, and the certificate needs no rescaling.
-constexpr float within_ball = 1 - 0x1p-21f;
-
 DualJob dual_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, const float* u_bar, const float* faces) {
   DualJob job{pairs,
               level.p.brick(brick),
@@ -83,7 +79,7 @@ DualJob dual_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, con
               above(level.grid, brick, 2, faces),
               {},
               steps.sigma,
-              level.lambda * within_ball,
+              dual_radius(level),
               level.p.brick(next_of(brick))};
   for (int axis = 0; axis < 3; ++axis)
     job.fixed_up[axis] = level.grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])] == outside_band;

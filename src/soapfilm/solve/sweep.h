@@ -28,29 +28,24 @@
 #include "soapfilm/context.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/kernels/sweep_kernel.h"
+#include "soapfilm/solve/device.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
 
-/// Step sizes; tau sigma 12 < 4/3 (12 bounds the squared norm of the gradient).
-struct StepSizes {
-  float sigma = 0;
-  float tau = 0;
-  bool operator==(const StepSizes&) const = default;
-};
-
-/// Holds the data that one level's sweeps keep between bricks.
-class Sweeper {
+/// The iteration on the CPU. Holds the data that one level's sweeps keep between bricks.
+class Sweeper final : public LevelSolver {
  public:
   Sweeper(Level& level, const Context& context);
 
   /// Largest number of sweeps done while a tile is in the cache.
-  static constexpr int tile_sweeps = 8;
+  static constexpr int tile_sweeps = sweeps_at_once;
 
   /// `times` iterations of the whole band. The result does not depend on threads or SIMD target. Between the sweeps of
   /// one Sweeper the level must not change: skipped rows rely on that. After a change of step sizes every row is
   /// stepped.
-  void sweep(StepSizes steps, int times = 1);
+  void sweep(StepSizes steps, int times = 1) override;
+  void download() override {}
 
   /// Bytes read and written per vertex by a sweep, for the roofline: u, p in and out, f in. With several sweeps at once
   /// most come from the cache.
