@@ -2,11 +2,10 @@
 
 #include <cmath>
 
-#include "refine/dense_band.h"
+#include "refine/dense_energy.h"
 #include "soapfilm/core/median.h"
 #include "soapfilm/refine/displacement.h"
 #include "soapfilm/refine/multilevel.h"
-#include "support/dense_matrix.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -15,7 +14,7 @@ using namespace test;
 
 const Context one_thread(1);
 
-/// The energy of Displacement on a small band, every term from its definition.
+/// A wavy sheet among samples that contradict each other.
 class DisplacementEnergy : public testing::Test {
  protected:
   NarrowBand band = sheet_band(2.5, 0.03, 1);
@@ -30,89 +29,10 @@ class DisplacementEnergy : public testing::Test {
     }
     return values;
   }();
-  Values start = dense.values(phi0);
   CellSamples data{samples, band, one_thread};
-  Values share = Values(dense.size(), 1), target = Values(dense.size());
+  DenseEnergy energy{dense, phi0};
 
   void merge_with(DataWeights weights) { merge(phi0, samples, band, {}, weights, one_thread, data); }
-
-  /// A corner's share in the value and in the gradient at a place in a cell.
-  struct Corner {
-    size_t index;
-    double value;
-    Vec3d gradient;
-  };
-  std::vector<Corner> corners_of(size_t row, int x, Vec3d at) const {
-    std::vector<Corner> corners;
-    const size_t first = size_t{data.band_row(row)} * brick_side + static_cast<size_t>(x);
-    const auto lowest = std::find(dense.slot.begin(), dense.slot.end(), first) - dense.slot.begin();
-    for (int k = 0; k < 8; ++k) {
-      const Vec3i c{k & 1, k >> 1 & 1, k >> 2};
-      Vec3d part, slope;
-      for (int axis = 0; axis < 3; ++axis) {
-        part[axis] = c[axis] ? at[axis] : 1 - at[axis];
-        slope[axis] = c[axis] ? 1 : -1;
-      }
-      corners.push_back({dense.find(dense.vertex[static_cast<size_t>(lowest)] + c).value(),
-                         part.x * part.y * part.z,
-                         {slope.x * part.y * part.z, part.x * slope.y * part.z, part.x * part.y * slope.z}});
-    }
-    return corners;
-  }
-
-  /// E = <phi, A phi> - 2 <b, phi> + a constant.
-  struct Quadratic {
-    DenseMatrix a;
-    Values b;
-  };
-  /// weight (f - wanted)^2, f linear in phi.
-  static void add(Quadratic& e, const std::vector<size_t>& index, const Values& f, double wanted, double weight) {
-    e.a.add_square(index, f, weight);
-    for (size_t k = 0; k < index.size(); ++k) e.b[index[k]] += weight * wanted * f[k];
-  }
-  void add_data(Quadratic& e) const {
-    for (size_t row = 0; row < data.rows(); ++row)
-      for (int x = 0; x < brick_side; ++x) {
-        if ((data.present(row) >> x & 1) == 0) continue;
-        const MergedCell cell = data.cell(row, x);
-        const Vec3d n(cell.normal);
-        const auto corners = corners_of(row, x, Vec3d(cell.fraction));
-        std::vector<size_t> index;
-        Values value, along;
-        std::array<Values, 3> slope;
-        for (const Corner& c : corners) {
-          index.push_back(c.index);
-          value.push_back(c.value);
-          along.push_back(dot(n, c.gradient));
-          for (int axis = 0; axis < 3; ++axis) slope[static_cast<size_t>(axis)].push_back(c.gradient[axis]);
-        }
-        const double weight = cell.weight, normal = data.weights.normal, steepness = data.weights.slope;
-        add(e, index, value, 0, weight);
-        for (int axis = 0; axis < 3; ++axis) add(e, index, slope[static_cast<size_t>(axis)], -n[axis], weight * normal);
-        add(e, index, along, -dot(n, n), weight * (steepness - normal));
-      }
-  }
-  /// Of delta = phi - phi0.
-  void add_smoothness(Quadratic& e, Smoothness smoothness) const {
-    const Values k = dense.inner_laplacian(start), g = dense.graph_laplacian(start);
-    for (size_t i = 0; i < dense.size(); ++i) {
-      std::vector<size_t> index{i};
-      Values bend{0};
-      for (const size_t j : dense.neighbors(i)) {
-        bend[0] += 1;
-        bend.push_back(-1);
-        index.push_back(j);
-        if (j > i) add(e, {i, j}, {1, -1}, start[i] - start[j], smoothness.slope);
-      }
-      add(e, index, bend, g[i] + k[i] - target[i], smoothness.curvature * share[i]);
-    }
-  }
-  Quadratic energy(Smoothness smoothness) const {
-    Quadratic e{DenseMatrix(dense.size()), Values(dense.size())};
-    add_data(e);
-    add_smoothness(e, smoothness);
-    return e;
-  }
 
   static double largest(const Values& a, const Values& b) {
     double most = 0;
@@ -122,10 +42,9 @@ class DisplacementEnergy : public testing::Test {
   void expect_minimum(Displacement& displacement, Smoothness smoothness) {
     displacement.precondition(data, smoothness);
     displacement.minimize(data, smoothness, {300, 1e-5});
-    Quadratic e = energy(smoothness);
-    ASSERT_TRUE(e.a.factorize());
-    const Values expected = e.a.solve(e.b);
-    const double moved = largest(expected, start);
+    const Values expected = energy.quadratic(data, smoothness).minimizer();
+    ASSERT_FALSE(expected.empty());
+    const double moved = largest(expected, energy.start);
     EXPECT_GT(moved, 0.2);
     EXPECT_LT(largest(dense.values(displacement.phi()), expected), 3e-4 * moved)
         << "gamma " << smoothness.curvature << ", beta " << smoothness.slope;
@@ -145,15 +64,12 @@ TEST_F(DisplacementEnergy, IsMinimizedAsByADenseSolver) {
 TEST_F(DisplacementEnergy, FallsWithEachStep) {
   merge_with({0.3f, 0.9f});
   const Smoothness smoothness{0.1f, 1};
-  const Quadratic e = energy(smoothness);
+  const Quadratic e = energy.quadratic(data, smoothness);
   const auto after = [&](SolveLimits limits, int steps) {
     Displacement displacement(band, phi0, one_thread);
     displacement.precondition(data, smoothness);
     EXPECT_EQ(displacement.minimize(data, smoothness, limits), steps);
-    const Values phi = dense.values(displacement.phi()), product = e.a.times(phi);
-    double sum = 0;
-    for (size_t i = 0; i < phi.size(); ++i) sum += phi[i] * (product[i] - 2 * e.b[i]);
-    return sum;
+    return e.at(dense.values(displacement.phi()));
   };
   double before = after({0, 0}, 0);
   for (int steps = 1; steps <= 8; ++steps) {
@@ -199,21 +115,22 @@ class Reweighted : public DisplacementEnergy {
       c[i] = -c[i];
       inside[i] = dense.neighbors(i).size() == 6;
       weight[i] = inside[i] && std::abs(phi[i]) < 1 ? 1 : 1e-6;
-      if (inside[i]) product[i] = weight[i] * ((c[i] - target[i]) * (c[i] - target[i]) + squared_saddle(phi, i));
+      if (inside[i])
+        product[i] = weight[i] * ((c[i] - energy.target[i]) * (c[i] - energy.target[i]) + squared_saddle(phi, i));
     }
     const Values mean = slow_local_mean(dense, coarse, product, weight);
     Values near;
     for (size_t i = 0; i < dense.size(); ++i)
-      if (inside[i] && std::abs(start[i]) < 1) near.push_back(mean[i]);
+      if (inside[i] && std::abs(energy.start[i]) < 1) near.push_back(mean[i]);
     const double d0 = medians * medians * median(near);
     for (size_t i = 0; i < dense.size(); ++i) {
-      const double beyond = std::max(0.0, std::abs(start[i]) - 0.5);
-      share[i] = inside[i] ? 1 / (1 + mean[i] / d0) / (1 + beyond * beyond) : 1;
-      weight[i] *= share[i];
+      const double beyond = std::max(0.0, std::abs(energy.start[i]) - 0.5);
+      energy.share[i] = inside[i] ? 1 / (1 + mean[i] / d0) / (1 + beyond * beyond) : 1;
+      weight[i] *= energy.share[i];
       product[i] = inside[i] ? weight[i] * c[i] : 0;
     }
-    target = slow_local_mean(dense, coarse, product, weight);
-    for (size_t i = 0; i < dense.size(); ++i) target[i] = inside[i] ? 0.6 * target[i] : 0;
+    energy.target = slow_local_mean(dense, coarse, product, weight);
+    for (size_t i = 0; i < dense.size(); ++i) energy.target[i] = inside[i] ? 0.6 * energy.target[i] : 0;
   }
 };
 
@@ -228,10 +145,10 @@ TEST_F(Reweighted, EnergyIsMinimizedAsByADenseSolver) {
     displacement.reweight_curvature(medians);
     expect_minimum(displacement, smoothness);
   }
-  target.assign(dense.size(), 0);
+  energy.target.assign(dense.size(), 0);
   displacement.drop_target();
   expect_minimum(displacement, smoothness);
-  share.assign(dense.size(), 1);
+  energy.share.assign(dense.size(), 1);
   displacement.reweight_curvature(1);
   displacement.reset_curvature_weights();
   expect_minimum(displacement, smoothness);

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
 #include <set>
 
 #include "refine/dense_band.h"
