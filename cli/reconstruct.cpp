@@ -54,6 +54,7 @@ void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
 void finish_params(const CLI::App& app, ReconstructOptions& options) {
   ReconstructParams& params = options.params;
   if (!options.memory.empty()) params.memory_limit = parse_memory(options.memory);
+  if (!options.anchor.empty()) params.place.anchor = {options.anchor[0], options.anchor[1], options.anchor[2]};
   if (!options.sensor.empty()) params.orient.sensor = {options.sensor[0], options.sensor[1], options.sensor[2]};
   if (!options.attributes.empty()) params.surface.attributes = options.attributes;
   if (options.attributes == std::vector<std::string>{"none"}) params.surface.attributes = {};

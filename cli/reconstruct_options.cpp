@@ -54,6 +54,13 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->option_text("N");
   grid(app.add_option("--padding", p.place.padding, "Cells between the samples and the border"))
       ->option_text(fmt::format("N [{}]", p.place.padding));
+  grid(app.add_option("--anchor", o.anchor,
+                      "Where tiles of the grid meet: with the same --voxel, a run with further\nscans has its grid at "
+                      "the same place"))
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(voxel)
+      ->option_text("X,Y,Z");
   grid(app.add_option("--memory", o.memory,
                       "Refuse a run that needs more, such as 2G\n(default: what the machine has free)"))
       ->option_text("LIMIT");

@@ -23,6 +23,7 @@ struct ReconstructOptions {
   std::string trim;
   std::string levels_folder;
   std::vector<double> sensor;
+  std::vector<double> anchor;
   std::vector<std::string> attributes;
   bool ascii = false;
   bool check = false;

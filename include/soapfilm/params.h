@@ -47,6 +47,9 @@ struct PlaceParams {
   double samples_per_voxel2 = 1;  ///< if neither is given: the voxel with this many samples per voxel^2 of surface, > 0
   int padding = 6;                ///< cells between the samples and the border, 2..4096
   int levels = 0;                 ///< of the pyramid, 1..12; 0: until the coarsest has at most 24 vertices per axis
+  /// Input units and frame: tiles of 256^3 cells lie there and whole numbers of tiles from there, whatever the samples,
+  /// and vertices at whole numbers of voxels. Needs `voxel`.
+  std::optional<Vec3d> anchor;
 };
 
 /// How the area of the surface is measured: the norm in TV(u) = sum over vertices of |grad u|.

@@ -93,8 +93,8 @@ TEST(Lattice, BoxesOfThePyramidNest) {
           EXPECT_GE(level.free_lo[axis], 1);
           EXPECT_LT(level.free_hi[axis], brick_side * level.bricks[axis]);
           if (l == 0) {
-            EXPECT_EQ(level.free_lo[axis], lattice.margin() + 1);
-            EXPECT_EQ(level.free_hi[axis], lattice.margin() + size[axis] - 2);
+            EXPECT_EQ(level.free_lo[axis], lattice.margin()[axis] + 1);
+            EXPECT_EQ(level.free_hi[axis], lattice.margin()[axis] + size[axis] - 2);
             continue;
           }
           const LevelBox finer = lattice.box(l - 1);
@@ -104,6 +104,39 @@ TEST(Lattice, BoxesOfThePyramidNest) {
         }
       }
     }
+}
+
+/// Tiles of lattices with the same anchor lie at the same places, whatever the samples; nothing else changes.
+TEST(Lattice, AnAnchorFixesItsTiles) {
+  const double voxel = 0.25, tile = 256 * voxel;
+  const Vec3d anchor{100.125, -7, 3.5};
+  for (const Vec3d lo : {Vec3d{0, 0, 0}, {1e5, -3, 40}, {-33.3, 1e-3, -1e6}})
+    for (const Vec3d size : {Vec3d{30, 40, 10}, {3, 90, 500}})
+      for (const bool open : {false, true}) {
+        const Box3d samples = box(lo, size);
+        const Vec3d below = samples.lo - Vec3d{6, 6, 6} * voxel, above = samples.hi + Vec3d{5, 5, 5} * voxel;
+        Lattice lattice = place_lattice(samples, voxel, 6, 0, anchor);
+        lattice.open = open;
+        EXPECT_EQ(lattice.axis_shift, 0);
+        for (int axis = 0; axis < 3; ++axis) {
+          const double tiles = (lattice.to_world({0, 0, 0})[axis] - anchor[axis]) / tile;
+          EXPECT_NEAR(tiles, std::round(tiles), 1e-9);
+          EXPECT_LE(lattice.first_vertex[axis], below[axis] + voxel);
+          EXPECT_GE(lattice.first_vertex[axis], below[axis] - voxel);
+          EXPECT_GE(lattice.first_vertex[axis] + (lattice.size[axis] - 1) * voxel, above[axis]);
+        }
+        for (int l = 0; l < lattice.levels; ++l) {
+          const LevelBox level = lattice.box(l);
+          for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_GE(level.free_lo[axis], 1);
+            EXPECT_LT(level.free_hi[axis], brick_side * level.bricks[axis]);
+            if (open && l < 3) {
+              EXPECT_EQ(level.free_lo[axis] << l, lattice.box(0).free_lo[axis]) << "the same border";
+            }
+          }
+        }
+      }
+  EXPECT_THROW(place_lattice(box({0, 0, 0}, {1, 1, 1}), 0.1, 6, 0, Vec3d{1e30, 0, 0}), ParameterError);
 }
 
 /// Drawn by itself, a level's vertices keep their lattice coordinates and lie amid their children.

@@ -24,7 +24,7 @@ TEST(Paper, BunnyHasTheCountsOfTable1) {
     params.energy.lambda = 0.01;
     params.surface.threshold = mu;
     const Reconstruction result = reconstruct(cloud, params, Context());
-    EXPECT_EQ(Lattice{result.report.grid}.to_world_axes(result.report.grid.size), (Vec3i{212, 200, 159}));
+    EXPECT_EQ((Lattice{result.report.grid, {}}.to_world_axes(result.report.grid.size)), (Vec3i{212, 200, 159}));
     EXPECT_NEAR(static_cast<double>(result.report.certificate.inside), inside, 0.002 * inside) << "mu = " << mu;
   }
 }

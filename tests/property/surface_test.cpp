@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(Planes, PlanarHole, testing::Bool(), [](const auto& p) 
 
 /// Vertices inside if the lattice's coarsest level is solved alone.
 size_t inside_on_coarsest_level(const ReconstructReport& report, const PointCloud& cloud) {
-  const Lattice lattice{report.grid};
+  const Lattice lattice{report.grid, {}};
   const Problem problem = make_problem(cloud, lattice);
   const Context one_thread(1);
   const auto fields = coarser_fields(problem.support, lattice, lattice.levels, one_thread);
@@ -144,7 +144,7 @@ TEST_P(HalfSphere, ClosesAndTouchesNoBorderVertex) {
   EXPECT_EQ(topology.genus(), 0);
 
   // No inside vertex has a neighbor in the fixed layer.
-  const Lattice lattice{result.report.grid};
+  const Lattice lattice{result.report.grid, {}};
   const LevelBox box = lattice.box(0);
   for (const Vec3d& v : result.mesh.vertices) {
     const Vec3d p = lattice.to_lattice(v);

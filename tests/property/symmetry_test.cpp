@@ -101,7 +101,7 @@ TEST_P(Symmetry, AxisFlipsMoveTheSurfaceLittle) {
     Dense<uint8_t> back(original.labels.size());
     back.for_each([&](Vec3i v) {
       Vec3i m = v;
-      m[axis] = 2 * lattice.margin() + lattice.size[axis] - 1 - v[axis];
+      m[axis] = 2 * lattice.margin()[axis] + lattice.size[axis] - 1 - v[axis];
       back[v] = other.labels.get(m);
     });
     EXPECT_NEAR(other.energies.primal, original.energies.primal, 2e-3 * std::abs(original.energies.primal));
@@ -147,7 +147,7 @@ class Translation : public testing::TestWithParam<Case> {
 /// The same except for the last bits of f (its sums are by bricks) and the distance to the border, which has an effect
 /// on the dual: the same labels except for ties.
 TEST_P(Translation, ByTheCoarsestCellMovesTheLabelsAlong) {
-  const int cell = lattice.margin();
+  const int cell = lattice.margin().x;
   ASSERT_GE(cell, 4);
   for (const Vec3i shift : {Vec3i{cell, 0, 0}, {0, -cell, cell}, {cell, cell, -cell}}) {
     const Solved other = moved_by(shift);

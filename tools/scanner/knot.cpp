@@ -168,7 +168,7 @@ Mesh Knot::local_tessellate(double tolerance) const {
   Vec3i bricks;
   for (int axis = 0; axis < 3; ++axis) {
     lattice.size[axis] = static_cast<int>(std::ceil(2.0 * half[axis] / lattice.voxel)) + 2 * lattice.padding;
-    bricks[axis] = (lattice.size[axis] + lattice.margin()) / brick_side + 1;
+    bricks[axis] = (lattice.size[axis] + lattice.margin()[axis]) / brick_side + 1;
   }
   const auto level = [&](Vec3d lattice_position) {
     return outermost(solids(middle_ + lattice.to_world(lattice_position) / unit_)).distance * unit_;

@@ -5,7 +5,8 @@ import re
 
 #: Options of the program, in Python's spelling, and their keys in the report's `parameters`.
 OPTIONS = {
-    "voxel": "place.voxel", "resolution": "place.resolution", "padding": "place.padding", "memory": "memory.limit",
+    "voxel": "place.voxel", "resolution": "place.resolution", "padding": "place.padding", "anchor": "place.anchor",
+    "memory": "memory.limit",
     "outside": "border.outside", "directions": "orient.directions", "sensor": "orient.sensor", "up": "orient.up",
     "neighbors": "orient.neighbors", "radius": "orient.radius", "lambda": "energy.lambda",
     "weights": "energy.by_area", "norm": "energy.norm", "tolerance": "solve.tolerance",

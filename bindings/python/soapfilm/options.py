@@ -50,6 +50,7 @@ class Place(TypedDict, total=False):
     samples_per_voxel2: float
     padding: int
     levels: int
+    anchor: Optional[Vector]
 
 
 Energy = TypedDict("Energy", {
@@ -143,6 +144,7 @@ class Options(TypedDict, total=False):
     """Of :func:`soapfilm.reconstruct`, beside its arguments that have a name of their own."""
 
     padding: Optional[int]
+    anchor: Optional[Vector]
     outside: Optional[Outside]
     directions: Optional[Directions]
     sensor: Optional[Vector]

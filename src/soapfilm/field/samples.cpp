@@ -21,6 +21,34 @@ constexpr size_t samples_per_task = size_t{1} << 14;
 
 }  // namespace
 
+GridSamples GridSamples::select(BrickGrid grid, std::vector<uint32_t> first, std::span<const uint32_t> taken,
+                                const Context& context) const {
+  GridSamples chosen;
+  chosen.axis_shift = axis_shift;
+  chosen.bricks = std::move(grid);
+  chosen.begin = std::move(first);
+  for_each_column([&](auto column) {
+    const auto& from = this->*column;
+    auto& to = chosen.*column;
+    if (from.empty()) return;
+    to.resize(taken.size());
+    parallel_chunks(context, taken.size(), samples_per_task, [&](size_t begin_of, size_t end_of) {
+      for (size_t k = begin_of; k < end_of; ++k) to[k] = from[taken[k]];
+    });
+  });
+  return chosen;
+}
+
+GridSamples GridSamples::in(BrickGrid grid, const Context& context) const {
+  std::vector<uint32_t> first{0}, taken;
+  for (size_t b = 0; b < grid.size(); ++b) {
+    if (const int32_t n = bricks.find(grid.coord(b)); n >= 0)
+      for (uint32_t s = begin[static_cast<size_t>(n)]; s < begin[static_cast<size_t>(n) + 1]; ++s) taken.push_back(s);
+    first.push_back(static_cast<uint32_t>(taken.size()));
+  }
+  return select(std::move(grid), std::move(first), taken, context);
+}
+
 uint8_t sample_hash_of(size_t source) {
   constexpr uint64_t stride = 0x51ED2700;  // between seeds
   return static_cast<uint8_t>(Random(1 + stride * (source + 1)).next() >> 11);

@@ -29,6 +29,24 @@ struct GridSamples {
 
   size_t size() const { return local.size(); }
   float weight_of(size_t s) const { return weight.empty() ? 1.0f : weight[s]; }
+
+  /// Other samples of the same columns: `taken` of these in their order, sorted by the bricks of `grid`, brick b having
+  /// [first[b], first[b + 1]). Columns that are empty stay empty.
+  GridSamples select(BrickGrid grid, std::vector<uint32_t> first, std::span<const uint32_t> taken,
+                     const Context& context) const;
+  /// Those of some of the bricks.
+  GridSamples in(BrickGrid grid, const Context& context) const;
+
+ private:
+  /// visit(member) for every column.
+  template <class Visit>
+  static void for_each_column(Visit&& visit) {
+    visit(&GridSamples::local);
+    visit(&GridSamples::direction);
+    visit(&GridSamples::weight);
+    visit(&GridSamples::source);
+    visit(&GridSamples::sample_hash);
+  }
 };
 
 /// Lattice coordinates of each sample, in their order.

@@ -46,6 +46,21 @@ int axis_shift_of(Vec3i along_world) {
   return best;
 }
 
+/// Moves the first vertex down by less than a voxel, onto one of the anchor's lattice, and the start of the lattice
+/// onto the start of a tile.
+void move_to(Vec3d anchor, Lattice& lattice) {
+  constexpr double tile = brick_side << tile_bits, farthest = 0x1p50;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double steps = std::floor((lattice.first_vertex[axis] - anchor[axis]) / lattice.voxel);
+    if (!(std::abs(steps) < farthest))
+      throw ParameterError(
+          fmt::format("anchor: {:g} voxels from the samples, must be less than 2^50", std::abs(steps)));
+    lattice.first_vertex[axis] = anchor[axis] + steps * lattice.voxel;
+    const double rest = std::fmod(steps - (1 << (lattice.levels - 1)), tile);
+    lattice.below[axis] = static_cast<int>(rest < 0 ? rest + tile : rest);
+  }
+}
+
 }  // namespace
 
 LevelBox Lattice::box(int level) const {
@@ -53,16 +68,20 @@ LevelBox Lattice::box(int level) const {
   box.level = level;
   box.open = open;
   for (int axis = 0; axis < 3; ++axis) {
-    box.free_lo[axis] = (margin() + (open ? 0 : 1)) >> level;
-    int last = margin() + size[axis] - 2;
-    if (open) last |= (1 << std::min(same_border_levels, levels - 1)) - 1;
+    int first = margin()[axis] + (open ? 0 : 1), last = margin()[axis] + size[axis] - 2;
+    if (open) {
+      const int cell = 1 << std::min(same_border_levels, levels - 1);
+      first &= ~(cell - 1);
+      last |= cell - 1;
+    }
+    box.free_lo[axis] = first >> level;
     box.free_hi[axis] = last >> level;
   }
   // Enough bricks for the last free vertex of the finest level, rounded up so that every level's box covers the
   // children of the next coarser one: brick b has the children 2b and 2b + 1.
   const int cells = brick_side << (levels - 1);
   for (int axis = 0; axis < 3; ++axis) {
-    const int coarsest = (margin() + size[axis] - 2) / cells + 1;
+    const int coarsest = (margin()[axis] + size[axis] - 2) / cells + 1;
     box.bricks[axis] = coarsest << (levels - 1 - level);
   }
   return box;
@@ -73,14 +92,18 @@ Lattice Lattice::of_level(int level) const {
   Lattice coarse = *this;
   coarse.levels = levels - level;
   coarse.voxel = voxel * cell;
+  for (int axis = 0; axis < 3; ++axis) coarse.below[axis] = below[axis] >> level;
   // Vertex I is the center of the fine vertices cell * I to cell * I + cell - 1.
   const double center = 0.5 * (cell - 1);
-  coarse.first_vertex = to_world(Vec3d{margin() + center, margin() + center, margin() + center});
-  for (int axis = 0; axis < 3; ++axis) coarse.size[axis] = (size[axis] + cell - 1) / cell;
+  coarse.first_vertex = to_world(Vec3d(coarse.margin() * cell) + Vec3d{center, center, center});
+  for (int axis = 0; axis < 3; ++axis) {
+    const int more = margin()[axis] - coarse.margin()[axis] * cell;
+    coarse.size[axis] = (more + size[axis] + cell - 1) / cell;
+  }
   return coarse;
 }
 
-Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels) {
+Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels, const std::optional<Vec3d>& anchor) {
   if (!(voxel > 0) || !std::isfinite(voxel)) throw ParameterError(fmt::format("voxel = {:g}, must be > 0", voxel));
   if (padding < 2) throw ParameterError(fmt::format("padding = {}, must be >= 2", padding));
   Lattice lattice;
@@ -88,8 +111,9 @@ Lattice place_lattice(const Box3d& samples, double voxel, int padding, int level
   lattice.padding = padding;
   const Vec3d length = samples.size();
   Vec3i along_world;
-  for (int axis = 0; axis < 3; ++axis) along_world[axis] = vertices_along(length[axis], voxel, padding);
-  lattice.axis_shift = axis_shift_of(along_world);
+  for (int axis = 0; axis < 3; ++axis)
+    along_world[axis] = vertices_along(length[axis] + (anchor ? voxel : 0), voxel, padding);
+  lattice.axis_shift = anchor ? 0 : axis_shift_of(along_world);
   lattice.size = lattice.from_world_axes(along_world);
   const double below = (padding - 0.5) * voxel;
   lattice.first_vertex = samples.lo - Vec3d{below, below, below};
@@ -100,6 +124,7 @@ Lattice place_lattice(const Box3d& samples, double voxel, int padding, int level
     while ((longest >> (levels - 1)) > coarsest_vertices && brick_side << levels <= longest_brick * shortest) ++levels;
   }
   lattice.levels = levels;
+  if (anchor) move_to(*anchor, lattice);
   return lattice;
 }
 

@@ -6,12 +6,16 @@
 //   lattice vertex = reported vertex + 2^(levels - 1),    coarse vertex I = lattice vertices 2I and 2I + 1 along an
 //   axis
 //
+// (and up to a tile more, where the lattice is anchored in the world)
+//
 // so on every level vertex 0 is fixed and the faces of the fixed layer exist. Beyond the free vertices u = 0
 // everywhere.
 //
 // The axes are those of the world, permuted so that layers along z are small: passes go through the lattice layer by
 // layer, and the smaller these are, the more of one pass is still in the cache for the next.
 #pragma once
+
+#include <optional>
 
 #include "soapfilm/core/vec.h"
 #include "soapfilm/grid/layout.h"
@@ -42,6 +46,8 @@ inline constexpr int same_border_levels = 3;
 /// With a surface that may end at the border (`open`) the free vertices extend to the ends of whole cells of level 3,
 /// so that the levels from there down have the same border; coarser ones have whole cells around it.
 struct Lattice : GridFacts {
+  Vec3i below;  ///< what the margin has in addition to 2^(levels - 1), along the lattice's axes
+
   /// Components of a vector along the lattice's axes, from those along the world's; and back.
   template <class T>
   Vec3<T> from_world_axes(Vec3<T> v) const {
@@ -52,18 +58,12 @@ struct Lattice : GridFacts {
     return permuted(v, 3 - axis_shift);
   }
 
-  int margin() const { return 1 << (levels - 1); }
+  Vec3i margin() const { return below + Vec3i{1, 1, 1} * (1 << (levels - 1)); }
   double vertices() const { return static_cast<double>(size.x) * size.y * size.z; }
 
   /// Lattice coordinates of a world position, in voxels. In double: georeferenced input loses nothing.
-  Vec3d to_lattice(Vec3d world) const {
-    const double m = margin();
-    return from_world_axes(world - first_vertex) / voxel + Vec3d{m, m, m};
-  }
-  Vec3d to_world(Vec3d lattice) const {
-    const double m = margin();
-    return first_vertex + to_world_axes(lattice - Vec3d{m, m, m}) * voxel;
-  }
+  Vec3d to_lattice(Vec3d world) const { return from_world_axes(world - first_vertex) / voxel + Vec3d(margin()); }
+  Vec3d to_world(Vec3d lattice) const { return first_vertex + to_world_axes(lattice - Vec3d(margin())) * voxel; }
 
   LevelBox box(int level) const;
   /// A lattice for one level, for example to draw it: its vertices have the same lattice coordinates as in box(level),
@@ -77,7 +77,11 @@ struct Lattice : GridFacts {
 /// three, more until the coarsest level has at most 24 vertices along its longest axis or another one would have less
 /// than 2 along its shortest. Throws ParameterError if voxel <= 0, padding < 2, or an axis would have more than 2^28
 /// vertices.
-Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels = 0);
+///
+/// With an `anchor`, a world position: tiles (grid/ordered_sum.h) begin there and whole numbers of tiles from there,
+/// and the axes are the world's. So the tiles of another lattice with the same anchor and voxel lie at the same places.
+Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels = 0,
+                      const std::optional<Vec3d>& anchor = {});
 
 /// The voxel that gives `resolution` vertices along the longest axis: h = L_max / (resolution - 2 padding).
 double voxel_of_resolution(const Box3d& samples, int resolution, int padding);

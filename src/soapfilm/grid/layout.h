@@ -36,6 +36,9 @@ inline Vec3i brick_around(Vec3d place) {
   return {index(place.x), index(place.y), index(place.z)};
 }
 
+/// A tile has 2^5 = 32 bricks, 256 vertices, along each axis.
+inline constexpr int tile_bits = 5;
+
 /// A brick of the next coarser level, the parent, covers eight bricks, its children: one per octant, of twice its
 /// resolution. Octants are numbered x fastest.
 inline constexpr int half_brick = brick_side / 2;

@@ -13,9 +13,6 @@
 
 namespace soapfilm {
 
-/// A tile has 2^5 = 32 bricks, 256 vertices, along each axis.
-inline constexpr int tile_bits = 5;
-
 /// The terms of each tile's bricks are added in lattice order (x fastest, then y, then z), then the tiles' sums in that
 /// order. T{} is 0.
 template <class T>

@@ -8,6 +8,7 @@
 #include "soapfilm/core/random.h"
 #include "soapfilm/error.h"
 #include "soapfilm/field/samples.h"
+#include "soapfilm/field/terms.h"
 
 namespace soapfilm {
 
@@ -85,7 +86,7 @@ FoldFields hold_out(const PointCloud& cloud, std::span<const Vec3f> directions, 
     throw ParameterError(fmt::format("fold = {}, must be between 0 and {}", fold, folds.count - 1));
   const auto field_of = [&](bool held_out) {
     const auto wanted = [&](size_t i) { return (folds.of_sample[i] == fold) == held_out; };
-    return divergence_field(sort_samples(cloud, directions, lattice, context, wanted), lattice.box(0), context);
+    return data_field(sort_samples(cloud, directions, lattice, context, wanted), lattice.box(0), context);
   };
   const auto all = std::accumulate(folds.sizes.begin(), folds.sizes.end(), size_t{0});
   FoldFields fields{field_of(false), field_of(true), 0};

@@ -150,7 +150,7 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, con
   }
   const double voxel = is_given ? voxel_as_given(params, box) : grid.default_voxel;
   try {
-    grid.lattice = place_lattice(box, voxel, params.padding, params.levels);
+    grid.lattice = place_lattice(box, voxel, params.padding, params.levels, params.anchor);
   } catch (const ParameterError& error) {
     throw ParameterError(error.what() + far_samples(cloud, box));
   }

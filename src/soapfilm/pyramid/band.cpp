@@ -93,14 +93,20 @@ bool is_free(const FreeRange& range, int offset) {
 }
 
 /// Where the coarser level's cells extend beyond an open border its flux through the border is set to 0: the vertices
-/// there must be in the band. (Children of bricks that were never in a band have none.)
-void add_upper_border(const LevelBox& box, const BrickGrid& coarse, BrickMask& band) {
+/// there must be in the band. (Children of bricks that were never in a band have none.) Below, cells end at the border
+/// unless the lattice is anchored.
+void add_border(const LevelBox& box, const Level& coarse, BrickMask& band) {
   const BrickRange free = bricks_with_free(box);
-  for (size_t b = 0; b < coarse.size(); ++b)
+  const auto is_cut = [&](Vec3i child) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool cut_below = 2 * coarse.box.free_lo[axis] < box.free_lo[axis];
+      if (child[axis] == free.hi[axis] || (cut_below && child[axis] == free.lo[axis])) return true;
+    }
+    return false;
+  };
+  for (size_t b = 0; b < coarse.grid.size(); ++b)
     for (int k = 0; k < 8; ++k)
-      if (const Vec3i child = child_of(coarse.coord(b), k);
-          free.contains(child) && (child.x == free.hi.x || child.y == free.hi.y || child.z == free.hi.z))
-        band.set(child);
+      if (const Vec3i child = child_of(coarse.grid.coord(b), k); free.contains(child) && is_cut(child)) band.set(child);
 }
 
 void add_bricks(const BrickGrid& grid, BrickMask& band) {
@@ -155,7 +161,7 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
                       const Context& context) {
   const std::vector<BrickBits> interface = interfaces(coarse, context);
   BrickMask band = interface_children(coarse, interface, box.bricks, context);
-  if (box.open && box.level >= same_border_levels) add_upper_border(box, coarse.grid, band);
+  if (box.open && box.level >= same_border_levels) add_border(box, coarse, band);
   if (box.level > 0) {
     add_bricks(support.grid, band);
     return band;

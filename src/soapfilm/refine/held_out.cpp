@@ -44,24 +44,6 @@ BrickMask choose_patches(const GridSamples& samples, const HeldOutParams& params
   return mask;
 }
 
-GridSamples part_of(const GridSamples& samples, const BrickMask& bricks, const Context& context) {
-  GridSamples part;
-  part.axis_shift = samples.axis_shift;
-  part.bricks = BrickGrid(bricks, context);
-  part.begin.push_back(0);
-  for (size_t b = 0; b < part.bricks.size(); ++b) {
-    const auto from = static_cast<size_t>(samples.bricks.find(part.bricks.coord(b)));
-    for (uint32_t s = samples.begin[from]; s < samples.begin[from + 1]; ++s) {
-      part.local.push_back(samples.local[s]);
-      part.direction.push_back(samples.direction[s]);
-      if (!samples.weight.empty()) part.weight.push_back(samples.weight[s]);
-      part.sample_hash.push_back(samples.sample_hash[s]);
-    }
-    part.begin.push_back(static_cast<uint32_t>(part.local.size()));
-  }
-  return part;
-}
-
 /// The part of a band in some bricks, renumbered, and an array on it.
 std::pair<NarrowBand, RowArray> part_of(const NarrowBand& band, const RowArray& values, const BrickMask& bricks,
                                         const Context& context) {
@@ -96,7 +78,7 @@ HeldOut::HeldOut(const Start& start, const GridSamples& samples, const RobustPar
     : robust_(robust),
       context_(context),
       patches_(choose_patches(samples, params)),
-      samples_(part_of(samples, patches_, context)),
+      samples_(samples.in(BrickGrid(patches_, context), context)),
       part_(part_of(start.band, start.phi0, patches_, context)),
       cells_(samples_, part_.first, context),
       displacement_(part_.first, part_.second, context),

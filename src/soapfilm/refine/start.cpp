@@ -120,36 +120,27 @@ Level every_second_vertex(const Level& fine, float threshold, const Context& con
 }
 
 GridSamples on_every_second_vertex(const GridSamples& samples, const Context& context, const BrickMask* where) {
-  GridSamples coarse;
-  coarse.axis_shift = samples.axis_shift;
-  coarse.bricks = where ? BrickGrid(*where, context) : every_second_vertex(samples.bricks, context);
-  const auto for_children = [&](size_t b, auto&& visit) {
-    for (int k = 0; k < 8; ++k)
-      if (const int32_t n = samples.bricks.find(child_of(coarse.bricks.coord(b), k)); n >= 0)
-        visit(static_cast<size_t>(n), octant_base(octant_of(k)));
-  };
-  coarse.begin.assign(coarse.bricks.size() + 1, 0);
-  for (size_t b = 0; b < coarse.bricks.size(); ++b) {
-    coarse.begin[b + 1] = coarse.begin[b];
-    for_children(b, [&](size_t n, Vec3i) { coarse.begin[b + 1] += samples.begin[n + 1] - samples.begin[n]; });
+  BrickGrid bricks = where ? BrickGrid(*where, context) : every_second_vertex(samples.bricks, context);
+  std::vector<uint32_t> first{0}, taken;
+  std::vector<Vec3f> base;  // of the fine brick of each taken one, in its coarse one
+  for (size_t b = 0; b < bricks.size(); ++b) {
+    for (int k = 0; k < 8; ++k) {
+      const int32_t n = samples.bricks.find(child_of(bricks.coord(b), k));
+      if (n < 0) continue;
+      for (uint32_t s = samples.begin[static_cast<size_t>(n)]; s < samples.begin[static_cast<size_t>(n) + 1]; ++s)
+        taken.push_back(s);
+      base.resize(taken.size(), Vec3f(octant_base(octant_of(k))));
+    }
+    first.push_back(static_cast<uint32_t>(taken.size()));
   }
-  coarse.local.resize(coarse.begin.back());
-  coarse.direction.resize(coarse.begin.back());
-  if (!samples.weight.empty()) coarse.weight.resize(coarse.begin.back());
-  coarse.sample_hash.resize(coarse.begin.back());
+  GridSamples coarse = samples.select(std::move(bricks), std::move(first), taken, context);
   // Rounding must not move a sample into the next brick.
   const float last = std::nextafter(static_cast<float>(brick_side), 0.0f);
-  parallel_for(context, coarse.bricks.size(), bricks_of_a_task, [&](size_t b) {
-    uint32_t next = coarse.begin[b];
-    for_children(b, [&](size_t n, Vec3i base) {
-      for (uint32_t s = samples.begin[n]; s < samples.begin[n + 1]; ++s, ++next) {
-        const Vec3f local = samples.local[s] * 0.5f + Vec3f(base);
-        coarse.local[next] = {std::min(local.x, last), std::min(local.y, last), std::min(local.z, last)};
-        coarse.direction[next] = samples.direction[s];
-        if (!samples.weight.empty()) coarse.weight[next] = samples.weight[s];
-        coarse.sample_hash[next] = samples.sample_hash[s];
-      }
-    });
+  parallel_chunks(context, taken.size(), size_t{1} << 14, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      const Vec3f local = samples.local[taken[k]] * 0.5f + base[k];
+      coarse.local[k] = {std::min(local.x, last), std::min(local.y, last), std::min(local.z, last)};
+    }
   });
   return coarse;
 }

@@ -46,6 +46,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("place", "samples_per_voxel2", p.place.samples_per_voxel2);
   visit("place", "padding", p.place.padding);
   visit("place", "levels", p.place.levels);
+  visit("place", "anchor", p.place.anchor);
   visit("energy", "lambda", p.energy.lambda);
   visit("energy", "lambda_per_density", p.energy.lambda_per_density);
   visit("energy", "cross_validate", p.energy.cross_validate);
@@ -258,6 +259,9 @@ void validate(const ReconstructParams& params) {
   if (place.voxel) require(*place.voxel > 0, "voxel", *place.voxel, "> 0");
   require(place.samples_per_voxel2 > 0, "samples_per_voxel2", place.samples_per_voxel2, "> 0");
   require(place.padding >= 2 && place.padding <= 4096, "padding", place.padding, ">= 2 and <= 4096");
+  if (place.anchor && !place.voxel)
+    throw ParameterError("anchor: needs voxel, as every other one moves with the samples");
+  if (place.anchor && !is_finite(*place.anchor)) throw ParameterError("anchor: must be finite");
   require(place.levels >= 0 && place.levels <= 12, "levels", place.levels, ">= 0 and <= 12");
   // Coarse levels multiply lambda by powers of four, in float.
   const auto weight = [](double v) { return v > 0 && v <= 1e24; };

@@ -10,6 +10,7 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
+#include "soapfilm/field/terms.h"
 #include "soapfilm/finish/attributes.h"
 #include "soapfilm/fuse/range_surface.h"
 #include "soapfilm/grid/brick_grid.h"
@@ -81,7 +82,7 @@ Placed place(const PointCloud& cloud, const Box3d& box, const Orientation& orien
     throw SamplesError(fmt::format("none of the {} samples has a direction", cloud.size()));
   const bool scene = scanners.from_above || scanners.surroundings.stand_among_samples();
   memory.plan_grid(cloud,
-                   {support_mask(placed.samples, lattice.box(0), context).count(), scene ? Kind::scene : Kind::object});
+                   {data_bricks(placed.samples, lattice.box(0), context).count(), scene ? Kind::scene : Kind::object});
   return placed;
 }
 

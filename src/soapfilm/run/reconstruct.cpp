@@ -8,6 +8,7 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/method.h"
+#include "soapfilm/field/terms.h"
 #include "soapfilm/finish/rays.h"
 #include "soapfilm/orient/scan_fit.h"
 #include "soapfilm/run/announce.h"
@@ -63,7 +64,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   if (owned) *owned = {};
 
   // The data term f = div v (section 4.1).
-  SupportField field = trace.stage("field", [&] { return divergence_field(samples, grid.lattice.box(0), context); });
+  SupportField field = trace.stage("field", [&] { return data_field(samples, grid.lattice.box(0), context); });
 
   // Beyond the samples' box: air, solid matter (then the complement is solved, its directions reversed), or neither.
   BorderReport border = find_border(field, grid, lambda.value, scanners, params, context, trace);

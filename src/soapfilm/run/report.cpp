@@ -45,7 +45,7 @@ ordered_json input_json(const InputFacts& input) {
 }
 
 ordered_json grid_json(const ReconstructReport& report) {
-  const Lattice lattice{report.grid};
+  const Lattice lattice{report.grid, {}};
   ordered_json levels = ordered_json::array();
   for (const LevelReport& l : report.details->solve.levels) {
     const double lambda = l.lambda_share * report.certificate.lambda * static_cast<double>(size_t{1} << (2 * l.level));
