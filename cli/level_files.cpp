@@ -7,7 +7,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/io.h"
-#include "soapfilm/refine/indicator.h"
+#include "soapfilm/surface/indicator.h"
 
 namespace soapfilm::cli {
 

@@ -13,7 +13,7 @@
 
 #include "plain_copy.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/refine/displacement.h"
+#include "soapfilm/refine/fit/displacement.h"
 
 namespace {
 

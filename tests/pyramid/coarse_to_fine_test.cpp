@@ -10,7 +10,7 @@
 #include "soapfilm/pyramid/band.h"
 #include "soapfilm/pyramid/prolong.h"
 #include "soapfilm/pyramid/restrict.h"
-#include "soapfilm/refine/indicator.h"
+#include "soapfilm/surface/indicator.h"
 #include "support/dense.h"
 #include "support/problem.h"
 

@@ -1,4 +1,4 @@
-#include "soapfilm/refine/cell_samples.h"
+#include "soapfilm/refine/fit/cell_samples.h"
 
 #include <gtest/gtest.h>
 

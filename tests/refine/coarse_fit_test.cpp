@@ -1,4 +1,4 @@
-#include "soapfilm/refine/coarse_fit.h"
+#include "soapfilm/refine/choose/coarse_fit.h"
 
 #include <gtest/gtest.h>
 

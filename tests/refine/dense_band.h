@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "refine/band_support.h"
-#include "soapfilm/refine/narrow_band.h"
+#include "soapfilm/refine/fit/narrow_band.h"
 
 namespace soapfilm::test {
 

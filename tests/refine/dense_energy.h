@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "refine/dense_band.h"
-#include "soapfilm/refine/cell_samples.h"
-#include "soapfilm/refine/displacement.h"
+#include "soapfilm/refine/fit/cell_samples.h"
+#include "soapfilm/refine/fit/displacement.h"
 #include "support/dense_matrix.h"
 
 namespace soapfilm::test {

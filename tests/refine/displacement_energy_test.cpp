@@ -4,8 +4,8 @@
 
 #include "refine/dense_energy.h"
 #include "soapfilm/core/median.h"
-#include "soapfilm/refine/displacement.h"
-#include "soapfilm/refine/multilevel.h"
+#include "soapfilm/refine/fit/displacement.h"
+#include "soapfilm/refine/fit/multilevel.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

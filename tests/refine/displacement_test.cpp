@@ -1,4 +1,4 @@
-#include "soapfilm/refine/displacement.h"
+#include "soapfilm/refine/fit/displacement.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "soapfilm/refine/fit_weights.h"
+#include "soapfilm/refine/choose/fit_weights.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "refine/band_support.h"
-#include "soapfilm/refine/held_out.h"
+#include "soapfilm/refine/choose/held_out.h"
 
 namespace soapfilm {
 namespace TEST_FILE {

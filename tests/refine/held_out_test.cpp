@@ -1,4 +1,4 @@
-#include "soapfilm/refine/held_out.h"
+#include "soapfilm/refine/choose/held_out.h"
 
 #include <gtest/gtest.h>
 

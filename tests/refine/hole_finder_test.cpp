@@ -1,4 +1,4 @@
-#include "soapfilm/refine/hole_finder.h"
+#include "soapfilm/refine/holes/hole_finder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "soapfilm/refine/holes.h"
+#include "soapfilm/refine/holes/holes.h"
 
 #include <gtest/gtest.h>
 

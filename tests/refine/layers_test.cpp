@@ -1,4 +1,4 @@
-#include "soapfilm/refine/layers.h"
+#include "soapfilm/refine/fit/layers.h"
 
 #include <gtest/gtest.h>
 

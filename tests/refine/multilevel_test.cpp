@@ -1,4 +1,4 @@
-#include "soapfilm/refine/multilevel.h"
+#include "soapfilm/refine/fit/multilevel.h"
 
 #include <gtest/gtest.h>
 

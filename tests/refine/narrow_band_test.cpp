@@ -1,4 +1,4 @@
-#include "soapfilm/refine/narrow_band.h"
+#include "soapfilm/refine/fit/narrow_band.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "refine/band_support.h"
-#include "soapfilm/refine/multilevel.h"
+#include "soapfilm/refine/fit/multilevel.h"
 #include "support/back_ends.h"
 
 namespace soapfilm {

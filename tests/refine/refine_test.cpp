@@ -5,7 +5,7 @@
 #include "refine/band_support.h"
 #include "soapfilm/error.h"
 #include "soapfilm/mesh/topology.h"
-#include "soapfilm/refine/topology.h"
+#include "soapfilm/refine/topology/topology.h"
 #include "support/hash.h"
 #include "support/sanitized.h"
 

@@ -1,4 +1,4 @@
-#include "soapfilm/refine/robust_fit.h"
+#include "soapfilm/refine/fit/robust_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "soapfilm/refine/simple_point.h"
+#include "soapfilm/refine/topology/simple_point.h"
 
 #include <gtest/gtest.h>
 

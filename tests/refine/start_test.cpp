@@ -1,4 +1,4 @@
-#include "soapfilm/refine/start.h"
+#include "soapfilm/refine/topology/start.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "refine/band_support.h"
-#include "soapfilm/refine/prolong_distance.h"
+#include "soapfilm/refine/fit/prolong_distance.h"
 #include "support/dense.h"
 #include "support/problem.h"
 

@@ -8,7 +8,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/mesh/topology.h"
-#include "soapfilm/refine/indicator.h"
+#include "soapfilm/surface/indicator.h"
 #include "soapfilm/solve/min_cut.h"
 #include "solve/cut_problems.h"
 #include "support/dense.h"

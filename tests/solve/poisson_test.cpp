@@ -10,7 +10,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/mesh/topology.h"
-#include "soapfilm/refine/dense_surface.h"
+#include "soapfilm/surface/dense_surface.h"
 #include "support/dense.h"
 #include "support/problem.h"
 #include "support/sanitized.h"

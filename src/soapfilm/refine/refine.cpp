@@ -11,11 +11,11 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
-#include "soapfilm/refine/coarse_fit.h"
-#include "soapfilm/refine/holes.h"
-#include "soapfilm/refine/prolong_distance.h"
-#include "soapfilm/refine/start.h"
-#include "soapfilm/refine/topology.h"
+#include "soapfilm/refine/choose/coarse_fit.h"
+#include "soapfilm/refine/holes/holes.h"
+#include "soapfilm/refine/fit/prolong_distance.h"
+#include "soapfilm/refine/topology/start.h"
+#include "soapfilm/refine/topology/topology.h"
 
 namespace soapfilm {
 

@@ -3,7 +3,7 @@
 
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/reconstruct.h"
-#include "soapfilm/refine/robust_fit.h"
+#include "soapfilm/refine/fit/robust_fit.h"
 
 namespace soapfilm {
 

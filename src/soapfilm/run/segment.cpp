@@ -5,7 +5,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/pyramid/sor_pyramid.h"
-#include "soapfilm/refine/dense_surface.h"
+#include "soapfilm/surface/dense_surface.h"
 #include "soapfilm/solve/dense_level.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/poisson.h"

@@ -1,0 +1,120 @@
+#include "soapfilm/refine/holes/coarse_hole_surface.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "soapfilm/core/context_state.h"
+#include "soapfilm/solve/inside_bits.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr int most_rounds = 12;
+constexpr double most_held = 0.03;     // refused by the topology over changed, where changes become more than at first
+constexpr size_t rest_of_first = 300;  // ends when fewer labels change than in the first round divided by this
+constexpr double reach = 2;            // of the band on the half-resolution grid
+constexpr double least_of_holes = 0.02, most_of_holes = 1;
+constexpr double noise_to_follow = 0.1;  // voxels; with less, the smallest smoothing
+constexpr double slope_of_curvature = 0.002;
+
+/// Bricks and those next to them.
+BrickMask with_neighbors(const BrickMask& bricks) {
+  BrickMask more(bricks.bricks());
+  bricks.for_each([&](Vec3i b) {
+    for (int slot = 0; slot < 27; ++slot)
+      if (const Vec3i next = b + slot_offset(slot); more.contains(next)) more.set(next);
+  });
+  return more;
+}
+
+void set_with_neighbors(BrickMask& bricks, Vec3i vertex) {
+  for (int slot = 0; slot < 27; ++slot)
+    if (const Vec3i b = brick_of(vertex) + slot_offset(slot); bricks.contains(b)) bricks.set(b);
+}
+
+}  // namespace
+
+CoarseHoleSurface::CoarseHoleSurface(const Level& fine, float threshold, const HoleFinder& finder,
+                                     const FitWeights& fit_weights, const Context& context)
+    : fine_(fine), threshold_(threshold), finder_(finder), context_(context) {
+  // In units of the half-resolution grid, where the surface has a quarter of the vertices.
+  fit_weights_.noise = fit_weights.noise / 2;
+  fit_weights_.smoothing = fit_weights.noise > noise_to_follow
+                               ? std::clamp(fit_weights.smoothing / 4, least_of_holes, most_of_holes)
+                               : least_of_holes;
+  robust_.slope_of_curvature = slope_of_curvature;
+  robust_.solve = {60, 0.01};
+}
+
+float CoarseHoleSurface::distance(Vec3i v) const {
+  const float far = static_cast<float>(reach) + 1;
+  const bool inside = level_.grid.find(brick_of(v)) >= 0 ? level_.u_at(v) > 0.5f : fine_.u_at(2 * v) > threshold_;
+  return value_at(start_.band, phi_, v, inside ? far : -far);
+}
+
+/// The indicator on the bricks that are needed now; parts already curved are kept.
+void CoarseHoleSurface::make_level() {
+  const BrickMask wanted = with_neighbors(bricks_);
+  Level next = every_second_vertex(fine_, threshold_, context_, &wanted);
+  for (size_t b = 0; b < level_.grid.size(); ++b)
+    if (const int32_t n = next.grid.find(level_.grid.coord(b)); n >= 0)
+      std::copy_n(level_.u.brick(b), brick_volume, next.u.brick(static_cast<size_t>(n)));
+  level_ = std::move(next);
+}
+
+/// Fits, and updates the labels.
+FlipCount CoarseHoleSurface::step() {
+  make_level();
+  start_ = start_from(level_, 0.5f, reach, context_, &bricks_);
+  SignBits signs = signs_of(level_, 0.5f, start_, context_);
+  {
+    const GridSamples samples = on_every_second_vertex(finder_.samples(), context_, &bricks_);
+    Displacement displacement(start_.band, start_.phi0, context_);
+    CellSamples cells(samples, start_.band, context_);
+    fit_robustly(displacement, samples, cells, {}, fit_weights_, robust_, silenced(context_));
+    phi_ = std::move(displacement.phi());
+  }
+  // Where there are samples near the surface, the labels of the solve are kept.
+  for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
+    const bool inside = signs.test(v);
+    float& value = phi_.data()[k];
+    if ((value > 0) != inside && finder_.is_sampled(v)) value = inside ? held_distance : -held_distance;
+  });
+  const FlipCount flips = follow(phi_, start_.band, signs, held_distance, 0);
+  for (size_t b = 0; b < start_.grid.size(); ++b) {
+    const int32_t n = level_.grid.find(start_.grid.coord(b));
+    if (n < 0) continue;
+    float* u = level_.u.brick(static_cast<size_t>(n));
+    for (int k = 0; k < brick_volume; ++k) u[k] = signs.row(b, k >> 3 & 7, k >> 6) >> (k & 7) & 1 ? 1.0f : 0.0f;
+  }
+  for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
+    if (std::abs(phi_.data()[k]) < 1 && !finder_.is_sampled(v) && signs.test(v) != (fine_.u_at(2 * v) > threshold_))
+      set_with_neighbors(bricks_, v);
+  });
+  return flips;
+}
+
+bool CoarseHoleSurface::bend(const std::vector<HoleSurface>& holes, HoleReport& report) {
+  bricks_ = BrickMask(Vec3i{fine_.box.bricks.x + 1, fine_.box.bricks.y + 1, fine_.box.bricks.z + 1} / 2);
+  for (const HoleSurface& surface : holes)
+    for (const Vec3i v : surface) set_with_neighbors(bricks_, v);
+  size_t first = 0;
+  for (report.rounds = 1; report.rounds <= most_rounds; ++report.rounds) {
+    const FlipCount flips = step();
+    context_.progress().advance(static_cast<double>(report.rounds) / most_rounds,
+                                fmt::format("curvature over holes, round {}", report.rounds));
+    const size_t turned = flips.wanted - flips.refused;
+    if (report.rounds == 1) first = turned;
+    if (turned > first && static_cast<double>(flips.refused) > most_held * static_cast<double>(turned)) return false;
+    // The last vertices change back and forth.
+    if (turned <= first / rest_of_first) return true;
+  }
+  report.rounds = most_rounds;
+  return true;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,26 @@
+// Holes in the sampling: the surface of least area spans them flat; here it gets the curvature of the surface around.
+//
+// On the half-resolution grid, where no sample is near: the fit of refine/displacement.h with its curvature term, label
+// changes that follow it at simple points, and this repeated, since one fit moves a surface at most by the width of its
+// band.
+#pragma once
+
+#include "soapfilm/refine/choose/fit_weights.h"
+#include "soapfilm/refine/holes/hole_finder.h"
+#include "soapfilm/refine/holes/hole_report.h"
+
+namespace soapfilm {
+
+/// Makes room for bulges beyond the solve's border: frees the vertices up to the lattice's first one, and as many on
+/// the high side. Labels do not change; the box of bricks may grow.
+void make_room(Level& level);
+
+/// Curves the surface of u > threshold over these holes, which `finder` found in this level; returns whether any
+/// changed. If so, `level` becomes a binary indicator (only its box, grid, u and inside). Components and genus stay.
+/// `fit_weights`: those of the samples on the full grid.
+/// A hole stays as it was where the topology refuses more than 6 % of the changes, and where it would bulge by much
+/// more than half a ball on its area. Bulges end at the border of the box. Results do not depend on threads.
+bool curve_holes(Level& level, float threshold, const std::vector<HoleSurface>& holes, const HoleFinder& finder,
+                 const FitWeights& fit_weights, const Context& context, HoleReport& report);
+
+}  // namespace soapfilm
