@@ -12,8 +12,8 @@
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
 #include "soapfilm/refine/choose/coarse_fit.h"
-#include "soapfilm/refine/holes/holes.h"
 #include "soapfilm/refine/fit/prolong_distance.h"
+#include "soapfilm/refine/holes/holes.h"
 #include "soapfilm/refine/topology/start.h"
 #include "soapfilm/refine/topology/topology.h"
 

@@ -6,13 +6,13 @@
 
 #include "soapfilm/field/samples.h"
 #include "soapfilm/refine/choose/fit_weights.h"
-#include "soapfilm/refine/holes/hole_report.h"
-#include "soapfilm/surface/indicator.h"
 #include "soapfilm/refine/fit/robust_fit.h"
+#include "soapfilm/refine/holes/hole_report.h"
 #include "soapfilm/refine/topology/start.h"
 #include "soapfilm/refine/topology/topology.h"
 #include "soapfilm/report.h"
 #include "soapfilm/solve/level.h"
+#include "soapfilm/surface/indicator.h"
 
 namespace soapfilm {
 

@@ -5,10 +5,10 @@
 #include "soapfilm/error.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/pyramid/sor_pyramid.h"
-#include "soapfilm/surface/dense_surface.h"
 #include "soapfilm/solve/dense_level.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/poisson.h"
+#include "soapfilm/surface/dense_surface.h"
 
 namespace soapfilm {
 

@@ -8,10 +8,10 @@
 #include "soapfilm/field/samples.h"
 #include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
-#include "soapfilm/surface/indicator.h"
 #include "soapfilm/report.h"
 #include "soapfilm/run/details.h"
 #include "soapfilm/solve/level.h"
+#include "soapfilm/surface/indicator.h"
 
 namespace soapfilm {
 

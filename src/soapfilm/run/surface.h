@@ -6,13 +6,13 @@
 #include "soapfilm/context.h"
 #include "soapfilm/finish/rays.h"
 #include "soapfilm/mesh.h"
-#include "soapfilm/surface/indicator.h"
-#include "soapfilm/refine/refine.h"
 #include "soapfilm/refine/fit/robust_fit.h"
+#include "soapfilm/refine/refine.h"
 #include "soapfilm/run/memory_plan.h"
 #include "soapfilm/run/prepare.h"
 #include "soapfilm/run/segment.h"
 #include "soapfilm/run/trace.h"
+#include "soapfilm/surface/indicator.h"
 
 namespace soapfilm {
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "soapfilm/refine/holes/hole_finder.h"
 #include "soapfilm/refine/fit/robust_fit.h"
+#include "soapfilm/refine/holes/hole_finder.h"
 #include "soapfilm/refine/topology/topology.h"
 
 namespace soapfilm {

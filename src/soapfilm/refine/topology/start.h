@@ -3,10 +3,10 @@
 
 #include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
-#include "soapfilm/surface/indicator.h"
 #include "soapfilm/refine/fit/narrow_band.h"
 #include "soapfilm/refine/topology/topology.h"
 #include "soapfilm/solve/level.h"
+#include "soapfilm/surface/indicator.h"
 
 namespace soapfilm {
 
