@@ -155,6 +155,18 @@ TEST(CrossingSearch, FindsThemWhereDiagonalsChange) {
   EXPECT_GT(all, 100u);
 }
 
+TEST(CrossingSearch, FindsTheOnlyPairThereIs) {
+  const Context context(1);
+  const std::vector<Triangle> triangles{{0, 1, 2}, {3, 4, 5}};
+  const std::vector<Vec3d> start{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 0.3}, {0.3, 0.9, 0.4}, {0.9, 0.3, 0.4}};
+  std::vector<Vec3d> target = start;
+  target[3].z = -0.2;
+  const std::vector<uint8_t> marked(2, 1);
+  const CrossingSearch search({triangles, triangles, start, target, marked}, 2, context);  // all in one bin
+  EXPECT_TRUE(search.find(start, marked).empty());
+  EXPECT_EQ(distinct(search.find(target, marked)), (Pairs{{0, 1}}));
+}
+
 /// Where most bins are left out, since all of a sheet looks the same way but for a few folds.
 TEST(CrossingSearch, FindsTheFoldsOfASheet) {
   const Context context(1);
