@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/core/random.h"
 #include "support/problem.h"
 
 namespace soapfilm {
@@ -97,6 +98,38 @@ TEST(Samples, GeoreferencedCoordinatesLoseNothing) {
   EXPECT_EQ(a.lattice.size, b.lattice.size);
   EXPECT_EQ(a.samples.local, b.samples.local);
   EXPECT_EQ(a.samples.source, b.samples.source);
+}
+
+/// The samples of some bricks are those that a cloud of them alone would have there, with all of their columns.
+TEST(Samples, OfSomeBricksKeepTheirColumns) {
+  PointCloud cloud = sampled("part", 40, 1);
+  Random random(3);
+  for (size_t i = 0; i < cloud.size(); ++i) cloud.weights.push_back(static_cast<float>(1 + random.uniform()));
+  const Problem problem = make_problem(cloud, 40);
+  const GridSamples& all = problem.samples;
+  BrickMask chosen(all.bricks.bricks());
+  for (size_t b = 0; b < all.bricks.size(); ++b)
+    if (random.uniform() < 0.4) chosen.set(all.bricks.coord(b));
+  chosen.set({0, 0, 0});  // without samples
+  for (const int threads : {1, 3}) {
+    const GridSamples some = all.in(BrickGrid(chosen, Context(threads)), Context(threads));
+    size_t next = 0;
+    for (size_t b = 0; b < some.bricks.size(); ++b) {
+      ASSERT_EQ(some.begin[b], next);
+      const int32_t n = all.bricks.find(some.bricks.coord(b));
+      if (n < 0) continue;
+      for (uint32_t s = all.begin[static_cast<size_t>(n)]; s < all.begin[static_cast<size_t>(n) + 1]; ++s, ++next) {
+        ASSERT_EQ(some.local[next], all.local[s]);
+        ASSERT_EQ(some.direction[next], all.direction[s]);
+        ASSERT_EQ(some.weight[next], all.weight[s]);
+        ASSERT_EQ(some.source[next], all.source[s]);
+        ASSERT_EQ(some.sample_hash[next], all.sample_hash[s]);
+      }
+    }
+    EXPECT_EQ(some.size(), next);
+    EXPECT_GT(next, all.size() / 10);
+    EXPECT_LT(next, all.size());
+  }
 }
 
 }  // namespace TEST_FILE

@@ -35,6 +35,34 @@ RowArray members(const NarrowBand& band) {
   return ones;
 }
 
+/// Layers are numbered without most of the empty ones: neighbors in number are neighbors or farther apart, and parity
+/// is that of z, so that passes over even and then odd layers add in the same order wherever other bricks lie.
+TEST(BandLayers, KeepParityAndOrderAndLeaveOutEmptyOnes) {
+  Random random(9);
+  for (int k = 0; k < 50; ++k) {
+    const int far = k % 2 == 0 ? 40 : 1'000'000;
+    BrickMask mask({4, 4, far});
+    for (int n = 0; n < 12; ++n)
+      mask.set({static_cast<int>(random.next() % 4), static_cast<int>(random.next() % 4),
+                static_cast<int>(random.next() % static_cast<uint64_t>(far))});
+    const BrickGrid grid(mask, one_thread);
+    const BandLayers layers(grid);
+    EXPECT_LE(layers.size(), 2 * static_cast<int>(grid.slices().size()));
+    size_t next = 0;
+    for (int layer = 0; layer < layers.size(); ++layer) {
+      const auto [begin, end] = layers[layer];
+      EXPECT_EQ(begin, next);
+      next = end;
+      EXPECT_EQ((layers.z(layer) - layer) % 2, 0);
+      if (layer > 0) {
+        EXPECT_GT(layers.z(layer), layers.z(layer - 1));
+      }
+      for (size_t b = begin; b < end; ++b) EXPECT_EQ(grid.coord(b).z, layers.z(layer));
+    }
+    EXPECT_EQ(next, grid.size());
+  }
+}
+
 TEST(NarrowBand, LaplacianIsTheDenseGraphLaplacian) {
   const NarrowBand band = random_band(3, 0.6, 1);
   RowArray out = band.make_array();
