@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "soapfilm/core/vec.h"
 #include "soapfilm/mesh.h"
 
 namespace soapfilm::test {
