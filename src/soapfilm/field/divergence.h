@@ -1,6 +1,8 @@
 // f = div v (section 4.1): the data term of the energy, from the samples' directions.
 #pragma once
 
+#include <cstdint>
+
 #include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/brick_grid.h"
@@ -13,6 +15,9 @@ struct SupportField {
   BrickGrid grid;
   Field<float> f;
 };
+
+/// Its memory.
+constexpr uint64_t support_bytes(uint64_t bricks) { return bricks * brick_volume * sizeof(float); }
 
 /// Each sample's direction is distributed to its eight nearest vertices (trilinear weights), smoothed with the box
 /// filter convolved three times with itself (taps (1 3 6 7 6 3 1) / 27 along each axis, sum 1), and its divergence

@@ -1,6 +1,7 @@
 // Where the certificate's gap is: how much of it lies around each vertex of a mesh.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "soapfilm/context.h"
@@ -20,6 +21,11 @@ struct GapField {
   Field<float> gap;  ///< in units of lambda
   std::vector<BrickBits> beside;
 };
+
+/// Its memory, with the vertices beside the surface twice while they are found.
+constexpr uint64_t gap_bytes(uint64_t bricks) {
+  return (brick_volume * sizeof(float) + 2 * sizeof(BrickBits) + sizeof(Vec3i) + sizeof(BrickGrid::Neighbors)) * bricks;
+}
 
 /// Per vertex of the mesh: the gap of the lattice's vertices that are less than gap_reach away along each axis,
 /// weighted by a tent, over the area of a plane under the same tent: 0.01 is a hundredth of the price of the area

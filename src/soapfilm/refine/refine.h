@@ -1,6 +1,7 @@
 // From the thresholded solve to a surface that lies on the samples: sub-voxel accuracy, the same topology.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -52,6 +53,20 @@ class Refinement {
   /// parameters, `context` and the report. Throws ParameterError.
   Refinement(Level level, float threshold, const GridSamples& samples, double density, const RefineSetup& params,
              const Context& context, FitReport& report);
+
+  /// Memory of the fit on a band of so many rows, where it may hold two grids at once: the peaks of bench/scenes within
+  /// 10 %.
+  static constexpr uint64_t bytes(uint64_t rows, bool tries_coarser, uint64_t samples) {
+    return (tries_coarser ? 500 : 410) * rows + 48 * samples;
+  }
+  /// The same before the band is known, from the finest level: of closed surfaces 13,800 to 15,900 bytes per brick.
+  static constexpr uint64_t bytes_of_level(uint64_t bricks) { return 15000 * bricks; }
+  /// And before that level is, from the data's bricks (more in a scene): the narrow band and the fit's arrays; and
+  /// cells with samples, of which a brick has about 32 where samples are dense. (What a fit on coarser vertices saves
+  /// with sparse samples is known too late.)
+  static constexpr uint64_t bytes_of_support(uint64_t bricks, bool scene, uint64_t samples) {
+    return (scene ? 13500 : 11400) * bricks + 33 * std::min<uint64_t>(samples, 32 * bricks);
+  }
 
   /// Rows of eight vertices that the fit works on: its memory is proportional to them.
   size_t rows() const { return start_.band.rows(); }

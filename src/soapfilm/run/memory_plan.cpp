@@ -10,10 +10,16 @@
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
+#include "soapfilm/finish/vertex_gap.h"
 #include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/place/place.h"
+#include "soapfilm/refine/refine.h"
+#include "soapfilm/relax/relax.h"
 #include "soapfilm/run/defaults.h"
+#include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/inside_bits.h"
+#include "soapfilm/solve/poisson.h"
+#include "soapfilm/solve/sor.h"
 
 namespace soapfilm {
 
@@ -21,13 +27,6 @@ namespace {
 
 /// The program itself with its libraries, threads and file buffers.
 constexpr uint64_t base_bytes = uint64_t{12} << 20;
-
-/// A brick of a level: u and p, the layers that a sweep leaves behind, fluxes at the band boundary (about one face in
-/// three), topology twice (band and support).
-constexpr uint64_t level_brick_bytes = brick_volume * 4 * sizeof(float) + 3 * brick_area * sizeof(float) +
-                                       brick_area * sizeof(float) + 2 * (sizeof(Vec3i) + sizeof(BrickGrid::Neighbors)) +
-                                       128;
-constexpr uint64_t data_brick_bytes = brick_volume * sizeof(float);
 
 /// In addition to the support bricks a band contains those where holes are closed: measured 1.02 to 1.15 times as many.
 constexpr double band_over_support = 1.1;
@@ -43,28 +42,15 @@ constexpr double certain_of_solve = 0.9, certain_of_scene = 0.6, certain_of_refi
 /// What is left of the coarser level and its data term while they are being freed, as a share of a whole band.
 constexpr double coarser_share = 0.1;
 
-/// Refinement: the narrow band and the fit's arrays, bytes per support brick; and bytes of each cell with samples, of
-/// which a brick has about as many as given here where samples are dense. (What a fit on coarser vertices saves with
-/// sparse samples is known too late.)
-constexpr uint64_t refined_brick_bytes = 11400, refined_brick_bytes_of_scene = 13500;
-constexpr uint64_t refined_cell_bytes = 33;
-constexpr uint64_t refined_cells_per_brick = 32;
-
-/// Arrays on every vertex of the box while the solver works, bytes per vertex (listed in docs/notes/methods.md).
+/// Arrays on every vertex of the box while the solver works.
 double dense_bytes_per_vertex(Method method) {
-  if (method == Method::tv_sor) return 7;
-  if (method == Method::poisson) return 17.2;
+  if (method == Method::tv_sor) return sor_bytes_per_vertex;
+  if (method == Method::poisson) return poisson_bytes_per_vertex;
   return 0;
 }
 
 /// Samples on a surface reach one brick per so many voxel^2 of it.
 constexpr double area_per_brick = 20;
-
-/// The gap's field on a level of so many bricks: values, the vertices beside the surface (twice while they are found),
-/// and topology.
-uint64_t gap_bytes(uint64_t level_bricks) {
-  return (data_brick_bytes + 2 * sizeof(BrickBits) + sizeof(Vec3i) + sizeof(BrickGrid::Neighbors)) * level_bricks;
-}
 
 /// Two digits, not below the value.
 double two_digits_above(double value) {
@@ -72,37 +58,33 @@ double two_digits_above(double value) {
   return std::ceil(value / unit) * unit;
 }
 
-/// A graph cut's masks of the box's vertices, beside the graph: bytes per brick.
-constexpr double cut_masks_bytes = 2 * brick_area;
-
 /// Arrays over the whole box: of methods without a band, and the masks of graph cuts.
 uint64_t box_bytes(Method method, const Lattice& lattice) {
   const Vec3i bricks = lattice.box(0).bricks;
   const bool cuts = method == Method::graph_cut_6 || method == Method::graph_cut_26;
-  const double masks = cuts ? cut_masks_bytes * bricks.x * bricks.y * bricks.z : 0;
+  const double masks = cuts ? graph_masks_per_brick * bricks.x * bricks.y * bricks.z : 0;
   constexpr double most = 0x1p60;  // fits in uint64_t; no machine has it
   return static_cast<uint64_t>(std::min(most, masks + dense_bytes_per_vertex(method) * lattice.vertices()));
 }
 
-/// A graph cut's bytes per vertex: 12 per edge, two edges to the terminals, and the search trees. A band around samples
-/// has fewer links than `neighbors`, which its vertices inside a grown band all have.
-constexpr uint64_t cut_bytes_per_vertex(Method method) { return method == Method::graph_cut_6 ? 122 : 365; }
-
 /// The peak in addition to the box's arrays and the data term, bytes per support brick.
 double band_bytes_per_brick(Method method, Kind kind) {
-  const double level = band_over_support * level_brick_bytes;
-  // Vertices with f != 0 and those around them fill more than half of the support's bricks.
-  const double graph_vertices = 0.58 * brick_volume;
+  const auto of_brick = static_cast<double>(level_bytes(1));
+  const double level = band_over_support * of_brick;
+  const auto graph = [](int neighbors) {
+    return graph_vertices_per_brick * static_cast<double>(graph_bytes_per_vertex(neighbors, false));
+  };
   switch (method) {
     case Method::tv:
-      return (kind == Kind::scene ? finest_over_support_of_scene : finest_over_support) * level_brick_bytes +
+      return (kind == Kind::scene ? finest_over_support_of_scene : finest_over_support) * of_brick +
              coarser_share * level;
     case Method::graph_cut_6:
-      return level + 117 * graph_vertices;
+      return level + graph(6);
     case Method::graph_cut_26:
-      return level + 345 * graph_vertices;
+      return level + graph(26);
     case Method::vrip:
-      return 4.4 * data_brick_bytes;  // in place of f: distances, weights, and the scan being fused
+      return 4.4 *
+             static_cast<double>(support_bytes(1));  // in place of f: distances, weights, and the scan being fused
     case Method::poisson:
       return 0;  // the level is made when most of the box's arrays are gone
     case Method::tv_sor:
@@ -164,7 +146,7 @@ MemoryPlan plan_memory(const ReconstructParams& params, const PointCloud& cloud,
   plan.placing_bytes = plan_placing(cloud);
   plan.fixed_bytes = plan_fixed(method, cloud, after);
   const bool scene = support.kind == Kind::scene;
-  const double per_brick = band_bytes_per_brick(method, support.kind) + data_brick_bytes;
+  const double per_brick = band_bytes_per_brick(method, support.kind) + static_cast<double>(support_bytes(1));
   plan.tables_bytes = box_bytes(method, lattice);
   // tv's band becomes known only level by level.
   const bool guessed = method == Method::tv;
@@ -175,9 +157,7 @@ MemoryPlan plan_memory(const ReconstructParams& params, const PointCloud& cloud,
   if (params.surface.gap) plan.gap = {gap_bytes(support.bricks), certain_of_gap};
   if (!refines(params)) return plan;
 
-  const uint64_t cells = std::min<uint64_t>(cloud.size(), refined_cells_per_brick * support.bricks);
-  const uint64_t brick_bytes = scene ? refined_brick_bytes_of_scene : refined_brick_bytes;
-  plan.refine = {brick_bytes * support.bricks + refined_cell_bytes * cells, guessed ? certain_of_refine : 1};
+  plan.refine = {Refinement::bytes_of_support(support.bricks, scene, cloud.size()), guessed ? certain_of_refine : 1};
   return plan;
 }
 
@@ -189,25 +169,9 @@ MemoryPlan plan_tables(Method method, const Lattice& lattice) {
   return plan;
 }
 
-uint64_t solve_bytes(uint64_t data_bricks, uint64_t level_bricks) {
-  return data_brick_bytes * data_bricks + level_brick_bytes * level_bricks;
-}
-
-uint64_t guess_refine_bytes(uint64_t level_bricks) {
-  constexpr uint64_t bytes_per_brick = 15000;  // of closed surfaces 13,800 to 15,900
-  return bytes_per_brick * level_bricks;
-}
-
-uint64_t refine_bytes(uint64_t rows, bool tries_coarser, uint64_t samples) {
-  // The peaks of bench/scenes: within 10 %.
-  constexpr uint64_t row_bytes = 410, of_two_grids = 500, sample_bytes = 48;
-  return (tries_coarser ? of_two_grids : row_bytes) * rows + sample_bytes * samples;
-}
-
 uint64_t mesh_bytes(uint64_t vertices, bool checked) {
-  // Measured per vertex: relaxed 286 to 358; checked 423 to 518.
-  constexpr uint64_t bent_vertex_bytes = 320, checked_vertex_bytes = 470;
-  return (checked ? checked_vertex_bytes : bent_vertex_bytes) * vertices;
+  constexpr uint64_t checked_vertex_bytes = 470;  // measured: 423 to 518
+  return checked ? checked_vertex_bytes * vertices : relax_bytes(vertices);
 }
 
 size_t count_faces(const Level& level, double threshold, const Context& context) {
@@ -245,8 +209,8 @@ void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& latti
   const double left = room.bytes > plan.fixed_bytes ? static_cast<double>(room.bytes - plan.fixed_bytes) : 0;
   const auto tables = static_cast<double>(plan.tables_bytes);
   // Before the samples are sorted the number of bricks is unknown.
-  const double bands =
-      std::max(static_cast<double>(plan.grid_bytes()) - tables, area / area_per_brick * refined_brick_bytes);
+  const double bands = std::max(static_cast<double>(plan.grid_bytes()) - tables,
+                                area / area_per_brick * static_cast<double>(Refinement::bytes_of_support(1, false, 0)));
   constexpr double most_times_coarser = 1e9;
   double coarser = 1;
   while (tables / (coarser * coarser * coarser) + bands / (coarser * coarser) > 0.7 * left &&
@@ -327,17 +291,18 @@ PyramidObserver MemoryBudget::watch(PyramidObserver user, uint64_t data_bricks) 
 
 void MemoryBudget::plan_cut(uint64_t vertices, uint64_t data_bricks) {
   // Samples too sparse for the grid leave ways through the band, which then grows far beyond them.
-  const uint64_t graph = cut_bytes_per_vertex(params_.method) * vertices;
-  plan_.solve.bytes = std::max(plan_.solve.bytes, plan_.tables_bytes + data_brick_bytes * data_bricks + graph);
+  const int neighbors = params_.method == Method::graph_cut_6 ? 6 : 26;
+  const uint64_t graph = graph_bytes_per_vertex(neighbors, true) * vertices;
+  plan_.solve.bytes = std::max(plan_.solve.bytes, plan_.tables_bytes + support_bytes(data_bricks) + graph);
   check();
 }
 
 void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, uint64_t beside) {
   // The largest level counts, and replaces the guess from before the first one.
   const uint64_t before = plan_.solve.certain < 1 ? 0 : plan_.solve.bytes;
-  plan_.solve = {std::max(before, solve_bytes(data_bricks, bricks + beside)), 1};
+  plan_.solve = {std::max(before, support_bytes(data_bricks) + level_bytes(bricks + beside)), 1};
   if (level == 0 && params_.surface.gap) plan_.gap = {gap_bytes(bricks), 1};
-  if (level == 0 && refines(params_)) plan_.refine = {guess_refine_bytes(bricks), certain_of_refine};
+  if (level == 0 && refines(params_)) plan_.refine = {Refinement::bytes_of_level(bricks), certain_of_refine};
   check();
 }
 
@@ -350,7 +315,7 @@ void MemoryBudget::plan_mesh(const Level& level, bool checked, uint64_t faced_sa
 }
 
 void MemoryBudget::plan_refinement(uint64_t rows, bool tries_coarser, uint64_t samples) {
-  plan_.refine = {refine_bytes(rows, tries_coarser, samples), 1};
+  plan_.refine = {Refinement::bytes(rows, tries_coarser, samples), 1};
   check();
 }
 

@@ -69,14 +69,7 @@ uint64_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after);
 /// What placing the samples needs, whatever the grid: MemoryPlan::placing_bytes.
 uint64_t plan_placing(const PointCloud& cloud);
 
-/// What later stages need in addition to what the run holds once its samples are placed, planned when they begin. The
-/// solve: the data's bricks, and those of the levels that are held at once.
-uint64_t solve_bytes(uint64_t data_bricks, uint64_t level_bricks);
-/// The refinement of a surface in a finest level of so many bricks, guessed; and of one whose band has so many rows of
-/// eight vertices, with so many samples, where it may hold two grids at once.
-uint64_t guess_refine_bytes(uint64_t level_bricks);
-uint64_t refine_bytes(uint64_t rows, bool tries_coarser, uint64_t samples);
-/// The mesh, its relaxation and, where it is `checked`, the needs of check_result().
+/// The mesh and its relaxation or, where it is `checked`, the needs of check_result().
 uint64_t mesh_bytes(uint64_t vertices, bool checked);
 
 /// Faces between vertices of different sides, without those at an open border: about as many as the surface's mesh has

@@ -41,6 +41,16 @@ struct GraphCutSetup {
   Norm norm = Norm::isotropic;
 };
 
+/// The memory of a graph per vertex: 12 bytes per edge, two edges to the terminals, and the search trees. A band around
+/// samples has fewer links than `neighbors`, which its vertices inside a grown band all have.
+constexpr uint64_t graph_bytes_per_vertex(int neighbors, bool grown) {
+  return neighbors == 6 ? (grown ? 122 : 117) : (grown ? 365 : 345);
+}
+/// Vertices with f != 0 and those around them fill more than half of the support's bricks.
+inline constexpr double graph_vertices_per_brick = 0.58 * brick_volume;
+/// Masks of the box's vertices, beside the graph: bytes per brick.
+inline constexpr double graph_masks_per_brick = 2 * brick_area;
+
 /// All links of a vertex, in an order in which the opposite of link d is link size() - 1 - d.
 /// Throws ParameterError when neighbors is neither 6 nor 26 or lambda <= 0.
 std::vector<Link> graph_links(const GraphCutSetup& params, double lambda);

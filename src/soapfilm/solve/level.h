@@ -90,6 +90,14 @@ struct Level {
   }
 };
 
+/// The memory of a level while it is solved: u and p, the layers that a sweep leaves behind, fluxes at the band
+/// boundary (about one face in three), topology twice (band and support).
+constexpr uint64_t level_bytes(uint64_t bricks) {
+  constexpr uint64_t values = brick_volume * 4 * sizeof(float), layers = 3 * brick_area * sizeof(float);
+  constexpr uint64_t rim = brick_area * sizeof(float), topology = sizeof(Vec3i) + sizeof(BrickGrid::Neighbors);
+  return (values + layers + rim + 2 * topology + 128) * bricks;
+}
+
 /// A level whose u and p are zero and whose fluxes at the band boundary are zero.
 Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
                  const Field<float>& f, const Context& context, Norm norm = Norm::isotropic);

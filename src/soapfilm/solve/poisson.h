@@ -28,6 +28,9 @@ struct PoissonReport {
   size_t bytes = 0;               ///< most held at once by the solver's fields, u included
 };
 
+/// The memory of all fields while the solver works (docs/notes/methods.md).
+inline constexpr double poisson_bytes_per_vertex = 17.2;
+
 /// u at every vertex of the lattice's finest level, by conjugate gradients with a multigrid preconditioner. The same
 /// bytes for any number of threads. u is float: its rounding alone leaves a residual of 1e-5 to 3e-5 on boxes of 256 to
 /// 512 vertices, and a tolerance below that is reported as not reached. Throws ParameterError for a lambda, tolerance

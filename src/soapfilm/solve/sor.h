@@ -60,4 +60,7 @@ SorLevelReport relax_sor(DenseField<float>& u, const LevelBox& box, double lambd
 Level sor_level(const DenseField<float>& u, const LevelBox& box, double lambda, const SupportField& support,
                 const SorParams& params, const Context& context);
 
+/// The memory of all fields while the solver works (docs/notes/methods.md).
+inline constexpr double sor_bytes_per_vertex = 7;
+
 }  // namespace soapfilm
