@@ -1,7 +1,7 @@
 """spread.py PROGRAM TABLE: whether cost follows the samples and not the box around them.
 
 Reconstructs the same samples at the same voxel, nearer together and farther apart: two balls, and a ball with one far
-sample. Writes a table of CPU seconds (medians; programs take turns) and memory, each beside the case it should equal.
+sample. Writes a table of CPU seconds (medians; cases take turns) and memory, each beside the case it should equal.
 """
 import statistics
 import subprocess
@@ -12,8 +12,6 @@ from pathlib import Path
 import numpy as np
 
 USAGE = str(Path(__file__).resolve().parent.parent / "usage.py")
-
-
 SAMPLES, VOXEL, RUNS = 20000, 0.04, 5
 DIRECTION = np.array([1, 0.9, 0.8]) / np.linalg.norm([1, 0.9, 0.8])
 

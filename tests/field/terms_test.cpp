@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <utility>
-
 #include "support/dense.h"
 #include "support/problem.h"
 
@@ -33,8 +31,7 @@ TEST(Terms, AreAddedVertexByVertex) {
   const SupportField a = random_field(box, 0.3, 1), b = random_field(box, 0.4, 2);
   const Dense<double> da = dense_field(a, box), db = dense_field(b, box);
   for (const int threads : {1, 3}) {
-    SupportField first = random_field(box, 0.3, 1);
-    const SupportField sum = sum_of(std::move(first), b, Context(threads));
+    const SupportField sum = sum_of(a, b, Context(threads));
     const Dense<double> found = dense_field(sum, box);
     found.for_each([&](Vec3i v) {
       ASSERT_EQ(found[v], static_cast<double>(static_cast<float>(da[v]) + static_cast<float>(db[v])));

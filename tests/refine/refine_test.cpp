@@ -272,15 +272,12 @@ TEST(Topology, WhatASpeckKeptApartMovesOnceItIsGone) {
 
 TEST(Topology, TheLastObjectDoesNotVanish) {
   // Two of these are one vertex each, and so is the rest of the pair.
-  {
-    Specks specks(false);
-    for (const Vec3i v : {Specks::kept, Specks::lost, Specks::pair, Specks::pair + Vec3i{1, 0, 0}})
-      specks.at(v) = -0.3f;
-    const FlipCount count = follow(specks.phi, specks.band, specks.signs, held, 2);
-    EXPECT_EQ(count.vanished, 2u);
-    EXPECT_EQ(count.refused, 1u);
-    EXPECT_EQ(specks.signs.count(), 1u);
-  }
+  Specks specks(false);
+  for (const Vec3i v : {Specks::kept, Specks::lost, Specks::pair, Specks::pair + Vec3i{1, 0, 0}}) specks.at(v) = -0.3f;
+  const FlipCount count = follow(specks.phi, specks.band, specks.signs, held, 2);
+  EXPECT_EQ(count.vanished, 2u);
+  EXPECT_EQ(count.refused, 1u);
+  EXPECT_EQ(specks.signs.count(), 1u);
 }
 
 TEST(Refine, GivesTheSameBytesForAnyNumberOfThreads) {

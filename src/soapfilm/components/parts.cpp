@@ -157,10 +157,8 @@ void Parts::number_parts(const std::vector<std::vector<Contact>>& contacts) {
   };
   put(0, false, 0);
   for (uint32_t k = 0; k < pieces_.size(); ++k) put(node_of_piece(k), pieces_[k].inside, pieces_[k].vertices.count());
-  constexpr double most = 0x1p48;  // no more of the outermost part of a large box are counted
   for (size_t g = 0; g < gaps_.size(); ++g)
-    if (!gaps_[g].empty())
-      put(node_of_gap(g), side_[g], static_cast<size_t>(std::min(most, brick_volume * gaps_[g].count())));
+    if (!gaps_[g].empty()) put(node_of_gap(g), side_[g], count_vertices(gaps_[g]));
 }
 
 void Parts::find_surroundings(const std::vector<std::vector<Contact>>& contacts) {

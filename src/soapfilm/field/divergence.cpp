@@ -105,7 +105,7 @@ class SplatLayers {
   /// Splats the layers from z - 1 to z + 1 that are not there yet; z must not descend.
   void go_to(int z) {
     for (next_ = std::max(next_, z - 1); next_ <= z + 1; ++next_) {
-      const size_t begin = first_of(next_) = samples_.bricks.bricks_below(next_);
+      const size_t begin = first_[slot(next_)] = samples_.bricks.bricks_below(next_);
       parallel_for(context_, samples_.bricks.bricks_below(next_ + 1) - begin, bricks_per_task,
                    [&](size_t i) { splat_brick(samples_, begin + i, splats_[slot(next_) * widest_ + i]); });
     }
@@ -118,7 +118,6 @@ class SplatLayers {
  private:
   static constexpr size_t held = 3;
   static size_t slot(int z) { return static_cast<size_t>(z + 1) % held; }
-  size_t& first_of(int z) { return first_[slot(z)]; }
 
   const GridSamples& samples_;
   const Context& context_;

@@ -6,13 +6,6 @@
 
 namespace soapfilm {
 
-/// One kind of evidence, from the samples of a level 0.
-struct LinearTerm {
-  const char* name;
-  BrickMask (*bricks)(const GridSamples& samples, const LevelBox& box, const Context& context);  ///< where it is not 0
-  SupportField (*field)(const GridSamples& samples, const LevelBox& box, const Context& context);
-};
-
 /// f, the sum of all terms.
 SupportField data_field(const GridSamples& samples, const LevelBox& box, const Context& context);
 
@@ -20,6 +13,6 @@ SupportField data_field(const GridSamples& samples, const LevelBox& box, const C
 BrickMask data_bricks(const GridSamples& samples, const LevelBox& box, const Context& context);
 
 /// a + b, on the bricks of both.
-SupportField sum_of(SupportField a, const SupportField& b, const Context& context);
+SupportField sum_of(const SupportField& a, const SupportField& b, const Context& context);
 
 }  // namespace soapfilm

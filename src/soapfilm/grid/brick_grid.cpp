@@ -80,6 +80,10 @@ size_t BrickGrid::gap(Vec3i b) const {
   return 2 * (s + 1) + 2 * r + static_cast<size_t>(next - coords_.begin());
 }
 
+void add_bricks(const BrickGrid& grid, BrickMask& mask) {
+  for (size_t b = 0; b < grid.size(); ++b) mask.set(grid.coord(b));
+}
+
 BrickMask parents_of(const BrickGrid& children, Vec3i bricks, const Context& context) {
   BrickMask parents(bricks);
   parallel_for(context, children.size(), 256, [&](size_t b) { parents.set_shared(parent_of(children.coord(b))); });

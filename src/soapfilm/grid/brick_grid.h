@@ -104,6 +104,9 @@ class BrickGrid {
   std::vector<Neighbors> neighbors_;
 };
 
+/// Sets all bricks of a grid in a mask of the same box.
+void add_bricks(const BrickGrid& grid, BrickMask& mask);
+
 /// The bricks of the next coarser level, in a box of `bricks`, that have any of their 8 children in a grid.
 BrickMask parents_of(const BrickGrid& children, Vec3i bricks, const Context& context);
 

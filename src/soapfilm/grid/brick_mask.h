@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cstdint>
+#include <mutex>
 #include <vector>
 
 #include "soapfilm/core/bits.h"
@@ -42,9 +42,8 @@ class BrickMask {
   /// set(b), which other threads may call at the same time.
   void set_shared(Vec3i b) {
     Shard& own = shard(word_of(b));
-    own.lock.acquire();
+    const std::lock_guard held(own.lock.mutex);
     own.words[word_of(b)] |= uint64_t{1} << bit_in_word(b);
-    own.lock.release();
   }
   size_t count() const {
     size_t n = 0;
@@ -65,26 +64,16 @@ class BrickMask {
   }
 
  private:
-  /// Held for a few instructions. A copy of it is free.
-  class SpinLock {
-   public:
-    SpinLock() = default;
-    SpinLock(const SpinLock&) {}
-    SpinLock& operator=(const SpinLock&) { return *this; }
-    void acquire() {
-      while (taken_.test_and_set(std::memory_order_acquire)) taken_.wait(true, std::memory_order_relaxed);
-    }
-    void release() {
-      taken_.clear(std::memory_order_release);
-      taken_.notify_one();
-    }
-
-   private:
-    std::atomic_flag taken_;
+  /// A copy of it is free.
+  struct Lock {
+    Lock() = default;
+    Lock(const Lock&) {}
+    Lock& operator=(const Lock&) { return *this; }
+    std::mutex mutex;
   };
   /// Threads mostly set bricks of different shards.
   struct Shard {
-    SpinLock lock;
+    Lock lock;
     BrickWords<uint64_t> words;
   };
   struct Word {

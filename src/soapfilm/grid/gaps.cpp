@@ -5,7 +5,7 @@
 namespace soapfilm {
 
 void Gaps::add_strip(BrickRange range) {
-  if (range.lo.y <= range.hi.y) strips_.push_back({range.lo.y, range.hi.y, gaps_.size(), gaps_.size() + 1});
+  if (!range.empty()) strips_.push_back({range.lo.y, range.hi.y, gaps_.size(), gaps_.size() + 1});
   gaps_.push_back(range);
 }
 
@@ -14,12 +14,8 @@ Gaps::Gaps(const BrickGrid& grid) {
   const Vec3i last = grid.bricks() - Vec3i{1, 1, 1};
   const auto add_empty_slices = [&](int lo, int hi) {
     const size_t begin = strips_.size();
-    if (lo > hi) {
-      gaps_.push_back({{0, 0, lo}, {last.x, last.y, hi}});
-      return;
-    }
     add_strip({{0, 0, lo}, {last.x, last.y, hi}});
-    plates_.push_back({lo, hi, begin, strips_.size()});
+    if (strips_.size() > begin) plates_.push_back({lo, hi, begin, strips_.size()});
   };
   int z = 0;
   for (const BrickGrid::Slice& slice : grid.slices()) {
@@ -44,6 +40,11 @@ Gaps::Gaps(const BrickGrid& grid) {
     ++z;
   }
   add_empty_slices(z, last.z);
+}
+
+size_t count_vertices(const BrickRange& range) {
+  constexpr double most = 0x1p48;
+  return static_cast<size_t>(std::min(most, brick_volume * range.count()));
 }
 
 double shared_faces(const BrickRange& a, const BrickRange& b) {

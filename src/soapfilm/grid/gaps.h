@@ -45,6 +45,8 @@ class Gaps {
   std::vector<Plate> plates_;
 };
 
+/// Vertices of a range; at most 2^48 are counted: what surrounds all may have more than an integer holds.
+size_t count_vertices(const BrickRange& range);
 /// Faces that two ranges of bricks share, in bricks.
 double shared_faces(const BrickRange& a, const BrickRange& b);
 /// Those of a range at the ends of the box that holds it.

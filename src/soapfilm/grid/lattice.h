@@ -78,7 +78,7 @@ struct Lattice : GridFacts {
 /// than 2 along its shortest. Throws ParameterError if voxel <= 0, padding < 2, or an axis would have more than 2^28
 /// vertices.
 ///
-/// With an `anchor`, a world position: tiles (grid/ordered_sum.h) begin there and whole numbers of tiles from there,
+/// With an `anchor`, a world position: tiles (grid/layout.h) begin there and whole numbers of tiles from there,
 /// and the axes are the world's. So the tiles of another lattice with the same anchor and voxel lie at the same places.
 Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels = 0,
                       const std::optional<Vec3d>& anchor = {});

@@ -109,10 +109,6 @@ void add_border(const LevelBox& box, const Level& coarse, BrickMask& band) {
       if (const Vec3i child = child_of(coarse.grid.coord(b), k); free.contains(child) && is_cut(child)) band.set(child);
 }
 
-void add_bricks(const BrickGrid& grid, BrickMask& band) {
-  for (size_t b = 0; b < grid.size(); ++b) band.set(grid.coord(b));
-}
-
 /// Of each brick.
 std::vector<BrickBits> interfaces(const Level& level, const Context& context) {
   return InsideBits(level, 0.5f, context).interfaces(context);

@@ -24,7 +24,7 @@ void for_each_at_border(const BrickRange& free, const BrickRange& range, Visit&&
 
 Level closed_at_border(const Level& level, const Context& context) {
   BrickMask band(level.box.bricks);
-  for (size_t b = 0; b < level.grid.size(); ++b) band.set(level.grid.coord(b));
+  add_bricks(level.grid, band);
   const Gaps gaps(level.grid);
   const BrickRange meant = bricks_with_free(level.box);
   for (size_t g = 0; g < gaps.size(); ++g)

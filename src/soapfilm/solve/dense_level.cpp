@@ -64,7 +64,7 @@ BrickMask interface_bricks(const DenseField<float>& u, const LevelBox& box, cons
 Level level_of(const DenseField<float>& u, const LevelBox& box, float lambda, const BrickGrid& support,
                const Field<float>& f, const Context& context, Norm norm) {
   BrickMask band = interface_bricks(u, box, context);
-  for (size_t b = 0; b < support.size(); ++b) band.set(support.coord(b));
+  add_bricks(support, band);
   Level level = make_level(box, lambda, band, support, f, context, norm);
   parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     for_each_run(u, level.grid.coord(b), [&](const float* row, int x, int y, int z, int n) {

@@ -142,7 +142,7 @@ Level level_of_labels(const VertexMask& inside, const LevelBox& box, const Suppo
         content.push_back(any == 0 ? BrickContent::zero : all == 0xFF ? BrickContent::one : BrickContent::mixed);
       }
   BrickMask band = interface_bricks(content, n);
-  for (size_t b = 0; b < support.grid.size(); ++b) band.set(support.grid.coord(b));
+  add_bricks(support.grid, band);
 
   Level level = make_level(box, static_cast<float>(lambda), band, support.grid, support.f, context, norm);
   parallel_for(context, level.grid.size(), 64, [&](size_t b) {

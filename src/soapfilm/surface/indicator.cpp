@@ -98,10 +98,6 @@ void smooth_brick(const std::array<const BrickBits*, 27>& around, float* out) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// The bricks within the surface's margin of the interface.
 BrickGrid bricks_near_surface(const Level& level, const InsideBits& bits, const Context& context) {
   BrickMask mask(level.box.bricks);

@@ -150,7 +150,7 @@ Level CurvedToGrid::bent(const std::vector<HoleSurface>& holes, HoleReport& repo
   const BrickMask differing = differing_bricks();
   BrickMask near_surface = differing;
   const Start& start = finder_.start();
-  for (size_t b = 0; b < start.grid.size(); ++b) near_surface.set(start.grid.coord(b));
+  add_bricks(start.grid, near_surface);
   Level bent;
   bent.box = fine_.box;
   bent.grid = BrickGrid(near_surface, context_);

@@ -42,12 +42,11 @@ bool SignBits::test(Vec3i vertex) const {
 }
 
 size_t SignBits::count() const {
-  constexpr double most = 0x1p48;
   size_t found = 0;
   for (const uint8_t row : rows_) found += static_cast<size_t>(count_bits(row));
   const Gaps gaps(*grid_);
   for (size_t g = 0; g < gaps.size(); ++g)
-    if ((*inside_)[g]) found += static_cast<size_t>(std::min(most, brick_volume * gaps[g].count()));
+    if ((*inside_)[g]) found += count_vertices(gaps[g]);
   return found;
 }
 
