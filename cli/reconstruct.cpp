@@ -177,6 +177,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
     write.ascii = options.ascii;
     write.coordinate_precision = 1e-3 * report.grid.voxel;
     write.voxel = report.grid.voxel;
+    write.up = report.params.orient.up.value_or(Axis::z);
     const WriteReport written = write_mesh(options.output, result.mesh, write, context);
     for (const std::string& warning : written.warnings) {
       progress.warn(warning);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "soapfilm/mesh.h"
+#include "soapfilm/params.h"
 
 namespace SOAPFILM_API soapfilm {
 
@@ -56,6 +57,7 @@ struct WriteOptions {
   double coordinate_precision = 0;    ///< rounding error allowed, input units; 0: 1e-3 mean edges of a mesh, else none
   std::vector<std::string> comments;  ///< lines for the head of a PLY or OBJ file
   double voxel = 0;                   ///< of .vdb: edge of a cell, input units; 0: the mesh's mean edge
+  Axis up = Axis::z;                  ///< of .glb: what is upright; turned to glTF's y, and back by read_mesh()
 };
 
 struct WriteReport {

@@ -280,5 +280,9 @@ const float* soapfilm_attribute(const soapfilm_result* result, const char* name)
 const char* soapfilm_report(const soapfilm_result* result) { return result->report.c_str(); }
 
 soapfilm_status soapfilm_write_mesh(soapfilm_context* context, const soapfilm_result* result, const char* path) {
-  return guarded(context, [&] { write_mesh(path, result->reconstruction.mesh, {}, context->context); });
+  return guarded(context, [&] {
+    WriteOptions options;
+    options.up = result->reconstruction.report.params.orient.up.value_or(Axis::z);
+    write_mesh(path, result->reconstruction.mesh, options, context->context);
+  });
 }

@@ -13,11 +13,17 @@
 #include <cmath>
 #include <cstring>
 #include <ostream>
+#include <utility>
+#include <vector>
 
+#include "soapfilm/core/border_edges.h"
+#include "soapfilm/core/names.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/bytes/file_buffer.h"
+#include "soapfilm/io/meshes/face_normals.h"
+#include "soapfilm/io/meshes/gltf_up.h"
 #include "soapfilm/io/precision.h"
 
 namespace soapfilm::io {
@@ -36,7 +42,10 @@ class GltfScene {
     model.scenes.emplace_back().nodes = {0};
     model.defaultScene = 0;
     model.nodes.emplace_back().mesh = 0;
-    model.meshes.emplace_back().primitives.emplace_back().mode = TINYGLTF_MODE_TRIANGLES;
+    tinygltf::Primitive& triangles = model.meshes.emplace_back().primitives.emplace_back();
+    triangles.mode = TINYGLTF_MODE_TRIANGLES;
+    triangles.material = 0;
+    model.materials.emplace_back();
   }
 
   /// value(i) for each element; returns the accessor's index. Elements are a multiple of 4 bytes long.
@@ -65,6 +74,20 @@ class GltfScene {
     return static_cast<int>(model.accessors.size()) - 1;
   }
 
+  /// A node above the mesh's turns `up` to y; the head says so.
+  void turn(Axis up) {
+    if (up == Axis::y) return;
+    const GltfPlace place = turned_up(up);
+    tinygltf::Node& root = model.nodes.emplace_back();
+    for (const Vec3d& image : place.axis) root.matrix.insert(root.matrix.end(), {image.x, image.y, image.z, 0});
+    root.matrix.insert(root.matrix.end(), {0, 0, 0, 1});
+    root.children = {0};
+    model.scenes[0].nodes = {1};
+    tinygltf::Value::Object extras;
+    extras[gltf_up_key] = tinygltf::Value(std::string(name_of(up)));
+    model.asset.extras = tinygltf::Value(std::move(extras));
+  }
+
   tinygltf::Primitive& primitive() { return model.meshes[0].primitives[0]; }
 
   tinygltf::Model model;
@@ -80,6 +103,42 @@ std::string gltf_name(const std::string& name) {
   return text;
 }
 
+/// Unit vectors, as glTF demands: the mesh's own, or its faces'; up where there is none.
+std::vector<Vec3f> gltf_normals(const Mesh& mesh) {
+  std::vector<Vec3f> normals = mesh.normals;
+  if (normals.empty()) {
+    FaceNormals faces(mesh.vertices);
+    for (const Triangle& triangle : mesh.triangles) faces.add(triangle);
+    normals = faces.finish();
+  }
+  for (Vec3f& n : normals) {
+    constexpr double unit = 1e-4;  // nearer to it stays as it is
+    const auto exact = static_cast<Vec3d>(n);
+    const double length = norm(exact);
+    if (std::abs(length - 1) <= unit) continue;
+    n = length > 0 && std::isfinite(length) ? static_cast<Vec3f>(exact / length) : Vec3f{0, 0, 1};
+  }
+  return normals;
+}
+
+bool has_border(const Mesh& mesh) {
+  std::vector<std::pair<uint32_t, uint32_t>> edges;
+  edges.reserve(3 * mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles)
+    for (size_t k = 0; k < 3; ++k) edges.push_back(std::minmax(t[k], t[(k + 1) % 3]));
+  return !edges_of_one_triangle(std::move(edges)).empty();
+}
+
+/// Rough and not metallic; colors of vertices are shown as they are. Both sides of a surface that ends are seen.
+void set_material(const Mesh& mesh, tinygltf::Material& material) {
+  const double shade = mesh.colors.empty() ? 0.8 : 1.0;
+  material.name = "surface";
+  material.doubleSided = has_border(mesh);
+  material.pbrMetallicRoughness.baseColorFactor = {shade, shade, shade, 1};
+  material.pbrMetallicRoughness.metallicFactor = 0;
+  material.pbrMetallicRoughness.roughnessFactor = 0.9;
+}
+
 void add_vertices(const Mesh& mesh, Vec3d origin, GltfScene& scene) {
   const size_t count = mesh.vertices.size();
   const auto local = [&](size_t i) { return static_cast<Vec3f>(mesh.vertices[i] - origin); };
@@ -91,9 +150,8 @@ void add_vertices(const Mesh& mesh, Vec3d origin, GltfScene& scene) {
   for (size_t i = 0; i < count; ++i) box.extend(static_cast<Vec3d>(local(i)));
   scene.model.accessors[static_cast<size_t>(positions)].minValues = {box.lo.x, box.lo.y, box.lo.z};
   scene.model.accessors[static_cast<size_t>(positions)].maxValues = {box.hi.x, box.hi.y, box.hi.z};
-  if (!mesh.normals.empty())
-    attributes["NORMAL"] =
-        scene.add(count, floats, TINYGLTF_TYPE_VEC3, vertices, [&](size_t i) { return mesh.normals[i]; });
+  const std::vector<Vec3f> normals = gltf_normals(mesh);
+  attributes["NORMAL"] = scene.add(count, floats, TINYGLTF_TYPE_VEC3, vertices, [&](size_t i) { return normals[i]; });
   if (!mesh.colors.empty())
     attributes["COLOR_0"] =
         scene.add(count, TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_TYPE_VEC4, vertices, [&](size_t i) {
@@ -119,7 +177,7 @@ std::string not_finite(const Mesh& mesh) {
 
 WriteReport write_glb(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
   check_mesh(mesh);
-  const size_t vertex_bytes = 12 + 12 * !mesh.normals.empty() + 4 * !mesh.colors.empty() + 4 * mesh.attributes.size();
+  const size_t vertex_bytes = 24 + 4 * !mesh.colors.empty() + 4 * mesh.attributes.size();
   if (mesh.vertices.size() > most_bytes / vertex_bytes ||
       mesh.triangles.size() > (most_bytes / 2 - mesh.vertices.size() * vertex_bytes / 2) / 6)
     throw OutputError(fmt::format("{}: the mesh has {} triangles, too many for the 4 GiB of a GLB file; PLY holds them",
@@ -129,6 +187,8 @@ WriteReport write_glb(const std::string& path, const Mesh& mesh, const WriteOpti
   GltfScene scene;
   add_vertices(mesh, origin, scene);
   scene.model.nodes[0].translation = {origin.x, origin.y, origin.z};
+  scene.turn(options.up);
+  set_material(mesh, scene.model.materials[0]);
   scene.primitive().indices =
       scene.add(mesh.triangles.size(), TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
                 TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, [&](size_t i) { return mesh.triangles[i]; });

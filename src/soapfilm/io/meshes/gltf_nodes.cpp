@@ -7,6 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "soapfilm/core/names.h"
+#include "soapfilm/io/meshes/gltf_up.h"
+
 namespace soapfilm::io {
 
 namespace {
@@ -76,6 +79,17 @@ std::vector<uint64_t> root_nodes(const GlbFile& file) {
   return roots;
 }
 
+/// What takes the file's frame back to that of the mesh that was written.
+GltfPlace frame_of(const GlbFile& file) {
+  const auto asset = file.head().find("asset");
+  if (asset == file.head().end() || !asset->is_object() || !asset->contains("extras")) return {};
+  const json& extras = (*asset)["extras"];
+  if (!extras.is_object() || !extras.contains(gltf_up_key)) return {};
+  for (size_t axis = 0; axis < names_of<Axis>.size(); ++axis)
+    if (extras[gltf_up_key] == names_of<Axis>[axis]) return turned_back(static_cast<Axis>(axis));
+  return {};
+}
+
 }  // namespace
 
 Vec3d GltfPlace::normal(const Vec3d& n) const {
@@ -101,7 +115,7 @@ std::vector<GltfNode> gltf_nodes(const GlbFile& file) {
   const auto add_all = [&](const std::vector<uint64_t>& nodes, const GltfPlace& place) {
     for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) open.emplace_back(*node, place);
   };
-  add_all(root_nodes(file), {});
+  add_all(root_nodes(file), frame_of(file));
   while (!open.empty()) {
     const auto [index, outer] = open.back();
     open.pop_back();
