@@ -49,6 +49,44 @@ TEST(Samples, WithoutADirectionOrWeightSayNothing) {
   EXPECT_EQ(problem.samples.direction[0], cloud.normals[problem.samples.source[0]] * 2.0f);
 }
 
+/// A weight of 3 is three samples at one place, in the data term as in whatever counts samples.
+TEST(Samples, AWeightIsSoManySamples) {
+  PointCloud weighted = sampled("part", 40, 1);
+  weighted.scans.clear();
+  PointCloud repeated;
+  for (size_t i = 0; i < weighted.size(); ++i) {
+    const size_t times = 1 + i % 3;
+    weighted.weights.push_back(static_cast<float>(times));
+    repeated.positions.insert(repeated.positions.end(), times, weighted.positions[i]);
+    repeated.normals.insert(repeated.normals.end(), times, weighted.normals[i]);
+  }
+  const Problem few = make_problem(weighted, 40), many = make_problem(repeated, few.lattice);
+  double counted = 0;
+  for (size_t s = 0; s < few.samples.size(); ++s) counted += static_cast<double>(few.samples.weight_of(s));
+  EXPECT_EQ(counted, static_cast<double>(many.samples.size()));
+  ASSERT_EQ(few.support.grid.size(), many.support.grid.size());
+  float largest = 0;
+  for (size_t b = 0; b < few.support.grid.size(); ++b)
+    for (size_t i = 0; i < brick_volume; ++i) {
+      largest = std::max(largest, std::abs(many.support.f.brick(b)[i]));
+      ASSERT_NEAR(few.support.f.brick(b)[i], many.support.f.brick(b)[i], 1e-5);
+    }
+  EXPECT_GT(largest, 0.1f);
+}
+
+/// What a sample pulls in the data term is weighed by its area, too; as a sample it counts as before.
+TEST(Samples, WeighingDirectionsChangesNoCount) {
+  PointCloud cloud = sampled("sphere", 40, 1);
+  cloud.weights.assign(cloud.size(), 3.0f);
+  GridSamples samples = make_problem(cloud, 40).samples;
+  const std::vector<float> before = samples.weight;
+  for (const int threads : {1, 3})
+    samples.weigh_directions(Context(threads), [](size_t s) { return s % 2 ? 2.0f : 0.5f; });
+  EXPECT_EQ(samples.weight, before);
+  for (size_t s = 0; s < samples.size(); ++s)
+    ASSERT_EQ(samples.direction[s], cloud.normals[samples.source[s]] * 3.0f * (s % 2 ? 4.0f : 0.25f));
+}
+
 /// Counted in several chunks, the order is the same; a part of the samples is what is left of it.
 TEST(Samples, AreSortedAlikeByAnyNumberOfThreads) {
   const PointCloud cloud = sampled("knot", 40, 20);

@@ -144,16 +144,12 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   make_room(samples.sample_hash);
   for_each_place([&](size_t i, size_t k, Vec3f local) {
     samples.local[k] = local;
-    const Vec3f direction = lattice.from_world_axes(directions[i]);
-    samples.direction[k] = direction;
-    if (!cloud.weights.empty()) {
-      const auto weight = static_cast<float>(scale * cloud.weights[i]);
-      samples.weight[k] = weight;
-      samples.direction[k] = direction * weight;
-    }
+    samples.direction[k] = lattice.from_world_axes(directions[i]);
+    if (!cloud.weights.empty()) samples.weight[k] = static_cast<float>(scale * cloud.weights[i]);
     samples.source[k] = static_cast<uint32_t>(i);
     samples.sample_hash[k] = sample_hash_of(i);
   });
+  if (!samples.weight.empty()) samples.weigh_directions(context, [&](size_t s) { return samples.weight[s]; });
   return samples;
 }
 

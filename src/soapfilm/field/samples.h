@@ -9,6 +9,8 @@
 
 #include "soapfilm/cloud.h"
 #include "soapfilm/context.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/vec.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/lattice.h"
 
@@ -21,14 +23,23 @@ struct GridSamples {
   int axis_shift = 0;                ///< permutation of the lattice's axes
   std::vector<uint32_t> begin;       ///< brick b holds samples [begin[b], begin[b + 1])
   std::vector<Vec3f> local;          ///< position relative to the brick's first vertex, voxels, each in [0, 8)
-  std::vector<Vec3f> direction;      ///< rough outward direction along the lattice's axes; its length is the sample's
-                                     ///< weight in the data term: its own, times the area it stands for
-  std::vector<float> weight;         ///< as given in the cloud, times weight_scale(); > 0; empty: all are 1
+  std::vector<Vec3f> direction;      ///< rough outward direction along the lattice's axes; its length is how strongly
+                                     ///< the sample pulls in the data term: weigh_directions() alone changes it
+  std::vector<float> weight;         ///< how many samples it counts as: as given in the cloud, times weight_scale();
+                                     ///< > 0; empty: all are 1
   std::vector<uint32_t> source;      ///< index of the sample in the cloud; freed when the cloud is no longer needed
   std::vector<uint8_t> sample_hash;  ///< random bits per sample, the same for any grid: sample_hash_of(source)
 
   size_t size() const { return local.size(); }
   float weight_of(size_t s) const { return weight.empty() ? 1.0f : weight[s]; }
+
+  /// Multiplies the length of each direction: by the sample's weight when it is sorted, by the area it stands for when
+  /// that is known. Area is no part of `weight`: fits and counts take each sample for as many as it is.
+  template <class FactorOf>
+  void weigh_directions(const Context& context, FactorOf&& factor_of) {
+    constexpr size_t samples_per_task = size_t{1} << 15;
+    parallel_for(context, size(), samples_per_task, [&](size_t s) { direction[s] = direction[s] * factor_of(s); });
+  }
 
   /// Other samples of the same columns: `taken` of these in their order, sorted by the bricks of `grid`, brick b having
   /// [first[b], first[b + 1]). Columns that are empty stay empty.

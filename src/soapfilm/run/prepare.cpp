@@ -100,8 +100,7 @@ Lambda choose_lambda(const PointCloud& cloud, const Orientation& oriented, const
       grid.weights.empty()
           ? weigh_by_area(oriented.surface, most_weight, trust_alone(oriented.report, scanners), context)
           : grid.weights;
-  parallel_for(context, samples.size(), samples_per_task,
-               [&](size_t k) { samples.direction[k] = samples.direction[k] * weights[samples.source[k]]; });
+  samples.weigh_directions(context, [&](size_t s) { return weights[samples.source[s]]; });
   return lambda;
 }
 
