@@ -183,6 +183,61 @@ TEST(CrossingSearch, FindsTheFoldsOfASheet) {
   EXPECT_GT(all, 100u);
 }
 
+/// Found by lot: the old diagonal 0-1 and the new one 2-3, between them nothing but the tip 4 of a spike on 5,
+/// 6, 7. It pierces the new triangles only, but meets them on their way, in bins that only the old ones
+/// reach. Elsewhere all look the same way.
+TEST(CrossingSearch, FindsWhatTheWayFromTheOldDiagonalsMeets) {
+  const Context context(1);
+  const std::vector<Triangle> one{{4, 5, 6}, {4, 6, 7}, {4, 7, 5}}, other{{4, 6, 5}, {4, 7, 6}, {4, 5, 7}};
+  struct Case {
+    std::vector<Vec3d> at;
+    std::vector<Triangle> spike;
+  };
+  const std::vector<Case> cases{{{{5.839, 6.120, 6.235},
+                                  {6.582, 3.624, 3.301},
+                                  {5.951, 5.009, 6.491},
+                                  {4.709, 6.048, 5.391},
+                                  {6.102, 4.949, 4.940},
+                                  {3.383, 7.444, 7.894},
+                                  {6.216, 3.075, 7.784},
+                                  {5.114, 4.051, 6.912}},
+                                 one},
+                                {{{5.151, 4.259, 6.309},
+                                  {4.430, 6.273, 3.256},
+                                  {6.765, 6.365, 4.793},
+                                  {4.478, 3.739, 4.752},
+                                  {4.793, 4.499, 5.127},
+                                  {6.461, 5.529, 5.869},
+                                  {7.155, 2.600, 6.951},
+                                  {6.692, 4.054, 2.060}},
+                                 other},
+                                {{{5.405, 3.230, 5.872},
+                                  {6.401, 3.537, 4.382},
+                                  {3.132, 5.735, 4.849},
+                                  {6.961, 3.843, 4.838},
+                                  {5.627, 3.830, 5.060},
+                                  {5.005, 7.733, 7.311},
+                                  {2.845, 7.545, 6.272},
+                                  {7.063, 6.759, 3.611}},
+                                 one}};
+  for (size_t k = 0; k < cases.size(); ++k) {
+    std::vector<Vec3d> at = cases[k].at;
+    std::vector<Triangle> before{{0, 1, 2}, {1, 0, 3}}, after{{3, 1, 2}, {0, 3, 2}};
+    for (auto* triangles : {&before, &after})
+      triangles->insert(triangles->end(), cases[k].spike.begin(), cases[k].spike.end());
+    EXPECT_TRUE(crossing_pairs(before, at).empty()) << k;
+    const Pairs expected = crossing_pairs(after, at);
+    EXPECT_GE(expected.size(), 3u);
+    // So many others, far away, that no two bins share a slot of the table of half spaces.
+    at.insert(at.end(), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    for (auto* triangles : {&before, &after}) triangles->resize(600, {8, 9, 10});
+    std::vector<uint8_t> changed(before.size());
+    changed[0] = changed[1] = 1;
+    const CrossingSearch search({before, after, at, at, changed}, 1, context);
+    EXPECT_EQ(distinct(search.find(at, changed)), expected) << k;
+  }
+}
+
 /// Of the marked triangles all pairs, of others none.
 TEST(CrossingSearch, FindsOnlyPairsWithATriangleThatChanged) {
   const Context context(1);

@@ -170,6 +170,29 @@ TEST(Flip, MakesNoTriangleOfLessThanAHundredthOfAVoxel) {
   }
 }
 
+/// Two edges of one triangle gain. After the exchange of the better one, 1-2 for 0-3, the other's half edge is one of
+/// 0-3: exchanged in the same pass as well, it would bring 1-2 back, to be exchanged once more.
+TEST(Flip, ChangesATriangleOncePerPass) {
+  Mesh mesh;
+  mesh.vertices = {{0.5, 0.8, 0}, {0, 0, 0}, {1, 0, 0}, {0.5, -0.8, 0}, {-0.5, 0.7, 0}};
+  mesh.triangles = {{1, 2, 0}, {2, 1, 3}, {1, 0, 4}};
+  const std::vector<Vec3f> normals{{0, 0, 1}, {-0.6f, 0, 0.8f}, {0.6f, 0, 0.8f}, {0, 0, 1}, {0.6f, 0, 0.8f}};
+  const auto gain = [&](uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+    const auto sag_of = [&](uint32_t p, uint32_t q) {
+      return sag(mesh.vertices[p], mesh.vertices[q], normals[p], normals[q]);
+    };
+    return sag_of(a, b) - sag_of(c, d);
+  };
+  ASSERT_GT(gain(0, 1, 2, 4), 0.03);
+  ASSERT_GT(gain(1, 2, 0, 3), gain(0, 1, 2, 4));
+  HalfEdges edges(mesh);
+  EXPECT_EQ(flip_edges(edges, normals, 1, 0, one_thread), 1u);
+  const auto now = edges_of(mesh);
+  EXPECT_EQ(now.count({1, 2}), 0u);
+  EXPECT_EQ(now.count({0, 3}), 1u);
+  EXPECT_EQ(now.count({0, 1}), 1u);
+}
+
 /// Twice as fine is half as large in everything.
 TEST_P(FlipEdges, DoesNotDependOnTheUnit) {
   for (const double voxel : {1e-3, 64.0}) {
