@@ -15,7 +15,7 @@ namespace {
 
 /// Unsmoothed. That of an open level ends at the box, as the final mesh does.
 Mesh surface_of(const Level& level, double threshold, const Lattice& lattice, const Context& context) {
-  const SurfaceField surface = binary_indicator(level, static_cast<float>(threshold), context);
+  const IndicatorField surface = binary_indicator(labels_of(level, static_cast<float>(threshold), context), context);
   return extract_isosurface(
       surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, lattice, context,
       drawn_range(level.box));

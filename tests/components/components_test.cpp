@@ -28,17 +28,18 @@ struct Ball {
 /// Balls drawn one over the other, one unit of length per voxel, and samples on them.
 struct Drawing {
   Lattice lattice;
-  Level level;
+  Labels labels;
   GridSamples samples;
 
   explicit Drawing(const std::vector<Ball>& balls) {
     lattice.size = {80, 60, 60};
-    level = drawn_level(lattice.box(0), true, [&](Vec3i v) {
+    const Level level = drawn_level(lattice.box(0), true, [&](Vec3i v) {
       bool inside = false;
       for (const Ball& ball : balls)
         if (norm(Vec3d(v) - ball.center) < ball.radius) inside = ball.inside;
       return inside;
     });
+    labels = labels_of(level, 0.5f, Context(1));
     PointCloud cloud;
     Random random(7);
     for (const Ball& ball : balls)
@@ -52,10 +53,10 @@ struct Drawing {
 
   ComponentReport drop(const ComponentParams& params = {}, double density = 1, int threads = 2) {
     ComponentReport report;
-    drop_components(level, 0.5f, samples, density, {params}, Context(threads), report);
+    drop_components(labels, samples, density, {params}, Context(threads), report);
     return report;
   }
-  bool inside(Vec3d v) const { return dense_labels(level)[Vec3i(v)] != 0; }
+  bool inside(Vec3d v) const { return dense_labels(labels)[Vec3i(v)] != 0; }
 };
 
 constexpr double big_radius = 20;
@@ -126,7 +127,7 @@ TEST(Components, WithinADroppedCavityAreDroppedWithIt) {
   const ComponentReport report = drawing.drop();
   EXPECT_EQ(report.cavities.dropped, 1u);
   EXPECT_EQ(report.objects.dropped, 1u);
-  EXPECT_EQ(Parts(drawing.level, 0.5f, Context(1)).size(), 2u);
+  EXPECT_EQ(Parts(drawing.labels, Context(1)).size(), 2u);
   EXPECT_TRUE(drawing.inside({30, 30, 30}));
   EXPECT_TRUE(drawing.inside({30, 30, 40}));
 }
@@ -137,7 +138,7 @@ TEST(Components, OneObjectIsAlwaysKept) {
   EXPECT_EQ(report.objects.kept, 1u);
   EXPECT_TRUE(drawing.inside(big.center));
   EXPECT_FALSE(drawing.inside({64, 30, 30}));
-  EXPECT_EQ(report.vertices, Parts(Drawing({{{64, 30, 30}, 5, 1}}).level, 0.5f, Context(1))[1].vertices);
+  EXPECT_EQ(report.vertices, Parts(Drawing({{{64, 30, 30}, 5, 1}}).labels, Context(1))[1].vertices);
 }
 
 /// In noise with thousands of parts and samples at random: what is done is done, and threads do not matter.
@@ -154,24 +155,26 @@ TEST(Components, DroppingTwiceChangesNothingMore) {
   const auto noise = [&] {
     Random dice(5);
     const LevelBox box = lattice.box(0);
-    return drawn_level(box, false, [&](Vec3i v) { return dice.uniform() < (v.z < 50 ? 0.95 : 0.2) && box.is_free(v); });
+    return labels_of(
+        drawn_level(box, false, [&](Vec3i v) { return dice.uniform() < (v.z < 50 ? 0.95 : 0.2) && box.is_free(v); }),
+        0.5f, Context(1));
   };
   const ComponentParams params{.min_support = 0.9, .few_samples = 2, .many_samples = 12, .sparse_support = 0.7};
   Dense<uint8_t> first;
   for (const int threads : {1, 2, 3, 8}) {
-    Level level = noise();
+    Labels labels = noise();
     ComponentReport once, twice;
-    drop_components(level, 0.5f, samples, 0.5, {params}, Context(threads), once);
+    drop_components(labels, samples, 0.5, {params}, Context(threads), once);
     EXPECT_GT(once.objects.dropped, 100u);
     EXPECT_GT(once.objects.kept, 100u);
     EXPECT_GT(once.cavities.dropped, 100u);
     EXPECT_GT(once.cavities.kept, 100u);
-    const Dense<uint8_t> labels = dense_labels(level);
-    if (threads == 1) first = labels;
-    EXPECT_EQ(count_differences(labels, first), 0u) << threads << " threads";
-    drop_components(level, 0.5f, samples, 0.5, {params}, Context(threads), twice);
+    const Dense<uint8_t> after = dense_labels(labels);
+    if (threads == 1) first = after;
+    EXPECT_EQ(count_differences(after, first), 0u) << threads << " threads";
+    drop_components(labels, samples, 0.5, {params}, Context(threads), twice);
     EXPECT_EQ(twice.objects.dropped + twice.cavities.dropped, 0u);
-    EXPECT_EQ(count_differences(dense_labels(level), labels), 0u);
+    EXPECT_EQ(count_differences(dense_labels(labels), after), 0u);
   }
 }
 

@@ -61,9 +61,9 @@ TEST_P(Labeling, IsThatOfAFlood) {
   for (const double band : {1.0, 0.5}) {
     RandomLevel random(3, {.band = band, .more_layers = sanitized ? 0 : 170});
     make_noise(random, GetParam(), 5);
-    const Level& level = random.level;
-    const Parts parts(level, 0.5f, Context(2));
-    const Dense<uint8_t> labels = dense_labels(level);
+    const Labels found = labels_of(random.level, 0.5f, Context(2));
+    const Parts parts(found, Context(2));
+    const Dense<uint8_t> labels = dense_labels(found);
     const Dense<int> expected = flooded(labels);
 
     std::map<int, uint32_t> part_of;
@@ -119,10 +119,10 @@ TEST(Labeling, GoesThroughMissingBricks) {
   const Vec3i center{36, 36, 36};
   const auto radius2 = [&](Vec3i v) { return dot(v - center, v - center); };
   const auto inside = [&](int r2) { return (r2 < 900 && r2 >= 324) || r2 < 25; };
-  Level level = drawn_level(box, true, [&](Vec3i v) { return inside(radius2(v)); });
-  ASSERT_TRUE(level.inside.test(level.grid, brick_of(center + Vec3i{24, 0, 0})));
+  Labels labels = labels_of(drawn_level(box, true, [&](Vec3i v) { return inside(radius2(v)); }), 0.5f, Context(1));
+  ASSERT_TRUE(labels.inside.test(labels.grid, brick_of(center + Vec3i{24, 0, 0})));
 
-  const Parts parts(level, 0.5f, Context(3));
+  const Parts parts(labels, Context(3));
   ASSERT_EQ(parts.size(), 4u);
   const uint32_t shell = part_at(parts, center + Vec3i{24, 0, 0}), hollow = part_at(parts, center + Vec3i{0, 12, 0}),
                  core = part_at(parts, center);
@@ -133,13 +133,13 @@ TEST(Labeling, GoesThroughMissingBricks) {
   // All of the inside filled, then nothing left.
   std::vector<uint8_t> sides(4, 1);
   sides[0] = 0;
-  parts.write(sides, level, Context(2));
-  const Dense<uint8_t> filled = dense_labels(level);
+  parts.write(sides, labels, Context(2));
+  const Dense<uint8_t> filled = dense_labels(labels);
   filled.for_each([&](Vec3i v) { ASSERT_EQ(filled[v], radius2(v) < 900); });
-  const Parts solid(level, 0.5f, Context(1));
+  const Parts solid(labels, Context(1));
   ASSERT_EQ(solid.size(), 2u);
-  solid.write({0, 0}, level, Context(1));
-  EXPECT_EQ(count_inside(dense_labels(level)), 0u);
+  solid.write({0, 0}, labels, Context(1));
+  EXPECT_EQ(count_inside(dense_labels(labels)), 0u);
 }
 
 }  // namespace TEST_FILE

@@ -12,25 +12,26 @@ namespace TEST_FILE {
 using namespace test;
 
 /// A shell of radius 12 to 18 about the middle of a box of 60; all bricks are in the band, or those at the shell alone.
-Level shell(bool sparse) {
+Labels shell(bool sparse) {
   Lattice lattice;
   lattice.size = {60, 60, 60};
-  return drawn_level(lattice.box(0), sparse, [](Vec3i v) {
+  const auto inside = [](Vec3i v) {
     const double r = norm(Vec3d(v) - Vec3d{30, 30, 30});
     return r > 12 && r < 18;
-  });
+  };
+  return labels_of(drawn_level(lattice.box(0), sparse, inside), 0.5f, Context(1));
 }
 
 TEST(Scanners, StandInTheAirInSolidMatterOrEnclosed) {
   const std::vector<Vec3d> positions{{30, 30, 30}, {33, 28.4, 31}, {30, 45, 30}, {5, 5, 5}, {500, -3, 1e300}};
   for (const bool sparse : {false, true}) {
-    const Level level = shell(sparse);
-    const ScannerReport found = place_scanners(level, 0.5f, false, positions);
+    const Labels labels = shell(sparse);
+    const ScannerReport found = place_scanners(labels, false, positions);
     EXPECT_EQ(found.scanners, 5u);
     EXPECT_EQ(found.in_solid, 1u);
     EXPECT_EQ(found.enclosed, 2u);
-    // The same level as a complement: the shell is all the air there is.
-    const ScannerReport other = place_scanners(level, 0.5f, true, positions);
+    // The same labels as a complement: the shell is all the air there is.
+    const ScannerReport other = place_scanners(labels, true, positions);
     EXPECT_EQ(other.in_solid, 4u);
     EXPECT_EQ(other.enclosed, 1u);
   }

@@ -138,8 +138,8 @@ TEST(CoarseToFine, EmptyCoarseLevelsShowWhereToStart) {
     EXPECT_NEAR(report->energies.primal, same.energies.primal, 0.5 * report->tolerance * std::abs(same.energies.dual))
         << "level " << report->level;
   }
-  const auto inside = static_cast<double>(soapfilm::count_inside(alone.finest, 0.5f, one_thread));
-  EXPECT_NEAR(static_cast<double>(soapfilm::count_inside(guided.finest, 0.5f, one_thread)), inside, 1e-4 * inside);
+  const auto inside = static_cast<double>(count_inside(dense_labels(alone.finest)));
+  EXPECT_NEAR(static_cast<double>(count_inside(dense_labels(guided.finest))), inside, 1e-4 * inside);
 
   // Where no level's data pays the paper's three do without.
   constexpr double too_much = 2;
@@ -158,7 +158,7 @@ TEST(CoarseToFine, ShowsItsObserverEveryLevelAndEveryEvaluation) {
     const Lattice expected = problem.lattice.of_level(level.box.level);
     EXPECT_EQ(of_level.voxel, expected.voxel);
     EXPECT_EQ(of_level.first_vertex, expected.first_vertex);
-    EXPECT_GT(soapfilm::count_inside(level, 0.5f, one_thread), 10u) << "it shows the solution";
+    EXPECT_GT(count_inside(dense_labels(level)), 10u) << "it shows the solution";
     // u has not changed since the last evaluation.
     EXPECT_EQ(evaluate_energy(level, {}, one_thread).primal, last.primal);
   };

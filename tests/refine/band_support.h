@@ -118,31 +118,21 @@ struct Solved {
 };
 
 struct Refined {
-  SurfaceField field;
+  DistanceField field;
   FitReport report;
   Mesh mesh;
 };
 
-inline Mesh mesh_of(const SurfaceField& field, float isovalue, const Lattice& lattice) {
+template <class Field>
+Mesh mesh_of(const Field& field, float isovalue, const Lattice& lattice) {
   return extract_isosurface(
       field.grid, field.value, [&](Vec3i brick) { return field.missing_value(brick); }, isovalue, lattice, Context(1));
 }
 
-/// A copy of the parts of a level that refine() reads, since it takes the level over.
-inline Level copy_of(const Level& level) {
-  Level copy;
-  copy.box = level.box;
-  copy.grid = level.grid;
-  copy.inside = level.inside;
-  copy.u = Field<float>(level.grid);
-  for (size_t b = 0; b < level.grid.size(); ++b) std::copy_n(level.u.brick(b), brick_volume, copy.u.brick(b));
-  return copy;
-}
-
 inline Refined refined(const Solved& solved, const RefineSetup& params = {}, int threads = 1) {
   Refined result;
-  result.field = refine(copy_of(solved.solution.finest), 0.5f, solved.problem.samples, solved.density, params,
-                        Context(threads), result.report);
+  result.field = refine(labels_of(solved.solution.finest, 0.5f, Context(1)), solved.problem.samples, solved.density,
+                        params, Context(threads), result.report);
   result.mesh = mesh_of(result.field, 0, solved.problem.lattice);
   return result;
 }

@@ -16,11 +16,12 @@ const Context one_thread(1);
 /// A solved shape's problem on the grid itself and on every second vertex, with fit weights that suit the latter.
 struct TwoGrids {
   Solved solved;
-  Start start = start_from(solved.solution.finest, 0.5f, 3, one_thread);
+  Start start = start_from(labels_of(solved.solution.finest, 0.5f, one_thread), 3, one_thread);
   CoarseFit coarse;
 
   explicit TwoGrids(Solved problem) : solved(std::move(problem)) {
-    coarse.start = start_from(every_second_vertex(solved.solution.finest, 0.5f, one_thread), 0.5f, 3, one_thread);
+    coarse.start =
+        start_from(every_second_vertex(labels_of(solved.solution.finest, 0.5f, one_thread), one_thread), 3, one_thread);
     coarse.samples = on_every_second_vertex(solved.problem.samples, one_thread);
     coarse.fit_weights = choose_fit_weights(coarse.start, coarse.samples, {}, {}, one_thread, coarse.search);
   }
@@ -49,7 +50,7 @@ TEST(CoarserGrid, IsNotUsedWhereNoSampleDecides) {
 
 TEST(CoarserGrid, IsNotNearWhereMoreThanOneIn500VerticesMovedFarOrNotAtAll) {
   const Solved solved("sphere", 50);
-  const Start start = start_from(solved.solution.finest, 0.5f, 3, one_thread);
+  const Start start = start_from(labels_of(solved.solution.finest, 0.5f, one_thread), 3, one_thread);
   std::vector<size_t> at_surface;
   for (size_t i = 0; i < start.phi0.size(); ++i)
     if (start.phi0.data()[i] != 0 && std::abs(start.phi0.data()[i]) < 1) at_surface.push_back(i);

@@ -23,7 +23,8 @@ struct Search {
   FitWeightReport report{};
 
   explicit Search(const Solved& solved)
-      : start(start_from(solved.solution.finest, 0.5f, 3, one_thread)), samples(solved.problem.samples) {}
+      : start(start_from(labels_of(solved.solution.finest, 0.5f, one_thread), 3, one_thread)),
+        samples(solved.problem.samples) {}
   FitWeights choose(const FitWeightParams& params) {
     report = {};
     return choose_fit_weights(start, samples, {}, params, one_thread, report);

@@ -46,7 +46,7 @@ void for_each_sample(const GridSamples& samples, Visit&& visit) {
 class NoisySphere : public testing::Test {
  protected:
   Solved solved{"sphere", 36, 1.0, {.noise_vox = 0.3, .viewing = false, .outliers = 0.02}};
-  Start start = start_from(solved.solution.finest, 0.5f, 3, one_thread);
+  Start start = start_from(labels_of(solved.solution.finest, 0.5f, one_thread), 3, one_thread);
   GridSamples samples = [&] {
     GridSamples found = solved.problem.samples;
     for (size_t s = 0; s < found.size(); s += 10) found.direction[s] = -found.direction[s];  // seen from inside

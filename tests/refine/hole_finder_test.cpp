@@ -25,7 +25,7 @@ Vertices set_of(const HoleSurface& surface) {
 
 /// A sphere without the samples in some caps: `axis` times the cosine of the cap's half angle.
 struct Holed {
-  Level level;
+  Labels labels;
   GridSamples samples;
   Start start;
 
@@ -39,9 +39,9 @@ struct Holed {
       });
     cloud.filter(keep);
     const Problem problem = make_problem(cloud, solved.problem.lattice);
-    level = copy_of(solve(problem, 0.02, 1e-3).finest);
+    labels = labels_of(solve(problem, 0.02, 1e-3).finest, 0.5f, one_thread);
     samples = problem.samples;
-    start = start_from(level, 0.5f, 3, one_thread);
+    start = start_from(labels, 3, one_thread);
   }
 
   bool in_band(Vec3d q) const {
@@ -95,7 +95,7 @@ struct Holed {
   };
   Found found() const {
     HoleReport report;
-    const HoleFinder finder(level, start, samples, one_thread);
+    const HoleFinder finder(start, samples, one_thread);
     Found found{{}, 0};
     for (const HoleSurface& hole : finder.holes_to_curve(report)) found.curved.insert(set_of(hole));
     found.left = report.left;
@@ -105,10 +105,10 @@ struct Holed {
 
 TEST(HoleFinder, SampledIsWhatLiesWithinTwoVoxelsOfASampleThatIsNoOutlier) {
   const Holed sphere({{{1, 2, 3}, 0.7}}, 26, 0.2);
-  const HoleFinder finder(sphere.level, sphere.start, sphere.samples, one_thread);
+  const HoleFinder finder(sphere.start, sphere.samples, one_thread);
   const std::vector<Vec3d> near = sphere.near_samples();
   EXPECT_LT(near.size(), sphere.samples.size() - 10) << "some are outliers";
-  const Vec3i box = sphere.level.box.bricks * half_brick;
+  const Vec3i box = sphere.start.box.bricks * half_brick;
   size_t sampled = 0;
   for (int z = 0; z < box.z; ++z)
     for (int y = 0; y < box.y; ++y)
@@ -143,7 +143,7 @@ TEST(HoleFinder, HolesAreTheConnectedPartsWithoutSamples) {
 TEST(HoleFinder, WhatTouchesTheBorderIsLeft) {
   const std::vector<std::pair<Vec3d, double>> caps{{{1, 2, 3}, 0.8}, {{-1, -2, -3}, 0.82}};
   Holed sphere(caps, 40);
-  const LevelBox box = sphere.level.box;
+  const LevelBox box = sphere.start.box;
   const auto before = sphere.found();
   ASSERT_EQ(before.curved.size(), 2u);
   for (int axis = 0; axis < 3; ++axis)
@@ -156,8 +156,8 @@ TEST(HoleFinder, WhatTouchesTheBorderIsLeft) {
           outermost = high ? std::max(outermost, at) : std::min(outermost, at);
         }
       for (const int distance : {1, 2}) {
-        sphere.level.box = box;
-        (high ? sphere.level.box.free_hi : sphere.level.box.free_lo)[axis] = outermost + (high ? distance : -distance);
+        sphere.start.box = box;
+        (high ? sphere.start.box.free_hi : sphere.start.box.free_lo)[axis] = outermost + (high ? distance : -distance);
         const auto found = sphere.found();
         EXPECT_EQ(found.left, distance < 2 ? 1u : 0u) << axis << high << distance;
         EXPECT_EQ(found.curved.size(), distance < 2 ? 1u : 2u);

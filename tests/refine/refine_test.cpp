@@ -128,7 +128,7 @@ class Topology : public testing::TestWithParam<std::string> {};
 
 /// Of the binary field itself.
 TopologyReport topology_of_solve(const Solved& solved) {
-  SurfaceField binary = smoothed_indicator(solved.solution.finest, 0.5f, Context(1));
+  IndicatorField binary = smoothed_indicator(labels_of(solved.solution.finest, 0.5f, Context(1)), Context(1));
   const Dense<double> u = dense_u(solved.solution.finest, 0.5f);
   for (size_t b = 0; b < binary.grid.size(); ++b)
     for_each_vertex(binary.grid.coord(b), [&](Vec3i v, int i) { binary.value.brick(b)[i] = static_cast<float>(u[v]); });

@@ -22,11 +22,11 @@ class EverySecondVertex : public testing::TestWithParam<int> {
   const Context context{GetParam()};
 };
 
-TEST_P(EverySecondVertex, HasTheIndicatorOfTheFinerGrid) {
+TEST_P(EverySecondVertex, HasTheLabelsOfTheFinerGrid) {
   const Problem problem = make_problem(sampled("knot", 61, 1), 61);
-  const Level fine = solve(problem, 0.02, 1e-3).finest;
-  const Level coarse = every_second_vertex(fine, 0.5f, context);
-  const Dense<double> expected = dense_u(fine, 0.5f), found = dense_u(coarse, 0.5f);
+  const Labels fine = labels_of(solve(problem, 0.02, 1e-3).finest, 0.5f, context);
+  const Labels coarse = every_second_vertex(fine, context);
+  const Dense<uint8_t> expected = dense_labels(fine), found = dense_labels(coarse);
   size_t inside = 0;
   found.for_each([&](Vec3i v) {
     EXPECT_EQ(found[v], expected.get(v * 2)) << v.x << ' ' << v.y << ' ' << v.z;

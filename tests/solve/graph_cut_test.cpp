@@ -166,7 +166,7 @@ TEST_P(EveryKind, RimsOfAClosedShapeAgreeAtOnce) {
               1e-9 * std::abs(best.report.energy));
 
   // Used by the stages after the solve.
-  const SurfaceField surface = smoothed_indicator(best.level, 0.5f, one_thread);
+  const IndicatorField surface = smoothed_indicator(labels_of(best.level, 0.5f, one_thread), one_thread);
   const Mesh mesh = extract_isosurface(
       surface.grid, surface.value, [&](Vec3i brick) { return surface.missing_value(brick); }, 0.5f, problem.lattice,
       one_thread);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "soapfilm/field/divergence.h"
-#include "soapfilm/solve/level.h"
+#include "soapfilm/solve/labels.h"
 
 namespace soapfilm::test {
 
@@ -196,6 +196,13 @@ inline Dense<uint8_t> dense_labels(const Level& level, float threshold = 0.5f) {
   Dense<uint8_t> labels(level.box.bricks * brick_side);
   const Dense<double> u = dense_u(level, threshold);
   u.for_each([&](Vec3i v) { labels[v] = level.box.is_free(v) && u[v] > 0.5; });
+  return labels;
+}
+
+/// The same of labels.
+inline Dense<uint8_t> dense_labels(const Labels& from) {
+  Dense<uint8_t> labels(from.box.bricks * brick_side);
+  labels.for_each([&](Vec3i v) { labels[v] = from.box.is_free(v) && from.test(v); });
   return labels;
 }
 

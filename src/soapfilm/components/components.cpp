@@ -88,21 +88,21 @@ Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Conte
 }
 
 /// Inside parts that reach the border of the box: where the surface may end there, that is not their end.
-std::vector<uint8_t> at_border_of(const Level& level, float threshold, const Parts& parts) {
+std::vector<uint8_t> at_border_of(const Labels& labels, const Parts& parts) {
   std::vector<uint8_t> found(parts.size());
-  for (size_t b = 0; b < level.grid.size(); ++b) {
-    const Vec3i brick = level.grid.coord(b);
-    if (!at_border(level.box, brick)) continue;
+  for (size_t b = 0; b < labels.grid.size(); ++b) {
+    const Vec3i brick = labels.grid.coord(b);
+    if (!at_border(labels.box, brick)) continue;
     const PartsAround around(parts, brick);
-    const FreeRange free = free_range(level.box, brick);
+    const FreeRange free = free_range(labels.box, brick);
     for (int z = free.lo.z; z < free.hi.z; ++z)
       for (int y = free.lo.y; y < free.hi.y; ++y)
         for (int x = free.lo.x; x < free.hi.x; ++x) {
-          const Vec3i v = level.grid.first_vertex(b) + Vec3i{x, y, z};
+          const Vec3i v = labels.grid.first_vertex(b) + Vec3i{x, y, z};
           bool outermost = false;
           for (int axis = 0; axis < 3; ++axis)
-            outermost = outermost || v[axis] == level.box.free_lo[axis] || v[axis] == level.box.free_hi[axis];
-          if (outermost && level.u.brick(b)[brick_offset(x, y, z)] > threshold) found[around.at({x, y, z})] = 1;
+            outermost = outermost || v[axis] == labels.box.free_lo[axis] || v[axis] == labels.box.free_hi[axis];
+          if (outermost && labels.bits[b].test(x, y, z)) found[around.at({x, y, z})] = 1;
         }
   }
   return found;
@@ -153,9 +153,9 @@ void validate(const ComponentParams& params) {
   require("many_samples", params.many_samples);
 }
 
-void drop_components(Level& level, float threshold, const GridSamples& samples, double density,
-                     const ComponentSetup& params, const Context& context, ComponentReport& report) {
-  const Parts parts(level, threshold, context);
+void drop_components(Labels& labels, const GridSamples& samples, double density, const ComponentSetup& params,
+                     const Context& context, ComponentReport& report) {
+  const Parts parts(labels, context);
   const auto [count, weight] = evidence_of(parts, samples, context);
   std::vector<double> area(parts.size()), support(parts.size());
   for (uint32_t p = 1; p < parts.size(); ++p) {
@@ -164,7 +164,7 @@ void drop_components(Level& level, float threshold, const GridSamples& samples, 
   }
   std::vector<uint8_t> keep = parts_to_keep(parts, count, support, params);
   if (params.open) {
-    const std::vector<uint8_t> at_border = at_border_of(level, threshold, parts);
+    const std::vector<uint8_t> at_border = at_border_of(labels, parts);
     for (uint32_t p = 1; p < parts.size(); ++p) keep[p] |= at_border[p];
   }
   bool first_kept = true;
@@ -184,7 +184,7 @@ void drop_components(Level& level, float threshold, const GridSamples& samples, 
   const std::vector<uint8_t> side = final_sides(parts, keep);
   for (uint32_t p = 1; p < parts.size(); ++p)
     if (side[p] != parts[p].inside) report.vertices += parts[p].vertices;
-  parts.write(side, level, context);
+  parts.write(side, labels, context);
 }
 
 }  // namespace soapfilm

@@ -7,7 +7,7 @@
 #include "soapfilm/field/samples.h"
 #include "soapfilm/params.h"
 #include "soapfilm/report.h"
-#include "soapfilm/solve/level.h"
+#include "soapfilm/solve/labels.h"
 
 namespace soapfilm {
 
@@ -24,7 +24,7 @@ struct ComponentSetup : ComponentParams {
 /// supports the surface that it lies on if its direction crosses it from inside to outside, by its weight. If no
 /// component would stay, the one with most samples does. Doing it twice changes nothing more; the result does not
 /// depend on the number of threads.
-void drop_components(Level& level, float threshold, const GridSamples& samples, double density,
-                     const ComponentSetup& params, const Context& context, ComponentReport& report);
+void drop_components(Labels& labels, const GridSamples& samples, double density, const ComponentSetup& params,
+                     const Context& context, ComponentReport& report);
 
 }  // namespace soapfilm

@@ -59,22 +59,22 @@ uint32_t root_of(std::vector<uint32_t>& parent, uint32_t node) {
 
 }  // namespace
 
-Parts::Parts(const Level& level, float threshold, const Context& context)
-    : grid_(level.grid), box_(level.box), gaps_(grid_), side_(level.inside) {
-  find_pieces(level, threshold, context);
+Parts::Parts(const Labels& labels, const Context& context)
+    : grid_(labels.grid), box_(labels.box), gaps_(grid_), side_(labels.inside) {
+  find_pieces(labels, context);
   std::vector<std::vector<Contact>> contacts((grid_.size() + grain - 1) / grain + 1);
   parallel_chunks(context, grid_.size(), grain, [&](size_t begin, size_t end) {
-    for (size_t b = begin; b < end; ++b) touch_brick(level, b, contacts[begin / grain]);
+    for (size_t b = begin; b < end; ++b) touch_brick(labels, b, contacts[begin / grain]);
   });
   touch_gaps(contacts.back());
   number_parts(contacts);
   find_surroundings(contacts);
 }
 
-void Parts::find_pieces(const Level& level, float threshold, const Context& context) {
+void Parts::find_pieces(const Labels& labels, const Context& context) {
   first_piece_.assign(grid_.size() + 1, 0);
   pieces_ = gather<Piece>(grid_.size(), grain, context, [&](size_t b, std::vector<Piece>& pieces) {
-    const BrickBits inside = BrickBits::above(level.u.brick(b), threshold);
+    const BrickBits& inside = labels.bits[b];
     const size_t before = pieces.size();
     for (const bool side : {true, false})
       for (BrickBits left = side ? inside : ~inside; left.any();) {
@@ -92,7 +92,7 @@ uint32_t Parts::node_of_missing(int32_t slot, Vec3i brick) const {
   return node_of_gap(grid_.gap(brick));
 }
 
-void Parts::touch_brick(const Level& level, size_t brick, std::vector<Contact>& contacts) const {
+void Parts::touch_brick(const Labels& labels, size_t brick, std::vector<Contact>& contacts) const {
   const Vec3i coord = grid_.coord(brick);
   const auto touch = [&](uint32_t a, Vec3i offset, const BrickBits& other, bool other_inside, uint32_t node) {
     const Piece& piece = pieces_[a];
@@ -110,7 +110,7 @@ void Parts::touch_brick(const Level& level, size_t brick, std::vector<Contact>& 
       const Vec3i offset = slot_offset(slot);
       const int32_t n = grid_.neighbors(brick)[static_cast<size_t>(slot)];
       if (n < 0) {
-        touch(a, offset, BrickBits::full(), level.missing_u(n, coord + offset) > 0, node_of_missing(n, coord + offset));
+        touch(a, offset, BrickBits::full(), labels.is_inside(n, coord + offset), node_of_missing(n, coord + offset));
         continue;
       }
       // Each pair of bricks, or of pieces of one, is visited once.
@@ -209,16 +209,14 @@ uint32_t PartsAround::further_part(const Holder& holder, int x, int y, int z) co
   return parts_.part_[parts_.node_of_piece(piece)];
 }
 
-void Parts::write(const std::vector<uint8_t>& inside, Level& level, const Context& context) const {
+void Parts::write(const std::vector<uint8_t>& inside, Labels& labels, const Context& context) const {
   const auto flipped = [&](uint32_t node) { return parts_[part_[node]].inside != (inside[part_[node]] != 0); };
   parallel_for(context, grid_.size(), grain, [&](size_t b) {
-    float* u = level.u.brick(b);
     for (uint32_t k = first_piece_[b]; k < first_piece_[b + 1]; ++k)
-      if (flipped(node_of_piece(k)))
-        pieces_[k].vertices.for_each([&](int i) { u[i] = pieces_[k].inside ? 0.0f : 1.0f; });
+      if (flipped(node_of_piece(k))) labels.bits[b] = labels.bits[b] ^ pieces_[k].vertices;
   });
   for (size_t g = 0; g < gaps_.size(); ++g)
-    if (!gaps_[g].empty() && flipped(node_of_gap(g))) level.inside.set(g, !side_[g]);
+    if (!gaps_[g].empty() && flipped(node_of_gap(g))) labels.inside.set(g, !side_[g]);
 }
 
 }  // namespace soapfilm

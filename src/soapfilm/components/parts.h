@@ -9,7 +9,7 @@
 #include "soapfilm/context.h"
 #include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/grid/gaps.h"
-#include "soapfilm/solve/level.h"
+#include "soapfilm/solve/labels.h"
 
 namespace soapfilm {
 
@@ -21,19 +21,19 @@ struct Part {
   size_t faces = 0;  ///< pairs of neighboring vertices, one of them in `around`
 };
 
-/// The connected parts of u > threshold (6-connected) and of the rest (26-connected), as in the extracted surface
+/// The connected parts of the inside (6-connected) and of the outside (26-connected), as in the extracted surface
 /// (docs/reference/topology.md). So the parts form a tree: each except the outermost lies in one other part of the
 /// opposite side (Rosenfeld 1974). They are numbered in the order of their first bricks, whatever the number of
 /// threads; part 0 is the outermost, which extends beyond the domain.
 class Parts {
  public:
-  Parts(const Level& level, float threshold, const Context& context);
+  Parts(const Labels& labels, const Context& context);
 
   size_t size() const { return parts_.size(); }
   const Part& operator[](uint32_t part) const { return parts_[part]; }
 
-  /// Writes inside[part], 1 or 0, to u where that is not the part's side; other values of u stay.
-  void write(const std::vector<uint8_t>& inside, Level& level, const Context& context) const;
+  /// Gives each part the side inside[part].
+  void write(const std::vector<uint8_t>& inside, Labels& labels, const Context& context) const;
 
  private:
   friend class PartsAround;
@@ -53,8 +53,8 @@ class Parts {
   uint32_t node_of_gap(size_t gap) const { return 1 + static_cast<uint32_t>(pieces_.size() + gap); }
   uint32_t node_of_missing(int32_t slot, Vec3i brick) const;
 
-  void find_pieces(const Level& level, float threshold, const Context& context);
-  void touch_brick(const Level& level, size_t brick, std::vector<Contact>& contacts) const;
+  void find_pieces(const Labels& labels, const Context& context);
+  void touch_brick(const Labels& labels, size_t brick, std::vector<Contact>& contacts) const;
   void touch_gaps(std::vector<Contact>& contacts) const;
   void number_parts(const std::vector<std::vector<Contact>>& contacts);
   void find_surroundings(const std::vector<std::vector<Contact>>& contacts);

@@ -12,13 +12,12 @@ constexpr size_t enough = 64;
 
 class Air {
  public:
-  Air(const Level& level, float threshold, bool complement)
-      : level_(level), threshold_(threshold), complement_(complement) {}
+  Air(const Labels& labels, bool complement) : labels_(labels), complement_(complement) {}
 
-  bool in_box(Vec3i v) const { return level_.box.is_free(v); }
+  bool in_box(Vec3i v) const { return labels_.box.is_free(v); }
   bool at(Vec3i v) const {
     if (!in_box(v)) return !complement_;
-    return (level_.u_at(v) > threshold_) == complement_;
+    return labels_.test(v) == complement_;
   }
   bool open_along(Vec3i v, int axis, int step) const {
     for (; in_box(v); v[axis] += step)
@@ -27,8 +26,7 @@ class Air {
   }
 
  private:
-  const Level& level_;
-  float threshold_;
+  const Labels& labels_;
   bool complement_;
 };
 
@@ -57,9 +55,8 @@ std::vector<Vec3d> scanner_positions(const PointCloud& cloud, const std::optiona
   return positions;
 }
 
-ScannerReport place_scanners(const Level& level, float threshold, bool complement,
-                             const std::vector<Vec3d>& positions) {
-  const Air air(level, threshold, complement);
+ScannerReport place_scanners(const Labels& labels, bool complement, const std::vector<Vec3d>& positions) {
+  const Air air(labels, complement);
   ScannerReport report;
   constexpr double far = 1e9;  // vertices
   const auto nearest = [&](double x) { return static_cast<int32_t>(std::round(std::clamp(x, -far, far))); };

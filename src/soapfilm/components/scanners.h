@@ -7,7 +7,7 @@
 
 #include "soapfilm/cloud.h"
 #include "soapfilm/report.h"
-#include "soapfilm/solve/level.h"
+#include "soapfilm/solve/labels.h"
 
 namespace soapfilm {
 
@@ -15,8 +15,8 @@ namespace soapfilm {
 /// samples.
 std::vector<Vec3d> scanner_positions(const PointCloud& cloud, const std::optional<Vec3d>& sensor);
 
-/// Evaluates the vertex nearest to each position (lattice coordinates). `complement`: the level's inside is air, and
-/// solid matter lies beyond its box; otherwise air does.
-ScannerReport place_scanners(const Level& level, float threshold, bool complement, const std::vector<Vec3d>& positions);
+/// Evaluates the vertex nearest to each position (lattice coordinates). `complement`: the inside is air, and
+/// solid matter lies beyond the box; otherwise air does.
+ScannerReport place_scanners(const Labels& labels, bool complement, const std::vector<Vec3d>& positions);
 
 }  // namespace soapfilm

@@ -34,6 +34,7 @@ struct BrickBits {
   /// Bit x for vertex x.
   uint8_t row(int y, int z) const { return static_cast<uint8_t>(layer[static_cast<size_t>(z)] >> brick_side * y); }
   void set(int offset) { layer[static_cast<size_t>(offset / brick_area)] |= uint64_t{1} << offset % brick_area; }
+  void clear(int offset) { layer[static_cast<size_t>(offset / brick_area)] &= ~(uint64_t{1} << offset % brick_area); }
   bool any() const {
     uint64_t bits = 0;
     for (const uint64_t word : layer) bits |= word;

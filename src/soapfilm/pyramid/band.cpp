@@ -8,7 +8,7 @@
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/pyramid/children.h"
-#include "soapfilm/solve/inside_bits.h"
+#include "soapfilm/solve/labels.h"
 
 namespace soapfilm {
 
@@ -111,7 +111,7 @@ void add_border(const LevelBox& box, const Level& coarse, BrickMask& band) {
 
 /// Of each brick.
 std::vector<BrickBits> interfaces(const Level& level, const Context& context) {
-  return InsideBits(level, 0.5f, context).interfaces(context);
+  return LabelView(level, bits_above(level, 0.5f, context)).interfaces(context);
 }
 
 }  // namespace

@@ -21,7 +21,6 @@ namespace soapfilm {
 
 namespace {
 
-constexpr float far_distance = 3;  // voxels, given to vertices beyond the band
 /// Shares of the time after which the smoothing is chosen, and holes are curved.
 constexpr double until_chosen = 0.3, until_bent = 0.6;
 constexpr size_t speck = 64;  // vertices: a ball of radius 2.5, as outliers that support each other make
@@ -47,21 +46,17 @@ RowArray moved_onto(const GridSamples& samples, const Start& start, const FitWei
 }
 
 /// Grids of every second vertex, every fourth, ..., while samples are sparse and noisy there and each grid is as good
-/// as the one before. `indicator`: that of the first one.
-std::vector<CoarseFit> sufficient_grids(const Start& start, Level indicator, float threshold,
-                                        const GridSamples& samples, double density, const RefineSetup& params,
-                                        const Context& context) {
+/// as the one before. `labels`: those of the first one.
+std::vector<CoarseFit> sufficient_grids(const Start& start, Labels labels, const GridSamples& samples, double density,
+                                        const RefineSetup& params, const Context& context) {
   std::vector<CoarseFit> found;
   for (double spacing = 2; density < params.sparse; density *= 4, spacing *= 2) {
     // Each grid takes half of the rest of the progress bar.
     const Context half = part_of(context, 1 - 2 / spacing, 1 - 1 / spacing);
     const Start& finer = found.empty() ? start : found.back().start;
     const GridSamples& finer_samples = found.empty() ? samples : found.back().samples;
-    if (!found.empty()) indicator = every_second_vertex(indicator, threshold, context);
-    CoarseFit next{start_from(indicator, threshold, params.reach, context),
-                   on_every_second_vertex(finer_samples, context),
-                   {},
-                   {}};
+    if (!found.empty()) labels = every_second_vertex(labels, context);
+    CoarseFit next{start_from(labels, params.reach, context), on_every_second_vertex(finer_samples, context), {}, {}};
     if (next.start.band.rows() == 0) break;
     next.fit_weights = choose(next.start, next.samples, params, spacing, half, next.search);
     // The full grid has no weights yet, and needs none where the coarser one is as good.
@@ -108,13 +103,14 @@ void continue_beyond(const LevelBox& box, Vec3i brick, float* values) {
 }
 
 /// The distance on the band, and only its sign beyond it; moves the start's grid.
-SurfaceField distance_field(Start& start, const RowArray& distance, const SignBits& signs, const Context& context) {
+DistanceField distance_field(Start& start, const RowArray& distance, const SignBits& signs, const Context& context) {
   Field<float> value(start.grid, pages_of(context));
   parallel_for(context, start.grid.size(), 64, [&](size_t b) {
     float* out = value.brick(b);
     for (int row = 0; row < brick_area; ++row) {
       const unsigned inside = signs.row(b, row & 7, row >> 3);
-      for (int x = 0; x < brick_side; ++x) out[row * brick_side + x] = inside >> x & 1 ? far_distance : -far_distance;
+      for (int x = 0; x < brick_side; ++x)
+        out[row * brick_side + x] = inside >> x & 1 ? DistanceField::far : -DistanceField::far;
     }
     const NarrowBand& band = start.band;
     for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r)
@@ -124,7 +120,7 @@ SurfaceField distance_field(Start& start, const RowArray& distance, const SignBi
               distance.data()[static_cast<size_t>(r) * brick_side + static_cast<size_t>(x)];
     continue_beyond(start.box, start.grid.coord(b), out);
   });
-  return {std::move(start.grid), std::move(value), std::move(start.inside)};
+  return {{std::move(start.grid), std::move(value), std::move(start.inside)}};
 }
 
 }  // namespace
@@ -152,43 +148,42 @@ void validate(const RefineSetup& params) {
   require("refine reweighting_threshold", params.robust.reweighting_threshold, 1e-3, 1e3);
 }
 
-Refinement::Refinement(Level level, float threshold, const GridSamples& samples, double density,
-                       const RefineSetup& params, const Context& context, FitReport& report)
+Refinement::Refinement(Labels labels, const GridSamples& samples, double density, const RefineSetup& params,
+                       const Context& context, FitReport& report)
     : params_(params),
       context_(context),
       samples_(samples),
       density_(density),
-      threshold_(threshold),
       sparse_(density > 0 && density < params.sparse),
       report_(report) {
   validate(params);
-  start_ = start_from(level, threshold, params.reach, context);
+  start_ = start_from(labels, params.reach, context);
   report.spacing = 1;
-  if (params.holes == HoleFill::smooth && !sparse_) fill_holes(level);
-  signs_.emplace(signs_of(level, threshold, start_, context));
+  if (params.holes == HoleFill::smooth && !sparse_) fill_holes(labels);
+  signs_.emplace(signs_of(labels, start_, context));
   report.band_vertices = start_.band.count();
-  if (sparse_) indicator_ = every_second_vertex(level, threshold, context);
+  if (sparse_) coarser_ = every_second_vertex(labels, context);
 }
 
-void Refinement::fill_holes(Level& level) {
-  const HoleFinder finder(level, start_, samples_, context_);
+void Refinement::fill_holes(Labels& labels) {
+  const HoleFinder finder(start_, samples_, context_);
   const auto holes = finder.holes_to_curve(report_.holes);
   if (holes.empty()) return;
   chosen_ = choose(start_, samples_, params_, 1, part_of(context_, 0, until_chosen), report_.search);
-  if (!params_.open) make_room(level);
+  if (!params_.open) make_room(labels);
   const Context bending = part_of(context_, until_chosen, until_bent);
-  if (curve_holes(level, threshold_, holes, finder, *chosen_, bending, report_.holes))
-    start_ = start_from(level, threshold_, params_.reach, context_);
+  if (curve_holes(labels, holes, finder, *chosen_, bending, report_.holes))
+    start_ = start_from(labels, params_.reach, context_);
 }
 
-SurfaceField Refinement::fit() {
+DistanceField Refinement::fit() {
   // The surface moves onto the samples, on a grid as fine as the samples allow.
   std::optional<RowArray> phi;
   if (sparse_)
-    phi = fit_coarser(start_,
-                      sufficient_grids(start_, std::move(indicator_), threshold_, samples_, density_, params_,
-                                       part_of(context_, 0, until_bent)),
-                      params_, part_of(context_, until_bent, 1), report_);
+    phi = fit_coarser(
+        start_,
+        sufficient_grids(start_, std::move(coarser_), samples_, density_, params_, part_of(context_, 0, until_bent)),
+        params_, part_of(context_, until_bent, 1), report_);
   if (!phi) {
     if (!chosen_) chosen_ = choose(start_, samples_, params_, 1, part_of(context_, 0, until_bent), report_.search);
     report_.fit_weights = *chosen_;
@@ -203,10 +198,9 @@ SurfaceField Refinement::fit() {
   return distance_field(start_, *phi, *signs_, context_);
 }
 
-SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density, const RefineSetup& params,
-                    const Context& context, FitReport& report) {
-  Refinement refinement(std::move(level), threshold, samples, density, params, context, report);  // frees the level
-  return refinement.fit();
+DistanceField refine(Labels labels, const GridSamples& samples, double density, const RefineSetup& params,
+                     const Context& context, FitReport& report) {
+  return Refinement(std::move(labels), samples, density, params, context, report).fit();
 }
 
 }  // namespace soapfilm

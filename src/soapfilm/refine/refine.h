@@ -12,8 +12,8 @@
 #include "soapfilm/refine/topology/start.h"
 #include "soapfilm/refine/topology/topology.h"
 #include "soapfilm/report.h"
-#include "soapfilm/solve/level.h"
-#include "soapfilm/surface/indicator.h"
+#include "soapfilm/solve/labels.h"
+#include "soapfilm/surface/surface_field.h"
 
 namespace soapfilm {
 
@@ -41,17 +41,15 @@ struct FitReport {
   int iterations = 0;        ///< conjugate-gradient steps on the whole band
 };
 
-/// Moves the level set of the binary indicator u > threshold onto the samples (design note in displacement.h): the
-/// level set 0 of the result is the surface; it is positive inside and about the signed distance in voxels near it. Its
-/// components and genus are the indicator's, except for what has vanished: only simple points change their label, one
-/// after the other.
-/// `density`: samples per voxel^2 of surface, 0 where it is not known. `level` is freed early when it is moved in. The
-/// result does not depend on the number of threads.
+/// Moves the surface between the labels onto the samples (design note in displacement.h). Its components and genus are
+/// the labels', except for what has vanished: only simple points change their label, one after the other.
+/// `density`: samples per voxel^2 of surface, 0 where it is not known. The result does not depend on the number of
+/// threads.
 class Refinement {
  public:
-  /// Builds the band around the surface, its holes filled, and frees `level`. Keeps references to the samples, the
-  /// parameters, `context` and the report. Throws ParameterError.
-  Refinement(Level level, float threshold, const GridSamples& samples, double density, const RefineSetup& params,
+  /// Builds the band around the surface, its holes filled, and frees the labels that are moved in. Keeps references to
+  /// the samples, the parameters, `context` and the report. Throws ParameterError.
+  Refinement(Labels labels, const GridSamples& samples, double density, const RefineSetup& params,
              const Context& context, FitReport& report);
 
   /// Memory of the fit on a band of so many rows, where it may hold two grids at once: the peaks of bench/scenes within
@@ -73,26 +71,25 @@ class Refinement {
   /// Are samples so few that fits on coarser grids are tried?
   bool tries_coarser() const { return sparse_; }
   /// Call only once.
-  SurfaceField fit();
+  DistanceField fit();
 
  private:
-  void fill_holes(Level& level);
+  void fill_holes(Labels& labels);
 
   const RefineSetup& params_;
   const Context& context_;
   const GridSamples& samples_;
   double density_;
-  float threshold_;
   bool sparse_;
   FitReport& report_;
   Start start_;
   std::optional<SignBits> signs_;     ///< on the start's bricks
-  Level indicator_;                   ///< where sparse: on every second vertex
+  Labels coarser_;                    ///< where sparse: of every second vertex
   std::optional<FitWeights> chosen_;  ///< if they were needed for holes
 };
 
 /// Both steps at once.
-SurfaceField refine(Level level, float threshold, const GridSamples& samples, double density, const RefineSetup& params,
-                    const Context& context, FitReport& report);
+DistanceField refine(Labels labels, const GridSamples& samples, double density, const RefineSetup& params,
+                     const Context& context, FitReport& report);
 
 }  // namespace soapfilm

@@ -7,7 +7,7 @@
 #include "soapfilm/pyramid/critical_lambda.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/solve/energy.h"
-#include "soapfilm/solve/inside_bits.h"
+#include "soapfilm/solve/labels.h"
 
 namespace soapfilm {
 
@@ -24,7 +24,7 @@ Certificate judge(const Segmentation& found, double lambda, double threshold, co
   certificate.relaxed =
       proved ? levels.back().energies : evaluate_energy(level, {.threshold = {}, .certify = true}, context);
   certificate.binary = evaluate_energy(level, {.threshold = mu, .certify = true}, context);
-  certificate.inside = count_inside(level, mu, context);
+  certificate.inside = count_inside(level, bits_above(level, mu, context));
   return certificate;
 }
 
@@ -56,7 +56,7 @@ std::optional<GapField> find_gap(const Level& level, const Certificate& certific
   const auto mu = static_cast<float>(params.surface.threshold);
   return GapField{level.grid,
                   local_gap(level, {.threshold = mu, .certify = true}, certificate.binary.max_dual_norm, context),
-                  InsideBits(level, mu, context).interfaces(context)};
+                  LabelView(level, bits_above(level, mu, context)).interfaces(context)};
 }
 
 }  // namespace soapfilm

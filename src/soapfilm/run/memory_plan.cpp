@@ -11,13 +11,11 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
 #include "soapfilm/finish/vertex_gap.h"
-#include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/place/place.h"
 #include "soapfilm/refine/refine.h"
 #include "soapfilm/relax/relax.h"
 #include "soapfilm/run/defaults.h"
 #include "soapfilm/solve/graph_cut.h"
-#include "soapfilm/solve/inside_bits.h"
 #include "soapfilm/solve/poisson.h"
 #include "soapfilm/solve/sor.h"
 
@@ -112,16 +110,6 @@ uint64_t kept_bytes(const PointCloud& cloud) {
   return ((cloud.normals.empty() ? 3 : 2) * sizeof(Vec3f) + weight + sizeof(uint8_t)) * cloud.size();
 }
 
-/// Vertices of a brick's lowest layer along an axis that are inside.
-size_t inside_lowest(const BrickBits& bits, int axis) {
-  constexpr uint64_t lowest_x = 0x0101010101010101, lowest_y = 0xff;
-  if (axis == 2) return static_cast<size_t>(count_bits(bits.layer[0]));
-  size_t count = 0;
-  for (const uint64_t layer : bits.layer)
-    count += static_cast<size_t>(count_bits(layer & (axis == 0 ? lowest_x : lowest_y)));
-  return count;
-}
-
 }  // namespace
 
 uint64_t plan_placing(const PointCloud& cloud) {
@@ -172,31 +160,6 @@ MemoryPlan plan_tables(Method method, const Lattice& lattice) {
 uint64_t mesh_bytes(uint64_t vertices, bool checked) {
   constexpr uint64_t checked_vertex_bytes = 470;  // measured: 423 to 518
   return checked ? checked_vertex_bytes * vertices : relax_bytes(vertices);
-}
-
-size_t count_faces(const Level& level, double threshold, const Context& context) {
-  const InsideBits inside(level, static_cast<float>(threshold), context);
-  const auto faces_of = [&](size_t begin, size_t end) {
-    size_t faces = 0;
-    for (size_t b = begin; b < end; ++b) {
-      const Vec3i coord = level.grid.coord(b);
-      const BrickBits& own = inside.of(static_cast<int32_t>(b), coord);
-      for (int axis = 0; axis < 3; ++axis) {
-        const int slot = slot_up[axis];
-        const int32_t n = level.grid.neighbors(b)[static_cast<size_t>(slot)];
-        const BrickBits& above = inside.of(n, coord + slot_offset(slot));
-        faces += ((own ^ (moved(own, axis, -1) | carried(above, axis, -1))) & inside.joined_to(b, axis, 1)).count();
-        Vec3i below = coord;
-        --below[axis];
-        if (below[axis] >= 0 && level.grid.find(below) >= 0) continue;
-        // The faces below are counted nowhere else; what lies there is constant.
-        const bool in = below[axis] >= 0 && level.inside.test(level.grid, below);
-        faces += inside_lowest((in ? ~own : own) & inside.joined_to(b, axis, -1), axis);
-      }
-    }
-    return faces;
-  };
-  return sum_chunks<size_t>(level.grid.size(), 1024, context, faces_of);
 }
 
 Room::Room(std::optional<uint64_t> limit, uint64_t held) : what(limit ? "--memory" : "free memory") {
@@ -306,11 +269,10 @@ void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, 
   check();
 }
 
-void MemoryBudget::plan_mesh(const Level& level, bool checked, uint64_t faced_samples, const Context& context) {
+void MemoryBudget::plan_mesh(const Labels& labels, bool checked, uint64_t faced_samples, const Context& context) {
   if (params_.method != Method::tv) return;
   constexpr uint64_t faced_bytes = 45;  // their places and a tree over them, and directions in addition to the views
-  plan_.mesh_bytes =
-      mesh_bytes(count_faces(level, params_.surface.threshold, context), checked) + faced_bytes * faced_samples;
+  plan_.mesh_bytes = mesh_bytes(count_faces(labels, context), checked) + faced_bytes * faced_samples;
   check();
 }
 

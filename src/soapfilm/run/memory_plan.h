@@ -12,7 +12,7 @@
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
-#include "soapfilm/solve/level.h"
+#include "soapfilm/solve/labels.h"
 
 namespace soapfilm {
 
@@ -72,10 +72,6 @@ uint64_t plan_placing(const PointCloud& cloud);
 /// The mesh and its relaxation or, where it is `checked`, the needs of check_result().
 uint64_t mesh_bytes(uint64_t vertices, bool checked);
 
-/// Faces between vertices of different sides, without those at an open border: about as many as the surface's mesh has
-/// vertices.
-size_t count_faces(const Level& level, double threshold, const Context& context);
-
 /// The memory that a run may use: `limit` or, without one, the machine's free memory plus what this process `held` when
 /// the run began, which the plans count too. `what` names it in messages.
 struct Room {
@@ -112,7 +108,7 @@ class MemoryBudget {
   PyramidObserver watch(PyramidObserver user, uint64_t data_bricks);
   /// Call once the surface is known. `checked`: check_result() will follow on this mesh. `faced_samples`:
   /// those that trimming asks on which side they look.
-  void plan_mesh(const Level& level, bool checked, uint64_t faced_samples, const Context& context);
+  void plan_mesh(const Labels& labels, bool checked, uint64_t faced_samples, const Context& context);
   /// Call once the refinement's band is known.
   void plan_refinement(uint64_t rows, bool tries_coarser, uint64_t samples);
 

@@ -79,7 +79,6 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     return segment(grid.lattice, field, samples, lambda.value, params,
                    memory.watch(experiment.observe, field.grid.size()), context);
   });
-  memory.plan_mesh(found.level, params.checked, grid.ends ? samples.size() : 0, context);
   warn_unconverged(found.report, lambda.value, params, trace);
   details->solve = found.report;
 
@@ -89,21 +88,25 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     return find_gap(found.level, report.certificate, params, context);
   });
   announce_energy(report.certificate, params, trace);
-  found.level.p = {};
+
+  // From here on only the side of each vertex counts.
+  Labels labels = labels_of(std::move(found.level), static_cast<float>(params.surface.threshold), context);
   field = {};
-  if (border.chosen == Border::open) found.level = closed_at_border(found.level, context);
+  memory.plan_mesh(labels, params.checked, grid.ends ? samples.size() : 0, context);
+  if (border.chosen == Border::open) labels = closed_at_border(labels, context);
 
   // Components and cavities supported by too few samples are removed. (The certificate is of the solution with them.)
-  report.components = drop_unsupported(found.level, samples, grid, params, trace, context);
+  report.components = drop_unsupported(labels, samples, grid, params, trace, context);
 
   // Scanners must stand in the air, and a hollow around one must be seen.
-  report.scanners = stand_scanners(found.level, scanners, grid, border, params);
+  report.scanners = stand_scanners(labels, scanners, grid, border);
 
   // The level set moves onto the samples; components and genus stay, except for parts that it shrinks to nothing. From
   // here on the directions are the original ones, not those of planes: the planes depend on held-out samples, too.
   if (!views.empty()) samples.direction.swap(views);
   Surface surface = trace.stage("refine", [&] {
-    return find_surface(std::move(found), samples, grid, params, experiment.robust, memory, context);
+    if (found.surface) return Surface{std::move(*found.surface), 0.5, {}};
+    return find_surface(std::move(labels), samples, grid, params, experiment.robust, memory, context);
   });
   announce_refinement(surface.refine, memory, params, trace);
 

@@ -11,14 +11,14 @@
 #include "soapfilm/report.h"
 #include "soapfilm/run/details.h"
 #include "soapfilm/solve/level.h"
-#include "soapfilm/surface/indicator.h"
+#include "soapfilm/surface/surface_field.h"
 
 namespace soapfilm {
 
 /// The result of a method, in the form needed by the energy evaluator and the later stages.
 struct Segmentation {
   Level level;  ///< u in [0, 1] and, where the method has one, its dual p (else 0); refers to the support field
-  std::optional<SurfaceField> surface;  ///< of a method that finds a smooth field itself (poisson): its level set 1/2
+  std::optional<IndicatorField> surface;  ///< of a method that finds a smooth field itself (poisson): its level set 1/2
   SolveReport report;
 };
 

@@ -35,7 +35,7 @@ bool is_closed(const Mesh& mesh) {
 
 }  // namespace
 
-std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
+std::optional<ComponentReport> drop_unsupported(Labels& labels, const GridSamples& samples, const Grid& grid,
                                                 const ReconstructParams& params, Trace& trace, const Context& context) {
   if (!drops_components(params)) return {};
   // What was not seen of a part is cut off later, so less of it needs samples.
@@ -43,18 +43,16 @@ std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples&
   ComponentSetup how{params.components, grid.lattice.open};
   if (grid.ends) how.min_support *= least_of_open;
   ComponentReport report;
-  trace.stage("components", [&] {
-    drop_components(level, static_cast<float>(params.surface.threshold), samples, grid.density, how, context, report);
-  });
+  trace.stage("components", [&] { drop_components(labels, samples, grid.density, how, context, report); });
   announce_components(report, params, trace);
   return report;
 }
 
-ScannerReport stand_scanners(const Level& level, const Scanners& scanners, const Grid& grid, const BorderReport& border,
-                             const ReconstructParams& params) {
+ScannerReport stand_scanners(const Labels& labels, const Scanners& scanners, const Grid& grid,
+                             const BorderReport& border) {
   std::vector<Vec3d> positions = scanners.positions;
   for (Vec3d& p : positions) p = grid.lattice.to_lattice(p);
-  return place_scanners(level, static_cast<float>(params.surface.threshold), border.chosen == Border::solid, positions);
+  return place_scanners(labels, border.chosen == Border::solid, positions);
 }
 
 std::optional<RefineReport> summary_of(const Surface& surface) {
@@ -63,31 +61,27 @@ std::optional<RefineReport> summary_of(const Surface& surface) {
   return RefineReport{in_use.smoothing, in_use.normals, in_use.noise, surface.refine->spacing};
 }
 
-Surface find_surface(Segmentation found, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
+Surface find_surface(Labels labels, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
                      const RobustParams& robust, MemoryBudget& memory, const Context& context) {
-  if (found.surface) return {std::move(*found.surface), 0.5, {}};
-  const auto threshold = static_cast<float>(params.surface.threshold);
   Surface surface;
   if (refines(params)) {
     RefineSetup how{params.refine, robust, drops_components(params), grid.lattice.open};
     if (grid.ends) how.holes = HoleFill::flat;  // most are no holes, but where the surface ends
-    Refinement refinement(std::move(found.level), threshold, samples, grid.density, how, context,
-                          surface.refine.emplace());
+    Refinement refinement(std::move(labels), samples, grid.density, how, context, surface.refine.emplace());
     memory.plan_refinement(refinement.rows(), refinement.tries_coarser(), samples.size());
     surface.field = refinement.fit();
     surface.scale = robust.scale(surface.refine->fit_weights.noise);
     return surface;
   }
-  surface.field = smoothed_indicator(found.level, threshold, context);
-  surface.isovalue =
-      params.surface.isovalue ? *params.surface.isovalue : mean_at_samples(surface.field, samples, context);
+  IndicatorField field = smoothed_indicator(labels, context);
+  surface.isovalue = params.surface.isovalue ? *params.surface.isovalue : mean_at_samples(field, samples, context);
+  surface.field = std::move(field);
   return surface;
 }
 
 Mesh triangles_of(const Surface& surface, const Lattice& lattice, double lambda, const Context& context) {
-  const SurfaceField& field = surface.field;
   Mesh mesh = extract_isosurface(
-      field.grid, field.value, [&](Vec3i brick) { return field.missing_value(brick); },
+      surface.values().grid, surface.values().value, [&](Vec3i brick) { return surface.missing_value(brick); },
       static_cast<float>(surface.isovalue), lattice, context, drawn_range(lattice.box(0)));
   if (mesh.triangles.empty() && surface.refine)
     throw EmptyResult(fmt::format("empty result: refining left nothing of the surface, curvature weight {:.3g}; a "
@@ -112,7 +106,7 @@ std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridS
         fmt::format("not relaxed: {} triangles, at most {} can be; flat triangles stay where the surface is curved",
                     mesh.triangles.size(), most_relaxed));
   return trace.stage("relax", [&] {
-    return relax_mesh(mesh, SmoothField(surface.field.grid, surface.field.value, context), samples, surface.scale,
+    return relax_mesh(mesh, SmoothField(surface.values().grid, surface.values().value, context), samples, surface.scale,
                       grid.lattice, params.surface.relax, context);
   });
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <variant>
 
 #include "soapfilm/context.h"
 #include "soapfilm/finish/rays.h"
@@ -10,34 +11,41 @@
 #include "soapfilm/refine/refine.h"
 #include "soapfilm/run/memory_plan.h"
 #include "soapfilm/run/prepare.h"
-#include "soapfilm/run/segment.h"
 #include "soapfilm/run/trace.h"
-#include "soapfilm/surface/indicator.h"
+#include "soapfilm/solve/labels.h"
+#include "soapfilm/surface/surface_field.h"
 
 namespace soapfilm {
 
 /// Drops components and cavities supported by too few samples, if enabled.
-std::optional<ComponentReport> drop_unsupported(Level& level, const GridSamples& samples, const Grid& grid,
+std::optional<ComponentReport> drop_unsupported(Labels& labels, const GridSamples& samples, const Grid& grid,
                                                 const ReconstructParams& params, Trace& trace, const Context& context);
 
 /// Where the scanners stand in the solution.
-ScannerReport stand_scanners(const Level& level, const Scanners& scanners, const Grid& grid, const BorderReport& border,
-                             const ReconstructParams& params);
+ScannerReport stand_scanners(const Labels& labels, const Scanners& scanners, const Grid& grid,
+                             const BorderReport& border);
 
 /// Values on a grid, and the level set of them that is the surface.
 struct Surface {
-  SurfaceField field;
+  std::variant<IndicatorField, DistanceField> field;
   double isovalue = 0;
   std::optional<FitReport> refine;  ///< when it was moved onto the samples
   double scale = 0;                 ///< of the samples' residuals, voxels
+
+  const SurfaceField& values() const {
+    return std::visit([](const SurfaceField& f) -> const SurfaceField& { return f; }, field);
+  }
+  float missing_value(Vec3i brick) const {
+    return std::visit([&](const auto& f) { return f.missing_value(brick); }, field);
+  }
 };
 
 /// The part of it that users read.
 std::optional<RefineReport> summary_of(const Surface& surface);
 
-/// The level set moved onto the samples with sub-voxel accuracy, or the paper's (section 4.4); or the surface that the
-/// method itself has found. Throws MemoryError.
-Surface find_surface(Segmentation found, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
+/// The surface between the labels, moved onto the samples with sub-voxel accuracy, or the paper's (section 4.4). Throws
+/// MemoryError.
+Surface find_surface(Labels labels, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
                      const RobustParams& robust, MemoryBudget& memory, const Context& context);
 
 /// Of an open lattice only what is in front of its border. Throws EmptyResult where there is none.

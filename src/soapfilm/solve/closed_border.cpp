@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
@@ -22,30 +21,28 @@ void for_each_at_border(const BrickRange& free, const BrickRange& range, Visit&&
 
 }  // namespace
 
-Level closed_at_border(const Level& level, const Context& context) {
-  BrickMask band(level.box.bricks);
-  add_bricks(level.grid, band);
-  const Gaps gaps(level.grid);
-  const BrickRange meant = bricks_with_free(level.box);
+Labels closed_at_border(const Labels& labels, const Context& context) {
+  BrickMask band(labels.box.bricks);
+  add_bricks(labels.grid, band);
+  const Gaps gaps(labels.grid);
+  const BrickRange meant = bricks_with_free(labels.box);
   for (size_t g = 0; g < gaps.size(); ++g)
-    if (level.inside[g]) for_each_at_border(meant, gaps[g].common(meant), [&](Vec3i brick) { band.set(brick); });
-  Level closed;
-  closed.box = level.box;
-  closed.lambda = level.lambda;
-  closed.norm = level.norm;
+    if (labels.inside[g]) for_each_at_border(meant, gaps[g].common(meant), [&](Vec3i brick) { band.set(brick); });
+  Labels closed;
+  closed.box = labels.box;
   closed.grid = BrickGrid(band, context);
-  closed.inside = GapSides(closed.grid, meant, [&](Vec3i b) { return level.inside.test(level.grid, b); });
-  closed.u = Field<float>(closed.grid, pages_of(context));
+  closed.inside = GapSides(closed.grid, meant, [&](Vec3i b) { return labels.inside.test(labels.grid, b); });
+  closed.bits.resize(closed.grid.size());
   parallel_for(context, closed.grid.size(), 64, [&](size_t b) {
     const Vec3i brick = closed.grid.coord(b);
-    float* u = closed.u.brick(b);
-    if (const int32_t old = level.grid.find(brick); old >= 0) {
-      std::copy_n(level.u.brick(static_cast<size_t>(old)), brick_volume, u);
+    BrickBits& bits = closed.bits[b];
+    if (const int32_t old = labels.grid.find(brick); old >= 0) {
+      bits = labels.bits[static_cast<size_t>(old)];
       return;
     }
-    std::fill_n(u, brick_volume, 1.0f);
-    free_range(level.box, brick).for_each_fixed({}, brick_side, [&](int x, int y, int z) {
-      u[brick_offset(x, y, z)] = 0;
+    bits = BrickBits::full();
+    free_range(labels.box, brick).for_each_fixed({}, brick_side, [&](int x, int y, int z) {
+      bits.clear(brick_offset(x, y, z));
     });
   });
   return closed;

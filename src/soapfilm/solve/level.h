@@ -1,7 +1,6 @@
 // One level's convex problem on its band, and the state that the solver changes.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -9,10 +8,9 @@
 #include "soapfilm/context.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
-#include "soapfilm/grid/gaps.h"
-#include "soapfilm/grid/lattice.h"
 #include "soapfilm/kernels/low_face.h"
 #include "soapfilm/kernels/norm.h"
+#include "soapfilm/solve/domain.h"
 
 namespace soapfilm {
 
@@ -63,13 +61,10 @@ struct Outside {
 /// vertices has no meaning, and "constant" for a brick that is partly fixed means constant at its free vertices.
 /// Outside the band u is constant (0 or 1) on every connected part and p is prolonged from the coarser level; at the
 /// band boundary that p is the boundary flux. Lattice units: h = 1 on every level.
-struct Level {
-  LevelBox box;
+struct Level : Domain {
   float lambda = 0;  ///< 4^level (area of a face in fine faces) times the finest level's, or a share of that
   Norm norm = Norm::isotropic;
-  BrickGrid grid;   ///< the band
-  GapSides inside;  ///< for the gaps of the band: is u = 1 there
-  Field<float> u;   ///< relaxed indicator, in [0, 1]
+  Field<float> u;  ///< relaxed indicator, in [0, 1]
   Field<float, 3>
       p;  ///< dual: p_k of the face between a vertex and the next along axis k; |p| <= lambda by the norm's dual
   Rim rim;
@@ -108,38 +103,6 @@ void scale_flux(Level& level, float share, const Context& context);
 /// See kernels/low_face.h.
 LowFace low_face(const Level& level, size_t brick, int axis);
 
-/// Which vertices of a brick are free: local ranges [lo, hi) along each axis (8 wide when nothing is fixed).
-struct FreeRange {
-  Vec3i lo, hi;
-  bool whole() const { return lo == Vec3i{0, 0, 0} && hi == Vec3i{brick_side, brick_side, brick_side}; }
-  bool contains(int x, int y, int z) const {
-    return x >= lo.x && x < hi.x && y >= lo.y && y < hi.y && z >= lo.z && z < hi.z;
-  }
-  /// visit(x, y, z) for the fixed ones among `side`^3 vertices from `first` on.
-  template <class Visit>
-  void for_each_fixed(Vec3i first, int side, Visit&& visit) const {
-    if (whole()) return;
-    for (int z = first.z; z < first.z + side; ++z)
-      for (int y = first.y; y < first.y + side; ++y)
-        for (int x = first.x; x < first.x + side; ++x)
-          if (!contains(x, y, z)) visit(x, y, z);
-  }
-};
-FreeRange free_range(const LevelBox& box, Vec3i brick);
-/// The bricks with free vertices.
-inline BrickRange bricks_with_free(const LevelBox& box) { return {brick_of(box.free_lo), brick_of(box.free_hi)}; }
-/// Whether any vertex of the brick is free.
-inline bool has_free(const LevelBox& box, Vec3i brick) { return bricks_with_free(box).contains(brick); }
-/// Whether a vertex of the brick is fixed or next to a fixed one.
-bool at_border(const LevelBox& box, Vec3i brick);
-/// The nearest free vertex.
-inline Vec3i nearest_free(const LevelBox& box, Vec3i v) {
-  for (int axis = 0; axis < 3; ++axis) v[axis] = std::clamp(v[axis], box.free_lo[axis], box.free_hi[axis]);
-  return v;
-}
-
-inline float Level::missing_u(int32_t slot, Vec3i brick) const {
-  return inside.test(grid, slot, brick) && (!box.open || has_free(box, brick)) ? 1.0f : 0.0f;
-}
+inline float Level::missing_u(int32_t slot, Vec3i brick) const { return is_inside(slot, brick) ? 1.0f : 0.0f; }
 
 }  // namespace soapfilm

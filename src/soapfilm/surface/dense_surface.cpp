@@ -44,7 +44,7 @@ DenseSurface dense_surface(const DenseField<float>& u, double isovalue, const Le
     for (size_t i = begin; i < end; ++i) out[i] = scale * in[i] > 0.5f ? 1.0f : 0.0f;
   });
 
-  SurfaceField& field = surface.field;
+  IndicatorField& field = surface.field;
   const BrickMask bricks = interface_bricks(surface.binary, box, context);
   field.grid = BrickGrid(bricks, context);
   field.value = Field<float>(field.grid, pages_of(context));

@@ -6,7 +6,7 @@
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/dense_field.h"
 #include "soapfilm/grid/lattice.h"
-#include "soapfilm/surface/indicator.h"
+#include "soapfilm/surface/surface_field.h"
 
 namespace soapfilm {
 
@@ -16,7 +16,7 @@ double mean_at_samples(const DenseField<float>& u, const GridSamples& samples, c
 /// The solid {u > isovalue}, in two forms that agree at every vertex.
 struct DenseSurface {
   DenseField<float> binary;  ///< 1 inside, 0 outside: for the energy evaluator common to all methods (see level_of())
-  SurfaceField field;        ///< u / (2 isovalue): the surface is its level set at 1/2
+  IndicatorField field;      ///< u / (2 isovalue): the surface is its level set at 1/2
 };
 
 /// The bricks of `field` are those in which, or next to which, the solid begins or ends, so extract_isosurface() with

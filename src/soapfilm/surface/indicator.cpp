@@ -10,7 +10,6 @@
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/grid/smoothing.h"
-#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -99,65 +98,61 @@ void smooth_brick(const std::array<const BrickBits*, 27>& around, float* out) {
 }
 
 /// The bricks within the surface's margin of the interface.
-BrickGrid bricks_near_surface(const Level& level, const InsideBits& bits, const Context& context) {
-  BrickMask mask(level.box.bricks);
-  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
-    const uint32_t near = bricks_near(bits.interface(b));
+BrickGrid bricks_near_surface(const Labels& labels, const Context& context) {
+  const LabelView view = labels.view();
+  BrickMask mask(labels.box.bricks);
+  parallel_for(context, labels.grid.size(), 64, [&](size_t b) {
+    const uint32_t near = bricks_near(view.interface(b));
     for (int slot = 0; slot < 27; ++slot)
-      if (const Vec3i brick = level.grid.coord(b) + slot_offset(slot); near >> slot & 1u && mask.contains(brick))
+      if (const Vec3i brick = labels.grid.coord(b) + slot_offset(slot); near >> slot & 1u && mask.contains(brick))
         mask.set_shared(brick);
   });
   return BrickGrid(mask, context);
 }
 
-SurfaceField smoothed(const Level& level, const InsideBits& bits, BrickGrid bricks, const Context& context) {
-  SurfaceField field;
+}  // namespace
+
+IndicatorField smoothed_indicator(const Labels& labels, const Context& context) {
+  return smoothed_indicator(labels, bricks_near_surface(labels, context), context);
+}
+
+IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const Context& context) {
+  const LabelView view = labels.view();
+  IndicatorField field;
   field.grid = std::move(bricks);
-  field.inside = GapSides(field.grid, bricks_with_free(level.box), [&](Vec3i brick) {
-    return bits.continued(level.grid.find(brick), brick).test(0, 0, 0);  // constant: any vertex
+  field.inside = GapSides(field.grid, bricks_with_free(labels.box), [&](Vec3i brick) {
+    return view.continued(labels.grid.find(brick), brick).test(0, 0, 0);  // constant: any vertex
   });
   field.value = Field<float>(field.grid, pages_of(context));
   parallel_for(context, field.grid.size(), 64, [&](size_t b) {
     std::array<const BrickBits*, 27> around;
     std::array<BrickBits, 27> beyond;
     const Vec3i own = field.grid.coord(b);
-    const int32_t here = level.grid.find(own);
+    const int32_t here = labels.grid.find(own);
     for (int slot = 0; slot < 27; ++slot) {
       const Vec3i brick = own + slot_offset(slot);
       const auto k = static_cast<size_t>(slot);
       const int32_t n = slot == own_slot ? here
-                        : here >= 0      ? level.grid.neighbors(static_cast<size_t>(here))[k]
-                                         : level.grid.find(brick);
-      around[k] = level.box.open ? &(beyond[k] = bits.continued(n, brick)) : &bits.of(n, brick);
+                        : here >= 0      ? labels.grid.neighbors(static_cast<size_t>(here))[k]
+                                         : labels.grid.find(brick);
+      around[k] = labels.box.open ? &(beyond[k] = view.continued(n, brick)) : &view.of(n, brick);
     }
     smooth_brick(around, field.value.brick(b));
   });
   return field;
 }
 
-}  // namespace
-
-SurfaceField smoothed_indicator(const Level& level, float threshold, const Context& context) {
-  const InsideBits bits(level, threshold, context);
-  return smoothed(level, bits, bricks_near_surface(level, bits, context), context);
-}
-
-SurfaceField smoothed_indicator(const Level& level, float threshold, BrickGrid bricks, const Context& context) {
-  return smoothed(level, InsideBits(level, threshold, context), std::move(bricks), context);
-}
-
-SurfaceField binary_indicator(const Level& level, float threshold, const Context& context) {
-  SurfaceField field = smoothed_indicator(level, threshold, context);
+IndicatorField binary_indicator(const Labels& labels, const Context& context) {
+  IndicatorField field = smoothed_indicator(labels, context);
   parallel_for(context, field.grid.size(), 64, [&](size_t b) {
-    const Vec3i brick = field.grid.coord(b);
     float* value = field.value.brick(b);
     std::fill_n(value, brick_volume, 0.0f);
-    inside_of(level, threshold, level.grid.find(brick), brick).for_each([&](int i) { value[i] = 1; });
+    labels.of(field.grid.coord(b)).for_each([&](int i) { value[i] = 1; });
   });
   return field;
 }
 
-double mean_at_samples(const SurfaceField& field, const GridSamples& samples, const Context& context) {
+double mean_at_samples(const IndicatorField& field, const GridSamples& samples, const Context& context) {
   std::vector<double> sums(samples.bricks.size());
   parallel_for(context, sums.size(), 16, [&](size_t b) {
     const Vec3i coord = samples.bricks.coord(b);
@@ -188,24 +183,6 @@ double mean_at_samples(const SurfaceField& field, const GridSamples& samples, co
     sums[b] = sum;
   });
   return ordered_sum(samples.bricks, sums) / static_cast<double>(samples.size());
-}
-
-size_t count_inside(const Level& level, float threshold, const Context& context) {
-  std::vector<size_t> counts(level.grid.size());
-  parallel_for(context, counts.size(), 256,
-               [&](size_t b) { counts[b] = BrickBits::above(level.u.brick(b), threshold).count(); });
-  size_t total = 0;
-  for (const size_t count : counts) total += count;
-  const Gaps gaps(level.grid);
-  const auto free = [&](int axis, const BrickRange& range) {
-    const int lo = std::max(level.box.free_lo[axis], brick_side * range.lo[axis]);
-    return std::max(0, std::min(level.box.free_hi[axis], brick_side * (range.hi[axis] + 1) - 1) - lo + 1);
-  };
-  for (size_t g = 0; g < gaps.size(); ++g)
-    if (level.inside[g])
-      total += static_cast<size_t>(free(0, gaps[g])) * static_cast<size_t>(free(1, gaps[g])) *
-               static_cast<size_t>(free(2, gaps[g]));
-  return total;
 }
 
 }  // namespace soapfilm

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "soapfilm/core/context_state.h"
-#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -38,9 +37,9 @@ void set_with_neighbors(BrickMask& bricks, Vec3i vertex) {
 
 }  // namespace
 
-CoarseHoleSurface::CoarseHoleSurface(const Level& fine, float threshold, const HoleFinder& finder,
-                                     const FitWeights& fit_weights, const Context& context)
-    : fine_(fine), threshold_(threshold), finder_(finder), context_(context) {
+CoarseHoleSurface::CoarseHoleSurface(const Labels& fine, const HoleFinder& finder, const FitWeights& fit_weights,
+                                     const Context& context)
+    : fine_(fine), finder_(finder), context_(context) {
   // In units of the half-resolution grid, where the surface has a quarter of the vertices.
   fit_weights_.noise = fit_weights.noise / 2;
   fit_weights_.smoothing = fit_weights.noise > noise_to_follow
@@ -52,25 +51,25 @@ CoarseHoleSurface::CoarseHoleSurface(const Level& fine, float threshold, const H
 
 float CoarseHoleSurface::distance(Vec3i v) const {
   const float far = static_cast<float>(reach) + 1;
-  const bool inside = level_.grid.find(brick_of(v)) >= 0 ? level_.u_at(v) > 0.5f : fine_.u_at(2 * v) > threshold_;
+  const bool inside = labels_.grid.find(brick_of(v)) >= 0 ? labels_.test(v) : fine_.test(2 * v);
   return value_at(start_.band, phi_, v, inside ? far : -far);
 }
 
-/// The indicator on the bricks that are needed now; parts already curved are kept.
-void CoarseHoleSurface::make_level() {
+/// The labels on the bricks that are needed now; parts already curved are kept.
+void CoarseHoleSurface::make_labels() {
   const BrickMask wanted = with_neighbors(bricks_);
-  Level next = every_second_vertex(fine_, threshold_, context_, &wanted);
-  for (size_t b = 0; b < level_.grid.size(); ++b)
-    if (const int32_t n = next.grid.find(level_.grid.coord(b)); n >= 0)
-      std::copy_n(level_.u.brick(b), brick_volume, next.u.brick(static_cast<size_t>(n)));
-  level_ = std::move(next);
+  Labels next = every_second_vertex(fine_, context_, &wanted);
+  for (size_t b = 0; b < labels_.grid.size(); ++b)
+    if (const int32_t n = next.grid.find(labels_.grid.coord(b)); n >= 0)
+      next.bits[static_cast<size_t>(n)] = labels_.bits[b];
+  labels_ = std::move(next);
 }
 
 /// Fits, and updates the labels.
 FlipCount CoarseHoleSurface::step() {
-  make_level();
-  start_ = start_from(level_, 0.5f, reach, context_, &bricks_);
-  SignBits signs = signs_of(level_, 0.5f, start_, context_);
+  make_labels();
+  start_ = start_from(labels_, reach, context_, &bricks_);
+  SignBits signs = signs_of(labels_, start_, context_);
   {
     const GridSamples samples = on_every_second_vertex(finder_.samples(), context_, &bricks_);
     Displacement displacement(start_.band, start_.phi0, context_);
@@ -85,14 +84,11 @@ FlipCount CoarseHoleSurface::step() {
     if ((value > 0) != inside && finder_.is_sampled(v)) value = inside ? held_distance : -held_distance;
   });
   const FlipCount flips = follow(phi_, start_.band, signs, held_distance, 0);
-  for (size_t b = 0; b < start_.grid.size(); ++b) {
-    const int32_t n = level_.grid.find(start_.grid.coord(b));
-    if (n < 0) continue;
-    float* u = level_.u.brick(static_cast<size_t>(n));
-    for (int k = 0; k < brick_volume; ++k) u[k] = signs.row(b, k >> 3 & 7, k >> 6) >> (k & 7) & 1 ? 1.0f : 0.0f;
-  }
+  for (size_t b = 0; b < start_.grid.size(); ++b)
+    if (const int32_t n = labels_.grid.find(start_.grid.coord(b)); n >= 0)
+      labels_.bits[static_cast<size_t>(n)] = signs.bits(b);
   for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
-    if (std::abs(phi_.data()[k]) < 1 && !finder_.is_sampled(v) && signs.test(v) != (fine_.u_at(2 * v) > threshold_))
+    if (std::abs(phi_.data()[k]) < 1 && !finder_.is_sampled(v) && signs.test(v) != fine_.test(2 * v))
       set_with_neighbors(bricks_, v);
   });
   return flips;

@@ -7,6 +7,7 @@
 #include "soapfilm/refine/fit/robust_fit.h"
 #include "soapfilm/refine/holes/hole_finder.h"
 #include "soapfilm/refine/topology/topology.h"
+#include "soapfilm/solve/labels.h"
 
 namespace soapfilm {
 
@@ -14,7 +15,7 @@ namespace soapfilm {
 class CoarseHoleSurface {
  public:
   /// All must outlive it. `fit_weights`: those of the samples on the full grid.
-  CoarseHoleSurface(const Level& fine, float threshold, const HoleFinder& finder, const FitWeights& fit_weights,
+  CoarseHoleSurface(const Labels& fine, const HoleFinder& finder, const FitWeights& fit_weights,
                     const Context& context);
 
   /// Fits, changes labels at simple points to follow the fit, and repeats until almost none changes, in 12 rounds at
@@ -27,17 +28,16 @@ class CoarseHoleSurface {
   float distance(Vec3i vertex) const;
 
  private:
-  void make_level();
+  void make_labels();
   FlipCount step();
 
-  const Level& fine_;
-  float threshold_;
+  const Labels& fine_;
   const HoleFinder& finder_;
   const Context& context_;
   FitWeights fit_weights_;
   RobustParams robust_;
   BrickMask bricks_;  // of the band: those that hold holes, and those next to them
-  Level level_;       // the indicator, on these bricks and one more around them
+  Labels labels_;     // on these bricks and one more around them
   Start start_;
   RowArray phi_;
 };

@@ -45,8 +45,8 @@ std::vector<std::vector<Vec3i>> parts_of(const std::vector<Vec3i>& vertices) {
 
 }  // namespace
 
-HoleFinder::HoleFinder(const Level& level, const Start& start, const GridSamples& samples, const Context& context)
-    : level_(level), start_(start), samples_(samples), near_(samples.bricks.size()) {
+HoleFinder::HoleFinder(const Start& start, const GridSamples& samples, const Context& context)
+    : start_(start), samples_(samples), near_(samples.bricks.size()) {
   const float none = 1e30f;
   std::vector<std::pair<Vec3f, Vec3f>> boxes(samples.bricks.size(), {{none, none, none}, {-none, -none, -none}});
   parallel_for(context, samples.bricks.size(), 16, [&](size_t b) {
@@ -158,7 +158,7 @@ std::vector<HoleSurface> HoleFinder::holes_to_curve(HoleReport& report) const {
     ++all;
     if (!is_sampled(v / 2)) unsampled.push_back(v / 2);
   });
-  const LevelBox& box = level_.box;
+  const LevelBox& box = start_.box;
   const auto touches_border = [&](Vec3i v) {
     for (int axis = 0; axis < 3; ++axis)
       if (2 * v[axis] < box.free_lo[axis] + border_within || 2 * v[axis] > box.free_hi[axis] - border_within)

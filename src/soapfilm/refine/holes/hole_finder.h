@@ -9,7 +9,6 @@
 #include "soapfilm/refine/holes/hole_report.h"
 #include "soapfilm/refine/topology/start.h"
 #include "soapfilm/report.h"
-#include "soapfilm/solve/level.h"
 
 namespace soapfilm {
 
@@ -20,8 +19,8 @@ using HoleSurface = std::vector<Vec3i>;
 /// area.
 class HoleFinder {
  public:
-  /// All must outlive it. `start` is the level's.
-  HoleFinder(const Level& level, const Start& start, const GridSamples& samples, const Context& context);
+  /// Both must outlive it.
+  HoleFinder(const Start& start, const GridSamples& samples, const Context& context);
 
   /// The holes to curve: vertices on the surface that lie farther than two voxels from all samples near it, in
   /// connected parts of at least 24, which is a hole about 14 voxels wide. Excluded, and counted in `report`: more than
@@ -41,7 +40,6 @@ class HoleFinder {
   Vec3f gradient(Vec3i vertex) const;
   bool is_near_surface(Vec3i vertex) const;
 
-  const Level& level_;
   const Start& start_;
   const GridSamples& samples_;
   std::vector<std::array<uint8_t, static_cast<size_t>(side) * side>> near_;  // of each brick of samples

@@ -9,7 +9,6 @@
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/refine/holes/coarse_hole_surface.h"
-#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -23,20 +22,18 @@ using BrickRows = std::array<uint8_t, brick_area>;  // of a brick: one byte per 
 /// Transfers the curved surface over holes from the half-resolution grid to the full grid.
 class CurvedToGrid {
  public:
-  CurvedToGrid(const Level& fine, float threshold, const CoarseHoleSurface& surface, const HoleFinder& finder,
-               const Context& context)
-      : fine_(fine), threshold_(threshold), surface_(surface), finder_(finder), context_(context) {}
+  CurvedToGrid(const Labels& fine, const CoarseHoleSurface& surface, const HoleFinder& finder, const Context& context)
+      : fine_(fine), surface_(surface), finder_(finder), context_(context) {}
 
-  /// The level's indicator with labels that follow the curved surface, on the bricks near the surface.
-  Level bent(const std::vector<HoleSurface>& holes, HoleReport& report) const;
+  /// Labels that follow the curved surface, on the bricks near the surface.
+  Labels bent(const std::vector<HoleSurface>& holes, HoleReport& report) const;
 
  private:
   BrickRows differences(Vec3i brick) const;
   BrickMask differing_bricks() const;
   void flip(SignBits& signs, const NarrowBand& band, const std::vector<HoleSurface>& holes, HoleReport& report) const;
 
-  const Level& fine_;
-  float threshold_;
+  const Labels& fine_;
   const CoarseHoleSurface& surface_;
   const HoleFinder& finder_;
   const Context& context_;
@@ -53,7 +50,7 @@ BrickRows CurvedToGrid::differences(Vec3i brick) const {
     bends[static_cast<size_t>(k)] = !finder_.is_sampled(v);
     distance[static_cast<size_t>(k)] = bends[static_cast<size_t>(k)] ? surface_.distance(v) : 0;
   }
-  const BrickBits inside = inside_of(fine_, threshold_, fine_.grid.find(brick), brick);
+  const BrickBits& inside = fine_.of(brick);
   const FreeRange free = free_range(fine_.box, brick);
   BrickRows found{};
   for (int z = free.lo.z; z < free.hi.z; ++z)
@@ -146,12 +143,12 @@ void CurvedToGrid::flip(SignBits& signs, const NarrowBand& band, const std::vect
   }
 }
 
-Level CurvedToGrid::bent(const std::vector<HoleSurface>& holes, HoleReport& report) const {
+Labels CurvedToGrid::bent(const std::vector<HoleSurface>& holes, HoleReport& report) const {
   const BrickMask differing = differing_bricks();
   BrickMask near_surface = differing;
   const Start& start = finder_.start();
   add_bricks(start.grid, near_surface);
-  Level bent;
+  Labels bent;
   bent.box = fine_.box;
   bent.grid = BrickGrid(near_surface, context_);
   bent.inside = GapSides(bent.grid, bricks_with_free(fine_.box),
@@ -160,25 +157,21 @@ Level CurvedToGrid::bent(const std::vector<HoleSurface>& holes, HoleReport& repo
   SignBits signs(bent.grid, bent.inside);
   parallel_for(context_, bent.grid.size(), 64, [&](size_t b) {
     const Vec3i brick = bent.grid.coord(b);
-    const BrickBits inside = inside_of(fine_, threshold_, fine_.grid.find(brick), brick);
-    for (int row = 0; row < brick_area; ++row) signs.row(b, row & 7, row >> 3) = inside.row(row & 7, row >> 3);
+    signs.set(b, fine_.of(brick));
     if (!differing.test(brick)) return;
     const BrickRows rows = differences(brick);
     std::copy(rows.begin(), rows.end(), vertices.begin() + static_cast<std::ptrdiff_t>(b * brick_area));
   });
   flip(signs, NarrowBand(bent.grid, vertices, context_), holes, report);
-  bent.u = Field<float>(bent.grid, pages_of(context_));
-  parallel_for(context_, bent.grid.size(), 64, [&](size_t b) {
-    float* u = bent.u.brick(b);
-    for (int k = 0; k < brick_volume; ++k) u[k] = signs.test(b, k & 7, k >> 3 & 7, k >> 6) ? 1.0f : 0.0f;
-  });
+  bent.bits.resize(bent.grid.size());
+  for (size_t b = 0; b < bent.grid.size(); ++b) bent.bits[b] = signs.bits(b);
   return bent;
 }
 
 }  // namespace
 
-void make_room(Level& level) {
-  LevelBox& box = level.box;
+void make_room(Labels& labels) {
+  LevelBox& box = labels.box;
   const Vec3i room = box.free_lo - Vec3i{1, 1, 1};
   box.free_lo = {1, 1, 1};
   box.free_hi = box.free_hi + room;
@@ -186,17 +179,17 @@ void make_room(Level& level) {
     box.bricks[axis] = std::max(box.bricks[axis], brick_of(box.free_hi + Vec3i{1, 1, 1})[axis] + 1);
 }
 
-bool curve_holes(Level& level, float threshold, const std::vector<HoleSurface>& holes, const HoleFinder& finder,
+bool curve_holes(Labels& labels, const std::vector<HoleSurface>& holes, const HoleFinder& finder,
                  const FitWeights& fit_weights, const Context& context, HoleReport& report) {
-  Level bent;
+  Labels bent;
   {
-    CoarseHoleSurface surface(level, threshold, finder, fit_weights, context);
+    CoarseHoleSurface surface(labels, finder, fit_weights, context);
     if (surface.bend(holes, report))
-      bent = CurvedToGrid(level, threshold, surface, finder, context).bent(holes, report);
+      bent = CurvedToGrid(labels, surface, finder, context).bent(holes, report);
     else
       report.left += holes.size();
   }
-  if (report.flips > 0) level = std::move(bent);
+  if (report.flips > 0) labels = std::move(bent);
   return report.flips > 0;
 }
 

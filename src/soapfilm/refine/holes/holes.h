@@ -8,19 +8,20 @@
 #include "soapfilm/refine/choose/fit_weights.h"
 #include "soapfilm/refine/holes/hole_finder.h"
 #include "soapfilm/refine/holes/hole_report.h"
+#include "soapfilm/solve/labels.h"
 
 namespace soapfilm {
 
 /// Makes room for bulges beyond the solve's border: frees the vertices up to the lattice's first one, and as many on
 /// the high side. Labels do not change; the box of bricks may grow.
-void make_room(Level& level);
+void make_room(Labels& labels);
 
-/// Curves the surface of u > threshold over these holes, which `finder` found in this level; returns whether any
-/// changed. If so, `level` becomes a binary indicator (only its box, grid, u and inside). Components and genus stay.
+/// Curves the surface over these holes, which `finder` found; returns whether any label changed. Components and genus
+/// stay; only the bricks near the surface are kept.
 /// `fit_weights`: those of the samples on the full grid.
 /// A hole stays as it was where the topology refuses more than 6 % of the changes, and where it would bulge by much
 /// more than half a ball on its area. Bulges end at the border of the box. Results do not depend on threads.
-bool curve_holes(Level& level, float threshold, const std::vector<HoleSurface>& holes, const HoleFinder& finder,
+bool curve_holes(Labels& labels, const std::vector<HoleSurface>& holes, const HoleFinder& finder,
                  const FitWeights& fit_weights, const Context& context, HoleReport& report);
 
 }  // namespace soapfilm

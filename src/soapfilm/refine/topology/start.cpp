@@ -8,7 +8,6 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/brick_bits.h"
-#include "soapfilm/solve/inside_bits.h"
 
 namespace soapfilm {
 
@@ -30,7 +29,7 @@ float normal_quantile(float p) {
 /// normal distribution's.
 float distance_of(float smoothed) { return 1.41421356f * normal_quantile(smoothed); }
 
-NarrowBand make_band(const SurfaceField& field, const LevelBox& box, double reach, const BrickMask* where,
+NarrowBand make_band(const IndicatorField& field, const LevelBox& box, double reach, const BrickMask* where,
                      const Context& context) {
   const auto limit = static_cast<float>(0.5 * std::erfc(reach / 2));
   const float last = std::nextafter(1 - limit, 0.0f);  // below 1 - limit
@@ -48,7 +47,7 @@ NarrowBand make_band(const SurfaceField& field, const LevelBox& box, double reac
   return NarrowBand(field.grid, vertices, context);
 }
 
-RowArray distance_on(const NarrowBand& band, const SurfaceField& field, const Context& context) {
+RowArray distance_on(const NarrowBand& band, const IndicatorField& field, const Context& context) {
   RowArray distance = band.make_array();
   parallel_for(context, band.grid().size(), bricks_of_a_task, [&](size_t b) {
     for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
@@ -72,48 +71,37 @@ BrickGrid every_second_vertex(const BrickGrid& fine, const Context& context) {
 
 }  // namespace
 
-Start start_from(const Level& level, float threshold, double reach, const Context& context, const BrickMask* where) {
+Start start_from(const Labels& labels, double reach, const Context& context, const BrickMask* where) {
   // The smoothed indicator gives the approximate distance of each vertex from the surface.
-  SurfaceField field =
-      where ? smoothed_indicator(level, threshold, level.grid, context) : smoothed_indicator(level, threshold, context);
-  NarrowBand band = make_band(field, level.box, reach, where, context);
+  IndicatorField field = where ? smoothed_indicator(labels, labels.grid, context) : smoothed_indicator(labels, context);
+  NarrowBand band = make_band(field, labels.box, reach, where, context);
   RowArray phi0 = distance_on(band, field, context);
-  return {level.box, std::move(field.grid), std::move(field.inside), std::move(band), std::move(phi0)};
+  return {labels.box, std::move(field.grid), std::move(field.inside), std::move(band), std::move(phi0)};
 }
 
-SignBits signs_of(const Level& level, float threshold, const Start& start, const Context& context) {
+SignBits signs_of(const Labels& labels, const Start& start, const Context& context) {
   SignBits signs(start.grid, start.inside);
-  parallel_for(context, start.grid.size(), bricks_of_a_task, [&](size_t b) {
-    const Vec3i brick = start.grid.coord(b);
-    const BrickBits inside = inside_of(level, threshold, level.grid.find(brick), brick);
-    for (int z = 0; z < brick_side; ++z)
-      for (int y = 0; y < brick_side; ++y) signs.row(b, y, z) = inside.row(y, z);
-  });
+  parallel_for(context, start.grid.size(), bricks_of_a_task,
+               [&](size_t b) { signs.set(b, labels.of(start.grid.coord(b))); });
   return signs;
 }
 
-Level every_second_vertex(const Level& fine, float threshold, const Context& context, const BrickMask* where) {
-  Level coarse;
+Labels every_second_vertex(const Labels& fine, const Context& context, const BrickMask* where) {
+  Labels coarse;
   coarse.box = {fine.box.level + 1, half_up(fine.box.free_lo), half_of(fine.box.free_hi), half_up(fine.box.bricks),
                 fine.box.open};
   coarse.grid = where ? BrickGrid(*where, context) : every_second_vertex(fine.grid, context);
-  coarse.inside = GapSides(coarse.grid, bricks_with_free(coarse.box), [&](Vec3i b) {
-    return fine.u_at(nearest_free(fine.box, child_of(b, 0) * brick_side)) > threshold;
-  });
-  coarse.u = Field<float>(coarse.grid, pages_of(context));
+  coarse.inside = GapSides(coarse.grid, bricks_with_free(coarse.box),
+                           [&](Vec3i b) { return fine.test(nearest_free(fine.box, child_of(b, 0) * brick_side)); });
+  coarse.bits.resize(coarse.grid.size());
   parallel_for(context, coarse.grid.size(), bricks_of_a_task, [&](size_t b) {
-    float* out = coarse.u.brick(b);
     for (int k = 0; k < 8; ++k) {
-      const Vec3i child = child_of(coarse.grid.coord(b), k), base = octant_base(octant_of(k));
-      const int32_t n = fine.grid.find(child);
-      const float* u = n >= 0 ? fine.u.brick(static_cast<size_t>(n)) : nullptr;
-      const float constant = u ? 0.0f : fine.missing_u(n, child);
+      const BrickBits& child = fine.of(child_of(coarse.grid.coord(b), k));
+      const Vec3i base = octant_base(octant_of(k));
       for (int z = 0; z < half_brick; ++z)
         for (int y = 0; y < half_brick; ++y)
-          for (int x = 0; x < half_brick; ++x) {
-            const float value = u ? u[brick_offset(2 * x, 2 * y, 2 * z)] : constant;
-            out[brick_offset(base.x + x, base.y + y, base.z + z)] = value > threshold ? 1.0f : 0.0f;
-          }
+          for (int x = 0; x < half_brick; ++x)
+            if (child.test(2 * x, 2 * y, 2 * z)) coarse.bits[b].set(brick_offset(base.x + x, base.y + y, base.z + z));
     }
   });
   return coarse;

@@ -41,6 +41,19 @@ bool SignBits::test(Vec3i vertex) const {
                    : test(static_cast<size_t>(brick), vertex.x & 7, vertex.y & 7, vertex.z & 7);
 }
 
+void SignBits::set(size_t brick, const BrickBits& bits) {
+  for (int z = 0; z < brick_side; ++z)
+    for (int y = 0; y < brick_side; ++y) row(brick, y, z) = bits.row(y, z);
+}
+
+BrickBits SignBits::bits(size_t brick) const {
+  BrickBits bits;
+  for (int z = 0; z < brick_side; ++z)
+    for (int y = 0; y < brick_side; ++y)
+      bits.layer[static_cast<size_t>(z)] |= uint64_t{row(brick, y, z)} << brick_side * y;
+  return bits;
+}
+
 size_t SignBits::count() const {
   size_t found = 0;
   for (const uint8_t row : rows_) found += static_cast<size_t>(count_bits(row));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "soapfilm/core/vec.h"
+#include "soapfilm/grid/brick_bits.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/gaps.h"
 #include "soapfilm/refine/fit/narrow_band.h"
@@ -19,6 +20,9 @@ class SignBits {
 
   uint8_t& row(size_t brick, int y, int z) { return rows_[brick * 64 + static_cast<size_t>(y + 8 * z)]; }
   uint8_t row(size_t brick, int y, int z) const { return rows_[brick * 64 + static_cast<size_t>(y + 8 * z)]; }
+  /// All rows of a brick.
+  void set(size_t brick, const BrickBits& bits);
+  BrickBits bits(size_t brick) const;
   bool test(size_t brick, int x, int y, int z) const { return row(brick, y, z) >> x & 1; }
   bool test(Vec3i vertex) const;
   void flip(size_t brick, int x, int y, int z) { row(brick, y, z) ^= static_cast<uint8_t>(1 << x); }
