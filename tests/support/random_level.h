@@ -25,6 +25,7 @@ struct RandomLevelParams {
   double support = 0.6;  ///< share of those that have data
   RimFlux rim = RimFlux::random;
   Norm norm = Norm::isotropic;
+  double held = 0;                        ///< share of the active bricks that are held
   bool open = false;                      ///< of the box; p is 0 where that has no faces
   int more_layers = sanitized ? 40 : 90;  ///< along z, in addition to 36 to 51: enough bricks for several tiles of work
 };
@@ -61,6 +62,8 @@ struct RandomLevel {
 
     level = make_level(box, static_cast<float>(params.lambda), band, support, f, context, params.norm);
     for (size_t b = 0; b < level.grid.size(); ++b) fill_brick(random, b, params);
+    if (params.held > 0)
+      for (size_t b = 0; b < level.grid.size(); ++b) level.held.push_back(random.uniform() < params.held);
   }
 
  private:

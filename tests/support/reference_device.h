@@ -13,7 +13,8 @@ namespace soapfilm::test {
 
 class ReferenceSolver final : public LevelSolver {
  public:
-  explicit ReferenceSolver(Level& level) : level_(level), u_(bits(dense_u(level))), f_(bits(dense_f(level))) {
+  ReferenceSolver(Level& level, const Context& context)
+      : LevelSolver(level, context), u_(bits(dense_u(level))), f_(bits(dense_f(level))) {
     const DenseVectors p = dense_p(level);
     for (size_t k = 0; k < 3; ++k) p_[k] = bits(p[k]);
   }
@@ -44,7 +45,8 @@ class ReferenceSolver final : public LevelSolver {
   template <class Visit>
   void for_each_active(Visit&& visit) const {
     for (size_t b = 0; b < level_.grid.size(); ++b)
-      for_each_vertex(level_.grid.coord(b), [&](Vec3i v, int i) { visit(v, b, i); });
+      if (!level_.is_held(static_cast<int32_t>(b)))
+        for_each_vertex(level_.grid.coord(b), [&](Vec3i v, int i) { visit(v, b, i); });
   }
 
   float primal_step(Vec3i v, float tau) {
@@ -57,7 +59,7 @@ class ReferenceSolver final : public LevelSolver {
 
   bool is_fixed(Vec3i v, int axis) const {
     const Vec3i above = v + along(axis);
-    if (level_.grid.find(brick_of(above)) == outside_band) return true;
+    if (level_.rests(level_.grid.find(brick_of(above)))) return true;
     return level_.box.open && !(level_.box.is_free(v) && level_.box.is_free(above));
   }
 
@@ -79,15 +81,14 @@ class ReferenceSolver final : public LevelSolver {
     }
   }
 
-  Level& level_;
   Dense<float> u_, f_;
   std::array<Dense<float>, 3> p_;
 };
 
 class ReferenceDevice final : public Device {
  public:
-  std::unique_ptr<LevelSolver> on(Level& level, const Context&) const override {
-    return std::make_unique<ReferenceSolver>(level);
+  std::unique_ptr<LevelSolver> on(Level& level, const Context& context) const override {
+    return std::make_unique<ReferenceSolver>(level, context);
   }
 };
 

@@ -27,8 +27,10 @@ enum ClFace : cl_int { nothing = -1, inactive = -2, first_plane = -3 };
 /// A level's topology as iteration.cl reads it: 3 values for each brick.
 struct ClTopology {
   std::vector<cl_int> below, above, first_vertex;
+  std::vector<cl_uchar> held;  // of each brick
 
-  explicit ClTopology(Level& level) {
+  explicit ClTopology(Level& level) : held(level.grid.size()) {
+    std::copy(level.held.begin(), level.held.end(), held.begin());
     const BrickGrid& grid = level.grid;
     for (size_t b = 0; b < grid.size(); ++b)
       for (int axis = 0; axis < 3; ++axis) {
@@ -37,7 +39,7 @@ struct ClTopology {
         const float* plane = level.rim.plane(b, axis);
         const auto index = plane ? static_cast<cl_int>((plane - level.rim.flux().data()) / brick_area) : 0;
         below.push_back(low >= 0 ? low : plane ? first_plane - index : nothing);
-        above.push_back(up >= 0 ? up : up == outside_band ? inactive : nothing);
+        above.push_back(level.rests(up) ? inactive : up >= 0 ? up : nothing);
         first_vertex.push_back(grid.first_vertex(b)[axis]);
       }
   }
@@ -54,8 +56,8 @@ ClValues values(const std::vector<T>& all) {
 
 class ClSolver final : public LevelSolver {
  public:
-  ClSolver(std::shared_ptr<const ClRuntime> runtime, Level& level, size_t most_bytes)
-      : runtime_(std::move(runtime)), level_(level), most_bytes_(most_bytes) {
+  ClSolver(std::shared_ptr<const ClRuntime> runtime, Level& level, const Context& context, size_t most_bytes)
+      : LevelSolver(level, context), runtime_(std::move(runtime)), most_bytes_(most_bytes) {
     if (level.grid.size() == 0) return;
     cl_int code = CL_SUCCESS;
     queue_.reset(clCreateCommandQueue(runtime_->context.get(), runtime_->device, 0, &code));
@@ -68,14 +70,15 @@ class ClSolver final : public LevelSolver {
       box.lo[axis] = level.box.free_lo[axis];
       box.hi[axis] = level.box.free_hi[axis];
     }
-    set_arguments(primal_, u_, u_bar_, p_, rim_, f_, f_brick_, below_, first_vertex_, box);
-    set_arguments(dual_, p_, u_bar_, above_, first_vertex_, box, cl_float{0}, cl_float{dual_radius(level)},
+    set_arguments(primal_, u_, u_bar_, p_, rim_, f_, f_brick_, below_, first_vertex_, held_, box);
+    set_arguments(dual_, p_, u_bar_, above_, first_vertex_, held_, box, cl_float{0}, cl_float{dual_radius(level)},
                   cl_int{level.norm == Norm::isotropic});
   }
 
   void sweep(StepSizes steps, int times) override {
     if (level_.grid.size() == 0) return;
-    constexpr cl_uint tau_of_primal = 9, sigma_of_dual = 5;
+    downloaded_ = false;
+    constexpr cl_uint tau_of_primal = 10, sigma_of_dual = 6;
     set_argument(primal_, tau_of_primal, steps.tau);
     set_argument(dual_, sigma_of_dual, steps.sigma);
     for (int i = 0; i < times; ++i) {
@@ -86,7 +89,8 @@ class ClSolver final : public LevelSolver {
   }
 
   void download() override {
-    if (level_.grid.size() == 0) return;
+    if (level_.grid.size() == 0 || downloaded_) return;
+    downloaded_ = true;
     read(u_, level_.u.brick(0), level_.u.bytes());
     read(p_, level_.p.brick(0), level_.p.bytes());
   }
@@ -106,7 +110,8 @@ class ClSolver final : public LevelSolver {
                                                   {&f_brick_, values(level_.f_brick)},
                                                   {&below_, values(topology.below)},
                                                   {&above_, values(topology.above)},
-                                                  {&first_vertex_, values(topology.first_vertex)}};
+                                                  {&first_vertex_, values(topology.first_vertex)},
+                                                  {&held_, values(topology.held)}};
     size_t bytes = 0, largest = 0;
     for (const auto& [buffer, content] : all) {
       bytes += content.bytes;
@@ -170,10 +175,10 @@ class ClSolver final : public LevelSolver {
   }
 
   std::shared_ptr<const ClRuntime> runtime_;
-  Level& level_;
   size_t most_bytes_;
+  bool downloaded_ = true;
   ClQueue queue_;
-  ClBuffer u_, u_bar_, p_, rim_, f_, f_brick_, below_, above_, first_vertex_;
+  ClBuffer u_, u_bar_, p_, rim_, f_, f_brick_, below_, above_, first_vertex_, held_;
   ClKernel primal_, dual_;
 };
 
@@ -183,8 +188,8 @@ class ClDevice final : public Device {
       : runtime_(std::make_shared<const ClRuntime>(open_runtime(name, iteration_source))),
         most_bytes_(most_bytes > 0 ? std::min(most_bytes, runtime_->most_bytes) : runtime_->most_bytes) {}
 
-  std::unique_ptr<LevelSolver> on(Level& level, const Context&) const override {
-    return std::make_unique<ClSolver>(runtime_, level, most_bytes_);
+  std::unique_ptr<LevelSolver> on(Level& level, const Context& context) const override {
+    return std::make_unique<ClSolver>(runtime_, level, context, most_bytes_);
   }
 
  private:

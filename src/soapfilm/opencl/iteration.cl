@@ -7,7 +7,7 @@
 #define VOLUME 512
 
 // What lies beyond a brick's face, if not a brick (as an index): a plane of the rim (FIRST_PLANE - its index), nothing,
-// or an inactive brick, to which the flux is fixed. ClFace in device.cpp has the same numbers.
+// or a brick that rests, to which the flux is fixed. ClFace in device.cpp has the same numbers.
 #define NOTHING -1
 #define INACTIVE -2
 #define FIRST_PLANE -3
@@ -46,8 +46,9 @@ float flux_below(__global const float* p, __global const float* rim, __global co
 
 __kernel void primal(__global float* u, __global float* u_bar, __global const float* p, __global const float* rim,
                      __global const float* f, __global const int* f_brick, __global const int* below,
-                     __global const int* first_vertex, const Box box, const float tau) {
+                     __global const int* first_vertex, __global const uchar* held, const Box box, const float tau) {
   const size_t vertex = get_global_id(0), brick = vertex / VOLUME;
+  if (held[brick]) return;
   const int i = (int)(vertex % VOLUME);
   __global const float* own = p + brick * 3 * VOLUME + i;
   const float dx = flux_below(p, rim, below, brick, i, 0) - own[0];
@@ -79,9 +80,10 @@ float u_bar_above(__global const float* u_bar, __global const int* above, size_t
 float squared(const float* a) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; }
 
 __kernel void dual(__global float* p, __global const float* u_bar, __global const int* above,
-                   __global const int* first_vertex, const Box box, const float sigma, const float lambda,
-                   const int isotropic) {
+                   __global const int* first_vertex, __global const uchar* held, const Box box, const float sigma,
+                   const float lambda, const int isotropic) {
   const size_t vertex = get_global_id(0), brick = vertex / VOLUME;
+  if (held[brick]) return;
   const int i = (int)(vertex % VOLUME);
   __global float* own = p + brick * 3 * VOLUME + i;
   const int v[3] = {first_vertex[brick * 3] + (i & 7), first_vertex[brick * 3 + 1] + (i >> 3 & 7),

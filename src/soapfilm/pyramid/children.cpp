@@ -39,10 +39,10 @@ std::array<double, octant_volume> fluxes_in(const Level& coarse, size_t brick, V
 
 /// Each fine vertex has an eighth of the coarse divergence. (If a coarse vertex is free but some of its children are
 /// fixed, this adds too many terms <= 0: the result is still a bound.)
-Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const SupportField& support) {
+OutsideTerms outside_child(const Level& coarse, size_t brick, Vec3i octant, const SupportField& support) {
   const std::array<double, octant_volume> in = fluxes_in(coarse, brick, octant);
   const double u = inside_child(coarse, brick, octant) ? 1 : 0;
-  Outside sum;
+  OutsideTerms sum;
   const auto add = [&](double r) {
     sum.dual += std::min(0.0, r);
     sum.gap += r * u - std::min(0.0, r);

@@ -64,6 +64,6 @@ void for_each_flux(const Level& coarse, size_t brick, Visit&& visit) {
 bool inside_child(const Level& coarse, size_t brick, Vec3i octant);
 
 /// The contribution of such a child to the fine level's energies.
-Outside outside_child(const Level& coarse, size_t brick, Vec3i octant, const SupportField& support);
+OutsideTerms outside_child(const Level& coarse, size_t brick, Vec3i octant, const SupportField& support);
 
 }  // namespace soapfilm

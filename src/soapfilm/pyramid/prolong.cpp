@@ -136,7 +136,7 @@ void cut_off_flux(Level& level, const Context& context) {
 
 /// The state of the children of one coarse brick that are not in the fine band.
 struct LeftOut {
-  std::array<Outside, 8> outside;
+  std::array<OutsideTerms, 8> outside;
   uint8_t inside = 0;  // a bit per child, also for those in the band
 };
 
@@ -192,7 +192,7 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
   });
   if (box.open && box.level >= same_border_levels) cut_off_flux(fine, context);
   fine.outside = coarse.outside;
-  TileSums<Outside> outside;
+  TileSums<OutsideTerms> outside;
   for (size_t b = 0; b < coarse.grid.size(); ++b)
     for (int k = 0; k < 8; ++k) outside.add(coarse.grid.coord(b), left_out[b].outside[static_cast<size_t>(k)]);
   fine.outside += outside.total();

@@ -21,7 +21,7 @@ Rim::Rim(const BrickGrid& grid, const PagePool& pages) : plane_(grid.size()) {
   flux_ = AlignedArray<float>(static_cast<size_t>(planes) * brick_area, pages);
 }
 
-const float* Level::data(size_t brick) const {
+const float* LevelProblem::data(size_t brick) const {
   const int32_t k = f_brick[brick];
   return k < 0 ? zeros : f->brick(static_cast<size_t>(k));
 }
@@ -53,7 +53,7 @@ void scale_flux(Level& level, float share, const Context& context) {
   });
   AlignedArray<float>& rim = level.rim.flux();
   for (size_t i = 0; i < rim.size(); ++i) rim.data()[i] *= share;
-  Outside& outside = level.outside;
+  OutsideTerms& outside = level.outside;
   outside = {outside.data, outside.gain, outside.dual_of_scaled(share), outside.gap_of_scaled(share)};
 }
 

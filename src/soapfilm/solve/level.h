@@ -38,13 +38,13 @@ class Rim {
 };
 
 /// Contribution to the energies of a part of the domain where u is constant, 0 or 1, and p is not changed.
-struct Outside {
+struct OutsideTerms {
   double data = 0;  ///< to <f, u>
   double gain = 0;  ///< sum of max(0, f): minus what it adds to D(0)
   double dual = 0;  ///< to D(p)
   double gap = 0;   ///< to E(u) - D(p), >= 0
 
-  Outside& operator+=(const Outside& o) {
+  OutsideTerms& operator+=(const OutsideTerms& o) {
     data += o.data;
     gain += o.gain;
     dual += o.dual;
@@ -56,27 +56,42 @@ struct Outside {
   double gap_of_scaled(double s) const { return s * gap + (1 - s) * (gain - data); }
 };
 
-/// min lambda TV(u) - <f, u> over 0 <= u <= 1, u = 0 at fixed vertices (equation (4)), restricted to a band of bricks.
-/// If the box is open TV is the sum over faces between free vertices only, so p = 0 on all others; then the 0 of fixed
-/// vertices has no meaning, and "constant" for a brick that is partly fixed means constant at its free vertices.
-/// Outside the band u is constant (0 or 1) on every connected part and p is prolonged from the coarser level; at the
-/// band boundary that p is the boundary flux. Lattice units: h = 1 on every level.
-struct Level : Domain {
+/// What a level minimizes: min lambda TV(u) - <f, u> over 0 <= u <= 1, u = 0 at fixed vertices (equation (4)),
+/// restricted to a band of bricks. If the box is open TV is the sum over faces between free vertices only, so p = 0 on
+/// all others; then the 0 of fixed vertices has no meaning, and "constant" for a brick that is partly fixed means
+/// constant at its free vertices. Lattice units: h = 1 on every level.
+///
+/// Outside the band u is what the coarser level says: where that is constant (0 or 1) on a connected part, the part's
+/// side, without a brick; elsewhere a brick of the grid that is held. In both p is the coarser level's too, and at the
+/// band boundary it is the boundary flux.
+struct LevelProblem : Domain {
   float lambda = 0;  ///< 4^level (area of a face in fine faces) times the finest level's, or a share of that
   Norm norm = Norm::isotropic;
+  const Field<float>* f = nullptr;  ///< on the support bricks
+  std::vector<int32_t> f_brick;     ///< index into f of each brick of the grid, -1: zero
+  std::vector<uint8_t> held;        ///< of each brick: keeps its u and p; empty: none does
+
+  /// 512 values of f.
+  const float* data(size_t brick) const;
+  bool is_held(int32_t brick) const { return !held.empty() && held[static_cast<size_t>(brick)] != 0; }
+  /// Whether the iteration does not change the brick with this slot value (as BrickGrid::find gives it), though it is
+  /// in the box.
+  bool rests(int32_t slot) const { return slot == outside_band || (slot >= 0 && is_held(slot)); }
+};
+
+/// What the solver changes.
+struct LevelState {
   Field<float> u;  ///< relaxed indicator, in [0, 1]
   Field<float, 3>
       p;  ///< dual: p_k of the face between a vertex and the next along axis k; |p| <= lambda by the norm's dual
   Rim rim;
-  const Field<float>* f = nullptr;  ///< on the support bricks
-  std::vector<int32_t> f_brick;     ///< index into f of each brick of the band, -1: zero
-  Outside outside;                  ///< contribution of the domain outside the band to the energies
+  OutsideTerms outside;  ///< of the domain that has no bricks
+};
 
-  /// 512 values of f.
-  const float* data(size_t brick) const;
-  /// u of a brick that is not in the band (slot value as BrickGrid::find gives it).
-  float missing_u(int32_t slot, Vec3i brick) const;
-  /// u of a vertex, in the band or not.
+struct Level : LevelProblem, LevelState {
+  /// u of a brick that is not in the grid (slot value as BrickGrid::find gives it).
+  float missing_u(int32_t slot, Vec3i brick) const { return is_inside(slot, brick) ? 1.0f : 0.0f; }
+  /// u of a vertex, in the grid or not.
   float u_at(Vec3i vertex) const {
     const Vec3i brick = brick_of(vertex);
     const int32_t slot = grid.find(brick);
@@ -102,7 +117,5 @@ void scale_flux(Level& level, float share, const Context& context);
 
 /// See kernels/low_face.h.
 LowFace low_face(const Level& level, size_t brick, int axis);
-
-inline float Level::missing_u(int32_t slot, Vec3i brick) const { return is_inside(slot, brick) ? 1.0f : 0.0f; }
 
 }  // namespace soapfilm

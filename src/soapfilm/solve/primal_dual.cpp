@@ -89,7 +89,6 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
       solver->sweep(steps_of(late ? late_balance * sigma : sigma),
                     std::min(LevelSolver::sweeps_at_once, sweeps - done));
     }
-    solver->download();
     report.iterations += sweeps;
     double gap = 0;
     bool whole = check % estimates == 0 || report.iterations == params.max_iterations;
@@ -99,14 +98,15 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
     };
     bool stalled = false;
     if (!whole) {
-      gap = estimate_gap(level, context);
+      gap = solver->estimated_gap();
       stalled = run.stalls && stall.found(report.iterations, gap, false);
       whole = stalled || gap <= params.tolerance || (settles && settling.due(report.iterations, gap, params.tolerance));
     }
     if (whole) {
-      report.energies = evaluate_energy(level, {}, context);
+      report.energies = solver->energies();
       gap = report.energies.relative_gap_band(level.lambda);
       report.converged = gap <= params.tolerance;
+      solver->download();
       if (run.evaluated) run.evaluated(report.iterations, report.energies);
       if (report.converged)
         stop(Stop::converged);
@@ -121,6 +121,7 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
     const double left = forecast.left(report.iterations, gap, late, whole);
     check_after = left < params.check_every ? std::max(1, static_cast<int>(std::ceil(left))) : params.check_every;
   }
+  solver->download();
   return report;
 }
 

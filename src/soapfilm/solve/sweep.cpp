@@ -82,7 +82,7 @@ DualJob dual_job(Level& level, size_t brick, RowMask pairs, StepSizes steps, con
               dual_radius(level),
               level.p.brick(next_of(brick))};
   for (int axis = 0; axis < 3; ++axis)
-    job.fixed_up[axis] = level.grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])] == outside_band;
+    job.fixed_up[axis] = level.rests(level.grid.neighbors(brick)[static_cast<size_t>(slot_up[axis])]);
   const Vec3i coord = level.grid.coord(brick);
   if (level.box.open && at_border(level.box, coord)) {
     const FreeRange range = free_range(level.box, coord);
@@ -114,8 +114,7 @@ std::vector<int> rows_down(const BrickGrid& grid) {
 }  // namespace
 
 Sweeper::Sweeper(Level& level, const Context& context)
-    : level_(level),
-      context_(context),
+    : LevelSolver(level, context),
       kernel_(kernels_of(context).sweep(level.norm)),
       y_down_(rows_down(level.grid)),
       faces_(level.grid.size() * faces_per_brick, pages_of(context)),
@@ -186,6 +185,10 @@ RowMask Sweeper::dual_rows(size_t brick) const {
 void Sweeper::sweep_brick(size_t brick, StepSizes steps) {
   constexpr size_t ahead = 4;
   fetch_neighbors(level_.grid, brick > ahead ? brick - ahead : 0);
+  if (level_.is_held(static_cast<int32_t>(brick))) {
+    u_bar_moved_[brick] = u_moved_[brick] = p_moved_[brick] = 0;
+    return;
+  }
   UBar bar;
   const float* u = level_.u.brick(brick);
   float* faces = faces_.data() + brick * faces_per_brick;

@@ -64,8 +64,6 @@ class Sweeper final : public LevelSolver {
   void sweep_tile(Tile tile, StepSizes steps);
   void sweep_brick(size_t brick, StepSizes steps);
 
-  Level& level_;
-  const Context& context_;
   SweepKernel kernel_;
   std::optional<StepSizes> last_steps_;
   std::vector<int> y_down_;           ///< y of all rows of bricks, descending
