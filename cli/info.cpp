@@ -20,6 +20,7 @@
 #include "soapfilm/core/printable.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
+#include "soapfilm/io/formats.h"
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/summary.h"
 #include "soapfilm/mesh/topology.h"
@@ -38,32 +39,30 @@ struct InfoOptions {
   bool as_json = false;
 };
 
-ordered_json scan_facts(const Scan& scan) {
-  ordered_json facts = {{"name", scan.name}, {"samples", scan.size()}};
+ordered_json scan_facts(const ScanSummary& scan) {
+  ordered_json facts = {{"name", scan.name}, {"samples", scan.samples}};
   if (scan.sensor) facts["sensor"] = json_of(*scan.sensor);
   if (scan.view_direction) facts["view_direction"] = json_of(*scan.view_direction);
-  if (scan.range_grid) {
-    const auto& cells = scan.range_grid->sample;
-    const auto seen = std::count_if(cells.begin(), cells.end(), [](int32_t sample) { return sample >= 0; });
-    facts["range_grid"] = {{"columns", scan.range_grid->columns}, {"rows", scan.range_grid->rows}, {"samples", seen}};
-  }
+  if (scan.grid)
+    facts["range_grid"] = {{"columns", scan.grid->columns}, {"rows", scan.grid->rows}, {"samples", scan.grid->samples}};
   return facts;
 }
 
 /// Of the coordinates; empty: the file does not say.
-std::string unit_of(const PointCloud& cloud, const ReadReport& report) {
-  if (!cloud.coordinate_system.empty()) return coordinate_system_of(cloud.coordinate_system).unit;
+std::string unit_of(const std::string& coordinate_system, const ReadReport& report) {
+  if (!coordinate_system.empty()) return coordinate_system_of(coordinate_system).unit;
   const auto in_meters = [](const FileReport& file) { return file.format.starts_with("E57"); };
   return std::all_of(report.files.begin(), report.files.end(), in_meters) ? "meter" : "";
 }
 
 ordered_json point_facts(const std::string& path, const ReadOptions& options) {
   ReadReport report;
-  const PointCloud cloud = read_points(path, &report, Context(0), options);
-  const CloudSummary summary = summarize(cloud);
+  SummarySink sink;
+  stream_points(path, sink, report, options, Context(0));
+  const CloudSummary summary = sink.summary();
   ordered_json facts = {{"file", path},
                         {"kind", "points"},
-                        {"samples", cloud.size()},
+                        {"samples", summary.samples},
                         {"dropped_non_finite", report.dropped()},
                         {"no_return", no_returns(report)},
                         {"box", json_of(summary.box)},
@@ -74,14 +73,13 @@ ordered_json point_facts(const std::string& path, const ReadOptions& options) {
                         {"scans_with_sensor", summary.scans_with_sensor},
                         {"scans_with_view_direction", summary.scans_with_view_direction},
                         {"scans_with_range_grid", summary.scans_with_range_grid},
-                        {"weights", !cloud.weights.empty()},
-                        {"colors", !cloud.colors.empty()},
-                        {"columns", ordered_json::array()},
+                        {"weights", summary.weights},
+                        {"colors", summary.colors},
+                        {"columns", summary.columns},
                         {"scans", ordered_json::array()},
                         {"warnings", report.warnings}};
-  for (const Column& column : cloud.columns) facts["columns"].push_back(column.name);
-  if (!cloud.coordinate_system.empty()) facts["coordinate_system"] = cloud.coordinate_system;
-  facts["unit"] = unit_of(cloud, report);
+  if (!summary.coordinate_system.empty()) facts["coordinate_system"] = summary.coordinate_system;
+  facts["unit"] = unit_of(summary.coordinate_system, report);
   std::vector<std::string> formats;  // each once, in order
   std::vector<std::string> properties;
   const auto add = [](std::vector<std::string>& to, const std::string& name) {
@@ -93,7 +91,7 @@ ordered_json point_facts(const std::string& path, const ReadOptions& options) {
   }
   facts["format"] = fmt::format("{}", fmt::join(formats, "; "));
   facts["properties"] = properties;
-  for (const Scan& scan : cloud.scans) facts["scans"].push_back(scan_facts(scan));
+  for (const ScanSummary& scan : summary.scans) facts["scans"].push_back(scan_facts(scan));
   return facts;
 }
 

@@ -72,8 +72,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   });
   read_or_refuse(bytes, [](io::ByteSource& source) {
     ReadReport report;
-    const std::string broken = test::broken_law(read_points(source, report, {}, context));
+    const PointCloud cloud = read_points(source, report, {}, context);
+    const std::string broken = test::broken_law(cloud);
     fuzz::require(broken.empty(), broken);
+    io::CloudSink blocks(7);
+    ReadReport again;
+    stream_points(source, blocks, again, {}, context);
+    const PointCloud& other = blocks.cloud();
+    fuzz::require(other.positions == cloud.positions && other.colors == cloud.colors &&
+                      other.normals == cloud.normals && other.columns.size() == cloud.columns.size() &&
+                      other.scans.size() == cloud.scans.size() && again.warnings == report.warnings,
+                  "blocks of samples are not the cloud");
     for (const std::string& warning : report.warnings) fuzz::require_one_line(warning);
   });
   read_or_refuse(bytes, [](io::ByteSource& source) {

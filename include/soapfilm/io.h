@@ -34,7 +34,7 @@ struct ReadOptions {
   std::string columns;           ///< of text, such as "x,y,z,-,nx,ny,nz" ("-": skipped); empty: by header or values
   std::string trajectory;        ///< of LAS: a text file `time x y z`, the scanner's way; empty: none
   bool trust_viewpoint = false;  ///< of PCD, PTX, E57: a default or contradicted place is the scanner's, too
-  std::vector<std::string> attributes{"all"};  ///< of LAS, LAZ: columns that are kept, by name, "color", or "all"
+  std::vector<std::string> attributes{"all"};  ///< columns that are kept, by name, "color", or "all"
   double spacing = 0;  ///< of COPC: levels are read until points are this near, input units; 0: all
 };
 

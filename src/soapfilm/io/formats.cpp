@@ -29,17 +29,23 @@ namespace soapfilm::io {
 namespace {
 
 constexpr std::array<Format, 17> table{{
-    {".ply", {}, looks_like_ply, ply_has_faces, read_ply_points, read_ply_mesh, write_ply_points, write_ply_mesh},
+    {.extensions = ".ply",
+     .begins = looks_like_ply,
+     .has_faces = ply_has_faces,
+     .stream_points = read_ply_points,
+     .read_mesh = read_ply_mesh,
+     .write_points = write_ply_points,
+     .write_mesh = write_ply_mesh},
     {.extensions = ".xyz .txt .csv .asc .pts .xyzn .xyzrgb .pwn .npts",
      .uses = "columns",
-     .read_points = read_text_points},
+     .stream_points = read_text_points},
     {.extensions = ".ptx", .uses = "trust_viewpoint", .begins = looks_like_ptx, .read_points = read_ptx},
-    {.extensions = ".pcd", .uses = "trust_viewpoint", .begins = looks_like_pcd, .read_points = read_pcd},
-    {.extensions = ".las", .uses = "trajectory", .begins = looks_like_las, .read_points = read_las},
-    {.extensions = ".laz", .uses = "trajectory", .read_points = read_las},  // the same, but its points are compressed
-    {.extensions = ".e57", .uses = "trust_viewpoint", .begins = looks_like_e57, .read_points = read_e57},
-    {.extensions = ".bin", .read_points = read_kitti},
-    {.extensions = ".npy", .begins = looks_like_npy, .read_points = read_npy},
+    {.extensions = ".pcd", .uses = "trust_viewpoint", .begins = looks_like_pcd, .stream_points = read_pcd},
+    {.extensions = ".las", .uses = "trajectory", .begins = looks_like_las, .stream_points = read_las},
+    {.extensions = ".laz", .uses = "trajectory", .stream_points = read_las},  // the same, but its points are compressed
+    {.extensions = ".e57", .uses = "trust_viewpoint", .begins = looks_like_e57, .stream_points = read_e57},
+    {.extensions = ".bin", .stream_points = read_kitti},
+    {.extensions = ".npy", .begins = looks_like_npy, .stream_points = read_npy},
     {.extensions = ".conf", .uses = "all", .read_points = read_scan_set_points},
     {.extensions = ".mlp", .uses = "all", .read_points = read_mlp},
     {.extensions = ".aln", .uses = "all", .read_points = read_aln},
@@ -98,13 +104,13 @@ const Format* format_of(const ByteSource& source) {
 }
 
 std::vector<std::string> read_extensions() {
-  return all_extensions([](const Format& format) -> bool { return format.read_points || format.read_mesh; });
+  return all_extensions([](const Format& format) -> bool { return format.reads_points() || format.read_mesh; });
 }
 
 std::vector<std::string> readers() {
   std::vector<std::string> first;
   for (const Format& format : table)
-    if (format.read_points || format.read_mesh) first.push_back(split(format.extensions).front());
+    if (format.reads_points() || format.read_mesh) first.push_back(split(format.extensions).front());
   return first;
 }
 

@@ -7,6 +7,7 @@
 
 #include "soapfilm/io.h"
 #include "soapfilm/io/bytes/byte_source.h"
+#include "soapfilm/io/point_stream.h"
 
 namespace soapfilm::io {
 
@@ -16,6 +17,10 @@ struct Format {
   std::string_view uses{};                             ///< fields of ReadOptions, or "all": files that name others
   bool (*begins)(const ByteSource& source) = nullptr;  ///< is a file of any name known by how it begins?
   bool (*has_faces)(ByteSource& source) = nullptr;     ///< of a format of clouds and meshes, which is it?
+  /// In blocks, without all of the file in memory, as far as a file does not say at its end what its samples are.
+  void (*stream_points)(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+                        const Context& context) = nullptr;
+  /// Instead, of a format that can only be read whole.
   PointCloud (*read_points)(ByteSource& source, ReadReport& report, const ReadOptions& options,
                             const Context& context) = nullptr;
   Mesh (*read_mesh)(ByteSource& source, ReadReport& report) = nullptr;
@@ -24,6 +29,7 @@ struct Format {
   WriteReport (*write_mesh)(const std::string& path, const Mesh& mesh, const WriteOptions& options,
                             const Context& context) = nullptr;
 
+  bool reads_points() const { return stream_points || read_points; }
   bool takes(std::string_view option) const { return uses == option || names_files(); }
   bool names_files() const { return uses == "all"; }
 };
@@ -43,6 +49,13 @@ std::vector<std::string> readers();
 }  // namespace soapfilm::io
 
 namespace soapfilm {
+
+/// Hands the samples of a file over, in blocks. Errors and report are those of read_points().
+void stream_points(io::ByteSource& source, io::PointSink& sink, ReadReport& report, const ReadOptions& options,
+                   const Context& context);
+/// The same of a file, or of those in a folder, one after the other.
+void stream_points(const std::string& path, io::PointSink& sink, ReadReport& report, const ReadOptions& options,
+                   const Context& context);
 
 /// read_points() and read_mesh() of io.h once the file is open.
 PointCloud read_points(io::ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);

@@ -30,7 +30,7 @@ const Format& require(const std::string& path, const Format* format, bool (*can)
               ", must be " + io::extensions_of(can) + purpose);
 }
 
-bool reads_points(const Format& format) { return format.read_points; }
+bool reads_points(const Format& format) { return format.reads_points(); }
 bool reads_meshes(const Format& format) { return format.read_mesh; }
 bool writes_points(const Format& format) { return format.write_points; }
 bool writes_meshes(const Format& format) { return format.write_mesh; }
@@ -53,11 +53,21 @@ size_t ReadReport::dropped() const {
   return sum;
 }
 
-PointCloud read_points(io::ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context) {
+void stream_points(io::ByteSource& source, io::PointSink& sink, ReadReport& report, const ReadOptions& options,
+                   const Context& context) {
   const Format& format =
       require<InputError>(source.path(), io::format_of(source), reads_points, " to be read as points");
   source.report_to(context.progress());
-  return format.read_points(source, report, options, context);
+  if (format.stream_points) return format.stream_points(source, sink, report, options, context);
+  PointCloud cloud = format.read_points(source, report, options, context);
+  io::keep_attributes(options.attributes, cloud);
+  io::hand_over(std::move(cloud), source.path(), sink);
+}
+
+PointCloud read_points(io::ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context) {
+  io::CloudSink sink;
+  stream_points(source, sink, report, options, context);
+  return std::move(sink.cloud());
 }
 
 PointCloud read_points(const std::string& path, ReadReport* report, const Context& context,
@@ -101,6 +111,19 @@ PointCloud read_points(const std::vector<std::string>& given, ReadReport* report
                        [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, silent, options); });
 }
 
+void stream_points(const std::string& given, io::PointSink& sink, ReadReport& report, const ReadOptions& options,
+                   const Context& context) {
+  std::vector<std::string> paths{given};
+  if (std::error_code error; std::filesystem::is_directory(given, error)) {
+    paths = io::input_files(paths, report.warnings);
+    refuse_unused(paths, options);
+  }
+  for (const std::string& path : paths) {
+    io::ByteSource source(path);
+    stream_points(source, sink, report, options, context);
+  }
+}
+
 Mesh read_mesh(io::ByteSource& source, ReadReport& report) {
   const Format& format =
       require<InputError>(source.path(), io::format_of(source), reads_meshes, " to be read as a mesh");
@@ -116,7 +139,7 @@ Mesh read_mesh(const std::string& path, ReadReport* report) {
 FileKind file_kind(const std::string& path) {
   io::ByteSource source(path);
   const Format& format = require<InputError>(
-      path, io::format_of(source), [](const Format& f) -> bool { return f.read_points || f.read_mesh; }, "");
+      path, io::format_of(source), [](const Format& f) -> bool { return f.reads_points() || f.read_mesh; }, "");
   const bool is_mesh = format.has_faces ? format.has_faces(source) : format.read_mesh != nullptr;
   return is_mesh ? FileKind::mesh : FileKind::points;
 }

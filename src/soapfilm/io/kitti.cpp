@@ -59,7 +59,7 @@ class SweepReader {
     }
   }
 
-  PointCloud read(size_t columns) {
+  PointTraits read(size_t columns, const std::vector<std::string>& attributes, PointStream& stream) {
     std::vector<BinaryField> fields;
     std::vector<std::string> names;
     for (size_t k = 0; k < columns; ++k) {
@@ -70,15 +70,19 @@ class SweepReader {
       field.swap = std::endian::native != std::endian::little;
       fields.push_back(std::move(field));
     }
-    FieldReader reader(source_, fields, meaning_of(names));
-    PointCloud cloud = reader.cloud_for_rows(rows(columns));
+    PointColumns meaning = meaning_of(names);
+    keep_attributes(attributes, names, meaning);
+    FieldReader reader(source_, fields, std::move(meaning));
+    stream.begin(reader.header(rows(columns)), source_.path());
     for (size_t first = 0; first < rows(columns); first += FieldReader::block_rows) {
       context_.check();
-      reader.append(first, std::min(FieldReader::block_rows, rows(columns) - first), nullptr, cloud);
+      reader.append(first, std::min(FieldReader::block_rows, rows(columns) - first), nullptr, stream);
+      stream.pass();
       source_.release_before(first * columns * sizeof(float));
     }
-    reader.finish(cloud);
-    return cloud;
+    PointTraits traits = reader.traits();
+    traits.float32 = traits.zero_is_none = true;
+    return traits;
   }
 
  private:
@@ -119,24 +123,27 @@ class SweepReader {
 
 }  // namespace
 
-PointCloud read_kitti(ByteSource& source, ReadReport& report, const ReadOptions&, const Context& context) {
+void read_kitti(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+                const Context& context) {
   SweepReader reader(source, context);
   const size_t columns = reader.find_columns();
   reader.check(columns);
-  PointCloud cloud = reader.read(columns);
+  PointStream stream(sink);
+  const PointTraits traits = reader.read(columns, options.attributes, stream);
   Scan scan;
   scan.name = std::filesystem::path(source.path()).stem().string();
-  scan.end = cloud.size();
+  scan.end = stream.size();
   scan.sensor = Vec3d{0, 0, 0};
-  cloud.scans.push_back(std::move(scan));
   FileReport file;
   file.path = source.path();
   file.format = columns == kitti_columns ? "KITTI sweep, 32-bit x y z intensity"
                                          : "nuScenes sweep, 32-bit x y z "
                                            "intensity ring";
   for (size_t k = 0; k < columns; ++k) file.properties.emplace_back(sweep_names[k]);
-  finish_points(cloud, std::move(file), {.float32 = true, .zero_is_none = true}, report);
-  return cloud;
+  PointEnd end;
+  end.scans.push_back(std::move(scan));
+  stream.finish(std::move(end), std::move(file), traits, report);
+  stream.close();
 }
 
 }  // namespace soapfilm::io

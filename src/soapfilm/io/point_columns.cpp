@@ -187,6 +187,19 @@ PointColumns meaning_of(const std::vector<std::string>& names) {
   return columns;
 }
 
+bool keep_attributes(const std::vector<std::string>& attributes, const std::vector<std::string>& names,
+                     PointColumns& columns) {
+  const auto is_named = [&](const std::string& name) {
+    return std::find(attributes.begin(), attributes.end(), name) != attributes.end();
+  };
+  const auto is_other = [&](size_t k) { return is_named(column_name(names[k])); };
+  const auto found = std::count_if(columns.others.begin(), columns.others.end(), is_other);
+  if (static_cast<size_t>(found) + is_named("color") != attributes.size()) return false;
+  std::erase_if(columns.others, [&](size_t k) { return !is_other(k); });
+  if (!is_named("color")) columns.color = columns.splat_color = {};
+  return true;
+}
+
 void warn_of_color_parts(const PointColumns& columns, const std::string& path, std::vector<std::string>& warnings) {
   if (!columns.color_parts.empty())
     warnings.push_back(path + ": " + columns.color_parts +

@@ -34,6 +34,11 @@ struct PointColumns {
 /// ones the first counts. (docs/reference/formats.md has the table.)
 PointColumns meaning_of(const std::vector<std::string>& names);
 
+/// Leaves, of the further columns and colors, only those that `attributes` names: by column_name(), or "color". All
+/// stay if it names one that is not there, such as "all": who looks for it can then say which are. Returns false then.
+bool keep_attributes(const std::vector<std::string>& attributes, const std::vector<std::string>& names,
+                     PointColumns& columns);
+
 /// "PATH: 'red', 'green' without ...", if the color is not complete; to `warnings`.
 void warn_of_color_parts(const PointColumns& columns, const std::string& path, std::vector<std::string>& warnings);
 

@@ -19,7 +19,6 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr uint64_t most_samples = INT32_MAX;  // range grids hold indices of 32 bits
 constexpr size_t worth_planning = size_t{64} << 20;
 
 /// The names, a number added to those that are there already, or that PLY gives a meaning.
@@ -37,32 +36,6 @@ std::vector<std::string> made_different(const std::vector<std::string>& names) {
   return all;
 }
 
-/// The distance between neighboring 32-bit numbers at the farthest coordinate.
-double float_step(double farthest) { return std::ldexp(1.0, std::ilogb(farthest) - 23); }
-
-void warn_of_steps(const PointCloud& cloud, const std::string& path, ReadReport& report) {
-  constexpr double harmless = 0.1;  // of the spacing: rounding is then noise of 0.03 voxels
-  const Box3d box = cloud.box();
-  const double farthest = farthest_coordinate(box);
-  const double spacing = box.diagonal() / std::sqrt(static_cast<double>(cloud.size()));
-  if (farthest == 0 || spacing == 0 || float_step(farthest) <= harmless * spacing) return;
-  report.warnings.push_back(fmt::format(
-      "{}: coordinates near {:.6g} are stored as 32-bit numbers, in steps of {:.3g}; samples are about {:.3g} apart: "
-      "the surface will have steps (write the file in double precision, or subtract an offset before)",
-      path, farthest, float_step(farthest), spacing));
-}
-
-/// Drops the samples at bad positions, if there are at least `least`; returns how many were dropped.
-template <class Bad>
-size_t drop_where(PointCloud& cloud, size_t least, Bad&& bad) {
-  const auto count = static_cast<size_t>(std::count_if(cloud.positions.begin(), cloud.positions.end(), bad));
-  if (count < least) return 0;
-  std::vector<bool> keep(cloud.size());
-  for (size_t i = 0; i < keep.size(); ++i) keep[i] = !bad(cloud.positions[i]);
-  cloud.filter(keep);
-  return count;
-}
-
 }  // namespace
 
 size_t bytes_per_sample(const PointHeader& header) {
@@ -71,20 +44,28 @@ size_t bytes_per_sample(const PointHeader& header) {
          header.weights * sizeof(float) + header.colors * color + header.columns.size() * sizeof(float);
 }
 
-PointCloud cloud_for(const PointHeader& header, const std::string& path) {
-  if (header.samples > most_samples)
-    throw InputError(fmt::format("{}: holds {} samples, must be at most {}", path, header.samples, most_samples));
+void check_cloud_fits(const PointHeader& header, const std::string& path) {
+  if (header.samples > most_cloud_samples)
+    throw InputError(fmt::format("{}: holds {} samples, must be at most {}", path, header.samples, most_cloud_samples));
   const auto count = static_cast<size_t>(header.samples);
   const size_t bytes = count * bytes_per_sample(header);
   if (bytes > worth_planning && bytes > available_memory_bytes())
     throw MemoryError(fmt::format("{}: its {} samples need {}, more than the {} that are free", path, count,
                                   format_bytes(bytes), format_bytes(available_memory_bytes())));
+}
+
+PointCloud cloud_for(const PointHeader& header, const std::string& path) {
+  check_cloud_fits(header, path);
+  return cloud_for(header, static_cast<size_t>(header.samples));
+}
+
+PointCloud cloud_for(const PointHeader& header, size_t count) {
   PointCloud cloud;
   reserve_many(cloud.positions, count);
   if (header.normals) reserve_many(cloud.normals, count);
   if (header.sensors) reserve_many(cloud.sensors, count);
   if (header.weights) reserve_many(cloud.weights, count);
-  if (header.colors) reserve_many(cloud.colors, count);
+  if (header.colors && !header.colors_in_range_of_all) reserve_many(cloud.colors, count);
   std::vector<std::string> names;
   for (const std::string& name : header.columns) names.push_back(column_name(name));
   for (std::string& name : made_different(names)) {
@@ -129,10 +110,23 @@ Rgb8 ColorNumbers::rounded(const Vec3f& color, double scale) {
   return rgb;
 }
 
-std::vector<Rgb8> ColorNumbers::bytes(bool whole) const {
+void ColorNumbers::append(const ColorNumbers& others, size_t begin, size_t end) {
+  const auto part = [&](auto& to, const auto& from) {
+    if (from.empty()) return;
+    to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(begin),
+              from.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  of_16_bits_ = others.of_16_bits_;
+  part(values_, others.values_);
+  part(words_, others.words_);
+}
+
+double ColorNumbers::scale(float largest, bool whole) {
   constexpr float a_little_over_one = 2;  // renderers and filters overshoot; of numbers to 255 all would be black
-  const float range = largest();
-  const double scale = !whole && range < a_little_over_one ? 255.0 : range <= 255 ? 1.0 : 1.0 / 257;
+  return !whole && largest < a_little_over_one ? 255.0 : largest <= 255 ? 1.0 : 1.0 / 257;
+}
+
+std::vector<Rgb8> ColorNumbers::bytes(double scale) const {
   std::vector<Rgb8> colors;
   reserve_many(colors, values_.size() + words_.size());
   for (const Vec3f& c : values_) colors.push_back(rounded(c, scale));
@@ -141,34 +135,23 @@ std::vector<Rgb8> ColorNumbers::bytes(bool whole) const {
   return colors;
 }
 
-void finish_points(PointCloud& cloud, FileReport file, const PointTraits& traits, ReadReport& report) {
-  const size_t read = cloud.size() + file.no_return;
-  if (read == 0) throw InputError(file.path + ": holds no samples");
-  for (Vec3f& normal : cloud.normals) {
-    if (is_finite(normal)) continue;
-    normal = {};
-    ++file.ignored_normals;
-  }
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  for (Vec3d& sensor : cloud.sensors)
-    if (!is_finite(sensor)) sensor = {nan, nan, nan};
+void keep_attributes(const std::vector<std::string>& attributes, PointCloud& cloud) {
+  const auto is_named = [&](const std::string& name) {
+    return std::find(attributes.begin(), attributes.end(), name) != attributes.end();
+  };
+  const auto found = std::count_if(cloud.columns.begin(), cloud.columns.end(),
+                                   [&](const Column& column) { return is_named(column.name); });
+  if (static_cast<size_t>(found) + is_named("color") != attributes.size()) return;
+  std::erase_if(cloud.columns, [&](const Column& column) { return !is_named(column.name); });
+  if (!is_named("color")) release(cloud.colors);
+}
 
-  const auto is_zero = [](const Vec3d& p) { return p == Vec3d{}; };
-  const size_t zeros = traits.has_faces ? 0 : drop_where(cloud, traits.zero_is_none ? 1 : 2, is_zero);
-  if (zeros > 0 && !traits.zero_is_none)
-    report.warnings.push_back(fmt::format(
-        "{}: {} of {} samples are at (0, 0, 0): taken for rays without a return, and dropped", file.path, zeros, read));
-  file.no_return += zeros;
-  file.dropped = drop_where(cloud, 1, [](const Vec3d& p) { return !is_finite(p); });
-  file.samples = cloud.size();
-  if (file.samples == 0)
-    throw InputError(fmt::format("{}: none of its {} samples is usable: {} have a non-finite coordinate, {} no return",
-                                 file.path, read, file.dropped, file.no_return));
-  if (traits.float32) warn_of_steps(cloud, file.path, report);
-  if (traits.closed)
-    report.warnings.push_back(file.path +
-                              ": a closed mesh, as programs make them of scans; its vertices are read as samples");
-  report.files.push_back(std::move(file));
+void finish_points(PointCloud& cloud, FileReport file, const PointTraits& traits, ReadReport& report) {
+  PointTally tally;
+  tally.add(cloud);
+  PointEnd end;
+  tally.judge(std::move(file), traits, report, end);
+  drop_samples(end, cloud);
 }
 
 }  // namespace soapfilm::io

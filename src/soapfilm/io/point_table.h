@@ -9,8 +9,12 @@
 
 #include "soapfilm/cloud.h"
 #include "soapfilm/io.h"
+#include "soapfilm/io/point_end.h"
 
 namespace soapfilm::io {
+
+/// Limit on the samples of a file that becomes a cloud: range grids hold their indices in 32 bits.
+inline constexpr size_t most_cloud_samples = INT32_MAX;
 
 /// What the head of a file, or its first row, says of its samples.
 struct PointHeader {
@@ -21,13 +25,18 @@ struct PointHeader {
   bool colors = false;
   std::vector<std::string> columns;  ///< further ones, by their names in the file; made different where they are equal
   bool colors_of_16_bits = false;    ///< whole numbers to 65535: while they are read they take half the memory
+  bool colors_in_range_of_all = false;  ///< numbers of a range that only all of them tell: ColorNumbers
 };
 
 /// The memory that each sample needs while it is read.
 size_t bytes_per_sample(const PointHeader& header);
 
-/// An empty cloud with room for the samples, and with the further columns. Throws InputError for more than 2^31 - 1 of
-/// them, MemoryError if they do not fit into the free memory; nothing large is allocated then.
+/// Throws InputError for more than most_cloud_samples, MemoryError if they do not fit into the free memory.
+void check_cloud_fits(const PointHeader& header, const std::string& path);
+
+/// An empty cloud with room for so many samples, and with the further columns.
+PointCloud cloud_for(const PointHeader& header, size_t room);
+/// The same with room for all of them, checked.
 PointCloud cloud_for(const PointHeader& header, const std::string& path);
 
 /// Colors as numbers of a range that only all of them tell: to 1 (only numbers that need not be whole), to 255 or to
@@ -39,8 +48,13 @@ class ColorNumbers {
   void add(double red, double green, double blue);
   /// The largest number that was added; 0 if there is none.
   float largest() const;
-  /// As bytes. `whole`: 1 means 1 of 255.
-  std::vector<Rgb8> bytes(bool whole) const;
+  size_t size() const { return values_.size() + words_.size(); }
+  /// Those of [begin, end) of others of the same bits.
+  void append(const ColorNumbers& others, size_t begin, size_t end);
+  /// What numbers up to `largest` are multiplied by to reach 255. `whole`: 1 means 1 of 255.
+  static double scale(float largest, bool whole);
+  std::vector<Rgb8> bytes(double scale) const;
+  std::vector<Rgb8> bytes(bool whole) const { return bytes(scale(largest(), whole)); }
 
  private:
   using Words = std::array<uint16_t, 3>;
@@ -52,17 +66,10 @@ class ColorNumbers {
   std::vector<Words> words_;  // instead, if they are of 16 bits
 };
 
-/// What a format says of the samples in its files.
-struct PointTraits {
-  bool float32 = false;       ///< coordinates have 24 bits
-  bool zero_is_none = false;  ///< (0, 0, 0) is a cell without a return; else it is if several samples are there
-  bool has_faces = false;     ///< vertices of a mesh: one at (0, 0, 0) is as good as any
-  bool closed = false;        ///< of a closed mesh: more often a result than a scan
-};
+/// Drops the further columns and the colors that `attributes` does not name, as keep_attributes() of point_columns.h.
+void keep_attributes(const std::vector<std::string>& attributes, PointCloud& cloud);
 
-/// The end of every reader. Drops and counts samples without a return and those with a non-finite coordinate; replaces
-/// non-finite normals and sensor positions by their values for absent (zero, not-a-number). Warns of coordinates whose
-/// steps are large beside the samples' spacing. Adds `file` to the report. Throws InputError when no sample is left.
+/// The end of a reader that has the whole cloud: what PointTally finds is applied to it, and reported.
 void finish_points(PointCloud& cloud, FileReport file, const PointTraits& traits, ReadReport& report);
 
 }  // namespace soapfilm::io

@@ -1,6 +1,6 @@
 #include "soapfilm/io/range_image.h"
 
-#include <cmath>
+#include <algorithm>
 #include <numeric>
 #include <span>
 #include <string_view>
@@ -13,6 +13,10 @@
 namespace soapfilm::io {
 
 namespace {
+
+constexpr std::string_view row_names[] = {"row", "row_index", "rowindex", "v"};
+constexpr std::string_view column_names[] = {"column",   "col", "column_index", "columnindex", "col_index",
+                                             "colindex", "u"};
 
 const Column* find_index_column(const PointCloud& cloud, std::span<const std::string_view> names) {
   for (const std::string_view name : names)
@@ -37,22 +41,16 @@ RangeGrid full_grid(int columns, int rows, bool by_columns) {
   return grid;
 }
 
-size_t drop_empty_cells(PointCloud& cloud) {
-  std::vector<bool> keep(cloud.size());
-  size_t empty = 0;
-  for (size_t i = 0; i < keep.size(); ++i) {
-    const Vec3d& p = cloud.positions[i];
-    keep[i] = !(std::isnan(p.x) && std::isnan(p.y) && std::isnan(p.z));
-    empty += !keep[i];
-  }
-  if (empty > 0) cloud.filter(keep);
-  return empty;
+bool name_cells(const std::vector<std::string>& names) {
+  const auto has_one_of = [&](std::span<const std::string_view> wanted) {
+    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      return std::find(wanted.begin(), wanted.end(), lower_case(name)) != wanted.end();
+    });
+  };
+  return has_one_of(row_names) && has_one_of(column_names);
 }
 
 std::string give_named_grid(PointCloud& cloud) {
-  constexpr std::string_view row_names[] = {"row", "row_index", "rowindex", "v"};
-  constexpr std::string_view column_names[] = {"column",   "col", "column_index", "columnindex", "col_index",
-                                               "colindex", "u"};
   const Column* rows = find_index_column(cloud, row_names);
   const Column* columns = find_index_column(cloud, column_names);
   if (cloud.scans.size() != 1 || cloud.scans[0].range_grid || rows == nullptr || columns == nullptr) return {};

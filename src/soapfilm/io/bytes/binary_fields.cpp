@@ -56,7 +56,7 @@ void read_field(std::string_view bytes, const BinaryField& field, size_t first, 
     for (size_t i = 0; i < count; ++i) to[i] = to[i] * field.scale + field.add;
 }
 
-PointHeader FieldReader::header_for_rows(uint64_t rows, bool sensors) const {
+PointHeader FieldReader::header(uint64_t rows, bool sensors) const {
   const auto is_word = [&](size_t k) {
     const BinaryField& field = fields_[k];
     const bool is_small = field.type == NumberType::uint8 || field.type == NumberType::uint16;
@@ -67,18 +67,12 @@ PointHeader FieldReader::header_for_rows(uint64_t rows, bool sensors) const {
                      .sensors = sensors || meaning_.sensor.present(),
                      .weights = meaning_.weight != Triple::absent,
                      .colors = meaning_.color.present(),
-                     .columns = {}};
+                     .columns = {},
+                     .colors_in_range_of_all = true};
   const auto& color = meaning_.color.index;
   header.colors_of_16_bits = header.colors && std::all_of(color.begin(), color.end(), is_word);
   for (const size_t k : meaning_.others) header.columns.push_back(fields_[k].name);
   return header;
-}
-
-PointCloud FieldReader::cloud_for_rows(uint64_t rows, bool sensors) {
-  const PointHeader header = header_for_rows(rows, sensors);
-  PointCloud cloud = cloud_for(header, path_);
-  if (header.colors) colors_.reserve(static_cast<size_t>(rows), header.colors_of_16_bits);
-  return cloud;
 }
 
 /// Those of the block's rows that are kept; returns how many.
@@ -105,7 +99,8 @@ void FieldReader::append_triple(const Triple& triple, std::vector<Vec3<T>>& colu
   for (size_t i = 0; i < count; ++i) to[i] = {static_cast<T>(x[i]), static_cast<T>(y[i]), static_cast<T>(z[i])};
 }
 
-void FieldReader::append(size_t first, size_t count, const std::vector<uint32_t>* kept, PointCloud& cloud) {
+void FieldReader::append(size_t first, size_t count, const std::vector<uint32_t>* kept, PointStream& stream) {
+  PointCloud& cloud = stream.samples();
   first_ = first;
   count_ = count;
   kept_ = kept;
@@ -113,17 +108,17 @@ void FieldReader::append(size_t first, size_t count, const std::vector<uint32_t>
   append_triple(meaning_.position, cloud.positions);
   if (meaning_.normal.present()) append_triple(meaning_.normal, cloud.normals);
   if (meaning_.sensor.present()) append_triple(meaning_.sensor, cloud.sensors);
-  if (meaning_.color.present()) append_colors();
+  if (meaning_.color.present()) append_colors(stream.colors());
   if (meaning_.weight != Triple::absent) append_weights(cloud);
   for (size_t c = 0; c < meaning_.others.size(); ++c) append_column(meaning_.others[c], cloud.columns[c], rows_before);
 }
 
-void FieldReader::append_colors() {
+void FieldReader::append_colors(ColorNumbers& colors) {
   constexpr double none = -1;
   const auto& [red, green, blue] = block_;
   for (size_t i = 0, n = read(meaning_.color); i < n; ++i) {
     const bool usable = red[i] >= 0 && green[i] >= 0 && blue[i] >= 0;
-    colors_.add(usable ? red[i] : none, usable ? green[i] : none, usable ? blue[i] : none);
+    colors.add(usable ? red[i] : none, usable ? green[i] : none, usable ? blue[i] : none);
   }
 }
 
@@ -150,13 +145,6 @@ void FieldReader::append_column(size_t field, Column& column, size_t rows_before
   column.values.resize(rows_before + count, 0.0f);
   float* to = column.values.data() + rows_before;
   for (size_t i = 0; i < count; ++i) to[i] = static_cast<float>(values[i]);
-}
-
-void FieldReader::finish(PointCloud& cloud) {
-  if (zeros_left_out_) std::erase_if(cloud.columns, [](const Column& column) { return column.values.empty(); });
-  if (!meaning_.color.present() || (zeros_left_out_ && colors_.largest() == 0)) return;
-  cloud.colors = colors_.bytes(is_integer(fields_[meaning_.color[0]].type));
-  colors_ = {};
 }
 
 }  // namespace soapfilm::io

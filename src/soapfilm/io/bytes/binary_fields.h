@@ -12,7 +12,7 @@
 #include "soapfilm/cloud.h"
 #include "soapfilm/io/bytes/byte_source.h"
 #include "soapfilm/io/point_columns.h"
-#include "soapfilm/io/point_table.h"
+#include "soapfilm/io/point_stream.h"
 
 namespace soapfilm::io {
 
@@ -43,7 +43,7 @@ struct BinaryField {
 /// The numbers of rows [first, first + count), which must be in `bytes`.
 void read_field(std::string_view bytes, const BinaryField& field, size_t first, size_t count, double* to);
 
-/// Appends rows to a cloud, a block at a time.
+/// Appends rows to a stream, some at a time.
 class FieldReader {
  public:
   static constexpr size_t block_rows = 1024;
@@ -59,31 +59,30 @@ class FieldReader {
     rows_before_ = first_row;
   }
 
-  /// Columns, and colors, that are zero in all rows are left out.
+  /// Columns, and colors, that are zero in all rows are left out: in a block that has only zeros of one it stays empty.
   void leave_out_zeros() { zeros_left_out_ = true; }
 
-  /// The memory that a row needs in a cloud from cloud_for_rows().
-  size_t bytes_per_row(bool sensors) const { return bytes_per_sample(header_for_rows(1, sensors)); }
+  /// What the stream begins with; `sensors`: also positions of the scanner that no field holds.
+  PointHeader header(uint64_t rows, bool sensors = false) const;
 
-  /// An empty cloud with room for the rows; `sensors`: also for positions of the scanner that no field holds.
-  PointCloud cloud_for_rows(uint64_t rows, bool sensors = false);
+  /// Rows [first, first + count) of at most block_rows to the end of the stream; of those only the ones in `kept`
+  /// (counted from `first`) if that is given.
+  void append(size_t first, size_t count, const std::vector<uint32_t>* kept, PointStream& stream);
 
-  /// Rows [first, first + count) of at most a block to the end of a cloud from cloud_for_rows(); of those only the ones
-  /// in `kept` (counted from `first`) if that is given.
-  void append(size_t first, size_t count, const std::vector<uint32_t>* kept, PointCloud& cloud);
-
-  /// After the last row.
-  void finish(PointCloud& cloud);
+  /// What its columns are, for the stream's end.
+  PointTraits traits() const {
+    return {.whole_colors = meaning_.color.present() && is_integer(fields_[meaning_.color[0]].type),
+            .leave_out_zeros = zeros_left_out_};
+  }
 
  private:
   using Block = std::array<double, block_rows>;
 
-  PointHeader header_for_rows(uint64_t rows, bool sensors) const;
   size_t read(size_t field, Block& to) const;
   size_t read(const Triple& triple);
   template <class T>
   void append_triple(const Triple& triple, std::vector<Vec3<T>>& column);
-  void append_colors();
+  void append_colors(ColorNumbers& colors);
   void append_weights(PointCloud& cloud);
   void append_column(size_t field, Column& column, size_t rows_before);
 
@@ -93,7 +92,6 @@ class FieldReader {
   const std::vector<BinaryField>& fields_;
   PointColumns meaning_;
   bool zeros_left_out_ = false;
-  ColorNumbers colors_;
   std::array<Block, 3> block_{};
   size_t first_ = 0;  // of the rows that append() is at
   size_t count_ = 0;

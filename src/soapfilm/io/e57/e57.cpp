@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "soapfilm/error.h"
 #include "soapfilm/io/e57/e57_head.h"
@@ -12,7 +13,7 @@
 #include "soapfilm/io/e57/e57_pages.h"
 #include "soapfilm/io/e57/e57_records.h"
 #include "soapfilm/io/e57/e57_scan.h"
-#include "soapfilm/io/point_table.h"
+#include "soapfilm/io/point_stream.h"
 #include "soapfilm/io/text/text.h"
 
 namespace soapfilm::io {
@@ -82,11 +83,28 @@ void warn_of_e57(std::string_view what, const std::vector<std::string>& where, c
   report.warnings.push_back(fmt::format("{}: {}: {}", path, what, list));
 }
 
-E57Plan plan_e57(const E57Head& head, E57Pages& pages, ReadReport& report) {
+/// As keep_attributes() of point_columns.h.
+void keep_e57_attributes(const std::vector<std::string>& attributes, E57Layout& layout) {
+  std::vector<std::string> names;
+  PointColumns columns;
+  for (const E57Layout::Further& further : layout.further) {
+    columns.others.push_back(names.size());
+    names.push_back(further.name);
+  }
+  columns.color = layout.color;
+  keep_attributes(attributes, names, columns);
+  std::vector<E57Layout::Further> kept;
+  for (const size_t k : columns.others) kept.push_back(std::move(layout.further[k]));
+  layout.further = std::move(kept);
+  layout.color = columns.color;
+}
+
+E57Plan plan_e57(const E57Head& head, const std::vector<std::string>& attributes, E57Pages& pages, ReadReport& report) {
   E57Plan plan;
   std::vector<std::string> ignored;
   for (const E57Scan& scan : head.scans) {
-    const E57Layout layout = e57_layout(scan, pages.path(), ignored);
+    E57Layout layout = e57_layout(scan, pages.path(), ignored);
+    keep_e57_attributes(attributes, layout);
     plan.sections.push_back(read_e57_section(pages, scan));
     add_e57_columns(layout, pages.path(), plan);
     PointHeader& header = plan.header;
@@ -132,25 +150,34 @@ bool e57_float32(const E57Head& head, const E57Plan& plan) {
 
 bool looks_like_e57(const ByteSource& source) { return source.begins_with("ASTM-E57"); }
 
-PointCloud read_e57(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context) {
+void read_e57(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+              const Context& context) {
   E57Pages pages(source);
   const E57Head head = read_e57_head(pages, report);
-  const E57Plan plan = plan_e57(head, pages, report);
-  PointCloud cloud = cloud_for(plan.header, source.path());
-  cloud.coordinate_system = head.coordinate_system;
+  const E57Plan plan = plan_e57(head, options.attributes, pages, report);
+  PointStream stream(sink);
+  stream.begin(plan.header, source.path());
+  PointEnd end;
+  end.coordinate_system = head.coordinate_system;
   FileReport file = describe_e57(head, source.path());
 
   std::vector<std::string> without_grid, with_more, shifted, unseen;
   for (size_t s = 0; s < head.scans.size(); ++s) {
     const E57Scan& scan = head.scans[s];
     E57Records records(pages, scan, plan.sections[s], plan.layouts[s].used(scan.fields.size()));
-    E57ScanReader reader(scan, plan.layouts[s], plan.column_of[s], plan.header, cloud);
+    E57ScanReader reader(scan, plan.layouts[s], plan.column_of[s], plan.header, stream.samples());
     reader.read(records, context, file.no_return);
     if (records.more_left()) with_more.push_back(in_quotes(scan.name));
     const std::string why = reader.finish(options.trust_viewpoint);
     if (reader.shifted()) shifted.push_back(in_quotes(scan.name));
     if (reader.unseen()) unseen.push_back(in_quotes(scan.name));
     if (!why.empty()) without_grid.push_back(in_quotes(scan.name) + ": " + why);
+    for (Scan& found : std::exchange(stream.samples().scans, {})) {
+      found.begin += stream.passed();
+      found.end += stream.passed();
+      end.scans.push_back(std::move(found));
+    }
+    stream.pass();  // of scans only whole ones: a pose may be none, which all samples of a scan tell
   }
   warn_of_e57("rows and columns not used as a range grid", without_grid, source.path(), report);
   warn_of_e57("more records than recordCount says, ignored", with_more, source.path(), report);
@@ -160,8 +187,8 @@ PointCloud read_e57(ByteSource& source, ReadReport& report, const ReadOptions& o
       shifted, source.path(), report);
   warn_of_e57("no pose, and samples that were not seen from the origin: no scanner is taken (else: --trust-viewpoint)",
               unseen, source.path(), report);
-  finish_points(cloud, std::move(file), {.float32 = e57_float32(head, plan)}, report);
-  return cloud;
+  stream.finish(std::move(end), std::move(file), {.float32 = e57_float32(head, plan)}, report);
+  stream.close();
 }
 
 }  // namespace soapfilm::io

@@ -3,10 +3,12 @@
 
 #include "soapfilm/io.h"
 #include "soapfilm/io/bytes/byte_source.h"
+#include "soapfilm/io/point_stream.h"
 
 namespace soapfilm::io {
 
 bool looks_like_e57(const ByteSource& source);
-PointCloud read_e57(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
+void read_e57(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+              const Context& context);
 
 }  // namespace soapfilm::io

@@ -50,15 +50,17 @@ class SourceRuns {
   }
 
   /// A scan for each run, unless sources alternate.
-  void split(PointCloud& cloud, const std::string& stem) const {
+  std::vector<Scan> scans(size_t samples, const std::string& stem) const {
     const size_t count = runs_.size();
-    const bool splits = count > 1 && count <= most_runs && cloud.size() / count >= least_mean_run;
-    for (size_t k = 0; k < (splits ? count : 1); ++k) {
-      Scan& scan = cloud.scans.emplace_back();
+    const bool splits = count > 1 && count <= most_runs && samples / count >= least_mean_run;
+    std::vector<Scan> all(splits ? count : 1);
+    for (size_t k = 0; k < all.size(); ++k) {
+      Scan& scan = all[k];
       scan.name = splits ? fmt::format("{} {}", stem, runs_[k].source) : stem;
       scan.begin = splits ? runs_[k].begin : 0;
-      scan.end = splits && k + 1 < count ? runs_[k + 1].begin : cloud.size();
+      scan.end = splits && k + 1 < count ? runs_[k + 1].begin : samples;
     }
+    return all;
   }
 
  private:
@@ -74,10 +76,10 @@ class SourceRuns {
 
 class LasReader {
  public:
-  LasReader(ByteSource& source, ReadReport& report, const Context& context)
-      : source_(source), report_(report), context_(context), header_(read_las_header(source, report)) {}
+  LasReader(ByteSource& source, PointSink& sink, ReadReport& report, const Context& context)
+      : source_(source), report_(report), context_(context), header_(read_las_header(source, report)), stream_(sink) {}
 
-  PointCloud read(const ReadOptions& options) {
+  void read(const ReadOptions& options) {
     const size_t extra_bytes = header_.record_bytes - standard_bytes(header_.point_format);
     LasRecords records = read_las_records(source_, header_, extra_bytes, report_);
     FileReport file;
@@ -92,14 +94,15 @@ class LasReader {
     if (!options.trajectory.empty()) open(options.trajectory);
     meaning_ = kept_columns(options.attributes);
     if (layout) laz_.emplace(source_, std::move(*layout), wanted_bytes(), context_);
-    read_points();
-    cloud_.coordinate_system = std::move(records.coordinate_system);
-    cloud_.is_survey = true;
+    const PointTraits traits = read_points();
     warn_of_unread(records);
     warn_of_samples();
-    runs_.split(cloud_, std::filesystem::path(source_.path()).stem().string());
-    finish_points(cloud_, std::move(file), {}, report_);
-    return std::move(cloud_);
+    PointEnd end;
+    end.scans = runs_.scans(stream_.size(), std::filesystem::path(source_.path()).stem().string());
+    end.coordinate_system = std::move(records.coordinate_system);
+    end.is_survey = true;
+    stream_.finish(std::move(end), std::move(file), traits, report_);
+    stream_.close();
   }
 
  private:
@@ -130,8 +133,6 @@ class LasReader {
                        header_.point_format, trajectory));
   }
 
-  /// Of the further columns and colors only those that `attributes` names; all if it names one that is not there, so
-  /// that who looks for it can say which are.
   PointColumns kept_columns(const std::vector<std::string>& attributes) const {
     std::vector<std::string> names;
     for (const BinaryField& field : fields_.all) names.push_back(field.name);
@@ -140,14 +141,7 @@ class LasReader {
       columns.others.insert(columns.others.end(), columns.sensor.index.begin(), columns.sensor.index.end());
       columns.sensor = {};
     }
-    const auto is_named = [&](const std::string& name) {
-      return std::find(attributes.begin(), attributes.end(), name) != attributes.end();
-    };
-    const auto is_other = [&](size_t k) { return is_named(column_name(names[k])); };
-    const auto found = std::count_if(columns.others.begin(), columns.others.end(), is_other);
-    if (static_cast<size_t>(found) + is_named("color") != attributes.size()) return columns;
-    std::erase_if(columns.others, [&](size_t k) { return !is_other(k); });
-    if (!is_named("color")) columns.color = {};
+    keep_attributes(attributes, names, columns);
     return columns;
   }
 
@@ -167,11 +161,13 @@ class LasReader {
     return wanted;
   }
 
-  void read_points() {
+  PointTraits read_points() {
     FieldReader rows(source_, fields_.all, meaning_);
     rows.leave_out_zeros();
-    if (header_.compressed) check_growth(rows.bytes_per_row(trajectory_.has_value()));
-    cloud_ = rows.cloud_for_rows(header_.count, trajectory_.has_value());
+    const PointHeader header = rows.header(header_.count, trajectory_.has_value());
+    if (header_.compressed) check_growth(bytes_per_sample(header));
+    if (trajectory_) stream_.keep_whole();
+    stream_.begin(header, source_.path());
     if (laz_) {
       size_t done = 0;
       laz_->read([&](std::string_view records) {
@@ -182,9 +178,9 @@ class LasReader {
       const size_t bytes = header_.end_of_points() - header_.points_offset;
       read_records(rows, source_.bytes().substr(header_.points_offset, bytes), 0);
     }
-    rows.finish(cloud_);
-    if (cloud_.size() == 0)
+    if (stream_.size() == 0)
       throw InputError(fmt::format("{}: all of its {} points are marked as withheld", source_.path(), header_.count));
+    return rows.traits();
   }
 
   /// A few bits of a file can be a point; far more than real files have of this would be an attack.
@@ -207,8 +203,9 @@ class LasReader {
       context_.check();
       const size_t block = std::min(FieldReader::block_rows, count - begin);
       const bool all = find_kept(begin, block);
-      rows.append(begin, block, all ? nullptr : &kept_, cloud_);
+      rows.append(begin, block, all ? nullptr : &kept_, stream_);
       note_samples(begin, block, all);
+      stream_.pass();
       if (!laz_) source_.release_before(header_.points_offset + begin * header_.record_bytes);
     }
   }
@@ -230,7 +227,7 @@ class LasReader {
     read_field(records_, fields_.classification, first, count, block_.data());
     for (size_t i = 0; i < used; ++i) noise_ += value(i) == 7 || value(i) == 18;
     read_field(records_, fields_.source, first, count, block_.data());
-    for (size_t i = 0; i < used; ++i) runs_.add(value(i), cloud_.size() - used + i);
+    for (size_t i = 0; i < used; ++i) runs_.add(value(i), stream_.size() - used + i);
     if (trajectory_) append_sensors(first, count, all);
   }
 
@@ -239,7 +236,7 @@ class LasReader {
     const size_t used = all ? count : kept_.size();
     for (size_t i = 0; i < used; ++i) {
       const double time = block_[all ? i : kept_[i]];
-      cloud_.sensors.push_back(trajectory_->at(time));
+      stream_.samples().sensors.push_back(trajectory_->at(time));
       times_.extend(time);
       outside_ += !(time >= trajectory_->first_time() && time <= trajectory_->last_time());
     }
@@ -258,8 +255,8 @@ class LasReader {
   void warn_of_times() {
     const TimeRange way{trajectory_->first_time(), trajectory_->last_time()};
     std::string reason;
-    if (outside_ == cloud_.size()) {
-      release(cloud_.sensors);
+    if (outside_ == stream_.size()) {
+      release(stream_.samples().sensors);
       if (clock_of(times_) != clock_of(way))
         reason = fmt::format(" (the clocks seem to differ: points have {}, the trajectory {})", clock_of(times_),
                              clock_of(way));
@@ -267,14 +264,14 @@ class LasReader {
     warn(fmt::format(
         "{} of {} samples have no scanner position: their GPS times are from {} to {}, those of "
         "the trajectory {} from {} to {}{}",
-        outside_, cloud_.size(), times_.first, times_.last, trajectory_->path(), way.first, way.last, reason));
+        outside_, stream_.size(), times_.first, times_.last, trajectory_->path(), way.first, way.last, reason));
   }
 
   void warn_of_samples() {
     if (noise_ > 0)
       warn(fmt::format("{} of {} samples are classified as noise (7 or 18), and used all the same", noise_,
-                       cloud_.size()));
-    const Box3d box = cloud_.box(context_);
+                       stream_.size()));
+    const Box3d box = stream_.box();
     const bool given =
         std::isfinite(header_.box.diagonal()) && !(header_.box.lo == Vec3d{} && header_.box.hi == Vec3d{});
     for (int axis = 0; axis < 3 && given; ++axis) {
@@ -295,7 +292,7 @@ class LasReader {
   PointColumns meaning_;
   std::optional<LazReader> laz_;  // of a compressed file
   std::string_view records_;      // that are being read
-  PointCloud cloud_;
+  PointStream stream_;
   std::array<double, FieldReader::block_rows> block_{};
   std::vector<uint32_t> kept_;  // of the block
   size_t withheld_ = 0;
@@ -309,8 +306,9 @@ class LasReader {
 
 bool looks_like_las(const ByteSource& source) { return source.begins_with("LASF"); }
 
-PointCloud read_las(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context) {
-  return LasReader(source, report, context).read(options);
+void read_las(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+              const Context& context) {
+  LasReader(source, sink, report, context).read(options);
 }
 
 }  // namespace soapfilm::io

@@ -3,12 +3,14 @@
 
 #include "soapfilm/io.h"
 #include "soapfilm/io/bytes/byte_source.h"
+#include "soapfilm/io/point_stream.h"
 
 namespace soapfilm::io {
 
 bool looks_like_las(const ByteSource& source);
 
 /// With a trajectory each sample gets the scanner's position at its GPS time.
-PointCloud read_las(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
+void read_las(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+              const Context& context);
 
 }  // namespace soapfilm::io

@@ -20,40 +20,47 @@ namespace {
 
 class NpyReader {
  public:
-  NpyReader(ByteSource& source, ReadReport& report, const Context& context)
-      : source_(source), report_(report), context_(context), header_(read_npy_header(source)) {}
+  NpyReader(ByteSource& source, PointSink& sink, ReadReport& report, const Context& context)
+      : source_(source), report_(report), context_(context), header_(read_npy_header(source)), stream_(sink) {}
 
-  PointCloud read() {
+  void read(const std::vector<std::string>& attributes) {
     if (header_.has_names)
       use_names();
     else
       use_columns();
-    PointCloud cloud = read_rows();
+    const bool judged = !header_.has_names && fields_.size() > 3;
+    if (is_image_ || judged || has_cells()) stream_.keep_whole();
+    PointTraits traits = read_rows(judged || has_cells() ? std::vector<std::string>{"all"} : attributes);
+    PointCloud& cloud = stream_.samples();
     const PointColumns columns = meaning();
     warn_of_color_parts(columns, source_.path(), report_.warnings);
-    if (!header_.has_names && fields_.size() > 3) judge(cloud);
-    Scan scan;
+    if (judged) judge(cloud);
+    PointEnd end;
+    end.scans.emplace_back();
+    Scan& scan = end.scans[0];
     scan.name = std::filesystem::path(source_.path()).stem().string();
-    scan.end = cloud.size();
+    scan.end = stream_.size();
     const bool has_grid = is_image_ && header_.shape[0] > 1 && header_.shape[1] > 1;
     if (has_grid) {
       scan.range_grid =
           full_grid(static_cast<int>(header_.shape[1]), static_cast<int>(header_.shape[0]), header_.fortran_order);
       if (is_scanner_place(cloud.positions, scan, {}, false)) scan.sensor = Vec3d{};
     }
-    cloud.scans.push_back(std::move(scan));
 
     FileReport file;
-    if (is_image_) file.no_return = drop_empty_cells(cloud);
     file.path = source_.path();
     file.format = fmt::format("NumPy array {}", describe_shape(header_.shape));
     for (const BinaryField& field : fields_) file.properties.push_back(field.name);
-    const bool float32 = std::all_of(columns.position.index.begin(), columns.position.index.end(),
-                                     [&](size_t k) { return fields_[k].type == NumberType::float32; });
-    finish_points(cloud, std::move(file), {.float32 = float32, .zero_is_none = is_image_}, report_);
-    if (const std::string why = give_named_grid(cloud); !why.empty())
-      warn("rows and columns not used as a range grid: " + why);
-    return cloud;
+    traits.float32 = std::all_of(columns.position.index.begin(), columns.position.index.end(),
+                                 [&](size_t k) { return fields_[k].type == NumberType::float32; });
+    traits.zero_is_none = traits.nan_is_none = is_image_;
+    stream_.finish(std::move(end), std::move(file), traits, report_);
+    if (stream_.is_whole()) {
+      if (const std::string why = give_named_grid(cloud); !why.empty())
+        warn("rows and columns not used as a range grid: " + why);
+      keep_attributes(attributes, cloud);
+    }
+    stream_.close();
   }
 
  private:
@@ -149,17 +156,28 @@ class NpyReader {
     for (const std::string& remark : unnamed.remarks) warn(remark);
   }
 
-  PointCloud read_rows() {
-    FieldReader reader(source_, fields_, meaning());
-    PointCloud cloud = reader.cloud_for_rows(rows_);
+  /// Do columns say where in a range grid each sample is?
+  bool has_cells() const {
+    std::vector<std::string> names;
+    for (const BinaryField& field : fields_) names.push_back(column_name(field.name));
+    return name_cells(names);
+  }
+
+  PointTraits read_rows(const std::vector<std::string>& attributes) {
+    std::vector<std::string> names;
+    for (const BinaryField& field : fields_) names.push_back(field.name);
+    PointColumns kept = meaning();
+    keep_attributes(attributes, names, kept);
+    FieldReader reader(source_, fields_, std::move(kept));
+    stream_.begin(reader.header(rows_), source_.path());
     const bool in_order = header_.has_names || !header_.fortran_order;
     for (size_t first = 0; first < rows_; first += FieldReader::block_rows) {
       context_.check();
       if (in_order) source_.release_before(header_.data + first * fields_[0].stride);
-      reader.append(first, std::min(FieldReader::block_rows, rows_ - first), nullptr, cloud);
+      reader.append(first, std::min(FieldReader::block_rows, rows_ - first), nullptr, stream_);
+      stream_.pass();
     }
-    reader.finish(cloud);
-    return cloud;
+    return reader.traits();
   }
 
   ByteSource& source_;
@@ -168,6 +186,7 @@ class NpyReader {
   NpyHeader header_;
   std::vector<BinaryField> fields_;
   size_t rows_ = 0;
+  PointStream stream_;
   bool is_image_ = false;  // the first two sizes are those of a range image
 };
 
@@ -175,8 +194,9 @@ class NpyReader {
 
 bool looks_like_npy(const ByteSource& source) { return source.begins_with("\x93NUMPY"); }
 
-PointCloud read_npy(ByteSource& source, ReadReport& report, const ReadOptions&, const Context& context) {
-  return NpyReader(source, report, context).read();
+void read_npy(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+              const Context& context) {
+  NpyReader(source, sink, report, context).read(options.attributes);
 }
 
 }  // namespace soapfilm::io

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
@@ -69,7 +70,7 @@ struct PcdLayout : PointColumns {
   std::vector<std::string> unused;  ///< names of fields that are neither used nor padding
 };
 
-PcdLayout pcd_layout(const PcdHeader& header, const std::string& path) {
+PcdLayout pcd_layout(const PcdHeader& header, const std::vector<std::string>& attributes, const std::string& path) {
   std::vector<std::string> scalars;
   for (const PcdField& field : header.fields)
     scalars.push_back(field.count == 1 && !field.is_padding() ? field.name : std::string());
@@ -90,33 +91,35 @@ PcdLayout pcd_layout(const PcdHeader& header, const std::string& path) {
       columns.push_back(k);
   }
   layout.others = std::move(columns);
+  if (keep_attributes(attributes, scalars, layout) &&
+      std::find(attributes.begin(), attributes.end(), "color") == attributes.end())
+    layout.packed_color = Triple::absent;
   return layout;
 }
 
 class PcdReader {
  public:
-  PcdReader(ByteSource& source, PcdHeader header, const Context& context)
-      : source_(source), context_(context), header_(std::move(header)), layout_(pcd_layout(header_, source.path())) {}
+  PcdReader(ByteSource& source, PointSink& sink, PcdHeader header, const ReadOptions& options, const Context& context)
+      : source_(source),
+        context_(context),
+        header_(std::move(header)),
+        layout_(pcd_layout(header_, options.attributes, source.path())),
+        stream_(sink) {}
 
-  PointCloud read(ReadReport& report, bool trust_viewpoint) {
+  void read(ReadReport& report, bool trust_viewpoint) {
+    if (is_image()) stream_.keep_whole();
     if (header_.data == PcdData::ascii)
       read_text();
     else if (header_.data == PcdData::binary)
       read_binary(report);
     else
       read_compressed(report);
-    ColorNumbers colors;
-    colors.reserve(colors_.size());
-    for (const Vec3f& c : colors_)
-      colors.add(static_cast<double>(c.x), static_cast<double>(c.y), static_cast<double>(c.z));
-    if (!colors_.empty()) cloud_.colors = colors.bytes(header_.fields[layout_.color[0]].type != 'F');
-    check_weights();
+    if (bad_weight_) throw InputError(*bad_weight_);
     if (!layout_.unused.empty())
       report.warnings.push_back(
           fmt::format("{}: fields not used: {}", source_.path(), fmt::join(layout_.unused, ", ")));
     warn_of_color_parts(layout_, source_.path(), report.warnings);
     finish(report, trust_viewpoint);
-    return std::move(cloud_);
   }
 
  private:
@@ -128,33 +131,48 @@ class PcdReader {
     samples.weights = layout_.weight != Triple::absent;
     samples.colors = layout_.color.present() || layout_.packed_color != Triple::absent;
     for (const size_t k : layout_.others) samples.columns.push_back(header_.fields[k].name);
-    cloud_ = cloud_for(samples, source_.path());
-    if (layout_.color.present()) colors_.reserve(header_.points);
+    samples.colors_in_range_of_all = layout_.color.present();
+    stream_.begin(samples, source_.path());
   }
 
-  /// Makes room for further samples; their values are put afterwards.
-  void grow(size_t count) {
-    const size_t size = cloud_.size() + count;
-    cloud_.positions.resize(size);
-    if (layout_.normal.present()) cloud_.normals.resize(size);
-    if (layout_.sensor.present()) cloud_.sensors.resize(size);
-    if (layout_.weight != Triple::absent) cloud_.weights.resize(size);
-    if (layout_.packed_color != Triple::absent) cloud_.colors.resize(size);
-    if (layout_.color.present()) colors_.resize(size);
-    for (Column& column : cloud_.columns) column.values.resize(size);
+  /// Makes room for further samples; their values are put afterwards, from the returned one on.
+  size_t grow(size_t count) {
+    PointCloud& cloud = stream_.samples();
+    const size_t first = cloud.size(), size = first + count;
+    cloud.positions.resize(size);
+    if (layout_.normal.present()) cloud.normals.resize(size);
+    if (layout_.sensor.present()) cloud.sensors.resize(size);
+    if (layout_.weight != Triple::absent) cloud.weights.resize(size);
+    if (layout_.packed_color != Triple::absent) cloud.colors.resize(size);
+    if (layout_.color.present()) colors_.resize(count);
+    for (Column& column : cloud.columns) column.values.resize(size);
+    first_ = first;
+    return first;
+  }
+
+  /// All values of the samples that grow() made room for have been put.
+  void pass() {
+    const PointCloud& cloud = stream_.samples();
+    for (const Vec3f& c : colors_)
+      stream_.colors().add(static_cast<double>(c.x), static_cast<double>(c.y), static_cast<double>(c.z));
+    for (size_t i = first_; i < cloud.weights.size() && !bad_weight_; ++i)
+      if (const float weight = cloud.weights[i]; !(weight >= 0) || !std::isfinite(weight))
+        bad_weight_ = fmt::format("{}: point {}: weight = {}, must be finite and >= 0", source_.path(),
+                                  stream_.passed() + i, weight);
+    stream_.pass();
   }
 
   /// Puts values of field `k` where they belong, from sample `first` on.
   void put(size_t k, size_t first, const PcdValues& values) {
     const PcdField& field = header_.fields[k];
-    if (put_axis(layout_.position, k, first, values, cloud_.positions)) return;
-    if (put_axis(layout_.normal, k, first, values, cloud_.normals)) return;
-    if (put_axis(layout_.sensor, k, first, values, cloud_.sensors)) return;
-    if (put_axis(layout_.color, k, first, values, colors_)) return;
+    if (put_axis(layout_.position, k, first, values, stream_.samples().positions)) return;
+    if (put_axis(layout_.normal, k, first, values, stream_.samples().normals)) return;
+    if (put_axis(layout_.sensor, k, first, values, stream_.samples().sensors)) return;
+    if (put_axis(layout_.color, k, first - first_, values, colors_)) return;
     if (k == layout_.packed_color) return put_packed(field, first, values);
-    std::vector<float>* to = k == layout_.weight ? &cloud_.weights : nullptr;
+    std::vector<float>* to = k == layout_.weight ? &stream_.samples().weights : nullptr;
     for (size_t c = 0; c < layout_.others.size(); ++c)
-      if (layout_.others[c] == k) to = &cloud_.columns[c].values;
+      if (layout_.others[c] == k) to = &stream_.samples().columns[c].values;
     if (to == nullptr) return;
     for_each_value(field, values, [to, first](size_t i, double v) { (*to)[first + i] = static_cast<float>(v); });
   }
@@ -174,8 +192,8 @@ class PcdReader {
     for (size_t i = 0; i < values.count; ++i) {
       const char* at = values.at + i * values.stride;
       const uint32_t bits = values.is_text ? packed_color(field, load<double>(at, false)) : load_little<uint32_t>(at);
-      cloud_.colors[first + i] = {static_cast<uint8_t>(bits >> 16 & 255), static_cast<uint8_t>(bits >> 8 & 255),
-                                  static_cast<uint8_t>(bits & 255)};
+      stream_.samples().colors[first + i] = {static_cast<uint8_t>(bits >> 16 & 255),
+                                             static_cast<uint8_t>(bits >> 8 & 255), static_cast<uint8_t>(bits & 255)};
     }
   }
 
@@ -198,11 +216,12 @@ class PcdReader {
         if (found != width) cursor.fail(fmt::format("point {}: {} numbers, must be {}", i + k, found, width));
         cursor.release();
       }
-      grow(count);
+      const size_t first = grow(count);
       for (size_t k = 0; k < header_.fields.size(); ++k)
-        put(k, i,
+        put(k, first,
             {reinterpret_cast<const char*>(numbers.data() + header_.fields[k].first_value), width * sizeof(double),
              count, true});
+      pass();
       i += count;
     }
     if (next_filled_line(cursor, line))
@@ -218,9 +237,10 @@ class PcdReader {
       context_.check();
       const size_t count = std::min<uint64_t>(points_at_once, header_.points - i);
       const char* at = cursor.take(count * header_.point_bytes);
-      grow(count);
+      const size_t first = grow(count);
       for (size_t k = 0; k < header_.fields.size(); ++k)
-        put(k, i, {at + header_.fields[k].offset, header_.point_bytes, count});
+        put(k, first, {at + header_.fields[k].offset, header_.point_bytes, count});
+      pass();
       cursor.release();
       i += count;
     }
@@ -242,6 +262,7 @@ class PcdReader {
     if (!is_lzf && packed_size != full_size)
       throw InputError(fmt::format("{}: byte {}: the compressed data is broken: it does not decode to {} bytes",
                                    source_.path(), begin, full_size));
+    stream_.keep_whole();
     begin_samples();
     grow(header_.points);
     LzfBytes bytes(packed);
@@ -262,6 +283,7 @@ class PcdReader {
         source_.release_before(begin + (is_lzf ? bytes.used() : raw));
       }
     }
+    pass();
     const std::string_view rest = source_.bytes().substr(cursor.offset());
     if (rest.find_first_not_of('\0') != std::string_view::npos)  // the library fills the last page with zeros
       warn_of_rest(rest.size(), report);
@@ -284,13 +306,6 @@ class PcdReader {
           fmt::format("{}: {} bytes after the last of {} points are not read", source_.path(), bytes, header_.points));
   }
 
-  void check_weights() const {
-    for (size_t i = 0; i < cloud_.weights.size(); ++i)
-      if (!(cloud_.weights[i] >= 0) || !std::isfinite(cloud_.weights[i]))
-        throw InputError(
-            fmt::format("{}: point {}: weight = {}, must be finite and >= 0", source_.path(), i, cloud_.weights[i]));
-  }
-
   void finish(ReadReport& report, bool trust_viewpoint) {
     FileReport file;
     file.path = source_.path();
@@ -299,24 +314,28 @@ class PcdReader {
       if (!field.is_padding()) file.properties.push_back(field.name);
     Scan scan;
     scan.name = std::filesystem::path(source_.path()).stem().string();
-    scan.end = cloud_.size();
-    const bool is_image = header_.columns > 1 && header_.rows > 1;
-    if (is_image) scan.range_grid = full_grid(static_cast<int>(header_.columns), static_cast<int>(header_.rows));
+    scan.end = stream_.size();
+    if (is_image()) scan.range_grid = full_grid(static_cast<int>(header_.columns), static_cast<int>(header_.rows));
     place_scanner(scan, trust_viewpoint, report);
-    cloud_.scans.push_back(std::move(scan));
-    if (is_image) file.no_return = drop_empty_cells(cloud_);
+    PointEnd end;
+    end.scans.push_back(std::move(scan));
     const bool float32 = std::all_of(layout_.position.index.begin(), layout_.position.index.end(), [&](size_t k) {
       return header_.fields[k].type == 'F' && header_.fields[k].size == 4 && header_.data != PcdData::ascii;
     });
-    finish_points(cloud_, std::move(file), {.float32 = float32, .zero_is_none = is_image}, report);
+    PointTraits traits{.float32 = float32, .zero_is_none = is_image(), .nan_is_none = is_image()};
+    traits.whole_colors = layout_.color.present() && header_.fields[layout_.color[0]].type != 'F';
+    stream_.finish(std::move(end), std::move(file), traits, report);
+    stream_.close();
   }
+
+  bool is_image() const { return header_.columns > 1 && header_.rows > 1; }
 
   /// Positions stay as they are: the library's users take them to be in the world's frame, like VIEWPOINT itself.
   void place_scanner(Scan& scan, bool trust_viewpoint, ReadReport& report) const {
     const auto& [x, y, z, qw, qx, qy, qz] = header_.viewpoint;
     const bool turned = qx != 0 || qy != 0 || qz != 0;
     const bool is_default = x == 0 && y == 0 && z == 0 && !turned;
-    if (is_default && !trust_viewpoint && !is_scanner_place(cloud_.positions, scan, {}, false)) return;
+    if (is_default && !trust_viewpoint && !is_scanner_place(stream_.samples().positions, scan, {}, false)) return;
     scan.sensor = Vec3d{x, y, z};
     if (turned)
       report.warnings.push_back(fmt::format(
@@ -331,15 +350,18 @@ class PcdReader {
   const Context& context_;
   PcdHeader header_;
   PcdLayout layout_;
-  PointCloud cloud_;
-  std::vector<Vec3f> colors_;  // of three fields, before their range is known
+  PointStream stream_;
+  std::vector<Vec3f> colors_;  // of three fields, of the samples that grow() made room for
+  size_t first_ = 0;           // of them
+  std::optional<std::string> bad_weight_;
 };
 
 }  // namespace
 
-PointCloud read_pcd(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context) {
+void read_pcd(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+              const Context& context) {
   PcdHeader header = read_pcd_header(source, report);
-  return PcdReader(source, std::move(header), context).read(report, options.trust_viewpoint);
+  PcdReader(source, sink, std::move(header), options, context).read(report, options.trust_viewpoint);
 }
 
 }  // namespace soapfilm::io

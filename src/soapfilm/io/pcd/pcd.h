@@ -3,9 +3,11 @@
 
 #include "soapfilm/io.h"
 #include "soapfilm/io/bytes/byte_source.h"
+#include "soapfilm/io/point_stream.h"
 
 namespace soapfilm::io {
 
-PointCloud read_pcd(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
+void read_pcd(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+              const Context& context);
 
 }  // namespace soapfilm::io

@@ -3,11 +3,13 @@
 
 #include "soapfilm/io.h"
 #include "soapfilm/io/bytes/byte_source.h"
+#include "soapfilm/io/point_stream.h"
 
 namespace soapfilm::io {
 
 /// The vertices as samples, with range grids and scans; other elements are ignored.
-PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context);
+void read_ply_points(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+                     const Context& context);
 
 /// Vertices and faces (or triangle strips); scalar properties without a known meaning become attributes.
 Mesh read_ply_mesh(ByteSource& source, ReadReport& report);

@@ -18,7 +18,9 @@ void read_vertices(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayou
   check_count(vertex, UINT32_MAX, path);  // triangles hold indices of 32 bits
   mesh.vertices.reserve(vertex.count);
   if (layout.normal.present()) mesh.normals.reserve(vertex.count);
-  PlyColors colors(layout, vertex.count);
+  ColorNumbers numbers;
+  if (layout.has_number_colors()) numbers.reserve(vertex.count);
+  if (layout.has_color() && !layout.has_number_colors()) mesh.colors.reserve(vertex.count);
   std::vector<size_t> extra = layout.others;
   if (layout.weight != Triple::absent) extra.push_back(layout.weight);
   for (const size_t k : extra) {
@@ -32,11 +34,11 @@ void read_vertices(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayou
       rows.fail(fmt::format("position = ({}, {}, {}), must be finite", position.x, position.y, position.z));
     mesh.vertices.push_back(position);
     if (layout.normal.present()) mesh.normals.push_back(static_cast<Vec3f>(read(rows, layout.normal)));
-    colors.add(rows);
+    add_color(rows, layout, mesh.colors, numbers);
     for (size_t a = 0; a < extra.size(); ++a)
       mesh.attributes[a].values.push_back(static_cast<float>(rows.scalar(extra[a])));
   }
-  mesh.colors = colors.finish();
+  if (layout.has_number_colors()) mesh.colors = numbers.bytes(layout.whole_colors);
 }
 
 void read_faces(PlyRows& rows, const PlyElement& element, size_t list, uint64_t vertices, Mesh& mesh) {

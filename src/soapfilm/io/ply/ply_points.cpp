@@ -12,7 +12,7 @@
 #include "soapfilm/io/ply/ply_rows.h"
 #include "soapfilm/io/ply/ply_scans.h"
 #include "soapfilm/io/ply/ply_vertex.h"
-#include "soapfilm/io/point_table.h"
+#include "soapfilm/io/point_stream.h"
 #include "soapfilm/io/text/text.h"
 
 namespace soapfilm::io {
@@ -40,40 +40,43 @@ PointHeader point_header(const PlyElement& vertex, const PlyVertexLayout& layout
                      layout.weight != Triple::absent,
                      layout.has_color(),
                      {}};
+  header.colors_in_range_of_all = layout.has_number_colors();
   for (const size_t k : layout.others) header.columns.push_back(vertex.properties[k].name);
   return header;
 }
 
 /// Rows of nothing but floats, some at a time while they are in the cache.
-void read_floats(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, PointCloud& cloud) {
+void read_floats(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, PointStream& stream) {
   constexpr uint64_t rows_at_once = 1 << 12;
   const size_t row_bytes = vertex.properties.size() * sizeof(float);
   for (uint64_t i = 0; i < vertex.count; i += rows_at_once) {
     const size_t count = std::min(rows_at_once, vertex.count - i);
     const char* at = rows.take_floats(count);
+    PointCloud& cloud = stream.samples();
     append_column(at, count, row_bytes, layout.position, cloud.positions);
     append_column(at, count, row_bytes, layout.normal, cloud.normals);
     append_column(at, count, row_bytes, layout.sensor, cloud.sensors);
     for (size_t c = 0; c < layout.others.size(); ++c)
       for (size_t k = 0; k < count; ++k)
         cloud.columns[c].values.push_back(load<float>(at + k * row_bytes + layout.others[c] * sizeof(float), false));
+    stream.pass();
   }
 }
 
 void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, const std::string& path,
-                  PointCloud& cloud) {
+                  PointStream& stream) {
   rows.begin(vertex);
-  cloud = cloud_for(point_header(vertex, layout), path);
+  stream.begin(point_header(vertex, layout), path);
   const bool weighted = layout.weight != Triple::absent;
-  if (rows.plain_floats() && !weighted && !layout.has_color()) return read_floats(rows, vertex, layout, cloud);
+  if (rows.plain_floats() && !weighted && !layout.has_color()) return read_floats(rows, vertex, layout, stream);
 
-  PlyColors colors(layout, vertex.count);
   for (uint64_t i = 0; i < vertex.count; ++i) {
     rows.next();
+    PointCloud& cloud = stream.samples();
     cloud.positions.push_back(read(rows, layout.position));
     if (layout.normal.present()) cloud.normals.push_back(static_cast<Vec3f>(read(rows, layout.normal)));
     if (layout.sensor.present()) cloud.sensors.push_back(read(rows, layout.sensor));
-    colors.add(rows);
+    add_color(rows, layout, cloud.colors, stream.colors());
     if (weighted) {
       const float weight = static_cast<float>(rows.scalar(layout.weight));
       if (!(weight >= 0) || !std::isfinite(weight))
@@ -82,8 +85,8 @@ void read_samples(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout
     }
     for (size_t c = 0; c < layout.others.size(); ++c)
       cloud.columns[c].values.push_back(static_cast<float>(rows.scalar(layout.others[c])));
+    stream.pass();
   }
-  cloud.colors = colors.finish();
 }
 
 /// One entry per cell of the range grids: a sample's index in the file, -1 for none.
@@ -196,24 +199,28 @@ void warn_of_unused(const PlyHeader& header, const PlyPlan& plan, const std::str
 
 }  // namespace
 
-PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOptions&, const Context& context) {
+void read_ply_points(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+                     const Context& context) {
   const PlyHeader header = read_ply_header(source);
   const PlyElement& vertex = vertex_element(header, source.path());
-  const PlyVertexLayout layout = find_vertex_layout(vertex, source.path());
+  PlyVertexLayout layout = find_vertex_layout(vertex, source.path());
   std::vector<PlyScan> scans = find_scans(header, vertex.count, source.path());
   const PlyPlan plan = plan_of(header, layout, scans);
   warn_of_unused(header, plan, source.path(), report);
   warn_of_stray_lines(header, source.path(), report);
   warn_of_color_parts(layout, source.path(), report.warnings);
 
-  PointCloud cloud;
+  keep_attributes(options.attributes, layout.names, layout);
+  layout.splats = layout.splat_color.present();
+  PointStream stream(sink);
+  if (plan.faces_tell_normals || (plan.grid_sizes_known && header.find("range_grid"))) stream.keep_whole();
   std::optional<FaceNormals> normals;
   PlyRows rows(source, header, &context);
   for (const PlyElement& element : header.elements) {
     const bool is_grid = element.name == "range_grid" && element.find_list("vertex_indices") != PlyElement::absent;
     if (element.name == "vertex") {
-      read_samples(rows, element, layout, source.path(), cloud);
-      if (plan.faces_tell_normals) normals.emplace(cloud.positions);
+      read_samples(rows, element, layout, source.path(), stream);
+      if (plan.faces_tell_normals) normals.emplace(stream.samples().positions);
     } else if (normals && !plan.faces_first && index_list(element) != PlyElement::absent) {
       add_faces(rows, element, vertex.count, *normals);
     } else if (is_grid && plan.grid_sizes_known) {
@@ -229,9 +236,10 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOpt
   rows.finish(vertex, report);
   if (plan.faces_first) add_all_faces(source, header, vertex.count, *normals);
   const bool closed = normals && normals->closed();
-  if (normals) cloud.normals = normals->finish();
+  if (normals) stream.samples().normals = normals->finish();
 
-  for (PlyScan& scan : scans) cloud.scans.push_back(std::move(scan.scan));
+  PointEnd end;
+  for (PlyScan& scan : scans) end.scans.push_back(std::move(scan.scan));
   FileReport file;
   file.path = source.path();
   file.format = std::string(describe(header.format)) + (plan.faces_tell_normals ? ", normals from its faces" : "") +
@@ -239,8 +247,10 @@ PointCloud read_ply_points(ByteSource& source, ReadReport& report, const ReadOpt
   file.properties = layout.names;
   const bool float32 = std::all_of(layout.position.index.begin(), layout.position.index.end(),
                                    [&](size_t k) { return vertex.properties[k].type == PlyType::float32; });
-  finish_points(cloud, std::move(file), {.float32 = float32, .has_faces = plan.has_faces, .closed = closed}, report);
-  return cloud;
+  stream.finish(
+      std::move(end), std::move(file),
+      {.float32 = float32, .has_faces = plan.has_faces, .closed = closed, .whole_colors = layout.whole_colors}, report);
+  stream.close();
 }
 
 }  // namespace soapfilm::io

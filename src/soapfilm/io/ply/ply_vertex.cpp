@@ -20,29 +20,17 @@ uint8_t byte_of_splat(double coefficient) { return byte_of(255 * (0.5 + 0.282094
 
 }  // namespace
 
-PlyColors::PlyColors(const PlyVertexLayout& layout, size_t count) : layout_(layout) {
-  if (!layout.has_color()) return;
-  if (layout.byte_colors || layout.splats)
-    bytes_.reserve(count);
-  else
-    numbers_.reserve(count);
-}
-
-void PlyColors::add(const PlyRows& rows) {
-  if (layout_.splats) {
-    const Vec3d f = read(rows, layout_.splat_color);
-    return bytes_.push_back({byte_of_splat(f.x), byte_of_splat(f.y), byte_of_splat(f.z)});
+void add_color(const PlyRows& rows, const PlyVertexLayout& layout, std::vector<Rgb8>& bytes, ColorNumbers& numbers) {
+  if (layout.splats) {
+    const Vec3d f = read(rows, layout.splat_color);
+    return bytes.push_back({byte_of_splat(f.x), byte_of_splat(f.y), byte_of_splat(f.z)});
   }
-  if (!layout_.color.present()) return;
-  const Vec3d color = read(rows, layout_.color);
-  if (layout_.byte_colors)
-    bytes_.push_back({byte_of(color.x), byte_of(color.y), byte_of(color.z)});
+  if (!layout.color.present()) return;
+  const Vec3d color = read(rows, layout.color);
+  if (layout.byte_colors)
+    bytes.push_back({byte_of(color.x), byte_of(color.y), byte_of(color.z)});
   else
-    numbers_.add(color.x, color.y, color.z);
-}
-
-std::vector<Rgb8> PlyColors::finish() {
-  return layout_.byte_colors || layout_.splats ? std::move(bytes_) : numbers_.bytes(layout_.whole_colors);
+    numbers.add(color.x, color.y, color.z);
 }
 
 PlyVertexLayout find_vertex_layout(const PlyElement& vertex, const std::string& path) {

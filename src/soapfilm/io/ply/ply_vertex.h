@@ -7,7 +7,7 @@
 #include "soapfilm/cloud.h"
 #include "soapfilm/io/ply/ply_rows.h"
 #include "soapfilm/io/point_columns.h"
-#include "soapfilm/io/point_table.h"
+#include "soapfilm/io/point_stream.h"
 
 namespace soapfilm::io {
 
@@ -17,6 +17,7 @@ struct PlyVertexLayout : PointColumns {
   bool splats = false;        ///< colors are those of splat_color
 
   bool has_color() const { return color.present() || splats; }
+  bool has_number_colors() const { return color.present() && !byte_colors; }
   std::vector<std::string> names;  ///< of all properties, in the file's order
 };
 
@@ -24,18 +25,8 @@ inline Vec3d read(const PlyRows& rows, const Triple& triple) {
   return {rows.scalar(triple[0]), rows.scalar(triple[1]), rows.scalar(triple[2])};
 }
 
-/// The colors of vertices: bytes as they are, others once their range is known.
-class PlyColors {
- public:
-  PlyColors(const PlyVertexLayout& layout, size_t count);
-  void add(const PlyRows& rows);
-  std::vector<Rgb8> finish();
-
- private:
-  const PlyVertexLayout& layout_;
-  std::vector<Rgb8> bytes_;
-  ColorNumbers numbers_;
-};
+/// Adds the color of a vertex, if it has one: bytes as they are, others until their range is known.
+void add_color(const PlyRows& rows, const PlyVertexLayout& layout, std::vector<Rgb8>& bytes, ColorNumbers& numbers);
 
 /// Throws InputError when x, y or z is missing.
 PlyVertexLayout find_vertex_layout(const PlyElement& vertex, const std::string& path);

@@ -53,7 +53,7 @@ std::vector<std::string> scans_in(const std::string& folder) {
     if (!at->is_regular_file(unknown) || at->path().filename().string().starts_with('.')) continue;
     const std::string path = at->path().string();
     const Format* format = format_of_extension(path);
-    if (!format || !format->read_points || is_own_mesh(path)) continue;
+    if (!format || !format->reads_points() || is_own_mesh(path)) continue;
     (format->names_files() ? sets : format->takes("columns") ? texts : scans).push_back(path);
   }
   if (error) throw InputError(fmt::format("{}: cannot be read: {}", folder, error.message()));
@@ -61,7 +61,7 @@ std::vector<std::string> scans_in(const std::string& folder) {
   std::vector<std::string>& found = scans.empty() ? texts : scans;
   if (found.empty())
     throw InputError(fmt::format("{}: a folder without scans, must hold files that end in {}", folder,
-                                 extensions_of([](const Format& f) { return f.read_points != nullptr; })));
+                                 extensions_of([](const Format& f) { return f.reads_points(); })));
   std::sort(found.begin(), found.end(), comes_before);
   return std::move(found);
 }

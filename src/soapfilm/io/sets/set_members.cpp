@@ -50,7 +50,7 @@ PointCloud member_vertices(const std::string& path, ReadReport& report) {
 PointCloud read_member(const std::string& path, ReadReport& report, const ReadOptions& options,
                        const Context& context) {
   const Format* format = format_of(ByteSource(path));
-  if (format != nullptr && format->read_points == nullptr && format->read_mesh != nullptr)
+  if (format != nullptr && !format->reads_points() && format->read_mesh != nullptr)
     return member_vertices(path, report);
   return read_points(path, &report, context, options);
 }

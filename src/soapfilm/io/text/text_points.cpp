@@ -69,21 +69,19 @@ void append_values(const RowChunk& chunk, size_t columns, size_t column, std::ve
 
 class TextReader {
  public:
-  TextReader(ByteSource& source, const ReadOptions& options, const Context& context)
-      : path_(source.path()), context_(context), text_(source) {
+  TextReader(ByteSource& source, PointSink& sink, const ReadOptions& options, const Context& context)
+      : path_(source.path()), context_(context), text_(source), attributes_(options.attributes), stream_(sink) {
     if (!options.columns.empty()) names_ = names_of_option(options.columns);
   }
 
-  PointCloud read(ReadReport& report) {
+  void read(ReadReport& report) {
     head_ = read_text_head(text_.text(), names_.size(), path_);
     find_meaning();
     prepare();
     read_rows();
     close_scan(true);
-    if (cloud_.positions.empty()) throw InputError(path_ + ": holds no samples");
-    cloud_.colors = colors_.bytes(false);
-    release_colors();
-    normals_after_positions();
+    if (stream_.size() == 0) throw InputError(path_ + ": holds no samples");
+    if (stream_.is_whole()) normals_after_positions();
     if (unnamed_) judge();
     drop_text_columns();
     warn_of_color_parts(columns_, path_, head_.warnings);
@@ -92,10 +90,16 @@ class TextReader {
     file.format = head_.decimal_commas ? "text, decimal commas" : "text";
     for (const std::string& name : names_) file.properties.push_back(column_name(name));
     std::move(head_.warnings.begin(), head_.warnings.end(), std::back_inserter(report.warnings));
-    finish_points(cloud_, std::move(file), {}, report);
-    if (const std::string why = give_named_grid(cloud_); !why.empty())
-      report.warnings.push_back(fmt::format("{}: rows and columns not used as a range grid: {}", path_, why));
-    return std::move(cloud_);
+    PointEnd end;
+    end.scans = std::move(scans_);
+    end.without = text_alone_;
+    stream_.finish(std::move(end), std::move(file), {}, report);
+    if (stream_.is_whole()) {
+      if (const std::string why = give_named_grid(stream_.samples()); !why.empty())
+        report.warnings.push_back(fmt::format("{}: rows and columns not used as a range grid: {}", path_, why));
+      keep_attributes(attributes_, stream_.samples());
+    }
+    stream_.close();
   }
 
  private:
@@ -120,6 +124,13 @@ class TextReader {
     }
     columns_ = meaning_of(names_);
     std::erase_if(columns_.others, [&](size_t k) { return names_[k] == "-"; });
+    // What only all rows tell: what columns are, where in a grid, or that the second half are normals.
+    const bool may_be_halves = is_pwn() && head_.count && names_.size() == 3;
+    if (unnamed_ || may_be_halves || name_cells(names_))
+      stream_.keep_whole();
+    else
+      keep_attributes(attributes_, names_, columns_);
+    has_number_.assign(columns_.others.size(), false);
   }
 
   /// Rules for the rows, and a cloud with room for about as many as there will be.
@@ -147,8 +158,8 @@ class TextReader {
                        columns_.color.present(),
                        {}};
     for (const size_t k : columns_.others) header.columns.push_back(names_[k]);
-    cloud_ = cloud_for(header, path_);
-    if (columns_.color.present()) colors_.reserve(rows);
+    header.colors_in_range_of_all = true;
+    stream_.begin(header, path_);
     if (head_.count) begin_scan(*head_.count, head_.count_line);
   }
 
@@ -174,30 +185,40 @@ class TextReader {
   /// Returns the number of the line after the chunk.
   size_t append(const RowChunk& chunk, size_t line) {
     const size_t columns = names_.size();
-    const size_t before = cloud_.size();
+    const size_t before = stream_.size();
+    PointCloud& cloud = stream_.samples();
     for (const CountLine& count : chunk.counts) begin_scan_at(before + count.row, count.count, line + count.line);
     if (chunk.error) fail(line + chunk.lines, *chunk.error);
-    if (chunk.rows > static_cast<size_t>(INT32_MAX) - before)
-      throw InputError(fmt::format("{}: holds more than {} samples, must be at most so many", path_, INT32_MAX));
-    append_triples(chunk, columns, columns_.position, cloud_.positions);
-    append_triples(chunk, columns, columns_.normal, cloud_.normals);
-    append_triples(chunk, columns, columns_.sensor, cloud_.sensors);
-    if (columns_.weight != Triple::absent) append_values(chunk, columns, columns_.weight, cloud_.weights);
+    if (stream_.is_whole() && chunk.rows > most_cloud_samples - before)
+      throw InputError(
+          fmt::format("{}: holds more than {} samples, must be at most so many", path_, most_cloud_samples));
+    append_triples(chunk, columns, columns_.position, cloud.positions);
+    append_triples(chunk, columns, columns_.normal, cloud.normals);
+    append_triples(chunk, columns, columns_.sensor, cloud.sensors);
+    if (columns_.weight != Triple::absent) append_values(chunk, columns, columns_.weight, cloud.weights);
     if (const Triple& c = columns_.color; c.present())
       for (size_t i = 0; i < chunk.rows * columns; i += columns)
-        colors_.add(chunk.values[i + c[0]], chunk.values[i + c[1]], chunk.values[i + c[2]]);
-    for (size_t k = 0; k < columns_.others.size(); ++k)
-      append_values(chunk, columns, columns_.others[k], cloud_.columns[k].values);
+        stream_.colors().add(chunk.values[i + c[0]], chunk.values[i + c[1]], chunk.values[i + c[2]]);
+    for (size_t k = 0; k < columns_.others.size(); ++k) append_further(chunk, k, cloud.columns[k].values);
     if (unnamed_) keep_coordinates(chunk, before);
     for (const TextFields& text : chunk.texts) add_text(text, line);
+    stream_.pass();
     return line + chunk.lines;
+  }
+
+  void append_further(const RowChunk& chunk, size_t k, std::vector<float>& values) {
+    append_values(chunk, names_.size(), columns_.others[k], values);
+    if (!has_number_[k])
+      has_number_[k] = std::any_of(values.end() - static_cast<std::ptrdiff_t>(chunk.rows), values.end(),
+                                   [](float v) { return !std::isnan(v); });
   }
 
   /// As long as the first column is whole it may count rows or cells: then these are coordinates.
   void keep_coordinates(const RowChunk& chunk, size_t before) {
     if (unnamed_->fourth.size() != before) return;
-    for (size_t i = before; i < cloud_.size(); ++i)
-      if (const double x = cloud_.positions[i].x; x != std::floor(x)) {
+    const std::vector<Vec3d>& positions = stream_.samples().positions;
+    for (size_t i = before; i < positions.size(); ++i)
+      if (const double x = positions[i].x; x != std::floor(x)) {
         release(unnamed_->fourth);
         return release(unnamed_->fifth);
       }
@@ -220,84 +241,80 @@ class TextReader {
 
   void begin_scan_at(size_t row, double count, size_t line) {
     if (!in_scan_ && row > 0) fail(line, "a count of samples after samples without one, must come first");
-    if (in_scan_ && static_cast<double>(row - cloud_.scans.back().begin) != promised_)
-      fail(line, fmt::format("{} samples, must be {} as the count in line {} says", row - cloud_.scans.back().begin,
+    if (in_scan_ && static_cast<double>(row - scans_.back().begin) != promised_)
+      fail(line, fmt::format("{} samples, must be {} as the count in line {} says", row - scans_.back().begin,
                              promised_, promised_line_));
     end_of_scan_ = row;
     if (in_scan_) close_scan(false);
     begin_scan(count, line);
-    cloud_.scans.back().begin = row;
+    scans_.back().begin = row;
   }
 
   void begin_scan(double count, size_t line) {
     in_scan_ = true;
     promised_ = count;
     promised_line_ = line;
-    cloud_.scans.emplace_back();
+    scans_.emplace_back();
   }
 
   void close_scan(bool last) {
-    if (!in_scan_) cloud_.scans.emplace_back();
-    Scan& scan = cloud_.scans.back();
-    scan.end = last ? cloud_.size() : end_of_scan_;
+    if (!in_scan_) scans_.emplace_back();
+    Scan& scan = scans_.back();
+    scan.end = last ? stream_.size() : end_of_scan_;
     scan.name = std::filesystem::path(path_).stem().string();
     if (last && in_scan_ && static_cast<double>(scan.size()) != promised_) {
       if (!is_count_of_halves())
         head_.warnings.push_back(fmt::format("{}:{}: count = {}, but {} samples follow: all of them are read", path_,
                                              promised_line_, promised_, scan.size()));
     }
-    if (scan.size() == 0) cloud_.scans.pop_back();
+    if (scan.size() == 0) scans_.pop_back();
   }
 
   /// A .pwn file of some programs: a count n, n positions, then n normals.
   bool is_count_of_halves() const {
-    return lower_case(std::filesystem::path(path_).extension().string()) == ".pwn" && cloud_.scans.size() == 1 &&
-           names_.size() == 3 && static_cast<double>(cloud_.size()) == 2 * promised_;
+    return is_pwn() && scans_.size() == 1 && names_.size() == 3 && static_cast<double>(stream_.size()) == 2 * promised_;
   }
+
+  bool is_pwn() const { return lower_case(std::filesystem::path(path_).extension().string()) == ".pwn"; }
 
   void normals_after_positions() {
     if (!in_scan_ || !is_count_of_halves()) return;
-    const size_t count = cloud_.size() / 2;
+    PointCloud& cloud = stream_.samples();
+    const size_t count = cloud.size() / 2;
     size_t units = 0;
-    cloud_.normals.reserve(count);
+    cloud.normals.reserve(count);
     for (size_t i = count; i < 2 * count; ++i) {
-      units += std::abs(norm(cloud_.positions[i]) - 1) < 0.05;
-      cloud_.normals.push_back(static_cast<Vec3f>(cloud_.positions[i]));
+      units += std::abs(norm(cloud.positions[i]) - 1) < 0.05;
+      cloud.normals.push_back(static_cast<Vec3f>(cloud.positions[i]));
     }
     if (10 * units < 9 * count)
       fail(promised_line_, fmt::format("count = {}, but {} samples follow, must be as many, or {} positions and then "
                                        "as many normals of length 1",
                                        promised_, 2 * count, promised_));
-    cloud_.positions.resize(count);
-    cloud_.scans[0].end = count;
+    cloud.positions.resize(count);
+    scans_[0].end = count;
     names_ = {"x", "y", "z", "nx", "ny", "nz"};
   }
 
   void judge() {
     unnamed_->names = std::move(names_);
-    judge_unnamed_columns(cloud_, *unnamed_);
+    judge_unnamed_columns(stream_.samples(), *unnamed_);
     names_ = std::move(unnamed_->names);
     for (const std::string& remark : unnamed_->remarks) head_.warnings.push_back(path_ + ": " + remark);
   }
 
   /// A column of text alone is not kept; text among numbers is not-a-number.
   void drop_text_columns() {
-    std::vector<bool> dropped(cloud_.columns.size());
     for (const TextFields& text : texts_) {
       const auto k = static_cast<size_t>(std::find(columns_.others.begin(), columns_.others.end(), text.column) -
                                          columns_.others.begin());
-      const std::vector<float>& values = cloud_.columns[k].values;
-      dropped[k] = std::all_of(values.begin(), values.end(), [](float v) { return std::isnan(v); });
-      head_.warnings.push_back(fmt::format(
-          "{}:{}: column {} holds {}, no number, {}", path_, text.line, in_quotes(names_[text.column]),
-          in_quotes(text.first),
-          dropped[k] ? "and so do all rows: not used" : fmt::format("in {} rows: without a value there", text.count)));
+      if (!has_number_[k]) text_alone_.push_back(k);
+      head_.warnings.push_back(fmt::format("{}:{}: column {} holds {}, no number, {}", path_, text.line,
+                                           in_quotes(names_[text.column]), in_quotes(text.first),
+                                           has_number_[k] ? fmt::format("in {} rows: without a value there", text.count)
+                                                          : "and so do all rows: not used"));
     }
-    size_t k = 0;
-    std::erase_if(cloud_.columns, [&](const Column&) { return dropped[k++]; });
   }
-
-  void release_colors() { colors_ = ColorNumbers(); }
 
   std::string path_;
   const Context& context_;
@@ -307,8 +324,11 @@ class TextReader {
   std::vector<std::string> names_;
   PointColumns columns_;
   std::optional<UnnamedColumns> unnamed_;  // of columns that their values must tell
-  PointCloud cloud_;
-  ColorNumbers colors_;
+  std::vector<std::string> attributes_;
+  PointStream stream_;
+  std::vector<Scan> scans_;
+  std::vector<bool> has_number_;    // of each of columns_.others
+  std::vector<size_t> text_alone_;  // of columns_.others
   std::vector<TextFields> texts_;
   bool in_scan_ = false;      // a count line came
   double promised_ = 0;       // by the last of them
@@ -318,9 +338,9 @@ class TextReader {
 
 }  // namespace
 
-PointCloud read_text_points(ByteSource& source, ReadReport& report, const ReadOptions& options,
-                            const Context& context) {
-  return TextReader(source, options, context).read(report);
+void read_text_points(ByteSource& source, PointSink& sink, ReadReport& report, const ReadOptions& options,
+                      const Context& context) {
+  TextReader(source, sink, options, context).read(report);
 }
 
 }  // namespace soapfilm::io
