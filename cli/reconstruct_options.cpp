@@ -189,6 +189,10 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
       ->check(also({"auto", "off"}))
       ->option_text("DIST|auto|off");
   surface(app.add_flag("--trim-holes", p.trim.holes, "Of --trim: also holes that would stay filled"));
+  surface(app.add_option("--fill-holes", p.trim.fill_holes,
+                         "Of --trim, which this turns on: gaps in the samples at most so wide stay\nfilled, in the "
+                         "input's units; wider ones are cut away"))
+      ->option_text("WIDTH");
 
   const auto output = [&](auto* option) { return option->group("Output"); };
   output(app.add_option("--report", o.report, "Write what was done and proved, as JSON"))->option_text("FILE.json");

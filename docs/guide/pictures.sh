@@ -37,6 +37,14 @@ soapfilm render terrain.ply block.ply -o terrain.png --up z --view 1,-1,0.5 --si
 soapfilm render facade/scans.conf facade.ply -o facade.png --up z --view -0.4,-1,0.3 --framing shared --size 310x200 \
   --caption "three scans" --caption "mesh"
 
+# holes.md
+python3 "$here/holes.py" ball.xyz
+soapfilm reconstruct ball.xyz -o all.ply
+soapfilm reconstruct ball.xyz -o some.ply --fill-holes 0.7 2>some.txt
+soapfilm reconstruct ball.xyz -o none.ply --trim auto --trim-holes
+soapfilm render all.ply some.ply none.ply -o holes.png --up z --view 0.5,-1,0.3 --size 210x200 \
+  --caption "all filled" --caption "--fill-holes 0.7" --caption "--trim auto --trim-holes"
+
 # noisy-cloud.md
 soapfilm scan knot -o noisy --samples 30000 --noise 0.7% --outliers 0.1
 soapfilm reconstruct noisy/samples.ply --directions estimate -o noisy.ply 2>noisy.txt

@@ -205,6 +205,9 @@ struct TrimParams {
   std::optional<bool> on{};          ///< if not given: where the surface may end at the border (Border::open)
   std::optional<double> distance{};  ///< input units, > 0; if not given: 3 voxels, or 3 sample spacings if larger
   bool holes = false;                ///< also cut out the regions that would otherwise stay filled
+  /// Decides which gaps in the samples stay filled, not the rules of trim_regions.h: those at most so wide; input
+  /// units, > 0. Turns trimming on.
+  std::optional<double> fill_holes{};
 };
 
 struct ReconstructParams {

@@ -68,6 +68,22 @@ TEST(TrimRegions, AMembraneGoes) {
   EXPECT_TRUE(Case(most).goes({.open = false}));
 }
 
+/// By the largest distance across, not by the area: of a slot its length. The cut is made 3 from the samples.
+TEST(TrimRegions, AskedForAWidthItAloneDecides) {
+  const auto slot = [](Vec3d p) { return std::abs(p.x - 20) < 1.5 && std::abs(p.y - 20) < 12.5; };
+  const auto skew = [](Vec3d p) { return std::abs(p.x - p.y) < 1.5 && std::abs(p.x - 20) < 8.5; };
+  const double slot_width = std::hypot(2, 24) + 6, skew_width = std::hypot(17, 17) + 6;
+  for (const bool open : {false, true}) {
+    for (const double off : {-0.1, 0.1}) {
+      EXPECT_EQ(Case(slot).goes({.open = open, .distance = 3, .widest = slot_width + off}), off < 0) << open;
+      EXPECT_EQ(Case(skew).goes({.open = open, .distance = 3, .widest = skew_width + 10 * off}), off < 0) << open;
+    }
+    EXPECT_EQ(Case(round_gap).goes({.open = open, .distance = 3, .widest = 10.0}), true);
+  }
+  const auto corner = [](Vec3d p) { return p.x < 6 && p.y < 6; };
+  EXPECT_TRUE(Case(corner).goes({.open = true, .distance = 3, .widest = 100.0})) << "no gap: the border";
+}
+
 TEST(TrimRegions, TheBackOfSomethingGoes) {
   for (const auto& [share, back] : {std::pair{0.3, false}, {0.7, true}}) {
     Case c(round_gap);

@@ -148,6 +148,21 @@ TEST(Trim, OfAClosedLatticeLargeMembranesAreCutAndSmallOnesKept) {
   EXPECT_EQ(both.report.filled, 1u);
 }
 
+/// Two round gaps in the samples, 10 and 18 voxels wide; a voxel is half a unit of the input.
+TEST(Trim, GapsAreFilledUpToTheWidthAskedFor) {
+  const auto two_gaps = [](double x, double y) {
+    return std::hypot(x - 18, y - 30) > 5 && std::hypot(x - 42, y - 30) > 9;
+  };
+  for (const bool open : {false, true}) {
+    for (const auto& [widest, filled] : {std::pair{4.0, 0u}, {7.0, 1u}, {11.0, 2u}}) {
+      const Trimmed t(open, two_gaps, {.fill_holes = widest});
+      EXPECT_EQ(t.report.filled, filled) << widest;
+      EXPECT_EQ(t.report.removed, 2 - filled) << widest;
+      EXPECT_EQ(t.after.triangles == t.before.triangles, filled == 2);
+    }
+  }
+}
+
 TEST(Trim, PiecesAroundSingleOutliersGo) {
   const auto and_one = [first = true](double x, double y) mutable {
     if (middle(x, y)) return true;
@@ -193,6 +208,11 @@ TEST(Trim, ParametersOutOfRangeAreRefused) {
   EXPECT_THROW(validate(TrimParams{.on = false, .distance = 1}), ParameterError);
   EXPECT_THROW(validate(TrimParams{.on = false, .holes = true}), ParameterError);
   EXPECT_NO_THROW(validate(TrimParams{.on = true, .distance = 1, .holes = true}));
+  EXPECT_THROW(validate(TrimParams{.fill_holes = 0}), ParameterError);
+  EXPECT_THROW(validate(TrimParams{.fill_holes = std::nan("")}), ParameterError);
+  EXPECT_THROW(validate(TrimParams{.on = false, .fill_holes = 1}), ParameterError);
+  EXPECT_THROW(validate(TrimParams{.holes = true, .fill_holes = 1}), ParameterError);
+  EXPECT_NO_THROW(validate(TrimParams{.on = true, .distance = 1, .fill_holes = 1}));
 }
 
 }  // namespace TEST_FILE

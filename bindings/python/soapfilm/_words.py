@@ -16,6 +16,7 @@ OPTIONS = {
     "isovalue": "surface.isovalue", "refine": "surface.refine", "drop_components": "surface.drop_components",
     "min_support": "components.min_support", "smoothing": "refine.smoothing", "holes": "refine.holes",
     "split_tolerance": "surface.split_tolerance", "trim": "trim.distance", "trim_holes": "trim.holes",
+    "fill_holes": "trim.fill_holes",
     "attributes": "surface.attributes", "distance": "surface.distance", "support": "surface.support",
     "gap": "surface.gap",
 }

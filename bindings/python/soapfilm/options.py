@@ -133,6 +133,7 @@ class Trim(TypedDict, total=False):
     on: Optional[bool]
     distance: Optional[float]
     holes: bool
+    fill_holes: Optional[float]
 
 
 class Memory(TypedDict, total=False):
@@ -172,6 +173,7 @@ class Options(TypedDict, total=False):
     split_tolerance: Optional[float]
     trim: Union[float, Switch, Auto, Trim, None]
     trim_holes: Optional[Switch]
+    fill_holes: Optional[float]
     attributes: Union[str, Sequence[str], None]
     distance: Optional[Switch]
     support: Optional[Switch]

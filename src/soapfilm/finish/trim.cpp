@@ -176,6 +176,11 @@ void validate(const TrimParams& params) {
   if (params.on && !*params.on && params.distance)
     throw ParameterError(fmt::format("trim = {:g}: trimming is off", *params.distance));
   if (params.on && !*params.on && params.holes) throw ParameterError("trim_holes: trimming is off");
+  if (!params.fill_holes) return;
+  const double widest = *params.fill_holes;
+  if (!(widest > 0)) throw ParameterError(fmt::format("fill_holes = {:g}, must be > 0", widest));
+  if (params.on && !*params.on) throw ParameterError(fmt::format("fill_holes = {:g}: trimming is off", widest));
+  if (params.holes) throw ParameterError(fmt::format("fill_holes = {:g}: trim_holes leaves none filled", widest));
 }
 
 void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const TrimSetup& params,
@@ -190,7 +195,8 @@ void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const 
   if (area_beyond(mesh, levels) < params.least_beyond * before) return;
   const std::vector<uint32_t> crossings =
       params.ends ? count_crossings(mesh, levels.level, params.rays, lattice, context) : std::vector<uint32_t>();
-  if (choose_regions(mesh, levels, crossings, {params.ends, params.holes, report.distance, lattice.voxel}, report)) {
+  if (choose_regions(mesh, levels, crossings,
+                     {params.ends, params.holes, report.distance, lattice.voxel, params.fill_holes}, report)) {
     Cut cut(mesh, std::move(levels), report.distance);
     cut.snap_cuts();
     cut.clip();

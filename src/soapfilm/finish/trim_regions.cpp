@@ -7,6 +7,7 @@
 #include "soapfilm/core/border_edges.h"
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/core/vec.h"
+#include "soapfilm/grid/layout.h"
 
 namespace soapfilm {
 
@@ -24,6 +25,7 @@ struct Region {
   double area = 0, unfaced = 0, crossed = 0;
   double rim = 0;            ///< length, roughly: half of the edges that leave it
   Vec3d normal, rim_normal;  ///< sums over its triangles, and over those around it
+  double width = 0;          ///< of the gap in the samples; only where it was asked for
   bool at_border = false;
 
   void operator+=(const Region& other) {
@@ -32,6 +34,23 @@ struct Region {
     at_border |= other.at_border;
   }
 };
+
+/// The largest distance between two of some points: between those that lie outermost along some directions, which are
+/// at most 27 degrees from any other.
+double diameter_of(const std::vector<Vec3d>& points) {
+  std::vector<Vec3d> outermost;
+  for (int slot = 14; slot < 27; ++slot) {  // one of each two opposite ones
+    const Vec3d along(slot_offset(slot));
+    const auto [low, high] = std::minmax_element(
+        points.begin(), points.end(), [&](const Vec3d& a, const Vec3d& b) { return dot(a, along) < dot(b, along); });
+    outermost.push_back(*low);
+    outermost.push_back(*high);
+  }
+  double largest = 0;
+  for (const Vec3d& a : outermost)
+    for (const Vec3d& b : outermost) largest = std::max(largest, norm(a - b));
+  return largest;
+}
 
 class Regions {
  public:
@@ -42,6 +61,25 @@ class Regions {
     for (uint32_t v = 0; v < crossings.size(); ++v) at_[v].crossed += crossings[v];
     for (uint32_t v = 0; v < at_.size(); ++v)
       if (const uint32_t root = sets_.root(v); far(v) && root != v) at_[root] += at_[v];
+  }
+
+  /// Sets all widths; `distance`: of the cut.
+  void measure_widths(double distance) {
+    std::vector<std::pair<uint32_t, uint32_t>> rim;  // root, vertex
+    for (const Triangle& t : mesh_.triangles)
+      for (const uint32_t v : t)
+        if (far(v) && std::any_of(t.begin(), t.end(), [&](uint32_t w) { return !far(w); }))
+          rim.emplace_back(sets_.root(v), v);
+    std::sort(rim.begin(), rim.end());
+    rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
+    for (uint32_t v = 0; v < at_.size(); ++v)
+      if (far(v)) at_[v].width = 2 * distance;
+    for (size_t begin = 0, end = 0; begin < rim.size(); begin = end) {
+      std::vector<Vec3d> places;
+      for (end = begin; end < rim.size() && rim[end].first == rim[begin].first; ++end)
+        places.push_back(mesh_.vertices[rim[end].second]);
+      at_[rim[begin].first].width += diameter_of(places);
+    }
   }
 
   bool far(uint32_t v) const { return levels_.level[v] > 1; }
@@ -106,10 +144,15 @@ bool is_crossed(const Region& region, double voxel) {
   return region.crossed > std::max(few_rays, crossings_per_voxel2 * region.area / (voxel * voxel));
 }
 
-bool fills_gap(const Region& region, const RegionRules& rules) {
+bool is_narrow(const Region& region, const RegionRules& rules) {
+  if (rules.widest) return region.width <= *rules.widest;
   constexpr double pi = 3.141592653589793;
-  const double widest = widest_gap * rules.distance;
-  if (region.at_border || region.area > pi * widest * widest) return false;
+  const double radius = widest_gap * rules.distance;
+  return region.area <= pi * radius * radius;
+}
+
+bool fills_gap(const Region& region, const RegionRules& rules) {
+  if (region.at_border || !is_narrow(region, rules)) return false;
   if (region.unfaced > back_share * region.area || is_crossed(region, rules.voxel)) return false;
   if (region.area > film_share * region.rim * region.rim) return false;
   return dot(region.normal, region.rim_normal) > along * norm(region.normal) * norm(region.rim_normal);
@@ -120,9 +163,11 @@ bool fills_gap(const Region& region, const RegionRules& rules) {
 bool choose_regions(const Mesh& mesh, TrimLevels& levels, const std::vector<uint32_t>& crossings,
                     const RegionRules& rules, TrimReport& report) {
   Regions regions(mesh, levels, crossings);
+  if (rules.widest) regions.measure_widths(rules.distance);
   const auto goes = [&](const Region& region) {
     if (rules.holes) return true;
-    return rules.open ? !fills_gap(region, rules) : region.area > membrane_share * regions.whole();
+    if (rules.open) return !fills_gap(region, rules);
+    return rules.widest ? !is_narrow(region, rules) : region.area > membrane_share * regions.whole();
   };
   std::vector<double> chosen = levels.level;
   for (uint32_t v = 0; v < chosen.size(); ++v) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "soapfilm/finish/trim_levels.h"
@@ -14,6 +15,7 @@ struct RegionRules {
   bool open = false;               ///< the surface may end: only gaps in a surface around them stay
   bool holes = false;              ///< none stays
   double distance = 1, voxel = 1;  ///< of the cut, input units
+  std::optional<double> widest{};  ///< TrimParams::fill_holes
 };
 
 /// Sets the level of regions that stay to 0 and counts them in the report; returns whether anything remains to be cut.
@@ -23,6 +25,8 @@ struct RegionRules {
 ///   be crossed by more than a few rays (`crossings`, as
 ///     count_crossings() has them; empty: unknown), mostly face samples, be no larger than a film across its rim, and
 ///     look where the surface around it looks.
+/// With rules.widest its width alone decides instead of its area: the largest distance between points of its rim, plus
+/// the distance of the cut on both sides. (On an open surface the other conditions stay.)
 bool choose_regions(const Mesh& mesh, TrimLevels& levels, const std::vector<uint32_t>& crossings,
                     const RegionRules& rules, TrimReport& report);
 

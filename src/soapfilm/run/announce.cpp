@@ -117,18 +117,21 @@ void announce_refinement(const std::optional<FitReport>& report, const MemoryBud
                            n == 1 ? "y" : "ies", n == 1 ? "it" : "them"));
 }
 
-void announce_trim(const TrimReport& trim, Trace& trace) {
+void announce_trim(const TrimReport& trim, const TrimParams& params, Trace& trace) {
   if (trim.nothing_near) {
     trace.warn(fmt::format("not trimmed: no surface is within {:.3g} of a sample; try a larger --trim", trim.distance));
   }
   if (trim.shells > 0)
     trace.info(fmt::format("{} closed part{} inside out dropped", trim.shells, trim.shells == 1 ? "" : "s"));
   if (trim.removed + trim.filled == 0) return;
-  trace.info(fmt::format("trimmed: {:.2g} % of the area, farther than {:.3g} from any sample{}{}",
-                         100 * trim.removed_area, trim.distance, trim.unfaced > 0 ? " or facing none" : "",
-                         trim.filled == 0 ? std::string()
-                                          : fmt::format("; {} hole{} stay{} filled (--trim-holes)", trim.filled,
-                                                        trim.filled == 1 ? "" : "s", trim.filled == 1 ? "s" : "")));
+  trace.info(fmt::format(
+      "trimmed: {:.2g} % of the area, farther than {:.3g} from any sample{}{}", 100 * trim.removed_area, trim.distance,
+      trim.unfaced > 0 ? " or facing none" : "",
+      trim.filled == 0
+          ? std::string()
+          : fmt::format("; {} hole{} stay{} filled ({})", trim.filled, trim.filled == 1 ? "" : "s",
+                        trim.filled == 1 ? "s" : "",
+                        params.fill_holes ? fmt::format("at most {:g} wide", *params.fill_holes) : "--trim-holes")));
 }
 
 namespace {

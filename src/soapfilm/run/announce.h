@@ -35,7 +35,7 @@ void announce_refinement(const std::optional<FitReport>& report, const MemoryBud
                          const ReconstructParams& params, Trace& trace);
 
 /// What trim() removed, if anything; warns where it would have removed everything.
-void announce_trim(const TrimReport& report, Trace& trace);
+void announce_trim(const TrimReport& report, const TrimParams& params, Trace& trace);
 
 /// The self-check; warns where more than 1 % of the samples are lost, and says the likely cause.
 void announce_self_check(const ReconstructReport& report, Trace& trace);

@@ -104,6 +104,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("trim", "on", p.trim.on);
   visit("trim", "distance", p.trim.distance);
   visit("trim", "holes", p.trim.holes);
+  visit("trim", "fill_holes", p.trim.fill_holes);
   visit("memory", "limit", p.memory_limit);
   visit("memory", "checked", p.checked);
 }
@@ -239,7 +240,7 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(
         fmt::format("min_support = {:g}: components are kept (drop_components = off)", params.components.min_support));
   const TrimParams& trim = params.trim;
-  if (params.method == Method::vrip && (trim.on.value_or(false) || trim.distance || trim.holes))
+  if (params.method == Method::vrip && (trim.on.value_or(false) || trim.distance || trim.holes || trim.fill_holes))
     throw ParameterError(fmt::format("trim: the surface of method {} ends by itself where nothing was seen", method));
   if (params.refine.smoothing && !refines(params))
     throw ParameterError(fmt::format("smoothing = {:g}: the surface is not refined", *params.refine.smoothing));
