@@ -12,6 +12,7 @@
 #include "soapfilm/core/bits.h"
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/indices.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
@@ -92,9 +93,8 @@ class Extraction {
       first_vertex_[b + 1] += first_vertex_[b];
       first_triangle_[b + 1] += first_triangle_[b];
     }
-    if (first_vertex_.back() > std::numeric_limits<uint32_t>::max()) {
-      throw ParameterError(fmt::format("the surface has {} vertices, must be < 2^32", first_vertex_.back()));
-    }
+    require_indices(first_vertex_.back(), most_indices, "vertices of the surface");
+    require_indices(first_triangle_.back(), most_triangles, "triangles of the surface");
     context_.progress().advance(0.5, "cells counted");
     reserve_many(mesh_.vertices, first_vertex_.back(), pages_of(context_));
     mesh_.vertices.resize(first_vertex_.back());

@@ -63,9 +63,6 @@ struct GridSamples {
 /// Lattice coordinates of each sample, in their order.
 std::vector<Vec3d> lattice_positions(const GridSamples& samples);
 
-/// Limit on the samples of a cloud: their indices have 32 bits.
-inline constexpr size_t most_samples = UINT32_MAX;
-
 /// Whether the sample has a direction and a weight > 0.
 inline bool takes_part(const PointCloud& cloud, std::span<const Vec3f> directions, size_t i) {
   return directions[i] != Vec3f{} && (cloud.weights.empty() || cloud.weights[i] > 0);

@@ -1,10 +1,12 @@
 #include "soapfilm/grid/brick_grid.h"
 
+#include "soapfilm/core/indices.h"
 #include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
 
 BrickGrid::BrickGrid(const BrickMask& active, const Context& context) : bricks_(active.bricks()) {
+  require_indices(active.count(), most_bricks, "bricks of the grid");
   coords_.reserve(active.count());
   active.for_each([&](Vec3i b) { coords_.push_back(b); });
   find_rows();

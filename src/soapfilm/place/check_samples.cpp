@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/indices.h"
 #include "soapfilm/error.h"
 #include "soapfilm/field/samples.h"
 
@@ -42,8 +43,9 @@ Box3d check_samples(const PointCloud& cloud, const Context& context) {
   if (cloud.size() < fewest_samples)
     throw SamplesError(
         fmt::format("{} sample{}, must be at least {}", cloud.size(), cloud.size() == 1 ? "" : "s", fewest_samples));
-  if (cloud.size() > most_samples)
-    throw SamplesError(fmt::format("{} samples, must be at most {}", cloud.size(), most_samples));
+  if (cloud.size() > most_indices)
+    throw SamplesError(fmt::format("{} samples, must be at most {} in one run: read a part of them, or thin them",
+                                   cloud.size(), most_indices));
   const auto box_of = [&](size_t begin, size_t end) {
     Box3d box;
     for (size_t i = begin; i < end; ++i) {

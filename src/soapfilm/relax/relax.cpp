@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/indices.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
@@ -67,6 +68,8 @@ class Relaxation {
     place_middles(edges);
     context_.progress().advance(0.7, "edges split");
     old_ = mesh_.vertices.size();
+    require_indices(old_ + split_.size(), most_indices, "vertices of the surface");
+    require_indices(mesh_.triangles.size() + 2 * split_.size(), most_triangles, "triangles of the surface");
     std::vector<Vec3d> start;
     start.reserve(old_ + split_.size());
     start = mesh_.vertices;

@@ -4,6 +4,7 @@
 
 #include <bit>
 
+#include "soapfilm/core/indices.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/bytes/atomic_file.h"
@@ -27,6 +28,7 @@ class VertexMerger {
     size_t slot = hash(p) & (slots_.size() - 1);
     while (slots_[slot] != empty && !(vertices_[slots_[slot]] == p)) slot = (slot + 1) & (slots_.size() - 1);
     if (slots_[slot] != empty) return slots_[slot];
+    require_indices(vertices_.size() + 1, most_indices, "vertices of the mesh");
     const uint32_t index = static_cast<uint32_t>(vertices_.size());
     slots_[slot] = index;
     vertices_.push_back(p);

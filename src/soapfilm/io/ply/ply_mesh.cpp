@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "soapfilm/core/indices.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/meshes/polygon.h"
@@ -15,7 +16,7 @@ namespace {
 void read_vertices(PlyRows& rows, const PlyElement& vertex, const PlyVertexLayout& layout, const std::string& path,
                    Mesh& mesh) {
   rows.begin(vertex);
-  check_count(vertex, UINT32_MAX, path);  // triangles hold indices of 32 bits
+  check_count(vertex, most_indices, path);
   mesh.vertices.reserve(vertex.count);
   if (layout.normal.present()) mesh.normals.reserve(vertex.count);
   ColorNumbers numbers;

@@ -8,6 +8,7 @@
 
 #include "soapfilm/core/bits.h"
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/core/indices.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/kernels/kernels.h"
 
@@ -52,6 +53,9 @@ NarrowBand::NarrowBand(BrickGrid grid, const std::vector<uint8_t>& vertices, con
     const auto first = vertices.begin() + static_cast<std::ptrdiff_t>(b * brick_area);
     first_row_[b + 1] = static_cast<uint32_t>(brick_area - std::count(first, first + brick_area, uint8_t{0}));
   });
+  uint64_t rows = 1;
+  for (size_t b = 0; b < grid_.size(); ++b) rows += first_row_[b + 1];
+  require_indices(rows, most_indices, "rows of the band around the surface");
   first_row_[0] = 1;
   for (size_t b = 0; b < grid_.size(); ++b) first_row_[b + 1] += first_row_[b];
   mask_.resize(size_t{first_row_.back()} + 1);
