@@ -55,10 +55,10 @@ std::string unit_of(const std::string& coordinate_system, const ReadReport& repo
   return std::all_of(report.files.begin(), report.files.end(), in_meters) ? "meter" : "";
 }
 
-ordered_json point_facts(const std::string& path, const ReadOptions& options) {
+ordered_json point_facts(const std::string& path, const ReadOptions& options, const Context& context) {
   ReadReport report;
   SummarySink sink;
-  stream_points(path, sink, report, options, Context(0));
+  stream_points(path, sink, report, options, context);
   const CloudSummary summary = sink.summary();
   ordered_json facts = {{"file", path},
                         {"kind", "points"},
@@ -265,12 +265,13 @@ void print_mesh(const ordered_json& facts) {
 }
 
 int run_info(InfoOptions& options) {
-  StandardStreams streams(options.format);
+  const Context context;
+  StandardStreams streams(options.format, context);
   streams.take_input(options.files);
   ordered_json all = ordered_json::array();
   for (const std::string& path : options.files) {
     const bool is_mesh = !std::filesystem::is_directory(path) && file_kind(path) == FileKind::mesh;
-    const ordered_json facts = is_mesh ? mesh_facts(path) : point_facts(path, options.read);
+    const ordered_json facts = is_mesh ? mesh_facts(path) : point_facts(path, options.read, context);
     if (options.as_json) {
       all.push_back(facts);
       continue;

@@ -53,7 +53,6 @@ void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
 
 void finish_params(const CLI::App& app, ReconstructOptions& options) {
   ReconstructParams& params = options.params;
-  if (!options.memory.empty()) params.memory_limit = parse_memory(options.memory);
   if (!options.anchor.empty()) params.place.anchor = {options.anchor[0], options.anchor[1], options.anchor[2]};
   if (!options.sensor.empty()) params.orient.sensor = {options.sensor[0], options.sensor[1], options.sensor[2]};
   if (!options.attributes.empty()) params.surface.attributes = options.attributes;
@@ -146,9 +145,10 @@ void find_files(ReconstructOptions& options, StandardStreams& streams, Progress&
 
 int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
-  const Context context(global.threads, progress);
+  Context context(global.threads, progress);
   finish_params(app, options);
-  StandardStreams streams(options.format);
+  if (!options.memory.empty()) context.limit_memory(parse_memory(options.memory));
+  StandardStreams streams(options.format, context);
   find_files(options, streams, progress);
   if (!options.report.empty()) check_output(options.report);
 

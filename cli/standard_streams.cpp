@@ -52,7 +52,7 @@ using File = std::unique_ptr<std::FILE, Close>;
 
 }  // namespace
 
-StandardStreams::StandardStreams(const std::string& formats) {
+StandardStreams::StandardStreams(const std::string& formats, const Context& context) : context_(context) {
   const size_t comma = formats.find(',');
   input_format_ = output_format_ = with_dot(formats.substr(0, comma));
   if (comma == std::string::npos) return;
@@ -67,10 +67,8 @@ StandardStreams::~StandardStreams() {
 
 std::string StandardStreams::in_folder(const std::string& name) {
   if (folder_.empty()) {
-    std::error_code error;
-    std::string made = (fs::temp_directory_path(error) / "soapfilm-XXXXXX").string();
-    if (error || !mkdtemp(made.data()))
-      throw OutputError(fmt::format("{}: cannot be made: {}", made, std::strerror(errno)));
+    std::string made = (fs::path(context_.scratch_folder()) / "soapfilm-XXXXXX").string();
+    if (!mkdtemp(made.data())) throw OutputError(fmt::format("{}: cannot be made: {}", made, std::strerror(errno)));
     folder_ = folder_in_use() = made;
   }
   return (fs::path(folder_) / name).string();

@@ -4,14 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "soapfilm/context.h"
+
 namespace soapfilm::cli {
 
 /// Readers map files and output is whole or not at all: what comes and goes by a pipe is a file in a temporary folder
 /// meanwhile. The folder goes with the object.
 class StandardStreams {
  public:
-  /// `formats` names them by extensions: such as "xyz", or "xyz,ply" for input and output.
-  explicit StandardStreams(const std::string& formats);
+  /// `formats` names them by extensions: such as "xyz", or "xyz,ply" for input and output. The
+  /// temporary folder is in the context's.
+  StandardStreams(const std::string& formats, const Context& context);
   ~StandardStreams();
   StandardStreams(const StandardStreams&) = delete;
   StandardStreams& operator=(const StandardStreams&) = delete;
@@ -29,6 +32,7 @@ class StandardStreams {
  private:
   std::string in_folder(const std::string& name);
 
+  const Context& context_;
   std::string input_format_, output_format_, folder_, output_;
 };
 

@@ -59,6 +59,19 @@ Run& run() {
   return one;
 }
 
+/// The parameters of JavaScript have `memory.limit`, bytes, for the context, which it does not see.
+ReconstructParams params_of(const char* text) {
+  ordered_json json = ordered_json::parse(text, nullptr, false);
+  run().context.limit_memory(std::nullopt);
+  if (!json.is_object() || !json.contains("memory") || !json["memory"].is_object()) return params_from_json(text);
+  const ordered_json limit = json["memory"].value("limit", ordered_json(nullptr));
+  json["memory"].erase("limit");
+  if (!limit.is_null() && !limit.is_number_unsigned())
+    throw ParameterError("memory.limit = " + limit.dump() + ", must be a whole number >= 0");
+  if (!limit.is_null()) run().context.limit_memory(limit.get<size_t>());
+  return params_from_json(json.dump());
+}
+
 /// "" or the message of what was refused.
 template <class Work>
 const char* guarded(const Work& work) {
@@ -101,9 +114,10 @@ EMSCRIPTEN_KEEPALIVE const char* web_read(const char* path) {
 /// `parameters`, or 0. Returns "" or why not.
 EMSCRIPTEN_KEEPALIVE const char* web_summary(const char* parameters) {
   return guarded([&] {
+    const ReconstructParams params = params_of(parameters);
     const CloudSummary summary = summarize(run().cloud);
     const double area = static_cast<double>(run().cloud.size()) * summary.spacing * summary.spacing;
-    const double smallest = smallest_voxel(run().cloud, area, params_from_json(parameters));
+    const double smallest = smallest_voxel(run().cloud, area, params, run().context);
     const ordered_json json = {{"samples", run().cloud.size()},
                                {"smallest_voxel", smallest},
                                {"scans", run().cloud.scans.size()},
@@ -138,7 +152,7 @@ EMSCRIPTEN_KEEPALIVE const float* web_preview_data() { return run().preview.data
 /// `parameters` as for soapfilm_reconstruct(). Frees the cloud. Returns "" or why not.
 EMSCRIPTEN_KEEPALIVE const char* web_reconstruct(const char* parameters) {
   return guarded([&] {
-    const ReconstructParams params = params_from_json(parameters);
+    const ReconstructParams params = params_of(parameters);
     run().result = reconstruct(std::move(run().cloud), params, run().context);
     std::vector<std::string>& warnings = run().result.report.warnings;
     warnings.insert(warnings.begin(), run().warnings.begin(), run().warnings.end());

@@ -1,7 +1,9 @@
 // What all stages of a run share: threads, progress and cancelling, SIMD instructions, memory.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,14 @@ class Context {
   double cpu_seconds() const;
   /// Throws Cancelled once the progress object was cancelled.
   void check() const;
+
+  /// Bytes that this process may take in a run; if not given: what the machine has free. A run that needs more throws
+  /// MemoryError before it allocates them. To be set between runs, as is the folder.
+  void limit_memory(std::optional<size_t> bytes);
+  std::optional<size_t> memory_limit() const;
+  /// Where temporary files go; each is removed by what made it. Empty: the system's folder ($TMPDIR, else /tmp).
+  void set_scratch_folder(std::string folder);
+  std::string scratch_folder() const;
 
   struct State;  ///< for use inside the library
   explicit Context(std::unique_ptr<State> state);

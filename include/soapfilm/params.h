@@ -225,9 +225,8 @@ struct ReconstructParams {
   SurfaceParams surface;
   ComponentParams components;
   RefineParams refine;
-  TrimParams trim;                     ///< for all but Method::vrip, whose surface ends where nothing was seen
-  std::optional<size_t> memory_limit;  ///< bytes; if not given: the machine's free memory
-  bool checked = false;                ///< distances from samples to the mesh are computed next: plans their memory too
+  TrimParams trim;       ///< for all but Method::vrip, whose surface ends where nothing was seen
+  bool checked = false;  ///< distances from samples to the mesh are computed next: plans their memory too
 };
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.

@@ -49,6 +49,11 @@ SOAPFILM_API const char* soapfilm_error(const soapfilm_context* context);
 /* Stops the running call within milliseconds, or else the next one. From any thread or a signal handler. */
 SOAPFILM_API void soapfilm_cancel(soapfilm_context* context);
 
+/* Bytes that the process may take in a run with this context; 0: what the machine has free. Between runs. */
+SOAPFILM_API void soapfilm_limit_memory(soapfilm_context* context, size_t bytes);
+/* Folder for temporary files; null or "": the system's ($TMPDIR, else /tmp). Between runs. */
+SOAPFILM_API void soapfilm_set_scratch_folder(soapfilm_context* context, const char* folder);
+
 typedef enum soapfilm_event {
   SOAPFILM_STAGE = 0,   /* a stage begins; text: its name */
   SOAPFILM_ADVANCE = 1, /* fraction of the stage in [0, 1]; text: a short detail */

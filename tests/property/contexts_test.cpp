@@ -3,11 +3,14 @@
 
 #include <ctime>
 #include <exception>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "property/each_method.h"
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/error.h"
 #include "soapfilm/platform/memory.h"
 #include "soapfilm/reconstruct.h"
@@ -27,19 +30,24 @@ struct Task {
   PointCloud cloud;
   ReconstructParams params;
   BackEnd back_end;
+  std::optional<size_t> memory_limit{};
 };
 
 std::vector<Task> different_runs() {
   const std::vector<std::string> targets = simd_targets();
-  std::vector<Task> runs = {{sampled("knot", vertices, 1), {}, {targets.front(), 2}},
-                            {sampled("torus", vertices, 2), {}, {targets.back(), 1}},
-                            {sampled("part", vertices, 1), {}, {targets[targets.size() / 2], 3}}};
+  std::vector<Task> runs = {{sampled("knot", vertices, 1), {}, {targets.front(), 2}, {}},
+                            {sampled("torus", vertices, 2), {}, {targets.back(), 1}, {}},
+                            {sampled("part", vertices, 1), {}, {targets[targets.size() / 2], 3}, {}}};
   for (Task& run : runs) run.params.place.resolution = vertices;
-  runs[1].params.memory_limit = size_t{1} << 30;
+  runs[1].memory_limit = size_t{1} << 30;
   return runs;
 }
 
-Reconstruction result_of(const Task& run) { return reconstruct(run.cloud, run.params, context_on(run.back_end)); }
+Reconstruction result_of(const Task& run) {
+  Context context = context_on(run.back_end);
+  context.limit_memory(run.memory_limit);
+  return reconstruct(run.cloud, run.params, context);
+}
 
 double cpu_seconds(const ReconstructReport& report) {
   double sum = 0;
@@ -76,7 +84,7 @@ TEST(Contexts, RunsOnThreadsOfTheirOwnGiveWhatEachGivesAlone) {
 TEST(Contexts, ALimitAndACancelledRunLeaveOtherThreadsAlone) {
   std::vector<Task> runs = different_runs();
   const Reconstruction alone = result_of(runs[0]);
-  runs[1].params.memory_limit = size_t{1} << 20;
+  runs[1].memory_limit = size_t{1} << 20;
   Progress cancelled;
   cancelled.cancel();
   Reconstruction found;
@@ -99,6 +107,24 @@ TEST(Contexts, ALimitAndACancelledRunLeaveOtherThreadsAlone) {
   ASSERT_TRUE(refused && stopped);
   EXPECT_THROW(std::rethrow_exception(refused), MemoryError);
   EXPECT_THROW(std::rethrow_exception(stopped), Cancelled);
+}
+
+/// What belongs to the machine goes along with every context that is made of one.
+TEST(Contexts, PartsHaveTheLimitAndTheScratchFolder) {
+  Context context(1);
+  EXPECT_FALSE(context.memory_limit());
+  EXPECT_EQ(std::filesystem::path(context.scratch_folder()), std::filesystem::temp_directory_path());
+  context.limit_memory(1000);
+  context.set_scratch_folder("elsewhere");
+  const auto check = [](const Context& part) {
+    EXPECT_EQ(part.memory_limit(), size_t{1000});
+    EXPECT_EQ(part.scratch_folder(), "elsewhere");
+  };
+  check(silenced(context));
+  check(part_of(context, 0, 0.5));
+  check(on_device(context, nullptr));
+  context.set_scratch_folder({});
+  EXPECT_EQ(std::filesystem::path(context.scratch_folder()), std::filesystem::temp_directory_path());
 }
 
 }  // namespace TEST_FILE

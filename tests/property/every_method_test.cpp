@@ -40,13 +40,15 @@ TEST_P(EveryMethod, GivesTheSameBytesForAnyNumberOfThreads) {
 /// tv plans again once the surface is known; a limit that only just holds the samples is refused before the work.
 TEST_P(EveryMethod, IsRefusedBeforeItsWorkWhenThePlanPassesTheLimit) {
   const size_t planned = reconstructed(cloud, params).report.planned_bytes;
-  params.memory_limit = planned;
-  EXPECT_NO_THROW(reconstructed(cloud, params));
-  params.memory_limit = planned - 1;
-  EXPECT_THROW(reconstructed(cloud, params), MemoryError);
-  if (GetParam() == Method::tv) params.memory_limit = plan_placing(cloud);
+  Context context(1);
+  context.limit_memory(planned);
+  EXPECT_NO_THROW(reconstruct(cloud, params, context));
+  context.limit_memory(planned - 1);
+  EXPECT_THROW(reconstruct(cloud, params, context), MemoryError);
   StageList stages;
-  EXPECT_THROW(reconstruct(cloud, params, Context(1, stages)), MemoryError);
+  Context listed(1, stages);
+  listed.limit_memory(GetParam() == Method::tv ? plan_placing(cloud) : planned - 1);
+  EXPECT_THROW(reconstruct(cloud, params, listed), MemoryError);
   EXPECT_EQ(stages.names, (std::vector<std::string>{"orient", "place"}));
 }
 

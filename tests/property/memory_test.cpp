@@ -163,19 +163,20 @@ TEST(MemoryPlan, AnOpenSheetRunsWhereItsPlanFits) {
     params.border.outside = outside;
     const Reconstruction free = reconstruct(cloud, params, Context(1));
     EXPECT_EQ(free.report.outside, Border::open);
-    params.memory_limit = free.report.planned_bytes;
-    const Reconstruction fits = reconstruct(cloud, params, Context(1));
+    Context limited(1);
+    limited.limit_memory(free.report.planned_bytes);
+    const Reconstruction fits = reconstruct(cloud, params, limited);
     EXPECT_EQ(hash_mesh(fits.mesh), hash_mesh(free.mesh));
     for (const double share : {0.98, 0.7, 0.3}) {
-      params.memory_limit = static_cast<size_t>(share * static_cast<double>(free.report.planned_bytes));
-      EXPECT_THROW(reconstruct(cloud, params, Context(1)), MemoryError) << share;
+      limited.limit_memory(static_cast<size_t>(share * static_cast<double>(free.report.planned_bytes)));
+      EXPECT_THROW(reconstruct(cloud, params, limited), MemoryError) << share;
     }
   }
 }
 
-std::string refusal(const PointCloud& cloud, const ReconstructParams& params) {
+std::string refusal(const PointCloud& cloud, const ReconstructParams& params, const Context& context) {
   try {
-    reconstruct(cloud, params, Context(1));
+    reconstruct(cloud, params, context);
   } catch (const MemoryError& error) {
     return error.what();
   }
@@ -185,16 +186,17 @@ std::string refusal(const PointCloud& cloud, const ReconstructParams& params) {
 TEST(MemoryPlan, ARefusalNamesAVoxelThatFits) {
   const PointCloud cloud = sampled("torus", 64, 1);
   ReconstructParams params;
-  params.memory_limit = size_t{40} << 20;
+  Context context(1);
+  context.limit_memory(size_t{40} << 20);
   params.place.voxel = cloud.box().longest() / 2000;
-  const std::string message = refusal(cloud, params), before = "--voxel ";
+  const std::string message = refusal(cloud, params, context), before = "--voxel ";
   const size_t at = message.find(before);
   ASSERT_NE(at, std::string::npos) << message;
   EXPECT_EQ(message.find("far away"), std::string::npos) << message;
   const double fits = std::stod(message.substr(at + before.size()));
   EXPECT_GT(fits, *params.place.voxel);
   params.place.voxel = fits;
-  EXPECT_EQ(refusal(cloud, params), "");
+  EXPECT_EQ(refusal(cloud, params, context), "");
 }
 
 /// What the page for browsers shows before a voxel is chosen.
@@ -202,18 +204,19 @@ TEST(MemoryPlan, TheSmallestVoxelThatFitsDoesAndAQuarterOfItDoesNot) {
   PointCloud cloud = sampled("torus", 64, 1);
   const double area = area_of(*make_shape("torus"));
   ReconstructParams params;
-  params.memory_limit = size_t{60} << 20;
-  const double fits = smallest_voxel(cloud, area, params);
+  Context context(1);
+  context.limit_memory(size_t{60} << 20);
+  const double fits = smallest_voxel(cloud, area, params, context);
   EXPECT_LT(fits, cloud.box().longest() / 64);
   params.place.voxel = 1.1 * fits;
-  EXPECT_EQ(refusal(cloud, params), "");
+  EXPECT_EQ(refusal(cloud, params, context), "");
   params.place.voxel = 0.25 * fits;
-  EXPECT_NE(refusal(cloud, params), "");
-  EXPECT_EQ(smallest_voxel({}, area, params), 0);
+  EXPECT_NE(refusal(cloud, params, context), "");
+  EXPECT_EQ(smallest_voxel({}, area, params, context), 0);
   params.surface.gap = true;
-  EXPECT_GT(smallest_voxel(cloud, area, params), fits);
-  params.memory_limit = size_t{1} << 20;
-  EXPECT_EQ(smallest_voxel(cloud, area, params), 0) << "the samples alone need more";
+  EXPECT_GT(smallest_voxel(cloud, area, params, context), fits);
+  context.limit_memory(size_t{1} << 20);
+  EXPECT_EQ(smallest_voxel(cloud, area, params, context), 0) << "the samples alone need more";
 }
 
 TEST(MemoryPlan, CountsTheGap) {
@@ -227,8 +230,9 @@ TEST(MemoryPlan, CountsTheGap) {
     const Reconstruction with = reconstruct(cloud, params, Context(1));
     EXPECT_GT(with.report.planned_bytes, without.report.planned_bytes);
     EXPECT_EQ(hash_mesh(with.mesh), hash_mesh(without.mesh));
-    params.memory_limit = without.report.planned_bytes / 2;
-    EXPECT_NE(refusal(cloud, params), "");
+    Context context(1);
+    context.limit_memory(without.report.planned_bytes / 2);
+    EXPECT_NE(refusal(cloud, params, context), "");
   }
 }
 
@@ -237,9 +241,10 @@ TEST(MemoryPlan, ARefusalNamesFarSamplesWhereThereAreSome) {
   cloud.positions[7] = {1e3, 0, 0};
   ReconstructParams params;
   params.method = Method::poisson;  // its arrays span the box
-  params.memory_limit = size_t{40} << 20;
+  Context context(1);
+  context.limit_memory(size_t{40} << 20);
   params.place.voxel = 0.05;
-  const std::string message = refusal(cloud, params);
+  const std::string message = refusal(cloud, params, context);
   EXPECT_NE(message.find("far away, one at (1000, 0, 0)"), std::string::npos) << message;
 }
 
@@ -309,8 +314,8 @@ TEST(MemoryPlan, RefusesBeforeTheSolveAndNamesAResolutionThatFits) {
   const PointCloud cloud = sampled("torus", resolution, 1);
   ReconstructParams params;
   params.place.resolution = resolution;
-  const Context one_thread(1);
-  params.memory_limit = size_t{sanitized ? 16 : 28} << 20;
+  Context one_thread(1);
+  one_thread.limit_memory(size_t{sanitized ? 16 : 28} << 20);
   std::string message;
   try {
     reconstruct(cloud, params, one_thread);
@@ -332,9 +337,10 @@ TEST(MemoryPlan, OfSamplesThatAloneDoNotFitNamesNoResolution) {
   PointCloud cloud = sampled("sphere", 40, 100);
   ReconstructParams params;
   params.place.resolution = 40;
-  params.memory_limit = size_t{30} << 20;
+  Context context(1);
+  context.limit_memory(size_t{30} << 20);
   try {
-    reconstruct(std::move(cloud), params, Context(1));
+    reconstruct(std::move(cloud), params, context);
     FAIL() << "a quarter of a million samples in 30 MiB";
   } catch (const MemoryError& error) {
     EXPECT_NE(std::string(error.what()).find("no resolution would fit"), std::string::npos) << error.what();
@@ -346,8 +352,9 @@ TEST(MemoryPlan, RefusesABoxThatOnlyItsTablesWouldFill) {
   ReconstructParams params;
   params.method = Method::poisson;
   params.place.resolution = 1000;
-  params.memory_limit = size_t{1} << 30;
-  EXPECT_THROW(reconstruct(cloud, params, Context(1)), MemoryError);
+  Context context(1);
+  context.limit_memory(size_t{1} << 30);
+  EXPECT_THROW(reconstruct(cloud, params, context), MemoryError);
 }
 
 }  // namespace TEST_FILE

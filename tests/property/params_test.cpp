@@ -88,7 +88,6 @@ TEST(ParamsJson, JsonGivesThemBack) {
   params.components.few_samples = 9;
   params.components.sparse_support = 0.03;
   params.refine.sparse = 0.25;
-  params.memory_limit = size_t{3} << 30;
   const std::string json = to_json(params);
   const ReconstructParams back = params_from_json(json);
   EXPECT_EQ(to_json(back), json);
@@ -101,7 +100,6 @@ TEST(ParamsJson, JsonGivesThemBack) {
   EXPECT_EQ(back.components.few_samples, 9);
   EXPECT_EQ(back.components.sparse_support, 0.03);
   EXPECT_EQ(back.refine.sparse, 0.25);
-  EXPECT_EQ(back.memory_limit, size_t{3} << 30);
 }
 
 TEST(ParamsJson, AbsentKeysKeepTheirDefaults) {
@@ -109,6 +107,14 @@ TEST(ParamsJson, AbsentKeysKeepTheirDefaults) {
   ReconstructParams params;
   params.solve.tolerance = 0.5;
   EXPECT_EQ(to_json(params_from_json(R"({"solve": {"tolerance": 0.5}})")), to_json(params));
+}
+
+/// It was a parameter once, and is in reports of that time.
+TEST(ParamsJson, TheMemoryLimitOfAnEarlierReportIsPassedOver) {
+  for (const char* text : {R"({"parameters": {"memory": {"limit": 5, "checked": true}}})",
+                           R"({"memory": {"limit": null, "checked": true}})"})
+    EXPECT_TRUE(params_from_json(text).checked) << text;
+  EXPECT_EQ(to_json(ReconstructParams{}).find("limit"), std::string::npos);
 }
 
 TEST(ParamsJson, WrongJsonIsRefusedByName) {
@@ -124,7 +130,8 @@ TEST(ParamsJson, WrongJsonIsRefusedByName) {
             "parameters: solve.max_iterations = 1.5: must be a whole number");
   EXPECT_EQ(message(R"({"solve": {"max_iterations": 5000000000}})"),
             "parameters: solve.max_iterations = 5000000000: must be a whole number");
-  EXPECT_EQ(message(R"({"memory": {"limit": -1}})"), "parameters: memory.limit = -1: must be a whole number >= 0");
+  EXPECT_EQ(message(R"({"memory": {"limit": 5}})"),
+            "parameters: memory.limit = 5: is no parameter, must be set on the context (--memory)");
   EXPECT_EQ(message(R"({"orient": {"sensor": [1, 2]}})"), "parameters: orient.sensor = [1,2]: must be three numbers");
   EXPECT_NE(message(R"({"orient": {"directions": "up"}})").find("must be one of auto, normals"), std::string::npos);
   EXPECT_EQ(message(R"({"solve": {"tolerance": -1}})"), "tolerance = -1, must be > 0");

@@ -59,6 +59,8 @@ def parameters_json(flat: Mapping[str, Any], base: Any = None) -> str:
         if value is None:
             continue
         name = given[:-1] if given == "lambda_" else given
+        if name == "memory":  # the limit is no parameter: memory_limit()
+            value = {key: of for key, of in value.items() if key != "limit"} if isinstance(value, Mapping) else {}
         if name in _known() and isinstance(value, Mapping):
             _merge_group(groups, name, value)
         elif name in OPTIONS:
@@ -90,7 +92,9 @@ def _base(base: Any) -> dict[str, dict[str, Any]]:
                 raise ParameterError(f"{os.fspath(file.name)}: not JSON: {error}") from error
     if not isinstance(base, Mapping):
         raise TypeError("params: must be a result, a report, its 'parameters', or a file of one of them")
-    return {group: dict(values) for group, values in base.get("parameters", base).items()}
+    groups = {group: dict(values) for group, values in base.get("parameters", base).items()}
+    groups.get("memory", {}).pop("limit", None)  # of reports of earlier versions: it was that run's
+    return groups
 
 
 def _merge_group(groups: dict[str, dict[str, Any]], group: str, values: Mapping[str, Any]) -> None:
@@ -125,8 +129,6 @@ def _set_option(groups: dict[str, dict[str, Any]], name: str, value: Any) -> Non
         value = value == "area"
     elif name == "isovalue" and isinstance(value, str) and value == "auto":
         value = None
-    elif name == "memory":
-        value = _bytes(value)
     elif name == "trim":
         into["on"] = not (value is False or isinstance(value, str) and value == "off")
         value = None if isinstance(value, (bool, str)) and value in (True, False, "auto", "off") else value
@@ -137,8 +139,12 @@ def _set_option(groups: dict[str, dict[str, Any]], name: str, value: Any) -> Non
     into[key] = value
 
 
-def _bytes(value: Any) -> int:
-    """A whole number of bytes, or text such as 2G or 1.5G."""
+def memory_limit(value: Any) -> int | None:
+    """What a run may take: a whole number of bytes, text such as 2G or 1.5G, or None."""
+    if isinstance(value, Mapping):
+        value = value.get("limit")
+    if value is None:
+        return None
     if isinstance(value, str):
         factor = {"K": 1 << 10, "M": 1 << 20, "G": 1 << 30}.get(value[-1:].upper())
         try:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _arrays, _core
 from ._mesh import Result
-from ._params import parameters_json, signature_with
+from ._params import memory_limit, parameters_json, signature_with
 from ._points import Points, is_paths, read_core, thread_count
 from ._progress import Progress, listener
 from .errors import ParameterError
@@ -65,7 +65,8 @@ def reconstruct(points: Any, normals: Any = None, *, sensors: Any = None, colors
     if sensor is not None:
         given["sensor"] = sensor
     text = parameters_json(given, params)
-    return Result._of_run(_core.reconstruct(core, ours, text, thread_count(threads), listener(progress, 3)))
+    return Result._of_run(_core.reconstruct(core, ours, text, thread_count(threads), listener(progress, 3),
+                                            memory_limit(memory)))
 
 
 reconstruct.__signature__ = signature_with(reconstruct, Options)  # type: ignore[attr-defined]
@@ -112,6 +113,7 @@ class Reconstructor:
 
     def __init__(self, *, threads: int | None = None, params: Any = None, **options: Unpack[RunOptions]) -> None:
         parameters_json(options, params)  # refuses what is wrong now, not after the first scan
+        memory_limit(options.get("memory"))
         self._core = _core.Scans()
         self._threads = threads
         self._params = params
@@ -159,7 +161,8 @@ class Reconstructor:
                 merged.pop(other, None)
         text = parameters_json(merged, self._params)
         with self._lock:
-            return Result._of_run(self._core.reconstruct(text, thread_count(self._threads), listener(progress, 3)))
+            return Result._of_run(self._core.reconstruct(text, thread_count(self._threads), listener(progress, 3),
+                                                         memory_limit(merged.get("memory"))))
 
     def __len__(self) -> int:
         """Samples until now."""

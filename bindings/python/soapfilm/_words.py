@@ -6,7 +6,6 @@ import re
 #: Options of the program, in Python's spelling, and their keys in the report's `parameters`.
 OPTIONS = {
     "voxel": "place.voxel", "resolution": "place.resolution", "padding": "place.padding", "anchor": "place.anchor",
-    "memory": "memory.limit",
     "outside": "border.outside", "directions": "orient.directions", "sensor": "orient.sensor", "up": "orient.up",
     "neighbors": "orient.neighbors", "radius": "orient.radius", "lambda": "energy.lambda",
     "weights": "energy.by_area", "norm": "energy.norm", "tolerance": "solve.tolerance",
@@ -26,6 +25,8 @@ SWITCHES = {"settle", "refine", "drop_components", "trim_holes", "distance", "su
 
 #: Arguments of soapfilm.read(), not of reconstruct().
 READING = {"columns", "trajectory", "trust_viewpoint", "spacing"}
+#: Of the context, not parameters.
+CONTEXT = {"memory"}
 _FLAGS = {"trim_holes", "distance", "support", "gap", "trust_viewpoint"}
 
 #: What follows an option and is its value: a number, a place, names of columns, a word of an enumeration.
@@ -48,7 +49,7 @@ def in_python(line: str) -> str:
 
 def _keyword(found: re.Match[str]) -> str:
     name, value = found["name"].replace("-", "_"), found["value"]
-    if name not in OPTIONS and name not in READING:
+    if name not in OPTIONS and name not in READING and name not in CONTEXT:
         return found[0]
     word = "lambda_" if name == "lambda" else name
     of = " of soapfilm.read" if name in READING else ""

@@ -137,7 +137,6 @@ class Trim(TypedDict, total=False):
 
 
 class Memory(TypedDict, total=False):
-    limit: Optional[int]
     checked: bool
 
 

@@ -36,20 +36,25 @@ py::tuple result_of(Reconstruction&& found, const ReadReport& read, const std::o
 
 /// `use_up`: the cloud may be freed during the run.
 py::tuple run_points(Points& points, bool use_up, const std::string& parameters, int threads,
-                     const py::object& on_event) {
+                     const py::object& on_event, std::optional<size_t> memory) {
   const ReconstructParams params = params_from_json(parameters);
   Reconstruction found;
-  work_beside_python(threads, on_event, [&](const Context& context) {
-    found = use_up ? reconstruct(take_cloud(points), params, context) : reconstruct(*points.cloud, params, context);
-  });
+  work_beside_python(
+      threads, on_event,
+      [&](const Context& context) {
+        found = use_up ? reconstruct(take_cloud(points), params, context) : reconstruct(*points.cloud, params, context);
+      },
+      memory);
   return result_of(std::move(found), points.read, points.reading);
 }
 
-py::tuple run_scans(const Scans& scans, const std::string& parameters, int threads, const py::object& on_event) {
+py::tuple run_scans(const Scans& scans, const std::string& parameters, int threads, const py::object& on_event,
+                    std::optional<size_t> memory) {
   const ReconstructParams params = params_from_json(parameters);
   Reconstruction found;
-  work_beside_python(threads, on_event,
-                     [&](const Context& context) { found = scans.reconstructor.reconstruct(params, context); });
+  work_beside_python(
+      threads, on_event, [&](const Context& context) { found = scans.reconstructor.reconstruct(params, context); },
+      memory);
   return result_of(std::move(found), scans.read, std::nullopt);
 }
 
@@ -64,12 +69,14 @@ void add_scan(Scans& scans, Points& points, bool use_up, const std::optional<std
 }  // namespace
 
 void add_runs(py::module_& module) {
-  module.def("reconstruct", &run_points);
+  module.def("reconstruct", &run_points, py::arg("points"), py::arg("use_up"), py::arg("parameters"),
+             py::arg("threads"), py::arg("on_event"), py::arg("memory") = py::none());
   module.def("default_parameters", [] { return to_json(ReconstructParams{}); });
   py::class_<Scans>(module, "Scans")
       .def(py::init<>())
       .def("add", &add_scan)
-      .def("reconstruct", &run_scans)
+      .def("reconstruct", &run_scans, py::arg("parameters"), py::arg("threads"), py::arg("on_event"),
+           py::arg("memory") = py::none())
       .def_property_readonly("size", [](const Scans& s) { return s.reconstructor.cloud().size(); })
       .def_property_readonly("scans", [](const Scans& s) { return s.reconstructor.cloud().scans.size(); });
 }

@@ -76,10 +76,12 @@ void tell(const std::vector<Event>& events, const py::object& on_event) {
 
 }  // namespace
 
-void work_beside_python(int threads, const py::object& on_event, const std::function<void(const Context&)>& work) {
+void work_beside_python(int threads, const py::object& on_event, const std::function<void(const Context&)>& work,
+                        std::optional<size_t> memory) {
   constexpr std::chrono::milliseconds between_looks{20};
   Mailbox mailbox;
-  const Context context(threads, mailbox);
+  Context context(threads, mailbox);
+  context.limit_memory(memory);
   std::exception_ptr failure, interruption;
   std::jthread worker([&] {
     try {

@@ -26,7 +26,7 @@ def documented():
 
 def test_every_option_of_the_documents():
     for option, keys in documented():
-        if option in ("threads", "params", "help", "version"):
+        if option in ("threads", "memory", "params", "help", "version"):
             continue  # arguments of their own
         if keys and option not in _params.ELSEWHERE:  # --check has a key: the memory that it plans
             assert _params.OPTIONS[option] in keys or keys == ["energy.cross_validate"], option  # --lambda auto
@@ -53,8 +53,7 @@ def test_groups_are_the_reports():
     ({"trim": False}, {"trim": {"on": False, "distance": None}}),
     ({"trim": 0.5}, {"trim": {"on": True, "distance": 0.5}}),
     ({"trim": {"on": True}}, {"trim": {"on": True}}),
-    ({"memory": "1.5G"}, {"memory": {"limit": 3 << 29}}),
-    ({"memory": 1000}, {"memory": {"limit": 1000}}),
+    ({"memory": "1.5G"}, {}),
     ({"refine": "off"}, {"surface": {"refine": False}}),
     ({"refine": {"smoothing": 2}}, {"refine": {"smoothing": 2}}),
     ({"attributes": "none"}, {"surface": {"attributes": []}}),
@@ -65,6 +64,18 @@ def test_groups_are_the_reports():
 ])
 def test_meaning(given, json_of):
     assert json.loads(_params.parameters_json(given)) == json_of
+
+
+@pytest.mark.parametrize("given, limit", [
+    ("1.5G", 3 << 29), (1000, 1000), ({"limit": 7}, 7), ({"checked": True}, None), (None, None),
+])
+def test_memory_is_no_parameter(given, limit):
+    assert _params.memory_limit(given) == limit
+
+
+def test_the_limit_of_an_earlier_run_is_not_this_ones():
+    assert json.loads(_params.parameters_json({}, {"memory": {"limit": 5, "checked": True}})) == {
+        "memory": {"checked": True}}
 
 
 @pytest.mark.parametrize("given, nearest", [

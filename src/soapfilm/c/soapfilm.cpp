@@ -9,6 +9,7 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -202,6 +203,13 @@ void soapfilm_context_destroy(soapfilm_context* context) { delete context; }
 const char* soapfilm_error(const soapfilm_context* context) { return context->error.c_str(); }
 
 void soapfilm_cancel(soapfilm_context* context) { context->listener.cancel(); }
+
+void soapfilm_limit_memory(soapfilm_context* context, size_t bytes) {
+  context->context.limit_memory(bytes > 0 ? std::optional(bytes) : std::nullopt);
+}
+void soapfilm_set_scratch_folder(soapfilm_context* context, const char* folder) {
+  context->context.set_scratch_folder(folder ? folder : "");
+}
 
 void soapfilm_on_event(soapfilm_context* context, void (*callback)(void*, soapfilm_event, double, const char*),
                        void* user) {

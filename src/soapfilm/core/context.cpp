@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "soapfilm/core/context_state.h"
@@ -45,7 +47,9 @@ Context::State::State(const State& parent, Progress* whole, double begin, double
       kernels(parent.kernels),
       device(parent.device),
       threads(parent.threads),
-      pages(parent.pages) {
+      pages(parent.pages),
+      memory_limit(parent.memory_limit),
+      scratch_folder(parent.scratch_folder) {
   part.whole = whole;
   part.begin = begin;
   part.end = end;
@@ -69,6 +73,17 @@ double Context::cpu_seconds() const {
 int Context::threads() const { return state_->threads->count(); }
 Progress& Context::progress() const { return *state_->reports; }
 void Context::check() const { state_->stopped_by->check(); }
+
+void Context::limit_memory(std::optional<size_t> bytes) { state_->memory_limit = bytes; }
+std::optional<size_t> Context::memory_limit() const { return state_->memory_limit; }
+void Context::set_scratch_folder(std::string folder) { state_->scratch_folder = std::move(folder); }
+std::string Context::scratch_folder() const {
+  if (!state_->scratch_folder.empty()) return state_->scratch_folder;
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  if (error) throw OutputError(fmt::format("the folder for temporary files, by $TMPDIR: {}", error.message()));
+  return folder.string();
+}
 
 Context silenced(const Context& context) {
   return Context(std::make_unique<Context::State>(context.state(), nullptr, 0, 1));

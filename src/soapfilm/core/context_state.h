@@ -1,7 +1,9 @@
 // The contents of a context, for use inside the library.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -40,6 +42,8 @@ struct Context::State {
   std::shared_ptr<const Device> device;  ///< of the solve (solve/device.h); null: the CPU
   std::shared_ptr<Threads> threads;
   PagePool pages;
+  std::optional<size_t> memory_limit;
+  std::string scratch_folder;  ///< empty: the system's
 };
 
 /// Within a stage: the same context, and must not outlive it. It reports nothing.

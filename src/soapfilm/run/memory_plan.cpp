@@ -197,9 +197,9 @@ void check_placing(uint64_t placing_bytes, const Room& room, uint64_t samples) {
                                   format_bytes(placing_bytes), room.what, format_bytes(room.bytes)));
 }
 
-double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params) {
+double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params, const Context& context) {
   const Box3d box = cloud.box();
-  const Room room(params.memory_limit, held_memory_bytes());
+  const Room room(context.memory_limit(), held_memory_bytes());
   const auto fits = [&](double voxel) {
     const Lattice lattice = place_lattice(box, voxel, params.place.padding);
     const double voxels2 = area / (voxel * voxel);
@@ -216,8 +216,9 @@ double smallest_voxel(const PointCloud& cloud, double area, const ReconstructPar
   return two_digits_above(voxel);
 }
 
-MemoryBudget::MemoryBudget(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after)
-    : params_(params), after_(after), room_(params.memory_limit, held_memory_bytes()) {
+MemoryBudget::MemoryBudget(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after,
+                           const Context& context)
+    : params_(params), after_(after), room_(context.memory_limit(), held_memory_bytes()) {
   check_placing(plan_placing(cloud), room_, cloud.size());
 }
 

@@ -88,16 +88,16 @@ void check_memory(const MemoryPlan& plan, const Room& room, const Lattice& latti
 /// The same for plan_placing().
 void check_placing(uint64_t placing_bytes, const Room& room, uint64_t samples);
 
-/// The smallest voxel, two digits, that would fit into params.memory_limit or the free memory, where the samples'
+/// The smallest voxel, two digits, that would fit into the context's limit or the free memory, where the samples'
 /// surface has an area of about `area`, input units^2; 0: none. For a first choice: the run plans again, as it comes to
 /// know its grid.
-double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params);
+double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params, const Context& context);
 
 /// The plan of one run: made part by part, as the sizes of its stages become known; refuses a run that would not fit.
 class MemoryBudget {
  public:
   /// Keeps a reference to the parameters. Throws MemoryError where the samples alone, on any grid, need more.
-  MemoryBudget(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after);
+  MemoryBudget(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after, const Context& context);
 
   /// Call once the grid is known, before anything is built on it: plans the arrays that span its box. `area` is the
   /// surface's, voxel^2. This and the following throw MemoryError.

@@ -105,7 +105,6 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("trim", "distance", p.trim.distance);
   visit("trim", "holes", p.trim.holes);
   visit("trim", "fill_holes", p.trim.fill_holes);
-  visit("memory", "limit", p.memory_limit);
   visit("memory", "checked", p.checked);
 }
 
@@ -202,6 +201,17 @@ void refuse_unknown_keys(const ordered_json& json) {
       if (!names.contains(group + "." + name))
         throw ParameterError(fmt::format("parameters: unknown key '{}.{}'", shown(group), shown(name)));
   }
+}
+
+/// Reports and parameters of earlier versions have the limit that is the context's now. That of a run says nothing of
+/// this one's machine; but who gives it to a run must know that it has no effect.
+void take_memory_limit(ordered_json& json, bool of_report) {
+  if (!json.contains("memory") || !json["memory"].is_object() || !json["memory"].contains("limit")) return;
+  const ordered_json limit = json["memory"]["limit"];
+  json["memory"].erase("limit");
+  if (!limit.is_null() && !of_report)
+    throw ParameterError(fmt::format(
+        "parameters: memory.limit = {}: is no parameter, must be set on the context (--memory)", limit.dump()));
 }
 
 void require(bool holds, const char* name, double value, const char* constraint) {
@@ -311,7 +321,9 @@ ReconstructParams params_from_json(const std::string& text) {
     throw ParameterError(fmt::format("parameters: not JSON: {}", error.what()));
   }
   if (!json.is_object()) throw ParameterError("parameters: must be a JSON object");
-  if (json.contains("parameters")) json = ordered_json(std::move(json["parameters"]));  // of a report
+  const bool of_report = json.contains("parameters");
+  if (of_report) json = ordered_json(std::move(json["parameters"]));
+  take_memory_limit(json, of_report);
   refuse_unknown_keys(json);
   ReconstructParams params;
   for_each_param(params, [&](const char* group, const char* name, auto& value) {

@@ -28,7 +28,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   pages_of(context).restart_peak();
   Trace trace(context);
   const Box3d box = check_cloud(cloud, params, context);
-  MemoryBudget memory(params, cloud, owned ? AfterPlacing::freed : AfterPlacing::kept);
+  MemoryBudget memory(params, cloud, owned ? AfterPlacing::freed : AfterPlacing::kept, context);
 
   // Each sample gets a weak outward direction: its normal, towards the scanner, or estimated.
   Orientation oriented = trace.stage("orient", [&] { return find_directions(cloud, box, params, context); });

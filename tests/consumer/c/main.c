@@ -152,6 +152,13 @@ int main(void) {
     return failed("a bad voxel was not refused");
   if (soapfilm_reconstruct(context, cloud, "{\"orient\": {\"up\": \"w\"}}", &again) != SOAPFILM_REFUSED || again)
     return failed("a bad axis was not refused");
+  soapfilm_limit_memory(context, 1000000);
+  if (soapfilm_reconstruct(context, cloud, NULL, &again) != SOAPFILM_OUT_OF_MEMORY || again)
+    return failed("a run beyond the limit of memory was not refused");
+  soapfilm_limit_memory(context, 0);
+  if (soapfilm_reconstruct(context, cloud, "{\"memory\": {\"limit\": 5}}", &again) != SOAPFILM_REFUSED ||
+      !strstr(soapfilm_error(context), "memory.limit = 5"))
+    return failed("a limit of memory among the parameters was not refused");
   if (soapfilm_cloud_read(context, cloud, "/no/such/file.ply") != SOAPFILM_UNREADABLE) return failed("an absent file");
   if (soapfilm_write_mesh(context, result, "/no/such/folder/mesh.ply") != SOAPFILM_UNWRITABLE)
     return failed("an absent folder");
