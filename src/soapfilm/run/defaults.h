@@ -17,7 +17,8 @@ inline bool drops_components(const ReconstructParams& params) {
 
 /// Is surface far from all samples removed (finish/trim.h)? `ends`: see BorderReport.
 inline bool trims(const ReconstructParams& params, bool ends) {
-  return params.method != Method::vrip && params.trim.on.value_or(params.trim.distance || params.trim.fill_holes || ends);
+  return params.method != Method::vrip &&
+         params.trim.on.value_or(params.trim.distance || params.trim.fill_holes || ends);
 }
 
 }  // namespace soapfilm

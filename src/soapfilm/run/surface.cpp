@@ -135,7 +135,8 @@ std::optional<TrimReport> trim(Mesh& mesh, const GridSamples& samples, std::vect
   // The border's trials on a coarse level took this closed surface for mostly invented; of thin bodies they do not see
   // both sides.
   constexpr double mostly_seen = 0.75;
-  const bool asked = params.trim.on || params.trim.distance || params.trim.fill_holes || params.border.outside != Border::automatic;
+  const bool asked =
+      params.trim.on || params.trim.distance || params.trim.fill_holes || params.border.outside != Border::automatic;
   const double least_beyond = grid.lattice.open || asked ? 0 : 1 - mostly_seen;
   const TrimSetup setup{params.trim, grid.density, grid.ends, least_beyond, std::move(rays)};
   trace.stage("trim", [&] { trim(mesh, samples, grid.lattice, setup, context, report); });
