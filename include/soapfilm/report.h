@@ -109,6 +109,24 @@ struct RelaxReport {
   size_t split_edges = 0, triangles_before = 0;
 };
 
+/// A part of the surface that no sample is near: a hole in the sampling.
+struct HoleFacts {
+  Vec3d center;         ///< of its area, input units
+  double diameter = 0;  ///< of its rim
+  double area = 0;
+  bool cut = false;  ///< trimmed away; else filled
+};
+
+/// How much, and how sure: lengths in input units.
+struct MeasureReport {
+  double area = 0;                      ///< times a voxel: change of volume when the surface moves by it
+  double filled_area = 0;               ///< of holes that were filled: nobody saw it
+  std::optional<double> volume;         ///< of a closed mesh, >= 0
+  std::optional<double> volume_flat;    ///< with its holes filled flat; absent for an open mesh
+  std::optional<double> volume_smooth;  ///< with its holes curved as what is around; absent if they were not
+  std::vector<HoleFacts> holes;         ///< the largest first
+};
+
 struct TrimReport {
   double distance = 0;             ///< used, input units
   size_t removed = 0, filled = 0;  ///< regions far from all samples, or facing none: cut away, and left as filled holes
@@ -116,6 +134,7 @@ struct TrimReport {
   double removed_area = 0;           ///< of all that was cut away, as a share of the mesh's area, [0, 1]
   size_t shells = 0, leftovers = 0;  ///< dropped: closed parts of negative volume; small pieces left by the cuts
   bool nothing_near = false;         ///< no surface is within the distance: the mesh is unchanged
+  std::vector<HoleFacts> holes;      ///< cut away or filled
 };
 
 /// Does the mesh contain what the samples show, and nothing else? "Far": more than 3 voxels.
@@ -154,6 +173,7 @@ struct ReconstructReport {
   double isovalue = 0;                        ///< of the smoothed indicator; 0 of the refined field
   size_t mesh_vertices = 0, mesh_triangles = 0;
   SelfCheckReport self_check;
+  MeasureReport measure;
   ScannerReport scanners;                          ///< not for Method::vrip
   std::optional<TopologyReport> topology;          ///< if it was checked
   std::optional<DistanceSummary> sample_distance;  ///< samples to mesh, input units; if it was checked

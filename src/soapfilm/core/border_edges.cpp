@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "soapfilm/core/random.h"
+
 namespace soapfilm {
 
 std::vector<std::pair<uint32_t, uint32_t>> edges_of_one_triangle(std::vector<std::pair<uint32_t, uint32_t>> edges) {
@@ -13,6 +15,16 @@ std::vector<std::pair<uint32_t, uint32_t>> edges_of_one_triangle(std::vector<std
   }
   edges.resize(kept);
   return edges;
+}
+
+bool is_closed(const Mesh& mesh) {
+  uint64_t sum = 0;
+  for (const Triangle& t : mesh.triangles)
+    for (size_t k = 0; k < 3; ++k) {
+      const uint64_t from = t[k], to = t[(k + 1) % 3];
+      sum += from < to ? Random(from << 32 | to).next() : -Random(to << 32 | from).next();
+    }
+  return sum == 0;
 }
 
 }  // namespace soapfilm

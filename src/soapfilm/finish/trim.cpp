@@ -12,6 +12,8 @@
 #include "soapfilm/core/disjoint_sets.h"
 #include "soapfilm/error.h"
 #include "soapfilm/extract/cut.h"
+#include "soapfilm/finish/hole_list.h"
+#include "soapfilm/finish/measure_result.h"
 #include "soapfilm/finish/shells.h"
 #include "soapfilm/finish/trim_levels.h"
 #include "soapfilm/finish/trim_regions.h"
@@ -20,7 +22,6 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double spacings = 3;          // without a given distance: in voxels, or in mean distances between samples
 constexpr double nearest_cut = 0.2;     // share of an edge, from its ends: no slivers at a cut
 constexpr double small_piece_area = 5;  // times distance^2: a little more than the disk around a single sample
 constexpr uint32_t few_samples = 6;     // that a piece faces: with so many, it is a small part and not an outlier
@@ -38,6 +39,13 @@ double area_beyond(const Mesh& mesh, const TrimLevels& levels) {
     beyond += area_of(mesh, t) * static_cast<double>(corners) / 3;
   }
   return beyond;
+}
+
+/// Vertices that the cut would take, or takes.
+std::vector<uint8_t> beyond(const TrimLevels& levels) {
+  std::vector<uint8_t> is_beyond;
+  for (const double level : levels.level) is_beyond.push_back(level > 1);
+  return is_beyond;
 }
 
 /// Cuts a mesh along the line where its vertices' levels pass 1 (TrimLevels).
@@ -185,18 +193,23 @@ void validate(const TrimParams& params) {
 
 void trim(Mesh& mesh, const GridSamples& samples, const Lattice& lattice, const TrimSetup& params,
           const Context& context, TrimReport& report) {
-  const double spacing = params.density > 0 ? 1 / std::sqrt(params.density) : 1;
-  report.distance = params.distance.value_or(spacings * std::max(1.0, spacing) * lattice.voxel);
+  report.distance = params.distance.value_or(unseen_distance(params.density, lattice));
   TrimLevels levels = find_trim_levels(mesh, samples, lattice, report.distance, params.ends, context);
   report.nothing_near = std::all_of(levels.level.begin(), levels.level.end(), [](double level) { return level > 1; });
   context.progress().advance(0.6, "distances");
   if (report.nothing_near) return;
   const double before = mesh.area();
-  if (area_beyond(mesh, levels) < params.least_beyond * before) return;
+  const std::vector<uint8_t> unseen = beyond(levels);
+  if (area_beyond(mesh, levels) < params.least_beyond * before) {
+    report.holes = list_holes(mesh, unseen, {});
+    return;
+  }
   const std::vector<uint32_t> crossings =
       params.ends ? count_crossings(mesh, levels.level, params.rays, lattice, context) : std::vector<uint32_t>();
-  if (choose_regions(mesh, levels, crossings,
-                     {params.ends, params.holes, report.distance, lattice.voxel, params.fill_holes}, report)) {
+  const bool cuts = choose_regions(
+      mesh, levels, crossings, {params.ends, params.holes, report.distance, lattice.voxel, params.fill_holes}, report);
+  report.holes = list_holes(mesh, unseen, beyond(levels));
+  if (cuts) {
     Cut cut(mesh, std::move(levels), report.distance);
     cut.snap_cuts();
     cut.clip();

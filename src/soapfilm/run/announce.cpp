@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -231,6 +232,22 @@ void announce_self_check(const ReconstructReport& report, Trace& trace) {
   std::string text = misplaced_scanners(report);
   if (text.empty()) text = made_up_surface(report);
   if (!text.empty()) trace.warn(std::move(text));
+}
+
+void announce_measures(const ReconstructReport& report, Trace& trace) {
+  const MeasureReport& m = report.measure;
+  std::string text = fmt::format("area {:.6g}", m.area);
+  if (m.volume) {
+    text += fmt::format(", volume {:.6g}", *m.volume);
+    text += fmt::format(" +- {:.2g} for each voxel of offset", m.area * report.grid.voxel);
+  }
+  const auto filled = std::count_if(m.holes.begin(), m.holes.end(), [](const HoleFacts& hole) { return !hole.cut; });
+  if (filled > 0)
+    text += fmt::format("; {} hole{} filled, {:.2g} % of the area", filled, filled == 1 ? "" : "s",
+                        100 * m.filled_area / m.area);
+  if (m.volume_flat && m.volume_smooth && *m.volume_flat != *m.volume_smooth)
+    text += fmt::format(": filled flat the volume would be {:.6g}", *m.volume_flat);
+  trace.info(text);
 }
 
 }  // namespace soapfilm

@@ -37,6 +37,9 @@ void announce_refinement(const std::optional<FitReport>& report, const MemoryBud
 /// What trim() removed, if anything; warns where it would have removed everything.
 void announce_trim(const TrimReport& report, const TrimParams& params, Trace& trace);
 
+/// Area and volume, what one voxel of offset changes, and what the holes leave open.
+void announce_measures(const ReconstructReport& report, Trace& trace);
+
 /// The self-check; warns where more than 1 % of the samples are lost, and says the likely cause.
 void announce_self_check(const ReconstructReport& report, Trace& trace);
 

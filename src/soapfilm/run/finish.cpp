@@ -4,6 +4,7 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/finish/measure_result.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/finish/vertex_evidence.h"
 #include "soapfilm/finish/vertex_gap.h"
@@ -45,10 +46,23 @@ void carry(const std::optional<GapField>& gap, const Lattice& lattice, Trace& tr
   trace.stage("gap", [&] { mesh.attributes.push_back({"gap", vertex_gap(mesh, *gap, lattice, context)}); });
 }
 
+namespace {
+
+FillDifference fill_of(const ReconstructReport& report) {
+  const auto& refine = report.details->refine;
+  return {report.params.refine.holes == HoleFill::flat || !refine, refine ? refine->holes.gained : 0};
+}
+
+}  // namespace
+
 Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const Lattice& lattice,
                       const MemoryBudget& memory, Trace& trace, const Context& context) {
   report.self_check = trace.stage("self-check", [&] { return self_check(mesh, samples, lattice, context); });
   announce_self_check(report, trace);
+  report.measure = trace.stage("measure", [&] {
+    return measure_result(mesh, samples, lattice, report.input.density, report.trim, fill_of(report), context);
+  });
+  announce_measures(report, trace);
   const bool distance = report.params.surface.distance, support = report.params.surface.support;
   if (distance || support)
     trace.stage("evidence", [&] {

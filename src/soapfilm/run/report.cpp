@@ -1,5 +1,6 @@
 #include "soapfilm/report.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "soapfilm/core/json_text.h"
@@ -218,6 +219,27 @@ ordered_json scanners_json(const ScannerReport& r) {
   return {{"looked_at", r.scanners}, {"in_solid", r.in_solid}, {"enclosed", r.enclosed}};
 }
 
+/// The list of holes ends where it would be longer than all else.
+ordered_json measures_json(const MeasureReport& m, double voxel) {
+  constexpr size_t most_holes = 1000;
+  const auto or_null = [](const std::optional<double>& v) { return v ? ordered_json(*v) : ordered_json(nullptr); };
+  ordered_json holes = ordered_json::array();
+  for (size_t i = 0; i < std::min(m.holes.size(), most_holes); ++i) {
+    const HoleFacts& hole = m.holes[i];
+    holes.push_back(
+        {{"center", vector_json(hole.center)}, {"diameter", hole.diameter}, {"area", hole.area}, {"cut", hole.cut}});
+  }
+  return {{"area", m.area},
+          {"volume", or_null(m.volume)},
+          {"volume_per_voxel", m.area * voxel},
+          {"seen_area", m.area - m.filled_area},
+          {"filled_area", m.filled_area},
+          {"volume_flat", or_null(m.volume_flat)},
+          {"volume_smooth", or_null(m.volume_smooth)},
+          {"hole_count", m.holes.size()},
+          {"holes", holes}};
+}
+
 ordered_json self_check_json(const SelfCheckReport& r) {
   return {{"reach", self_check_reach}, {"samples", r.samples}, {"places", r.places}, {"lost", r.lost},
           {"outliers", r.outliers},    {"alone", r.alone},     {"noise", r.noise},   {"invented", r.invented}};
@@ -282,6 +304,7 @@ std::string to_json(const ReconstructReport& report) {
         {"trim", report.trim ? trim_json(*report.trim) : ordered_json(nullptr)}}},
       {"mesh", mesh_json(report)},
       {"self_check", self_check_json(report.self_check)},
+      {"measures", measures_json(report.measure, report.grid.voxel)},
       {"scanners", scanners_json(report.scanners)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},

@@ -7,8 +7,8 @@
 
 #include "soapfilm/components/components.h"
 #include "soapfilm/components/scanners.h"
+#include "soapfilm/core/border_edges.h"
 #include "soapfilm/core/names.h"
-#include "soapfilm/core/random.h"
 #include "soapfilm/extract/isosurface.h"
 #include "soapfilm/finish/trim.h"
 #include "soapfilm/fuse/vrip.h"
@@ -18,22 +18,6 @@
 #include "soapfilm/run/defaults.h"
 
 namespace soapfilm {
-
-namespace {
-
-/// Does each edge occur as often in one direction as in the other? Then the sum of random numbers of the edges, of
-/// either sign, is zero, and only then but for a chance of 2^-64: no edges are kept or sorted.
-bool is_closed(const Mesh& mesh) {
-  uint64_t sum = 0;
-  for (const Triangle& t : mesh.triangles)
-    for (size_t k = 0; k < 3; ++k) {
-      const uint64_t from = t[k], to = t[(k + 1) % 3];
-      sum += from < to ? Random(from << 32 | to).next() : -Random(to << 32 | from).next();
-    }
-  return sum == 0;
-}
-
-}  // namespace
 
 std::optional<ComponentReport> drop_unsupported(Labels& labels, const GridSamples& samples, const Grid& grid,
                                                 const ReconstructParams& params, Trace& trace, const Context& context) {

@@ -86,6 +86,7 @@ BrickMask CurvedToGrid::differing_bricks() const {
 /// What happened to the holes in a connected set of bricks that differ; such a set is undone as a whole.
 struct Outcome {
   size_t turned = 0, refused = 0;  // vertices
+  int64_t gained = 0;              // of those turned: inwards less outwards
   double most = 0;                 // changes that the areas of the holes there allow
   bool fails() const {
     return static_cast<double>(refused) > most_refused * static_cast<double>(turned) ||
@@ -114,8 +115,10 @@ void CurvedToGrid::flip(SignBits& signs, const NarrowBand& band, const std::vect
     for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
       const int y = band.place(r) & 7, z = band.place(r) >> 3;
       const auto wanted = static_cast<size_t>(count_bits(band.mask(r)));
-      const auto turned = static_cast<size_t>(count_bits(uint64_t(before.row(b, y, z) ^ signs.row(b, y, z))));
+      const unsigned was = before.row(b, y, z), is = signs.row(b, y, z);
+      const auto turned = static_cast<size_t>(count_bits(was ^ is));
       outcome_of(b).turned += turned;
+      outcome_of(b).gained += count_bits(is & ~was) - count_bits(was & ~is);
       outcome_of(b).refused += wanted - turned;
     }
   // A hole belongs to every set that it passes through.
@@ -130,9 +133,11 @@ void CurvedToGrid::flip(SignBits& signs, const NarrowBand& band, const std::vect
     for (const uint32_t s : sets_of[f]) outcome[s].most += most_bulge * area * std::sqrt(area);
   }
   report.flips = report.refused = 0;
+  report.gained = 0;
   for (size_t b = 0; b < grid.size(); ++b) {
     const Outcome& whole = outcome_of(b);
     report.flips += whole.fails() ? 0 : outcome[b].turned;
+    report.gained += whole.fails() ? 0 : outcome[b].gained;
     report.refused += whole.fails() ? 0 : outcome[b].refused;
     if (differs(b) && whole.fails())
       for (int row = 0; row < brick_area; ++row) signs.row(b, row & 7, row >> 3) = before.row(b, row & 7, row >> 3);
