@@ -67,6 +67,8 @@ int run(int argc, char** argv) {
   add_reconstruct(app, options, runner);
   add_scan(app, options, runner);
   add_evaluate(app, options, runner);
+  add_compare(app, options, runner);
+  add_measure(app, options, runner);
   add_info(app, options, runner);
   add_render(app, options, runner);
   add_view(app, options, runner);

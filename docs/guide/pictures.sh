@@ -59,6 +59,33 @@ soapfilm reconstruct fused.ply -o vase.ply 2>vase.txt
 soapfilm render fused.ply vase.ply -o photogrammetry.png --up z --view -1,-1,0.5 --size 310x260 \
   --caption "cloud" --caption "mesh"
 
+# stockpile.md
+python3 "$here/stockpile.py" may.xyz june.xyz
+for month in may june; do soapfilm reconstruct $month.xyz -o $month.ply --voxel 0.4; done
+soapfilm measure june.ply --section z=100.5:105.5:1 --contours june.svg
+soapfilm render may.ply june.ply -o stockpile.png --up z --view 0.6,-1,0.9 --size 310x200 --caption May --caption June
+chromium --headless --no-sandbox --window-size=1000,1000 --screenshot=contours.png "file://$PWD/june.svg"
+/usr/bin/python3 - <<'END'
+from PIL import Image
+yard, contours = Image.open("stockpile.png").convert("RGB"), Image.open("contours.png").convert("RGB")
+both = Image.new("RGB", (yard.width + 210, yard.height), "white")
+both.paste(yard, (0, 0))
+both.paste(contours.resize((200, 200), Image.LANCZOS), (yard.width + 5, 0))
+both.save("stockpile.png")
+END
+rm contours.png
+
+# cad.md
+soapfilm scan part -o cad --size 80 --samples 1000
+soapfilm scan part -o made --size 80.2 --center 0.5,-0.3,0.2 --orbit fibonacci --views 24 --image 160x160 --noise 0.02
+soapfilm reconstruct made/scans.conf -o made.ply --voxel 0.5
+soapfilm compare made.ply cad/truth.ply --align --tolerance 0.15 --unit mm --picture cad.png
+/usr/bin/python3 - <<'END'
+from PIL import Image
+picture = Image.open("cad.png").convert("RGB")
+picture.resize((720, round(picture.height * 720 / picture.width)), Image.LANCZOS).save("cad.png")
+END
+
 # methods.md
 soapfilm scan part -o views --image 120x120 --noise 0.3%
 for method in tv tv-sor poisson graph-cut-6 graph-cut-26 vrip; do

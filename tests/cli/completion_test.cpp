@@ -18,7 +18,8 @@
 namespace soapfilm::test {
 namespace TEST_FILE {
 
-const std::vector<std::string> commands = {"reconstruct", "scan", "evaluate", "info", "render", "view"};
+const std::vector<std::string> commands = {"reconstruct", "scan", "evaluate", "compare",
+                                           "measure",     "info", "render",   "view"};
 
 /// The long options that a help page lists.
 std::set<std::string> options_of_help(const std::string& page) {

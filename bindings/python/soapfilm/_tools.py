@@ -68,6 +68,77 @@ def evaluate(mesh: Any, truth: Any, *, samples: Any = None, voxel: float | None 
     return json.loads(_core.evaluate(core, object_, given, thread_count(threads), listener(progress, 3)))
 
 
+def measure(mesh: Any, *, above: Any = None, before: Any = None, sections: Sequence[Any] = (),
+            within: Sequence[float] | None = None, cell: float | None = None, voxel: float | None = None,
+            threads: int | None = None, progress: Progress = True) -> dict[str, Any]:
+    """Area, volume, sections of a mesh; what changed between two.
+
+    Args:
+        mesh: a result, a mesh, a file, (vertices, triangles), or a mesh of Open3D, trimesh or PyVista.
+        above: a height z, or (x, y, z, nx, ny, nz), a point and a normal: the volumes on both sides of that plane,
+            exactly. Or anything that `mesh` may be: the volume above it.
+        before: the same place earlier: what was added and taken away since.
+        sections: planes as of `above`: the areas that they cut out.
+        within: (x0, y0, x1, y1): only these volumes, straight down.
+        cell: edge of the columns between two meshes, input units.
+        voxel: input units: how the volume changes when the surface moves by it.
+
+    Returns:
+        What ``soapfilm measure --json`` writes: docs/reference/measure.md, key by key.
+    """
+    _tool("measure")
+    core, mesh_name = mesh_of(mesh)
+    given: dict[str, Any] = {"mesh_name": mesh_name, "sections": [_plane("sections", plane) for plane in sections]}
+    base = earlier = None
+    if _is_plane(above):
+        given["above"] = _plane("above", above)
+    elif above is not None:
+        base, given["base_name"] = mesh_of(above)
+    if before is not None:
+        earlier, given["before_name"] = mesh_of(before)
+    for name, value in (("cell", cell), ("voxel", voxel)):
+        if value is not None:
+            if not 0 < value < float("inf"):
+                raise ParameterError(f"{name} = {value}, must be > 0 and finite")
+            given[name] = value
+    if within is not None:
+        x0, y0, x1, y1 = (float(v) for v in within)
+        if not (x0 < x1 and y0 < y1):
+            raise ParameterError(f"within = {tuple(within)}, must be (x0, y0, x1, y1) with x0 < x1 and y0 < y1")
+        given["within"] = (x0, y0, x1, y1)
+    return json.loads(_core.measure(core, base, earlier, given, thread_count(threads), listener(progress, 3)))
+
+
+def compare(part: Any, model: Any, *, tolerance: float | None = None, least: float = 0.99, align: bool = False,
+            points: int = 300_000, seed: int = 1, threads: int | None = None,
+            progress: Progress = True) -> dict[str, Any]:
+    """How far a scan or a mesh is from its design: signed distances, verdict.
+
+    Args:
+        part: points of :func:`read`, or a result, a mesh, a mesh file, (vertices, triangles), or a mesh of Open3D,
+            trimesh or PyVista.
+        model: a mesh in any of these forms.
+        tolerance: distance that is allowed, input units: gives a verdict.
+        least: share that must be within it.
+        align: move the part onto the model first, by a rigid best fit from near its place.
+        points: on each mesh, even by area.
+        seed: of where they lie.
+
+    Returns:
+        What ``soapfilm compare --json`` writes: docs/reference/compare.md, key by key.
+    """
+    _tool("compare")
+    core, part_name = (part._core, "points") if isinstance(part, Points) else mesh_of(part)
+    model_core, model_name = mesh_of(model)
+    given: dict[str, Any] = {"part_name": part_name, "model_name": model_name, "least": least, "align": align,
+                             "points": points, "seed": seed}
+    if tolerance is not None:
+        if not 0 < tolerance < float("inf"):
+            raise ParameterError(f"tolerance = {tolerance}, must be > 0 and finite")
+        given["tolerance"] = tolerance
+    return json.loads(_core.compare(core, model_core, given, thread_count(threads), listener(progress, 3)))
+
+
 def scan(shape: Any, *, threads: int | None = None, progress: Progress = True,
          **options: Unpack[Scan]) -> Points:
     """Scans a surface that is known, with the errors of a real scanner: docs/reference/scanner.md.
@@ -220,6 +291,22 @@ def _tool(name: str) -> None:
     if not _core.has_tools:
         raise NotImplementedError(f"soapfilm.{name}: this package was built without the tools "
                                   "(SOAPFILM_BUILD_TOOLS=OFF)")
+
+
+def _is_plane(value: Any) -> bool:
+    if isinstance(value, (int, float)):
+        return True
+    return not isinstance(value, (str, os.PathLike)) and hasattr(value, "__len__") and len(value) == 6
+
+
+def _plane(name: str, value: Any) -> tuple[float, ...]:
+    """A point and a normal."""
+    if isinstance(value, (int, float)):
+        return 0.0, 0.0, float(value), 0.0, 0.0, 1.0
+    numbers = tuple(float(v) for v in value)
+    if len(numbers) != 6:
+        raise ParameterError(f"{name} = {numbers}, must be a height z or (x, y, z, nx, ny, nz)")
+    return numbers
 
 
 def _known_names(given: Mapping[str, Any], known: Sequence[str], function: str) -> None:

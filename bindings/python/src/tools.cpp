@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -14,8 +16,10 @@
 #include "points.h"
 #include "result.h"
 #include "soapfilm/core/json_text.h"
+#include "tools/compare/compare_report.h"
 #include "tools/evaluate/evaluate.h"
 #include "tools/evaluate/evaluation_report.h"
+#include "tools/measure/measure.h"
 #include "tools/render/render.h"
 #include "tools/scanner/known_surface.h"
 #include "tools/scanner/missing.h"
@@ -89,6 +93,84 @@ std::string evaluate_mesh(const MeshHolder& mesh, const py::object& truth, const
     subject.truth = known.facts;
     const Evaluation found = evaluate(*mesh.mesh, *known.surface, options, context, samples ? &*samples : nullptr);
     json = json_text(evaluation_json(subject, found));
+  });
+  return json;
+}
+
+Plane plane_of(const std::array<double, 6>& v) {
+  const Vec3d normal{v[3], v[4], v[5]};
+  if (!(norm(normal) > 0) || !is_finite(normal) || !is_finite(Vec3d{v[0], v[1], v[2]}))
+    throw ParameterError("plane: must be a point and a normal that is not zero, all finite");
+  return {{v[0], v[1], v[2]}, normalized(normal)};
+}
+
+/// The JSON of `soapfilm measure --json`. `given` has the options; planes are a point and a normal.
+std::string measure_mesh(const MeshHolder& mesh, const py::object& base, const py::object& before,
+                         const py::dict& given_values, int threads, const py::object& on_event) {
+  const Given given(given_values);
+  MeasureSubject subject;
+  MeasureOptions& options = subject.options;
+  given.take("mesh_name", subject.mesh);
+  given.take("base_name", subject.base);
+  given.take("before_name", subject.before);
+  given.take("voxel", subject.voxel);
+  given.take("cell", options.columns.cell);
+  std::optional<std::array<double, 6>> above;
+  std::optional<std::array<double, 4>> within;
+  std::vector<std::array<double, 6>> sections;
+  given.take("above", above, "a point and a normal");
+  given.take("within", within, "(x0, y0, x1, y1)");
+  given.take("sections", sections, "points and normals");
+  if (above) options.above = plane_of(*above);
+  for (const auto& plane : sections) options.sections.push_back(plane_of(plane));
+  if (within) options.columns.window = Window{(*within)[0], (*within)[1], (*within)[2], (*within)[3]};
+  const auto mesh_of = [](const py::object& object) {
+    return object.is_none() ? nullptr : py::cast<MeshHolder>(object).mesh;
+  };
+  const std::shared_ptr<const Mesh> ground = mesh_of(base), earlier = mesh_of(before);
+  std::string json;
+  work_beside_python(threads, on_event, [&](const Context& context) {
+    require_surface(*mesh.mesh, subject.mesh);
+    if (ground) require_surface(*ground, subject.base);
+    if (earlier) require_surface(*earlier, subject.before);
+    const Measures found = measure(*mesh.mesh, options, context, ground.get(), earlier.get());
+    json = json_text(measure_json(subject, found));
+  });
+  return json;
+}
+
+/// The JSON of `soapfilm compare --json`, of a mesh or of points.
+std::string compare_part(const py::object& part, const MeshHolder& model, const py::dict& given_values, int threads,
+                         const py::object& on_event) {
+  const Given given(given_values);
+  CompareSubject subject;
+  CompareOptions& options = subject.options;
+  given.take("part_name", subject.part);
+  given.take("model_name", subject.model);
+  given.take("tolerance", options.tolerance);
+  given.take("least", options.least);
+  given.take("align", options.align, "true or false");
+  given.take("points", options.points, "a whole number");
+  given.take("seed", options.seed, "a whole number >= 0");
+  subject.is_scan = py::isinstance<Points>(part);
+  std::shared_ptr<const Mesh> mesh;
+  std::shared_ptr<const PointCloud> cloud;
+  if (subject.is_scan)
+    cloud = py::cast<Points&>(part).cloud;
+  else
+    mesh = py::cast<MeshHolder>(part).mesh;
+  std::string json;
+  work_beside_python(threads, on_event, [&](const Context& context) {
+    validate(options);
+    require_surface(*model.mesh, subject.model);
+    if (mesh) require_surface(*mesh, subject.part);
+    ScanPart scan;
+    MeshPart body;
+    if (cloud) scan.cloud = *cloud;
+    if (mesh) body.mesh = *mesh;
+    const Comparison found =
+        cloud ? compare(scan, *model.mesh, options, context) : compare(body, *model.mesh, options, context);
+    json = json_text(compare_json(subject, found));
   });
   return json;
 }
@@ -266,6 +348,8 @@ py::str view_items(const py::list& shapes, const py::dict& given_values, int thr
 
 void add_tools(py::module_& module) {
   module.def("evaluate", &evaluate_mesh);
+  module.def("measure", &measure_mesh);
+  module.def("compare", &compare_part);
   module.def("scan", &scan_object);
   module.def("render", &render_items);
   module.def("view", &view_items);

@@ -46,6 +46,33 @@ def test_evaluate_of_anything_that_is_a_mesh(result):
         assert soapfilm.evaluate(mesh, result, points=200) == expected
 
 
+def test_measure_is_the_programs(tmp_path, result, program):
+    mesh, out = tmp_path / "mesh.ply", tmp_path / "out.json"
+    result.save(mesh)
+    program("measure", mesh, "--above", "z=0.1", "--section", "z=0", "--section", "0,0,0,1,1,0", "--within",
+            "-1,-1,0.2,1", "--before", mesh, "--cell", "0.05", "--voxel", "0.02", "--json", out)
+    theirs = json.loads(out.read_text())
+    ours = soapfilm.measure(mesh, above=0.1, sections=[0, (0, 0, 0, 1, 1, 0)], within=(-1, -1, 0.2, 1), before=mesh,
+                            cell=0.05, voxel=0.02)
+    assert ours == theirs and ours["at_plane"]["above"] > 0
+    box = soapfilm.measure(result, above=result, cell=0.05)
+    assert box["above_mesh"]["fill"]["volume"] == 0 and box["volume"] > 0
+
+
+def test_compare_is_the_programs(tmp_path, result, knot, program):
+    mesh, cloud, out = tmp_path / "mesh.ply", tmp_path / "cloud.ply", tmp_path / "out.json"
+    result.save(mesh)
+    soapfilm.Points(knot[0]).save(cloud)
+    options = {"tolerance": 0.02, "least": 0.9, "points": 1000, "seed": 3}
+    for part, ours in ((mesh, mesh), (cloud, soapfilm.read(cloud))):
+        program("compare", part, mesh, "--tolerance", "0.02", "--least", "0.9", "--points", "1000", "--seed", "3",
+                "--align", "--json", out)
+        theirs = json.loads(out.read_text())
+        found = soapfilm.compare(ours, mesh, align=True, **options)
+        theirs["part"] = found["part"]
+        assert found == theirs and found["within_tolerance"]
+
+
 def test_scan_is_the_programs(tmp_path, program):
     program("scan", "part", "-o", tmp_path / "s", "--views", "3", "--image", "30x20", "--noise", "0.5%", "--seed", "4",
             "--size", "2", "--center", "1,2,3", "--orbit", "ring", "--elevations", "10,50", "--quiet")
@@ -143,6 +170,12 @@ def test_show_opens_the_page(result, knot, tmp_path, monkeypatch):
     (lambda r: soapfilm.evaluate(r, "knot", sise=1), TypeError, "'size'"),
     (lambda r: soapfilm.evaluate(r, "room", size=1), ValueError, "only built-in shapes"),
     (lambda r: soapfilm.evaluate(r, "knot", voxel=0), ValueError, "voxel = 0"),
+    (lambda r: soapfilm.measure(r, above=(0, 0, 0, 0, 0, 0)), ValueError, "normal that is not zero"),
+    (lambda r: soapfilm.measure(r, sections=[(1, 2)]), ValueError, "sections = (1.0, 2.0), must be"),
+    (lambda r: soapfilm.measure(r, above=0, within=(0, 0, 0, 1)), ValueError, "within = (0, 0, 0, 1), must be"),
+    (lambda r: soapfilm.measure(r, cell=0), ValueError, "cell = 0, must be > 0"),
+    (lambda r: soapfilm.compare(r, r, tolerance=0), ValueError, "tolerance = 0, must be > 0"),
+    (lambda r: soapfilm.compare(r, r, least=2), ValueError, "least = 2, must be in (0, 1]"),
     (lambda r: soapfilm.evaluate(r, "knot", points=0), ValueError, "points"),
     (lambda r: soapfilm.evaluate(3, "knot"), TypeError, "mesh: int"),
     (lambda r: soapfilm.scan("knot", veiws=3), TypeError, "'views'"),
