@@ -6,6 +6,7 @@
 
 #include "soapfilm/context.h"
 #include "soapfilm/finish/rays.h"
+#include "soapfilm/fuse/vrip.h"
 #include "soapfilm/mesh.h"
 #include "soapfilm/refine/fit/robust_fit.h"
 #include "soapfilm/refine/refine.h"
