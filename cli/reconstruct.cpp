@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "cli/overwrite.h"
 #include "cli/parse.h"
 #include "cli/preview.h"
+#include "cli/proved_precision.h"
 #include "cli/read_cloud.h"
 #include "cli/reconstruct_options.h"
 #include "cli/standard_streams.h"
@@ -51,6 +53,28 @@ void refuse_unused(const CLI::App& app, const ReconstructParams& params) {
   only({"--weights"}, !params.energy.lambda, "a lambda that follows the samples");
 }
 
+/// TOL, TOLvox, auto or off.
+SimplifyParams simplify_params(const std::string& text, std::optional<size_t> triangles) {
+  SimplifyParams params;
+  params.triangles = triangles;
+  const std::string_view unit = "vox";
+  const bool in_voxels = text.size() > unit.size() && std::string_view(text).ends_with(unit);
+  if (text == "off") return params;
+  const std::string number = in_voxels ? text.substr(0, text.size() - unit.size()) : text;
+  const auto value = number_or_auto("simplify", number, "> 0, such as 0.002 or 0.05vox, or 'auto', 'off'");
+  if (!value && in_voxels)
+    throw ParameterError(fmt::format("simplify = {}, must be > 0, such as 0.002 or 0.05vox, or 'auto', 'off'", text));
+  params.automatic = !value;
+  (in_voxels ? params.tolerance_vox : params.tolerance) = value;
+  return params;
+}
+
+/// Of coordinates in the file; what is proved is proved of exact ones.
+double coordinate_precision(const ReconstructReport& report) {
+  const bool is_proved = report.simplify && report.simplify->triangles < report.simplify->triangles_before;
+  return is_proved ? proved_precision : 1e-3 * report.grid.voxel;
+}
+
 void finish_params(const CLI::App& app, ReconstructOptions& options) {
   ReconstructParams& params = options.params;
   if (!options.anchor.empty()) params.place.anchor = {options.anchor[0], options.anchor[1], options.anchor[2]};
@@ -72,6 +96,7 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
     params.trim.distance = number_or_auto("trim", options.trim, "> 0, or 'off'");
     params.trim.on = true;
   }
+  if (!options.simplify.empty()) params.simplify = simplify_params(options.simplify, params.simplify.triangles);
   refuse_unused(app, params);
   validate(params);
 }
@@ -175,7 +200,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
     progress.check();
     WriteOptions write;
     write.ascii = options.ascii;
-    write.coordinate_precision = 1e-3 * report.grid.voxel;
+    write.coordinate_precision = coordinate_precision(report);
     write.voxel = report.grid.voxel;
     write.up = report.params.orient.up.value_or(Axis::z);
     const WriteReport written = write_mesh(options.output, result.mesh, write, context);

@@ -188,6 +188,14 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
                          "or 3 times the samples' spacing; off\n(default: auto where the surface is open, else off)"))
       ->check(also({"auto", "off"}))
       ->option_text("DIST|auto|off");
+  surface(app.add_option("--simplify", o.simplify,
+                         "Fewer triangles, proved to lie within this distance of the full mesh, and\nit of them: in "
+                         "the input's units, in voxels as 0.05vox, auto or off"))
+      ->check(also({"auto", "off"}))
+      ->option_text("TOL|auto|off [off]");
+  surface(app.add_option("--triangles", p.simplify.triangles,
+                         "Instead: at most so many triangles, by the smallest distance that does"))
+      ->option_text("N");
   surface(app.add_flag("--trim-holes", p.trim.holes, "Of --trim: also holes that would stay filled"));
   surface(app.add_option("--fill-holes", p.trim.fill_holes,
                          "Of --trim, which this turns on: gaps in the samples at most so wide stay\nfilled, in the "

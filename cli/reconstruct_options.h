@@ -21,6 +21,7 @@ struct ReconstructOptions {
   std::string isovalue;
   std::string lambda;
   std::string trim;
+  std::string simplify;
   std::string levels_folder;
   std::vector<double> sensor;
   std::vector<double> anchor;

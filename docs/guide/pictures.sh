@@ -103,6 +103,13 @@ soapfilm reconstruct hole/samples.ply -o cut.ply --distance --trim auto
 soapfilm render hole/samples.ply hole.ply cut.ply -o trust.png --size 210x170 --up z --view 0.2,0.3,1 \
   --color-by distance --caption "samples" --caption "distance to the samples" --caption "--trim auto"
 
+# smaller.md
+soapfilm scan knot -o smaller --samples 80000
+soapfilm reconstruct smaller/samples.ply -o full.ply --resolution 160
+soapfilm simplify full.ply -o small.ply --tolerance 0.00034
+soapfilm render full.ply small.ply -o smaller.png --size 380x300 --view 0.3,-0.4,1 --zoom 0.2,0.15,0.75,0.7 \
+  --caption "full" --caption "a tenth of the triangles, within 0.05 voxel"
+
 # viewer.md and browser.md: need chromium, a build with the viewer beside the program, and `make web`
 soapfilm reconstruct hole/samples.ply -o hole.ply --report hole.report.json --distance --support --gap
 sh "$here/../../viewer/test/run.sh" "$program" "$(dirname "$program")/../viewer" . pictures.mjs

@@ -210,6 +210,14 @@ struct TrimParams {
   std::optional<double> fill_holes{};
 };
 
+/// A smaller mesh within a proved distance of the full one (simplify.h). At most one of them; none: the mesh stays.
+struct SimplifyParams {
+  std::optional<double> tolerance{};      ///< input units, > 0
+  std::optional<double> tolerance_vox{};  ///< voxels, > 0
+  bool automatic = false;                 ///< tolerance: 0.02 voxel, or a tenth of the estimated noise if larger
+  std::optional<size_t> triangles{};      ///< at most so many, by the smallest tolerance that does; >= 1
+};
+
 struct ReconstructParams {
   Method method = Method::tv;
   OrientParams orient;
@@ -225,7 +233,8 @@ struct ReconstructParams {
   SurfaceParams surface;
   ComponentParams components;
   RefineParams refine;
-  TrimParams trim;       ///< for all but Method::vrip, whose surface ends where nothing was seen
+  TrimParams trim;  ///< for all but Method::vrip, whose surface ends where nothing was seen
+  SimplifyParams simplify;
   bool checked = false;  ///< distances from samples to the mesh are computed next: plans their memory too
 };
 

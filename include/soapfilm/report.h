@@ -10,6 +10,7 @@
 
 #include "soapfilm/mesh.h"
 #include "soapfilm/params.h"
+#include "soapfilm/simplify.h"
 
 namespace SOAPFILM_API soapfilm {
 
@@ -170,6 +171,7 @@ struct ReconstructReport {
   std::optional<RefineReport> refine;         ///< if the surface was moved onto the samples
   std::optional<RelaxReport> relax;           ///< if edges were split
   std::optional<TrimReport> trim;             ///< if surface far from samples was searched for
+  std::optional<SimplifyReport> simplify;     ///< if the mesh was simplified
   double isovalue = 0;                        ///< of the smoothed indicator; 0 of the refined field
   size_t mesh_vertices = 0, mesh_triangles = 0;
   SelfCheckReport self_check;

@@ -18,8 +18,8 @@
 namespace soapfilm::test {
 namespace TEST_FILE {
 
-const std::vector<std::string> commands = {"reconstruct", "scan", "evaluate", "compare",
-                                           "measure",     "info", "render",   "view"};
+const std::vector<std::string> commands = {"reconstruct", "scan", "evaluate", "compare", "measure",
+                                           "simplify",    "info", "render",   "view"};
 
 /// The long options that a help page lists.
 std::set<std::string> options_of_help(const std::string& page) {
@@ -187,7 +187,7 @@ TEST(ManualPages, HaveEveryOptionOfTheHelpPages) {
 
 TEST(ManualPages, AreGoodRoff) {
   const TemporaryFolder folder;
-  for (std::string command : {"", "reconstruct", "scan", "evaluate", "info", "render", "view"}) {
+  for (std::string command : {"", "reconstruct", "scan", "evaluate", "simplify", "info", "render", "view"}) {
     const std::string file = folder.file("page.1");
     std::ofstream(file)
         << run(command.empty() ? std::vector<std::string>{"man"} : std::vector{std::string("man"), command}).out;

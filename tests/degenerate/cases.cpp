@@ -182,6 +182,11 @@ class Options {
     if (choose_.one_in(3)) add("--attributes", choose_.one_in(8) ? "none" : "all");
     to_.ascii = choose_.one_in(4);
     if (to_.ascii) add("--ascii");
+    constexpr const char* tolerances[] = {"auto", "0.05vox", "0.5vox", "3vox"};
+    if (choose_.one_in(4))
+      add("--simplify", choose_.one_in(6) ? power(-6, 3) : choose_.of(tolerances));
+    else
+      maybe(20, "--triangles", std::to_string(1 + choose_.below(2000)));
   }
 
   Chooser& choose_;

@@ -135,7 +135,10 @@ std::string scalar_mesh(const TemporaryFolder& folder, const DegenerateCase& one
   const Reconstruction result = reconstruct(cloud, params_from_json(read_file(folder.file("report.json"))), context);
   WriteOptions options;
   options.ascii = one.ascii;
-  options.coordinate_precision = 1e-3 * result.report.grid.voxel;
+  const auto& simplify = result.report.simplify;
+  options.coordinate_precision = simplify && simplify->triangles < simplify->triangles_before
+                                     ? std::numeric_limits<double>::min()
+                                     : 1e-3 * result.report.grid.voxel;
   write_mesh(folder.file("again-" + one.output), result.mesh, options, context);
   return read_file(folder.file("again-" + one.output));
 }

@@ -129,7 +129,7 @@ std::string lines_of(const TrimReport& trim) {
   } lines;
   const Context context(1, lines);
   Trace trace(context);
-  announce_trim(trim, trace);
+  announce_trim(trim, TrimParams{}, trace);
   return lines.all;
 }
 

@@ -134,9 +134,25 @@ def _set_option(groups: dict[str, dict[str, Any]], name: str, value: Any) -> Non
         value = None if isinstance(value, (bool, str)) and value in (True, False, "auto", "off") else value
         if isinstance(value, str):
             raise ParameterError(f"trim = {value!r}, must be a distance, 'auto' or 'off'")
+    elif name == "simplify":
+        if value is True or isinstance(value, str) and value == "auto":
+            into["automatic"], value = True, None
+        elif value is False or isinstance(value, str) and value == "off":
+            value = None
+        elif isinstance(value, str) and value.endswith("vox"):
+            into["tolerance_vox"], value = _number("simplify", value[:-3]), None
+        elif isinstance(value, str):
+            value = _number("simplify", value)
     elif name == "attributes" and isinstance(value, str):
         value = [] if value == "none" else value.split(",")
     into[key] = value
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ParameterError(f"{name} = {text!r}, must be a distance, such as '0.05vox', 'auto' or 'off'") from None
 
 
 def memory_limit(value: Any) -> int | None:

@@ -16,6 +16,7 @@ OPTIONS = {
     "min_support": "components.min_support", "smoothing": "refine.smoothing", "holes": "refine.holes",
     "split_tolerance": "surface.split_tolerance", "trim": "trim.distance", "trim_holes": "trim.holes",
     "fill_holes": "trim.fill_holes",
+    "simplify": "simplify.tolerance", "triangles": "simplify.triangles",
     "attributes": "surface.attributes", "distance": "surface.distance", "support": "surface.support",
     "gap": "surface.gap",
 }

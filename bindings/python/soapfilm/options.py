@@ -136,6 +136,13 @@ class Trim(TypedDict, total=False):
     fill_holes: Optional[float]
 
 
+class Simplify(TypedDict, total=False):
+    tolerance: Optional[float]
+    tolerance_vox: Optional[float]
+    automatic: bool
+    triangles: Optional[int]
+
+
 class Memory(TypedDict, total=False):
     checked: bool
 
@@ -173,6 +180,8 @@ class Options(TypedDict, total=False):
     trim: Union[float, Switch, Auto, Trim, None]
     trim_holes: Optional[Switch]
     fill_holes: Optional[float]
+    simplify: Union[float, str, Switch, Auto, Simplify, None]
+    triangles: Optional[int]
     attributes: Union[str, Sequence[str], None]
     distance: Optional[Switch]
     support: Optional[Switch]
@@ -246,5 +255,5 @@ class Scan(Shape, total=False):
 GROUPS: dict[str, Any] = {
     "solve": Solve, "orient": Orient, "place": Place, "energy": Energy, "border": Border,
     "cross_validation": CrossValidation, "sor": Sor, "poisson": Poisson, "graph_cut": GraphCut, "vrip": Vrip,
-    "surface": Surface, "components": Components, "refine": Refine, "trim": Trim, "memory": Memory,
+    "surface": Surface, "components": Components, "refine": Refine, "trim": Trim, "simplify": Simplify, "memory": Memory,
 }

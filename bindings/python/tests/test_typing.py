@@ -56,7 +56,7 @@ def test_types_are_the_librarys(group, key):
 
 def test_options_are_those_of_the_program():
     named = {name if name != "lambda_" else "lambda" for name in options.RunOptions.__annotations__}
-    assert named - set(options.GROUPS) == set(_params.OPTIONS) - {"refine", "trim", "memory"}
+    assert named - set(options.GROUPS) == set(_params.OPTIONS) - {"refine", "trim", "simplify", "memory"}
     assert set(options.GROUPS) <= named
     for name, key in _params.OPTIONS.items():
         group, of_group = key.split(".")

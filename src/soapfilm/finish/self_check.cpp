@@ -9,6 +9,7 @@
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/core/triangle_distance.h"
 #include "soapfilm/finish/nearest_sample.h"
 #include "soapfilm/finish/on_surface.h"
 
@@ -46,23 +47,6 @@ Picked picked_samples(const GridSamples& samples) {
   return picked;
 }
 
-/// Square of the distance of p to the triangle (Ericson 2005, Real-Time Collision Detection, section 5.1.5).
-double distance2(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
-  const auto to = [&](Vec3d q) { return dot(p - q, p - q); };
-  const Vec3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
-               d6 = dot(ac, cp);
-  if (d1 <= 0 && d2 <= 0) return to(a);
-  if (d3 >= 0 && d4 <= d3) return to(b);
-  if (d6 >= 0 && d5 <= d6) return to(c);
-  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return to(a + ab * (d1 / (d1 - d3)));
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return to(a + ac * (d2 / (d2 - d6)));
-  if (va <= 0 && d4 >= d3 && d5 >= d6) return to(b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))));
-  const double sum = va + vb + vc;
-  return to(a + ab * (vb / sum) + ac * (vc / sum));
-}
-
 /// Points, hashed by the cubes of 8 voxels within their reach: the points near a vertex or a triangle are in the lists
 /// of the cubes that it intersects. Cubes with equal hashes share a list: that only costs time.
 class Reached {
@@ -89,7 +73,7 @@ class Reached {
         const Vec3d p = places_[i];
         for (int axis = 0; axis < 3; ++axis)
           if (p[axis] < lo[axis] - reach_ || p[axis] > hi[axis] + reach_) return false;
-        return distance2(p, a, b, c) <= reach_ * reach_;
+        return squared_distance(p, a, b, c) <= reach_ * reach_;
       });
     });
   }

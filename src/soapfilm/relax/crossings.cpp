@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "soapfilm/core/gather.h"
+#include "soapfilm/core/half_spaces.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/radix_sort.h"
 #include "soapfilm/core/triangle_pair.h"
@@ -20,17 +21,7 @@ constexpr double slack = 1e-6;    // voxels, about boxes: far more than a step
 constexpr size_t triangles_per_task = 1 << 14;
 constexpr size_t bins_per_task = 64;
 
-constexpr uint32_t all_directions = (uint32_t{1} << 14) - 1;
 constexpr uint32_t unchanged = ~uint32_t{0};
-
-/// A bit for each of 14 directions (to a cube's faces and corners) whose half space holds the vector's tip.
-uint32_t directions_along(Vec3d n) {
-  const double sum = n.x + n.y, difference = n.x - n.y;
-  const double along[] = {n.x, n.y, n.z, sum + n.z, sum - n.z, difference + n.z, difference - n.z};
-  uint32_t bits = 0;
-  for (const double a : along) bits = bits << 2 | uint32_t{a > 0} << 1 | uint32_t{a < 0};
-  return bits;
-}
 
 }  // namespace
 
@@ -111,7 +102,7 @@ std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reac
   };
   constexpr auto order = std::memory_order_relaxed;
   parallel_for(context_, reach.size(), triangles_per_task, [&](size_t t) {
-    if (change_.changing[t]) for_slots(t, [&](auto slot) { slot.store(all_directions, order); });
+    if (change_.changing[t]) for_slots(t, [&](auto slot) { slot.store(all_half_spaces, order); });
   });
   parallel_for(context_, reach.size(), triangles_per_task, [&](size_t t) {
     uint32_t own = unchanged;  // not computed yet
@@ -130,7 +121,7 @@ std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reac
 /// of the old and the new triangle.
 uint32_t CrossingSearch::half_spaces_of(size_t triangle) const {
   const Triangle &old = change_.before[triangle], &t = change_.after[triangle];
-  const auto faced = [](const std::array<Vec3d, 3>& p) { return directions_along(cross(p[1] - p[0], p[2] - p[0])); };
+  const auto faced = [](const std::array<Vec3d, 3>& p) { return faced_half_spaces(cross(p[1] - p[0], p[2] - p[0])); };
   const auto at_start = [&](const Triangle& of) {
     return std::array<Vec3d, 3>{change_.start[of[0]], change_.start[of[1]], change_.start[of[2]]};
   };

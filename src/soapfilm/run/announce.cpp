@@ -220,6 +220,13 @@ std::string made_up_surface(const ReconstructReport& report) {
 
 }  // namespace
 
+void announce_simplification(const SimplifyReport& report, double voxel, Trace& trace) {
+  trace.info(fmt::format("simplified: {} of {} triangles ({:.2g} %), proved within {:.2g} voxel of the full mesh",
+                         report.triangles, report.triangles_before,
+                         100 * static_cast<double>(report.triangles) / static_cast<double>(report.triangles_before),
+                         report.proved / voxel));
+}
+
 void announce_self_check(const ReconstructReport& report, Trace& trace) {
   const SelfCheckReport& check = report.self_check;
   trace.info(

@@ -40,6 +40,9 @@ void announce_trim(const TrimReport& report, const TrimParams& params, Trace& tr
 /// Area and volume, what one voxel of offset changes, and what the holes leave open.
 void announce_measures(const ReconstructReport& report, Trace& trace);
 
+/// What is left of the triangles, and the distance that is proved.
+void announce_simplification(const SimplifyReport& report, double voxel, Trace& trace);
+
 /// The self-check; warns where more than 1 % of the samples are lost, and says the likely cause.
 void announce_self_check(const ReconstructReport& report, Trace& trace);
 

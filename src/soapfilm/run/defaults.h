@@ -21,4 +21,9 @@ inline bool trims(const ReconstructParams& params, bool ends) {
          params.trim.on.value_or(params.trim.distance || params.trim.fill_holes || ends);
 }
 
+/// Is the mesh simplified (simplify/)?
+inline bool simplifies(const SimplifyParams& params) {
+  return params.tolerance || params.tolerance_vox || params.automatic || params.triangles;
+}
+
 }  // namespace soapfilm

@@ -1,14 +1,20 @@
 #include "soapfilm/run/finish.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <utility>
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/error.h"
 #include "soapfilm/finish/measure_result.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/finish/vertex_evidence.h"
 #include "soapfilm/finish/vertex_gap.h"
 #include "soapfilm/run/announce.h"
+#include "soapfilm/run/defaults.h"
+#include "soapfilm/simplify.h"
 
 namespace soapfilm {
 
@@ -53,6 +59,23 @@ FillDifference fill_of(const ReconstructReport& report) {
   return {report.params.refine.holes == HoleFill::flat || !refine, refine ? refine->holes.gained : 0};
 }
 
+/// The tolerance in input units; none: the number of triangles decides.
+double tolerance_of(const SimplifyParams& params, double noise, double voxel) {
+  constexpr double least_vox = 0.02, of_noise = 0.1;
+  if (params.tolerance) return *params.tolerance;
+  return params.tolerance_vox ? *params.tolerance_vox * voxel : std::max(least_vox * voxel, of_noise * noise);
+}
+
+/// Of the mesh with all its attributes, which come along.
+SimplifyReport simplify_as_asked(Mesh& mesh, const ReconstructReport& report, double voxel, const Context& context) {
+  const SimplifyParams& params = report.params.simplify;
+  const double noise = report.refine ? report.refine->noise * voxel : report.input.noise;
+  Simplified result = params.triangles ? simplify_to(mesh, *params.triangles, context)
+                                       : simplify(mesh, tolerance_of(params, noise, voxel), context);
+  mesh = std::move(result.mesh);
+  return result.report;
+}
+
 }  // namespace
 
 Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& samples, const Lattice& lattice,
@@ -70,6 +93,16 @@ Reconstruction finish(Mesh mesh, ReconstructReport report, const GridSamples& sa
       if (distance) mesh.attributes.push_back({"distance", std::move(found.distance)});
       if (support) mesh.attributes.push_back({"support", std::move(found.support)});
     });
+  if (simplifies(report.params.simplify)) {
+    try {
+      trace.stage("simplify", [&] { report.simplify = simplify_as_asked(mesh, report, lattice.voxel, context); });
+      announce_simplification(*report.simplify, lattice.voxel, trace);
+    } catch (const ParameterError& error) {  // some methods' surfaces touch themselves
+      trace.warn(fmt::format("not simplified: {}", error.what()));
+    } catch (const MemoryError& error) {
+      trace.warn(fmt::format("not simplified: {}", error.what()));
+    }
+  }
   report.mesh_vertices = mesh.vertices.size();
   report.mesh_triangles = mesh.triangles.size();
   report.stages = trace.times();

@@ -15,6 +15,7 @@
 #include "soapfilm/refine/refine.h"
 #include "soapfilm/relax/relax.h"
 #include "soapfilm/run/defaults.h"
+#include "soapfilm/simplify/engine.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/poisson.h"
 #include "soapfilm/solve/sor.h"
@@ -157,9 +158,14 @@ MemoryPlan plan_tables(Method method, const Lattice& lattice) {
   return plan;
 }
 
-uint64_t mesh_bytes(uint64_t vertices, bool checked) {
+uint64_t mesh_bytes(uint64_t vertices, const ReconstructParams& params) {
   constexpr uint64_t checked_vertex_bytes = 470;  // measured: 423 to 518
-  return checked ? checked_vertex_bytes * vertices : relax_bytes(vertices);
+  constexpr double split_triangles = 2.6;         // of a vertex, once edges are split; 2 without
+  const uint64_t simplified =
+      simplifies(params.simplify)
+          ? simplify_bytes(static_cast<uint64_t>(split_triangles * static_cast<double>(vertices)))
+          : 0;
+  return std::max(params.checked ? checked_vertex_bytes * vertices : relax_bytes(vertices), simplified);
 }
 
 Room::Room(std::optional<uint64_t> limit, uint64_t held) : what(limit ? "--memory" : "free memory") {
@@ -206,7 +212,7 @@ double smallest_voxel(const PointCloud& cloud, double area, const ReconstructPar
     if (voxels2 > 1e12) return false;
     const auto bricks = static_cast<uint64_t>(voxels2 / area_per_brick);
     MemoryPlan plan = plan_memory(params, cloud, AfterPlacing::freed, lattice, {bricks});
-    plan.mesh_bytes = mesh_bytes(static_cast<uint64_t>(voxels2 / area_per_face), params.checked);
+    plan.mesh_bytes = mesh_bytes(static_cast<uint64_t>(voxels2 / area_per_face), params);
     return plan.total() <= room.bytes;
   };
   constexpr double step = 1.02, most_vertices = 1e5;
@@ -270,10 +276,10 @@ void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, 
   check();
 }
 
-void MemoryBudget::plan_mesh(const Labels& labels, bool checked, uint64_t faced_samples, const Context& context) {
+void MemoryBudget::plan_mesh(const Labels& labels, uint64_t faced_samples, const Context& context) {
   if (params_.method != Method::tv) return;
   constexpr uint64_t faced_bytes = 45;  // their places and a tree over them, and directions in addition to the views
-  plan_.mesh_bytes = mesh_bytes(count_faces(labels, context), checked) + faced_bytes * faced_samples;
+  plan_.mesh_bytes = mesh_bytes(count_faces(labels, context), params_) + faced_bytes * faced_samples;
   check();
 }
 

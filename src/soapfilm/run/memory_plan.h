@@ -69,8 +69,8 @@ uint64_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after);
 /// What placing the samples needs, whatever the grid: MemoryPlan::placing_bytes.
 uint64_t plan_placing(const PointCloud& cloud);
 
-/// The mesh and its relaxation or, where it is `checked`, the needs of check_result().
-uint64_t mesh_bytes(uint64_t vertices, bool checked);
+/// The mesh and its relaxation or, if they are more, its simplification or the needs of check_result().
+uint64_t mesh_bytes(uint64_t vertices, const ReconstructParams& params);
 
 /// The memory that a run may use: `limit` or, without one, the machine's free memory plus what this process `held` when
 /// the run began, which the plans count too. `what` names it in messages.
@@ -108,7 +108,7 @@ class MemoryBudget {
   PyramidObserver watch(PyramidObserver user, uint64_t data_bricks);
   /// Call once the surface is known. `checked`: check_result() will follow on this mesh. `faced_samples`:
   /// those that trimming asks on which side they look.
-  void plan_mesh(const Labels& labels, bool checked, uint64_t faced_samples, const Context& context);
+  void plan_mesh(const Labels& labels, uint64_t faced_samples, const Context& context);
   /// Call once the refinement's band is known.
   void plan_refinement(uint64_t rows, bool tries_coarser, uint64_t samples);
 

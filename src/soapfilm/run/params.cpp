@@ -105,6 +105,10 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("trim", "distance", p.trim.distance);
   visit("trim", "holes", p.trim.holes);
   visit("trim", "fill_holes", p.trim.fill_holes);
+  visit("simplify", "tolerance", p.simplify.tolerance);
+  visit("simplify", "tolerance_vox", p.simplify.tolerance_vox);
+  visit("simplify", "automatic", p.simplify.automatic);
+  visit("simplify", "triangles", p.simplify.triangles);
   visit("memory", "checked", p.checked);
 }
 
@@ -218,6 +222,18 @@ void require(bool holds, const char* name, double value, const char* constraint)
   if (!holds) throw ParameterError(fmt::format("{} = {:g}, must be {}", name, value, constraint));
 }
 
+void check(const SimplifyParams& simplify) {
+  if (simplify.tolerance) require(*simplify.tolerance > 0, "simplify tolerance", *simplify.tolerance, "> 0");
+  if (simplify.tolerance_vox)
+    require(*simplify.tolerance_vox > 0, "simplify tolerance_vox", *simplify.tolerance_vox, "> 0");
+  if (simplify.triangles)
+    require(*simplify.triangles >= 1, "simplify triangles", static_cast<double>(*simplify.triangles), ">= 1");
+  const int given = int{simplify.tolerance.has_value()} + int{simplify.tolerance_vox.has_value()} +
+                    int{simplify.automatic} + int{simplify.triangles.has_value()};
+  if (given > 1)
+    throw ParameterError("simplify: tolerance, tolerance_vox, automatic and triangles: only one of them may be given");
+}
+
 /// Parameters of a method that the chosen one does not have are an error.
 void refuse_contradictions(const ReconstructParams& params) {
   const char* method = name_of(params.method);
@@ -291,6 +307,7 @@ void validate(const ReconstructParams& params) {
   validate(params.components);
   validate(RefineSetup{params.refine});
   validate(params.trim);
+  check(params.simplify);
   validate(params.vrip.surface);
   const auto reach = [](double v) { return v > 0 && v <= 1000; };
   require(reach(params.vrip.front), "front", params.vrip.front, "> 0 and <= 1000");

@@ -92,7 +92,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // From here on only the side of each vertex counts.
   Labels labels = labels_of(std::move(found.level), static_cast<float>(params.surface.threshold), context);
   field = {};
-  memory.plan_mesh(labels, params.checked, grid.ends ? samples.size() : 0, context);
+  memory.plan_mesh(labels, grid.ends ? samples.size() : 0, context);
   if (border.chosen == Border::open) labels = closed_at_border(labels, context);
 
   // Components and cavities supported by too few samples are removed. (The certificate is of the solution with them.)

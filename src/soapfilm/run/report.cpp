@@ -173,6 +173,13 @@ ordered_json relax_json(const RelaxReport& r) {
   return {{"split_edges", r.split_edges}, {"triangles_before", r.triangles_before}};
 }
 
+ordered_json simplify_json(const SimplifyReport& r) {
+  return {{"triangles_before", r.triangles_before},
+          {"triangles", r.triangles},
+          {"tolerance", r.tolerance},
+          {"proved_distance", r.proved}};
+}
+
 ordered_json trim_json(const TrimReport& r) {
   return {{"distance", r.distance},         {"removed", r.removed},     {"filled", r.filled},
           {"removed_area", r.removed_area}, {"leftovers", r.leftovers}, {"unfaced", r.unfaced},
@@ -301,7 +308,8 @@ std::string to_json(const ReconstructReport& report) {
          report.components ? components_json(*report.components, report.params.components) : ordered_json(nullptr)},
         {"refine", report.details->refine ? refine_json(*report.details->refine) : ordered_json(nullptr)},
         {"relax", report.relax ? relax_json(*report.relax) : ordered_json(nullptr)},
-        {"trim", report.trim ? trim_json(*report.trim) : ordered_json(nullptr)}}},
+        {"trim", report.trim ? trim_json(*report.trim) : ordered_json(nullptr)},
+        {"simplify", report.simplify ? simplify_json(*report.simplify) : ordered_json(nullptr)}}},
       {"mesh", mesh_json(report)},
       {"self_check", self_check_json(report.self_check)},
       {"measures", measures_json(report.measure, report.grid.voxel)},

@@ -1,0 +1,73 @@
+// A mesh in the course of being simplified, beside the original: what collapses change, and how they are taken back.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/mesh.h"
+#include "soapfilm/simplify/connectivity.h"
+#include "soapfilm/simplify/quadric.h"
+#include "soapfilm/simplify/written.h"
+
+namespace soapfilm {
+
+/// The collapses of one tile. Their numbers, counted from `base`, are in no other log.
+struct CollapseLog {
+  struct Collapse {
+    uint32_t half_edge, kept;
+    Vec3d place;    ///< of `kept`, before
+    size_t stamps;  ///< where its part of `before` begins
+    bool undone = false;
+  };
+  struct Stamp {
+    uint32_t triangle, before;
+  };
+  uint32_t base = 0;
+  std::vector<Collapse> collapses;
+  std::vector<Stamp> before;  ///< the stamps of the triangles that a collapse changes, from before it
+};
+
+/// Positions are in the local frame of `written`. Each original vertex is owned by a triangle that is near it; each
+/// triangle has the number of the last collapse that changed it as a stamp, 0: none.
+struct CollapsedMesh {
+  static constexpr uint32_t none = Connectivity::none;
+
+  /// Throws ParameterError where the mesh is no 2-manifold.
+  CollapsedMesh(const Mesh& mesh, const Written& written_as);
+
+  const Written& written;
+  Connectivity was;                               ///< the original's triangles: faces
+  Connectivity mesh;                              ///< now
+  std::vector<Vec3d> original;                    ///< vertices
+  std::vector<Vec3d> position;                    ///< now
+  std::vector<Quadric> quadric;                   ///< by vertex
+  std::vector<uint32_t> version;                  ///< by vertex: changes with its place
+  std::vector<uint32_t> border;                   ///< by original border vertex: the next one; else none
+  std::vector<uint32_t> stamp;                    ///< by triangle
+  std::vector<uint32_t> first_owned, next_owned;  ///< lists of original vertices, by triangle
+  std::vector<uint32_t> owner;                    ///< the triangle in whose list an original vertex is
+  std::vector<CollapseLog> logs;                  ///< bases ascend
+  uint32_t next_stamp = 1;
+
+  Vec3d corner(uint32_t triangle, size_t k) const { return position[mesh.corners(triangle)[k]]; }
+  bool is_changed(uint32_t triangle) const { return stamp[triangle] != 0; }
+  void own(uint32_t triangle, uint32_t vertex) {
+    next_owned[vertex] = first_owned[triangle];
+    first_owned[triangle] = vertex;
+    owner[vertex] = triangle;
+  }
+
+  /// Takes back the collapse of that number and, before it, all later ones that depend on it. Appends the triangles
+  /// that are changed by it to `touched`.
+  void undo(uint32_t number, std::vector<uint32_t>& touched);
+
+  bool is_done(uint32_t number);
+
+  size_t count_alive() const;
+
+ private:
+  CollapseLog& log_of(uint32_t number);
+  void undo_one(const CollapseLog& log, size_t index, std::vector<uint32_t>& touched);
+};
+
+}  // namespace soapfilm

@@ -1,0 +1,91 @@
+// soapfilm simplify, and reconstruct --simplify: what they write, say and refuse.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "soapfilm/io.h"
+#include "support/process.h"
+#include "support/program.h"
+#include "tools/mesh/distance.h"
+#include "tools/mesh/self_intersection.h"
+
+namespace soapfilm {
+namespace TEST_FILE {
+
+using namespace test;
+
+double farthest(const Mesh& from, const Mesh& to) {
+  return point_to_mesh_distance(from.vertices, to, Context(1)).maximum;
+}
+
+TEST(SimplifyCommand, WritesFewerTrianglesWithinTheToleranceInEveryFormat) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run({"-q", "scan", "knot", "-o", folder.file("knot"), "--samples", "20000"}).exit_code, 0);
+  const std::string full = folder.file("full.ply");
+  ASSERT_EQ(run({"-q", "reconstruct", folder.file("knot/samples.ply"), "-o", full, "--resolution", "80"}).exit_code, 0);
+  const Mesh before = read_mesh(full);
+  for (const std::string extension : {"ply", "obj", "off", "stl", "glb"}) {
+    const std::string small = folder.file("small." + extension);
+    const ProcessResult result = run({"simplify", full, "-o", small, "--tolerance", "0.0006"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(result.err, "each mesh proved within 0.0006 of the other")) << result.err;
+    const Mesh after = read_mesh(small);
+    EXPECT_LT(after.triangles.size(), before.triangles.size() / 5) << extension;
+    EXPECT_TRUE(check_topology(after).watertight()) << extension;
+    EXPECT_EQ(check_topology(after).genus(), check_topology(before).genus()) << extension;
+    EXPECT_EQ(count_self_intersections(after, Context(1)), 0u) << extension;
+    EXPECT_LE(farthest(before, after), 0.0006) << extension;
+    EXPECT_LE(farthest(after, before), 0.0006) << extension;
+  }
+  const std::string few = folder.file("few.ply");
+  ASSERT_EQ(run({"-q", "simplify", full, "-o", few, "--triangles", "2000"}).exit_code, 0);
+  EXPECT_LE(read_mesh(few).triangles.size(), 2000u);
+}
+
+TEST(SimplifyCommand, IsAStageOfReconstruct) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run({"-q", "scan", "part", "-o", folder.file("part"), "--samples", "20000"}).exit_code, 0);
+  const auto report_of = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words{"-q", "reconstruct",        folder.file("part/samples.ply"),
+                                   "-o", folder.file("m.ply"), "--resolution",
+                                   "80", "--report",           folder.file("m.json")};
+    words.insert(words.end(), options.begin(), options.end());
+    const ProcessResult result = run(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    std::ifstream file(folder.file("m.json"));
+    return nlohmann::json::parse(file);
+  };
+  EXPECT_TRUE(report_of({})["surface"]["simplify"].is_null());
+  const auto report = report_of({"--simplify", "0.05vox", "--check"});
+  const auto& simplify = report["surface"]["simplify"];
+  EXPECT_EQ(simplify["triangles"], report["mesh"]["triangles"]);
+  EXPECT_LT(simplify["triangles"].get<double>(), 0.25 * simplify["triangles_before"].get<double>());
+  EXPECT_DOUBLE_EQ(simplify["tolerance"].get<double>(), 0.05 * report["grid"]["voxel"].get<double>());
+  EXPECT_LE(simplify["proved_distance"].get<double>(), simplify["tolerance"].get<double>());
+  EXPECT_TRUE(report["mesh"]["closed"].get<bool>() && report["mesh"]["manifold"].get<bool>());
+  EXPECT_EQ(report["mesh"]["genus"], 2);
+  EXPECT_TRUE(report["parameters"]["simplify"]["tolerance"].is_null());
+  EXPECT_LE(report_of({"--triangles", "3000"})["mesh"]["triangles"], 3000);
+  EXPECT_GE(report_of({"--simplify", "auto"})["surface"]["simplify"]["tolerance"].get<double>(),
+            0.02 * report["grid"]["voxel"].get<double>() * (1 - 1e-12));
+}
+
+TEST(SimplifyCommand, RefusesWhatItCannotDo) {
+  const TemporaryFolder folder;
+  const std::string fan = folder.file("fan.obj");
+  std::ofstream(fan) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 1 2 4\nf 2 1 5\n";
+  expect_refused({"-q", "simplify", fan, "-o", folder.file("s.ply"), "--tolerance", "0.1"},
+                 "edge 0-1 is in 3 triangles, must be a 2-manifold");
+  expect_refused({"-q", "simplify", fan, "-o", folder.file("s.ply")},
+                 "one of --tolerance and --triangles must be given");
+  expect_refused({"-q", "simplify", fan, "-o", folder.file("s.ply"), "--tolerance", "x"}, "tolerance = x");
+  expect_refused({"-q", "simplify", fan, "-o", fan, "--tolerance", "0.1"}, "fan.obj");
+  expect_refused({"reconstruct", fan, "--simplify", "0vox"}, "simplify tolerance_vox = 0, must be > 0");
+  expect_refused({"reconstruct", fan, "--simplify", "autovox"}, "simplify = autovox");
+  expect_refused({"reconstruct", fan, "--simplify", "0.1", "--triangles", "5"}, "only one of them may be given");
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm
