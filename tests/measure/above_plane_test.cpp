@@ -68,7 +68,8 @@ TEST(AbovePlane, WindowsSideBySideAddUp) {
   }
   EXPECT_NEAR(sum, all, 1e-12);
   const Mesh box = box_mesh({0, 0, 0}, {4, 4, 2});
-  EXPECT_NEAR(volume_at_plane(box, true, {{0, 0, 0.5}, {0, 0, 1}}, Window{1, 2, 7, 3}).above, 3 * 1 * 1.5, 1e-12);
+  for (const Vec3d at : {Vec3d{0, 0, 0.5}, Vec3d{3, -7, 0.5}})  // wherever on the plane its point is
+    EXPECT_NEAR(volume_at_plane(box, true, {at, {0, 0, 1}}, Window{1, 2, 7, 3}).above, 3 * 1 * 1.5, 1e-12);
 }
 
 TEST(AbovePlane, AnOpenSheetHasVolumesOnBothSidesWhicheverWayItLooks) {
@@ -80,6 +81,26 @@ TEST(AbovePlane, AnOpenSheetHasVolumesOnBothSidesWhicheverWayItLooks) {
     EXPECT_NEAR(v.below, 0.5 * 1 * 1 * 4, 1e-12);
     EXPECT_NEAR(v.footprint_above, 12, 1e-12);
     EXPECT_NEAR(v.footprint_below, 4, 1e-12);
+    EXPECT_TRUE(v.is_sheet);
+  }
+}
+
+TEST(AbovePlane, ABodyWithAHoleIsNoSheetWhereverTheHoleIs) {
+  const Mesh torus = make_torus()->tessellate(1e-3);
+  const Plane plane{{0, 0, 0}, {0, 0, 1}};
+  const VolumeAtPlane whole = volume_at_plane(torus, true, plane);
+  for (const double side : {-1.0, 1.0}) {  // a hole in the floor, one in the lid
+    Mesh holed = torus;
+    std::erase_if(holed.triangles, [&](const Triangle& t) {
+      const Vec3d v = torus.vertices[t[0]];
+      return v.x > 0.3 && std::abs(v.y) < 0.1 && side * v.z > 0.1;
+    });
+    ASSERT_LT(holed.triangles.size(), torus.triangles.size());
+    const VolumeAtPlane v = volume_at_plane(holed, false, plane);
+    EXPECT_FALSE(v.is_sheet);
+    EXPECT_GT(v.above, 0.8 * whole.above);
+    EXPECT_GT(v.below, 0.8 * whole.below);
+    EXPECT_LT(v.above + v.below, whole.above + whole.below);
   }
 }
 

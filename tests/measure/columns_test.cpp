@@ -96,6 +96,16 @@ TEST(Columns, ASolidOnASheetHasAVolumeAboveItAndNoCut) {
   EXPECT_THROW(volumes_between(ground, box, {}, Context(1)), ParameterError);
 }
 
+TEST(Columns, ASheetIsTheSameWhicheverWayItLooks) {
+  const Mesh now = relief(20, 10, [](double x, double y) { return heap(x, y, 2); });
+  const Mesh before = relief(20, 10, [](double, double) { return 0.1; });
+  const VolumesBetween up = volumes_between(now, before, {.cell = 0.1}, Context(1));
+  const VolumesBetween down = volumes_between(flipped(now), flipped(before), {.cell = 0.1}, Context(1));
+  EXPECT_GT(up.fill.value, 10);
+  EXPECT_EQ(down.fill.value, up.fill.value);
+  EXPECT_EQ(down.cut->value, up.cut->value);
+}
+
 TEST(Columns, WhereOneSheetHasAHoleNothingIsSaid) {
   const Mesh whole = relief(10, 10, [](double, double) { return 1; });
   Mesh holed = relief(10, 10, [](double, double) { return 0; });

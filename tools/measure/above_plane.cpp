@@ -1,14 +1,19 @@
 #include "tools/measure/above_plane.h"
 
-#include <array>
+#include <cmath>
+#include <utility>
 
 namespace soapfilm {
 
 namespace {
 
+/// Share of a surface's projected area that is left when up and down cancel: more, and it looks to one side mostly.
+constexpr double least_of_sheet = 0.5;
+
 /// Projected area and volume under a polygon, signed by the side that it shows to the normal.
 struct Share {
   double area = 0, volume = 0;
+  double unsigned_area = 0;
 };
 
 Share share_of(const Polygon& polygon, const Plane& plane) {
@@ -17,6 +22,7 @@ Share share_of(const Polygon& polygon, const Plane& plane) {
     const Vec3d a = polygon[0], b = polygon[i - 1], c = polygon[i];
     const double area = 0.5 * dot(plane.normal, cross(b - a, c - a));
     share.area += area;
+    share.unsigned_area += std::abs(area);
     share.volume += area * (dot(plane.normal, a) + dot(plane.normal, b) + dot(plane.normal, c)) / 3;
   }
   return share;
@@ -45,12 +51,14 @@ VolumeAtPlane volume_at_plane(const Mesh& mesh, bool closed, const Plane& plane,
     if (local) polygon = within(std::move(polygon), *local);
     const Share up = share_of(clipped(polygon, [&](Vec3d p) { return here.height(p); }), here);
     const Share down = share_of(clipped(polygon, [&](Vec3d p) { return -here.height(p); }), here);
-    above.area += up.area, above.volume += up.volume;
-    below.area += down.area, below.volume += down.volume;
+    above.area += up.area, above.volume += up.volume, above.unsigned_area += up.unsigned_area;
+    below.area += down.area, below.volume += down.volume, below.unsigned_area += down.unsigned_area;
   }
-  if (closed) return {above.volume, below.volume, above.area, below.area};
-  const double side = above.area + below.area < 0 ? -1 : 1;
-  return {side * above.volume, -side * below.volume, side * above.area, side * below.area};
+  const double area = above.area + below.area, unsigned_area = above.unsigned_area + below.unsigned_area;
+  const bool sheet = !closed && std::abs(area) > least_of_sheet * unsigned_area;
+  if (!sheet) return {above.volume, below.volume, above.area, below.area, false};
+  const double side = area < 0 ? -1 : 1;
+  return {side * above.volume, -side * below.volume, side * above.area, side * below.area, true};
 }
 
 }  // namespace soapfilm

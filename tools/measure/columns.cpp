@@ -187,11 +187,16 @@ Estimated estimated(const std::array<double, 2>& halves, double column_area) {
   return {(halves[0] + halves[1]) * column_area, std::abs(halves[0] - halves[1]) * column_area};
 }
 
+/// Of its area seen from above, what looks down outweighs the rest: a sheet that is turned over. A body with holes,
+/// where both are about the same, is none.
 bool mostly_looks_down(const Mesh& mesh) {
-  double up = 0;
-  for (const Triangle& t : mesh.triangles)
-    up += cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]).z;
-  return up < 0;
+  constexpr double least_of_sheet = 0.5;
+  double up = 0, all = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const double area = cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]).z;
+    up += area, all += std::abs(area);
+  }
+  return up < -least_of_sheet * all;
 }
 
 }  // namespace

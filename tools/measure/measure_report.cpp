@@ -43,7 +43,8 @@ std::string plane_rows(const MeasureSubject& subject, const Measures& m) {
   const VolumeAtPlane& v = *m.at_plane;
   const auto side = [&](double volume, double footprint) {
     std::string text = with_unit(volume, subject.unit, 3);
-    if (!m.volume) text += fmt::format(", over an area of {}", with_unit(footprint, subject.unit, 2));
+    if (v.is_sheet) text += fmt::format(", over an area of {}", with_unit(footprint, subject.unit, 2));
+    if (!v.is_sheet && !m.volume) text += ", without what is missing at its holes";
     return text;
   };
   const std::string plane = plane_name(*subject.options.above);
@@ -155,6 +156,7 @@ ordered_json measure_json(const MeasureSubject& subject, const Measures& m) {
     json["at_plane"] = {{"plane", plane_json(*subject.options.above)},
                         {"above", m.at_plane->above},
                         {"below", m.at_plane->below},
+                        {"sheet", m.at_plane->is_sheet},
                         {"footprint_above", m.at_plane->footprint_above},
                         {"footprint_below", m.at_plane->footprint_below}};
   if (m.above_mesh) json["above_mesh"] = between_json(subject.base, *m.above_mesh);
