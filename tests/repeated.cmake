@@ -9,7 +9,10 @@ function(repeated test)
   set(REPEATED "${REPEATED}" PARENT_SCOPE)
 endfunction()
 
-# Whole tests, of which these run the same code: tests of each command; Scan.TheSameBytesForAnyNumberOfThreads and
+# Whole tests, of which these run the same code: tests of each command; CoarseToFine.EmptyCoarseLevelsShowWhereToStart
+# and ALevelEndsWhenItsLabelsHaveSettled; PrimalDual.EstimatesUntilTheGapIsAboutTheTolerance; the other MemoryPlan tests
+# (and what a run takes beside its plan is not what it takes with a sanitizer); Contexts.ALimitAndACancelledRun...; the
+# readers' and writers' own tests; Scan.TheSameBytesForAnyNumberOfThreads and
 # Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads; Reconstruct.GeoreferencedInputLosesNothing;
 # CoarseToFine.EmptyCoarseLevelsShowWhereToStart; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall,
 # of the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads.
@@ -25,6 +28,12 @@ list(APPEND REPEATED
   EvaluateCommand.TheSameBytesForAnyNumberOfThreads
   Reconstruct.TheSameBytesForAnyNumberOfThreads
   Georeferenced.CoordinatesLoseNothing
+  CoarseToFine.CoarseLevelsOfAnOpenSurfaceTakeABoundedShareOfTheWork
+  PrimalDual.EstimatesPredictALargeLevelsGap
+  MemoryPlan.OfTwoFarBallsIsThatOfTwoNearOnes
+  MemoryPlan.OfACloudWithOneFarSampleIsThatOfTheRest
+  Contexts.RunsOnThreadsOfTheirOwnGiveWhatEachGivesAlone
+  FormatsAgree.OnMeshAndColors
   Plate.OfThreeVoxelsStaysWholeThoughCoarseLevelsLoseIt
   Units.MillimetersOrMetersGiveTheSameSurfaceButForTies)
 
@@ -69,6 +78,7 @@ foreach(neighbors 6 26)
 endforeach()
 
 repeated(Shares/Labeling.IsThatOfAFlood 10 97)
+repeated(Threads/EverySecondVertex.HasTheIndicatorOfTheFinerGrid 1)
 repeated(Shapes/BandAndWholeGrid.HaveTheSameSolution sphere1 sphere7 torus2 part3 part4 knot5 knot9 sheets6)
 foreach(law DualBoundIsTheOneOfTheWholeGrid EnergiesAreThoseOfTheWholeGrid DualIsFeasibleOnTheWholeGrid
     CertifiedBoundHoldsForTheRescaledDual DataLeftOutCostNoMoreThanIsAllowed)

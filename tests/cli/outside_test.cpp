@@ -10,6 +10,7 @@
 #include "soapfilm/core/random.h"
 #include "soapfilm/io.h"
 #include "soapfilm/mesh/topology.h"
+#include "support/sanitized.h"
 #include "tools/scanner/mesh_surface.h"
 #include "tools/scanner/sample_surface.h"
 #include "tools/scanner/scene.h"
@@ -133,7 +134,7 @@ TEST_F(Outside, SolidMatterTurnsTheGuessAtBarePoints) {
 
 /// As if its normals were right, but for one warning.
 TEST_F(Outside, ReversedNormalsOfABodyAreTurnedOver) {
-  for (const char* shape : {"torus", "knot", "arch"}) {
+  for (const char* shape : sanitized ? std::vector{"torus"} : std::vector{"torus", "knot", "arch"}) {
     PointCloud body = sample_surface(*make_shape(shape), 3 * samples, 1);
     const std::string cloud = folder.file("body.ply");
     write_points(cloud, body);
@@ -154,7 +155,7 @@ TEST_F(Outside, ReversedNormalsOfABodyAreTurnedOver) {
 TEST_F(Outside, WhatIsARoomStaysOne) {
   PointCloud room = sample_surface(MeshSurface(make_room().mesh, Context(1), Faces::as_given), 5 * samples, 1);
   const std::string cloud = folder.file("room.ply");
-  for (const double angle : {0.0, 0.6}) {
+  for (const double angle : sanitized ? std::vector{0.6} : std::vector{0.0, 0.6}) {
     PointCloud turned = room;
     const auto turn = [&](auto v) {
       const Vec3d p(v);

@@ -110,7 +110,7 @@ TEST(Scan, TheSameBytesForAnyNumberOfThreads) {
   const TemporaryFolder folder;
   for (const char* threads : {"1", "3"}) {
     const auto out = folder.file(threads);
-    ASSERT_EQ(scan({"knot", "-o", out, "--views", "2", "--image", "50x50", "--noise", "0.5%", "--outliers", "0.1",
+    ASSERT_EQ(scan({"torus", "-o", out, "--views", "2", "--image", "50x50", "--noise", "0.5%", "--outliers", "0.1",
                     "--drop-out", "0.1", "--misalignment", "1%", "--misalignment-angle", "1", "--threads", threads})
                   .exit_code,
               0);

@@ -12,6 +12,7 @@
 #include "soapfilm/io.h"
 #include "soapfilm/reconstruct.h"
 #include "support/process.h"
+#include "support/sanitized.h"
 
 // Of AddressSanitizer; absent without it.
 extern "C" __attribute__((weak)) void __sanitizer_set_death_callback(void (*callback)());
@@ -170,7 +171,7 @@ int try_case(const DegenerateCase& one) {
 
 size_t cases() {
   const char* full = std::getenv("SOAPFILM_FULL");
-  return full != nullptr && std::string(full) == "1" ? 100000 : 2000;
+  return full != nullptr && std::string(full) == "1" ? 100000 : sanitized ? 1000 : 2000;
 }
 
 class Degenerate : public testing::TestWithParam<size_t> {};
