@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/shuffled.h"
 #include "tools/scanner/sample_surface.h"
 #include "tools/scanner/shape.h"
 
@@ -58,6 +59,20 @@ TEST(Surroundings, TheNearestWordOnTheScannerCounts) {
   EXPECT_TRUE(measure_surroundings(cloud, Vec3d{4, 0, 0}, one_thread).stand_among_samples());
   cloud.sensors.assign(cloud.size(), Vec3d{0, 4, 0});
   EXPECT_FALSE(measure_surroundings(cloud, Vec3d{4, 0, 0}, one_thread).stand_among_samples());
+}
+
+TEST(Surroundings, DoNotDependOnTheOrderOfTheSamples) {
+  PointCloud cloud = sample_surface(*make_shape("knot"), 120000, 1);
+  for (size_t i = 0; i < cloud.size(); ++i) cloud.sensors.push_back(cloud.positions[i / 300 * 300] * 0.8);
+  const Surroundings around = measure_surroundings(cloud, {}, one_thread);
+  EXPECT_EQ(around.scanners, 16u);
+  EXPECT_GT(around.among, 0u);
+  for (uint64_t seed = 1; seed < 3; ++seed) {
+    const Surroundings other = measure_surroundings(test::shuffled(cloud, seed), {}, one_thread);
+    EXPECT_EQ(other.scanners, around.scanners);
+    EXPECT_EQ(other.among, around.among);
+    EXPECT_EQ(other.covered, around.covered);
+  }
 }
 
 TEST(Surroundings, OutliersDoNotCoverTheSky) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "soapfilm/core/random.h"
+#include "support/shuffled.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -153,6 +154,14 @@ TEST(Noise, IsTheSameForAnyNumberOfThreads) {
   const double one = noise_of(points, 1);
   EXPECT_GT(one, 0);
   for (const int threads : {2, 3}) EXPECT_EQ(noise_of(points, threads), one);
+}
+
+TEST(Noise, DoesNotDependOnTheOrderOfTheSamples) {
+  for (const Surface& surface : surfaces()) {
+    const std::vector<Vec3d> points = sampled(surface, 3 * samples, 0.5 * spacing_of(surface, samples));
+    for (uint64_t seed = 1; seed < 3; ++seed)
+      EXPECT_EQ(noise_of(test::in_order(points, test::random_order(points.size(), seed))), noise_of(points));
+  }
 }
 
 }  // namespace TEST_FILE

@@ -60,13 +60,18 @@ TEST(Rays, GoToTheScannerOfTheSampleItsScanOrTheOneForAll) {
   cloud.positions = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}};
   cloud.scans = {{"a", 0, 1, Vec3d{0, 0, 9}, {}, {}}, {"b", 1, 3, {}, {}, {}}};
   const Lattice lattice = lattice_of_voxels();
-  EXPECT_EQ(some_rays(cloud, {}, lattice).size(), 1u);
-  EXPECT_EQ(some_rays(cloud, Vec3d{5, 5, 5}, lattice).size(), 3u);
+  EXPECT_EQ(some_rays(cloud, {}, lattice, Context(1)).size(), 1u);
+  EXPECT_EQ(some_rays(cloud, Vec3d{5, 5, 5}, lattice, Context(1)).size(), 3u);
   cloud.sensors.assign(3, Vec3d{7, 7, 7});
-  const std::vector<Ray> rays = some_rays(cloud, {}, lattice);
+  const std::vector<Ray> rays = some_rays(cloud, {}, lattice, Context(1));
   ASSERT_EQ(rays.size(), 3u);
-  const Vec3d way = Vec3d(rays[0].scanner) - Vec3d(rays[0].sample);
-  EXPECT_NEAR(norm(way - Vec3d{6, 6, 6}), 0, 1e-4);
+  double sum = 0;
+  for (const Ray& ray : rays) {
+    const Vec3d way = Vec3d(ray.scanner) - Vec3d(ray.sample);
+    EXPECT_NEAR(norm(cross(way, Vec3d{1, 1, 1})), 0, 1e-4);
+    sum += way.x;
+  }
+  EXPECT_NEAR(sum, 6 + 5 + 4, 1e-4);
 }
 
 }  // namespace TEST_FILE

@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/scanner_places.h"
+#include "soapfilm/core/some_by_place.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm {
 
 namespace {
 
-constexpr size_t most_scanners = 16, most_samples = 50000;
+constexpr size_t most_scanners = 16, most_looked_at = 50000;
 /// Directions are counted by the cells of a cube around the scanner, 11 degrees wide in the middle of its faces.
 constexpr int cells_per_edge = 8;
 constexpr size_t cells = 6 * cells_per_edge * cells_per_edge;
@@ -21,24 +24,7 @@ constexpr double least_share = 0.02;
 /// A scanner stands among the samples if at least this share of them lies beyond it, in every direction.
 constexpr double least_beyond = 0.005;
 
-/// Different places, from samples evenly spread over the cloud.
-std::vector<Vec3d> places_of_scanners(const PointCloud& cloud, const std::optional<Vec3d>& sensor) {
-  std::vector<Vec3d> places;
-  for (size_t k = 0; k < most_scanners; ++k) {
-    const size_t i = (2 * k + 1) * cloud.size() / (2 * most_scanners);
-    const auto scan =
-        std::find_if(cloud.scans.begin(), cloud.scans.end(), [&](const Scan& s) { return s.begin <= i && i < s.end; });
-    std::optional<Vec3d> place = sensor;
-    if (!cloud.sensors.empty() && is_finite(cloud.sensors[i]))
-      place = cloud.sensors[i];
-    else if (scan != cloud.scans.end() && scan->sensor)
-      place = scan->sensor;
-    if (place && std::find(places.begin(), places.end(), *place) == places.end()) places.push_back(*place);
-  }
-  return places;
-}
-
-size_t cell_of(Vec3d direction) {
+size_t direction_cell(Vec3d direction) {
   const std::array<double, 3> d = {direction.x, direction.y, direction.z};
   size_t axis = 0;
   for (size_t a = 1; a < 3; ++a)
@@ -57,17 +43,16 @@ struct View {
   double covered = 0;
 };
 
-View look_from(Vec3d place, const PointCloud& cloud) {
+View look_from(Vec3d place, std::span<const Vec3d> samples) {
   constexpr int ways = 26;  // along axes and diagonals
   std::array<size_t, ways> beyond{};
   std::array<size_t, cells> seen{};
   size_t looked = 0;
-  const size_t step = (cloud.size() + most_samples - 1) / most_samples;
-  for (size_t i = 0; i < cloud.size(); i += step) {
-    const Vec3d d = cloud.positions[i] - place;
+  for (const Vec3d& sample : samples) {
+    const Vec3d d = sample - place;
     if (d == Vec3d{}) continue;
     ++looked;
-    ++seen[cell_of(d)];
+    ++seen[direction_cell(d)];
     size_t way = 0;
     for (int code = 0; code < ways + 1; ++code) {
       if (code == ways / 2) continue;  // not a direction
@@ -85,9 +70,14 @@ View look_from(Vec3d place, const PointCloud& cloud) {
 }  // namespace
 
 Surroundings measure_surroundings(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Context& context) {
-  const std::vector<Vec3d> places = places_of_scanners(cloud, sensor);
+  const std::vector<Vec3d> places = some_scanners(cloud, sensor, most_scanners);
+  if (places.empty()) return {};
+  std::vector<Vec3d> samples;
+  for (const uint32_t i : some_by_place(cloud.box(context), cloud.size(), most_looked_at, context,
+                                        [&](size_t k) { return cloud.positions[k]; }))
+    samples.push_back(cloud.positions[i]);
   std::vector<View> views(places.size());
-  parallel_for(context, places.size(), 1, [&](size_t k) { views[k] = look_from(places[k], cloud); });
+  parallel_for(context, places.size(), 1, [&](size_t k) { views[k] = look_from(places[k], samples); });
   Surroundings around;
   around.scanners = places.size();
   for (const View& view : views) {

@@ -25,7 +25,7 @@ struct Surroundings {
   }
 };
 
-/// Evaluates some of the scanners' positions, and from each some of the samples, both evenly spread over the cloud.
+/// Evaluates some of the scanners' positions, and from each some of the samples, both chosen by where they are.
 /// `sensor` is the position for scans without one.
 Surroundings measure_surroundings(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Context& context);
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/core/random.h"
+#include "soapfilm/core/some_by_place.h"
 
 namespace soapfilm {
 
@@ -20,14 +20,6 @@ constexpr float across = 0.9f;    // sine of the angle to the first axis, of can
 constexpr double of_a_room = 0.5;
 
 using Axes = std::array<Vec3f, 3>;
-
-/// At most so many, one from each of as many stretches of the same length.
-std::vector<Vec3f> some_of(std::span<const Vec3f> all, size_t most) {
-  const size_t step = (all.size() + most - 1) / most;
-  std::vector<Vec3f> some;
-  for (size_t k = 0; k * step < all.size(); ++k) some.push_back(all[one_of_stretch(k, step, all.size())]);
-  return some;
-}
 
 /// The sum of the lengths of the directions along one of the axes.
 double length_along(const Axes& axes, const std::vector<Vec3f>& directions) {
@@ -53,12 +45,18 @@ size_t best_of(const std::vector<Vec3f>& candidates, const std::vector<Vec3f>& d
 
 }  // namespace
 
-double share_along_axes(std::span<const Vec3f> directions, const Context& context) {
-  const std::vector<Vec3f> some = some_of(directions, most_directions);
+double share_along_axes(std::span<const Vec3d> places, std::span<const Vec3f> directions, const Context& context) {
+  Box3d box;
+  for (const Vec3d& place : places) box.extend(place);
+  std::vector<Vec3f> some;
+  for (const uint32_t i :
+       some_by_place(box, directions.size(), most_directions, context, [&](size_t k) { return places[k]; }))
+    some.push_back(directions[i]);
   double all = 0;
   for (const Vec3f& d : some) all += double{norm(d)};
   if (!(all > 0)) return 0;
-  std::vector<Vec3f> candidates = some_of(some, most_candidates);
+  std::vector<Vec3f> candidates(some.begin(),
+                                some.begin() + std::min<std::ptrdiff_t>(std::ssize(some), most_candidates));
   for (Vec3f& c : candidates) c = normalized(c);
   std::vector<double> sums;
   const Vec3f first = candidates[best_of(candidates, some, context, sums, [](Vec3f c) { return Axes{c, {}, {}}; })];
@@ -70,8 +68,8 @@ double share_along_axes(std::span<const Vec3f> directions, const Context& contex
   return *std::max_element(sums.begin(), sums.end()) / all;
 }
 
-bool look_along_walls(std::span<const Vec3f> directions, const Context& context) {
-  return share_along_axes(directions, context) >= of_a_room;
+bool look_along_walls(std::span<const Vec3d> places, std::span<const Vec3f> directions, const Context& context) {
+  return share_along_axes(places, directions, context) >= of_a_room;
 }
 
 }  // namespace soapfilm

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <tuple>
 
+#include "soapfilm/core/scanner_places.h"
+
 namespace soapfilm {
 
 namespace {
 
-constexpr size_t enough = 64;
+constexpr size_t most_scanners = 64;
 
 class Air {
  public:
@@ -33,25 +35,9 @@ class Air {
 }  // namespace
 
 std::vector<Vec3d> scanner_positions(const PointCloud& cloud, const std::optional<Vec3d>& sensor) {
-  std::vector<Vec3d> positions;
-  const auto add = [&](const Vec3d& p) {
-    if (is_finite(p)) positions.push_back(p);
-  };
-  const auto add_some = [&](size_t count, auto&& position) {
-    const size_t step = count / enough + 1;
-    for (size_t i = 0; i < count; i += step) position(i);
-  };
-  if (cloud.sensors.empty()) {
-    add_some(cloud.scans.size(), [&](size_t k) {
-      if (const auto& own = cloud.scans[k].sensor ? cloud.scans[k].sensor : sensor) add(*own);
-    });
-    if (cloud.scans.empty() && sensor) add(*sensor);
-  } else {
-    add_some(cloud.size(), [&](size_t i) { add(cloud.sensors[i]); });
-  }
+  std::vector<Vec3d> positions = some_scanners(cloud, sensor, most_scanners);
   const auto order = [](const Vec3d& p) { return std::tie(p.x, p.y, p.z); };
   std::sort(positions.begin(), positions.end(), [&](const Vec3d& a, const Vec3d& b) { return order(a) < order(b); });
-  positions.erase(std::unique(positions.begin(), positions.end()), positions.end());
   return positions;
 }
 

@@ -11,8 +11,8 @@
 
 namespace soapfilm {
 
-/// Different positions of scanners, at most about 64 of them: of scans (`sensor` for those without a position) and of
-/// samples.
+/// Different positions of scanners, at most 64 of them: of samples, and of scans (`sensor` for those without a
+/// position).
 std::vector<Vec3d> scanner_positions(const PointCloud& cloud, const std::optional<Vec3d>& sensor);
 
 /// Evaluates the vertex nearest to each position (lattice coordinates). `complement`: the inside is air, and

@@ -8,8 +8,8 @@
 
 #include "soapfilm/core/kd_tree.h"
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/core/random.h"
 #include "soapfilm/core/rounded.h"
+#include "soapfilm/core/some_by_place.h"
 
 namespace soapfilm {
 
@@ -23,7 +23,7 @@ constexpr double least_wide = 0.15;              // middle over largest variance
 constexpr size_t asked_per_task = 32;
 
 struct Points {
-  std::vector<Vec3d> places;     ///< relative to the first sample
+  std::vector<Vec3d> places;     ///< relative to the first of them
   std::vector<Vec3f> direction;  ///< zero: unknown
   size_t size() const { return places.size(); }
   void add(Vec3d place, Vec3f towards) {
@@ -32,14 +32,14 @@ struct Points {
   }
 };
 
-/// Evenly spread over the order of the positions.
-Points some_of(std::span<const Vec3d> positions, std::span<const Vec3f> directions) {
-  const size_t stretch = (positions.size() + most_searched - 1) / most_searched;
+/// Chosen by their places, in an order that is as good as a random one.
+Points some_of(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Context& context) {
+  Box3d box;
+  for (const Vec3d& position : positions) box.extend(position);
+  const auto chosen =
+      some_by_place(box, positions.size(), most_searched, context, [&](size_t i) { return positions[i]; });
   Points some;
-  for (size_t k = 0; k * stretch < positions.size(); ++k) {
-    const size_t i = one_of_stretch(k, stretch, positions.size());
-    some.add(positions[i] - positions[0], directions[i]);
-  }
+  for (const uint32_t i : chosen) some.add(positions[i] - positions[chosen[0]], directions[i]);
   return some;
 }
 
@@ -106,10 +106,10 @@ Layer look_around(const Points& points, const KdTree& tree, Vec3d center, Vec3f 
   return {};
 }
 
-/// Every so manieth point.
-Points thinned(const Points& points) {
+/// The first of them. (Every so manieth would be others if one changed its place in the order.)
+Points first_of(const Points& points, size_t count) {
   Points some;
-  for (size_t k = 0; k < points.size(); k += thinned_by) some.add(points.places[k], points.direction[k]);
+  for (size_t k = 0; k < std::min(count, points.size()); ++k) some.add(points.places[k], points.direction[k]);
   return some;
 }
 
@@ -118,12 +118,11 @@ Points thinned(const Points& points) {
 double measure_noise(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Context& context) {
   constexpr double enough = 0.3;  // of those asked
   if (positions.size() < 2 * most_near) return 0;
-  Points points = some_of(positions, directions), asked;
-  for (size_t k = 0, step = (points.size() + most_asked - 1) / most_asked; k < points.size(); k += step)
-    asked.add(points.places[k], points.direction[k]);
+  Points points = some_of(positions, directions, context);
+  const Points asked = first_of(points, most_asked);
   std::vector<Layer> found(asked.size());
   for (size_t thinning = 0; thinning <= thinnings && points.size() >= 2 * most_near; ++thinning) {
-    if (thinning > 0) points = thinned(points);
+    if (thinning > 0) points = first_of(points, points.size() / thinned_by);
     const KdTree tree(points.places);
     parallel_chunks(context, asked.size(), asked_per_task, [&](size_t begin, size_t end) {
       context.check();

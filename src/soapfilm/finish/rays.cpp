@@ -7,7 +7,8 @@
 #include <unordered_map>
 
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/core/random.h"
+#include "soapfilm/core/scanner_places.h"
+#include "soapfilm/core/some_by_place.h"
 #include "soapfilm/grid/lattice.h"
 
 namespace soapfilm {
@@ -124,19 +125,13 @@ class MadeUp {
 
 }  // namespace
 
-std::vector<Ray> some_rays(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Lattice& lattice) {
+std::vector<Ray> some_rays(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Lattice& lattice,
+                           const Context& context) {
   std::vector<Ray> rays;
-  const size_t stretch = (cloud.size() + most_rays - 1) / most_rays;
-  size_t scan = 0;
-  for (size_t k = 0; k * stretch < cloud.size(); ++k) {
-    const size_t i = one_of_stretch(k, stretch, cloud.size());
-    while (scan < cloud.scans.size() && cloud.scans[scan].end <= i) ++scan;
-    std::optional<Vec3d> place = sensor;
-    if (scan < cloud.scans.size() && cloud.scans[scan].begin <= i && cloud.scans[scan].sensor)
-      place = cloud.scans[scan].sensor;
-    if (!cloud.sensors.empty() && is_finite(cloud.sensors[i])) place = cloud.sensors[i];
-    if (place) rays.push_back({Vec3f(lattice.to_lattice(cloud.positions[i])), Vec3f(lattice.to_lattice(*place))});
-  }
+  for (const uint32_t i : some_by_place(cloud.box(context), cloud.size(), most_rays, context,
+                                        [&](size_t k) { return cloud.positions[k]; }))
+    if (const auto place = scanner_of(cloud, i, sensor))
+      rays.push_back({Vec3f(lattice.to_lattice(cloud.positions[i])), Vec3f(lattice.to_lattice(*place))});
   return rays;
 }
 

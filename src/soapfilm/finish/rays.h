@@ -20,7 +20,8 @@ struct Ray {
 
 /// Rays of at most some 200,000 samples, evenly spread over the cloud, as far as their scanners are known; `sensor`: of
 /// scans that have none.
-std::vector<Ray> some_rays(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Lattice& lattice);
+std::vector<Ray> some_rays(const PointCloud& cloud, const std::optional<Vec3d>& sensor, const Lattice& lattice,
+                           const Context& context);
 
 /// For each vertex how many rays cross a triangle whose first corner it is, of the triangles that are made up
 /// altogether: `level` > 1 at each corner (TrimLevels). A ray's first three voxels do not count: that is noise. Does

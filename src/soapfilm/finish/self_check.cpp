@@ -4,11 +4,13 @@
 #include <atomic>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/random.h"
+#include "soapfilm/core/some_by_place.h"
 #include "soapfilm/core/triangle_distance.h"
 #include "soapfilm/finish/nearest_sample.h"
 #include "soapfilm/finish/on_surface.h"
@@ -20,7 +22,7 @@ namespace {
 constexpr size_t most_picked = 20000;
 constexpr uint64_t seed = 20000;
 
-/// Samples chosen at random: one from each interval of their order.
+/// Samples chosen by their places.
 struct Picked {
   std::vector<Vec3d> places;  ///< lattice coordinates
   std::vector<float> weights;
@@ -34,14 +36,18 @@ struct Picked {
   }
 };
 
-Picked picked_samples(const GridSamples& samples) {
-  const size_t stretch = (samples.size() + most_picked - 1) / most_picked;
+Picked picked_samples(const GridSamples& samples, const Context& context) {
+  const auto place_of = [&](size_t s) {
+    const auto after = std::upper_bound(samples.begin.begin(), samples.begin.end(), s);
+    const auto brick = static_cast<size_t>(after - samples.begin.begin()) - 1;
+    return Vec3d(samples.bricks.first_vertex(brick)) + Vec3d(samples.local[s]);
+  };
+  Box3d box;
+  for (size_t b = 0; b < samples.bricks.size(); ++b) box.extend(Vec3d(samples.bricks.first_vertex(b)));
   Picked picked;
-  size_t brick = 0;
-  for (size_t k = 0; k * stretch < samples.size(); ++k) {
-    const size_t s = one_of_stretch(k, stretch, samples.size());
-    while (samples.begin[brick + 1] <= s) ++brick;
-    picked.places.push_back(Vec3d(samples.bricks.first_vertex(brick)) + Vec3d(samples.local[s]));
+  const auto some = some_by_place(box, samples.size(), most_picked, context, place_of);
+  for (const uint32_t s : std::span(some).first(std::min(some.size(), most_picked))) {
+    picked.places.push_back(place_of(s));
     picked.weights.push_back(samples.weight_of(s));
   }
   return picked;
@@ -226,7 +232,7 @@ Area invented_area(const Mesh& mesh, const GridSamples& samples, const Lattice& 
 SelfCheckReport self_check(const Mesh& mesh, const GridSamples& samples, const Lattice& lattice,
                            const Context& context) {
   SelfCheckReport report;
-  const Picked picked = picked_samples(samples);
+  const Picked picked = picked_samples(samples, context);
   report.samples = picked.places.size();
   if (picked.places.empty()) return report;
   const std::vector<uint32_t> lost = lost_of(picked.places, self_check_reach, mesh, lattice, context);

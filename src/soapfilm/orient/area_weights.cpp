@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "soapfilm/core/exact_sum.h"
 #include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
@@ -21,23 +22,24 @@ AreaCoverage cover_area(const LocalSurface& surface) {
   constexpr size_t enough = 50000;
   const size_t step = surface.planes / enough + 1;
   size_t planes = 0;
-  double listed = 0;
+  ExactSum area, listed;
   std::vector<std::pair<float, float>> spacing_and_area;
   spacing_and_area.reserve(surface.planes / step + 1);
   constexpr double scatter = 1.09;  // true spacing of even samples over their measured lower quartile
   for (size_t i = 0; i < surface.area.size(); ++i) {
     if (!surface.is_plane(i)) continue;  // an edge, an outlier: its area is unknown
-    coverage.area += surface.area[i];
+    area.add(surface.area[i]);
     if (planes++ % step != 0) continue;
     spacing_and_area.emplace_back(surface.spacing[i], surface.area[i]);
-    listed += surface.area[i];
+    listed.add(surface.area[i]);
   }
+  coverage.area = area.value();
   coverage.per_area = static_cast<double>(surface.planes) / coverage.area;
   std::sort(spacing_and_area.begin(), spacing_and_area.end());
   double below = 0;
-  for (const auto& [spacing, area] : spacing_and_area) {
+  for (const auto& [spacing, own] : spacing_and_area) {
     coverage.spacing = scatter * spacing;
-    if ((below += area) >= quantile * listed) break;
+    if ((below += own) >= quantile * listed.value()) break;
   }
   return coverage;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "soapfilm/core/exact_sum.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/rounded.h"
 #include "soapfilm/orient/area_weights.h"
@@ -104,16 +105,19 @@ class Survey {
     constexpr size_t at_once = size_t{1} << 15;
     struct Sum {
       size_t planes = 0;
-      double area = 0;
+      ExactSum area;
       void operator+=(const Sum& other) { planes += other.planes, area += other.area; }
     };
     const auto sum = sum_chunks<Sum>(positions_.size(), at_once, context_, [&](size_t begin, size_t end) {
       Sum part;
       for (size_t i = begin; i < end; ++i)
-        if (surface_.is_plane(i)) part += {1, surface_.area[i]};
+        if (surface_.is_plane(i)) {
+          ++part.planes;
+          part.area.add(surface_.area[i]);
+        }
       return part;
     });
-    const double per_area = sum.planes > 0 ? static_cast<double>(sum.planes) / sum.area : 0;
+    const double per_area = sum.planes > 0 ? static_cast<double>(sum.planes) / sum.area.value() : 0;
     return sum_chunks<size_t>(positions_.size(), at_once, context_, [&](size_t begin, size_t end) {
       size_t doubted = 0;
       for (size_t i = begin; i < end; ++i) {

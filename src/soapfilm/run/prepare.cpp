@@ -140,17 +140,21 @@ BorderReport find_border(SupportField& field, const Grid& grid, double lambda, c
   return border;
 }
 
-void reverse_for_solid(BorderReport& border, const OrientReport& given, const Scanners& scanners,
-                       const ReconstructParams& params, SupportField& field, GridSamples& samples,
-                       std::vector<Vec3f>& views, const Context& context) {
+void reverse_for_solid(const BorderReport& border, SupportField& field, GridSamples& samples, std::vector<Vec3f>& views,
+                       const Context& context) {
   if (border.chosen != Border::solid) return;
   negate(field, context);
   for (Vec3f& direction : samples.direction) direction = -direction;
   for (Vec3f& view : views) view = -view;
+}
+
+void find_reversed_body(BorderReport& border, const OrientReport& given, const Scanners& scanners,
+                        const ReconstructParams& params, const GridSamples& samples, const Context& context) {
+  if (border.chosen != Border::solid) return;
   // A room seen from inside and a body whose normals are reversed are the same data. Scanners, the user or walls tell.
   if (params.border.outside != Border::automatic || !given.inward) return;
   if (!scanners.positions.empty()) return;
-  if (look_along_walls(samples.direction, context)) {
+  if (look_along_walls(lattice_positions(samples), samples.direction, context)) {
     border.reason += "; if it is a body with reversed normals, give --directions estimate";
     return;
   }

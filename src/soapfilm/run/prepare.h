@@ -55,10 +55,13 @@ std::vector<Vec3f> sort_views(std::span<const Vec3f> views, const GridSamples& s
 BorderReport find_border(SupportField& field, const Grid& grid, double lambda, const Scanners& scanners,
                          const ReconstructParams& params, const Context& context, Trace& trace);
 
-/// Where solid matter lies beyond, reverses the data term and all directions: the complement is solved. If `given`
-/// normals look into a body, not into a room, what they face is the body itself: then air lies beyond after all.
-void reverse_for_solid(BorderReport& border, const OrientReport& given, const Scanners& scanners,
-                       const ReconstructParams& params, SupportField& field, GridSamples& samples,
-                       std::vector<Vec3f>& views, const Context& context);
+/// Where solid matter lies beyond, reverses the data term and all directions: the complement is solved.
+void reverse_for_solid(const BorderReport& border, SupportField& field, GridSamples& samples, std::vector<Vec3f>& views,
+                       const Context& context);
+
+/// If `given` normals look into a body, not into a room, what they face once they are reversed is the body itself: then
+/// air lies beyond after all.
+void find_reversed_body(BorderReport& border, const OrientReport& given, const Scanners& scanners,
+                        const ReconstructParams& params, const GridSamples& samples, const Context& context);
 
 }  // namespace soapfilm

@@ -40,7 +40,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   Placed placed = trace.stage("place", [&] { return place(cloud, box, oriented, scanners, params, memory, context); });
   Grid& grid = placed.grid;
   GridSamples& samples = placed.samples;
-  std::vector<Ray> rays = some_rays(cloud, params.orient.sensor, grid.lattice);
+  std::vector<Ray> rays = some_rays(cloud, params.orient.sensor, grid.lattice, context);
   const SampleAttributes attributes = sort_attributes(cloud, samples, params.surface.attributes);
   announce_grid(grid, memory, trace);
 
@@ -70,7 +70,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   BorderReport border = find_border(field, grid, lambda.value, scanners, params, context, trace);
   grid.lattice.open = border.chosen == Border::open;
   grid.ends = border.ends;
-  reverse_for_solid(border, report.input.directions, scanners, params, field, samples, views, context);
+  reverse_for_solid(border, field, samples, views, context);
+  find_reversed_body(border, report.input.directions, scanners, params, samples, context);
   announce_border(border, report.input.directions.inward, trace);
 
   // Inside or outside: the convex problem (4), coarse to fine, on a narrow band; or one of the methods for comparison.
