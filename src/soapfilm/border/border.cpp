@@ -137,7 +137,7 @@ Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParam
     observe.solved = [&](const Level& level, const Lattice&) {
       flux.add(level);
       // Done here, as the level's data does not outlive the solve.
-      closing = closing_share(level, std::ldexp(problem.density, 2 * level.box.level), context);
+      closing = closing_share(level, problem.density * face_area(level.box.level), context);
     };
   const PyramidSolution solution =
       solve_coarse_levels(lattice, problem.field, problem.lambda, {at, solver, problem.norm}, context, observe);

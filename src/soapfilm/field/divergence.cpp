@@ -36,9 +36,7 @@ void splat_brick(const GridSamples& samples, size_t brick, Splat& out) {
   for (uint32_t s = samples.begin[brick]; s < samples.begin[brick + 1]; ++s) {
     const Vec3f q = samples.local[s];
     const Vec3f v = samples.direction[s];
-    const int x = std::min(static_cast<int>(q.x), brick_side - 1);
-    const int y = std::min(static_cast<int>(q.y), brick_side - 1);
-    const int z = std::min(static_cast<int>(q.z), brick_side - 1);
+    const auto [x, y, z] = cell_in_brick(q);
     const float fx = q.x - static_cast<float>(x), fy = q.y - static_cast<float>(y), fz = q.z - static_cast<float>(z);
     for (int cz = 0; cz < 2; ++cz) {
       out.occupied[static_cast<size_t>(z + cz)] |= static_cast<uint16_t>(3u << y);

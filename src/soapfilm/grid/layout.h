@@ -4,6 +4,7 @@
 //   z) and sits at position x + 8 y + 64 z of the brick's 512 values. A row (fixed y, z) is 32 bytes: one AVX register.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -35,6 +36,16 @@ inline Vec3i brick_around(Vec3d place) {
   const auto index = [](double x) { return static_cast<int32_t>(std::floor(x / brick_side)); };
   return {index(place.x), index(place.y), index(place.z)};
 }
+
+/// The cell of a brick, by its first vertex, that holds a place relative to the brick's; one that was rounded up to the
+/// next brick is in the last.
+constexpr Vec3i cell_in_brick(Vec3f local) {
+  const auto index = [](float x) { return std::min(static_cast<int32_t>(x), brick_side - 1); };
+  return {index(local.x), index(local.y), index(local.z)};
+}
+
+/// Area of a level's face, in faces of the finest level: 4^level.
+constexpr double face_area(int level) { return static_cast<double>(uint64_t{1} << (2 * level)); }
 
 /// A tile has 2^5 = 32 bricks, 256 vertices, along each axis.
 inline constexpr int tile_bits = 5;

@@ -143,8 +143,7 @@ class Descent {
   /// (The bounds of a rough solution are valid on any bricks.)
   Level without_band(const Level& coarse, const SupportField& field, LevelReport& report) const {
     const LevelBox box = lattice_.box(report.level);
-    const auto scale = static_cast<double>(size_t{1} << (2 * box.level));
-    const auto lambda = static_cast<float>(lambda_ * report.lambda_share * scale);
+    const auto lambda = static_cast<float>(lambda_ * report.lambda_share * face_area(box.level));
     for (double most = most_bricks;; most *= more_bricks) {
       const BrickMask bricks = start_bricks(box, field.grid, most);
       begin(report.level, bricks, coarse.grid.size());

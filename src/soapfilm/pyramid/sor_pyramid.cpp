@@ -66,8 +66,7 @@ Level solve_sor(const Lattice& lattice, const SupportField& support, double lamb
     const LevelBox box = lattice.box(l);
     if (l < levels - 1) u = prolong_dense(u, box, context);
     const SupportField& data = l == 0 ? support : coarser[static_cast<size_t>(l - 1)];
-    const auto area = static_cast<double>(size_t{1} << (2 * l));  // of a face, in fine faces
-    reports.push_back(relax_sor(u, box, lambda * area, data, params, context, observe));
+    reports.push_back(relax_sor(u, box, lambda * face_area(l), data, params, context, observe));
   }
   return sor_level(u, lattice.box(0), lambda, support, params, context);
 }

@@ -20,11 +20,6 @@ constexpr int passes = 4;
 constexpr size_t few_per_cell = 4;  // samples; with more, neighbors are merged, since the cost is quadratic
 constexpr float one_sheet = 0.5f;   // cosine between the normals of two samples that may be merged
 
-int cell_of(Vec3f local) {
-  const auto part = [](float q) { return std::min(static_cast<int>(q), brick_side - 1); };
-  return brick_offset(part(local.x), part(local.y), part(local.z));
-}
-
 /// The eighth of its cell that a sample lies in.
 int octant_of(Vec3f local) {
   const auto upper = [](float q) { return q - std::floor(q) >= 0.5f ? 1 : 0; };
@@ -109,7 +104,8 @@ Residuals::Residuals(const GridSamples& samples, const SmoothField& field, doubl
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       Entry& entry = entries_[s];
       entry.local = samples.local[s];
-      entry.cell = static_cast<uint16_t>(cell_of(entry.local));
+      const Vec3i cell = cell_in_brick(entry.local);
+      entry.cell = static_cast<uint16_t>(brick_offset(cell.x, cell.y, cell.z));
       entry.octant = static_cast<uint8_t>(octant_of(entry.local));
       const auto jet = field.at(origin + Vec3d(entry.local));
       if (!jet) continue;

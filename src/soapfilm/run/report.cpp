@@ -49,7 +49,7 @@ ordered_json grid_json(const ReconstructReport& report) {
   const Lattice lattice{report.grid, {}};
   ordered_json levels = ordered_json::array();
   for (const LevelReport& l : report.details->solve.levels) {
-    const double lambda = l.lambda_share * report.certificate.lambda * static_cast<double>(size_t{1} << (2 * l.level));
+    const double lambda = l.lambda_share * report.certificate.lambda * face_area(l.level);
     levels.push_back({{"level", l.level},
                       {"lambda_share", l.lambda_share},
                       {"active_vertices", l.active_vertices},

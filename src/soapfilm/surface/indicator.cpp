@@ -172,8 +172,7 @@ double mean_at_samples(const IndicatorField& field, const GridSamples& samples, 
     double sum = 0;
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f q = samples.local[s];
-      const int x = std::min(static_cast<int>(q.x), 7), y = std::min(static_cast<int>(q.y), 7),
-                z = std::min(static_cast<int>(q.z), 7);
+      const auto [x, y, z] = cell_in_brick(q);
       const double fx = q.x - static_cast<float>(x), fy = q.y - static_cast<float>(y), fz = q.z - static_cast<float>(z);
       for (int corner = 0; corner < 8; ++corner) {
         const int cx = corner & 1, cy = (corner >> 1) & 1, cz = corner >> 2;

@@ -47,11 +47,8 @@ struct Cell {
 };
 
 Cell cell_of(Vec3f local) {
-  const auto part = [](float q) { return std::min(static_cast<int>(q), brick_side - 1); };
-  const int x = part(local.x), y = part(local.y), z = part(local.z);
-  return {x,
-          static_cast<size_t>(y + brick_side * z),
-          {local.x - static_cast<float>(x), local.y - static_cast<float>(y), local.z - static_cast<float>(z)}};
+  const Vec3i first = cell_in_brick(local);
+  return {first.x, static_cast<size_t>(first.y + brick_side * first.z), local - Vec3f(first)};
 }
 
 /// What is needed to weight the samples of a brick: its cells, and phi at their corners.

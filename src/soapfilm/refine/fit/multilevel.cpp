@@ -242,7 +242,7 @@ void Multilevel::set_inverse(size_t level, const RowArray& weights, const Contex
   const NarrowBand& band = this->band(level);
   const InverseJob job{level == 0 ? nullptr : coarse_[level - 1].extent.data(),
                        weights.data(),
-                       diffusion_ / static_cast<float>(1 << (2 * level)),
+                       diffusion_ / static_cast<float>(face_area(static_cast<int>(level))),
                        reaction_,
                        damping,
                        (level == 0 ? inverse_ : coarse_[level - 1].inverse).data()};
@@ -279,7 +279,7 @@ CycleJob Multilevel::job(size_t level, const RowArray& b) const {
   }
   job.extent = level == 0 ? nullptr : coarse_[level - 1].extent.data();
   job.b = b.data();
-  job.diffusion = diffusion_ / static_cast<float>(1 << (2 * level));
+  job.diffusion = diffusion_ / static_cast<float>(face_area(static_cast<int>(level)));
   job.omega = damping;
   return job;
 }
