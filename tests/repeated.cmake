@@ -10,12 +10,11 @@ function(repeated test)
 endfunction()
 
 # Whole tests, of which these run the same code: tests of each command; CoarseToFine.EmptyCoarseLevelsShowWhereToStart
-# and ALevelEndsWhenItsLabelsHaveSettled; PrimalDual.EstimatesUntilTheGapIsAboutTheTolerance; the other MemoryPlan tests
-# (and what a run takes beside its plan is not what it takes with a sanitizer); Contexts.ALimitAndACancelledRun...; the
-# readers' and writers' own tests; Scan.TheSameBytesForAnyNumberOfThreads and
-# Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads; Reconstruct.GeoreferencedInputLosesNothing;
-# CoarseToFine.EmptyCoarseLevelsShowWhereToStart; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall,
-# of the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads.
+# and ALevelEndsWhenItsLabelsHaveSettled; PrimalDual.EstimatesUntilTheGapIsAboutTheTolerance; the other tests of
+# MemoryPlan; Contexts.ALimitAndACancelledRunLeaveOtherThreadsAlone; the tests of each reader and writer;
+# Scan.TheSameBytesForAnyNumberOfThreads and Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads;
+# Reconstruct.GeoreferencedInputLosesNothing; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall, of the
+# scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads.
 list(APPEND REPEATED
   Program.TheCommandsOfItsFirstPageWork
   Standstill.ManySweepsFromOnePlaceChangeNeitherVoxelNorSurface
