@@ -77,7 +77,7 @@ foreach(neighbors 6 26)
 endforeach()
 
 repeated(Shares/Labeling.IsThatOfAFlood 10 97)
-repeated(Threads/EverySecondVertex.HasTheIndicatorOfTheFinerGrid 1)
+repeated(Threads/EverySecondVertex.HasTheLabelsOfTheFinerGrid 1)
 repeated(Shapes/BandAndWholeGrid.HaveTheSameSolution sphere1 sphere7 torus2 part3 part4 knot5 knot9 sheets6)
 foreach(law DualBoundIsTheOneOfTheWholeGrid EnergiesAreThoseOfTheWholeGrid DualIsFeasibleOnTheWholeGrid
     CertifiedBoundHoldsForTheRescaledDual DataLeftOutCostNoMoreThanIsAllowed)
