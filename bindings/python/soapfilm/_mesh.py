@@ -92,8 +92,12 @@ class Mesh:
         Raises:
             OutputError: an OSError: an unknown extension, or a file that cannot be written.
         """
-        for line in self._core.save(os.fspath(path), ascii):
+        for line in self._core.save(os.fspath(path), ascii, self._up()):
             warn(line, 2)
+
+    def _up(self) -> str:
+        """The axis that a GLB turns upright."""
+        return "z"
 
     def show(self, viewer: Viewer | None = None) -> pathlib.Path | None:
         """Shows the mesh: in a notebook below the cell, else as a page in the browser.
@@ -201,6 +205,9 @@ class Result(Mesh):
     def voxel(self) -> float:
         """Edge of a grid cell, input units."""
         return self.report["grid"]["voxel"]
+
+    def _up(self) -> str:
+        return self.report["parameters"]["orient"]["up"] or "z"
 
     def save(self, path: Path, *, ascii: bool = False) -> None:
         """As of Mesh; the coordinate system of a georeferenced input comes beside it as .prj."""

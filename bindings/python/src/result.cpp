@@ -55,8 +55,11 @@ py::list attributes_of(const MeshHolder& holder) {
 }
 
 /// With the precision that the program writes its results with. Returns warnings.
-std::vector<std::string> save_mesh(const MeshHolder& holder, const std::string& path, bool ascii) {
+std::vector<std::string> save_mesh(const MeshHolder& holder, const std::string& path, bool ascii,
+                                   const std::string& up) {
   WriteOptions options;
+  const int axis = up.back() - 'x';  // "x" to "z", "-x" to "-z"
+  options.up = static_cast<Axis>(static_cast<int>(up.front() == '-' ? Axis::minus_x : Axis::x) + axis);
   options.ascii = ascii;
   options.coordinate_precision = 1e-3 * holder.voxel;
   options.voxel = holder.voxel;

@@ -22,7 +22,9 @@ def lines_with_options():
             source = re.sub(r"^\s*//.*$", "", path.read_text(), flags=re.M)
             source = re.sub(r'"\s*\n\s*"', "", source)  # one text on several lines
             for text in re.findall(r'"((?:[^"\\\n]|\\.)*)"', source):
-                if re.search(r"(?<![\w!-])--[a-z]", text) and "reconstruct --report" not in text:  # of report files
+                if "reconstruct --report" in text or "--above z=Z" in text:  # of report files; of the program's page
+                    continue
+                if re.search(r"(?<![\w!-])--[a-z]", text):
                     found.append(text)
     return found
 
