@@ -87,7 +87,7 @@ endforeach()
 repeated(Shapes/SorAndOptimum.NoStateBeatsTheDualBound part)
 repeated(Shapes/PoissonSurface.IsClosedWithTheShapesComponentsAndGenus knot)
 foreach(law IsTheSmoothedThresholdedField MeanAtTheSamplesIsTheMeanOfTheTrilinearInterpolation
-    WithoutSmoothingIsTheThresholdedFieldItself CountsTheInsideOfTheWholeDomain)
+    WithoutSmoothingIsTheThresholdedFieldItself)
   repeated(Shapes/Indicator.${law} knot)
 endforeach()
 repeated(Shapes/Topology.IsThatOfTheThresholdedSolve knot sheets)
