@@ -13,8 +13,8 @@ endfunction()
 # and ALevelEndsWhenItsLabelsHaveSettled; PrimalDual.EstimatesUntilTheGapIsAboutTheTolerance; the other tests of
 # MemoryPlan; Contexts.ALimitAndACancelledRunLeaveOtherThreadsAlone; the tests of each reader and writer;
 # Scan.TheSameBytesForAnyNumberOfThreads and Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads;
-# Reconstruct.GeoreferencedInputLosesNothing; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall, of the
-# scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads.
+# Reconstruct.GeoreferencedInputLosesNothing; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall, of
+# the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads.
 list(APPEND REPEATED
   Program.TheCommandsOfItsFirstPageWork
   Standstill.ManySweepsFromOnePlaceChangeNeitherVoxelNorSurface

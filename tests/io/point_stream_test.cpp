@@ -78,18 +78,8 @@ void expect_identical(const PointCloud& a, const PointCloud& b) {
     EXPECT_EQ(a.columns[c].is_label, b.columns[c].is_label);
     expect_same_bits(a.columns[c].values, b.columns[c].values);
   }
-  ASSERT_EQ(a.scans.size(), b.scans.size());
-  for (size_t s = 0; s < a.scans.size(); ++s) {
-    EXPECT_EQ(a.scans[s].name, b.scans[s].name);
-    EXPECT_EQ(a.scans[s].begin, b.scans[s].begin);
-    EXPECT_EQ(a.scans[s].end, b.scans[s].end);
-    EXPECT_EQ(a.scans[s].sensor, b.scans[s].sensor);
-    EXPECT_EQ(a.scans[s].view_direction, b.scans[s].view_direction);
-    ASSERT_EQ(a.scans[s].range_grid.has_value(), b.scans[s].range_grid.has_value());
-    if (a.scans[s].range_grid) {
-      EXPECT_EQ(a.scans[s].range_grid->sample, b.scans[s].range_grid->sample);
-    }
-  }
+  ASSERT_NO_FATAL_FAILURE(expect_same_scans(a, b));
+  for (size_t s = 0; s < a.scans.size(); ++s) EXPECT_EQ(a.scans[s].view_direction, b.scans[s].view_direction);
   EXPECT_EQ(a.coordinate_system, b.coordinate_system);
   EXPECT_EQ(a.is_survey, b.is_survey);
 }

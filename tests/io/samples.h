@@ -43,6 +43,23 @@ inline PointCloud rich_cloud(int scans, int columns, int rows, uint64_t seed, Ve
   return cloud;
 }
 
+/// Names, samples, scanners and grids.
+inline void expect_same_scans(const PointCloud& a, const PointCloud& b) {
+  ASSERT_EQ(a.scans.size(), b.scans.size());
+  for (size_t s = 0; s < a.scans.size(); ++s) {
+    EXPECT_EQ(a.scans[s].name, b.scans[s].name);
+    EXPECT_EQ(a.scans[s].begin, b.scans[s].begin);
+    EXPECT_EQ(a.scans[s].end, b.scans[s].end);
+    EXPECT_EQ(a.scans[s].sensor, b.scans[s].sensor);
+    ASSERT_EQ(a.scans[s].view_direction.has_value(), b.scans[s].view_direction.has_value());
+    ASSERT_EQ(a.scans[s].range_grid.has_value(), b.scans[s].range_grid.has_value());
+    if (!a.scans[s].range_grid) continue;
+    EXPECT_EQ(a.scans[s].range_grid->columns, b.scans[s].range_grid->columns);
+    EXPECT_EQ(a.scans[s].range_grid->rows, b.scans[s].range_grid->rows);
+    EXPECT_EQ(a.scans[s].range_grid->sample, b.scans[s].range_grid->sample);
+  }
+}
+
 inline void expect_same_cloud(const PointCloud& a, const PointCloud& b) {
   EXPECT_EQ(a.positions, b.positions);
   EXPECT_EQ(a.normals, b.normals);
@@ -55,22 +72,11 @@ inline void expect_same_cloud(const PointCloud& a, const PointCloud& b) {
     EXPECT_EQ(a.columns[c].values, b.columns[c].values);
     EXPECT_EQ(a.columns[c].is_label, b.columns[c].is_label);
   }
-  ASSERT_EQ(a.scans.size(), b.scans.size());
-  for (size_t s = 0; s < a.scans.size(); ++s) {
-    EXPECT_EQ(a.scans[s].name, b.scans[s].name);
-    EXPECT_EQ(a.scans[s].begin, b.scans[s].begin);
-    EXPECT_EQ(a.scans[s].end, b.scans[s].end);
-    EXPECT_EQ(a.scans[s].sensor, b.scans[s].sensor);
-    ASSERT_EQ(a.scans[s].view_direction.has_value(), b.scans[s].view_direction.has_value());
+  ASSERT_NO_FATAL_FAILURE(expect_same_scans(a, b));
+  for (size_t s = 0; s < a.scans.size(); ++s)
     if (a.scans[s].view_direction) {
       EXPECT_LT(norm(*a.scans[s].view_direction - *b.scans[s].view_direction), 1e-15);
     }
-    ASSERT_EQ(a.scans[s].range_grid.has_value(), b.scans[s].range_grid.has_value());
-    if (!a.scans[s].range_grid) continue;
-    EXPECT_EQ(a.scans[s].range_grid->columns, b.scans[s].range_grid->columns);
-    EXPECT_EQ(a.scans[s].range_grid->rows, b.scans[s].range_grid->rows);
-    EXPECT_EQ(a.scans[s].range_grid->sample, b.scans[s].range_grid->sample);
-  }
 }
 
 /// A closed torus of edge length about 2 pi size / n, with normals, colors and two attributes.

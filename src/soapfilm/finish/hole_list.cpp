@@ -74,13 +74,7 @@ class UnseenRegions {
   }
 
   void mark_border() {
-    std::vector<std::pair<uint32_t, uint32_t>> edges;
-    for (const Triangle& t : mesh_.triangles)
-      for (size_t k = 0; k < 3; ++k) {
-        const uint32_t a = t[k], b = t[(k + 1) % 3];
-        if (unseen_[a] || unseen_[b]) edges.emplace_back(std::min(a, b), std::max(a, b));
-      }
-    for (const auto& [a, b] : edges_of_one_triangle(std::move(edges)))
+    for (const auto& [a, b] : border_edges(mesh_, [&](uint32_t v) { return unseen_[v] != 0; }))
       for (const uint32_t v : {a, b})
         if (unseen_[v]) at_[sets_.root(v)].at_border = true;
   }

@@ -22,17 +22,15 @@ struct Part {
 /// At the root of each part.
 std::vector<Part> measure_parts(const Mesh& mesh, DisjointSets& sets) {
   std::vector<Part> parts(mesh.vertices.size());
-  std::vector<std::pair<uint32_t, uint32_t>> edges;
-  edges.reserve(3 * mesh.triangles.size());
   for (const Triangle& t : mesh.triangles) {
     Part& part = parts[sets.root(t[0])];
     const Vec3d origin = mesh.vertices[sets.root(t[0])];
     const auto at = [&](size_t k) { return mesh.vertices[t[k]] - origin; };
     part.area += norm(cross(at(1) - at(0), at(2) - at(0))) / 2;
     part.volume += dot(at(0), cross(at(1), at(2))) / 6;
-    for (size_t k = 0; k < 3; ++k) edges.push_back(std::minmax(t[k], t[(k + 1) % 3]));
   }
-  for (const auto& edge : edges_of_one_triangle(std::move(edges))) parts[sets.root(edge.first)].closed = false;
+  for (const auto& edge : border_edges(mesh, [](uint32_t) { return true; }))
+    parts[sets.root(edge.first)].closed = false;
   return parts;
 }
 

@@ -121,19 +121,11 @@ std::vector<Vec3f> gltf_normals(const Mesh& mesh) {
   return normals;
 }
 
-bool has_border(const Mesh& mesh) {
-  std::vector<std::pair<uint32_t, uint32_t>> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles)
-    for (size_t k = 0; k < 3; ++k) edges.push_back(std::minmax(t[k], t[(k + 1) % 3]));
-  return !edges_of_one_triangle(std::move(edges)).empty();
-}
-
 /// Rough and not metallic; colors of vertices are shown as they are. Both sides of a surface that ends are seen.
 void set_material(const Mesh& mesh, tinygltf::Material& material) {
   const double shade = mesh.colors.empty() ? 0.8 : 1.0;
   material.name = "surface";
-  material.doubleSided = has_border(mesh);
+  material.doubleSided = !border_edges(mesh, [](uint32_t) { return true; }).empty();
   material.pbrMetallicRoughness.baseColorFactor = {shade, shade, shade, 1};
   material.pbrMetallicRoughness.metallicFactor = 0;
   material.pbrMetallicRoughness.roughnessFactor = 0.9;
