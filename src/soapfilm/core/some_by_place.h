@@ -35,20 +35,23 @@ std::vector<uint32_t> some_by_place(const Box3d& box, size_t count, size_t most,
   const uint64_t limit = count <= most ? all : all / count * most;
   struct Found {
     uint64_t hash;
-    Vec3d place;
     uint32_t sample;
   };
   auto found = gather<Found>(count, samples_per_task, context, [&](size_t i, std::vector<Found>& to) {
-    const Vec3d at = place(i);
-    if (const uint64_t hash = hash_of_place(at, box); hash <= limit) to.push_back({hash, at, static_cast<uint32_t>(i)});
+    if (const uint64_t hash = hash_of_place(place(i), box); hash <= limit)
+      to.push_back({hash, static_cast<uint32_t>(i)});
   });
-  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
-    return std::tie(a.hash, a.place.x, a.place.y, a.place.z, a.sample) <
-           std::tie(b.hash, b.place.x, b.place.y, b.place.z, b.sample);
-  });
+  const auto key = [&](const Found& f) {
+    const Vec3d at = place(f.sample);
+    return std::make_tuple(at.x, at.y, at.z, f.sample);
+  };
+  std::sort(found.begin(), found.end(),
+            [&](const Found& a, const Found& b) { return a.hash != b.hash ? a.hash < b.hash : key(a) < key(b); });
   std::vector<uint32_t> some;
+  some.reserve(found.size());
   for (size_t k = 0; k < found.size(); ++k)
-    if (k == 0 || !(found[k].place == found[k - 1].place)) some.push_back(found[k].sample);
+    if (k == 0 || found[k].hash != found[k - 1].hash || !(place(found[k].sample) == place(found[k - 1].sample)))
+      some.push_back(found[k].sample);
   return some;
 }
 

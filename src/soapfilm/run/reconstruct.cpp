@@ -70,6 +70,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   BorderReport border = find_border(field, grid, lambda.value, scanners, params, context, trace);
   grid.lattice.open = border.chosen == Border::open;
   grid.ends = border.ends;
+  if (!grid.ends) release(rays);
   reverse_for_solid(border, field, samples, views, context);
   find_reversed_body(border, report.input.directions, scanners, params, samples, context);
   announce_border(border, report.input.directions.inward, trace);
