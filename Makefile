@@ -36,8 +36,9 @@ notebook: test-python packages-notebook ## run the notebook of examples/python a
 	  --to notebook --execute --inplace \
 	  --ExecutePreprocessor.record_timing=False examples/python/*.ipynb
 
-test-viewer: build-release packages-viewer-test ## the page of `soapfilm view` in headless Chromium
+test-viewer: build-release packages-viewer-test ## `soapfilm view` and `tiles` in headless Chromium; the validator of glTF
 	sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/viewer
+	sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/viewer tiles.test.mjs
 
 web: build-release packages-web ## the program for browsers: out/web/index.html, one file (Emscripten); the npm package
 	@test -f build/web/build.ninja || (cd web && emcmake cmake -S . -B ../build/web -G Ninja >/dev/null)

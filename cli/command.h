@@ -29,6 +29,7 @@ void add_simplify(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_info(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_view(CLI::App& app, const GlobalOptions& options, Runner& runner);
+void add_tiles(CLI::App& app, const GlobalOptions& options, Runner& runner);
 
 /// Hidden commands for packages and shells: they print what is made from the options of all other commands.
 void add_completion(CLI::App& app, Runner& runner);

@@ -73,6 +73,7 @@ int run(int argc, char** argv) {
   add_info(app, options, runner);
   add_render(app, options, runner);
   add_view(app, options, runner);
+  add_tiles(app, options, runner);
   app.footer(examples_and_exit_codes);  // last: sub-commands would inherit it
   refuse_empty_numbers(app);
   for (CLI::App* command : app.get_subcommands({})) {

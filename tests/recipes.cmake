@@ -11,7 +11,7 @@ set(names
   nlohmann_json nlohmann-json nlohmann_json
   pugixml pugixml pugixml  TinyGLTF tinygltf tinygltf  hwy highway libhwy  Boost boost-graph libboost-headers
   TBB tbb tbb-devel  embree embree3 embree  PNG libpng libpng
-  meshoptimizer meshoptimizer meshoptimizer  CLI11 cli11 cli11)
+  meshoptimizer meshoptimizer meshoptimizer  CLI11 cli11 cli11  proj proj proj)
 
 file(READ ${SOURCE}/packaging/vcpkg/ports/soapfilm/vcpkg.json port)
 string(JSON port_version GET "${port}" version)

@@ -19,7 +19,7 @@ namespace soapfilm::test {
 namespace TEST_FILE {
 
 const std::vector<std::string> commands = {"reconstruct", "scan", "evaluate", "compare", "measure",
-                                           "simplify",    "info", "render",   "view"};
+                                           "simplify",    "info", "render",   "view",    "tiles"};
 
 /// The long options that a help page lists.
 std::set<std::string> options_of_help(const std::string& page) {

@@ -10,5 +10,5 @@ SOAPFILM_MODULES=$(realpath "$2")/node_modules
 mkdir -p "$3"
 SOAPFILM_OUT=$(realpath "$3")
 # The build leaves out what only tests need.
-[ -d "$SOAPFILM_MODULES/playwright-core" ] || npm ci --loglevel=error --prefix "$2" >/dev/null
+[ -d "$SOAPFILM_MODULES/gltf-validator" ] || npm ci --loglevel=error --prefix "$2" >/dev/null
 exec node "$here/${4:-view.test.mjs}"

@@ -42,6 +42,7 @@ struct CollapsedMesh {
   std::vector<Vec3d> position;                    ///< now
   std::vector<Quadric> quadric;                   ///< by vertex
   std::vector<uint32_t> version;                  ///< by vertex: changes with its place
+  std::vector<uint8_t> fixed;                     ///< by vertex of a border: stays in place; empty: none has to
   std::vector<uint32_t> border;                   ///< by original border vertex: the next one; else none
   std::vector<uint32_t> stamp;                    ///< by triangle
   std::vector<uint32_t> first_owned, next_owned;  ///< lists of original vertices, by triangle
@@ -50,6 +51,7 @@ struct CollapsedMesh {
   uint32_t next_stamp = 1;
 
   Vec3d corner(uint32_t triangle, size_t k) const { return position[mesh.corners(triangle)[k]]; }
+  bool is_fixed(uint32_t vertex) const { return !fixed.empty() && fixed[vertex] != 0; }
   bool is_changed(uint32_t triangle) const { return stamp[triangle] != 0; }
   void own(uint32_t triangle, uint32_t vertex) {
     next_owned[vertex] = first_owned[triangle];

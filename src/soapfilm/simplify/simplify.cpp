@@ -59,6 +59,7 @@ class Simplification {
     return (tolerance - written_.moved() - written_.slack()) / written_.unit();
   }
   size_t triangles() const { return now_.count_alive(); }
+  void fix(std::vector<uint8_t> vertices) { now_.fixed = std::move(vertices); }
 
   void collapse(double tolerance, const Context& context) {
     ThinPlaces thin(now_, distance(tolerance));
@@ -106,7 +107,7 @@ Simplified simplify(const Mesh& mesh, double tolerance, const Context& context) 
   return simplify_checked(mesh, tolerance, {}, context);
 }
 
-Simplified simplify_to(const Mesh& mesh, size_t triangles, const Context& context) {
+Simplified simplify_to(const Mesh& mesh, size_t triangles, const std::vector<uint8_t>& fixed, const Context& context) {
   if (triangles < 1) throw ParameterError(fmt::format("triangles = {}, must be >= 1", triangles));
   check_input(mesh, context);
   if (mesh.triangles.size() <= triangles || !(mesh.box().longest() > 0)) return unchanged(mesh, 0);
@@ -118,7 +119,7 @@ Simplified simplify_to(const Mesh& mesh, size_t triangles, const Context& contex
   for (;; context.check()) {
     // Its cells should not be small against the tolerance: then it begins anew, with larger ones.
     constexpr double many_cells = 2;
-    if (!run || run->distance(tolerance) > many_cells) run.emplace(mesh, tolerance, SimplifyChecks{});
+    if (!run || run->distance(tolerance) > many_cells) run.emplace(mesh, tolerance, SimplifyChecks{}).fix(fixed);
     if (run->distance(tolerance) > 0) run->collapse(tolerance, silenced(context));
     const double many = static_cast<double>(run->triangles()) / static_cast<double>(triangles);
     const bool last = tolerance > mesh.box().longest();
@@ -130,6 +131,10 @@ Simplified simplify_to(const Mesh& mesh, size_t triangles, const Context& contex
     }
     tolerance *= std::clamp(many, smallest_step, largest_step);
   }
+}
+
+Simplified simplify_to(const Mesh& mesh, size_t triangles, const Context& context) {
+  return simplify_to(mesh, triangles, {}, context);
 }
 
 }  // namespace soapfilm

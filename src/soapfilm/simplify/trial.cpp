@@ -64,7 +64,8 @@ bool Trial::find_edge(uint32_t a, uint32_t b) {
       edge_ = Connectivity::previous(h);
   });
   if (edge_ == none) return false;
-  const bool keeps_b = !now_.mesh.on_border(a) && now_.mesh.on_border(b);
+  if (now_.is_fixed(a) && now_.is_fixed(b)) return false;
+  const bool keeps_b = now_.is_fixed(b) || (!now_.is_fixed(a) && !now_.mesh.on_border(a) && now_.mesh.on_border(b));
   kept_ = keeps_b ? b : a;
   gone_ = keeps_b ? a : b;
   const uint32_t twin = now_.mesh.twin(edge_);

@@ -1,0 +1,108 @@
+// `soapfilm tiles` makes what others read: the Khronos validator passes every GLB, 3DTilesRendererJS loads the tileset in
+// headless Chromium, coarse from far and fine from near, upright and without a gap: node tiles.test.mjs (by run.sh).
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {readdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import {bundler} from '../build.mjs';
+import {inOut, launch} from './kit.mjs';
+
+const {SOAPFILM_PROGRAM: program, SOAPFILM_MODULES: modules} = process.env;
+const soapfilm = (...words) => execFileSync(program, ['--quiet', ...words], {stdio: ['ignore', 'ignore', 'inherit']});
+const folder = inOut('tiles');
+const site = 'http://localhost';
+let browser;
+
+/** What the page runs: `show(distance)` looks from so far, as parts of the tileset's size, and waits for the tiles. */
+const script = `
+import {TilesRenderer} from '3d-tiles-renderer';
+import {Box3, Color, DirectionalLight, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer} from 'three';
+const renderer = new WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
+renderer.setSize(640, 640);
+document.body.append(renderer.domElement);
+const camera = new PerspectiveCamera(40, 1, 0.001, 1000), scene = new Scene();
+scene.background = new Color(0xffffff);
+const light = new DirectionalLight(0xffffff, 3);
+scene.add(light, camera);
+const tiles = new TilesRenderer('${site}/tileset.json');
+tiles.errorTarget = 0.05; // pixels
+tiles.setCamera(camera);
+tiles.setResolutionFromRenderer(camera, renderer);
+scene.add(tiles.group);
+const failed = [];
+tiles.addEventListener('load-error', ({error}) => failed.push(String(error)));
+window.show = async (distance, direction) => {
+  const sphere = new Sphere();
+  for (let still = 0; still < 20; ) {
+    if (tiles.getBoundingSphere(sphere)) {
+      camera.position.set(...direction).setLength(distance * sphere.radius).add(sphere.center);
+      camera.up.set(0, 0, 1);
+      camera.lookAt(sphere.center);
+      light.position.copy(camera.position);
+      light.target = tiles.group;
+    }
+    camera.updateMatrixWorld();
+    tiles.update();
+    await new Promise((next) => requestAnimationFrame(next));
+    const {downloading, parsing} = tiles.stats;
+    still = tiles.root && !downloading && !parsing ? still + 1 : 0;
+  }
+  renderer.render(scene, camera);
+  let triangles = 0;
+  const box = new Box3();
+  tiles.forEachLoadedModel((model, tile) => {
+    if (!tiles.visibleTiles.has(tile)) return;
+    box.expandByObject(model, true);
+    model.traverse((part) => part.geometry && (triangles += part.geometry.index.count / 3));
+  });
+  return {triangles, tiles: tiles.visibleTiles.size, failed, lo: box.min.toArray(), hi: box.max.toArray()};
+};
+document.documentElement.dataset.ready = 'true';
+`;
+
+before(async () => {
+  soapfilm('scan', 'knot', '-o', inOut('knot'), '--samples', '80000');
+  soapfilm('reconstruct', inOut('knot/samples.ply'), '-o', inOut('knot.ply'), '--resolution', '160');
+  rmSync(folder, {recursive: true, force: true});
+  soapfilm('tiles', inOut('knot.ply'), '-o', folder, '--triangles', '4000');
+  browser = await launch();
+});
+after(() => browser?.close());
+
+test('the validator finds nothing in any GLB', async () => {
+  const {validateBytes} = createRequire(join(modules, 'modules.js'))('gltf-validator');
+  const names = readdirSync(join(folder, 'tiles'));
+  assert.ok(names.length > 8);
+  for (const name of names) {
+    const report = await validateBytes(new Uint8Array(readFileSync(join(folder, 'tiles', name))));
+    assert.deepEqual(report.issues.messages, [], name);
+  }
+});
+
+test('a viewer shows it, coarse from far and whole from near', async () => {
+  writeFileSync(inOut('tiles.mjs'), script);
+  const bundled = await bundler(modules).bundle(inOut('tiles.mjs'));
+  const html = `<body style="margin:0"><script type="module">${bundled}</script>`;
+  const page = await browser.newPage({viewport: {width: 640, height: 640}});
+  const faults = [];
+  page.on('pageerror', (error) => faults.push(String(error)));
+  await page.route(`${site}/**`, (route) => {
+    const {pathname} = new URL(route.request().url());
+    if (pathname === '/') return route.fulfill({contentType: 'text/html', body: html});
+    return route.fulfill({path: join(folder, pathname)});
+  });
+  await page.goto(`${site}/`);
+  await page.waitForFunction(() => document.documentElement.dataset.ready);
+  const far = await page.evaluate(() => window.show(60, [0.3, -0.4, 1]));
+  const near = await page.evaluate(() => window.show(3.2, [0.3, -0.4, 1]));
+  await page.screenshot({path: inOut('tiles.png')});
+  assert.deepEqual([...faults, ...far.failed, ...near.failed], []);
+  assert.equal(far.tiles, 1);
+  assert.ok(near.tiles > 4 && near.triangles > 2 * far.triangles, JSON.stringify({far, near}));
+  // In place and upright: glTF's y is up, a tileset's z.
+  const [{box}] = JSON.parse(execFileSync(program, ['info', '--json', inOut('knot.ply')]));
+  const ends = [...box.lo, ...box.hi];
+  [...near.lo, ...near.hi].forEach((v, k) => assert.ok(Math.abs(v - ends[k]) < 1e-3, `${k}: ${v}, not ${ends[k]}`));
+});
