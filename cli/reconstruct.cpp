@@ -30,6 +30,7 @@
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/sets/input_files.h"
 #include "soapfilm/mesh/topology.h"
+#include "soapfilm/run/defaults.h"
 #include "soapfilm/run/run.h"
 #include "tools/evaluate/check_result.h"
 
@@ -97,6 +98,8 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
     params.trim.on = true;
   }
   if (!options.simplify.empty()) params.simplify = simplify_params(options.simplify, params.simplify.triangles);
+  if (options.lod && !simplifies(params.simplify))
+    throw ParameterError("lod: levels are coarser than a simplified mesh; --simplify auto makes it");
   refuse_unused(app, params);
   validate(params);
 }
@@ -123,7 +126,8 @@ std::string coordinate_system_file(const ReconstructOptions& options) {
 void check_names(const ReconstructOptions& options, const ReadReport& read) {
   std::vector<std::string> inputs = options.inputs;
   for (const FileReport& file : read.files) inputs.push_back(file.path);  // the scans of a set
-  std::vector<std::string> outputs{options.output, options.report, coordinate_system_file(options)};
+  std::vector<std::string> outputs = lod_files(options.output, options.lod);
+  outputs.insert(outputs.end(), {options.report, coordinate_system_file(options)});
   constexpr int most_levels = 28;
   for (int level = 0; level < most_levels && !options.levels_folder.empty(); ++level)
     outputs.push_back((std::filesystem::path(options.levels_folder) / LevelFiles::name(level)).string());
@@ -139,6 +143,30 @@ void print_check(const ReconstructReport& report, Progress& progress) {
                   "{:.2f}, {:.1f} voxels)",
                   d.mean, d.rms, d.percentile95, d.maximum, d.mean / voxel, d.rms / voxel, d.percentile95 / voxel,
                   d.maximum / voxel));
+}
+
+/// The mesh, and coarser ones if they are asked for.
+std::vector<DetailLevel> levels_of(Mesh&& mesh, const ReconstructReport& report, LodCount lod, const Context& context) {
+  if (!report.simplify) {  // warned of before
+    std::vector<DetailLevel> one(1);
+    one[0].mesh = std::move(mesh);
+    return one;
+  }
+  return detail_levels({std::move(mesh), *report.simplify}, lod, context);
+}
+
+void write_meshes(const ReconstructOptions& options, const std::vector<DetailLevel>& levels, ReconstructReport& report,
+                  const Context& context) {
+  context.check();
+  WriteOptions write;
+  write.ascii = options.ascii;
+  write.coordinate_precision = coordinate_precision(report);
+  write.voxel = report.grid.voxel;
+  write.up = report.params.orient.up.value_or(Axis::z);
+  for (const std::string& warning : write_levels(options.output, levels, write, context).warnings) {
+    context.progress().warn(warning);
+    report.warnings.push_back(warning);
+  }
 }
 
 /// The mesh took long to compute: it is kept even if its report cannot be written.
@@ -165,6 +193,10 @@ void find_files(ReconstructOptions& options, StandardStreams& streams, Progress&
     options.output = default_mesh(is_folder ? given : options.inputs[0], options.preview);
     check_mesh_output(options.output);
   }
+  const std::vector<std::string> files = lod_files(options.output, options.lod);
+  if (streams.gives_output() && files.size() > 1)
+    throw ParameterError("lod: several files cannot go to standard output; --format glb makes one");
+  for (const std::string& file : files) check_mesh_output(file);
   for (const std::string& warning : warnings) progress.warn(warning);
 }
 
@@ -196,19 +228,9 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   ReconstructReport& report = result.report;
   if (report.topology) print_check(report, progress);
 
-  stages.run("write", [&] {
-    progress.check();
-    WriteOptions write;
-    write.ascii = options.ascii;
-    write.coordinate_precision = coordinate_precision(report);
-    write.voxel = report.grid.voxel;
-    write.up = report.params.orient.up.value_or(Axis::z);
-    const WriteReport written = write_mesh(options.output, result.mesh, write, context);
-    for (const std::string& warning : written.warnings) {
-      progress.warn(warning);
-      report.warnings.push_back(warning);
-    }
-  });
+  const auto make_levels = [&] { return levels_of(std::move(result.mesh), report, options.lod, context); };
+  const std::vector<DetailLevel> meshes = options.lod ? stages.run("levels", make_levels) : make_levels();
+  stages.run("write", [&] { write_meshes(options, meshes, report, context); });
   if (!report.input.coordinate_system.empty() && !streams.gives_output())
     write_text_file(coordinate_system_file(options), report.input.coordinate_system + "\n");
   report.command = global.command;
@@ -225,6 +247,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   if (streams.gives_output()) streams.give_output();
   progress.info(
       fmt::format("{}: {} vertices, {} triangles", options.output, report.mesh_vertices, report.mesh_triangles));
+  announce_levels(options.output, meshes, progress);
   if (options.preview) progress.info("full run: " + full_run(global.arguments));
   constexpr int samples_lost = 4;  // besides program.cpp's exit codes, and no error: all is written
   return options.strict && report.self_check.lost > self_check_most_lost ? samples_lost : 0;

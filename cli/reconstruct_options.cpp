@@ -208,6 +208,7 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
              "--write-levels", o.levels_folder,
              "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (finest), ..."))
       ->option_text("DIR");
+  output(add_lod(app, o.lod));
   output(app.add_option("--attributes", o.attributes,
                         "What the samples have and the mesh's vertices get: all, none, or names\nsuch as "
                         "color,intensity"))

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/detail_levels.h"
 #include "soapfilm/io.h"
 #include "soapfilm/params.h"
 
@@ -23,6 +24,7 @@ struct ReconstructOptions {
   std::string trim;
   std::string simplify;
   std::string levels_folder;
+  LodCount lod;
   std::vector<double> sensor;
   std::vector<double> anchor;
   std::vector<std::string> attributes;

@@ -6,8 +6,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cli/command.h"
+#include "cli/detail_levels.h"
 #include "cli/overwrite.h"
 #include "cli/parse.h"
 #include "cli/print.h"
@@ -28,6 +31,7 @@ namespace {
 struct SimplifyOptions {
   std::string input, output, tolerance;
   std::optional<size_t> triangles;
+  LodCount lod;
   bool ascii = false;
 };
 
@@ -44,27 +48,31 @@ Simplified simplified(const Mesh& mesh, const SimplifyOptions& options, const Co
 int run(const SimplifyOptions& options, const GlobalOptions& global) {
   if (options.tolerance.empty() == !options.triangles)
     throw ParameterError("simplify: one of --tolerance and --triangles must be given");
-  check_mesh_output(options.output);
-  refuse_overwriting({options.output}, {options.input});
+  const std::vector<std::string> files = lod_files(options.output, options.lod);
+  for (const std::string& file : files) check_mesh_output(file);
+  refuse_overwriting(files, {options.input});
   TerminalProgress progress(global);
   const Context context(global.threads, progress);
   Stages stages(context);
   ReadReport read;
   const Mesh mesh = stages.run("read", [&] { return read_mesh(options.input, &read); });
   warn_of(read, progress);
-  const Simplified result = stages.run("simplify", [&] { return simplified(mesh, options, context); });
+  Simplified result = stages.run("simplify", [&] { return simplified(mesh, options, context); });
+  const SimplifyReport report = result.report;
+  const auto make_levels = [&] { return detail_levels(std::move(result), options.lod, context); };
+  const std::vector<DetailLevel> levels = options.lod ? stages.run("levels", make_levels) : make_levels();
   stages.run("write", [&] {
     WriteOptions write;
     write.ascii = options.ascii;
     write.coordinate_precision = proved_precision;
-    for (const std::string& warning : write_mesh(options.output, result.mesh, write, context).warnings)
+    for (const std::string& warning : write_levels(options.output, levels, write, context).warnings)
       progress.warn(warning);
   });
-  const SimplifyReport& report = result.report;
   progress.info(fmt::format(
       "{}: {} of {} triangles ({:.3g} %), each mesh proved within {:.3g} of the other", options.output,
       report.triangles, report.triangles_before,
       100.0 * static_cast<double>(report.triangles) / static_cast<double>(report.triangles_before), report.proved));
+  announce_levels(options.output, levels, progress);
   return 0;
 }
 
@@ -88,6 +96,7 @@ void add_simplify(CLI::App& app, const GlobalOptions& global, Runner& runner) {
       ->add_option("--triangles", options->triangles,
                    "Instead: at most so many triangles, by the smallest distance that does")
       ->option_text("N");
+  add_lod(*command, options->lod);
   command->add_flag("--ascii", options->ascii, "PLY and STL as text");
   command->callback([options, &global, &runner] { runner = [options, &global] { return run(*options, global); }; });
 }

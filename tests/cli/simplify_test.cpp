@@ -1,6 +1,7 @@
 // soapfilm simplify, and reconstruct --simplify: what they write, say and refuse.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -72,6 +73,48 @@ TEST(SimplifyCommand, IsAStageOfReconstruct) {
             0.02 * report["grid"]["voxel"].get<double>() * (1 - 1e-12));
 }
 
+TEST(SimplifyCommand, WritesCoarserLevelsBesideIt) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run({"-q", "scan", "knot", "-o", folder.file("knot"), "--samples", "20000"}).exit_code, 0);
+  const std::string full = folder.file("full.ply"), out = folder.file("lod.ply");
+  ASSERT_EQ(run({"-q", "reconstruct", folder.file("knot/samples.ply"), "-o", full, "--resolution", "64"}).exit_code, 0);
+  const ProcessResult result = run({"simplify", full, "-o", out, "--tolerance", "0.001", "--lod", "2"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "lod.2.ply: ")) << result.err;
+  EXPECT_TRUE(contains(result.err, "proved within 0.007 of the full mesh")) << result.err;
+  size_t triangles = read_mesh(full).triangles.size();
+  double bound = 0, step = 0.001;
+  for (const std::string name : {"lod.ply", "lod.1.ply", "lod.2.ply"}) {
+    const Mesh level = read_mesh(folder.file(name));
+    EXPECT_LT(level.triangles.size(), triangles);
+    triangles = level.triangles.size();
+    bound += step;
+    step *= 2;
+    EXPECT_LE(farthest(read_mesh(full), level), bound);
+    EXPECT_TRUE(check_topology(level).watertight());
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.file("lod.3.ply")));
+
+  const std::string glb = folder.file("lod.glb"), again = folder.file("again.glb");
+  ASSERT_EQ(run({"-q", "simplify", full, "-o", glb, "--tolerance", "0.001", "--lod", "2", "--threads", "1"}).exit_code,
+            0);
+  ASSERT_EQ(
+      run({"-q", "simplify", full, "-o", again, "--tolerance", "0.001", "--lod", "2", "--threads", "4"}).exit_code, 0);
+  EXPECT_EQ(read_file(glb), read_file(again));
+  EXPECT_EQ(read_mesh(glb).triangles, read_mesh(out).triangles);
+
+  const std::vector<std::string> reconstruct{"reconstruct", folder.file("knot/samples.ply"), "--resolution", "64",
+                                             "-o"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), reconstruct.begin(), reconstruct.end());
+    return more;
+  };
+  ASSERT_EQ(run(with({folder.file("r.ply"), "-q", "--simplify", "0.001", "--lod", "1"})).exit_code, 0);
+  EXPECT_LT(read_mesh(folder.file("r.1.ply")).triangles.size(), read_mesh(folder.file("r.ply")).triangles.size());
+  expect_refused(with({folder.file("s.ply"), "--lod", "1"}), "--simplify auto makes it");
+  expect_refused(with({"-", "--format", "ply", "--simplify", "auto", "--lod", "1"}), "cannot go to standard output");
+}
+
 TEST(SimplifyCommand, RefusesWhatItCannotDo) {
   const TemporaryFolder folder;
   const std::string fan = folder.file("fan.obj");
@@ -82,6 +125,14 @@ TEST(SimplifyCommand, RefusesWhatItCannotDo) {
                  "one of --tolerance and --triangles must be given");
   expect_refused({"-q", "simplify", fan, "-o", folder.file("s.ply"), "--tolerance", "x"}, "tolerance = x");
   expect_refused({"-q", "simplify", fan, "-o", fan, "--tolerance", "0.1"}, "fan.obj");
+  for (const std::string lod : {"0", "-1", "17"})
+    expect_refused({"-q", "simplify", fan, "-o", folder.file("s.ply"), "--tolerance", "0.1", "--lod", lod},
+                   "lod = " + lod + ", must be in [1, 16]");
+  expect_refused({"-q", "simplify", fan, "-o", folder.file("s.ply"), "--tolerance", "0.1", "--lod", "x"}, "--lod = x");
+  const std::string second = folder.file("s.2.obj");
+  std::filesystem::copy(fan, second);
+  expect_refused({"-q", "simplify", second, "-o", folder.file("s.obj"), "--tolerance", "0.1", "--lod", "2"},
+                 "s.2.obj: is also an input");
   expect_refused({"reconstruct", fan, "--simplify", "0vox"}, "simplify tolerance_vox = 0, must be > 0");
   expect_refused({"reconstruct", fan, "--simplify", "autovox"}, "simplify = autovox");
   expect_refused({"reconstruct", fan, "--simplify", "0.1", "--triangles", "5"}, "only one of them may be given");

@@ -1,5 +1,6 @@
-// `soapfilm tiles` makes what others read: the Khronos validator passes every GLB, 3DTilesRendererJS loads the tileset in
-// headless Chromium, coarse from far and fine from near, upright and without a gap: node tiles.test.mjs (by run.sh).
+// `soapfilm tiles` and `simplify --lod` make what others read: the Khronos validator passes every GLB, 3DTilesRendererJS
+// loads the tileset in headless Chromium, coarse from far and fine from near, upright and without a gap: node
+// tiles.test.mjs (by run.sh).
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {readdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
@@ -71,14 +72,27 @@ before(async () => {
 });
 after(() => browser?.close());
 
-test('the validator finds nothing in any GLB', async () => {
+/** What the validator has to say of a GLB. */
+async function issues(path) {
   const {validateBytes} = createRequire(join(modules, 'modules.js'))('gltf-validator');
+  return (await validateBytes(new Uint8Array(readFileSync(path)))).issues.messages;
+}
+
+test('the validator finds nothing in any GLB', async () => {
   const names = readdirSync(join(folder, 'tiles'));
   assert.ok(names.length > 8);
-  for (const name of names) {
-    const report = await validateBytes(new Uint8Array(readFileSync(join(folder, 'tiles', name))));
-    assert.deepEqual(report.issues.messages, [], name);
-  }
+  for (const name of names) assert.deepEqual(await issues(join(folder, 'tiles', name)), [], name);
+});
+
+test('levels of detail are valid: it does not know their extension, so it takes further nodes for unused', async () => {
+  soapfilm('simplify', inOut('knot.ply'), '-o', inOut('lod.glb'), '--tolerance', '0.1%', '--lod', '3');
+  const found = (await issues(inOut('lod.glb'))).map(({code, pointer}) => `${code} ${pointer}`);
+  assert.deepEqual(found.sort(), [
+    'UNSUPPORTED_EXTENSION /extensionsUsed/0',
+    'UNUSED_OBJECT /nodes/1',
+    'UNUSED_OBJECT /nodes/2',
+    'UNUSED_OBJECT /nodes/3',
+  ]);
 });
 
 test('a viewer shows it, coarse from far and whole from near', async () => {

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstring>
 #include <ostream>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -32,7 +33,7 @@ namespace {
 
 constexpr size_t most_bytes = UINT32_MAX;  // a GLB file counts its bytes in 32 bits
 
-/// A glTF scene of one mesh, its arrays one after the other in one buffer.
+/// A glTF scene that shows the first of its meshes, their arrays one after the other in one buffer.
 class GltfScene {
  public:
   GltfScene() {
@@ -41,11 +42,17 @@ class GltfScene {
     model.buffers.emplace_back();
     model.scenes.emplace_back().nodes = {0};
     model.defaultScene = 0;
-    model.nodes.emplace_back().mesh = 0;
+    model.materials.emplace_back();
+  }
+
+  /// A mesh and its node.
+  void begin_mesh(Vec3d origin) {
+    tinygltf::Node& node = model.nodes.emplace_back();
+    node.mesh = static_cast<int>(model.meshes.size());
+    node.translation = {origin.x, origin.y, origin.z};
     tinygltf::Primitive& triangles = model.meshes.emplace_back().primitives.emplace_back();
     triangles.mode = TINYGLTF_MODE_TRIANGLES;
     triangles.material = 0;
-    model.materials.emplace_back();
   }
 
   /// value(i) for each element; returns the accessor's index. Elements are a multiple of 4 bytes long.
@@ -78,17 +85,17 @@ class GltfScene {
   void turn(Axis up) {
     if (up == Axis::y) return;
     const GltfPlace place = turned_up(up);
+    model.scenes[0].nodes = {static_cast<int>(model.nodes.size())};
     tinygltf::Node& root = model.nodes.emplace_back();
     for (const Vec3d& image : place.axis) root.matrix.insert(root.matrix.end(), {image.x, image.y, image.z, 0});
     root.matrix.insert(root.matrix.end(), {0, 0, 0, 1});
     root.children = {0};
-    model.scenes[0].nodes = {1};
     tinygltf::Value::Object extras;
     extras[gltf_up_key] = tinygltf::Value(std::string(name_of(up)));
     model.asset.extras = tinygltf::Value(std::move(extras));
   }
 
-  tinygltf::Primitive& primitive() { return model.meshes[0].primitives[0]; }
+  tinygltf::Primitive& primitive() { return model.meshes.back().primitives[0]; }
 
   tinygltf::Model model;
 };
@@ -165,46 +172,113 @@ std::string not_finite(const Mesh& mesh) {
   return names;
 }
 
-}  // namespace
-
-WriteReport write_glb(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
-  check_mesh(mesh);
-  const size_t vertex_bytes = 24 + 4 * !mesh.colors.empty() + 4 * mesh.attributes.size();
-  if (mesh.vertices.size() > most_bytes / vertex_bytes ||
-      mesh.triangles.size() > (most_bytes / 2 - mesh.vertices.size() * vertex_bytes / 2) / 6)
+void check_size(const std::string& path, std::span<const Mesh* const> meshes) {
+  size_t triangles = 0, room = most_bytes;
+  bool fits = true;
+  for (const Mesh* mesh : meshes) {
+    const size_t vertex_bytes = 24 + 4 * !mesh->colors.empty() + 4 * mesh->attributes.size();
+    triangles += mesh->triangles.size();
+    fits = fits && mesh->vertices.size() <= room / vertex_bytes;
+    if (fits) room -= mesh->vertices.size() * vertex_bytes;
+    fits = fits && mesh->triangles.size() <= room / sizeof(Triangle);
+    if (fits) room -= mesh->triangles.size() * sizeof(Triangle);
+  }
+  if (!fits)
     throw OutputError(fmt::format("{}: the mesh has {} triangles, too many for the 4 GiB of a GLB file; PLY holds them",
-                                  path, mesh.triangles.size()));
-  const Vec3d origin = mesh.box().center();
-  check_float_range(path, "glTF", mesh, origin);
-  GltfScene scene;
+                                  path, triangles));
+}
+
+void add_mesh(const Mesh& mesh, Vec3d origin, GltfScene& scene) {
+  scene.begin_mesh(origin);
   add_vertices(mesh, origin, scene);
-  scene.model.nodes[0].translation = {origin.x, origin.y, origin.z};
-  scene.turn(options.up);
-  set_material(mesh, scene.model.materials[0]);
   scene.primitive().indices =
       scene.add(mesh.triangles.size(), TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
                 TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, [&](size_t i) { return mesh.triangles[i]; });
   scene.model.accessors.back().count *= 3;
+}
 
+/// The first node shows all: the extension names the others, of which the scene knows nothing.
+void name_levels(std::span<const DetailLevel> levels, Vec3d origin, tinygltf::Model& model) {
+  tinygltf::Value::Array others;
+  for (size_t k = 0; k < levels.size(); ++k) {
+    tinygltf::Node& node = model.nodes[k];
+    node.name = fmt::format("lod{}", k);
+    constexpr double diagonal = 1.7320508075688774;  // of the error along an axis
+    const double rounding = float_rounding_error(levels[k].mesh.vertices, origin) * diagonal;
+    tinygltf::Value::Object extras;
+    extras["proved_distance"] = tinygltf::Value(levels[k].proved + rounding);
+    node.extras = tinygltf::Value(std::move(extras));
+    if (k > 0) others.emplace_back(static_cast<int>(k));
+  }
+  tinygltf::Value::Object lod;
+  lod["ids"] = tinygltf::Value(std::move(others));
+  model.nodes[0].extensions["MSFT_lod"] = tinygltf::Value(std::move(lod));
+  model.extensionsUsed = {"MSFT_lod"};
+}
+
+void write_scene(const std::string& path, tinygltf::Model& model) {
   AtomicFile file(path);
   FileBuffer buffer(file);
   std::ostream stream(&buffer);
-  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&scene.model, stream, false, true) || !stream)
+  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, true) || !stream)
     throw OutputError(path + ": cannot be written");
   file.commit();
+}
 
-  WriteReport report;
-  report.format = "glTF 2.0, binary";
-  const double loss = float_rounding_error(mesh.vertices, origin);
-  const double precision = mesh_precision(mesh, options.coordinate_precision);
-  const size_t collapsed = collapsed_by_float(mesh, origin);
-  if (loss > precision || collapsed > 0)
-    report.warnings.push_back(fmt::format(
+/// What the file does not hold as it was.
+std::vector<std::string> losses(const std::string& path, std::span<const Mesh* const> meshes, Vec3d origin,
+                                double coordinate_precision) {
+  std::vector<std::string> warnings;
+  double loss = 0;
+  size_t collapsed = 0;
+  bool matters = false;
+  for (const Mesh* mesh : meshes) {
+    const double moved = float_rounding_error(mesh->vertices, origin);
+    matters |= moved > mesh_precision(*mesh, coordinate_precision);
+    loss = std::max(loss, moved);
+    collapsed += collapsed_by_float(*mesh, origin);
+  }
+  if (matters || collapsed > 0)
+    warnings.push_back(fmt::format(
         "{}: glTF has 32-bit coordinates: vertices moved by up to {:.2g}, {} triangles lost all area; PLY keeps them",
         path, loss, collapsed));
-  if (const std::string names = not_finite(mesh); !names.empty())
-    report.warnings.push_back(path + ": glTF has no not-a-number: 0 was written in its place for attribute " + names);
+  if (const std::string names = not_finite(*meshes[0]); !names.empty())
+    warnings.push_back(path + ": glTF has no not-a-number: 0 was written in its place for attribute " + names);
+  return warnings;
+}
+
+WriteReport write_meshes(const std::string& path, std::span<const Mesh* const> meshes,
+                         std::span<const DetailLevel> levels, const WriteOptions& options) {
+  for (const Mesh* mesh : meshes) check_mesh(*mesh);
+  check_size(path, meshes);
+  const Vec3d origin = meshes[0]->box().center();
+  GltfScene scene;
+  for (const Mesh* mesh : meshes) {
+    check_float_range(path, "glTF", *mesh, origin);
+    add_mesh(*mesh, origin, scene);
+  }
+  if (!levels.empty()) name_levels(levels, origin, scene.model);
+  scene.turn(options.up);
+  set_material(*meshes[0], scene.model.materials[0]);
+  write_scene(path, scene.model);
+  WriteReport report;
+  report.format = "glTF 2.0, binary";
+  report.warnings = losses(path, meshes, origin, options.coordinate_precision);
   return report;
+}
+
+}  // namespace
+
+WriteReport write_glb(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
+  const Mesh* const meshes[] = {&mesh};
+  return write_meshes(path, meshes, {}, options);
+}
+
+WriteReport write_glb_levels(const std::string& path, std::span<const DetailLevel> levels,
+                             const WriteOptions& options) {
+  std::vector<const Mesh*> meshes;
+  for (const DetailLevel& level : levels) meshes.push_back(&level.mesh);
+  return write_meshes(path, meshes, levels, options);
 }
 
 }  // namespace soapfilm::io

@@ -1,7 +1,10 @@
 // Meshes as binary glTF 2.0 (.glb), for viewers and the web.
 #pragma once
 
+#include <span>
+
 #include "soapfilm/io.h"
+#include "soapfilm/io/levels.h"
 
 namespace soapfilm::io {
 
@@ -9,5 +12,10 @@ namespace soapfilm::io {
 /// double). A node above it turns WriteOptions::up to y (gltf_up.h). Normals, the faces' where the mesh has none, are
 /// NORMAL, colors COLOR_0, attributes _NAME; the one material is seen from both sides where the mesh is open.
 WriteReport write_glb(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context);
+
+/// Levels of detail of one surface, the finest first: nodes lod0, lod1, ... The scene has the first, whose extension
+/// MSFT_lod names the others: who does not know it shows the finest. Each one's extras have `proved_distance`: that of
+/// the level, and what rounding adds.
+WriteReport write_glb_levels(const std::string& path, std::span<const DetailLevel> levels, const WriteOptions& options);
 
 }  // namespace soapfilm::io
