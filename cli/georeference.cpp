@@ -73,7 +73,8 @@ class ToEarth {
     const PJ_COORD at = proj_trans(path_.get(), PJ_FWD, proj_coord(p.x, p.y, is_centered_ ? p.z : 0, 0));
     const Vec3d place =
         is_centered_ ? Vec3d{at.xyz.x, at.xyz.y, at.xyz.z} : earth_place(at.xyz.x, at.xyz.y, p.z * meters_of_height_);
-    if (!is_finite(place)) refuse(fmt::format("does not hold the point {:.10g}, {:.10g}", p.x, p.y));
+    const bool is_degrees = is_centered_ || (std::abs(at.xyz.x) <= 360 && std::abs(at.xyz.y) <= 90);
+    if (!is_finite(place) || !is_degrees) refuse(fmt::format("does not hold the point {:.10g}, {:.10g}", p.x, p.y));
     return place;
   }
 

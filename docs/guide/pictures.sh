@@ -110,6 +110,9 @@ soapfilm simplify full.ply -o small.ply --tolerance 0.00034
 soapfilm render full.ply small.ply -o smaller.png --size 380x300 --view 0.3,-0.4,1 --zoom 0.2,0.15,0.75,0.7 \
   --caption "full" --caption "a tenth of the triangles, within 0.05 voxel"
 
+# tiles.md: needs chromium and a build with the viewer beside the program
+sh "$here/../../viewer/test/run.sh" "$program" "$(dirname "$program")/../viewer" . tiles.test.mjs >tiles.txt
+
 # viewer.md and browser.md: need chromium, a build with the viewer beside the program, and `make web`
 soapfilm reconstruct hole/samples.ply -o hole.ply --report hole.report.json --distance --support --gap
 sh "$here/../../viewer/test/run.sh" "$program" "$(dirname "$program")/../viewer" . pictures.mjs

@@ -113,6 +113,11 @@ TEST(EarthFrame, IsTheSameByAnySystem) {
 TEST_F(Tiles, LeaveNothingBehindWhereTheyFail) {
   expect_refused({"tiles", "-q", mesh, "-o", out, "--coordinate-system", "EPSG:nonsense"}, "EPSG:nonsense");
   EXPECT_FALSE(std::filesystem::exists(out));
+  std::ofstream(folder.file("far.obj")) << "v 100 200 0\nv 101 200 0\nv 100 201 0\nf 1 2 3\n";
+  if (cli::knows_earth())
+    expect_refused({"tiles", "-q", folder.file("far.obj"), "-o", out, "--coordinate-system", "EPSG:4326"},
+                   "'EPSG:4326' does not hold the point 100.5, 200.5");
+  EXPECT_FALSE(std::filesystem::exists(out));
   expect_refused({"tiles", "-q", mesh, "-o", out, "--triangles", "5"}, "must be >= 100");
   EXPECT_FALSE(std::filesystem::exists(out));
   std::filesystem::create_directory(out);

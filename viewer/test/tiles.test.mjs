@@ -1,4 +1,4 @@
-// `soapfilm tiles` and `simplify --lod` make what others read: the Khronos validator passes every GLB, 3DTilesRendererJS
+// `soapfilm tiles` and `simplify --lod` make what others read: Khronos's validator passes every GLB, 3DTilesRendererJS
 // loads the tileset in headless Chromium, coarse from far and fine from near, upright and without a gap: node
 // tiles.test.mjs (by run.sh).
 import assert from 'node:assert/strict';
@@ -16,7 +16,7 @@ const folder = inOut('tiles');
 const site = 'http://localhost';
 let browser;
 
-/** What the page runs: `show(distance)` looks from so far, as parts of the tileset's size, and waits for the tiles. */
+/** What the page runs: `show(place, target)`, in parts of the tileset's size, looks from there and waits for tiles. */
 const script = `
 import {TilesRenderer} from '3d-tiles-renderer';
 import {Box3, Color, DirectionalLight, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer} from 'three';
@@ -34,13 +34,15 @@ tiles.setResolutionFromRenderer(camera, renderer);
 scene.add(tiles.group);
 const failed = [];
 tiles.addEventListener('load-error', ({error}) => failed.push(String(error)));
-window.show = async (distance, direction) => {
+const colors = ['#c9c2b4', '#9db4c9', '#d9b382', '#a9c79a', '#c99da8'];
+window.show = async (place, target) => {
   const sphere = new Sphere();
   for (let still = 0; still < 20; ) {
     if (tiles.getBoundingSphere(sphere)) {
-      camera.position.set(...direction).setLength(distance * sphere.radius).add(sphere.center);
+      const at = (parts) => new Vector3(...parts).multiplyScalar(sphere.radius).add(sphere.center);
+      camera.position.copy(at(place));
       camera.up.set(0, 0, 1);
-      camera.lookAt(sphere.center);
+      camera.lookAt(at(target));
       light.position.copy(camera.position);
       light.target = tiles.group;
     }
@@ -50,15 +52,22 @@ window.show = async (distance, direction) => {
     const {downloading, parsing} = tiles.stats;
     still = tiles.root && !downloading && !parsing ? still + 1 : 0;
   }
-  renderer.render(scene, camera);
   let triangles = 0;
-  const box = new Box3();
+  const box = new Box3(), depths = new Set();
   tiles.forEachLoadedModel((model, tile) => {
     if (!tiles.visibleTiles.has(tile)) return;
+    const depth = Number(tile.content.uri.match(/(\\d+)_\\d+_\\d+_\\d+\\.glb/)[1]);
+    depths.add(depth);
     box.expandByObject(model, true);
-    model.traverse((part) => part.geometry && (triangles += part.geometry.index.count / 3));
+    model.traverse((part) => {
+      if (!part.geometry) return;
+      triangles += part.geometry.index.count / 3;
+      part.material.color.set(colors[depth % colors.length]);
+    });
   });
-  return {triangles, tiles: tiles.visibleTiles.size, failed, lo: box.min.toArray(), hi: box.max.toArray()};
+  renderer.render(scene, camera);
+  const [lo, hi] = [box.min.toArray(), box.max.toArray()];
+  return {triangles, tiles: tiles.visibleTiles.size, depths: depths.size, failed, lo, hi};
 };
 document.documentElement.dataset.ready = 'true';
 `;
@@ -109,10 +118,13 @@ test('a viewer shows it, coarse from far and whole from near', async () => {
   });
   await page.goto(`${site}/`);
   await page.waitForFunction(() => document.documentElement.dataset.ready);
-  const far = await page.evaluate(() => window.show(60, [0.3, -0.4, 1]));
-  const near = await page.evaluate(() => window.show(3.2, [0.3, -0.4, 1]));
+  const show = (place, target) => page.evaluate((eyes) => window.show(...eyes), [place, target]);
+  const far = await show([16, -21, 54], [0, 0, 0]);
+  const near = await show([0.9, -1.1, 2.9], [0, 0, 0]);
+  const mixed = await show([0.55, -1.0, 0.5], [0.05, 0.0, 0.0]);
   await page.screenshot({path: inOut('tiles.png')});
-  assert.deepEqual([...faults, ...far.failed, ...near.failed], []);
+  assert.deepEqual([...faults, ...mixed.failed], []);
+  assert.ok(mixed.depths > 1, 'fine in front, coarse behind');
   assert.equal(far.tiles, 1);
   assert.ok(near.tiles > 4 && near.triangles > 2 * far.triangles, JSON.stringify({far, near}));
   // In place and upright: glTF's y is up, a tileset's z.
