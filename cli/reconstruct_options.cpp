@@ -223,6 +223,11 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
   output(app.add_flag("--gap", p.surface.gap,
                       "Where the certificate's gap is: at each vertex, over the price of its area,\nas the attribute "
                       "'gap'"));
+  output(app.add_option("--volume-interval", p.surface.volume_interval,
+                        "For experts, of tv: between which volumes all segmentations lie that are within\n5 voxels of "
+                        "this one and whose energy is at most EPS above the optimum, as a\nshare of it. No statement "
+                        "of accuracy: the scanned object's is some .01 above"))
+      ->option_text("EPS");
   output(app.add_flag("--check", o.check, "Check the mesh's topology and its distance to the samples"));
   output(app.add_flag(
       "--strict", o.strict,

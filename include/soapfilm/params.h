@@ -173,6 +173,7 @@ struct SurfaceParams {
   bool support = false;   ///< adds the attribute "support" to vertices: samples per voxel^2 of surface there
   bool gap = false;  ///< adds the attribute "gap" to vertices: the certificate's gap there, as a share of the area's
                      ///< price; not a number where the mesh has left the certified surface; tv and tv_sor only
+  std::optional<double> volume_interval{};  ///< eps: bounds the volumes of all near segmentations of energy <= E* + eps
   std::vector<std::string> attributes = {"color"};  ///< of samples, carried to vertices: "color", columns, "all"
 };
 

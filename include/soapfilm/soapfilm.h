@@ -126,6 +126,16 @@ SOAPFILM_API const float* soapfilm_attribute(const soapfilm_result* result, cons
 SOAPFILM_API const char* soapfilm_attribute_name(const soapfilm_result* result, size_t index); /* null: no more */
 SOAPFILM_API const char* soapfilm_report(const soapfilm_result* result);                       /* JSON */
 
+/* A mesh from arrays as those above, as a result without a report. */
+SOAPFILM_API soapfilm_status soapfilm_mesh_create(soapfilm_context* context, const double* vertices,
+                                                  size_t vertex_count, const uint32_t* triangles,
+                                                  size_t triangle_count, soapfilm_result** result);
+/* Fewer triangles of a closed or open 2-manifold, each mesh proved to lie within `tolerance` of the other (input units);
+ * if `triangles` > 0: at most so many, whatever `tolerance`. Report: {"triangles_before", "triangles", "tolerance",
+ * "proved"}. *simplified is null if it fails. */
+SOAPFILM_API soapfilm_status soapfilm_simplify(soapfilm_context* context, const soapfilm_result* result,
+                                               double tolerance, size_t triangles, soapfilm_result** simplified);
+
 /* Writes the mesh, completely or not at all: .ply, .obj, .glb or .stl. */
 SOAPFILM_API soapfilm_status soapfilm_write_mesh(soapfilm_context* context, const soapfilm_result* result,
                                                  const char* path);

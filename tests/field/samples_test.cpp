@@ -8,13 +8,14 @@
 
 #include "soapfilm/core/random.h"
 #include "support/problem.h"
+#include "support/shuffled.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
 
 using namespace test;
 
-TEST(Samples, EachIsInItsBrickInTheOrderOfTheCloud) {
+TEST(Samples, EachIsInItsBrickByItsPlace) {
   const PointCloud cloud = sampled("part", 48, 1);
   const Problem problem = make_problem(cloud, 48);
   const GridSamples& samples = problem.samples;
@@ -26,7 +27,7 @@ TEST(Samples, EachIsInItsBrickInTheOrderOfTheCloud) {
       const uint32_t i = samples.source[s];
       EXPECT_FALSE(seen[i]);
       seen[i] = true;
-      EXPECT_TRUE(s == samples.begin[b] || samples.source[s - 1] < i);
+      EXPECT_TRUE(s == samples.begin[b] || samples.local[s - 1].z <= samples.local[s].z);
       const Vec3d position = problem.lattice.to_lattice(cloud.positions[i]);
       const Vec3d stored = Vec3d(samples.bricks.first_vertex(b)) + Vec3d(samples.local[s]);
       for (int axis = 0; axis < 3; ++axis) {
@@ -92,7 +93,8 @@ TEST(Samples, AreSortedAlikeByAnyNumberOfThreads) {
   const PointCloud cloud = sampled("knot", 40, 20);
   const Lattice lattice = lattice_of(cloud, 40);
   const GridSamples one = sort_samples(cloud, cloud.normals, lattice, Context(1));
-  for (size_t s = 0; s < one.size(); ++s) ASSERT_EQ(one.sample_hash[s], sample_hash_of(one.source[s]));
+  for (size_t s = 0; s < one.size(); ++s)
+    ASSERT_EQ(one.sample_hash[s], sample_hash_of(cloud.positions[one.source[s]], cloud.box()));
   const auto third = [](size_t i) { return i % 3 == 0; };
   for (const int threads : {2, 3, 8}) {
     const GridSamples many = sort_samples(cloud, cloud.normals, lattice, Context(threads));
@@ -108,17 +110,49 @@ TEST(Samples, AreSortedAlikeByAnyNumberOfThreads) {
   }
 }
 
-/// Three quarters of the samples are fitted, one is held out: two bits of the lots are even and independent.
-TEST(Samples, HashBitsAreEven) {
-  constexpr size_t count = 100'000;
-  std::array<size_t, 4> found{}, after_zero{};
-  for (size_t i = 0; i < count; ++i) {
-    ++found[sample_hash_of(i) & 3];
-    if (i > 0 && (sample_hash_of(i - 1) & 3) == 0) ++after_zero[sample_hash_of(i) & 3];
+/// Positions, directions and weights of a brick's samples are the same ones in whatever order a cloud has them.
+TEST(Samples, AreSortedAlikeInAnyOrderOfTheCloud) {
+  PointCloud cloud = sampled("knot", 40, 20);
+  Random random(5);
+  for (size_t i = 0; i < cloud.size(); ++i) cloud.weights.push_back(static_cast<float>(1 + random.uniform()));
+  for (size_t i = 0; i < 200; ++i) {  // some at one place, of which some differ in nothing, some in their directions
+    cloud.positions[2 * i] = cloud.positions[0];
+    if (i % 2 == 0) cloud.normals[2 * i] = cloud.normals[0], cloud.weights[2 * i] = cloud.weights[0];
   }
-  for (size_t k = 0; k < 4; ++k) {
-    EXPECT_NEAR(static_cast<double>(found[k]), count / 4.0, 5 * std::sqrt(count * 3 / 16.0));
-    EXPECT_NEAR(static_cast<double>(after_zero[k]), count / 16.0, 5 * std::sqrt(count * 15 / 256.0));
+  const Lattice lattice = lattice_of(cloud, 40);
+  const GridSamples one = sort_samples(cloud, cloud.normals, lattice, Context(1));
+  for (const uint64_t seed : {1, 2}) {
+    const PointCloud other = shuffled(cloud, seed);
+    const GridSamples many = sort_samples(other, other.normals, lattice, Context(2));
+    EXPECT_NE(many.source, one.source);
+    EXPECT_EQ(many.begin, one.begin);
+    EXPECT_EQ(many.local, one.local);
+    EXPECT_EQ(many.direction, one.direction);
+    EXPECT_EQ(many.weight, one.weight);
+    EXPECT_EQ(many.sample_hash, one.sample_hash);
+  }
+}
+
+/// Three quarters of the samples are fitted, one is held out: two bits of the lots are even, and independent of those
+/// of the next place on a line.
+TEST(Samples, HashBitsAreEven) {
+  constexpr size_t count = 60'000;
+  Box3d box;
+  box.extend(Vec3d{0, 0, 0});
+  box.extend(Vec3d{1, 1, 1});
+  for (const Vec3d along : {Vec3d{1, 0, 0}, Vec3d{0, 0, 1}, Vec3d{1, 1, 0}, Vec3d{1, 1, 1}}) {
+    const auto lot = [&](size_t i) {
+      return sample_hash_of(along * ((static_cast<double>(i) + 0.5) / 65536), box) & 3;
+    };
+    std::array<size_t, 4> found{}, after_zero{};
+    for (size_t i = 0; i < count; ++i) {
+      ++found[lot(i)];
+      if (i > 0 && lot(i - 1) == 0) ++after_zero[lot(i)];
+    }
+    for (size_t k = 0; k < 4; ++k) {
+      EXPECT_NEAR(static_cast<double>(found[k]), count / 4.0, 5 * std::sqrt(count * 3 / 16.0));
+      EXPECT_NEAR(static_cast<double>(after_zero[k]), count / 16.0, 5 * std::sqrt(count * 15 / 256.0));
+    }
   }
 }
 

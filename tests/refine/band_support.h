@@ -56,7 +56,7 @@ inline GridSamples random_samples(Vec3i bricks, size_t count, uint64_t seed) {
       const auto deviate = [&] { return static_cast<float>(random.normal()); };
       samples.local.push_back({coordinate(), coordinate(), coordinate()});
       samples.direction.push_back(normalized(Vec3f{deviate(), deviate(), deviate()}));
-      samples.sample_hash.push_back(sample_hash_of(samples.sample_hash.size()));
+      samples.sample_hash.push_back(static_cast<uint8_t>(Random(samples.sample_hash.size() + 1).next()));
     }
     samples.begin.push_back(static_cast<uint32_t>(samples.local.size()));
   }

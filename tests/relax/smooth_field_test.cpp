@@ -87,7 +87,7 @@ GridSamples near_plane(Vec3f direction, Shift&& shift) {
           const Vec3d at = Vec3d(samples.bricks.first_vertex(b)) + local;
           samples.local.push_back(Vec3f(local + Vec3d{shift(at.y, at.z), 0, 0}));
           samples.direction.push_back(direction);
-          samples.sample_hash.push_back(sample_hash_of(samples.sample_hash.size()));
+          samples.sample_hash.push_back(static_cast<uint8_t>(Random(samples.sample_hash.size() + 1).next()));
         }
     samples.begin.push_back(static_cast<uint32_t>(samples.local.size()));
   }

@@ -18,6 +18,7 @@ from . import _core
 from ._mesh import Mesh, Result, read_mesh
 from ._points import Points, read
 from ._run import Reconstructor, reconstruct
+from ._simplify import simplify
 from ._tools import compare, evaluate, measure, render, scan, view
 from .errors import (EmptyResult, InputError, OutOfMemory, OutputError, ParameterError, SamplesError, SoapfilmError,
                      SoapfilmWarning)
@@ -27,5 +28,5 @@ __version__: str = _core.version
 __all__ = [
     "EmptyResult", "InputError", "Mesh", "OutOfMemory", "OutputError", "ParameterError", "Points", "Reconstructor",
     "Result", "SamplesError", "SoapfilmError", "SoapfilmWarning", "compare", "evaluate", "measure", "read", "read_mesh",
-    "reconstruct", "render", "scan", "view",
+    "reconstruct", "render", "scan", "simplify", "view",
 ]

@@ -18,7 +18,7 @@ OPTIONS = {
     "fill_holes": "trim.fill_holes",
     "simplify": "simplify.tolerance", "triangles": "simplify.triangles",
     "attributes": "surface.attributes", "distance": "surface.distance", "support": "surface.support",
-    "gap": "surface.gap",
+    "gap": "surface.gap", "volume_interval": "surface.volume_interval",
 }
 
 #: Flags, and options that take on or off.

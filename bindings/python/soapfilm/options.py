@@ -111,6 +111,7 @@ class Surface(TypedDict, total=False):
     distance: bool
     support: bool
     gap: bool
+    volume_interval: Optional[float]
     attributes: List[str]
 
 
@@ -186,6 +187,7 @@ class Options(TypedDict, total=False):
     distance: Optional[Switch]
     support: Optional[Switch]
     gap: Optional[Switch]
+    volume_interval: Optional[float]
     solve: Solve
     orient: Orient
     place: Place

@@ -7,6 +7,8 @@
 
 #include "arrays.h"
 #include "soapfilm/io.h"
+#include "soapfilm/simplify.h"
+#include "work.h"
 
 namespace soapfilm::python {
 
@@ -94,6 +96,21 @@ std::pair<MeshHolder, std::vector<std::string>> read_file(const std::string& pat
   return {{std::move(mesh)}, std::move(report.warnings)};
 }
 
+/// `triangles` > 0: at most so many, else within `tolerance`. The mesh and its report.
+std::pair<MeshHolder, py::dict> simplify_mesh(const MeshHolder& holder, double tolerance, size_t triangles, int threads,
+                                              const py::object& on_event) {
+  Simplified found;
+  work_beside_python(threads, on_event, [&](const Context& context) {
+    found = triangles > 0 ? simplify_to(*holder.mesh, triangles, context) : simplify(*holder.mesh, tolerance, context);
+  });
+  py::dict report;
+  report["triangles_before"] = found.report.triangles_before;
+  report["triangles"] = found.report.triangles;
+  report["tolerance"] = found.report.tolerance;
+  report["proved"] = found.report.proved;
+  return {{std::make_shared<const Mesh>(std::move(found.mesh)), holder.voxel}, report};
+}
+
 }  // namespace
 
 void add_meshes(py::module_& module) {
@@ -113,6 +130,7 @@ void add_meshes(py::module_& module) {
       .def("save", &save_mesh);
   module.def("mesh_of", &mesh_of);
   module.def("read_mesh", &read_file);
+  module.def("simplify", &simplify_mesh);
 }
 
 }  // namespace soapfilm::python

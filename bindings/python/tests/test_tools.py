@@ -60,6 +60,33 @@ def test_measure_is_the_programs(tmp_path, result, program):
     assert box["above_mesh"]["fill"]["volume"] == 0 and box["volume"] > 0
 
 
+def test_simplify_is_the_programs(tmp_path, result, program):
+    mesh, out = tmp_path / "mesh.ply", tmp_path / "small.ply"
+    result.save(mesh)
+    tolerance = 0.1 * result.voxel
+    program("simplify", mesh, "--tolerance", repr(tolerance), "-o", out)
+    ours, report = soapfilm.simplify(mesh, tolerance, threads=1)
+    theirs = soapfilm.read_mesh(out)
+    assert np.array_equal(ours.triangles, theirs.triangles)
+    assert np.abs(ours.vertices - theirs.vertices).max() < 1e-3 * result.voxel
+    assert report["triangles"] == len(ours.triangles) < report["triangles_before"] / 3
+    assert 0 < report["proved"] <= report["tolerance"] == tolerance
+    assert ours.topology()["watertight"] and ours.topology()["genus"] == result.topology()["genus"]
+    few, report = soapfilm.simplify((result.vertices, result.triangles), triangles=500)
+    assert len(few.triangles) <= 500 and report["proved"] > tolerance
+
+
+@pytest.mark.parametrize("arguments, message", [
+    ({}, "simplify: give a tolerance, or triangles = N"),
+    ({"tolerance": 1.0, "triangles": 5}, "simplify: give a tolerance, or triangles = N"),
+    ({"tolerance": -1.0}, "tolerance = -1.0, must be > 0 and finite"),
+    ({"triangles": 0}, "triangles = 0, must be >= 1"),
+])
+def test_simplify_refuses(result, arguments, message):
+    with pytest.raises(soapfilm.ParameterError, match="^" + re.escape(message) + "$"):
+        soapfilm.simplify(result, **arguments)
+
+
 def test_compare_is_the_programs(tmp_path, result, knot, program):
     mesh, cloud, out = tmp_path / "mesh.ply", tmp_path / "cloud.ply", tmp_path / "out.json"
     result.save(mesh)

@@ -17,6 +17,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/simplify.h"
 #include "soapfilm/version.h"
 
 namespace {
@@ -190,6 +191,22 @@ PointCloud cloud_of(const soapfilm_samples& samples) {
   return cloud;
 }
 
+Mesh mesh_of(const double* vertices, size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
+  if (!vertices || !triangles) throw ParameterError("vertices or triangles = null, both must be given");
+  Mesh mesh;
+  for (size_t v = 0; v < vertex_count; ++v) {
+    mesh.vertices.push_back({vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]});
+    if (!is_finite(mesh.vertices.back())) throw ParameterError(fmt::format("vertex {}: not finite", v));
+  }
+  for (size_t t = 0; t < triangle_count; ++t) {
+    mesh.triangles.push_back({triangles[3 * t], triangles[3 * t + 1], triangles[3 * t + 2]});
+    for (const uint32_t v : mesh.triangles.back())
+      if (v >= vertex_count)
+        throw ParameterError(fmt::format("triangle {}: vertex {}, must be in [0, {})", t, v, vertex_count));
+  }
+  return mesh;
+}
+
 }  // namespace
 
 const char* soapfilm_version(void) { return version; }
@@ -286,6 +303,34 @@ const float* soapfilm_attribute(const soapfilm_result* result, const char* name)
 }
 
 const char* soapfilm_report(const soapfilm_result* result) { return result->report.c_str(); }
+
+soapfilm_status soapfilm_mesh_create(soapfilm_context* context, const double* vertices, size_t vertex_count,
+                                     const uint32_t* triangles, size_t triangle_count, soapfilm_result** result) {
+  *result = nullptr;
+  return guarded(context, [&] {
+    auto made = std::make_unique<soapfilm_result>();
+    made->reconstruction.mesh = mesh_of(vertices, vertex_count, triangles, triangle_count);
+    made->report = "{}";
+    *result = made.release();
+  });
+}
+
+soapfilm_status soapfilm_simplify(soapfilm_context* context, const soapfilm_result* result, double tolerance,
+                                  size_t triangles, soapfilm_result** simplified) {
+  *simplified = nullptr;
+  return guarded(context, [&] {
+    const Mesh& mesh = result->reconstruction.mesh;
+    Simplified found =
+        triangles > 0 ? simplify_to(mesh, triangles, context->context) : simplify(mesh, tolerance, context->context);
+    auto made = std::make_unique<soapfilm_result>();
+    made->reconstruction.mesh = std::move(found.mesh);
+    made->reconstruction.report.params.orient.up = result->reconstruction.report.params.orient.up;
+    const SimplifyReport& r = found.report;
+    made->report = fmt::format(R"({{"triangles_before": {}, "triangles": {}, "tolerance": {}, "proved": {}}})",
+                               r.triangles_before, r.triangles, r.tolerance, r.proved);
+    *simplified = made.release();
+  });
+}
 
 soapfilm_status soapfilm_write_mesh(soapfilm_context* context, const soapfilm_result* result, const char* path) {
   return guarded(context, [&] {

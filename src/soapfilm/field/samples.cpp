@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <numeric>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/core/random.h"
+#include "soapfilm/core/some_by_place.h"
 #include "soapfilm/error.h"
 
 namespace soapfilm {
@@ -49,9 +52,34 @@ GridSamples GridSamples::in(BrickGrid grid, const Context& context) const {
   return select(std::move(grid), std::move(first), taken, context);
 }
 
-uint8_t sample_hash_of(size_t source) {
-  constexpr uint64_t stride = 0x51ED2700;  // between seeds
-  return static_cast<uint8_t>(Random(1 + stride * (source + 1)).next() >> 11);
+uint8_t sample_hash_of(Vec3d place, const Box3d& box) { return static_cast<uint8_t>(hash_of_place(place, box)); }
+
+void GridSamples::sort_by_place(const Context& context) {
+  constexpr size_t bricks_per_task = 64;
+  const auto before = [&](uint32_t a, uint32_t b) {
+    const auto key = [&](uint32_t s) {
+      const Vec3f &p = local[s], &d = direction[s];
+      return std::make_tuple(p.z, p.y, p.x, d.z, d.y, d.x, weight_of(s));
+    };
+    const float from = local[a].z, to = local[b].z;
+    return from != to ? from < to : key(a) < key(b);
+  };
+  parallel_chunks(context, bricks.size(), bricks_per_task, [&](size_t first, size_t last) {
+    std::vector<uint32_t> order;
+    for (size_t b = first; b < last; ++b) {
+      order.resize(begin[b + 1] - begin[b]);
+      std::iota(order.begin(), order.end(), begin[b]);
+      std::stable_sort(order.begin(), order.end(), before);
+      for_each_column([&](auto column) {
+        auto& values = this->*column;
+        if (values.empty()) return;
+        auto sorted = std::remove_cvref_t<decltype(values)>();
+        sorted.reserve(order.size());
+        for (const uint32_t s : order) sorted.push_back(values[s]);
+        std::copy(sorted.begin(), sorted.end(), values.begin() + begin[b]);
+      });
+    }
+  });
 }
 
 std::vector<Vec3d> lattice_positions(const GridSamples& samples) {
@@ -109,7 +137,8 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   });
   samples.bricks = BrickGrid(occupied, context);
 
-  // A counting sort, so it is stable: the order within a brick is the cloud's, for any number of chunks.
+  // A counting sort, so it is stable: the order within a brick is the cloud's, for any number of chunks, until
+  // sort_by_place().
   const size_t bricks = samples.bricks.size();
   const size_t chunks = std::clamp<size_t>(cloud.size() / (2 * std::max<size_t>(bricks, 1)), 1, most_chunks);
   const size_t grain = cloud.size() / chunks + 1;
@@ -137,6 +166,7 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
     values.resize(count);
   };
   const double scale = weight_scale(cloud);
+  const Box3d cloud_box = cloud.box(context);
   make_room(samples.local);
   make_room(samples.direction);
   if (!cloud.weights.empty()) make_room(samples.weight);
@@ -147,8 +177,9 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
     samples.direction[k] = lattice.from_world_axes(directions[i]);
     if (!cloud.weights.empty()) samples.weight[k] = static_cast<float>(scale * cloud.weights[i]);
     samples.source[k] = static_cast<uint32_t>(i);
-    samples.sample_hash[k] = sample_hash_of(i);
+    samples.sample_hash[k] = sample_hash_of(cloud.positions[i], cloud_box);
   });
+  samples.sort_by_place(context);
   if (!samples.weight.empty()) samples.weigh_directions(context, [&](size_t s) { return samples.weight[s]; });
   return samples;
 }

@@ -16,8 +16,9 @@
 
 namespace soapfilm {
 
-/// Samples grouped by the brick that holds them; within a brick in the order of the cloud, so that sums never depend on
-/// threads. Positions are relative to the brick: float has a resolution of 2^-21 voxel in every brick.
+/// Samples grouped by the brick that holds them, within a brick sorted by their places: sums depend neither on threads
+/// nor on the order of the cloud. Positions are relative to the brick: float has a resolution of 2^-21 voxel in every
+/// brick.
 struct GridSamples {
   BrickGrid bricks;                  ///< the bricks that hold at least one sample
   int axis_shift = 0;                ///< permutation of the lattice's axes
@@ -28,7 +29,7 @@ struct GridSamples {
   std::vector<float> weight;         ///< how many samples it counts as: as given in the cloud, times weight_scale();
                                      ///< > 0; empty: all are 1
   std::vector<uint32_t> source;      ///< index of the sample in the cloud; freed when the cloud is no longer needed
-  std::vector<uint8_t> sample_hash;  ///< random bits per sample, the same for any grid: sample_hash_of(source)
+  std::vector<uint8_t> sample_hash;  ///< random bits of its place, the same for any grid: sample_hash_of()
 
   size_t size() const { return local.size(); }
   float weight_of(size_t s) const { return weight.empty() ? 1.0f : weight[s]; }
@@ -45,6 +46,8 @@ struct GridSamples {
   /// [first[b], first[b + 1]). Columns that are empty stay empty.
   GridSamples select(BrickGrid grid, std::vector<uint32_t> first, std::span<const uint32_t> taken,
                      const Context& context) const;
+  /// Sorts the samples of each brick by position, then direction and weight: of equal ones the first comes first.
+  void sort_by_place(const Context& context);
   /// Those of some of the bricks.
   GridSamples in(BrickGrid grid, const Context& context) const;
 
@@ -73,8 +76,8 @@ inline bool takes_part(const PointCloud& cloud, std::span<const Vec3f> direction
 /// weight that is negative, not finite, or more than 1e6 times the median.
 double weight_scale(const PointCloud& cloud);
 
-/// Decides which samples are held out.
-uint8_t sample_hash_of(size_t source);
+/// Decides which samples are held out: all at one place, or none. `box` is that of the cloud.
+uint8_t sample_hash_of(Vec3d place, const Box3d& box);
 
 /// Sorts the cloud's samples into bricks. `directions` is as long as the cloud; samples with a zero direction are left
 /// out, and so are those that are not `wanted`, if that is given.

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "soapfilm/core/random.h"
+#include "soapfilm/core/some_by_place.h"
 #include "soapfilm/error.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/field/terms.h"
@@ -41,9 +42,12 @@ void deal_scans(const PointCloud& cloud, const std::vector<size_t>& scan_size, F
   }
 }
 
-void deal_samples(uint64_t seed, Folds& folds) {
-  Random random(seed);
-  for (uint8_t& fold : folds.of_sample) fold = static_cast<uint8_t>(random.next() % static_cast<uint64_t>(folds.count));
+/// By their places: samples at one place are in one fold, in whatever order they come.
+void deal_samples(const PointCloud& cloud, uint64_t seed, Folds& folds) {
+  const Box3d box = cloud.box();
+  for (size_t i = 0; i < cloud.size(); ++i)
+    folds.of_sample[i] = static_cast<uint8_t>(Random(seed ^ hash_of_place(cloud.positions[i], box)).next() %
+                                              static_cast<uint64_t>(folds.count));
 }
 
 }  // namespace
@@ -67,7 +71,7 @@ Folds make_folds(const PointCloud& cloud, std::span<const Vec3f> directions, int
   if (folds.whole_scans)
     deal_scans(cloud, scan_size, folds);
   else
-    deal_samples(seed, folds);
+    deal_samples(cloud, seed, folds);
 
   folds.sizes.assign(static_cast<size_t>(count), 0);
   for (size_t i = 0; i < cloud.size(); ++i) folds.sizes[folds.of_sample[i]] += takes_part(cloud, directions, i);

@@ -10,7 +10,7 @@
 
 namespace soapfilm {
 
-AreaCoverage cover_area(const LocalSurface& surface) {
+AreaCoverage cover_area(const LocalSurface& surface, const SampleOrder& order) {
   constexpr double fewest_planes = 0.1;  // of the samples
   constexpr size_t fewest = 100;
   constexpr double quantile = 0.25;
@@ -26,7 +26,8 @@ AreaCoverage cover_area(const LocalSurface& surface) {
   std::vector<std::pair<float, float>> spacing_and_area;
   spacing_and_area.reserve(surface.planes / step + 1);
   constexpr double scatter = 1.09;  // true spacing of even samples over their measured lower quartile
-  for (size_t i = 0; i < surface.area.size(); ++i) {
+  for (size_t k = 0; k < order.size(); ++k) {
+    const size_t i = order.sample(k);
     if (!surface.is_plane(i)) continue;  // an edge, an outlier: its area is unknown
     area.add(surface.area[i]);
     if (planes++ % step != 0) continue;

@@ -5,11 +5,12 @@
 
 #include "soapfilm/context.h"
 #include "soapfilm/orient/local_surface.h"
+#include "soapfilm/orient/sample_cells.h"
 
 namespace soapfilm {
 
-/// Computes LocalSurface::coverage from its columns. Sums go over the samples, in their order.
-AreaCoverage cover_area(const LocalSurface& surface);
+/// Computes LocalSurface::coverage from its columns, whose samples are those of `order`.
+AreaCoverage cover_area(const LocalSurface& surface, const SampleOrder& order);
 
 /// A weight for each sample, 1 on average: the area that it represents over the mean one, so that equal areas have
 /// equal weight however many samples they have. Within a factor of 1.5 it is 1 (measured areas of even samples scatter

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "soapfilm/core/kd_tree.h"
@@ -28,14 +29,7 @@ class Estimator {
       : sites_(positions), neighbors_(static_cast<size_t>(params.neighbors)), params_(params), context_(context) {
     hint_.resize(sites_.points.size());
     for (size_t i = 0; i < positions.size(); ++i) hint_[sites_.of_sample[i]] += static_cast<Vec3d>(hints[i]);
-    slot_.assign(sites_.points.size(), nobody);
-    for (const uint32_t sample : wanted) {
-      const uint32_t site = sites_.of_sample[sample];
-      if (slot_[site] != nobody) continue;
-      slot_[site] = static_cast<uint32_t>(targets_.size());
-      targets_.push_back(site);
-      if (!given.empty()) given_.push_back(static_cast<Vec3d>(normalized(given[sample])));
-    }
+    choose_targets(wanted, given);
     fit();
     reach_beyond_lines();
     find_sides();
@@ -61,6 +55,25 @@ class Estimator {
   std::span<const uint32_t> near(size_t slot) const { return {&near_[slot * neighbors_], near_count_[slot]}; }
   bool has_hint(uint32_t site) const { return !(hint_[site] == Vec3d{}); }
   bool is_given(size_t slot) const { return !given_.empty() && !(given_[slot] == Vec3d{}); }
+
+  /// In the order of the sites. Of several normals given at one place the largest counts, coordinate by coordinate.
+  void choose_targets(std::span<const uint32_t> wanted, std::span<const Vec3f> given) {
+    slot_.assign(sites_.points.size(), nobody);
+    for (const uint32_t sample : wanted) slot_[sites_.of_sample[sample]] = 0;
+    for (uint32_t site = 0; site < slot_.size(); ++site) {
+      if (slot_[site] == nobody) continue;
+      slot_[site] = static_cast<uint32_t>(targets_.size());
+      targets_.push_back(site);
+    }
+    if (given.empty()) return;
+    given_.resize(targets_.size());
+    for (const uint32_t sample : wanted) {
+      Vec3d& of_site = given_[slot_[sites_.of_sample[sample]]];
+      const Vec3d own = static_cast<Vec3d>(normalized(given[sample]));
+      if (of_site == Vec3d{} || std::tie(of_site.x, of_site.y, of_site.z) < std::tie(own.x, own.y, own.z))
+        of_site = own;
+    }
+  }
 
   /// Nearest neighbors and planes of the targets; those with a hint get its sign.
   void fit() {
@@ -149,7 +162,7 @@ class Estimator {
   }
 
   /// The nearest neighbors of a target or, where more lie within the radius, all of these, in the order of their
-  /// samples.
+  /// sites.
   std::vector<uint32_t> with_all_within(double radius, const KdTree& tree, size_t t) const {
     const Vec3d p = sites_.points[targets_[t]];
     std::vector<std::pair<uint32_t, double>> found;
@@ -178,7 +191,7 @@ class Estimator {
   };
 
   /// Pairs of neighboring targets of unknown sign, those with the most nearly parallel normals first (the weight 1 -
-  /// |n_a . n_b| of Hoppe et al., in 65536 steps; equal ones in the order of their samples), and those above each other
+  /// |n_a . n_b| of Hoppe et al., in 65536 steps; equal ones in the order of their sites), and those above each other
   /// last: the way from one side of a thin body to the other is around its rim.
   std::vector<Edge> sorted_edges() const {
     constexpr size_t steps = 1 << 16;

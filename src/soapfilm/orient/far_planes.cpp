@@ -81,7 +81,7 @@ std::vector<Vec3f> far_planes(std::span<const Vec3d> points, std::span<const uin
   std::vector<Vec3f> normals(wanted.size());
   const Box3d box = box_of(points);
   if (wanted.empty() || !(box.longest() > 0)) return normals;
-  const SampleOrder order(points, box, context);
+  const SampleOrder order(points, {}, box, context);
   std::vector<Found> state(wanted.size(), Found::line);
   for (int depth = finest_depth(order); depth >= coarsest_means; --depth) {
     const std::vector<Vec3d> means = means_of_cells(points, order, depth);

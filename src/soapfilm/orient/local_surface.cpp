@@ -39,7 +39,7 @@ class Survey {
   Survey(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Box3d& box, const Context& context)
       : positions_(positions),
         directions_(directions),
-        order_(positions, box, context),
+        order_(positions, directions, box, context),
         context_(context),
         first_filled_(positions.size(), 0),
         first_company_(positions.size(), 0),
@@ -62,7 +62,7 @@ class Survey {
       size_t left = settled.left;
       left += doubt_large_ones();
       if (left == 0 || depth == coarsest) break;
-      cells = std::move(cells).coarser(directions_, context_);
+      cells = std::move(cells).coarser(order_, directions_, context_);
       --depth;
     }
     surface_.planes = 0;
@@ -72,7 +72,7 @@ class Survey {
       surface_.planes += surface_.is_plane(i);
       surface_.line[i] = first_company_[i] - first_filled_[i] >= line_depths;
     }
-    surface_.coverage = cover_area(surface_);
+    surface_.coverage = cover_area(surface_, order_);
     return std::move(surface_);
   }
 

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <tuple>
 #include <utility>
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/morton.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/radix_sort.h"
+#include "soapfilm/core/some_by_place.h"
 
 namespace soapfilm {
 
@@ -29,7 +31,7 @@ size_t hash_of(uint64_t key) {
 struct Sides {
   std::array<Facet, 2> facet;
   std::array<Vec3d, 2> sum;  ///< of positions relative to the cell's center, cells
-  Vec3f first;               ///< direction of the cell's first sample in the cloud
+  Vec3f first;               ///< direction of one of the cell's samples, chosen by lot
 
   /// Adds `count` samples, `from_center` their mean. Returns which facet it is.
   uint8_t add(Vec3d from_center, Vec3f direction, uint32_t count, uint64_t parts) {
@@ -69,14 +71,34 @@ uint64_t parts_in_parent(uint64_t parts, uint64_t octant) {
 
 }  // namespace
 
-SampleOrder::SampleOrder(std::span<const Vec3d> positions, const Box3d& box, const Context& context)
+SampleOrder::SampleOrder(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Box3d& box,
+                         const Context& context)
     : low_(box.lo), longest_(box.longest()) {
   reserve_many(items_, positions.size());
   items_.resize(positions.size());
   parallel_for(context, positions.size(), order_grain, [&](size_t i) {
-    items_[i] = {morton_key((positions[i] - low_) / longest_, deepest), static_cast<uint32_t>(i)};
+    items_[i] = {morton_key((positions[i] - low_) / longest_, deepest), static_cast<uint32_t>(i),
+                 static_cast<uint32_t>(hash_of_place(positions[i], box))};
   });
   radix_sort(items_, 3 * deepest, context, [](const Item& item) { return item.key; });
+  sort_equal_keys(positions, directions);
+}
+
+void SampleOrder::sort_equal_keys(std::span<const Vec3d> positions, std::span<const Vec3f> directions) {
+  const auto place = [&](const Item& item) {
+    const Vec3d p = positions[item.sample];
+    const Vec3f d = directions.empty() ? Vec3f{} : directions[item.sample];
+    return std::make_tuple(p.x, p.y, p.z, d.x, d.y, d.z);
+  };
+  for (size_t k = 0; k < items_.size();) {
+    size_t end = k + 1;
+    while (end < items_.size() && items_[end].key == items_[k].key) ++end;
+    if (end > k + 1)
+      std::stable_sort(items_.begin() + static_cast<std::ptrdiff_t>(k),
+                       items_.begin() + static_cast<std::ptrdiff_t>(end),
+                       [&](const Item& a, const Item& b) { return place(a) < place(b); });
+    k = end;
+  }
 }
 
 SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positions, std::span<const Vec3f> directions,
@@ -94,19 +116,20 @@ SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positi
     while (begin < end && !begins(begin)) ++begin;
     for (size_t k = begin; k < end; ++cell) {
       const size_t first = k;
-      uint32_t earliest = order.sample(k);
-      while (++k < order.size() && !begins(k)) earliest = std::min(earliest, order.sample(k));
+      size_t chosen = k;
+      while (++k < order.size() && !begins(k))
+        if (order.lot(k) < order.lot(chosen)) chosen = k;
       const uint64_t key = order.key(first) >> up;
       const Vec3i at{gather_coordinate(key), gather_coordinate(key >> 1), gather_coordinate(key >> 2)};
       const Vec3d center = order.low() + (Vec3d(at) + Vec3d{0.5, 0.5, 0.5}) * side_;
       Sides sides;
-      sides.first = directions[earliest];
+      sides.first = directions[order.sample(chosen)];
       for (size_t j = first; j < k; ++j) {
         const uint32_t i = order.sample(j);
         const uint64_t part = order.key(j) >> up_parts & 63;
         second_[j] = sides.add((positions[i] - center) / side_, directions[i], 1, uint64_t{1} << part);
       }
-      cells_[cell] = {key, static_cast<uint32_t>(first), earliest};
+      cells_[cell] = {key, static_cast<uint32_t>(first), static_cast<uint32_t>(chosen)};
       facets_[cell] = sides.take();
     }
   });
@@ -114,7 +137,8 @@ SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positi
   index_cells();
 }
 
-SampleCells SampleCells::coarser(std::span<const Vec3f> directions, const Context& context) && {
+SampleCells SampleCells::coarser(const SampleOrder& order, std::span<const Vec3f> directions,
+                                 const Context& context) && {
   SampleCells parents;
   parents.depth_ = depth_ - 1;
   parents.side_ = 2 * side_;
@@ -128,10 +152,11 @@ SampleCells SampleCells::coarser(std::span<const Vec3f> directions, const Contex
     while (begin < end && !begins(begin)) ++begin;
     for (size_t c = begin; c < end; ++parent) {
       const size_t first = c;
-      uint32_t earliest = cells_[c].earliest;
-      while (++c < size() && !begins(c)) earliest = std::min(earliest, cells_[c].earliest);
+      uint32_t chosen = cells_[c].chosen;
+      while (++c < size() && !begins(c))
+        if (order.lot(cells_[c].chosen) < order.lot(chosen)) chosen = cells_[c].chosen;
       Sides sides;
-      sides.first = directions[earliest];
+      sides.first = directions[order.sample(chosen)];
       for (size_t child = first; child < c; ++child) {
         const uint64_t octant = cells_[child].key & 7;
         const Vec3d corner = Vec3d{octant & 1 ? 0.25 : -0.25, octant & 2 ? 0.25 : -0.25, octant & 4 ? 0.25 : -0.25};
@@ -145,7 +170,7 @@ SampleCells SampleCells::coarser(std::span<const Vec3f> directions, const Contex
         for (size_t k = cells_[child].begin; k < cells_[child + 1].begin; ++k)
           parents.second_[k] = side[parents.second_[k]];
       }
-      parents.cells_[parent] = {cells_[first].key >> 3, cells_[first].begin, earliest};
+      parents.cells_[parent] = {cells_[first].key >> 3, cells_[first].begin, chosen};
       parents.facets_[parent] = sides.take();
     }
   });

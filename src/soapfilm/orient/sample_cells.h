@@ -21,16 +21,21 @@ struct Facet {
 };
 
 /// Samples sorted along a Morton curve through the cube of their box's longest side, and the cells of any depth: a cell
-/// of depth d has the side longest / 2^d. Does not depend on the number of threads.
+/// of depth d has the side longest / 2^d. Depends neither on the number of threads nor
+/// on the order of the cloud.
 class SampleOrder {
  public:
   static constexpr int deepest = 18;
 
-  SampleOrder(std::span<const Vec3d> positions, const Box3d& box, const Context& context);
+  /// Samples at one place are sorted by `directions`, which are as many as `positions`, or none.
+  SampleOrder(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Box3d& box,
+              const Context& context);
 
   size_t size() const { return items_.size(); }
   uint32_t sample(size_t k) const { return items_[k].sample; }
   uint64_t key(size_t k) const { return items_[k].key; }
+  /// Random bits that follow from its place.
+  uint32_t lot(size_t k) const { return items_[k].lot; }
   double longest() const { return longest_; }
   Vec3d low() const { return low_; }
 
@@ -38,7 +43,10 @@ class SampleOrder {
   struct Item {
     uint64_t key;
     uint32_t sample;
+    uint32_t lot;
   };
+  void sort_equal_keys(std::span<const Vec3d> positions, std::span<const Vec3f> directions);
+
   std::vector<Item> items_;
   Vec3d low_;
   double longest_ = 0;
@@ -52,12 +60,12 @@ class SampleCells {
               const Context& context);
 
   /// The cells of the depth above, computed from these.
-  SampleCells coarser(std::span<const Vec3f> directions, const Context& context) &&;
+  SampleCells coarser(const SampleOrder& order, std::span<const Vec3f> directions, const Context& context) &&;
 
   struct Cell {
     uint64_t key;
-    uint32_t begin;     ///< its first sample in the order; it ends where the next cell begins
-    uint32_t earliest;  ///< the first of its samples in the cloud
+    uint32_t begin;   ///< its first sample in the order; it ends where the next cell begins
+    uint32_t chosen;  ///< one of its samples in the order, by lot
   };
   static constexpr uint32_t none = ~uint32_t{0};
 

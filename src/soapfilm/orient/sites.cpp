@@ -2,31 +2,32 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <numeric>
+#include <tuple>
+
+#include "soapfilm/core/some_by_place.h"
 
 namespace soapfilm {
 
 Sites::Sites(const std::vector<Vec3d>& positions) : of_sample(positions.size()) {
-  std::vector<uint32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    const Vec3d &p = positions[a], &q = positions[b];
-    if (p.x != q.x) return p.x < q.x;
-    if (p.y != q.y) return p.y < q.y;
-    return p.z != q.z ? p.z < q.z : a < b;
+  Box3d box;
+  for (const Vec3d& position : positions) box.extend(position);
+  struct Place {
+    uint64_t hash;
+    uint32_t sample;
+  };
+  std::vector<Place> order;
+  order.reserve(positions.size());
+  for (size_t i = 0; i < positions.size(); ++i)
+    order.push_back({hash_of_place(positions[i], box), static_cast<uint32_t>(i)});
+  std::sort(order.begin(), order.end(), [&](const Place& a, const Place& b) {
+    if (a.hash != b.hash) return a.hash < b.hash;
+    const Vec3d &p = positions[a.sample], &q = positions[b.sample];
+    return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z);
   });
-  // The first sample at each sample's position.
   for (size_t k = 0; k < order.size(); ++k) {
-    const bool twin = k > 0 && positions[order[k]] == positions[order[k - 1]];
-    of_sample[order[k]] = twin ? of_sample[order[k - 1]] : order[k];
-  }
-  for (size_t i = 0; i < positions.size(); ++i) {
-    if (of_sample[i] < i) {
-      of_sample[i] = of_sample[of_sample[i]];
-      continue;
-    }
-    of_sample[i] = static_cast<uint32_t>(points.size());
-    points.push_back(positions[i] - positions[0]);
+    const Vec3d position = positions[order[k].sample];
+    if (k == 0 || !(position == positions[order[k - 1].sample])) points.push_back(position - box.lo);
+    of_sample[order[k].sample] = static_cast<uint32_t>(points.size() - 1);
   }
 }
 

@@ -9,8 +9,8 @@
 
 namespace soapfilm {
 
-/// The different positions, relative to the first one to keep precision at large offsets, in the order in which they
-/// first occur.
+/// The different positions, relative to their least coordinates to keep precision at large offsets, in an order that
+/// follows from the places alone, whatever the order of the samples and of the axes.
 struct Sites {
   std::vector<Vec3d> points;
   std::vector<uint32_t> of_sample;

@@ -241,6 +241,15 @@ void announce_self_check(const ReconstructReport& report, Trace& trace) {
   if (!text.empty()) trace.warn(std::move(text));
 }
 
+void announce_volumes(const VolumeInterval& volumes, double voxel, Trace& trace) {
+  const double of_vertex = voxel * voxel * voxel;
+  trace.info(
+      fmt::format("segmentations within {} voxels, of an energy at most {:g} above the optimum: volume {:.6g} to "
+                  "{:.6g}, this one {:.6g}",
+                  interval_reach, volumes.epsilon, volumes.least * of_vertex, volumes.most * of_vertex,
+                  volumes.segmented * of_vertex));
+}
+
 void announce_measures(const ReconstructReport& report, Trace& trace) {
   const MeasureReport& m = report.measure;
   std::string text = fmt::format("area {:.6g}", m.area);

@@ -37,6 +37,9 @@ void announce_refinement(const std::optional<FitReport>& report, const MemoryBud
 /// What trim() removed, if anything; warns where it would have removed everything.
 void announce_trim(const TrimReport& report, const TrimParams& params, Trace& trace);
 
+/// The interval of the volumes of other segmentations.
+void announce_volumes(const VolumeInterval& volumes, double voxel, Trace& trace);
+
 /// Area and volume, what one voxel of offset changes, and what the holes leave open.
 void announce_measures(const ReconstructReport& report, Trace& trace);
 

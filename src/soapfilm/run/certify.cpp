@@ -59,4 +59,12 @@ std::optional<GapField> find_gap(const Level& level, const Certificate& certific
                   LabelView(level, bits_above(level, mu, context)).interfaces(context)};
 }
 
+VolumeInterval volumes_near(Level& level, const Certificate& certificate, const ReconstructParams& params,
+                            const Context& context) {
+  return find_volume_interval(
+      level,
+      {static_cast<float>(params.surface.threshold), certificate.relaxed.primal, *params.surface.volume_interval},
+      params.solve, context);
+}
+
 }  // namespace soapfilm

@@ -8,6 +8,7 @@
 #include "soapfilm/place/place.h"
 #include "soapfilm/report.h"
 #include "soapfilm/run/segment.h"
+#include "soapfilm/solve/volume_interval.h"
 
 namespace soapfilm {
 
@@ -19,5 +20,9 @@ Certificate certify(const Segmentation& found, const Grid& grid, const SupportFi
 /// Where the certificate's gap is, if the mesh's vertices are to have it.
 std::optional<GapField> find_gap(const Level& level, const Certificate& certificate, const ReconstructParams& params,
                                  const Context& context);
+
+/// The interval that params.surface.volume_interval asks for. Leaves the thresholded u in the level, and another p.
+VolumeInterval volumes_near(Level& level, const Certificate& certificate, const ReconstructParams& params,
+                            const Context& context);
 
 }  // namespace soapfilm

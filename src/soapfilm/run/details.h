@@ -12,6 +12,7 @@
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/poisson.h"
 #include "soapfilm/solve/sor.h"
+#include "soapfilm/solve/volume_interval.h"
 
 namespace soapfilm {
 
@@ -28,7 +29,8 @@ struct ReportDetails {
   SolveReport solve;
   std::optional<VripReport> vrip;
   BorderReport border;
-  std::optional<FitReport> refine;  ///< when the surface was moved onto the samples
+  std::optional<VolumeInterval> volumes;  ///< when asked for
+  std::optional<FitReport> refine;        ///< when the surface was moved onto the samples
 };
 
 }  // namespace soapfilm

@@ -271,6 +271,7 @@ void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, 
   // The largest level counts, and replaces the guess from before the first one.
   const uint64_t before = plan_.solve.certain < 1 ? 0 : plan_.solve.bytes;
   plan_.solve = {std::max(before, support_bytes(data_bricks) + level_bytes(bricks + beside)), 1};
+  if (level == 0 && params_.surface.volume_interval) plan_.solve.bytes += support_bytes(bricks);
   if (level == 0 && params_.surface.gap) plan_.gap = {gap_bytes(bricks), 1};
   if (level == 0 && refines(params_)) plan_.refine = {Refinement::bytes_of_level(bricks), certain_of_refine};
   check();

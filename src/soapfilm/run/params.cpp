@@ -91,6 +91,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("surface", "distance", p.surface.distance);
   visit("surface", "support", p.surface.support);
   visit("surface", "gap", p.surface.gap);
+  visit("surface", "volume_interval", p.surface.volume_interval);
   visit("surface", "attributes", p.surface.attributes);
   visit("components", "min_support", p.components.min_support);
   visit("components", "few_samples", p.components.few_samples);
@@ -253,6 +254,9 @@ void refuse_contradictions(const ReconstructParams& params) {
     throw ParameterError(fmt::format("threshold = {:g}: method {} has none", params.surface.threshold, method));
   if (params.surface.gap && !is_certified(params.method))
     throw ParameterError(fmt::format("gap = true: method {} has no certificate", method));
+  if (params.surface.volume_interval && params.method != Method::tv)
+    throw ParameterError(fmt::format("volume_interval = {:g}: method {} has no certified solver",
+                                     *params.surface.volume_interval, method));
   if (params.surface.isovalue && !by_energy)
     throw ParameterError(fmt::format("isovalue = {:g}: method {} finds its own", *params.surface.isovalue, method));
   if (params.surface.refine.value_or(false) && !by_energy)
@@ -295,6 +299,9 @@ void validate(const ReconstructParams& params) {
   if (params.energy.lambda) require(weight(*params.energy.lambda), "lambda", *params.energy.lambda, "> 0 and <= 1e24");
   require(weight(params.energy.lambda_per_density), "lambda_per_density", params.energy.lambda_per_density,
           "> 0 and <= 1e24");
+  if (params.surface.volume_interval)
+    require(*params.surface.volume_interval > 0 && *params.surface.volume_interval <= 1, "volume_interval",
+            *params.surface.volume_interval, "> 0 and <= 1");
   require(params.solve.tolerance > 0, "tolerance", params.solve.tolerance, "> 0");
   require(params.solve.max_iterations >= 1, "max_iterations", params.solve.max_iterations, ">= 1");
   const bool checks = params.solve.check_every >= 1 && params.solve.check_every <= 1000;

@@ -90,6 +90,11 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     return find_gap(found.level, report.certificate, params, context);
   });
   announce_energy(report.certificate, params, trace);
+  if (params.surface.volume_interval) {
+    details->volumes =
+        trace.stage("volumes", [&] { return volumes_near(found.level, report.certificate, params, context); });
+    announce_volumes(*details->volumes, grid.lattice.voxel, trace);
+  }
 
   // From here on only the side of each vertex counts.
   Labels labels = labels_of(std::move(found.level), static_cast<float>(params.surface.threshold), context);

@@ -226,8 +226,15 @@ ordered_json scanners_json(const ScannerReport& r) {
   return {{"looked_at", r.scanners}, {"in_solid", r.in_solid}, {"enclosed", r.enclosed}};
 }
 
+ordered_json volumes_json(const VolumeInterval& v, double voxel) {
+  const double of_vertex = voxel * voxel * voxel;
+  return {{"epsilon", v.epsilon},         {"reach", interval_reach},
+          {"least", v.least * of_vertex}, {"segmented", v.segmented * of_vertex},
+          {"most", v.most * of_vertex},   {"solves", v.solves}};
+}
+
 /// The list of holes ends where it would be longer than all else.
-ordered_json measures_json(const MeasureReport& m, double voxel) {
+ordered_json measures_json(const MeasureReport& m, const std::optional<VolumeInterval>& near, double voxel) {
   constexpr size_t most_holes = 1000;
   const auto or_null = [](const std::optional<double>& v) { return v ? ordered_json(*v) : ordered_json(nullptr); };
   ordered_json holes = ordered_json::array();
@@ -243,6 +250,7 @@ ordered_json measures_json(const MeasureReport& m, double voxel) {
           {"filled_area", m.filled_area},
           {"volume_flat", or_null(m.volume_flat)},
           {"volume_smooth", or_null(m.volume_smooth)},
+          {"volume_interval", near ? volumes_json(*near, voxel) : ordered_json(nullptr)},
           {"hole_count", m.holes.size()},
           {"holes", holes}};
 }
@@ -312,7 +320,7 @@ std::string to_json(const ReconstructReport& report) {
         {"simplify", report.simplify ? simplify_json(*report.simplify) : ordered_json(nullptr)}}},
       {"mesh", mesh_json(report)},
       {"self_check", self_check_json(report.self_check)},
-      {"measures", measures_json(report.measure, report.grid.voxel)},
+      {"measures", measures_json(report.measure, report.details->volumes, report.grid.voxel)},
       {"scanners", scanners_json(report.scanners)},
       {"seconds", seconds},
       {"cpu_seconds", cpu_seconds},

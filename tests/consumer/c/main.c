@@ -66,6 +66,33 @@ static int scans_as_they_come(soapfilm_context* context, soapfilm_samples half) 
   return 0;
 }
 
+/* A tenth of the triangles, of a result and of arrays alike. */
+static int simplified(soapfilm_context* context, const soapfilm_result* result) {
+  soapfilm_result *small = NULL, *given = NULL, *again = NULL, *few = NULL;
+  const size_t triangles = soapfilm_triangle_count(result), vertices = soapfilm_vertex_count(result);
+  if (soapfilm_simplify(context, result, 0.005, 0, &small)) return failed(soapfilm_error(context));
+  if (soapfilm_triangle_count(small) > triangles / 4 || !soapfilm_attribute(small, "height"))
+    return failed("a simplified mesh");
+  if (!strstr(soapfilm_report(small), "\"proved\": 0.00")) return failed("what was proved");
+  if (soapfilm_mesh_create(context, soapfilm_vertices(result), vertices, soapfilm_triangles(result), triangles,
+                           &given) ||
+      soapfilm_simplify(context, given, 0.005, 0, &again) || soapfilm_simplify(context, given, 0, 100, &few))
+    return failed(soapfilm_error(context));
+  if (soapfilm_triangle_count(again) != soapfilm_triangle_count(small) ||
+      memcmp(soapfilm_vertices(again), soapfilm_vertices(small), 24 * soapfilm_vertex_count(small)) != 0)
+    return failed("arrays gave another simplified mesh");
+  if (soapfilm_triangle_count(few) > 100) return failed("a number of triangles");
+  soapfilm_result_destroy(few);
+  if (soapfilm_simplify(context, given, -1, 0, &few) != SOAPFILM_REFUSED || few) return failed("a bad tolerance");
+  if (soapfilm_mesh_create(context, soapfilm_vertices(result), vertices - 1, soapfilm_triangles(result), triangles,
+                           &few) != SOAPFILM_REFUSED || few)
+    return failed("an index out of range");
+  soapfilm_result_destroy(small);
+  soapfilm_result_destroy(given);
+  soapfilm_result_destroy(again);
+  return 0;
+}
+
 int main(void) {
   enum { count = 6000 };
   struct row* rows = calloc(count, sizeof *rows);
@@ -145,6 +172,8 @@ int main(void) {
       memcmp(soapfilm_triangles(again), corner, 3 * triangles * sizeof *corner) != 0)
     return failed("the report gave another mesh");
   soapfilm_result_destroy(again);
+
+  if (simplified(context, result)) return 1;
 
   /* Refusals are a status and a line; a cancelled run does not spoil the next one. */
   if (soapfilm_reconstruct(context, cloud, "{\"place\": {\"voxel\": -1}}", &again) != SOAPFILM_REFUSED || again ||
