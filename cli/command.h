@@ -26,6 +26,7 @@ void add_evaluate(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_compare(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_measure(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_simplify(CLI::App& app, const GlobalOptions& options, Runner& runner);
+void add_remesh(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_info(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner);
 void add_view(CLI::App& app, const GlobalOptions& options, Runner& runner);

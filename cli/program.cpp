@@ -70,6 +70,7 @@ int run(int argc, char** argv) {
   add_compare(app, options, runner);
   add_measure(app, options, runner);
   add_simplify(app, options, runner);
+  add_remesh(app, options, runner);
   add_info(app, options, runner);
   add_render(app, options, runner);
   add_view(app, options, runner);

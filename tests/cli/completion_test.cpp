@@ -18,8 +18,8 @@
 namespace soapfilm::test {
 namespace TEST_FILE {
 
-const std::vector<std::string> commands = {"reconstruct", "scan", "evaluate", "compare", "measure",
-                                           "simplify",    "info", "render",   "view",    "tiles"};
+const std::vector<std::string> commands = {"reconstruct", "scan", "evaluate", "compare", "measure", "simplify",
+                                           "remesh",      "info", "render",   "view",    "tiles"};
 
 /// The long options that a help page lists.
 std::set<std::string> options_of_help(const std::string& page) {
@@ -68,7 +68,7 @@ using Words = std::set<std::string>;
 
 TEST_F(BashCompletion, OffersCommandsFirst) {
   EXPECT_EQ(offers({"soapfilm", "''"}), Words(commands.begin(), commands.end()));
-  EXPECT_EQ(offers({"soapfilm", "re"}), (Words{"reconstruct", "render"}));
+  EXPECT_EQ(offers({"soapfilm", "re"}), (Words{"reconstruct", "remesh", "render"}));
   EXPECT_EQ(offers({"soapfilm", "--threads", "2", "sc"}), Words{"scan"});
 }
 
@@ -187,7 +187,7 @@ TEST(ManualPages, HaveEveryOptionOfTheHelpPages) {
 
 TEST(ManualPages, AreGoodRoff) {
   const TemporaryFolder folder;
-  for (std::string command : {"", "reconstruct", "scan", "evaluate", "simplify", "info", "render", "view"}) {
+  for (std::string command : {"", "reconstruct", "scan", "evaluate", "simplify", "remesh", "info", "render", "view"}) {
     const std::string file = folder.file("page.1");
     std::ofstream(file)
         << run(command.empty() ? std::vector<std::string>{"man"} : std::vector{std::string("man"), command}).out;

@@ -35,7 +35,8 @@ void expect_fits(const std::string& text, size_t lines, size_t columns) {
 /// Pages are as wide as the terminal, 40 to 120 columns: the shell says in COLUMNS how wide that is.
 TEST(Program, ItsPagesFitTheTerminal) {
   for (const size_t columns : {20, 40, 57, 80, 120, 200})
-    for (const char* command : {"", "reconstruct", "scan", "evaluate", "simplify", "info", "render", "view"}) {
+    for (const char* command :
+         {"", "reconstruct", "scan", "evaluate", "simplify", "remesh", "info", "render", "view"}) {
       const ProcessResult result = run_process(
           {"/bin/sh", "-c", "COLUMNS=" + std::to_string(columns) + " " + SOAPFILM_PROGRAM + " help " + command});
       EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -90,14 +91,14 @@ TEST(Program, HelpIsAPage) {
   const ProcessResult result = run({"--help"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
-  for (const char* word : {"reconstruct", "scan", "evaluate", "simplify", "info", "render", "--threads", "--quiet",
-                           "EXAMPLES", "EXIT CODES"})
+  for (const char* word : {"reconstruct", "scan", "evaluate", "simplify", "remesh", "info", "render", "--threads",
+                           "--quiet", "EXAMPLES", "EXIT CODES"})
     EXPECT_TRUE(contains(result.out, word)) << word;
   EXPECT_FALSE(contains(result.out, "completion")) << "hidden";
 }
 
 TEST(Program, HelpFitsAHundredColumns) {
-  for (const char* command : {"", "reconstruct", "scan", "evaluate", "simplify", "info", "render"}) {
+  for (const char* command : {"", "reconstruct", "scan", "evaluate", "simplify", "remesh", "info", "render"}) {
     std::istringstream page(
         run(*command ? std::vector<std::string>{command, "--help"} : std::vector<std::string>{"--help"}).out);
     for (std::string line; std::getline(page, line);) EXPECT_LE(line.size(), 100u) << command << ": " << line;
@@ -105,7 +106,7 @@ TEST(Program, HelpFitsAHundredColumns) {
 }
 
 TEST(Program, EverySubCommandHasAPage) {
-  for (const char* command : {"reconstruct", "scan", "evaluate", "simplify", "info", "render"}) {
+  for (const char* command : {"reconstruct", "scan", "evaluate", "simplify", "remesh", "info", "render"}) {
     const ProcessResult result = run({command, "--help"});
     EXPECT_EQ(result.exit_code, 0) << command;
     EXPECT_TRUE(contains(result.out, "Usage: soapfilm " + std::string(command))) << result.out;
@@ -116,7 +117,7 @@ TEST(Program, EverySubCommandHasAPage) {
 TEST(Program, RefusesWhatItDoesNotKnow) {
   expect_refused({"--bogus"}, "unknown option '--bogus'");
   expect_refused({"bogus"}, "unknown command 'bogus'");
-  for (const char* command : {"reconstruct", "scan", "evaluate", "simplify", "info", "render"})
+  for (const char* command : {"reconstruct", "scan", "evaluate", "simplify", "remesh", "info", "render"})
     expect_refused({command, "--bogus"}, "'--bogus'");
 }
 

@@ -1,7 +1,6 @@
 #include "soapfilm/simplify/carry_over.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "soapfilm/core/parallel.h"
@@ -12,32 +11,6 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t vertices_per_task = 1024;
-
-/// Corners of an original triangle and their weights, which sum to one, the largest first.
-struct Blend {
-  std::array<uint32_t, 3> vertex;
-  std::array<double, 3> weight;
-};
-
-/// The weights of the point of a triangle's plane nearest to p, moved into the triangle.
-Blend blend_at(Vec3d p, const Triangle& vertex, Vec3d a, Vec3d b, Vec3d c) {
-  const Vec3d n = cross(b - a, c - a);
-  const double area = dot(n, n);
-  std::array<double, 3> weight{1, 0, 0};
-  if (area > 0)
-    weight = {dot(n, cross(b - p, c - p)) / area, dot(n, cross(c - p, a - p)) / area,
-              dot(n, cross(a - p, b - p)) / area};
-  double sum = 0;
-  for (double& w : weight) sum += w = std::max(w, 0.0);
-  std::array<size_t, 3> order{0, 1, 2};
-  std::stable_sort(order.begin(), order.end(), [&](size_t i, size_t j) { return weight[i] > weight[j]; });
-  Blend blend{};
-  for (size_t k = 0; k < 3; ++k) {
-    blend.vertex[k] = vertex[order[k]];
-    blend.weight[k] = weight[order[k]] / sum;
-  }
-  return blend;
-}
 
 float value_of(const Column& column, const Blend& blend) {
   const float nearest = column.values[blend.vertex[0]];
@@ -65,6 +38,37 @@ Vec3f normal_of(const std::vector<Vec3f>& normals, const Blend& blend) {
 }
 
 }  // namespace
+
+Blend blend_at(Vec3d p, const Triangle& vertex, Vec3d a, Vec3d b, Vec3d c) {
+  const Vec3d n = cross(b - a, c - a);
+  const double area = dot(n, n);
+  std::array<double, 3> weight{1, 0, 0};
+  if (area > 0)
+    weight = {dot(n, cross(b - p, c - p)) / area, dot(n, cross(c - p, a - p)) / area,
+              dot(n, cross(a - p, b - p)) / area};
+  double sum = 0;
+  for (double& w : weight) sum += w = std::max(w, 0.0);
+  std::array<size_t, 3> order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(), [&](size_t i, size_t j) { return weight[i] > weight[j]; });
+  Blend blend{};
+  for (size_t k = 0; k < 3; ++k) {
+    blend.vertex[k] = vertex[order[k]];
+    blend.weight[k] = weight[order[k]] / sum;
+  }
+  return blend;
+}
+
+void append_blended(Mesh& to, const Mesh& from, const std::vector<Blend>& blends) {
+  for (const Blend& blend : blends) {
+    if (!from.normals.empty()) to.normals.push_back(normal_of(from.normals, blend));
+    if (!from.colors.empty()) to.colors.push_back(color_of(from.colors, blend));
+  }
+  for (const Column& column : from.attributes) {
+    to.attributes.push_back({column.name, {}, column.is_label});
+    to.attributes.back().values.reserve(blends.size());
+    for (const Blend& blend : blends) to.attributes.back().values.push_back(value_of(column, blend));
+  }
+}
 
 Mesh carry_over(const Mesh& mesh, const CollapsedMesh& now, const FaceGrid& grid, double distance,
                 const Context& context) {
@@ -95,15 +99,7 @@ Mesh carry_over(const Mesh& mesh, const CollapsedMesh& now, const FaceGrid& grid
     const Triangle& v = now.mesh.corners(t);
     result.triangles.push_back({number[v[0]], number[v[1]], number[v[2]]});
   }
-  for (const Blend& blend : blends) {
-    if (!mesh.normals.empty()) result.normals.push_back(normal_of(mesh.normals, blend));
-    if (!mesh.colors.empty()) result.colors.push_back(color_of(mesh.colors, blend));
-  }
-  for (const Column& column : mesh.attributes) {
-    result.attributes.push_back({column.name, {}, column.is_label});
-    result.attributes.back().values.reserve(blends.size());
-    for (const Blend& blend : blends) result.attributes.back().values.push_back(value_of(column, blend));
-  }
+  append_blended(result, mesh, blends);
   return result;
 }
 

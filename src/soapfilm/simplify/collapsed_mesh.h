@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "soapfilm/mesh.h"
-#include "soapfilm/simplify/connectivity.h"
+#include "soapfilm/simplify/edited_mesh.h"
 #include "soapfilm/simplify/quadric.h"
-#include "soapfilm/simplify/written.h"
 
 namespace soapfilm {
 
@@ -27,19 +26,12 @@ struct CollapseLog {
   std::vector<Stamp> before;  ///< the stamps of the triangles that a collapse changes, from before it
 };
 
-/// Positions are in the local frame of `written`. Each original vertex is owned by a triangle that is near it; each
+/// Each original vertex is owned by a triangle that is near it; each
 /// triangle has the number of the last collapse that changed it as a stamp, 0: none.
-struct CollapsedMesh {
-  static constexpr uint32_t none = Connectivity::none;
-
+struct CollapsedMesh : EditedMesh {
   /// Throws ParameterError where the mesh is no 2-manifold.
   CollapsedMesh(const Mesh& mesh, const Written& written_as);
 
-  const Written& written;
-  Connectivity was;                               ///< the original's triangles: faces
-  Connectivity mesh;                              ///< now
-  std::vector<Vec3d> original;                    ///< vertices
-  std::vector<Vec3d> position;                    ///< now
   std::vector<Quadric> quadric;                   ///< by vertex
   std::vector<uint32_t> version;                  ///< by vertex: changes with its place
   std::vector<uint8_t> fixed;                     ///< by vertex of a border: stays in place; empty: none has to
@@ -50,7 +42,6 @@ struct CollapsedMesh {
   std::vector<CollapseLog> logs;                  ///< bases ascend
   uint32_t next_stamp = 1;
 
-  Vec3d corner(uint32_t triangle, size_t k) const { return position[mesh.corners(triangle)[k]]; }
   bool is_fixed(uint32_t vertex) const { return !fixed.empty() && fixed[vertex] != 0; }
   bool is_changed(uint32_t triangle) const { return stamp[triangle] != 0; }
   void own(uint32_t triangle, uint32_t vertex) {
@@ -64,8 +55,6 @@ struct CollapsedMesh {
   void undo(uint32_t number, std::vector<uint32_t>& touched);
 
   bool is_done(uint32_t number);
-
-  size_t count_alive() const;
 
  private:
   CollapseLog& log_of(uint32_t number);

@@ -119,6 +119,56 @@ void Connectivity::collapse(uint32_t h, uint32_t kept) {
   first_[gone] = none;
 }
 
+void Connectivity::set(uint32_t triangle, const Triangle& corners, const std::array<uint32_t, 3>& twins) {
+  corner_[triangle] = corners;
+  for (uint32_t k = 0; k < 3; ++k) {
+    twin_[3 * triangle + k] = twins[k];
+    link(3 * triangle + k, twins[k]);
+  }
+}
+
+uint32_t Connectivity::add_triangle() {
+  corner_.push_back({});
+  twin_.resize(twin_.size() + 3, none);
+  alive_.push_back(1);
+  return static_cast<uint32_t>(corner_.size() - 1);
+}
+
+void Connectivity::flip(uint32_t h) {
+  const uint32_t g = twin_[h], t = h / 3, u = g / 3;
+  const uint32_t a = from(h), b = to(h), c = from(previous(h)), d = from(previous(g));
+  const uint32_t bc = twin_[next(h)], ca = twin_[previous(h)], ad = twin_[next(g)], db = twin_[previous(g)];
+  set(t, {a, d, c}, {ad, 3 * u + 2, ca});
+  set(u, {d, b, c}, {db, bc, 3 * t + 1});
+  first_[a] = rewound(3 * t);
+  first_[b] = rewound(3 * u + 1);
+  first_[c] = rewound(3 * t + 2);
+  first_[d] = rewound(3 * u);
+}
+
+uint32_t Connectivity::split(uint32_t h) {
+  const uint32_t g = twin_[h], t = h / 3, u = g == none ? none : g / 3;
+  const uint32_t a = from(h), b = to(h), c = from(previous(h));
+  const uint32_t bc = twin_[next(h)], ca = twin_[previous(h)];
+  const auto m = static_cast<uint32_t>(first_.size());
+  first_.push_back(none);
+  const uint32_t v = add_triangle(), w = u == none ? none : add_triangle();
+  const uint32_t d = u == none ? none : from(previous(g));
+  const uint32_t ad = u == none ? none : twin_[next(g)], db = u == none ? none : twin_[previous(g)];
+  set(t, {a, m, c}, {w == none ? none : 3 * w, 3 * v + 2, ca});
+  set(v, {m, b, c}, {u == none ? none : 3 * u, bc, 3 * t + 1});
+  if (u != none) {
+    set(u, {b, m, d}, {3 * v, 3 * w + 2, db});
+    set(w, {m, a, d}, {3 * t, ad, 3 * u + 1});
+    first_[d] = rewound(3 * u + 2);
+  }
+  first_[a] = rewound(3 * t);
+  first_[b] = rewound(3 * v + 1);
+  first_[c] = rewound(3 * t + 2);
+  first_[m] = rewound(3 * v);
+  return m;
+}
+
 void Connectivity::undo(uint32_t h, uint32_t kept) {
   const uint32_t a = from(h), b = to(h), gone = kept == a ? b : a, g = twin_[h];
   for (const uint32_t edge : {h, g}) {

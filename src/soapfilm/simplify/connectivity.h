@@ -1,6 +1,7 @@
 // Which triangles are neighbors while edges collapse, and how to take a collapse back.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -47,6 +48,11 @@ class Connectivity {
   /// Collapses the edge of h into its end `kept`: its one or two triangles disappear, those of the other end get the
   /// corner `kept`. The link condition must hold.
   void collapse(uint32_t h, uint32_t kept);
+  /// Turns the edge of two triangles around in their quadrilateral. The other diagonal must be no edge yet.
+  void flip(uint32_t h);
+  /// A new vertex on the edge of h, whose one or two triangles are halved. Returns it. The triangles keep their
+  /// numbers; their half edges are others.
+  uint32_t split(uint32_t h);
   /// Takes back the collapse of h, whose neighborhood must be as after it.
   void undo(uint32_t h, uint32_t kept);
 
@@ -59,6 +65,9 @@ class Connectivity {
   }
   /// The clockwise-most half edge of the fan of h at a border, else h.
   uint32_t rewound(uint32_t h) const;
+  uint32_t add_triangle();
+  /// Gives a triangle its corners, and half edges k their twins.
+  void set(uint32_t triangle, const Triangle& corners, const std::array<uint32_t, 3>& twins);
   void relabel(uint32_t h, uint32_t vertex);
 
   std::vector<Triangle> corner_;

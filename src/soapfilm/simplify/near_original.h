@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "soapfilm/simplify/collapsed_mesh.h"
+#include "soapfilm/simplify/edited_mesh.h"
 #include "soapfilm/simplify/face_grid.h"
 #include "soapfilm/simplify/over_triangle.h"
 
@@ -11,7 +11,7 @@ namespace soapfilm {
 
 class NearOriginal {
  public:
-  NearOriginal(const CollapsedMesh& now, const FaceGrid& grid) : grid_(grid), over_(now, grid) {}
+  NearOriginal(const EditedMesh& now, const FaceGrid& grid) : grid_(grid), over_(now, grid) {}
 
   /// Every point of it? Where the original is no sheet over the triangle (over_triangle.h), that is halved; parts about
   /// as long as the original's triangles are covered by those, one by one (cover.h). `most`: raised to the distance

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "soapfilm/simplify/collapsed_mesh.h"
+#include "soapfilm/simplify/edited_mesh.h"
 #include "soapfilm/simplify/face_grid.h"
 
 namespace soapfilm {
@@ -17,13 +17,13 @@ namespace soapfilm {
 /// edge that is crossed leaves one face and enters the next. At the face where the search begins it is at least one.
 class OverTriangle {
  public:
-  OverTriangle(const CollapsedMesh& now, const FaceGrid& grid) : now_(now), grid_(grid), slots_(64) {}
+  OverTriangle(const EditedMesh& now, const FaceGrid& grid) : now_(now), grid_(grid), slots_(64) {}
 
   /// "No" says nothing. `most`: raised to the largest distance that was accepted.
   bool proves(const std::array<Vec3d, 3>& corner, double distance, double& most);
 
  private:
-  static constexpr uint32_t none = CollapsedMesh::none;
+  static constexpr uint32_t none = EditedMesh::none;
 
   /// In the triangle's plane, and the height over it.
   Vec3d seen(uint32_t vertex) const {
@@ -35,7 +35,7 @@ class OverTriangle {
   bool is_new(uint32_t face);
   void grow();
 
-  const CollapsedMesh& now_;
+  const EditedMesh& now_;
   const FaceGrid& grid_;
   Vec3d origin_, u_, v_, n_;
   std::array<Vec3d, 3> inward_;  // of each side in the plane: x, y, and z the offset; lengths are one

@@ -8,37 +8,16 @@
 #include <optional>
 
 #include "soapfilm/core/context_state.h"
-#include "soapfilm/core/memory.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/simplify/carry_over.h"
+#include "soapfilm/simplify/check_editable.h"
 #include "soapfilm/simplify/engine.h"
 #include "soapfilm/simplify/rounds.h"
 
 namespace soapfilm {
 
 namespace {
-
-void check_input(const Mesh& mesh, const Context& context) {
-  constexpr double longest_side = 1e100;
-  const size_t n = mesh.vertices.size();
-  for (size_t v = 0; v < n; ++v)
-    if (!is_finite(mesh.vertices[v])) throw ParameterError(fmt::format("mesh: vertex {} is not finite", v));
-  for (size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const uint32_t v : mesh.triangles[t])
-      if (v >= n) throw ParameterError(fmt::format("mesh: triangle {}: vertex {}, must be below {}", t, v, n));
-  if (mesh.triangles.size() > most_simplified)
-    throw ParameterError(fmt::format("mesh: {} triangles, must be at most {}", mesh.triangles.size(), most_simplified));
-  const uint64_t needed = simplify_bytes(mesh.triangles.size());
-  const std::optional<size_t> limit = context.memory_limit();
-  const uint64_t room = limit ? *limit : available_memory_bytes();
-  if (needed > room)
-    throw MemoryError(fmt::format("memory: simplifying {} triangles needs about {}, {} is {}", mesh.triangles.size(),
-                                  format_bytes(needed), limit ? "the limit" : "free memory", format_bytes(room)));
-  if (n > 0 && !(mesh.box().longest() <= longest_side))
-    throw ParameterError(
-        fmt::format("mesh: its box is {:g} long, must be at most {:g}", mesh.box().longest(), longest_side));
-}
 
 /// Nothing to collapse, or no distance left beside the rounding of coordinates.
 Simplified unchanged(const Mesh& mesh, double tolerance) {
@@ -95,7 +74,7 @@ class Simplification {
 Simplified simplify_checked(const Mesh& mesh, double tolerance, const SimplifyChecks& checks, const Context& context) {
   if (!(tolerance > 0 && std::isfinite(tolerance)))
     throw ParameterError(fmt::format("tolerance = {:g}, must be > 0", tolerance));
-  check_input(mesh, context);
+  check_editable(mesh, "simplifying", simplify_bytes(mesh.triangles.size()), context);
   if (mesh.triangles.empty() || !(mesh.box().longest() > 0)) return unchanged(mesh, tolerance);
   Simplification run(mesh, tolerance, checks);
   if (!(run.distance(tolerance) > 0)) return unchanged(mesh, tolerance);
@@ -109,7 +88,7 @@ Simplified simplify(const Mesh& mesh, double tolerance, const Context& context) 
 
 Simplified simplify_to(const Mesh& mesh, size_t triangles, const std::vector<uint8_t>& fixed, const Context& context) {
   if (triangles < 1) throw ParameterError(fmt::format("triangles = {}, must be >= 1", triangles));
-  check_input(mesh, context);
+  check_editable(mesh, "simplifying", simplify_bytes(mesh.triangles.size()), context);
   if (mesh.triangles.size() <= triangles || !(mesh.box().longest() > 0)) return unchanged(mesh, 0);
   // Edges of the result are about so long; tolerances are parts of that.
   const double edge = std::sqrt(mesh.area() / static_cast<double>(triangles));

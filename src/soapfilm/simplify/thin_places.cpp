@@ -1,6 +1,7 @@
 #include "soapfilm/simplify/thin_places.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/half_spaces.h"
@@ -23,17 +24,13 @@ struct Bounds {
   }
 };
 
-std::array<Vec3d, 3> corners_of(const CollapsedMesh& now, uint32_t t) {
-  return {now.corner(t, 0), now.corner(t, 1), now.corner(t, 2)};
-}
-
-LatticeTriangle lattice_of(const CollapsedMesh& now, const std::array<Vec3d, 3>& t) {
+LatticeTriangle lattice_of(const EditedMesh& now, const std::array<Vec3d, 3>& t) {
   return now.written.lattice(t[0], t[1], t[2]);
 }
 
 }  // namespace
 
-ThinPlaces::ThinPlaces(const CollapsedMesh& now, double distance) : now_(now) {
+ThinPlaces::ThinPlaces(const EditedMesh& now, double distance) : now_(now) {
   CellTable all;
   std::vector<uint32_t> facing;
   std::vector<Vec3i> cells;
@@ -72,8 +69,9 @@ bool ThinPlaces::near(const Box3d& box) const {
 
 template <class Visit>
 void ThinPlaces::for_lists(Vec3d a, Vec3d b, Vec3d c, Visit&& visit) const {
-  for_cells(a, b, c, 0, per_side, [&](Vec3i cell) {
-    if (const uint32_t list = thin_.find(cell_key(cell)); list != CellTable::none) visit(list);
+  for_cells(a, b, c, 0, std::ldexp(per_side, finer_), [&](Vec3i cell) {
+    const CellTable& cells = finer_ == 0 ? thin_ : fine_;
+    if (const uint32_t list = cells.find(cell_key(cell)); list != CellTable::none) visit(list);
   });
 }
 
@@ -93,7 +91,7 @@ bool ThinPlaces::meets(std::span<const NewTriangle> triangles, std::span<const u
     for_lists(triangles[i].corner[0], triangles[i].corner[1], triangles[i].corner[2], [&](uint32_t list) {
       for (const uint32_t u : lists_[list]) {
         if (met) return;
-        const auto other = corners_of(now_, u);
+        const auto other = now_.corners(u);
         if (own.apart(Bounds(other)) || std::find(seen.begin(), seen.end(), u) != seen.end()) continue;
         seen.push_back(u);
         const LatticeTriangle there = lattice_of(now_, other);
@@ -116,11 +114,29 @@ void ThinPlaces::remove(uint32_t triangle) {
 }
 
 void ThinPlaces::insert(uint32_t triangle) {
-  for_lists(now_.corner(triangle, 0), now_.corner(triangle, 1), now_.corner(triangle, 2),
-            [&](uint32_t list) { lists_[list].push_back(triangle); });
+  const auto [a, b, c] = now_.corners(triangle);
+  if (finer_ == 0) return for_lists(a, b, c, [&](uint32_t list) { lists_[list].push_back(triangle); });
+  for_cells(a, b, c, 0, std::ldexp(per_side, finer_), [&](Vec3i cell) {
+    if (thin_.find(cell_key({cell.x >> finer_, cell.y >> finer_, cell.z >> finer_})) == CellTable::none) return;
+    const uint32_t list = fine_.insert(cell_key(cell));
+    if (list == lists_.size()) lists_.emplace_back();
+    lists_[list].push_back(triangle);
+  });
 }
 
-std::vector<std::array<uint32_t, 2>> meeting_pairs(const CollapsedMesh& now, const std::vector<uint8_t>& marked,
+void ThinPlaces::refile(double side_of_cells) {
+  // Cells of triangles that are much smaller have numbers of too many bits.
+  constexpr int finest = 4;
+  const int finer = std::clamp(static_cast<int>(std::floor(std::log2(side / side_of_cells))), 0, finest);
+  if (lists_.empty() || finer == finer_) return;
+  finer_ = finer;
+  fine_ = {};
+  lists_.assign(finer == 0 ? thin_.size() : 0, {});
+  for (uint32_t t = 0; t < now_.mesh.triangles(); ++t)
+    if (now_.mesh.is_alive(t)) insert(t);
+}
+
+std::vector<std::array<uint32_t, 2>> meeting_pairs(const EditedMesh& now, const std::vector<uint8_t>& marked,
                                                    const Context& context) {
   constexpr double per_side = 0.5;
   constexpr size_t cells_per_task = 256;
@@ -156,7 +172,7 @@ std::vector<std::array<uint32_t, 2>> meeting_pairs(const CollapsedMesh& now, con
     };
     std::vector<Item> items;
     for (size_t i = begin[cell]; i < begin[cell + 1]; ++i) {
-      const auto corners = corners_of(now, there[i]);
+      const auto corners = now.corners(there[i]);
       const LatticeTriangle exact = lattice_of(now, corners);
       if (is_flat(exact)) {
         if (marked[there[i]]) found.push_back({there[i], there[i]});

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "soapfilm/simplify/cells.h"
-#include "soapfilm/simplify/collapsed_mesh.h"
+#include "soapfilm/simplify/edited_mesh.h"
 
 namespace soapfilm {
 
@@ -19,7 +19,7 @@ class ThinPlaces {
   };
 
   /// Of the original within `distance` of each other, local frame; lists the triangles that are there now.
-  ThinPlaces(const CollapsedMesh& now, double distance);
+  ThinPlaces(const EditedMesh& now, double distance);
 
   /// False if none is in the box.
   bool near(const Box3d& box) const;
@@ -27,6 +27,9 @@ class ThinPlaces {
   bool meets(std::span<const NewTriangle> triangles, std::span<const uint32_t> replaced) const;
   void remove(uint32_t triangle);
   void insert(uint32_t triangle);
+  /// Files what is there now in lists of cells of about that side, local frame, at most the usual one. Not for use by
+  /// several threads afterwards.
+  void refile(double side_of_cells);
 
  private:
   static constexpr double side = 2, per_side = 1 / side;
@@ -35,14 +38,16 @@ class ThinPlaces {
   template <class Visit>
   void for_lists(Vec3d a, Vec3d b, Vec3d c, Visit&& visit) const;
 
-  const CollapsedMesh& now_;
+  const EditedMesh& now_;
   CellTable thin_, coarse_;
+  int finer_ = 0;   // log2 of the lists' cells along a cell
+  CellTable fine_;  // where lists are, if those are finer
   std::vector<std::vector<uint32_t>> lists_;
 };
 
 /// All pairs of triangles that intersect elsewhere than in common corners and edges, at least one of them marked:
 /// sorted.
-std::vector<std::array<uint32_t, 2>> meeting_pairs(const CollapsedMesh& now, const std::vector<uint8_t>& marked,
+std::vector<std::array<uint32_t, 2>> meeting_pairs(const EditedMesh& now, const std::vector<uint8_t>& marked,
                                                    const Context& context);
 
 }  // namespace soapfilm

@@ -37,7 +37,7 @@ constexpr double float_share_of_edge = 0x1p-10;  // so that triangles keep their
 
 }  // namespace
 
-Written::Written(const Mesh& mesh, double tolerance) {
+Written::Written(const Mesh& mesh, double tolerance, double edge) {
   const Box3d box = mesh.box();
   const double largest = power_of_two_above(farthest_coordinate(box));
   double rounding = 0;
@@ -45,11 +45,13 @@ Written::Written(const Mesh& mesh, double tolerance) {
     const Vec3d d = v - static_cast<Vec3d>(static_cast<Vec3f>(v));
     rounding = std::max({rounding, std::abs(d.x), std::abs(d.y), std::abs(d.z)});
   }
-  const double edge = typical_edge(mesh, box.longest());
-  single_ = rounding <= std::min(float_share * tolerance, float_share_of_edge * edge);
+  const double typical = typical_edge(mesh, box.longest());
+  single_ = rounding <= std::min(float_share * tolerance, float_share_of_edge * typical);
   // 2^38 steps hold every float but those near zero, which lose what is far below the others' precision.
   step_ = single_ ? largest * 0x1p-38 : std::max(power_of_two_above(box.longest()) * 0x1p-37, largest * 0x1p-52);
-  unit_ = std::max(power_of_two_above(std::max(edge, 1.5 * tolerance)), step_);
+  unit_ = std::max(
+      power_of_two_above(edge > 0 ? std::max(edge, box.longest() * 0x1p-18) : std::max(typical, 1.5 * tolerance)),
+      step_);
   per_unit_ = 1 / unit_;
   steps_per_unit_ = unit_ / step_;
   const Vec3d center = box.center();

@@ -13,8 +13,9 @@ namespace soapfilm {
 /// moving between the frames does not round.
 class Written {
  public:
-  /// Of a mesh with finite coordinates, not all in one place. `tolerance`: input units.
-  Written(const Mesh& mesh, double tolerance);
+  /// Of a mesh with finite coordinates, not all in one place. `tolerance`: input units. `edge`: the length of the edges
+  /// that are worked with; zero: that of the mesh's.
+  Written(const Mesh& mesh, double tolerance, double edge = 0);
 
   Vec3d local(Vec3d world) const { return (rounded(world) - origin_) * per_unit_; }
   Vec3d world(Vec3d local) const { return origin_ + local * unit_; }
