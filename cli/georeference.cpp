@@ -8,7 +8,7 @@
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #ifdef SOAPFILM_PROJ
-#include <proj.h>
+#include "cli/proj_library.h"
 #endif
 
 namespace soapfilm::cli {
@@ -18,8 +18,8 @@ namespace soapfilm::cli {
 namespace {
 
 struct Destroy {
-  void operator()(PJ* p) const { proj_destroy(p); }
-  void operator()(PJ_CONTEXT* p) const { proj_context_destroy(p); }
+  void operator()(PJ* p) const { proj_library().proj_destroy(p); }
+  void operator()(PJ_CONTEXT* p) const { proj_library().proj_context_destroy(p); }
 };
 using Pj = std::unique_ptr<PJ, Destroy>;
 using PjContext = std::unique_ptr<PJ_CONTEXT, Destroy>;
@@ -28,13 +28,15 @@ constexpr double semi_major = 6378137.0, semi_minor = 6356752.314245;  // meters
 
 /// Meters in the unit of the system's first axis; 1 for degrees.
 double meters_of(PJ_CONTEXT* context, const PJ* system) {
-  const PJ_TYPE type = proj_get_type(system);
-  if (type == PJ_TYPE_BOUND_CRS) return meters_of(context, Pj(proj_get_source_crs(context, system)).get());
+  const PJ_TYPE type = proj_library().proj_get_type(system);
+  if (type == PJ_TYPE_BOUND_CRS)
+    return meters_of(context, Pj(proj_library().proj_get_source_crs(context, system)).get());
   if (type == PJ_TYPE_GEOGRAPHIC_2D_CRS || type == PJ_TYPE_GEOGRAPHIC_3D_CRS) return 1;
-  const Pj axes(proj_crs_get_coordinate_system(context, system));
+  const Pj axes(proj_library().proj_crs_get_coordinate_system(context, system));
   double factor = 1;
   if (axes)
-    proj_cs_get_axis_info(context, axes.get(), 0, nullptr, nullptr, nullptr, &factor, nullptr, nullptr, nullptr);
+    proj_library().proj_cs_get_axis_info(context, axes.get(), 0, nullptr, nullptr, nullptr, &factor, nullptr, nullptr,
+                                         nullptr);
   return factor;
 }
 
@@ -51,26 +53,28 @@ Vec3d earth_place(double longitude, double latitude, double height) {
 /// From a system to earth-centered coordinates (EPSG:4978).
 class ToEarth {
  public:
-  explicit ToEarth(const std::string& text) : context_(proj_context_create()), name_(text.substr(0, 60)) {
-    proj_log_level(context_.get(), PJ_LOG_NONE);
-    Pj system(proj_create(context_.get(), text.c_str()));
-    if (!system || !proj_is_crs(system.get())) refuse("is no coordinate system that PROJ knows");
-    is_centered_ = proj_get_type(system.get()) == PJ_TYPE_GEOCENTRIC_CRS;
+  explicit ToEarth(const std::string& text)
+      : context_(proj_library().proj_context_create()), name_(text.substr(0, 60)) {
+    proj_library().proj_log_level(context_.get(), PJ_LOG_NONE);
+    Pj system(proj_library().proj_create(context_.get(), text.c_str()));
+    if (!system || !proj_library().proj_is_crs(system.get())) refuse("is no coordinate system that PROJ knows");
+    is_centered_ = proj_library().proj_get_type(system.get()) == PJ_TYPE_GEOCENTRIC_CRS;
     Pj heights;
-    if (proj_get_type(system.get()) == PJ_TYPE_COMPOUND_CRS) {
-      heights.reset(proj_crs_get_sub_crs(context_.get(), system.get(), 1));
-      system.reset(proj_crs_get_sub_crs(context_.get(), system.get(), 0));
+    if (proj_library().proj_get_type(system.get()) == PJ_TYPE_COMPOUND_CRS) {
+      heights.reset(proj_library().proj_crs_get_sub_crs(context_.get(), system.get(), 1));
+      system.reset(proj_library().proj_crs_get_sub_crs(context_.get(), system.get(), 0));
     }
     meters_of_height_ = meters_of(context_.get(), heights ? heights.get() : system.get());
-    const Pj earth(proj_create(context_.get(), is_centered_ ? "EPSG:4978" : "EPSG:4326"));
+    const Pj earth(proj_library().proj_create(context_.get(), is_centered_ ? "EPSG:4978" : "EPSG:4326"));
     if (!earth) refuse("cannot be placed: PROJ finds no data, as of the package proj-data");
-    const Pj path(proj_create_crs_to_crs_from_pj(context_.get(), system.get(), earth.get(), nullptr, nullptr));
-    if (path) path_.reset(proj_normalize_for_visualization(context_.get(), path.get()));
+    const Pj path(
+        proj_library().proj_create_crs_to_crs_from_pj(context_.get(), system.get(), earth.get(), nullptr, nullptr));
+    if (path) path_.reset(proj_library().proj_normalize_for_visualization(context_.get(), path.get()));
     if (!path_) refuse("has no way to WGS 84");
   }
 
   Vec3d operator()(Vec3d p) const {
-    const PJ_COORD at = proj_trans(path_.get(), PJ_FWD, proj_coord(p.x, p.y, is_centered_ ? p.z : 0, 0));
+    const PJ_COORD at = proj_library().proj_trans(path_.get(), PJ_FWD, PJ_COORD{{p.x, p.y, is_centered_ ? p.z : 0, 0}});
     const Vec3d place =
         is_centered_ ? Vec3d{at.xyz.x, at.xyz.y, at.xyz.z} : earth_place(at.xyz.x, at.xyz.y, p.z * meters_of_height_);
     const bool is_degrees = is_centered_ || (std::abs(at.xyz.x) <= 360 && std::abs(at.xyz.y) <= 90);

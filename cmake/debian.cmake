@@ -67,6 +67,7 @@ debian_package(program soapfilm science "watertight surfaces from raw 3D scans" 
 This package has the program: it reads E57, PTX, PCD, LAS, LAZ, PLY, text
 and more, reconstructs meshes, judges them against a truth, makes virtual scans
 and draws pictures.")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS libproj25)  # loaded for georeferenced tilesets: cli/proj_library.h
 
 # The guides and the reference beside the program, without the pictures of measurements.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/guide ${PROJECT_SOURCE_DIR}/docs/reference DESTINATION share/doc/soapfilm

@@ -128,11 +128,11 @@ SOAPFILM_API const char* soapfilm_report(const soapfilm_result* result);        
 
 /* A mesh from arrays as those above, as a result without a report. */
 SOAPFILM_API soapfilm_status soapfilm_mesh_create(soapfilm_context* context, const double* vertices,
-                                                  size_t vertex_count, const uint32_t* triangles,
-                                                  size_t triangle_count, soapfilm_result** result);
-/* Fewer triangles of a closed or open 2-manifold, each mesh proved to lie within `tolerance` of the other (input units);
- * if `triangles` > 0: at most so many, whatever `tolerance`. Report: {"triangles_before", "triangles", "tolerance",
- * "proved"}. *simplified is null if it fails. */
+                                                  size_t vertex_count, const uint32_t* triangles, size_t triangle_count,
+                                                  soapfilm_result** result);
+/* Fewer triangles of a closed or open 2-manifold, each mesh proved to lie within `tolerance` of the other (input
+ * units); if `triangles` > 0: at most so many, whatever `tolerance`. Report: {"triangles_before", "triangles",
+ * "tolerance", "proved"}. *simplified is null if it fails. */
 SOAPFILM_API soapfilm_status soapfilm_simplify(soapfilm_context* context, const soapfilm_result* result,
                                                double tolerance, size_t triangles, soapfilm_result** simplified);
 

@@ -14,6 +14,7 @@
 #include "soapfilm/run/run.h"
 #include "support/hash.h"
 #include "support/problem.h"
+#include "support/resident.h"
 #include "support/sanitized.h"
 #include "tools/evaluate/check_result.h"
 
@@ -130,7 +131,10 @@ PointCloud scene(const std::string& name) {
   return walls({30, 36, 1000}, 2);
 }
 
-class PlannedScene : public testing::TestWithParam<Scene> {};
+class PlannedScene : public testing::TestWithParam<Scene> {
+ protected:
+  void SetUp() override { give_arrays_pages_of_their_own(); }
+};
 
 TEST_P(PlannedScene, IsAboutThePeakSlow) {
   const Scene& s = GetParam();

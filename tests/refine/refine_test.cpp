@@ -310,9 +310,9 @@ INSTANTIATE_TEST_SUITE_P(Shapes, SparseSamples, testing::Values("sphere", "torus
 
 TEST(Refine, SparseSamplesTakeTheStrengthThatIsAskedFor) {
   const Solved solved("sphere", 72, 0.06, {.noise_vox = 0.9});
-  const Refined result = refined(solved, {{.smoothing = 50.0, .normals = 0.25}});
+  const Refined result = refined(solved, {{.smoothing = 8.0, .normals = 0.25}});
   EXPECT_GT(result.report.spacing, 1);
-  EXPECT_EQ(result.report.fit_weights.smoothing, 50);
+  EXPECT_EQ(result.report.fit_weights.smoothing, 8);
   EXPECT_EQ(result.report.fit_weights.normals, 0.25);
   EXPECT_EQ(check_topology(result.mesh).components.size(), 1u);
 }

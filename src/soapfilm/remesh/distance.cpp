@@ -31,15 +31,20 @@ double mean_edge(const Mesh& mesh) { return 1.5 * std::sqrt(mesh.area() / static
 
 using Corners = std::array<Vec3d, 3>;
 
-/// The largest distance of a vertex of a border edge's stretch of the old border. The reverse follows: the stretch's
-/// projection onto the edge is connected and reaches both ends.
+/// The distance of a border edge and its stretch of the old border. What is farthest from the edge is a vertex of the
+/// stretch. The reverse: the stretch's projection onto the edge is connected, and what it leaves out at the edge's ends
+/// is no farther from the stretch's ends than the edge's ends are.
 double squared_border_distance(const WorkingMesh& now, uint32_t h) {
   const uint32_t number = now.chain_of_edge[h];
   const Chain& chain = now.features.chains[number];
   double from = now.along(number, now.mesh.from(h)), to = now.along(number, now.mesh.to(h));
-  if (from > to) std::swap(from, to);
-  double most = 0;
-  const Vec3d a = now.from(h), b = now.to(h);
+  Vec3d a = now.from(h), b = now.to(h);
+  if (from > to) {
+    std::swap(from, to);
+    std::swap(a, b);
+  }
+  const Vec3d off_from = chain.place(from) - a, off_to = chain.place(to) - b;
+  double most = std::max(dot(off_from, off_from), dot(off_to, off_to));
   for (auto i = static_cast<size_t>(std::lower_bound(chain.at.begin(), chain.at.end(), from) - chain.at.begin());
        i < chain.at.size() && chain.at[i] <= to; ++i)
     most = std::max(most, squared_distance(chain.point[i], a, b, b));

@@ -21,8 +21,8 @@ namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
 
-/// Of a run, by the larger of both meshes' triangles, measured.
-constexpr uint64_t remesh_bytes(uint64_t triangles) { return 500 * triangles; }
+/// Of a run, measured: by the triangles of the mesh and of the result.
+constexpr uint64_t remesh_bytes(uint64_t given, uint64_t expected) { return 400 * given + 1700 * expected; }
 
 /// Triangles of the result, about.
 double expected_triangles(const Mesh& mesh, double edge) { return mesh.area() / (0.433 * edge * edge); }
@@ -33,12 +33,13 @@ void check_params(const Mesh& mesh, const RemeshParams& params, const Context& c
     throw ParameterError(fmt::format("edge = {:g}, must be > 0", params.edge));
   if (params.tolerance && !(*params.tolerance > 0 && std::isfinite(*params.tolerance)))
     throw ParameterError(fmt::format("tolerance = {:g}, must be > 0", *params.tolerance));
-  check_editable(mesh, "remeshing", remesh_bytes(mesh.triangles.size()), context);
+  check_editable(mesh, "remeshing", remesh_bytes(mesh.triangles.size(), 0), context);
   const double expected = expected_triangles(mesh, params.edge);
   if (!(expected <= most_triangles))
     throw ParameterError(fmt::format("edge = {:g}: about {:.2g} triangles, must be at most {:g}", params.edge, expected,
                                      most_triangles));
-  check_editable(mesh, "remeshing to many of", remesh_bytes(static_cast<uint64_t>(expected)), context);
+  check_editable(mesh, "remeshing to many of", remesh_bytes(mesh.triangles.size(), static_cast<uint64_t>(expected)),
+                 context);
 }
 
 class Remeshing {
