@@ -14,7 +14,9 @@ endfunction()
 # MemoryPlan; Contexts.ALimitAndACancelledRunLeaveOtherThreadsAlone; the tests of each reader and writer;
 # Scan.TheSameBytesForAnyNumberOfThreads and Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads;
 # Reconstruct.GeoreferencedInputLosesNothing; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall, of
-# the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads.
+# the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads;
+# SimplifyCommand.IsAStageOfReconstruct and WritesCoarserLevelsBesideIt; CompareCommand.TheExitCodeIsTheVerdict; the other tests of Simplify, TileTree, Remesh;
+# CoarserLevels.AreWithinTheSumOfAllStepsOfTheFullMesh; OrderOfSamples.WithScannersAndWeightsChangesNoByte.
 list(APPEND REPEATED
   Program.TheCommandsOfItsFirstPageWork
   Standstill.ManySweepsFromOnePlaceChangeNeitherVoxelNorSurface
@@ -34,7 +36,24 @@ list(APPEND REPEATED
   Contexts.RunsOnThreadsOfTheirOwnGiveWhatEachGivesAlone
   FormatsAgree.OnMeshAndColors
   Plate.OfThreeVoxelsStaysWholeThoughCoarseLevelsLoseIt
-  Units.MillimetersOrMetersGiveTheSameSurfaceButForTies)
+  Units.MillimetersOrMetersGiveTheSameSurfaceButForTies
+  SimplifyCommand.WritesFewerTrianglesWithinTheToleranceInEveryFormat
+  CompareCommand.WritesWhatWasMeasured
+  Simplify.TheSameForAnyNumberOfThreads
+  Simplify.ReachesANumberOfTriangles
+  Simplify.LeavesFewTrianglesAndTheVolume
+  TileTree.AnyMixOfLevelsIsClosedWhereTheMeshIs
+  TileTree.CoarserTilesHaveFewerTrianglesAndLargerErrors
+  TileTree.ErrorsBoundTheDistanceBothWays
+  TileTree.ThreadsDoNotMatter
+  CoarserLevels.ThreadsDoNotMatter
+  Remesh.EvenTrianglesOfTheSameSurface
+  Remesh.GenusStaysWhereEdgesAreLargerThanDetails
+  Remesh.ATightToleranceIsKeptBySmallerTriangles
+  Remesh.TheSameForAnyNumberOfThreads
+  OrderOfSamples.WithNormalsChangesNoByte
+  OrderOfSamples.WithoutDirectionsChangesNoByte
+  OrderOfSamples.ChangesNeitherFoldsNorTheLambdaThatTheyChoose)
 
 foreach(law SurfaceSamplesAreUniformAndOnTheSurface TessellationIsClosedAndHasTheStatedTopology
     DistanceAgreesWithAFineTessellation SignIsNegativeWithinTheSolidOnly RaysHitTheSurfaceFirstWhereTheTessellationDoes
