@@ -82,6 +82,7 @@ paper: packages-build packages-paper ## every table and figure of the paper, int
 accuracy: build-release packages-accuracy ## errors against the truth, beside peers, to docs/accuracy/ (FULL=1: all)
 	/usr/bin/python3 -B bench/accuracy/accuracy.py build/release/bin out/accuracy docs/accuracy \
 	  --jobs $(JOBS) $(if $(FULL),--full)
+	/usr/bin/python3 -B bench/accuracy/simplified.py build/release/bin out/accuracy docs/accuracy
 
 scenes: build-release packages-scenes ## scenes as people scan them, beside a peer, to docs/scenes/ (SOAPFILM_DATA: as above)
 	/usr/bin/python3 -B bench/scenes/scenes.py build/release/bin out/scenes docs/scenes --jobs $(JOBS)

@@ -145,7 +145,7 @@ int run(CompareRequest& r, const GlobalOptions& global) {
   });
   stages.run("write", [&] { write_outputs(r, part, model, comparison, context); });
   print(stdout, compare_table(r.subject, comparison));
-  constexpr int not_within = 1;  // as of diff and cmp; all is written
+  constexpr int not_within = 4;  // as of reconstruct --strict; all is written
   return comparison.within_tolerance.value_or(true) ? 0 : not_within;
 }
 
@@ -195,7 +195,7 @@ constexpr const char* compare_footer =
   soapfilm compare part.ply cad.stl --tolerance 0.1 --picture part.png --html part.html --json part.json
 
 EXIT CODE
-  0 within tolerance, or measured without one; 1 not within; 2 refused
+  0 within tolerance, or measured without one; 4 not within; 2 refused
 )";
 
 }  // namespace

@@ -12,7 +12,7 @@ HEAD = """# Accuracy against the truth
 
 `make accuracy` writes this page{data}; [runs.csv](runs.csv) holds every run. The error is the mean distance from the
 truth to the mesh, by `soapfilm evaluate`: exact for the built-in shapes. Ratios are to {reference} within the
-same run.
+same run. [Smaller meshes](simplified.md) have a page of their own.
 
 {machine}
 

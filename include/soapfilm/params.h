@@ -215,7 +215,7 @@ struct TrimParams {
 struct SimplifyParams {
   std::optional<double> tolerance{};      ///< input units, > 0
   std::optional<double> tolerance_vox{};  ///< voxels, > 0
-  bool automatic = false;                 ///< tolerance: 0.02 voxel, or a tenth of the estimated noise if larger
+  bool automatic = false;                 ///< tolerance: 0.02 voxel, or a twelfth of the estimated noise if larger
   std::optional<size_t> triangles{};      ///< at most so many, by the smallest tolerance that does; >= 1
 };
 

@@ -36,7 +36,7 @@ TEST_F(CompareCommand, TheExitCodeIsTheVerdict) {
     EXPECT_TRUE(contains(good.out, words)) << words << " in\n" << good.out;
   EXPECT_FALSE(contains(good.out, "model to mesh"));
   const ProcessResult bad = run({"compare", larger, model, "--tolerance", "0.002"});
-  EXPECT_EQ(bad.exit_code, 1) << bad.err;
+  EXPECT_EQ(bad.exit_code, 4) << bad.err;
   for (const char* words : {"mesh to model", "model to mesh", "NOT within tolerance"})
     EXPECT_TRUE(contains(bad.out, words)) << words << " in\n" << bad.out;
   const ProcessResult none = run({"compare", larger, model});
@@ -49,7 +49,7 @@ TEST_F(CompareCommand, WritesWhatWasMeasured) {
   const std::string out = folder.file("out.ply"), json = folder.file("out.json"), png = folder.file("out.png");
   const ProcessResult result = run({"compare", larger, model, "--tolerance", "0.002", "-o", out, "--json", json,
                                     "--picture", png, "--range", "0.01"});
-  ASSERT_EQ(result.exit_code, 1) << result.err;
+  ASSERT_EQ(result.exit_code, 4) << result.err;
   const Mesh colored = read_mesh(out);
   ASSERT_EQ(colored.attributes.size(), 1u);
   EXPECT_EQ(colored.attributes[0].name, "distance");
@@ -68,7 +68,7 @@ TEST_F(CompareCommand, AlignsAndWritesTheMovedScan) {
   for (Vec3d& p : moved.positions) p = {p.x * 0.9998 - p.y * 0.02 + 0.02, p.x * 0.02 + p.y * 0.9998, p.z + 0.01};
   const std::string cloud = folder.file("moved.ply"), out = folder.file("out.ply"), json = folder.file("out.json");
   write_points(cloud, moved);
-  EXPECT_EQ(run({"compare", cloud, model, "--tolerance", "0.002"}).exit_code, 1);
+  EXPECT_EQ(run({"compare", cloud, model, "--tolerance", "0.002"}).exit_code, 4);
   const ProcessResult result =
       run({"compare", cloud, model, "--tolerance", "0.002", "--align", "-o", out, "--json", json});
   ASSERT_EQ(result.exit_code, 0) << result.out << result.err;

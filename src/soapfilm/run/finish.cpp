@@ -61,7 +61,7 @@ FillDifference fill_of(const ReconstructReport& report) {
 
 /// The tolerance in input units; none: the number of triangles decides.
 double tolerance_of(const SimplifyParams& params, double noise, double voxel) {
-  constexpr double least_vox = 0.02, of_noise = 0.1;
+  constexpr double least_vox = 0.02, of_noise = 1.0 / 12;
   if (params.tolerance) return *params.tolerance;
   return params.tolerance_vox ? *params.tolerance_vox * voxel : std::max(least_vox * voxel, of_noise * noise);
 }
