@@ -18,7 +18,7 @@
 #include "cli/overwrite.h"
 #include "cli/parse.h"
 #include "cli/preview.h"
-#include "cli/proved_precision.h"
+#include "cli/proved_mesh.h"
 #include "cli/read_cloud.h"
 #include "cli/reconstruct_options.h"
 #include "cli/standard_streams.h"

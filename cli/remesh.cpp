@@ -10,7 +10,7 @@
 #include "cli/overwrite.h"
 #include "cli/parse.h"
 #include "cli/print.h"
-#include "cli/proved_precision.h"
+#include "cli/proved_mesh.h"
 #include "cli/read_cloud.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/stages.h"
@@ -27,17 +27,11 @@ struct RemeshOptions {
   bool ascii = false;
 };
 
-Remeshed remeshed(const Mesh& mesh, const RemeshOptions& options, const Context& context) try {
-  const double longest = mesh.box().longest();
+RemeshParams params_of(const RemeshOptions& options, double longest) {
   RemeshParams params;
   params.edge = parse_length("edge", options.edge, longest);
   if (!options.tolerance.empty()) params.tolerance = parse_length("tolerance", options.tolerance, longest);
-  return remesh(mesh, params, context);
-} catch (const ParameterError& error) {
-  // A mesh that is refused is the file's fault.
-  const std::string text = error.what();
-  if (text.starts_with("mesh: ")) throw InputError(options.input + text.substr(4));
-  throw;
+  return params;
 }
 
 void announce(const RemeshReport& report, const RemeshOptions& options, double edge, TerminalProgress& progress) {
@@ -64,15 +58,14 @@ int run(const RemeshOptions& options, const GlobalOptions& global) {
   ReadReport read;
   const Mesh mesh = stages.run("read", [&] { return read_mesh(options.input, &read); });
   warn_of(read, progress);
-  const Remeshed result = stages.run("remesh", [&] { return remeshed(mesh, options, context); });
+  const RemeshParams params = params_of(options, mesh.box().longest());
+  const Remeshed result =
+      stages.run("remesh", [&] { return with_mesh_of(options.input, [&] { return remesh(mesh, params, context); }); });
   stages.run("write", [&] {
-    WriteOptions write;
-    write.ascii = options.ascii;
-    write.coordinate_precision = proved_precision;
-    for (const std::string& warning : write_mesh(options.output, result.mesh, write, context).warnings)
-      progress.warn(warning);
+    const WriteReport written = write_mesh(options.output, result.mesh, proved_options(options.ascii), context);
+    for (const std::string& warning : written.warnings) progress.warn(warning);
   });
-  announce(result.report, options, parse_length("edge", options.edge, mesh.box().longest()), progress);
+  announce(result.report, options, params.edge, progress);
   return 0;
 }
 

@@ -14,7 +14,7 @@
 #include "cli/overwrite.h"
 #include "cli/parse.h"
 #include "cli/print.h"
-#include "cli/proved_precision.h"
+#include "cli/proved_mesh.h"
 #include "cli/read_cloud.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/json_text.h"
@@ -35,14 +35,9 @@ struct SimplifyOptions {
   bool ascii = false;
 };
 
-Simplified simplified(const Mesh& mesh, const SimplifyOptions& options, const Context& context) try {
+Simplified simplified(const Mesh& mesh, const SimplifyOptions& options, const Context& context) {
   if (options.triangles) return simplify_to(mesh, *options.triangles, context);
   return simplify(mesh, parse_length("tolerance", options.tolerance, mesh.box().longest()), context);
-} catch (const ParameterError& error) {
-  // A mesh that is refused is the file's fault.
-  const std::string text = error.what();
-  if (text.starts_with("mesh: ")) throw InputError(options.input + text.substr(4));
-  throw;
 }
 
 int run(const SimplifyOptions& options, const GlobalOptions& global) {
@@ -57,16 +52,14 @@ int run(const SimplifyOptions& options, const GlobalOptions& global) {
   ReadReport read;
   const Mesh mesh = stages.run("read", [&] { return read_mesh(options.input, &read); });
   warn_of(read, progress);
-  Simplified result = stages.run("simplify", [&] { return simplified(mesh, options, context); });
+  Simplified result = stages.run(
+      "simplify", [&] { return with_mesh_of(options.input, [&] { return simplified(mesh, options, context); }); });
   const SimplifyReport report = result.report;
   const auto make_levels = [&] { return detail_levels(std::move(result), options.lod, context); };
   const std::vector<DetailLevel> levels = options.lod ? stages.run("levels", make_levels) : make_levels();
   stages.run("write", [&] {
-    WriteOptions write;
-    write.ascii = options.ascii;
-    write.coordinate_precision = proved_precision;
-    for (const std::string& warning : write_levels(options.output, levels, write, context).warnings)
-      progress.warn(warning);
+    const WriteReport written = write_levels(options.output, levels, proved_options(options.ascii), context);
+    for (const std::string& warning : written.warnings) progress.warn(warning);
   });
   progress.info(fmt::format(
       "{}: {} of {} triangles ({:.3g} %), each mesh proved within {:.3g} of the other", options.output,

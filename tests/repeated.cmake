@@ -15,7 +15,8 @@ endfunction()
 # Scan.TheSameBytesForAnyNumberOfThreads and Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads;
 # Reconstruct.GeoreferencedInputLosesNothing; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall, of
 # the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads;
-# SimplifyCommand.IsAStageOfReconstruct and WritesCoarserLevelsBesideIt; CompareCommand.TheExitCodeIsTheVerdict; the other tests of Simplify, TileTree, Remesh;
+# SimplifyCommand.IsAStageOfReconstruct and WritesCoarserLevelsBesideIt; CompareCommand.TheExitCodeIsTheVerdict; the
+# other tests of Simplify, TileTree, Remesh;
 # CoarserLevels.AreWithinTheSumOfAllStepsOfTheFullMesh; OrderOfSamples.WithScannersAndWeightsChangesNoByte.
 list(APPEND REPEATED
   Program.TheCommandsOfItsFirstPageWork

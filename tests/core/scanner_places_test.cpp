@@ -19,7 +19,8 @@ TEST(ScannerPlaces, OfASampleComeFromItselfItsScanOrTheCaller) {
   EXPECT_EQ(scanner_of(cloud, 3, given), given);
   cloud.scans = {{"a", 0, 3, {}, {}, {}}, {"b", 3, 6, {}, {}, {}}};  // the last sample is of no scan
   cloud.scans[1].sensor = Vec3d{4, 5, 6};
-  for (size_t i = 0; i < 7; ++i) EXPECT_EQ(scanner_of(cloud, i, given), i >= 3 && i < 6 ? (Vec3d{4, 5, 6}) : given) << i;
+  for (size_t i = 0; i < 7; ++i)
+    EXPECT_EQ(scanner_of(cloud, i, given), i >= 3 && i < 6 ? (Vec3d{4, 5, 6}) : given) << i;
   cloud.sensors.assign(7, {1, 2, 3});
   cloud.sensors[1] = cloud.sensors[5] = {NAN, 0, 0};
   EXPECT_EQ(scanner_of(cloud, 0, given), (Vec3d{1, 2, 3}));

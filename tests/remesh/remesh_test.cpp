@@ -15,9 +15,9 @@
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
+#include "support/farthest.h"
 #include "support/flat_sheet.h"
 #include "tools/mesh/distance.h"
-#include "tools/mesh/sample_mesh.h"
 #include "tools/mesh/self_intersection.h"
 #include "tools/scanner/sample_surface.h"
 #include "tools/scanner/shape.h"
@@ -71,18 +71,6 @@ Quality quality(const Mesh& mesh, double edge) {
   return {even / edges, good / static_cast<double>(mesh.triangles.size())};
 }
 
-double farthest(const Mesh& a, const Mesh& b, const Context& context) {
-  double most = 0;
-  for (const auto& [from, to] : {std::pair{&a, &b}, std::pair{&b, &a}}) {
-    std::vector<Vec3d> points;
-    for (const Triangle& t : from->triangles)
-      for (const uint32_t v : t) points.push_back(from->vertices[v]);
-    for (const MeshPoint& p : sample_mesh(*from, 40000, 1, context)) points.push_back(p.position);
-    for (const double d : distances_to_mesh(points, *to, context)) most = std::max(most, d);
-  }
-  return most;
-}
-
 struct Case {
   std::string name;
   Mesh mesh;
@@ -116,7 +104,7 @@ TEST(Remesh, EvenTrianglesOfTheSameSurface) {
     EXPECT_NEAR(found.even_edges, result.report.even_edges, 1e-9);
     EXPECT_NEAR(found.good_angles, result.report.good_angles, 1e-9);
     EXPECT_EQ(result.report.triangles, result.mesh.triangles.size());
-    EXPECT_LE(farthest(c.mesh, result.mesh, context), result.report.proved);
+    EXPECT_LE(farthest_between(c.mesh, result.mesh, context), result.report.proved);
     EXPECT_LE(result.report.proved, 0.5 * c.edge);
   }
 }
@@ -183,7 +171,7 @@ TEST(Remesh, OpenMeshesKeepTheirBorders) {
   EXPECT_TRUE(after.manifold());
   EXPECT_EQ(after.euler_characteristic(), before.euler_characteristic());
   EXPECT_EQ(after.closed(), before.closed());
-  EXPECT_LE(farthest(sheet, result.mesh, context), result.report.proved);
+  EXPECT_LE(farthest_between(sheet, result.mesh, context), result.report.proved);
   const auto border = [](const Mesh& mesh) {
     std::map<std::array<uint32_t, 2>, int> edges;
     for (const Triangle& t : mesh.triangles)
@@ -221,7 +209,7 @@ TEST(Remesh, ATightToleranceIsKeptBySmallerTriangles) {
   const Remeshed loose = remesh(torus, {0.1, {}}, context), tight = remesh(torus, {0.1, 0.003}, context);
   EXPECT_GT(loose.report.proved, 0.003);
   EXPECT_LE(tight.report.proved, 0.003);
-  EXPECT_LE(farthest(torus, tight.mesh, context), 0.003);
+  EXPECT_LE(farthest_between(torus, tight.mesh, context), 0.003);
   EXPECT_GT(tight.mesh.triangles.size(), loose.mesh.triangles.size());
   EXPECT_TRUE(check_topology(tight.mesh).watertight());
 }
@@ -234,7 +222,7 @@ TEST(Remesh, GenusStaysWhereEdgesAreLargerThanDetails) {
   EXPECT_EQ(check_topology(result.mesh).genus(), 4);
   EXPECT_TRUE(check_topology(result.mesh).watertight());
   EXPECT_EQ(count_self_intersections(result.mesh, context), 0u);
-  EXPECT_LE(farthest(knot, result.mesh, context), result.report.proved);
+  EXPECT_LE(farthest_between(knot, result.mesh, context), result.report.proved);
 }
 
 TEST(Remesh, TheSameForAnyNumberOfThreads) {
@@ -274,7 +262,7 @@ TEST(Remesh, FarFromTheOriginAndWithVerticesThatNothingUses) {
   EXPECT_TRUE(check_topology(result.mesh).watertight());
   EXPECT_GE(quality(result.mesh, 0.8).even_edges, 0.95);
   torus.vertices.pop_back();
-  EXPECT_LE(farthest(torus, result.mesh, context), result.report.proved);
+  EXPECT_LE(farthest_between(torus, result.mesh, context), result.report.proved);
 }
 
 TEST(Remesh, RefusesWhatItCannotDo) {

@@ -9,10 +9,9 @@
 
 #include "relax/grid_torus.h"
 #include "soapfilm/core/vec.h"
+#include "support/farthest.h"
 #include "support/flat_sheet.h"
 #include "support/sanitized.h"
-#include "tools/mesh/distance.h"
-#include "tools/mesh/sample_mesh.h"
 #include "tools/mesh/self_intersection.h"
 
 namespace soapfilm {
@@ -33,16 +32,6 @@ Mesh wavy(uint32_t n) {
   return mesh;
 }
 
-double farthest_between(const Mesh& a, const Mesh& b) {
-  const auto farthest = [](const Mesh& from, const Mesh& to) {
-    std::vector<Vec3d> points = from.vertices;
-    for (const MeshPoint& p : sample_mesh(from, 30000, 1, two_threads)) points.push_back(p.position);
-    const std::vector<double> distances = distances_to_mesh(points, to, two_threads);
-    return *std::max_element(distances.begin(), distances.end());
-  };
-  return std::max(farthest(a, b), farthest(b, a));
-}
-
 TEST(CoarserLevels, AreWithinTheSumOfAllStepsOfTheFullMesh) {
   const Mesh full = wavy(sanitized ? 40 : 100);
   const Simplified first = simplify(full, 0.002, two_threads);
@@ -60,7 +49,7 @@ TEST(CoarserLevels, AreWithinTheSumOfAllStepsOfTheFullMesh) {
     triangles = report.triangles;
     EXPECT_LE(report.proved, allowed * (1 + 1e-12));
     EXPECT_GT(report.proved, tolerance) << "the steps before count, too";
-    const double measured = farthest_between(mesh, full);
+    const double measured = farthest_between(mesh, full, two_threads);
     EXPECT_LE(measured, report.proved);
     EXPECT_GT(measured, 0.1 * report.proved) << "the bound is not far off";
     const TopologyReport topology = check_topology(mesh);

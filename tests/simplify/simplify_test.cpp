@@ -16,9 +16,9 @@
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/simplify/engine.h"
+#include "support/farthest.h"
 #include "support/flat_sheet.h"
 #include "tools/mesh/distance.h"
-#include "tools/mesh/sample_mesh.h"
 #include "tools/mesh/self_intersection.h"
 
 namespace soapfilm {
@@ -75,24 +75,6 @@ Mesh cube(uint32_t n, Vec3d center, double half) {
 Mesh inside_out(Mesh mesh) {
   for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
-}
-
-double two_sided(const Mesh& a, const Mesh& b, const Context& context) {
-  double farthest = 0;
-  const auto measure = [&](const Mesh& from, const Mesh& to) {
-    std::vector<Vec3d> points;
-    for (const MeshPoint& p : sample_mesh(from, 40000, 1, context)) points.push_back(p.position);
-    for (const Triangle& t : from.triangles)
-      for (size_t k = 0; k < 3; ++k) {
-        points.push_back(from.vertices[t[k]]);
-        points.push_back((from.vertices[t[k]] + from.vertices[t[(k + 1) % 3]]) * 0.5);
-      }
-    for (const double d : distances_to_mesh(points, to, context)) farthest = std::max(farthest, d);
-  };
-  std::set<uint32_t> used;
-  measure(a, b);
-  measure(b, a);
-  return farthest;
 }
 
 std::vector<std::vector<Vec3d>> borders(const Mesh& mesh) {
@@ -192,7 +174,7 @@ TEST(Simplify, KeepsDistanceTopologyAndBordersWithoutIntersections) {
     EXPECT_EQ(after.closed(), before.closed());
     EXPECT_EQ(after.zero_area_triangles, 0u);
     EXPECT_EQ(count_self_intersections(result.mesh, context), 0u);
-    EXPECT_LE(two_sided(c.mesh, result.mesh, context), c.tolerance);
+    EXPECT_LE(farthest_between(c.mesh, result.mesh, context), c.tolerance);
     EXPECT_LE(result.report.proved, c.tolerance);
     EXPECT_LE(border_distance(c.mesh, result.mesh), c.tolerance);
     EXPECT_EQ(result.report.triangles, result.mesh.triangles.size());
@@ -226,7 +208,7 @@ TEST(Simplify, CoordinatesAreFloatsWhereFloatsWillDo) {
   EXPECT_EQ(near.mesh.vertices, as_floats(near.mesh).vertices);
   const Mesh far = moved(grid_torus({}, 5, 2, 60, 30), [](Vec3d v) { return v + Vec3d{4512345.25, 5400000.5, 0}; });
   const Simplified result = simplify(far, 0.1, Context(1));
-  EXPECT_LE(two_sided(far, result.mesh, Context(1)), 0.1);
+  EXPECT_LE(farthest_between(far, result.mesh, Context(1)), 0.1);
 }
 
 TEST(Simplify, ReachesANumberOfTriangles) {
@@ -238,7 +220,7 @@ TEST(Simplify, ReachesANumberOfTriangles) {
     EXPECT_LE(result.mesh.triangles.size(), wanted);
     EXPECT_GE(result.mesh.triangles.size(), wanted * 7 / 10);
     EXPECT_GT(result.report.tolerance, last);
-    EXPECT_LE(two_sided(torus, result.mesh, context), result.report.proved);
+    EXPECT_LE(farthest_between(torus, result.mesh, context), result.report.proved);
     EXPECT_EQ(count_self_intersections(result.mesh, context), 0u);
     last = result.report.tolerance;
   }
@@ -301,7 +283,8 @@ TEST(SimplifyChecks, EachOfThemIsNeeded) {
   const Mesh torus = rough(grid_torus({}, 5, 2, 100, 50), 0.03, 7);
   bool too_far = false;
   for (const double tolerance : {0.03, 0.05, 0.08})
-    too_far |= two_sided(torus, simplify_checked(torus, tolerance, {false, true}, context).mesh, context) > tolerance;
+    too_far |=
+        farthest_between(torus, simplify_checked(torus, tolerance, {false, true}, context).mesh, context) > tolerance;
   EXPECT_TRUE(too_far);
   Mesh shell = grid_torus({}, 5, 2, 90, 40);
   join(shell, inside_out(grid_torus({}, 5, 1.95, 83, 37)));

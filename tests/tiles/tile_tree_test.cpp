@@ -13,10 +13,9 @@
 #include "soapfilm/core/random.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
+#include "support/farthest.h"
 #include "support/flat_sheet.h"
 #include "support/sanitized.h"
-#include "tools/mesh/distance.h"
-#include "tools/mesh/sample_mesh.h"
 #include "tools/tiles/tile_part.h"
 
 namespace soapfilm {
@@ -107,17 +106,10 @@ TEST(TileTree, ErrorsBoundTheDistanceBothWays) {
   const Mesh mesh = wavy_torus(sanitized ? 30 : 80);
   const TileTree tree = make_tiles(mesh, {.triangles = 300}, two_threads);
   EXPECT_GT(tree.root().error, 0);
-  const auto farthest = [](const Mesh& from, const Mesh& to) {
-    std::vector<Vec3d> points = from.vertices;
-    for (const MeshPoint& p : sample_mesh(from, 20000, 1, two_threads)) points.push_back(p.position);
-    double most = 0;
-    for (const double d : distances_to_mesh(points, to, two_threads)) most = std::max(most, d);
-    return most;
-  };
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     const View view(tree, seed == 1 ? 0 : 0.5, seed);
     const Mesh shown = welded(view.meshes);
-    const double most = std::max(farthest(mesh, shown), farthest(shown, mesh));
+    const double most = farthest_between(mesh, shown, two_threads);
     EXPECT_LE(most, view.error);
     if (seed == 1) {
       EXPECT_GT(most, 0.05 * view.error) << "the bound is not far off";

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "soapfilm/core/box_of.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/summary.h"
@@ -77,12 +78,6 @@ void check_item(const ViewItem& item) {
     }
     check_columns(cloud, cloud.columns);
   }
-}
-
-Box3d box_of(const std::vector<Vec3d>& positions) {
-  Box3d box;
-  for (const Vec3d p : positions) box.extend(p);
-  return box;
 }
 
 /// Center of the box, rounded to a multiple of a power of two about as large as the box: then the differences of

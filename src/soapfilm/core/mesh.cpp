@@ -1,13 +1,10 @@
 #include "soapfilm/mesh.h"
+#include "soapfilm/core/box_of.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm {
 
-Box3d Mesh::box() const {
-  Box3d box;
-  for (const Vec3d& v : vertices) box.extend(v);
-  return box;
-}
+Box3d Mesh::box() const { return box_of(vertices); }
 
 double Mesh::area() const {
   double twice = 0;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/core/box_of.h"
 #include "soapfilm/core/kd_tree.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/rounded.h"
@@ -34,10 +35,8 @@ struct Points {
 
 /// Chosen by their places, in an order that is as good as a random one.
 Points some_of(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Context& context) {
-  Box3d box;
-  for (const Vec3d& position : positions) box.extend(position);
-  const auto chosen =
-      some_by_place(box, positions.size(), most_searched, context, [&](size_t i) { return positions[i]; });
+  const auto chosen = some_by_place(box_of(positions), positions.size(), most_searched, context,
+                                    [&](size_t i) { return positions[i]; });
   Points some;
   for (const uint32_t i : chosen) some.add(positions[i] - positions[chosen[0]], directions[i]);
   return some;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "soapfilm/core/box_of.h"
 #include "soapfilm/core/kd_tree.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/orient/sample_cells.h"
@@ -18,12 +19,6 @@ constexpr size_t nearest_means = 12;       // means of cells
 constexpr double spans_plane = 0.15;       // Plane::wide of what is no line
 constexpr double most_thick_mean = 0.015;  // Plane::flat
 constexpr size_t points_per_task = 512;
-
-Box3d box_of(std::span<const Vec3d> points) {
-  Box3d box;
-  for (const Vec3d& p : points) box.extend(p);
-  return box;
-}
 
 std::vector<Vec3d> means_of_cells(std::span<const Vec3d> points, const SampleOrder& order, int depth) {
   const int up = 3 * (SampleOrder::deepest - depth);

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <tuple>
 
+#include "soapfilm/core/box_of.h"
 #include "soapfilm/core/some_by_place.h"
 
 namespace soapfilm {
 
 Sites::Sites(const std::vector<Vec3d>& positions) : of_sample(positions.size()) {
-  Box3d box;
-  for (const Vec3d& position : positions) box.extend(position);
+  const Box3d box = box_of(positions);
   struct Place {
     uint64_t hash;
     uint32_t sample;

@@ -38,8 +38,8 @@ void check_params(const Mesh& mesh, const RemeshParams& params, const Context& c
   if (!(expected <= most_triangles))
     throw ParameterError(fmt::format("edge = {:g}: about {:.2g} triangles, must be at most {:g}", params.edge, expected,
                                      most_triangles));
-  check_editable(mesh, "remeshing to many of", remesh_bytes(mesh.triangles.size(), static_cast<uint64_t>(expected)),
-                 context);
+  check_room(mesh, "remeshing to many of", remesh_bytes(mesh.triangles.size(), static_cast<uint64_t>(expected)),
+             context);
 }
 
 class Remeshing {

@@ -64,10 +64,12 @@ class Interval {
       free.for_each_fixed({0, 0, 0}, brick_side, [&](int x, int y, int z) { near_[b].clear(brick_offset(x, y, z)); });
     });
     count();
+    for (size_t b = 0; b < level.grid.size(); ++b)
+      for (int k = 0; k < brick_volume; ++k) hold_ = std::max(hold_, std::abs(static_cast<double>(level.data(b)[k])));
+    hold_ += 8 * level.lambda;
   }
 
   VolumeInterval find() {
-    // What is elsewhere than near the interface is held by a price that no saved area pays.
     const Field<float>* const f = level_.f;
     const std::vector<int32_t> f_brick = level_.f_brick;
     found_.epsilon = setup_.epsilon;
@@ -122,11 +124,6 @@ class Interval {
 
   /// The level's f becomes f + s near the interface; elsewhere it holds the side.
   Shift shift_data(double s) {
-    double largest = 0;
-    for (size_t b = 0; b < level_.grid.size(); ++b)
-      for (int k = 0; k < brick_volume; ++k)
-        largest = std::max(largest, std::abs(static_cast<double>(level_.data(b)[k])));
-    const double hold = 8 * level_.lambda + largest;
     const Shift shift = ordered_sum<Shift>(level_.grid, context_, [&](size_t b) {
       const FreeRange free = free_range(level_.box, level_.grid.coord(b));
       const float* data = level_.data(b);
@@ -134,7 +131,7 @@ class Interval {
       for (int k = 0; k < brick_volume; ++k) {
         const int x = k % brick_side, y = k / brick_side % brick_side, z = k / brick_area;
         const bool near = near_[b].test(x, y, z), inside = inside_[b].test(x, y, z);
-        const double wanted = data[k] + (near ? s : inside ? hold : -hold);
+        const double wanted = data[k] + (near ? s : inside ? hold_ : -hold_);
         const auto stored = static_cast<float>(wanted);
         f_.brick(b)[k] = stored;
         if (near)
@@ -172,6 +169,7 @@ class Interval {
   std::vector<BrickBits> inside_;  ///< of the solution
   std::vector<BrickBits> near_;    ///< free vertices that may change their side
   double near_count_ = 0, held_inside_ = 0;
+  double hold_ = 0;  ///< a price that no saved area pays: what is not near the interface keeps its side
   VolumeInterval found_;
 };
 
