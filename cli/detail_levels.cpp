@@ -55,4 +55,17 @@ void announce_levels(const std::string& output, const std::vector<DetailLevel>& 
                               levels[level].mesh.triangles.size(), levels[level].proved));
 }
 
+nlohmann::ordered_json levels_json(const std::string& output, const std::vector<DetailLevel>& levels) {
+  const std::vector<std::string> files = level_files(output, levels.size());
+  auto rows = nlohmann::ordered_json::array();
+  for (size_t level = 0; level < levels.size(); ++level) {
+    nlohmann::ordered_json row = {{"file", files.size() > 1 ? files[level] : output}};
+    if (files.size() == 1 && levels.size() > 1) row["node"] = fmt::format("lod{}", level);
+    row["triangles"] = levels[level].mesh.triangles.size();
+    row["proved_distance"] = levels[level].proved;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 }  // namespace soapfilm::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,5 +27,8 @@ std::vector<DetailLevel> detail_levels(Simplified first, LodCount count, const C
 
 /// One line for each level but the first.
 void announce_levels(const std::string& output, const std::vector<DetailLevel>& levels, Progress& progress);
+
+/// The same for a report: of all levels, the finest first.
+nlohmann::ordered_json levels_json(const std::string& output, const std::vector<DetailLevel>& levels);
 
 }  // namespace soapfilm::cli

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/detail_levels.h"
 #include "cli/level_files.h"
 #include "cli/overwrite.h"
 #include "cli/parse.h"
@@ -23,6 +24,7 @@
 #include "cli/reconstruct_options.h"
 #include "cli/standard_streams.h"
 #include "cli/terminal.h"
+#include "soapfilm/core/json_text.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/stages.h"
 #include "soapfilm/finish/self_check.h"
@@ -169,10 +171,19 @@ void write_meshes(const ReconstructOptions& options, const std::vector<DetailLev
   }
 }
 
+std::string report_text(const ReconstructOptions& options, const ReconstructReport& report,
+                        const std::vector<DetailLevel>& levels) {
+  if (!options.lod) return to_json(report);
+  auto json = nlohmann::ordered_json::parse(to_json(report));
+  json["mesh"]["levels"] = levels_json(options.output, levels);
+  return json_text(json) + "\n";
+}
+
 /// The mesh took long to compute: it is kept even if its report cannot be written.
-void write_report(const ReconstructOptions& options, const ReconstructReport& report) {
+void write_report(const ReconstructOptions& options, const ReconstructReport& report,
+                  const std::vector<DetailLevel>& levels) {
   try {
-    write_text_file(options.report, to_json(report));
+    write_text_file(options.report, report_text(options, report, levels));
   } catch (const OutputError& error) {
     throw OutputError(fmt::format("{}; {} is written all the same", error.what(), options.output));
   }
@@ -242,7 +253,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   for (const StageTime& stage : stages.times())
     report.stages.insert(stage.name == "read" ? report.stages.begin() : report.stages.end(), stage);
   report.peak_bytes = peak_memory_bytes();
-  if (!options.report.empty()) write_report(options, report);
+  if (!options.report.empty()) write_report(options, report, meshes);
   levels.keep();
   if (streams.gives_output()) streams.give_output();
   progress.info(

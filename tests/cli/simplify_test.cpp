@@ -109,8 +109,37 @@ TEST(SimplifyCommand, WritesCoarserLevelsBesideIt) {
     more.insert(more.begin(), reconstruct.begin(), reconstruct.end());
     return more;
   };
-  ASSERT_EQ(run(with({folder.file("r.ply"), "-q", "--simplify", "0.001", "--lod", "1"})).exit_code, 0);
-  EXPECT_LT(read_mesh(folder.file("r.1.ply")).triangles.size(), read_mesh(folder.file("r.ply")).triangles.size());
+  const std::vector<std::string> coarser{"-q", "--simplify", "0.001", "--lod", "2", "--report"};
+  const auto levels_of = [&](const std::string& mesh) {
+    std::vector<std::string> all{folder.file(mesh)};
+    all.insert(all.end(), coarser.begin(), coarser.end());
+    all.push_back(folder.file("r.json"));
+    EXPECT_EQ(run(with(all)).exit_code, 0);
+    return nlohmann::json::parse(read_file(folder.file("r.json")))["mesh"]["levels"];
+  };
+  const auto levels = levels_of("r.ply");
+  ASSERT_EQ(levels.size(), 3U);
+  bound = 0, step = 0.001;
+  const std::vector<std::string> names{"r.ply", "r.1.ply", "r.2.ply"};
+  for (size_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(levels[i]["file"], folder.file(names[i]));
+    const Mesh level = read_mesh(folder.file(names[i]));
+    EXPECT_EQ(levels[i]["triangles"], level.triangles.size());
+    if (i > 0) {
+      EXPECT_LT(levels[i]["triangles"], levels[i - 1]["triangles"]);
+    }
+    bound += step;
+    step *= 2;
+    const auto proved = levels[i]["proved_distance"].get<double>();
+    EXPECT_LE(proved, bound * (1 + 1e-12));
+    EXPECT_LE(farthest(read_mesh(full), level), proved + 1e-6);  // a file rounds the full mesh
+  }
+  const auto nodes = levels_of("r.glb");
+  ASSERT_EQ(nodes.size(), 3U);
+  EXPECT_EQ(nodes[2]["file"], folder.file("r.glb"));
+  EXPECT_EQ(nodes[2]["node"], "lod2");
+  EXPECT_EQ(nodes[2]["triangles"], levels[2]["triangles"]);
+  EXPECT_EQ(nodes[2]["proved_distance"], levels[2]["proved_distance"]);
   expect_refused(with({folder.file("s.ply"), "--lod", "1"}), "--simplify auto makes it");
   expect_refused(with({"-", "--format", "ply", "--simplify", "auto", "--lod", "1"}), "cannot go to standard output");
 }
