@@ -182,6 +182,34 @@ TEST(Simplify, KeepsDistanceTopologyAndBordersWithoutIntersections) {
   }
 }
 
+/// Nothing but the link condition, its border and its tetrahedra included, is left to keep the surface from being
+/// pinched: no distance is in its way.
+TEST(Simplify, LinkConditionAloneKeepsTheTopology) {
+  const Context context(2);
+  std::vector<Case> all;
+  all.push_back({"torus", grid_torus({}, 5, 2, 40, 20), 4});
+  all.push_back({"thin torus", grid_torus({}, 5, 0.5, 60, 8), 8});
+  Mesh ribbon = flat_sheet(30, {}, 0.1);
+  std::erase_if(ribbon.triangles, [&](const Triangle& t) {
+    return std::any_of(t.begin(), t.end(), [&](uint32_t v) { return ribbon.vertices[v].y > 0.25; });
+  });
+  all.push_back({"ribbon", ribbon, 1});
+  Mesh ring = moved(ribbon, [](Vec3d v) { return Vec3d{v.x, v.y, 0.2 * std::sin(4 * v.x)}; });
+  all.push_back({"wavy ribbon", ring, 1});
+  const Mesh tetrahedron{
+      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.9, 0.9, 0.01}}, {{0, 1, 3}, {0, 3, 2}, {0, 2, 1}, {1, 2, 3}}, {}, {}, {}};
+  all.push_back({"flat tetrahedron", tetrahedron, 1});
+  for (const Case& c : all) {
+    SCOPED_TRACE(c.name);
+    const Mesh small = simplify_checked(c.mesh, c.tolerance, {false, false}, context).mesh;
+    const TopologyReport before = check_topology(c.mesh), after = check_topology(small);
+    EXPECT_TRUE(after.manifold());
+    EXPECT_EQ(after.components.size(), before.components.size());
+    EXPECT_EQ(after.euler_characteristic(), before.euler_characteristic());
+    EXPECT_EQ(after.closed(), before.closed());
+  }
+}
+
 TEST(Simplify, LeavesFewTrianglesAndTheVolume) {
   const Context context(1);
   const Mesh torus = grid_torus({}, 5, 2, 240, 120);  // edges of about 0.12
