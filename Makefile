@@ -52,6 +52,7 @@ web-demo: web ## serve it at http://localhost:8000
 
 test-web: web packages-viewer-test ## it gives the program's bytes, in node and Chromium
 	node web/test/bytes.mjs $(PROGRAM) out/web/npm/soapfilm.mjs out/web-test
+	node web/test/simplify.mjs $(PROGRAM) out/web/npm/soapfilm.mjs out/web-test
 	node web/test/npm.mjs $(PROGRAM) out/web-test out/web/soapfilm-*.tgz
 	SOAPFILM_PAGE=out/web/index.html sh viewer/test/run.sh $(PROGRAM) build/release/viewer out/web-test \
 	  ../../web/test/web.test.mjs

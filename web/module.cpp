@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "soapfilm/io/summary.h"
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/run/memory_plan.h"
+#include "soapfilm/simplify.h"
 #include "soapfilm/version.h"
 
 // clang-format off
@@ -48,7 +50,10 @@ struct Run {
   WebProgress progress;
   Context context{1, progress};
   PointCloud cloud;
-  Reconstruction result;
+  Mesh mesh;         // what was reconstructed or simplified
+  WriteOptions how;  // it is written
+  std::string report;
+  Mesh given;  // to be simplified
   std::vector<float> preview;
   std::string text;
   std::vector<std::string> warnings;
@@ -58,6 +63,8 @@ Run& run() {
   static Run one;
   return one;
 }
+
+Mesh& mesh_of(bool given) { return given ? run().given : run().mesh; }
 
 /// The parameters of JavaScript have `memory.limit`, bytes, for the context, which it does not see.
 ReconstructParams params_of(const char* text) {
@@ -88,6 +95,10 @@ const char* guarded(const Work& work) {
 }
 
 ordered_json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
+
+std::string text_of(const ordered_json& json) {
+  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
 
 }  // namespace
 
@@ -126,7 +137,7 @@ EMSCRIPTEN_KEEPALIVE const char* web_summary(const char* parameters) {
                                {"colors", !run().cloud.colors.empty()},
                                {"coordinate_system", run().cloud.coordinate_system},
                                {"box", {{"lo", json_of(summary.box.lo)}, {"hi", json_of(summary.box.hi)}}}};
-    run().text = json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+    run().text = text_of(json);
   });
 }
 EMSCRIPTEN_KEEPALIVE const char* web_summary_text() { return run().text.c_str(); }
@@ -153,36 +164,85 @@ EMSCRIPTEN_KEEPALIVE const float* web_preview_data() { return run().preview.data
 EMSCRIPTEN_KEEPALIVE const char* web_reconstruct(const char* parameters) {
   return guarded([&] {
     const ReconstructParams params = params_of(parameters);
-    run().result = reconstruct(std::move(run().cloud), params, run().context);
-    std::vector<std::string>& warnings = run().result.report.warnings;
+    Reconstruction result = reconstruct(std::move(run().cloud), params, run().context);
+    std::vector<std::string>& warnings = result.report.warnings;
     warnings.insert(warnings.begin(), run().warnings.begin(), run().warnings.end());
-    run().text = to_json(run().result.report);
+    run().report = to_json(result.report);
+    run().mesh = std::move(result.mesh);
+    run().how = {};
   });
 }
-EMSCRIPTEN_KEEPALIVE const char* web_report() {
-  run().text = to_json(run().result.report);
-  return run().text.c_str();
+EMSCRIPTEN_KEEPALIVE const char* web_report() { return run().report.c_str(); }
+
+/// Room for a mesh that JavaScript fills in. Returns "" or why not.
+EMSCRIPTEN_KEEPALIVE const char* web_give(size_t vertices, size_t triangles, bool normals, bool colors) {
+  return guarded([&] {
+    Mesh& mesh = run().given = {};
+    mesh.vertices.resize(vertices);
+    mesh.triangles.resize(triangles);
+    if (normals) mesh.normals.resize(vertices);
+    if (colors) mesh.colors.resize(vertices);
+  });
 }
-EMSCRIPTEN_KEEPALIVE size_t web_vertices() { return run().result.mesh.vertices.size(); }
-EMSCRIPTEN_KEEPALIVE const Vec3d* web_vertex_data() { return run().result.mesh.vertices.data(); }
-EMSCRIPTEN_KEEPALIVE size_t web_triangles() { return run().result.mesh.triangles.size(); }
-EMSCRIPTEN_KEEPALIVE const Triangle* web_triangle_data() { return run().result.mesh.triangles.data(); }
-EMSCRIPTEN_KEEPALIVE const Rgb8* web_color_data() {
-  const Mesh& mesh = run().result.mesh;
-  return mesh.colors.empty() ? nullptr : mesh.colors.data();
+EMSCRIPTEN_KEEPALIVE const char* web_give_attribute(const char* name) {
+  return guarded([&] {
+    Mesh& mesh = run().given;
+    mesh.attributes.push_back({name, std::vector<float>(mesh.vertices.size()), false});
+  });
+}
+/// The mesh of a file instead. Returns "" or why not.
+EMSCRIPTEN_KEEPALIVE const char* web_give_file(const char* path) {
+  return guarded([&] {
+    ReadReport report;
+    run().given = {};
+    run().given = read_mesh(path, &report);
+    for (const std::string& warning : report.warnings) run().progress.warn(warning);
+  });
+}
+
+/// Of the mesh that was given, or of the one that is there: to `triangles` if > 0, else within the tolerance. It takes
+/// that one's place, and its report the other's. Returns "" or why not.
+EMSCRIPTEN_KEEPALIVE const char* web_simplify(bool given, double tolerance, size_t triangles) {
+  return guarded([&] {
+    const Mesh own = given ? std::move(run().given) : Mesh{};
+    run().given = {};
+    const Mesh& from = given ? own : run().mesh;
+    if (!given && from.triangles.empty()) throw ParameterError("simplify: there is no mesh yet");
+    Simplified found =
+        triangles > 0 ? simplify_to(from, triangles, run().context) : simplify(from, tolerance, run().context);
+    const SimplifyReport& report = found.report;
+    run().report = text_of({{"triangles_before", report.triangles_before},
+                            {"triangles", report.triangles},
+                            {"tolerance", report.tolerance},
+                            {"proved", report.proved}});
+    run().mesh = std::move(found.mesh);
+    run().how.coordinate_precision = std::numeric_limits<double>::min();  // what is proved holds for what is written
+  });
+}
+
+/// The arrays of the mesh that was given (`given`), or of the one that is there; null: it has none.
+EMSCRIPTEN_KEEPALIVE size_t web_vertices() { return run().mesh.vertices.size(); }
+EMSCRIPTEN_KEEPALIVE size_t web_triangles() { return run().mesh.triangles.size(); }
+EMSCRIPTEN_KEEPALIVE Vec3d* web_vertex_data(bool given) { return mesh_of(given).vertices.data(); }
+EMSCRIPTEN_KEEPALIVE Triangle* web_triangle_data(bool given) { return mesh_of(given).triangles.data(); }
+EMSCRIPTEN_KEEPALIVE Vec3f* web_normal_data(bool given) {
+  return mesh_of(given).normals.empty() ? nullptr : mesh_of(given).normals.data();
+}
+EMSCRIPTEN_KEEPALIVE Rgb8* web_color_data(bool given) {
+  return mesh_of(given).colors.empty() ? nullptr : mesh_of(given).colors.data();
 }
 EMSCRIPTEN_KEEPALIVE const char* web_attribute_name(size_t index) {
-  const auto& attributes = run().result.mesh.attributes;
+  const auto& attributes = run().mesh.attributes;
   return index < attributes.size() ? attributes[index].name.c_str() : nullptr;
 }
-EMSCRIPTEN_KEEPALIVE const float* web_attribute_data(size_t index) {
-  return run().result.mesh.attributes[index].values.data();
+EMSCRIPTEN_KEEPALIVE float* web_attribute_data(bool given, size_t index) {
+  return mesh_of(given).attributes[index].values.data();
 }
 
 /// Writes the mesh. Warns of what the format cannot hold. Returns "" or why not.
 EMSCRIPTEN_KEEPALIVE const char* web_write(const char* path) {
   return guarded([&] {
-    const WriteReport written = write_mesh(path, run().result.mesh, {}, run().context);
+    const WriteReport written = write_mesh(path, run().mesh, run().how, run().context);
     for (const std::string& warning : written.warnings) run().progress.warn(warning);
   });
 }

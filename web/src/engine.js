@@ -1,4 +1,5 @@
 // Soapfilm compiled for browsers, as functions of JavaScript. Runs in a worker, and in node for tests.
+import {checkMesh, checkTarget} from './given.js';
 
 /** `create` is what Emscripten makes; `onEvent(kind, fraction, text)` hears of stages, progress and warnings. */
 export async function engine(create, onEvent) {
@@ -12,6 +13,46 @@ export async function engine(create, onEvent) {
     if (message) throw new Error(message);
   };
   for (const folder of ['/in', '/out']) FS.mkdir(folder);
+  /** An array of the mesh that is given to the engine, or of the one that it has: null if it has none. */
+  const array = (Type, name, length, given = false, ...index) => {
+    const types = ['boolean', ...index.map(() => 'number')];
+    const address = size(name, types, [given, ...index]);
+    return address ? new Type(module.HEAPU8.buffer, address, length) : null;
+  };
+
+  /** Fills in the mesh in the engine. All rooms are made first: its memory moves when it grows. */
+  function give(mesh) {
+    const {vertices, triangles, channels} = checkMesh(mesh);
+    const {positions, indices, normals, colors, attributes = []} = mesh;
+    const types = ['number', 'number', 'boolean', 'boolean'];
+    must(call('web_give', 'string', types, [vertices, triangles, !!normals, !!colors]));
+    for (const {name} of attributes) must(call('web_give_attribute', 'string', ['string'], [name]));
+    array(Float64Array, 'web_vertex_data', 3 * vertices, true)?.set(positions);
+    array(Uint32Array, 'web_triangle_data', 3 * triangles, true)?.set(indices);
+    array(Float32Array, 'web_normal_data', 3 * vertices, true)?.set(normals);
+    const rgb = array(Uint8Array, 'web_color_data', 3 * vertices, true);
+    for (let i = 0; rgb && i < rgb.length; ++i) rgb[i] = colors[channels * Math.floor(i / 3) + (i % 3)];
+    attributes.forEach(({values}, k) => array(Float32Array, 'web_attribute_data', vertices, true, k)?.set(values));
+  }
+
+  /** Copies: the memory of the engine moves when it grows. `positionsOf(world)` makes the positions. */
+  function meshBy(positionsOf) {
+    const vertices = size('web_vertices'),
+      triangles = size('web_triangles');
+    const rgb = array(Uint8Array, 'web_color_data', 3 * vertices);
+    const colors = rgb && new Uint8Array(4 * vertices).fill(255);
+    for (let i = 0; rgb && i < rgb.length; ++i) colors[4 * Math.floor(i / 3) + (i % 3)] = rgb[i];
+    const attributes = [];
+    for (let k = 0, name; (name = call('web_attribute_name', 'string', ['number'], [k])); ++k)
+      attributes.push({name, values: array(Float32Array, 'web_attribute_data', vertices, false, k).slice()});
+    return {
+      positions: positionsOf(array(Float64Array, 'web_vertex_data', 3 * vertices) ?? new Float64Array(0)),
+      normals: array(Float32Array, 'web_normal_data', 3 * vertices)?.slice() ?? null,
+      colors,
+      attributes,
+      indices: array(Uint32Array, 'web_triangle_data', 3 * triangles)?.slice() ?? new Uint32Array(0),
+    };
+  }
 
   return {
     version: () => call('web_version', 'string'),
@@ -49,32 +90,26 @@ export async function engine(create, onEvent) {
       must(call('web_reconstruct', 'string', ['string'], [JSON.stringify(parameters)]));
     },
 
-    /** Copies: the memory of the engine moves when it grows. */
     mesh(origin) {
-      const vertices = size('web_vertices'),
-        triangles = size('web_triangles');
-      const {buffer} = module.HEAPU8;
-      const world = new Float64Array(buffer, size('web_vertex_data'), 3 * vertices);
-      const positions = new Float32Array(3 * vertices);
-      for (let i = 0; i < positions.length; ++i) positions[i] = world[i] - origin[i % 3];
-      const colorsAt = size('web_color_data');
-      let colors = null;
-      if (colorsAt) {
-        const rgb = new Uint8Array(buffer, colorsAt, 3 * vertices);
-        colors = new Uint8Array(4 * vertices).fill(255);
-        for (let i = 0; i < vertices; ++i) colors.set(rgb.subarray(3 * i, 3 * i + 3), 4 * i);
-      }
-      const attributes = [];
-      for (let k = 0, name; (name = call('web_attribute_name', 'string', ['number'], [k])); ++k) {
-        const values = new Float32Array(buffer, size('web_attribute_data', ['number'], [k]), vertices).slice();
-        attributes.push({name, values});
-      }
-      return {
-        positions,
-        colors,
-        attributes,
-        indices: new Uint32Array(buffer, size('web_triangle_data'), 3 * triangles).slice(),
-      };
+      return meshBy((world) => {
+        const positions = new Float32Array(world.length);
+        for (let i = 0; i < positions.length; ++i) positions[i] = world[i] - origin[i % 3];
+        return positions;
+      });
+    },
+
+    /**
+     * Fewer triangles, within a proved distance: {mesh, report}. `mesh`: arrays, the name of a file that was put, or
+     * null for the engine's own. The engine has the smaller one afterwards: write() writes it.
+     */
+    simplify(mesh, target) {
+      const [tolerance, triangles] = checkTarget(target);
+      if (typeof mesh === 'string') must(call('web_give_file', 'string', ['string'], [`/in/${mesh}`]));
+      else if (mesh !== null) give(mesh);
+      const types = ['boolean', 'number', 'number'];
+      must(call('web_simplify', 'string', types, [mesh !== null, tolerance, triangles]));
+      const Type = mesh?.positions instanceof Float32Array ? Float32Array : Float64Array;
+      return {mesh: meshBy((world) => new Type(world)), report: JSON.parse(call('web_report', 'string'))};
     },
     report: () => call('web_report', 'string'),
 

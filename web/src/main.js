@@ -160,7 +160,14 @@ function settings() {
     ...(place || across ? {place: place ?? across} : {}),
     orient: {...(up === 'auto' ? {} : {up}), ...(position ? {sensor: position} : {})},
     border: {outside: byId('outside').value},
+    ...(number('triangles') > 0 ? {simplify: {triangles: number('triangles')}} : simplifyParameters()),
   };
+}
+
+function simplifyParameters() {
+  const choice = byId('simplify').value;
+  if (choice === 'off') return {};
+  return {simplify: choice === 'auto' ? {automatic: true} : {tolerance_vox: Number(choice)}};
 }
 
 function reconstruct(event) {
@@ -234,6 +241,8 @@ for (const [id, other] of [
   ['resolution', 'voxel'],
 ])
   byId(id).oninput = () => (byId(other).value = '');
+byId('triangles').oninput = () => (byId('simplify').value = 'off');
+byId('simplify').oninput = () => (byId('triangles').value = '');
 byId('cancel').onclick = cancel;
 byId('change').onclick = change;
 byId('again').onclick = () => begin();

@@ -16,14 +16,37 @@ export interface Summary {
   box: {lo: Point; hi: Point};
 }
 
-export interface Mesh {
-  /** x, y, z of each vertex, around the origin that was asked for. */
-  positions: Float32Array;
+export interface Mesh<Positions = Float32Array> {
+  /** x, y, z of each vertex: of mesh(), around the origin that was asked for. */
+  positions: Positions;
   /** Three vertices for each triangle. */
   indices: Uint32Array;
+  /** x, y, z of each vertex. */
+  normals: Float32Array | null;
   /** r, g, b, 255 of each vertex. */
   colors: Uint8Array | null;
   attributes: {name: string; values: Float32Array}[];
+}
+
+/** A closed or open 2-manifold. */
+export interface GivenMesh<Positions = ArrayLike<number>> {
+  positions: Positions;
+  indices: ArrayLike<number>;
+  normals?: ArrayLike<number> | null;
+  /** Three or four values in [0, 255] of each vertex. */
+  colors?: ArrayLike<number> | null;
+  attributes?: {name: string; values: ArrayLike<number>}[];
+}
+
+/** Greatest distance between old and new mesh, in both directions, in the units of the mesh; or so many triangles. */
+export type SimplifyTarget = {tolerance: number} | {triangles: number};
+
+export interface SimplifyReport {
+  triangles_before: number;
+  triangles: number;
+  tolerance: number;
+  /** No point of either mesh is farther than this from the other. */
+  proved: number;
 }
 
 export interface Engine {
@@ -40,7 +63,19 @@ export interface Engine {
   /** Computes until it is done. Throws an Error with one line that says what is refused. */
   reconstruct(parameters: Parameters): void;
   mesh(origin: Point): Mesh;
-  /** JSON. */
+  /**
+   * Fewer triangles, within a proved distance, of arrays, of a mesh file that was put under a name, or, by null, of the
+   * engine's own mesh. The engine has the smaller one afterwards: write() writes it.
+   */
+  simplify(
+    mesh: GivenMesh<Float32Array>,
+    target: SimplifyTarget,
+  ): {mesh: Mesh<Float32Array>; report: SimplifyReport};
+  simplify(
+    mesh: GivenMesh | string | null,
+    target: SimplifyTarget,
+  ): {mesh: Mesh<Float64Array>; report: SimplifyReport};
+  /** JSON: of reconstruct() or simplify(), which was last. */
   report(): string;
   /** The mesh as bytes of a file: .ply .glb .obj .stl. */
   write(name: string): Uint8Array;

@@ -6,6 +6,8 @@ const fields = {
   sensor: 'Scanner position',
   up: 'Up',
   outside: 'Beyond the samples lies',
+  simplify: 'Simplify',
+  triangles: 'Triangles',
 };
 const values = {air: 'air', solid: 'solid matter', open: 'neither'};
 

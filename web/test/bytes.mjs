@@ -6,18 +6,12 @@ import {execFileSync, spawnSync} from 'node:child_process';
 import {copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {basename, dirname, extname, join, resolve} from 'node:path';
 import {pathToFileURL} from 'node:url';
+import {withoutComments} from './ply.mjs';
 
 const [program, module, out] = process.argv.slice(2).map((path) => resolve(path));
 mkdirSync(out, {recursive: true});
 const {engine} = await import(pathToFileURL(module));
 const run = (...args) => execFileSync(program, [...args, '--quiet'], {stdio: ['ignore', 'ignore', 'inherit']});
-
-/** A PLY without the comments of its head: the program says there how it was called. */
-function withoutComments(bytes) {
-  const text = bytes.toString('latin1');
-  const end = text.indexOf('end_header\n');
-  return text.slice(0, end).replace(/^comment.*\n/gm, '') + text.slice(end);
-}
 
 /** The scans that a set names lie beside it. */
 const scansOf = (file) =>

@@ -18,9 +18,12 @@ const options = ['--offline', '--no-audit', '--no-fund', '--ignore-scripts', '--
 execFileSync('npm', ['install', ...options, tarball], {cwd: project, stdio: 'inherit'});
 
 const guide = readFileSync('docs/guide/browser.md', 'utf8');
+const copy = (name) => {
+  const [, text] = guide.match(new RegExp(`<!-- file: ${name} -->\\n\`\`\`js\\n([^]*?)\`\`\``));
+  writeFileSync(join(project, name), text);
+};
 const meshes = ['mjs', 'cjs'].map((kind) => {
-  const [, text] = guide.match(new RegExp(`<!-- file: mesh\\.${kind} -->\\n\`\`\`js\\n([^]*?)\`\`\``));
-  writeFileSync(join(project, `mesh.${kind}`), text);
+  copy(`mesh.${kind}`);
   rmSync(join(project, 'mesh.glb'), {force: true});
   const printed = node(`mesh.${kind}`);
   assert.match(printed, /\d+ triangles\n$/);
@@ -33,6 +36,12 @@ const meshes = ['mjs', 'cjs'].map((kind) => {
   return mesh;
 });
 assert.ok(meshes[0].equals(meshes[1]), 'import and require give different meshes');
+
+copy('small.mjs');
+const [, left, before, proved] = node('small.mjs').match(/^(\d+) of (\d+) triangles, within (\S+)\n$/);
+assert.ok(left <= 2000 && left > 1500 && before > 5000 && proved > 0 && proved < 0.01, `${left} of ${before}, ${proved}`);
+const [small] = JSON.parse(execFileSync(program, ['info', '--json', join(project, 'small.glb')], {encoding: 'utf8'}));
+assert.equal(small.triangles, Number(left));
 
 const version = execFileSync(program, ['--version'], {encoding: 'utf8'}).match(/\d+\.\d+\.\d+/)[0];
 const asks = "console.log(require('soapfilm/package.json').version, require.resolve('soapfilm'))";
@@ -49,8 +58,8 @@ const named = 'import("soapfilm").then(({engine}) => engine()).then((one) => con
 const functions = node('-e', named).trim().split(',');
 for (const kind of ['mts', 'cts']) {
   const [, body] = readFileSync(join(installed, `soapfilm.d.${kind}`), 'utf8').match(/interface Engine {\n([^]*?)\n}/);
-  const typed = [...body.matchAll(/^ {2}(\w+)\(/gm)].map(([, name]) => name);
-  assert.deepEqual(typed.sort(), [...functions].sort());
+  const typed = new Set([...body.matchAll(/^ {2}(\w+)\(/gm)].map(([, name]) => name));
+  assert.deepEqual([...typed].sort(), [...functions].sort());
 }
 
 const licenses = readFileSync(join(installed, 'LICENSES.txt'), 'utf8');

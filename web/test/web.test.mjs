@@ -104,7 +104,7 @@ test('after a run that is cancelled or refused the next one works on the files t
   await page.click('#start');
   await page.waitForSelector('#problem:not([hidden])', {timeout: 60000});
   const refusal = await page.innerText('#problem');
-  assert.match(refusal, /“Voxel” 0\.\d+ would fit/);
+  assert.match(refusal, /voxel = 1e-05, must be at least 0\.000\d+/);
   assert.ok(!/--[a-z]|\/in\//.test(refusal), refusal);
   await page.fill('#resolution', '40');
   assert.equal(await page.inputValue('#voxel'), '', 'a voxel and a resolution contradict each other');
@@ -114,6 +114,25 @@ test('after a run that is cancelled or refused the next one works on the files t
   assert.equal(await page.isVisible('#problem'), false);
   await page.click('#again');
   assert.ok(await page.isVisible('#drop'));
+  assert.deepEqual(faults, []);
+});
+
+test('a smaller mesh, by a tolerance or by a number of triangles', async () => {
+  const {page, faults} = await open(browser, address);
+  await choose(page, inOut('torus/samples.ply'));
+  await page.fill('#triangles', '2000');
+  await finish(page);
+  const report = () => page.evaluate(() => JSON.parse(window.soapfilm.state.mesh.report).surface.simplify);
+  const few = await triangles(page);
+  assert.ok(few <= 2000 && few > 1500, `${few} triangles`);
+  assert.ok((await report()).proved_distance > 0);
+  await page.click('#change');
+  await page.selectOption('#simplify', 'auto');
+  assert.equal(await page.inputValue('#triangles'), '', 'a tolerance and a number contradict each other');
+  await finish(page);
+  const {triangles_before: all, triangles: left} = await report();
+  assert.equal(await triangles(page), left);
+  assert.ok(left < all / 2, `${left} of ${all} triangles`);
   assert.deepEqual(faults, []);
 });
 
