@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "support/dense.h"
 #include "support/hash.h"
 #include "support/problem.h"
+#include "support/random_level.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -148,6 +152,39 @@ TEST(PrimalDual, CancelsBeforeTheNextSweeps) {
   EXPECT_THROW(
       solve_primal_dual(level, params, Context(1, progress), {.checked = [&](int, double) { progress.cancel(); }}),
       Cancelled);
+}
+
+/// What a brick that is held has it keeps, and what the others reach is proved with it.
+TEST(HeldBricks, KeepTheirValuesInsideTheCertificate) {
+  for (const bool open : {false, true}) {
+    const RandomLevelParams params{.held = 0.3, .open = open, .more_layers = 0};
+    const RandomLevel before(9, params);
+    RandomLevel after(9, params);
+    const Context context(2);
+    PrimalDualParams solver;
+    solver.max_iterations = 200;
+    const PrimalDualReport report = solve_primal_dual(after.level, solver, context);
+    size_t held = 0, moved = 0;
+    for (size_t b = 0; b < after.level.grid.size(); ++b) {
+      const bool same =
+          std::equal(after.level.u.brick(b), after.level.u.brick(b) + brick_volume, before.level.u.brick(b)) &&
+          std::equal(after.level.p.brick(b), after.level.p.brick(b) + 3 * brick_volume, before.level.p.brick(b));
+      held += after.level.held[b];
+      moved += !same;
+      EXPECT_TRUE(same || !after.level.held[b]);
+    }
+    EXPECT_GT(held, 20u);
+    EXPECT_EQ(moved + held, after.level.grid.size());
+    // The rest is at its optimum under what is held: no more iterations gain anything.
+    const Energies start = evaluate_energy(before.level, {}, context);
+    EXPECT_LT(report.energies.primal, start.primal);
+    EXPECT_GT(report.energies.dual, start.dual);
+    EXPECT_GE(report.energies.gap, 0);
+    const Energies end = evaluate_energy(after.level, {}, context);
+    solver.max_iterations = 400;
+    const Energies later = solve_primal_dual(after.level, solver, context).energies;
+    EXPECT_LT(std::abs(later.primal - end.primal), 0.05 * (start.primal - end.primal));
+  }
 }
 
 }  // namespace TEST_FILE

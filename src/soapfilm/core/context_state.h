@@ -39,7 +39,7 @@ struct Context::State {
   Progress* reports;
   const Progress* stopped_by;
   std::shared_ptr<const Kernels> kernels;
-  std::shared_ptr<const Device> device;  ///< of the solve (solve/device.h); null: the CPU
+  std::shared_ptr<const Device> device;  ///< device/device.h; null: the CPU
   std::shared_ptr<Threads> threads;
   PagePool pages;
   std::optional<size_t> memory_limit;
@@ -50,7 +50,7 @@ struct Context::State {
 Context silenced(const Context& context);
 /// Its fractions [0, 1] are reported as fractions from `begin` to `end`, in [0, 1], of `context`.
 Context part_of(const Context& context, double begin, double end);
-/// The same context, and must not outlive it, but the solve runs on `device`; null: on the CPU.
+/// The same context, and must not outlive it, but what `device` can do runs there; null: on the CPU.
 Context on_device(const Context& context, std::shared_ptr<const Device> device);
 
 inline const Kernels& kernels_of(const Context& context) { return *context.state().kernels; }

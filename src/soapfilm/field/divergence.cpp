@@ -8,6 +8,7 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/device/device.h"
 #include "soapfilm/kernels/divergence_kernel.h"
 #include "soapfilm/kernels/kernels.h"
 
@@ -161,6 +162,7 @@ SupportField divergence_field(const GridSamples& samples, const LevelBox& box, c
   SupportField field;
   field.grid = BrickGrid(support_mask(samples, box, context), context);
   field.f = Field<float>(field.grid, pages_of(context));
+  if (const Device* device = device_of(context); device && device->divergence(samples, field, context)) return field;
 
   constexpr int32_t none = -1;
   std::vector<int32_t> samples_of(field.grid.size(), none);  // for each brick of the field, its index in `samples`

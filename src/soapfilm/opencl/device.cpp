@@ -11,6 +11,7 @@
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/opencl/iteration_source.h"
 #include "soapfilm/opencl/runtime.h"
+#include "soapfilm/solve/level_solver.h"
 
 namespace soapfilm {
 
@@ -188,8 +189,9 @@ class ClDevice final : public Device {
       : runtime_(std::make_shared<const ClRuntime>(open_runtime(name, iteration_source))),
         most_bytes_(most_bytes > 0 ? std::min(most_bytes, runtime_->most_bytes) : runtime_->most_bytes) {}
 
-  std::unique_ptr<LevelSolver> on(Level& level, const Context& context) const override {
-    return std::make_unique<ClSolver>(runtime_, level, context, most_bytes_);
+  using Device::on;
+  std::shared_ptr<LevelSolver> on(Level& level, const Context& context) const override {
+    return std::make_shared<ClSolver>(runtime_, level, context, most_bytes_);
   }
 
  private:

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "soapfilm/solve/device.h"
+#include "soapfilm/device/device.h"
 
 namespace soapfilm {
 

@@ -1,5 +1,5 @@
 // The iteration of the solve in OpenCL C 1.2, one work item for each vertex of the band: brick after brick, in a brick
-// x fastest. solve/device.h has the operations and their order; the bits are the CPU's.
+// x fastest. solve/level_solver.h has the operations and their order; the bits are the CPU's.
 #pragma OPENCL FP_CONTRACT OFF
 
 #define SIDE 8

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/device/device.h"
 #include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/grid/window.h"
 #include "soapfilm/pyramid/children.h"
@@ -175,10 +177,12 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
                      const Context& context, const Level* previous, Used&& used) {
   Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, context, coarse.norm);
   std::vector<LeftOut> left_out(coarse.grid.size());
+  const Device* device = device_of(context);
+  const bool prolonged = device && device->prolong_state(coarse, previous, fine, context);
   for (const BrickGrid::Slice& slice : coarse.grid.slices()) {
     supply_pages(fine, slice.z);
     parallel_for(context, slice.end - slice.begin, 16, [&, first = slice.begin](size_t i) {
-      prolong_children(coarse, first + i, fine, previous);
+      if (!prolonged) prolong_children(coarse, first + i, fine, previous);
       left_out[first + i] = left_out_children(coarse, first + i, fine, support);
     });
     used(slice.z);

@@ -12,7 +12,9 @@ namespace soapfilm {
 ///   p as face fluxes: the flux of a coarse face is given to the matching fine faces, a face inside a coarse cell has
 ///   the mean of its two parallel neighbors, all times 1/4 (lowest-order Raviart-Thomas: keeps the divergence), the
 ///   band boundary's fluxes, u outside, and the contribution of the outside to D and to the gap, exactly.
-/// `band` may hold only children of the coarse band's bricks; all children of its support bricks must be among these.
+/// On the context's device (Device::prolong_state); bits, in float: u as 0.75 near + 0.25 far along x, then y, then z,
+/// a mean flux as 0.25 (0.5 (below + upper)). `band` may hold only children of the coarse band's bricks; all children
+/// of its support bricks must be among these.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context);
 /// The same, but bricks of `previous` (the same level on a smaller band) keep their state; the memory of its u and p is

@@ -2,6 +2,7 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/device/device.h"
 
 namespace soapfilm {
 
@@ -22,6 +23,7 @@ SupportField restrict_field(const SupportField& fine, const LevelBox& coarse_box
   SupportField coarse;
   coarse.grid = BrickGrid(parents_of(fine.grid, coarse_box.bricks, context), context);
   coarse.f = Field<float>(coarse.grid, pages_of(context));
+  if (const Device* device = device_of(context); device && device->restrict_data(fine, coarse, context)) return coarse;
   parallel_for(context, coarse.grid.size(), 64, [&](size_t b) {
     for (int k = 0; k < 8; ++k) {
       const int32_t child = fine.grid.find(child_of(coarse.grid.coord(b), k));

@@ -8,7 +8,8 @@
 
 namespace soapfilm {
 
-/// Restriction of the data term to the next coarser level: the sum over each vertex's 8 children (section 4.3).
+/// Restriction of the data term to the next coarser level: the sum over each vertex's 8 children (section 4.3), in the
+/// order of their vertices, x fastest; on the context's device.
 SupportField restrict_field(const SupportField& fine, const LevelBox& coarse, const Context& context);
 
 /// The data terms of levels 1 to levels - 1 of the lattice, each restricted from the one before.

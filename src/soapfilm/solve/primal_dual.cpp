@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "soapfilm/solve/device.h"
+#include "soapfilm/solve/level_solver.h"
 
 namespace soapfilm {
 
@@ -74,7 +74,7 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
                                    const PrimalDualRun& run) {
   const double sigma = params.step_balance * level.lambda;
   const int estimates = run.evaluated || level.grid.size() < least_bricks_to_estimate ? 1 : most_estimates;
-  const std::unique_ptr<LevelSolver> solver = level_solver(level, context);
+  const std::shared_ptr<LevelSolver> solver = level_solver(level, context);
   PrimalDualReport report;
   Forecast forecast(params.tolerance);
   Stall stall;

@@ -28,8 +28,8 @@
 #include "soapfilm/context.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/kernels/sweep_kernel.h"
-#include "soapfilm/solve/device.h"
 #include "soapfilm/solve/level.h"
+#include "soapfilm/solve/level_solver.h"
 
 namespace soapfilm {
 

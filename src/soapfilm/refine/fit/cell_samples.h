@@ -51,6 +51,8 @@ class CellSamples {
   uint8_t present(size_t row) const { return present_[row]; }  ///< which of the eight exist, as bits
   MergedCell cell(size_t row, int x) const;                    ///< of a cell that exists
   void set_weight(size_t row, int x, float weight);
+  size_t bricks() const { return coord_.size(); }  ///< of the samples
+  Vec3i coord(size_t brick) const { return coord_[brick]; }
   /// Rows of the cells of brick b of the samples: [first, second).
   std::pair<size_t, size_t> brick(size_t b) const { return {brick_[b], brick_[b + 1]}; }
 

@@ -1,20 +1,12 @@
 // The smooth displacement that moves a level set onto the samples: a linear system, solved matrix-free.
 #pragma once
 
-#include <algorithm>
+#include <memory>
 
 #include "soapfilm/context.h"
-#include "soapfilm/refine/fit/cell_samples.h"
-#include "soapfilm/refine/fit/multilevel.h"
-#include "soapfilm/refine/fit/narrow_band.h"
+#include "soapfilm/refine/fit/band_solver.h"
 
 namespace soapfilm {
-
-/// Weights of the two smoothness terms against one sample; lattice units.
-struct Smoothness {
-  float slope = 0;      ///< beta, of |grad delta|^2
-  float curvature = 0;  ///< gamma, of |laplacian (phi0 + delta)|^2
-};
 
 struct SolveLimits {
   int iterations = 12;
@@ -30,10 +22,11 @@ struct SolveLimits {
 /// preconditioner.
 class Displacement {
  public:
-  Displacement(const NarrowBand& band, const RowArray& phi0, const Context& context);
+  Displacement(const NarrowBand& band, const RowArray& phi0, const Context& context)
+      : band_(band), solver_(band_solver(band, phi0, context)) {}
 
   /// Builds the preconditioner from the positions and their weights, which may change a little before it is rebuilt.
-  void precondition(const CellSamples& data, Smoothness smoothness);
+  void precondition(const CellSamples& data, Smoothness smoothness) { solver_->precondition(data, smoothness); }
   /// Starts from the present phi; returns the number of iterations. Call precondition() before.
   int minimize(const CellSamples& data, Smoothness smoothness, const SolveLimits& limits);
 
@@ -45,33 +38,19 @@ class Displacement {
   /// could follow the noise that curved it, and c is only one of a surface's three second derivatives: too few to
   /// distinguish edges from noise so locally. Away from the surface, where phi is curved by a fold nearby, the weight
   /// falls as well; at the band boundary the target stays 0.
-  void reweight_curvature(double medians);
+  void reweight_curvature(double medians) { solver_->reweight_curvature(medians); }
   /// Undoes that: the same gamma everywhere and no target.
-  void reset_curvature_weights();
+  void reset_curvature_weights() { solver_->reset_curvature_weights(); }
   /// Keeps the weights s and sets the target to 0.
-  void drop_target() { std::fill_n(target_.data(), target_.size(), 0.0f); }
+  void drop_target() { solver_->drop_target(); }
 
   const NarrowBand& band() const { return band_; }
-  const RowArray& phi() const { return phi_; }
-  RowArray& phi() { return phi_; }
+  const RowArray& phi() const { return solver_->phi(); }
+  RowArray& phi() { return solver_->phi(); }
 
  private:
-  void residual(const CellSamples& data, Smoothness smoothness);
-  /// The next conjugate direction z + ratio direction, z in scratch_ (whose array it takes over where ratio is 0);
-  /// returns <direction, A direction>. A direction is in image_ afterwards, except in the last step, which does not
-  /// need it.
-  double search_direction(const CellSamples& data, Smoothness smoothness, float ratio, bool last);
-  /// The kernel of that name on a layer of bricks.
-  void laplacian(const LaplacianJob& job, int layer) const;
-
   const NarrowBand& band_;
-  const Context& context_;
-  Multilevel multilevel_;
-  const RowArray& phi0_;
-  RowArray phi_;
-  RowArray residual_, direction_, image_, scratch_;
-  RowArray share_;   // s: the factor of gamma, in (0, 1]
-  RowArray target_;  // for laplacian phi inside the band
+  std::shared_ptr<BandSolver> solver_;
 };
 
 }  // namespace soapfilm

@@ -1,9 +1,7 @@
-// Where the iteration of the certified solver runs. The context carries the choice: on_device() in
-// core/context_state.h; by default it is the CPU.
+// The iteration of the certified solver, on the context's device (device/device.h), and what tells when to end it.
 //
-// A device gives the bits that every other one gives: the iteration is in solve/sweep.h, and a step is these operations
-// on floats, in this order, each rounded once. Sums are taken from left to right, nothing is contracted, square root
-// and division are correctly rounded.
+// The iteration is in solve/sweep.h; a step is these operations on floats, in this order, each rounded once, sums from
+// left to right:
 //
 // primal step, at a vertex of the band:
 //   d_k = p_k of the vertex below along axis k - p_k           (where there is none, the rim's flux, or else 0)
@@ -65,15 +63,7 @@ class LevelSolver {
   const Context& context_;
 };
 
-/// Has no state that a solve changes: runs on several threads may share it.
-class Device {
- public:
-  virtual ~Device() = default;
-  /// Takes u, p and the data from the level. Level and context must outlive the solver.
-  virtual std::unique_ptr<LevelSolver> on(Level& level, const Context& context) const = 0;
-};
-
-/// On the context's device.
-std::unique_ptr<LevelSolver> level_solver(Level& level, const Context& context);
+/// On the context's device: by default a Sweeper.
+std::shared_ptr<LevelSolver> level_solver(Level& level, const Context& context);
 
 }  // namespace soapfilm

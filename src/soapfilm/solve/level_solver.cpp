@@ -1,0 +1,26 @@
+#include "soapfilm/solve/level_solver.h"
+
+#include "soapfilm/core/context_state.h"
+#include "soapfilm/device/device.h"
+#include "soapfilm/solve/energy.h"
+#include "soapfilm/solve/sweep.h"
+
+namespace soapfilm {
+
+Energies LevelSolver::energies() {
+  download();
+  return evaluate_energy(level_, {}, context_);
+}
+
+double LevelSolver::estimated_gap() {
+  download();
+  return estimate_gap(level_, context_);
+}
+
+std::shared_ptr<LevelSolver> level_solver(Level& level, const Context& context) {
+  const Device* device = device_of(context);
+  if (std::shared_ptr<LevelSolver> solver = device ? device->on(level, context) : nullptr) return solver;
+  return std::make_shared<Sweeper>(level, context);
+}
+
+}  // namespace soapfilm
