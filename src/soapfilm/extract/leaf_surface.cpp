@@ -7,12 +7,14 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "soapfilm/core/indices.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/radix_sort.h"
 #include "soapfilm/error.h"
+#include "soapfilm/extract/isosurface.h"
 #include "soapfilm/extract/leaf_loops.h"
 #include "soapfilm/extract/marching_cubes_table.h"
 
@@ -58,7 +60,10 @@ class LeafExtraction {
   LeafExtraction(LeafLevels levels, std::span<const Field<float>* const> values, const SideWithoutLeaves& inside,
                  const Lattice& lattice, const Context& context)
       : levels_(levels), values_(values), inside_(inside), lattice_(lattice), context_(context) {
-    for (const BrickGrid* grid : levels) first_brick_.push_back(first_brick_.back() + grid->size());
+    for (const BrickGrid* grid : levels) {
+      ranges_.push_back(drawn_range(lattice.box(static_cast<int>(ranges_.size()))));
+      first_brick_.push_back(first_brick_.back() + grid->size());
+    }
   }
 
   Mesh run() {
@@ -141,6 +146,13 @@ class LeafExtraction {
         }
   }
 
+  /// Of a closed surface all cells are; of an open box those in front of its border (drawn_range()).
+  bool is_drawn(int level, Vec3i v) const {
+    const std::optional<VertexRange>& range = ranges_[static_cast<size_t>(level)];
+    return !range || (v.x >= range->lo.x && v.y >= range->lo.y && v.z >= range->lo.z && v.x < range->hi.x &&
+                      v.y < range->hi.y && v.z < range->hi.z);
+  }
+
   void draw_cell(int level, Vec3i v, const std::array<Corner, 8>& cell, Drawn& drawn) const {
     int mask = 0, leaves = 0;
     for (size_t k = 0; k < 8; ++k) {
@@ -148,7 +160,7 @@ class LeafExtraction {
       mask |= static_cast<int>(cell[k].value > 0) << k;
       leaves += cell[k].kind == Kind::leaf;
     }
-    if (leaves == 0 || mask == 0 || mask == all_inside) return;
+    if (leaves == 0 || mask == 0 || mask == all_inside || !is_drawn(level, v)) return;
     std::array<uint64_t, mc::edge_count> edges;
     for (int e = 0; e < mc::edge_count; ++e) edges[static_cast<size_t>(e)] = edge_of(level, v, cell, mask, e);
     const mc::Case& table = mc::cases()[static_cast<size_t>(mask)];
@@ -292,6 +304,7 @@ class LeafExtraction {
   const SideWithoutLeaves& inside_;
   const Lattice& lattice_;
   const Context& context_;
+  std::vector<std::optional<VertexRange>> ranges_;
   std::vector<uint64_t> first_brick_ = {0};  ///< of each level, among all
 };
 
