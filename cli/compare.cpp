@@ -91,7 +91,6 @@ void draw(const CompareRequest& r, const Colored& colored, double top, const Con
   item.caption = colors;
   RenderParams params;
   params.up = {0, 0, 1};
-  params.samples = 2;  // colors tell, not relief
   params.from = {1, -1, 0.7};
   const Image front = render({item}, params, context);
   params.from = {-1, 1, -0.7};

@@ -61,6 +61,11 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->expected(3)
       ->needs(voxel)
       ->option_text("X,Y,Z");
+  grid(app.add_option("--adapt", p.place.adapt,
+                      "Coarser voxels, of 2, 4, ... times the size, where samples are more than\ntwo voxels apart: "
+                      "for scans of very uneven density"))
+      ->transform(named<bool>({{"on", true}, {"off", false}}))
+      ->option_text("on|off [off]");
   grid(app.add_option("--memory", o.memory,
                       "Refuse a run that needs more, such as 2G\n(default: what the machine has free)"))
       ->option_text("LIMIT");

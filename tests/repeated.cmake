@@ -17,7 +17,8 @@ endfunction()
 # the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads;
 # SimplifyCommand.IsAStageOfReconstruct and WritesCoarserLevelsBesideIt; CompareCommand.TheExitCodeIsTheVerdict; the
 # other tests of Simplify, TileTree, Remesh;
-# CoarserLevels.AreWithinTheSumOfAllStepsOfTheFullMesh; OrderOfSamples.WithScannersAndWeightsChangesNoByte.
+# CoarserLevels.AreWithinTheSumOfAllStepsOfTheFullMesh; Adapt.ABallOfUnevenDensityIsWholeAndRound; the other
+# tests of LeafSurface; OrderOfSamples.WithScannersAndWeightsChangesNoByte.
 list(APPEND REPEATED
   Program.TheCommandsOfItsFirstPageWork
   Standstill.ManySweepsFromOnePlaceChangeNeitherVoxelNorSurface
@@ -52,6 +53,9 @@ list(APPEND REPEATED
   Remesh.GenusStaysWhereEdgesAreLargerThanDetails
   Remesh.ATightToleranceIsKeptBySmallerTriangles
   Remesh.TheSameForAnyNumberOfThreads
+  Adapt.ThreadsDoNotMatter
+  Adapt.AnEvenBallHasOneLevel
+  LeafSurface.ThreadsDoNotMatter
   OrderOfSamples.WithNormalsChangesNoByte
   OrderOfSamples.WithoutDirectionsChangesNoByte
   OrderOfSamples.ChangesNeitherFoldsNorTheLambdaThatTheyChoose)

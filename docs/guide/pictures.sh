@@ -37,6 +37,13 @@ soapfilm render terrain.ply block.ply -o terrain.png --up z --view 1,-1,0.5 --si
 soapfilm render facade/scans.conf facade.ply -o facade.png --up z --view -0.4,-1,0.3 --framing shared --size 310x200 \
   --caption "three scans" --caption "mesh"
 
+# sparse.md
+python3 "$here/sparse.py" uneven.xyz
+soapfilm reconstruct uneven.xyz -o one.ply
+soapfilm reconstruct uneven.xyz -o several.ply --adapt on
+soapfilm render one.ply several.ply -o sparse.png --view 1,0,0 --framing shared --size 310x310 \
+  --caption "one voxel size" --caption "--adapt on"
+
 # holes.md
 python3 "$here/holes.py" ball.xyz
 soapfilm reconstruct ball.xyz -o all.ply

@@ -50,6 +50,8 @@ struct PlaceParams {
   /// Input units and frame: tiles of 256^3 cells lie there and whole numbers of tiles from there, whatever the samples,
   /// and vertices at whole numbers of voxels. Needs `voxel`.
   std::optional<Vec3d> anchor;
+  /// Coarser levels, of 2, 4, ... voxels, where samples are more than two voxels apart. Of `tv` with refinement only.
+  bool adapt = false;
 };
 
 /// How the area of the surface is measured: the norm in TV(u) = sum over vertices of |grad u|.

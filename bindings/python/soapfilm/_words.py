@@ -6,6 +6,7 @@ import re
 #: Options of the program, in Python's spelling, and their keys in the report's `parameters`.
 OPTIONS = {
     "voxel": "place.voxel", "resolution": "place.resolution", "padding": "place.padding", "anchor": "place.anchor",
+    "adapt": "place.adapt",
     "outside": "border.outside", "directions": "orient.directions", "sensor": "orient.sensor", "up": "orient.up",
     "neighbors": "orient.neighbors", "radius": "orient.radius", "lambda": "energy.lambda",
     "weights": "energy.by_area", "norm": "energy.norm", "tolerance": "solve.tolerance",
@@ -22,7 +23,7 @@ OPTIONS = {
 }
 
 #: Flags, and options that take on or off.
-SWITCHES = {"settle", "refine", "drop_components", "trim_holes", "distance", "support", "gap"}
+SWITCHES = {"adapt", "settle", "refine", "drop_components", "trim_holes", "distance", "support", "gap"}
 
 #: Arguments of soapfilm.read(), not of reconstruct().
 READING = {"columns", "trajectory", "trust_viewpoint", "spacing"}

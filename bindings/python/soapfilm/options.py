@@ -51,6 +51,7 @@ class Place(TypedDict, total=False):
     padding: int
     levels: int
     anchor: Optional[Vector]
+    adapt: bool
 
 
 Energy = TypedDict("Energy", {
@@ -153,6 +154,7 @@ class Options(TypedDict, total=False):
 
     padding: Optional[int]
     anchor: Optional[Vector]
+    adapt: Optional[Switch]
     outside: Optional[Outside]
     directions: Optional[Directions]
     sensor: Optional[Vector]

@@ -11,8 +11,6 @@ namespace soapfilm {
 
 namespace {
 
-Vec3i halved(Vec3i v) { return {v.x >> 1, v.y >> 1, v.z >> 1}; }
-
 LeafAt in(const BrickGrid& grid, Vec3i vertex, LeafAt::Kind kind) {
   const int32_t brick = grid.find(brick_of(vertex));
   if (brick < 0) return {};
@@ -29,7 +27,7 @@ void check_brick(LeafLevels levels, int level, Vec3i brick) {
   for (int slot = 0; slot < 27; ++slot) ancestors[static_cast<size_t>(slot)] = brick + slot_offset(slot);
   const auto own = static_cast<size_t>(level);
   for (size_t l = own + 1; l < levels.size(); ++l) {
-    for (Vec3i& ancestor : ancestors) ancestor = halved(ancestor);
+    for (Vec3i& ancestor : ancestors) ancestor = parent_of(ancestor);
     const auto is_leaf = [&](Vec3i ancestor) { return levels[l]->find(ancestor) >= 0; };
     if (is_leaf(ancestors[static_cast<size_t>(neighbor_slot(0, 0, 0))])) refuse(brick, level, "lies in", l, "not");
     if (l > own + 1 && std::any_of(ancestors.begin(), ancestors.end(), is_leaf))
@@ -43,7 +41,8 @@ LeafAt leaf_at(LeafLevels levels, int level, Vec3i vertex) {
   const auto l = static_cast<size_t>(level);
   if (const LeafAt own = in(*levels[l], vertex, LeafAt::Kind::leaf); own.brick >= 0) return own;
   if (l + 1 < levels.size())
-    if (const LeafAt above = in(*levels[l + 1], halved(vertex), LeafAt::Kind::coarser); above.brick >= 0) return above;
+    if (const LeafAt above = in(*levels[l + 1], parent_of(vertex), LeafAt::Kind::coarser); above.brick >= 0)
+      return above;
   if (l > 0)
     if (const LeafAt below = in(*levels[l - 1], vertex * 2, LeafAt::Kind::finer); below.brick >= 0) return below;
   return {};

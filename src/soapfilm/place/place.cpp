@@ -126,6 +126,9 @@ std::string about_clusters(const ThinnedSampling& thinned, double voxel, bool is
       is_given ? "the others' for a coarser one" : "the others' is used instead (--voxel sets it)");
 }
 
+/// Coarse levels that may have a surface need coarser ones of their own.
+constexpr int levels_to_adapt = 3, most_levels = 12;
+
 }  // namespace
 
 Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, const PlaceParams& params, bool by_area,
@@ -151,6 +154,8 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, con
   const double voxel = is_given ? voxel_as_given(params, box) : grid.default_voxel;
   try {
     grid.lattice = place_lattice(box, voxel, params.padding, params.levels, params.anchor);
+    if (const int levels = grid.lattice.levels + levels_to_adapt; params.adapt && params.levels == 0)
+      grid.lattice = place_lattice(box, voxel, params.padding, std::min(levels, most_levels), params.anchor);
   } catch (const ParameterError& error) {
     throw ParameterError(error.what() + far_samples(cloud, box));
   }

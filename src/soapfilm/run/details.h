@@ -31,6 +31,7 @@ struct ReportDetails {
   BorderReport border;
   std::optional<VolumeInterval> volumes;  ///< when asked for
   std::optional<FitReport> refine;        ///< when the surface was moved onto the samples
+  std::vector<size_t> leaves;             ///< where levels adapt and there are several: of each, the finest first
 };
 
 }  // namespace soapfilm

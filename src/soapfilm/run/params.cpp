@@ -47,6 +47,7 @@ void for_each_param(Params& p, Visit&& visit) {
   visit("place", "padding", p.place.padding);
   visit("place", "levels", p.place.levels);
   visit("place", "anchor", p.place.anchor);
+  visit("place", "adapt", p.place.adapt);
   visit("energy", "lambda", p.energy.lambda);
   visit("energy", "lambda_per_density", p.energy.lambda_per_density);
   visit("energy", "cross_validate", p.energy.cross_validate);
@@ -293,6 +294,9 @@ void validate(const ReconstructParams& params) {
   if (place.anchor && !place.voxel)
     throw ParameterError("anchor: needs voxel, as every other one moves with the samples");
   if (place.anchor && !is_finite(*place.anchor)) throw ParameterError("anchor: must be finite");
+  if (place.adapt && (params.method != Method::tv || !refines(params)))
+    throw ParameterError(
+        "adapt: needs method tv and refinement, as the levels' surfaces are joined by their distances");
   require(place.levels >= 0 && place.levels <= 12, "levels", place.levels, ">= 0 and <= 12");
   // Coarse levels multiply lambda by powers of four, in float.
   const auto weight = [](double v) { return v > 0 && v <= 1e24; };

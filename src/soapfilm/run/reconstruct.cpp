@@ -11,6 +11,7 @@
 #include "soapfilm/field/terms.h"
 #include "soapfilm/finish/rays.h"
 #include "soapfilm/orient/scan_fit.h"
+#include "soapfilm/run/adapt.h"
 #include "soapfilm/run/announce.h"
 #include "soapfilm/run/certify.h"
 #include "soapfilm/run/finish.h"
@@ -58,6 +59,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     carry(attributes, samples, grid.lattice, trace, context, mesh);
     return finish(std::move(mesh), std::move(report), samples, grid.lattice, memory, trace, context);
   }
+  std::vector<float> spacings = sort_spacings(oriented.surface, samples, grid, params, context);
   std::vector<Vec3f> views = sort_views(oriented.views, samples, grid.lattice, context);
   oriented = {};
   release(samples.source);
@@ -117,12 +119,24 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   });
   announce_refinement(surface.refine, memory, params, trace);
 
+  // Where samples are sparse, the surface of a coarser level.
+  std::optional<AdaptedSurface> adapted;
+  if (!spacings.empty())
+    adapted = trace.stage("adapt", [&] {
+      return find_coarser_surfaces(level_samples(samples, views, std::move(spacings)),
+                                   {grid, lambda.value, params, experiment.robust}, context);
+    });
+
   // The level set as a manifold mesh, closed but for the border of an open box.
-  Mesh mesh = trace.stage("extract", [&] { return triangles_of(surface, grid.lattice, lambda.value, context); });
+  Mesh mesh = trace.stage("extract", [&] {
+    return adapted ? triangles_of(*adapted, surface, grid.lattice, lambda.value, *details, context)
+                   : triangles_of(surface, grid.lattice, lambda.value, context);
+  });
+  if (adapted) announce_levels(*details, trace);
   pages.reset();
 
   // Where the surface is curved, triangles as large as a voxel are too coarse: edges are split, vertices moved.
-  report.relax = relax(mesh, surface, samples, grid, params, trace, context);
+  if (details->leaves.empty()) report.relax = relax(mesh, surface, samples, grid, params, trace, context);
   report.isovalue = surface.isovalue;
   report.refine = summary_of(surface);
   details->refine = std::move(surface.refine);

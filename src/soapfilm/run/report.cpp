@@ -68,7 +68,8 @@ ordered_json grid_json(const ReconstructReport& report) {
           {"first_vertex", vector_json(lattice.first_vertex)},
           {"padding", lattice.padding},
           {"inside", report.certificate.inside},
-          {"levels", levels}};
+          {"levels", levels},
+          {"leaves", report.details->leaves}};
 }
 
 /// Methods without a dual prove no bound: only their energies are reported. vrip has none.

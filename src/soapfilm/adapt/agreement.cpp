@@ -1,0 +1,124 @@
+#include "soapfilm/adapt/agreement.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "soapfilm/core/gather.h"
+#include "soapfilm/core/parallel.h"
+#include "soapfilm/grid/trilinear.h"
+
+namespace soapfilm {
+
+namespace {
+
+constexpr int few = 16;  // vertices of a brick: a surface that differs by a voxel in a corner of it
+
+/// Vertices of a coarse brick on one side of the coarse surface all of whose eight children are on the other.
+int disagreeing(const DistanceField& coarse, const DistanceField& fine, Vec3i brick) {
+  const int32_t own = coarse.grid.find(brick);
+  const float* values = own >= 0 ? coarse.value.brick(static_cast<size_t>(own)) : nullptr;
+  const float missing = values ? 0 : coarse.missing_value(brick);
+  int count = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3i child = child_of(brick, k), base = octant_base(octant_of(k));
+    const int32_t n = fine.grid.find(child);
+    const float* children = n >= 0 ? fine.value.brick(static_cast<size_t>(n)) : nullptr;
+    const bool all_inside = !children && fine.missing_value(child) > 0;
+    for (int i = 0; i < octant_volume; ++i) {
+      const Vec3i v{i % half_brick, i / half_brick % half_brick, i / (half_brick * half_brick)};
+      const Vec3i at = base + v;
+      const bool inside = (values ? values[brick_offset(at.x, at.y, at.z)] : missing) > 0;
+      int same = 0;
+      for (int c = 0; c < 8; ++c) {
+        const Vec3i w = v * 2 + octant_of(c);
+        same += (children ? children[brick_offset(w.x, w.y, w.z)] > 0 : all_inside) == inside;
+      }
+      count += same == 0;
+    }
+  }
+  return count;
+}
+
+/// Of one level: the bricks from its border on in which it disagrees with the next finer one, connected; none that is
+/// asked for.
+std::vector<Vec3i> from_border(const Regions& regions, int level, std::span<const DistanceField> levels,
+                               const Context& context) {
+  std::vector<Vec3i> bricks;
+  regions.finer(level).for_each([&](Vec3i b) {
+    if (!regions.is_asked(level, b)) bricks.push_back(b);
+  });
+  std::vector<uint8_t> differs(bricks.size());
+  parallel_for(context, bricks.size(), 64, [&](size_t b) {
+    differs[b] =
+        disagreeing(levels[static_cast<size_t>(level)], levels[static_cast<size_t>(level) - 1], bricks[b]) > few;
+  });
+  BrickMask open(regions.finer(level).bricks());  // not found yet
+  for (size_t b = 0; b < bricks.size(); ++b)
+    if (differs[b] != 0) open.set(bricks[b]);
+  std::vector<Vec3i> found;
+  const auto take = [&](Vec3i b) {
+    open.set(b, false);
+    found.push_back(b);
+  };
+  for (size_t b = 0; b < bricks.size(); ++b) {
+    if (differs[b] == 0) continue;
+    bool at_border = false;
+    for (int slot = 0; slot < 27; ++slot)
+      at_border = at_border || !regions.is_finer(level, bricks[b] + slot_offset(slot));
+    if (at_border) take(bricks[b]);
+  }
+  for (size_t k = 0; k < found.size(); ++k)
+    for (int slot = 0; slot < 27; ++slot)
+      if (const Vec3i n = found[k] + slot_offset(slot); open.contains(n) && open.test(n)) take(n);
+  return found;
+}
+
+/// Distances from a level's surface, in its voxels; as far as it is known.
+class Distances {
+ public:
+  Distances(const DistanceField& field, Vec3i brick) : field_(field), brick_(brick) {}
+
+  /// At a place in the brick.
+  float at(Vec3f local) const {
+    const Vec3i cell = cell_in_brick(local);
+    std::array<float, 8> corners;
+    for (int k = 0; k < 8; ++k) corners[static_cast<size_t>(k)] = value(brick_ * brick_side + cell + octant_of(k));
+    return trilinear(corners, local - Vec3f(cell)).value;
+  }
+
+ private:
+  float value(Vec3i v) const {
+    const int32_t n = field_.grid.find(brick_of(v));
+    return n >= 0 ? field_.value.brick(static_cast<size_t>(n))[brick_offset(v.x & 7, v.y & 7, v.z & 7)]
+                  : field_.missing_value(brick_of(v));
+  }
+
+  const DistanceField& field_;
+  Vec3i brick_;
+};
+
+}  // namespace
+
+std::vector<Vec3i> misfits(const LevelSamples& level, int number, const DistanceField& field, const Context& context) {
+  constexpr uint32_t least = 2;
+  constexpr double share = 0.1, most_apart = 4;  // voxels of the finer level
+  const double voxel = std::ldexp(1.0, number);
+  const GridSamples& samples = level.samples;
+  return gather<Vec3i>(samples.bricks.size(), 64, context, [&](size_t b, std::vector<Vec3i>& found) {
+    const Distances distances(field, samples.bricks.coord(b));
+    uint32_t far = 0;
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
+      far += std::abs(distances.at(samples.local[s])) > 1;
+    if (far >= least && far > share * (samples.begin[b + 1] - samples.begin[b]) &&
+        are_within(level, b, voxel, most_apart * voxel / 2))
+      found.push_back(samples.bricks.coord(b));
+  });
+}
+
+void give_back_disagreement(Regions& regions, std::span<const DistanceField> levels, const Context& context) {
+  for (int l = regions.coarsest(); l >= 1; --l) regions.give_back(l, from_border(regions, l, levels, context));
+}
+
+}  // namespace soapfilm

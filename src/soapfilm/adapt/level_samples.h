@@ -1,0 +1,22 @@
+// The samples on a coarser level of the lattice.
+#pragma once
+
+#include <vector>
+
+#include "soapfilm/context.h"
+#include "soapfilm/field/samples.h"
+
+namespace soapfilm {
+
+/// Samples of one level with what the surface around each one is like.
+struct LevelSamples {
+  GridSamples samples;
+  std::vector<Vec3f> views;    ///< directions for the fit, where they differ from the samples'; else empty
+  std::vector<float> spacing;  ///< of different samples around each one (LocalSurface), in voxels of the finest level;
+                               ///< 0: unknown
+};
+
+/// The same samples on the next coarser level, whose vertex I lies between the vertices 2I and 2I + 1 along each axis.
+LevelSamples on_next_level(const LevelSamples& fine, Vec3i coarse_bricks, const Context& context);
+
+}  // namespace soapfilm

@@ -1,0 +1,68 @@
+// Which level each place of the lattice has: as fine as its samples ask for.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "soapfilm/adapt/level_samples.h"
+#include "soapfilm/grid/brick_mask.h"
+#include "soapfilm/grid/lattice.h"
+
+namespace soapfilm {
+
+/// The rule: a place has a level where neighboring samples are at most this many of its voxels apart.
+inline constexpr double most_spacing = 2.0;
+
+/// A level per place. Places that touch, also by an edge or a corner, differ by at most one level.
+class Regions {
+ public:
+  /// All places have level 0.
+  Regions() = default;
+  /// `finer[k]`: the bricks of level k + 1 whose places have level k or a finer one; of these, `asked[k]`: those that
+  /// must, by their samples or by the balance.
+  Regions(std::vector<BrickMask> finer, std::vector<BrickMask> asked)
+      : finer_(std::move(finer)), asked_(std::move(asked)) {}
+
+  int coarsest() const { return static_cast<int>(finer_.size()); }
+  /// Whether level - 1 or finer levels have the places of a brick of this level.
+  bool is_finer(int level, Vec3i brick) const {
+    if (level == 0) return false;
+    const BrickMask& mask = finer_[static_cast<size_t>(level) - 1];
+    return mask.contains(brick) && mask.test(brick);
+  }
+  /// Whether the places of a brick of this level have it.
+  bool has(int level, Vec3i brick) const {
+    return !is_finer(level, brick) && (level == coarsest() || is_finer(level + 1, parent_of(brick)));
+  }
+  /// The same places, those of coarser levels with this one.
+  Regions up_to(int level) const {
+    const auto first = [level](const std::vector<BrickMask>& masks) {
+      return std::vector<BrickMask>(masks.begin(), masks.begin() + static_cast<std::ptrdiff_t>(level));
+    };
+    return {first(finer_), first(asked_)};
+  }
+  /// The bricks of this level whose places have finer ones, level >= 1.
+  const BrickMask& finer(int level) const { return finer_[static_cast<size_t>(level) - 1]; }
+  /// Asks for finer levels in bricks of a level, and for what the balance then needs.
+  void refine(int level, const std::vector<Vec3i>& bricks);
+  /// Gives bricks of a level that are not asked for back to it, and what the balance then takes from finer levels.
+  void give_back(int level, const std::vector<Vec3i>& bricks);
+  /// Whether a brick must have finer levels, by its samples or by the balance.
+  bool is_asked(int level, Vec3i brick) const { return asked_[static_cast<size_t>(level) - 1].test(brick); }
+
+ private:
+  std::vector<BrickMask> finer_, asked_;
+};
+
+/// Whether on a quarter of the area in a brick of a level the spacing is at most `most`, in voxels of the finest level,
+/// of which the level's are `voxel`. Where it is unknown, as in a tree or where samples are few, they are taken as
+/// even.
+bool are_within(const LevelSamples& level, size_t brick, double voxel, double most);
+
+/// By the samples' spacing: level l - 1 has the bricks of level l where on a quarter of the area the spacing is at most
+/// most_spacing voxels of level l - 1; then of their neighbors those without samples, and those where it is at most
+/// twice as large; then what the balance asks for. `levels` at most.
+Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context);
+
+}  // namespace soapfilm
