@@ -53,6 +53,9 @@ list(APPEND REPEATED
   Remesh.GenusStaysWhereEdgesAreLargerThanDetails
   Remesh.ATightToleranceIsKeptBySmallerTriangles
   Remesh.TheSameForAnyNumberOfThreads
+  Remesh.EdgesThatAScanRoundedAreSharpAgain
+  SimplifyChecks.EachOfThemIsNeeded
+  LeafSurface.OfOneLevelIsMarchingCubes
   Adapt.ThreadsDoNotMatter
   Adapt.AnEvenBallHasOneLevel
   LeafSurface.ThreadsDoNotMatter
