@@ -25,8 +25,8 @@ namespace {
 namespace mc = marching_cubes;
 using Kind = LeafAt::Kind;
 
-constexpr double least_fraction = 1e-3;       // of the way between two leaves, to the surface point
-constexpr double least_between_levels = 0.1;  // where they differ in size
+constexpr double least_fraction = 1e-3;        // of the way between two leaves, to the surface point
+constexpr double least_between_levels = 0.02;  // where they differ in size
 constexpr double crowded = 0.15;   // where it is nearer to a leaf, that one's points may have to be moved away
 constexpr float without_leaf = 3;  // distance where there is none
 constexpr size_t blocks_per_task = 16;

@@ -22,7 +22,7 @@ using SideWithoutLeaves = std::function<bool(int level, Vec3i vertex)>;
 /// cubes with the table of extract/marching_cubes_table.h.
 ///
 /// The surface point between two leaves is found by linear interpolation, at least 1/1000 of the way from either, and
-/// between leaves of two sizes at least a tenth. The mesh is closed and manifold wherever leaves surround the surface;
+/// between leaves of two sizes at least 1/50. The mesh is closed and manifold wherever leaves surround the surface;
 /// of an open lattice it has what is in front of the border of each level (drawn_range()). Vertices are in the world
 /// frame of `lattice`, that of the finest level, computed in double; their order and that of the triangles follow
 /// levels and bricks and do not depend on the number of threads.
