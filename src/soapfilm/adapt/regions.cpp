@@ -80,6 +80,7 @@ bool are_within(const LevelSamples& level, size_t brick, double voxel, double mo
 void Regions::refine(int level, const std::vector<Vec3i>& bricks) {
   const auto l = static_cast<size_t>(level) - 1;
   for (const Vec3i b : bricks) {
+    if (!has(level, b)) continue;
     finer_[l].set(b);
     asked_[l].set(b);
   }

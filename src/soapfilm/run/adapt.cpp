@@ -72,8 +72,8 @@ AdaptedSurface find_coarser_surfaces(LevelSamples samples, const LevelTask& task
   const Lattice& lattice = task.grid.lattice;
   adapted.regions = find_regions(samples, lattice, lattice.levels - least_levels, context);
   if (adapted.regions.coarsest() == 0) return adapted;
-  adapted.levels.emplace_back();  // the finest one is there already
-  adapted.misfits.emplace_back();
+  adapted.levels.emplace_back();               // the finest one is there already
+  std::vector<std::vector<Vec3i>> off = {{}};  // bricks that a level's surface misses
   for (int l = 1; l <= adapted.regions.coarsest(); ++l) {
     context.progress().advance((l - 1.0) / adapted.regions.coarsest(), fmt::format("level {}", l));
     samples = on_next_level(samples, lattice.box(l).bricks, context);
@@ -82,9 +82,10 @@ AdaptedSurface find_coarser_surfaces(LevelSamples samples, const LevelTask& task
       adapted.regions = adapted.regions.up_to(l - 1);
       break;
     }
-    adapted.misfits.push_back(misfits(samples, l, field, context));
+    off.push_back(misfits(samples, l, field, context));
     adapted.levels.push_back(std::move(field));
   }
+  for (int l = adapted.regions.coarsest(); l >= 1; --l) adapted.regions.refine(l, off[static_cast<size_t>(l)]);
   return adapted;
 }
 
@@ -92,12 +93,6 @@ Mesh triangles_of(AdaptedSurface& surface, Surface& finest, const Lattice& latti
                   ReportDetails& details, const Context& context) {
   if (surface.levels.empty()) return triangles_of(finest, lattice, lambda, context);
   surface.levels.front() = std::move(std::get<DistanceField>(finest.field));
-  for (int l = surface.regions.coarsest(); l >= 1; --l) {
-    std::vector<Vec3i> of_level;
-    for (const Vec3i b : surface.misfits[static_cast<size_t>(l)])
-      if (surface.regions.has(l, b)) of_level.push_back(b);
-    surface.regions.refine(l, of_level);
-  }
   give_back_disagreement(surface.regions, surface.levels, context);
   const LeafField leaves = join_levels(surface.regions, surface.levels, lattice, context);
   std::vector<const BrickGrid*> grids;

@@ -24,8 +24,7 @@ LevelSamples level_samples(const GridSamples& samples, const std::vector<Vec3f>&
 /// Which level each place has, and each level's surface.
 struct AdaptedSurface {
   Regions regions;
-  std::vector<std::vector<Vec3i>> misfits;  ///< of each level, as the fields
-  std::vector<DistanceField> levels;        ///< the finest first; none: the same level everywhere
+  std::vector<DistanceField> levels;  ///< the finest first; none: the same level everywhere
 };
 
 /// The problem of a level.
