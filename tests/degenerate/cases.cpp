@@ -129,6 +129,7 @@ class Options {
     const size_t span = choose_.one_in(30) ? 28 : choose_.one_in(4) ? 14 : 8;
     add("--resolution", std::to_string(std::min<size_t>(40, fewest + choose_.below(span))));
     add("--padding", std::to_string(padding));
+    if (method_ == "tv") maybe(4, "--adapt", "on");
     constexpr const char* outsides[] = {"air", "air", "solid", "open"};
     if (!choose_.one_in(3)) return;
     outside_ = choose_.of(outsides);
