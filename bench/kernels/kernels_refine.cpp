@@ -14,6 +14,7 @@
 #include "plain_copy.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/refine/fit/displacement.h"
+#include "soapfilm/refine/fit/multilevel.h"
 
 namespace {
 
