@@ -61,7 +61,7 @@ class LeafExtraction {
                  const Lattice& lattice, const Context& context)
       : levels_(levels), values_(values), inside_(inside), lattice_(lattice), context_(context) {
     for (const BrickGrid* grid : levels) {
-      ranges_.push_back(drawn_range(lattice.box(static_cast<int>(ranges_.size()))));
+      ranges_.push_back(lattice.open ? drawn_range(lattice.box(static_cast<int>(ranges_.size()))) : std::nullopt);
       first_brick_.push_back(first_brick_.back() + grid->size());
     }
   }
