@@ -147,7 +147,7 @@ double plate(Vec3d q, double side) {
 
 TEST(LeafSurface, OfRandomHierarchiesIsClosedAndManifold) {
   size_t triangles = 0;
-  for (uint64_t seed = 2; seed <= (sanitized ? 2u : 7u); ++seed) {
+  for (uint64_t seed = sanitized ? 5 : 2; seed <= (sanitized ? 5u : 7u); ++seed) {
     Hierarchy hierarchy = Hierarchy::random(1 + static_cast<int>(seed % 2), seed);
     const double side = hierarchy.side();
     Random noise(seed);
@@ -166,7 +166,7 @@ TEST(LeafSurface, OfRandomHierarchiesIsClosedAndManifold) {
       triangles += mesh.triangles.size();
     }
   }
-  EXPECT_GT(triangles, sanitized ? 30000u : 1000000u);
+  EXPECT_GT(triangles, sanitized ? 10000u : 1000000u);
 }
 
 TEST(LeafSurface, OfOneLevelIsMarchingCubes) {
