@@ -2,10 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <utility>
+#include <vector>
 
 #include "refine/band_support.h"
-#include "soapfilm/refine/fit/displacement.h"
 #include "soapfilm/solve/primal_dual.h"
 #include "soapfilm/solve/sweep.h"
 #include "support/device_laws.h"
@@ -40,17 +39,8 @@ TEST(ReferenceDevice, GivesTheCpusDisplacement) {
   const RowArray phi0 = random_array(band, 2);
   const GridSamples samples = random_samples(bricks, 6000, 3);
   const Context cpu(1), other = on_device(cpu, std::make_shared<ReferenceDevice>());
-  const auto phi_on = [&](const Context& context) {
-    CellSamples cells(samples, band, context);
-    merge(phi0, samples, band, {}, {0.3f, 1}, context, cells);
-    Displacement displacement(band, phi0, context);
-    displacement.precondition(cells, {0.02f, 0.5f});
-    displacement.minimize(cells, {0.02f, 0.5f}, {3, 0});
-    displacement.reweight_curvature(1);
-    displacement.minimize(cells, {0.02f, 0.5f}, {3, 0});
-    return std::move(displacement.phi());
-  };
-  const RowArray expected = phi_on(cpu), found = phi_on(other);
+  const std::vector<float> expected = fitted_twice(band, phi0, samples, 3, cpu),
+                           found = fitted_twice(band, phi0, samples, 3, other);
   expect_same_floats(expected.data(), found.data(), expected.size());
 }
 

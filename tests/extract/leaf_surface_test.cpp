@@ -82,11 +82,6 @@ class Hierarchy {
 
   double side() const { return (roots_ * brick_side) << coarsest; }
   LeafLevels levels() const { return levels_; }
-  size_t leaves() const {
-    size_t count = 0;
-    for (const BrickGrid& grid : grids_) count += grid.vertices();
-    return count;
-  }
 
  private:
   using Key = std::tuple<int, int, int>;

@@ -67,6 +67,19 @@ inline GridSamples random_samples(int bricks, size_t count, uint64_t seed) {
   return random_samples(Vec3i{bricks, bricks, bricks}, count, seed);
 }
 
+/// phi0 after two fits of a few steps to samples, the second one with curvature reweighted.
+inline std::vector<float> fitted_twice(const NarrowBand& band, const RowArray& phi0, const GridSamples& samples,
+                                       int steps, const Context& context) {
+  CellSamples cells(samples, band, context);
+  merge(phi0, samples, band, {}, {0.3f, 1}, context, cells);
+  Displacement displacement(band, phi0, context);
+  displacement.precondition(cells, {0.02f, 0.5f});
+  displacement.minimize(cells, {0.02f, 0.5f}, {steps, 0});
+  displacement.reweight_curvature(1);
+  displacement.minimize(cells, {0.02f, 0.5f}, {steps, 0});
+  return {displacement.phi().data(), displacement.phi().data() + displacement.phi().size()};
+}
+
 /// Errors of a shape's samples.
 struct Disturbance {
   double noise_vox = 0;       ///< along the direction

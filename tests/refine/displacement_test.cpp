@@ -118,17 +118,7 @@ TEST(Displacement, GivesTheSameBitsInSlabsOfLayers) {
   const NarrowBand band = random_band(bricks, 0.97, 1);
   const RowArray phi0 = random_array(band, 2);
   const GridSamples samples = random_samples(bricks, 20000, 3);
-  const auto run = [&](int threads) {
-    const Context context(threads);
-    CellSamples cells(samples, band, context);
-    merge(phi0, samples, band, {}, {0.3f, 1}, context, cells);
-    Displacement displacement(band, phi0, context);
-    displacement.precondition(cells, {0.02f, 0.5f});
-    displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
-    displacement.reweight_curvature(1);
-    displacement.minimize(cells, {0.02f, 0.5f}, {2, 0});
-    return std::vector<float>(displacement.phi().data(), displacement.phi().data() + displacement.phi().size());
-  };
+  const auto run = [&](int threads) { return fitted_twice(band, phi0, samples, 2, Context(threads)); };
   const std::vector<float> expected = run(1);
   EXPECT_NE(expected, std::vector<float>(phi0.data(), phi0.data() + phi0.size()));
   for (const int threads : {2, 3}) EXPECT_EQ(run(threads), expected) << threads << " threads";

@@ -71,12 +71,6 @@ class Joined {
 
 }  // namespace
 
-size_t LeafField::leaves() const {
-  size_t count = 0;
-  for (const BrickGrid& grid : grids) count += grid.vertices();
-  return count;
-}
-
 LeafField join_levels(const Regions& regions, std::span<const DistanceField> levels, const Lattice& lattice,
                       const Context& context) {
   const Joined joined(regions, levels);

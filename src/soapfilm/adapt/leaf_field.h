@@ -15,8 +15,6 @@ namespace soapfilm {
 struct LeafField {
   std::vector<BrickGrid> grids;  ///< the finest level first
   std::vector<Field<float>> distances;
-
-  size_t leaves() const;
 };
 
 /// Of each level's field the bricks of its places. Where two levels disagree on the side of places that neither has

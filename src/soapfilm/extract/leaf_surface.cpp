@@ -37,7 +37,6 @@ constexpr Vec3i side_step(int side) {
   const int step = (side & 1) != 0 ? 1 : -1;
   return {side / 2 == 0 ? step : 0, side / 2 == 1 ? step : 0, side / 2 == 2 ? step : 0};
 }
-constexpr Vec3i corner_of(int k) { return octant_of(k); }
 
 /// A corner of a cell, or a neighbor of a leaf: a leaf with its value in voxels of the cell's level, or a place without
 /// one.
@@ -113,7 +112,7 @@ class LeafExtraction {
   void draw_level(int level, std::vector<Drawn>& drawn) {
     BrickMask mask(grid(level).bricks() + Vec3i{1, 1, 1});
     for (size_t b = 0; b < grid(level).size(); ++b)
-      for (int k = 0; k < 8; ++k) mask.set(grid(level).coord(b) + corner_of(k));
+      for (int k = 0; k < 8; ++k) mask.set(grid(level).coord(b) + octant_of(k));
     const BrickGrid blocks(mask, context_);
     const size_t before = drawn.size();
     drawn.resize(before + (blocks.size() + blocks_per_task - 1) / blocks_per_task);
@@ -139,7 +138,7 @@ class LeafExtraction {
         for (int x = 0; x < brick_side; ++x) {
           std::array<Corner, 8> cell;
           for (int k = 0; k < 8; ++k) {
-            const Vec3i v = Vec3i{x, y, z} + corner_of(k);
+            const Vec3i v = Vec3i{x, y, z} + octant_of(k);
             cell[static_cast<size_t>(k)] = corners[static_cast<size_t>(v.x + side * (v.y + side * v.z))];
           }
           draw_cell(level, first + Vec3i{x, y, z}, cell, drawn);
@@ -164,11 +163,7 @@ class LeafExtraction {
     std::array<uint64_t, mc::edge_count> edges;
     for (int e = 0; e < mc::edge_count; ++e) edges[static_cast<size_t>(e)] = edge_of(level, v, cell, mask, e);
     const mc::Case& table = mc::cases()[static_cast<size_t>(mask)];
-    const auto loops = mc::trace_loops(mask);
-    // A tube between two loops is in the table alone.
-    const bool tube = loops.size() == 2 && table.triangle_count == mc::most_triangles && loops[0].size() == 3 &&
-                      std::popcount(static_cast<unsigned>(mask)) == 6;
-    if (leaves == 8 || tube) {
+    if (leaves == 8 || mc::is_tunnel(mask)) {  // a tube between two loops is in the table alone
       for (int t = 0; t < table.triangle_count; ++t) {
         std::array<uint64_t, 3> triangle{};
         for (size_t i = 0; i < 3; ++i) triangle[i] = edges[table.triangles[static_cast<size_t>(t)][i]];
@@ -184,7 +179,7 @@ class LeafExtraction {
         faces[static_cast<size_t>(f)][i] =
             edges[static_cast<size_t>(mc::edge_between(corners[i], corners[(i + 1) % 4]))];
     }
-    for (const std::vector<int>& loop : loops) draw_loop(loop, edges, faces, drawn);
+    for (const std::vector<int>& loop : mc::trace_loops(mask)) draw_loop(loop, edges, faces, drawn);
   }
 
   void draw_loop(const std::vector<int>& loop, const std::array<uint64_t, mc::edge_count>& edges,

@@ -84,14 +84,6 @@ class Polygon {
   std::array<std::array<int, longest_loop>, longest_loop> apex_{};
 };
 
-/// Exactly two outside corners, opposite through the body of the cell.
-bool is_tunnel(int inside) {
-  for (int corner = 0; corner < corner_count / 2; ++corner) {
-    if ((~inside & 0xff) == (1 << corner | 1 << (7 - corner))) return true;
-  }
-  return false;
-}
-
 /// A ring of six triangles between the loops around two opposite corners. Both loops visit the axes in opposite
 /// senses; each edge of one meets, on the other, the two edges along the other axes, with which it shares no face.
 void join_by_tube(const std::vector<int>& a, const std::vector<int>& b, Case& out) {
@@ -117,6 +109,13 @@ Case build_case(int inside) {
 }
 
 }  // namespace
+
+bool is_tunnel(int inside) {
+  for (int corner = 0; corner < corner_count / 2; ++corner) {
+    if ((~inside & 0xff) == (1 << corner | 1 << (7 - corner))) return true;
+  }
+  return false;
+}
 
 std::vector<std::vector<int>> trace_loops(int inside) {
   auto next = contour_segments(inside);

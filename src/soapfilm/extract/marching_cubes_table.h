@@ -79,6 +79,9 @@ struct Case {
 /// All cases, indexed by the mask of inside corners; built at the first call.
 const std::array<Case, case_count>& cases();
 
+/// Exactly two outside corners, opposite through the body of the cell: the case with a tube.
+bool is_tunnel(int inside);
+
 /// The contour loops of a case as edges in order; the surface is on their left, seen from outside the surface.
 std::vector<std::vector<int>> trace_loops(int inside);
 

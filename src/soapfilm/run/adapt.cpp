@@ -8,13 +8,11 @@
 
 #include "soapfilm/adapt/agreement.h"
 #include "soapfilm/adapt/leaf_field.h"
-#include "soapfilm/components/components.h"
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/extract/leaf_surface.h"
 #include "soapfilm/field/terms.h"
 #include "soapfilm/reconstruct.h"
-#include "soapfilm/run/defaults.h"
 #include "soapfilm/run/segment.h"
 #include "soapfilm/solve/closed_border.h"
 
@@ -40,10 +38,8 @@ DistanceField surface_of_level(const LevelSamples& level, int l, const LevelTask
   Trace quiet(context);
   drop_unsupported(labels, level.samples, grid, task.params, quiet, context);
   if (labels.grid.size() == 0) return {};
-  RefineSetup how{task.params.refine, task.robust, drops_components(task.params), grid.lattice.open};
-  if (grid.ends) how.holes = HoleFill::flat;
   FitReport report;
-  return refine(std::move(labels), fitted, grid.density, how, context, report);
+  return refine(std::move(labels), fitted, grid.density, refine_setup(grid, task.params, task.robust), context, report);
 }
 
 }  // namespace

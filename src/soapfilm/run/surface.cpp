@@ -45,12 +45,17 @@ std::optional<RefineReport> summary_of(const Surface& surface) {
   return RefineReport{in_use.smoothing, in_use.normals, in_use.noise, surface.refine->spacing};
 }
 
+RefineSetup refine_setup(const Grid& grid, const ReconstructParams& params, const RobustParams& robust) {
+  RefineSetup how{params.refine, robust, drops_components(params), grid.lattice.open};
+  if (grid.ends) how.holes = HoleFill::flat;  // most are no holes, but where the surface ends
+  return how;
+}
+
 Surface find_surface(Labels labels, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
                      const RobustParams& robust, MemoryBudget& memory, const Context& context) {
   Surface surface;
   if (refines(params)) {
-    RefineSetup how{params.refine, robust, drops_components(params), grid.lattice.open};
-    if (grid.ends) how.holes = HoleFill::flat;  // most are no holes, but where the surface ends
+    const RefineSetup how = refine_setup(grid, params, robust);  // outlives the refinement
     Refinement refinement(std::move(labels), samples, grid.density, how, context, surface.refine.emplace());
     memory.plan_refinement(refinement.rows(), refinement.tries_coarser(), samples.size());
     surface.field = refinement.fit();

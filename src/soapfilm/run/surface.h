@@ -44,6 +44,9 @@ struct Surface {
 /// The part of it that users read.
 std::optional<RefineReport> summary_of(const Surface& surface);
 
+/// How the surface is moved onto the samples.
+RefineSetup refine_setup(const Grid& grid, const ReconstructParams& params, const RobustParams& robust);
+
 /// The surface between the labels, moved onto the samples with sub-voxel accuracy, or the paper's (section 4.4). Throws
 /// MemoryError.
 Surface find_surface(Labels labels, const GridSamples& samples, const Grid& grid, const ReconstructParams& params,
