@@ -14,8 +14,8 @@ import sys
 import time
 from pathlib import Path
 
-SHAPES = ["sphere", "torus", "part", "plate", "sheets", "knot", "arch"]
-SCANS = ["torus", "part", "sheets", "knot", "arch"]
+SHAPES = ["sphere", "torus", "part", "plate", "sheets", "knot", "arch", "room"]
+SCANS = ["torus", "part", "sheets", "knot", "arch", "room"]
 SECONDS = 600
 
 
@@ -50,10 +50,11 @@ def inputs(program, folder):
     for name, scans in (("bunny", "bunny/bun.conf"), ("drill", "drill/drill_1.6mm_cyb.conf")):
         mesh = folder / f"{name}.ply"
         soapfilm(program, "-q", "reconstruct", Path(data) / scans, "-o", mesh, "--resolution", 256)
-        for edge in (3, 1.5):
+        for edge in (12.5, 8, 3, 1.5):
             yield f"{name}, scans", mesh, edge
     for name in ("horse.ply", "anchor.off", "dancing_children.off", "bunny_hr.obj"):
-        yield name, Path(data) / "meshes" / name, 1.5
+        for edge in (10, 3, 1.5):
+            yield name, Path(data) / "meshes" / name, edge
 
 
 def write_stl(mesh):

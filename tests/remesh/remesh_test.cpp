@@ -14,9 +14,11 @@
 #include "relax/grid_torus.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io.h"
 #include "soapfilm/reconstruct.h"
 #include "support/farthest.h"
 #include "support/flat_sheet.h"
+#include "support/real_data.h"
 #include "tools/mesh/distance.h"
 #include "tools/mesh/self_intersection.h"
 #include "tools/scanner/sample_surface.h"
@@ -223,6 +225,50 @@ TEST(Remesh, GenusStaysWhereEdgesAreLargerThanDetails) {
   EXPECT_TRUE(check_topology(result.mesh).watertight());
   EXPECT_EQ(count_self_intersections(result.mesh, context), 0u);
   EXPECT_LE(farthest_between(knot, result.mesh, context), result.report.proved);
+}
+
+/// A ball with a horn that is thinner than the edges.
+Mesh ball_with_horn() {
+  Mesh mesh = make_shape("sphere")->tessellate(1e-3);
+  const Vec3d center = mesh.box().center();
+  const double radius = 0.5 * mesh.box().longest();
+  for (Vec3d& p : mesh.vertices) {
+    const Vec3d d = (p - center) / radius;
+    const double high = d.z > 0 ? 1.5 * std::exp(-d.x * d.x / 0.004 - d.y * d.y / 0.02) : 0;
+    p = center + d * (radius * (1 + high));
+  }
+  return mesh;
+}
+
+/// The law that no detail is lost, and the share of even edges that is left.
+void expect_details_kept(const Mesh& given, double edge, double even_edges) {
+  const Context context(2);
+  const Remeshed result = remesh(given, {edge, {}}, context);
+  EXPECT_LE(result.report.proved, 0.5 * edge);
+  EXPECT_LE(farthest_between(given, result.mesh, context), result.report.proved);
+  EXPECT_EQ(count_self_intersections(result.mesh, context), 0u);
+  const Quality found = quality(result.mesh, edge);
+  EXPECT_GE(found.even_edges, even_edges);
+  EXPECT_GE(found.good_angles, 0.95);
+}
+
+TEST(Remesh, AHornThinnerThanTheEdgesIsNotLost) {
+  const Mesh given = ball_with_horn();
+  for (const double share : {0.1, 0.13, 0.16}) {
+    SCOPED_TRACE(share);
+    expect_details_kept(given, share * given.box().longest(), 0.9);
+  }
+}
+
+TEST(Remesh, LegsAndEarsThinnerThanTheEdgesAreNotLost) {
+  for (const auto& [name, even_edges] : std::vector<std::pair<std::string, double>>{
+           {"horse.ply", 0.7}, {"bunny_hr.obj", 0.95}, {"dancing_children.off", 0.85}}) {
+    const auto file = real_data("meshes/" + name);
+    if (!file) GTEST_SKIP() << "SOAPFILM_DATA does not name a folder with meshes";
+    SCOPED_TRACE(name);
+    const Mesh given = read_mesh(*file);
+    expect_details_kept(given, 0.1 * given.box().longest(), even_edges);
+  }
 }
 
 TEST(Remesh, TheSameForAnyNumberOfThreads) {

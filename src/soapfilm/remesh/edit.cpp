@@ -12,6 +12,8 @@ namespace {
 constexpr double least_cosine = 0.5;      // between a triangle's normals before and after
 constexpr double sliver = 0.0076;         // squared sine of 5 degrees: its normal says nothing
 constexpr double least_sharpness = 0.03;  // of 10 degrees: no angle gets smaller that was not
+constexpr double tiny = 0.2;              // of the length that is wanted: such an edge goes also at the price of
+constexpr double tiny_sharpness = 0.003;  // sharper angles for a while
 constexpr double crease_cosine = 0.8;     // flatter edges may be flipped
 
 /// The distance of the lines of two edges.
@@ -37,9 +39,8 @@ void Edit::replace(uint32_t triangle, const std::array<Vec3d, 3>& by) {
   fresh_.push_back(by);
 }
 
-/// `around`: the normal to go by where a triangle was a sliver.
-bool Edit::keeps_facing(Vec3d around) const {
-  double sharpest = least_sharpness;
+/// `around`: the normal to go by where a triangle was a sliver. `sharpest`: of squared sines, where none was sharper.
+bool Edit::keeps_facing(Vec3d around, double sharpest) const {
   for (const uint32_t t : old_) sharpest = std::min(sharpest, squared_sharpness(now_.corners(t)));
   for (size_t i = 0; i < fresh_.size(); ++i) {
     const double becomes = squared_sharpness(fresh_[i]);
@@ -203,7 +204,9 @@ bool Edit::collapse(uint32_t h, uint32_t kept, double longest) {
   });
   for (const uint32_t t : removed)
     if (t != none) old_.push_back(t);
-  if (!keeps_facing(around) || !keeps_distance(gone, kept)) return false;
+  const double sharpest = now_.length(h) < tiny * now_.wanted(h) ? tiny_sharpness : least_sharpness;
+  if (!keeps_facing(around, sharpest) || !keeps_distance(gone, kept) || !landmarks_.stay_near(gone, was_, fresh_))
+    return false;
   if (meets_others()) return false;
   take_out();
   // The outer edges of a triangle that goes become one.
@@ -220,6 +223,7 @@ bool Edit::collapse(uint32_t h, uint32_t kept, double longest) {
       if (chain.vertex.front() == gone) chain.vertex.front() = kept;
       if (chain.vertex.back() == gone) chain.vertex.back() = kept;
     }
+  landmarks_.hand_over(gone, kept);
   if (quadrics_) (*quadrics_)[kept] += (*quadrics_)[gone];
   put_back();
   return true;
@@ -268,7 +272,8 @@ bool Edit::move(uint32_t vertex, Vec3d place) {
     becomes[h % 3] = place;
     replace(h / 3, becomes);
   });
-  if (!keeps_facing(now_.normal(vertex)) || meets_others()) return false;
+  if (!keeps_facing(now_.normal(vertex), least_sharpness) || !landmarks_.stay_near(vertex, was_, fresh_)) return false;
+  if (meets_others()) return false;
   take_out();
   now_.position[vertex] = place;
   put_back();

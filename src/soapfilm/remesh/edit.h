@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "soapfilm/remesh/landmarks.h"
 #include "soapfilm/remesh/working_mesh.h"
 #include "soapfilm/simplify/quadric.h"
 #include "soapfilm/simplify/thin_places.h"
@@ -16,7 +17,8 @@ namespace soapfilm {
 class Edit {
  public:
   /// `distance`: the most that a change may take the surface away from a vertex that it removes.
-  Edit(WorkingMesh& now, ThinPlaces& thin, double distance) : now_(now), thin_(thin), distance_(distance) {}
+  Edit(WorkingMesh& now, ThinPlaces& thin, double distance, const Landmarks& landmarks)
+      : now_(now), thin_(thin), distance_(distance), landmarks_(landmarks) {}
 
   /// At the middle of the edge, or of its stretch of the chain.
   bool split(uint32_t h);
@@ -33,7 +35,7 @@ class Edit {
 
   void begin();
   void replace(uint32_t triangle, const std::array<Vec3d, 3>& by);
-  bool keeps_facing(Vec3d around) const;
+  bool keeps_facing(Vec3d around, double sharpest) const;
   bool meets_others();
   bool may_slide(uint32_t h, uint32_t gone, uint32_t kept) const;
   bool may_merge_corners(uint32_t h, uint32_t gone, uint32_t kept) const;
@@ -46,6 +48,7 @@ class Edit {
   WorkingMesh& now_;
   ThinPlaces& thin_;
   double distance_;
+  Landmarks landmarks_;
   std::vector<Quadric>* quadrics_ = nullptr;
   std::vector<uint32_t> old_;                // triangles that change or go
   std::vector<std::array<Vec3d, 3>> was_;    // those that `fresh_` replace, as they are

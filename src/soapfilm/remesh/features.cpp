@@ -85,6 +85,51 @@ class PathFinder {
   std::vector<uint8_t> taken_;
 };
 
+/// Takes short cuts along the third edge of a triangle where the path runs to and fro, as at the tip of an ear.
+class ShortCuts {
+ public:
+  ShortCuts(const Connectivity& mesh, const std::vector<Vec3d>& position, const FeatureGraph& graph, double edge)
+      : mesh_(mesh), position_(position), graph_(graph), edge_(edge) {}
+
+  void take(Path& path) const {
+    for (size_t i = 0; i + 1 < path.half_edge.size() && path.half_edge.size() > 3;) {
+      const uint32_t third = short_cut(path, i);
+      if (third == none) {
+        ++i;
+        continue;
+      }
+      path.vertex.erase(path.vertex.begin() + static_cast<ptrdiff_t>(i) + 1);
+      path.half_edge.erase(path.half_edge.begin() + static_cast<ptrdiff_t>(i));
+      path.half_edge[i] = third;
+      i -= i > 0;
+    }
+  }
+
+ private:
+  /// Of the edges i and i + 1: the half edge that joins their ends, or none.
+  uint32_t short_cut(const Path& path, size_t i) const {
+    constexpr double straight = 0.5, aside = 0.1;  // the cosine of 60 degrees; of an edge
+    const Vec3d a = position_[path.vertex[i]], b = position_[path.vertex[i + 1]], c = position_[path.vertex[i + 2]];
+    const Vec3d in = b - a, out = c - b, ends = c - a;
+    if (dot(in, out) > straight * norm(in) * norm(out)) return none;
+    if (norm(cross(in, out)) > aside * edge_ * norm(ends) || std::min(norm(in), norm(out)) > edge_) return none;
+    for (const uint32_t h : {path.half_edge[i], mesh_.twin(path.half_edge[i])}) {
+      if (h == none) return none;
+      const uint32_t x = Connectivity::next(h), y = Connectivity::previous(h);
+      const uint32_t other = path.half_edge[i + 1];
+      const uint32_t third = is_edge(x, other) ? y : is_edge(y, other) ? x : none;
+      if (third != none && graph_.degree(path.vertex[i + 2]) == 2) return third;
+    }
+    return none;
+  }
+  bool is_edge(uint32_t h, uint32_t g) const { return h == g || mesh_.twin(h) == g; }
+
+  const Connectivity& mesh_;
+  const std::vector<Vec3d>& position_;
+  const FeatureGraph& graph_;
+  double edge_;
+};
+
 std::vector<double> lengths_along(const Path& path, const std::vector<Vec3d>& position) {
   std::vector<double> at{0};
   for (size_t i = 1; i < path.vertex.size(); ++i)
@@ -114,7 +159,7 @@ Vec3d on_path(const Path& path, const std::vector<double>& at, const std::vector
   return step > 0 ? a + (b - a) * ((along - at[i - 1]) / step) : a;
 }
 
-/// Where it turns most, no two within `edge`.
+/// Where it turns most, no two within `edge`, and none so near to its ends.
 std::vector<size_t> turns(const Path& path, const std::vector<double>& at, const std::vector<Vec3d>& position,
                           double edge) {
   struct Turn {
@@ -123,6 +168,7 @@ std::vector<size_t> turns(const Path& path, const std::vector<double>& at, const
   };
   std::vector<Turn> found;
   for (size_t i = path.is_ring() ? 0 : 1; i + 1 < path.vertex.size(); ++i) {
+    if (!path.is_ring() && std::min(at[i], at.back() - at[i]) < edge) continue;
     const Vec3d p = position[path.vertex[i]];
     const Vec3d in = normalized(p - on_path(path, at, position, at[i] - edge));
     const Vec3d out = normalized(on_path(path, at, position, at[i] + edge) - p);
@@ -245,7 +291,12 @@ Features find_features(const Connectivity& mesh, const std::vector<Vec3d>& posit
   Features features{{}, std::vector<uint32_t>(marked.size(), none), std::vector<uint8_t>(position.size()), {}};
   const std::vector<Vec3d> sharp = sharpened_vertices(mesh, position, sides, paths);
   ChainMaker maker(mesh, sharp, features);
-  for (Path& path : paths) maker.add(std::move(path), edge);
+  const FeatureGraph graph(mesh, marked, position.size());
+  const ShortCuts short_cuts(mesh, sharp, graph, edge);
+  for (Path& path : paths) {
+    short_cuts.take(path);
+    maker.add(std::move(path), edge);
+  }
   return features;
 }
 

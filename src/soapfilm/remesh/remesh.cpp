@@ -54,13 +54,15 @@ class Remeshing {
         grid_(now_.original, now_.was.all_corners()),
         thin_(now_, 0.5 * params.edge / written_.unit()),
         proof_(mesh, tolerance_),
-        rounds_(now_, grid_, thin_, 0.25 * std::min(2 * tolerance_, params.edge) / written_.unit(), context_) {}
+        rounds_(now_, grid_, thin_, 0.5 * reach() / written_.unit(),
+                Landmarks(now_.original, 0.25 * params.edge / written_.unit(), 0.8 * reach() / written_.unit()),
+                context_) {}
 
   Remeshed run() {
     const double edge = params_.edge / written_.unit();
     now_.keep(
         find_features(now_.was, now_.original, Sides(now_.original, now_.was.all_corners(), edge, context_), edge));
-    constexpr int rounds = 10, rounds_of_repair = 4, most_repairs = 6;
+    constexpr int rounds = 10, rounds_of_repair = 4, most_repairs = 12;
     context_.progress().detail(
         fmt::format("remesh: {} stretches of sharp edges and borders", now_.features.chains.size()));
     rounds_.begin();
@@ -87,11 +89,15 @@ class Remeshing {
     return pairs.size();
   }
 
-  /// Shorter edges at vertices where something fails.
+  /// How far the surface may go while it is changed, input units.
+  double reach() const { return std::min(tolerance_, 0.5 * params_.edge); }
+
+  /// Shorter edges at vertices where something fails: by a little, so that they may still be even.
   void refine(std::vector<uint32_t> vertices) {
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    for (const uint32_t v : vertices) now_.size[v] *= 0.5;
+    constexpr double shorter = 0.75;
+    for (const uint32_t v : vertices) now_.size[v] *= shorter;
     now_.grade_sizes();
   }
 

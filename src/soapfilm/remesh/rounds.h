@@ -14,9 +14,11 @@ namespace soapfilm {
 
 class Rounds {
  public:
-  /// `distance`: local frame; the most that one change may take the surface away.
-  Rounds(WorkingMesh& now, const FaceGrid& grid, ThinPlaces& thin, double distance, const Context& context)
-      : now_(now), grid_(grid), thin_(thin), edit_(now, thin, distance), context_(context) {}
+  /// `distance`: local frame; the most that one change may take the surface away. `landmarks`: what all of them
+  /// together must stay near.
+  Rounds(WorkingMesh& now, const FaceGrid& grid, ThinPlaces& thin, double distance, const Landmarks& landmarks,
+         const Context& context)
+      : now_(now), grid_(grid), thin_(thin), edit_(now, thin, distance, landmarks), context_(context) {}
 
   /// From the original to edges of about the length that is wanted.
   void begin();
