@@ -14,7 +14,7 @@ import sys
 import time
 from pathlib import Path
 
-SHAPES = ["sphere", "torus", "part", "plate", "sheets", "knot", "arch", "room"]
+SHAPES = ["sphere", "torus", "part", "plate", "sheets", "knot", "arch"]
 SCANS = ["torus", "part", "sheets", "knot", "arch", "room"]
 SECONDS = 600
 

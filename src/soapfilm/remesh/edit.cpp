@@ -9,12 +9,13 @@ namespace soapfilm {
 
 namespace {
 
-constexpr double least_cosine = 0.5;      // between a triangle's normals before and after
-constexpr double sliver = 0.0076;         // squared sine of 5 degrees: its normal says nothing
-constexpr double least_sharpness = 0.03;  // of 10 degrees: no angle gets smaller that was not
-constexpr double tiny = 0.2;              // of the length that is wanted: such an edge goes also at the price of
-constexpr double tiny_sharpness = 0.003;  // sharper angles for a while
-constexpr double crease_cosine = 0.8;     // flatter edges may be flipped
+constexpr double least_cosine = 0.5;       // between a triangle's normals before and after
+constexpr double sliver = 0.0076;          // squared sine of 5 degrees: its normal says nothing
+constexpr double least_sharpness = 0.03;   // of 10 degrees: no angle gets smaller that was not
+constexpr double tiny = 0.2;               // of the length that is wanted: such an edge goes also at the price of
+constexpr double tiny_sharpness = 0.003;   // sharper angles for a while
+constexpr double folded_cosine = 0.99996;  // of 0.5 degrees, between one side's normal and the other's reversed
+constexpr double crease_cosine = 0.8;      // flatter edges may be flipped
 
 /// The distance of the lines of two edges.
 double apart(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
@@ -51,6 +52,36 @@ bool Edit::keeps_facing(Vec3d around, double sharpest) const {
     if (!(along > 0) || along * along < least_cosine * least_cosine * squares) return false;
   }
   return true;
+}
+
+/// Whether triangles would lie on neighbors that look the other way, which they did not before: such pairs do not
+/// intersect, but mesh generators take them for overlapping.
+bool Edit::folds() const { return are_folded(fresh_) && !are_folded(was_); }
+
+/// Of triangles in the place of `old_`.
+bool Edit::are_folded(const std::vector<std::array<Vec3d, 3>>& triangles) const {
+  const auto opposite = [](Vec3d m, Vec3d n) {
+    const double along = dot(m, n);
+    return along < 0 && along * along > folded_cosine * folded_cosine * dot(m, m) * dot(n, n);
+  };
+  const auto has = [](const std::array<Vec3d, 3>& t, Vec3d p) { return t[0] == p || t[1] == p || t[2] == p; };
+  for (size_t i = 0; i < triangles.size(); ++i)
+    for (size_t j = i + 1; j < triangles.size(); ++j)
+      if (has(triangles[i], triangles[j][0]) + has(triangles[i], triangles[j][1]) +
+                  has(triangles[i], triangles[j][2]) ==
+              2 &&
+          opposite(area_normal(triangles[i]), area_normal(triangles[j])))
+        return true;
+  for (const uint32_t t : old_)
+    for (uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
+      const uint32_t g = now_.mesh.twin(h);
+      if (g == none || std::find(old_.begin(), old_.end(), g / 3) != old_.end()) continue;
+      const Vec3d beyond = area_normal(now_.corners(g / 3));
+      for (const auto& triangle : triangles)
+        if (has(triangle, now_.from(h)) && has(triangle, now_.to(h)) && opposite(area_normal(triangle), beyond))
+          return true;
+    }
+  return false;
 }
 
 bool Edit::meets_others() {
@@ -207,7 +238,7 @@ bool Edit::collapse(uint32_t h, uint32_t kept, double longest) {
   const double sharpest = now_.length(h) < tiny * now_.wanted(h) ? tiny_sharpness : least_sharpness;
   if (!keeps_facing(around, sharpest) || !keeps_distance(gone, kept) || !landmarks_.stay_near(gone, was_, fresh_))
     return false;
-  if (meets_others()) return false;
+  if (folds() || meets_others()) return false;
   take_out();
   // The outer edges of a triangle that goes become one.
   for (const uint32_t edge : {h, g}) {
@@ -249,7 +280,7 @@ bool Edit::flip(uint32_t h) {
     const Vec3d after = area_normal(t);
     if (!(dot(after, around) > least_cosine * norm(after) * norm(around))) return false;
   }
-  if (meets_others()) return false;
+  if (folds() || meets_others()) return false;
   const uint32_t bc = now_.chain_of_edge[Connectivity::next(h)], ca = now_.chain_of_edge[Connectivity::previous(h)];
   const uint32_t ad = now_.chain_of_edge[Connectivity::next(g)], db = now_.chain_of_edge[Connectivity::previous(g)];
   take_out();
@@ -273,7 +304,7 @@ bool Edit::move(uint32_t vertex, Vec3d place) {
     replace(h / 3, becomes);
   });
   if (!keeps_facing(now_.normal(vertex), least_sharpness) || !landmarks_.stay_near(vertex, was_, fresh_)) return false;
-  if (meets_others()) return false;
+  if (folds() || meets_others()) return false;
   take_out();
   now_.position[vertex] = place;
   put_back();

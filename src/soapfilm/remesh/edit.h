@@ -36,6 +36,8 @@ class Edit {
   void begin();
   void replace(uint32_t triangle, const std::array<Vec3d, 3>& by);
   bool keeps_facing(Vec3d around, double sharpest) const;
+  bool folds() const;
+  bool are_folded(const std::vector<std::array<Vec3d, 3>>& triangles) const;
   bool meets_others();
   bool may_slide(uint32_t h, uint32_t gone, uint32_t kept) const;
   bool may_merge_corners(uint32_t h, uint32_t gone, uint32_t kept) const;
