@@ -36,6 +36,7 @@ def inputs(program, folder):
         soapfilm(program, "-q", "scan", shape, "-o", folder / shape, "--samples", 40000)
         for edge in (5, 2):
             yield f"{shape}, exact", folder / shape / "truth.ply", edge
+    soapfilm(program, "-q", "scan", "room", "-o", folder / "room", "--samples", 40000)  # its truth intersects itself
     for shape in SCANS:
         mesh = folder / f"{shape}.ply"
         soapfilm(program, "-q", "reconstruct", folder / shape / "samples.ply", "-o", mesh, "--resolution", 128)

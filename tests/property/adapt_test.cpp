@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "soapfilm/core/random.h"
 #include "soapfilm/core/vec.h"
@@ -65,6 +68,51 @@ TEST(Adapt, ABallOfUnevenDensityIsWholeAndRound) {
   }
   EXPECT_LT(adapted.mesh.triangles.size(),
             (test::sanitized ? 1 : 0.9) * static_cast<double>(even.mesh.triangles.size()));
+}
+
+const std::vector<float>& attribute(const Mesh& mesh, const std::string& name) {
+  for (const Column& a : mesh.attributes)
+    if (a.name == name) return a.values;
+  throw std::out_of_range(name);
+}
+
+/// The mean of an attribute over the vertices of a zone.
+double mean_over(const Mesh& mesh, const std::vector<float>& values, double low, double high) {
+  double sum = 0, count = 0;
+  for (size_t v = 0; v < values.size(); ++v) {
+    if (mesh.vertices[v].z < low || mesh.vertices[v].z > high || std::isnan(values[v])) continue;
+    sum += static_cast<double>(values[v]);
+    ++count;
+  }
+  return sum / count;
+}
+
+/// What was decided is on the vertices: triangles have the size of their level, levels follow the spacing.
+TEST(Adapt, LevelsAndSpacingsAreOnTheVertices) {
+  const double decades = 2;
+  const PointCloud cloud = uneven_ball(8000, decades);
+  const Reconstruction result = reconstructed(cloud, true);
+  const Mesh& mesh = result.mesh;
+  const std::vector<float>&levels = attribute(mesh, "level"), &spacings = attribute(mesh, "spacing");
+  EXPECT_LT(mean_over(mesh, levels, 0.9, 2), 0.1);
+  EXPECT_GT(mean_over(mesh, levels, -2, -0.9), 0.9);
+  std::vector<double> lengths(4), counts(4);
+  for (const Triangle& t : mesh.triangles)
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = t[k], b = t[(k + 1) % 3];
+      if (levels[a] != levels[b]) continue;
+      lengths.at(static_cast<size_t>(levels[a])) += norm(mesh.vertices[b] - mesh.vertices[a]);
+      ++counts[static_cast<size_t>(levels[a])];
+    }
+  for (size_t l = 0; l < counts.size(); ++l) {
+    if (counts[l] < 100) continue;
+    SCOPED_TRACE(l);
+    EXPECT_NEAR(lengths[l] / counts[l] / (result.report.grid.voxel * std::ldexp(1, static_cast<int>(l))), 0.85, 0.25);
+  }
+  const double ratio = mean_over(mesh, spacings, -0.8, -0.6) / mean_over(mesh, spacings, 0.6, 0.8);
+  const double expected = std::pow(10, decades * 1.4 / 2 / 2);  // from 0.7 to -0.7; spacing is area^(1/2)
+  EXPECT_GT(ratio, expected / 1.6);
+  EXPECT_LT(ratio, expected * 1.6);
 }
 
 /// Three levels and their borders, for any number of threads.

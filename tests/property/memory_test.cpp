@@ -240,6 +240,19 @@ TEST(MemoryPlan, CountsTheGap) {
   }
 }
 
+/// Many samples in a voxel, whose copies on the coarser levels count more than the grid.
+TEST(MemoryPlan, CountsTheSamplesOfCoarserLevelsSlow) {
+  const PointCloud cloud = sampled("torus", 128, 40);
+  ReconstructParams params;
+  params.place.resolution = 128;
+  params.place.adapt = true;
+  const Reconstruction result = reconstruct(cloud, params, Context(1));
+  const auto planned = static_cast<double>(result.report.planned_bytes);
+  const auto peak = static_cast<double>(result.report.peak_bytes);
+  EXPECT_LT(peak, 1.15 * planned);
+  EXPECT_GT(peak, 0.8 * planned);
+}
+
 TEST(MemoryPlan, ARefusalNamesFarSamplesWhereThereAreSome) {
   PointCloud cloud = sampled("torus", 64, 1);
   cloud.positions[7] = {1e3, 0, 0};

@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <variant>
 
@@ -105,6 +107,35 @@ Mesh triangles_of(AdaptedSurface& surface, Surface& finest, const Lattice& latti
   if (mesh.triangles.empty())
     throw EmptyResult("empty result: no level has a surface in its places; try --adapt off", lambda);
   return mesh;
+}
+
+void add_spacing(SampleAttributes& attributes, const std::vector<float>& spacings, double voxel) {
+  const std::string name = "spacing";
+  if (std::any_of(attributes.columns.begin(), attributes.columns.end(),
+                  [&](const Column& column) { return column.name == name; }))
+    return;
+  std::vector<float> values;
+  values.reserve(spacings.size());
+  for (const float spacing : spacings)
+    values.push_back(spacing > 0 ? static_cast<float>(static_cast<double>(spacing) * voxel)
+                                 : std::numeric_limits<float>::quiet_NaN());
+  attributes.columns.push_back({name, std::move(values), false});
+}
+
+void carry_levels(const Regions& regions, const Lattice& lattice, const Context& context, Mesh& mesh) {
+  std::vector<float> levels(mesh.vertices.size());
+  parallel_for(context, levels.size(), size_t{1} << 14, [&](size_t v) {
+    const Vec3d place =
+        lattice.to_lattice(mesh.vertices[v]) + Vec3d{0.5, 0.5, 0.5};  // vertex I has the cell I to I + 1
+    const Vec3i brick{static_cast<int>(std::floor(place.x / brick_side)),
+                      static_cast<int>(std::floor(place.y / brick_side)),
+                      static_cast<int>(std::floor(place.z / brick_side))};
+    int level = 0;
+    while (level < regions.coarsest() && !regions.has(level, {brick.x >> level, brick.y >> level, brick.z >> level}))
+      ++level;
+    levels[v] = static_cast<float>(level);
+  });
+  mesh.attributes.push_back({"level", std::move(levels), true});
 }
 
 void announce_levels(const ReportDetails& details, Trace& trace) {

@@ -6,6 +6,7 @@
 
 #include "soapfilm/adapt/regions.h"
 #include "soapfilm/context.h"
+#include "soapfilm/finish/attributes.h"
 #include "soapfilm/mesh.h"
 #include "soapfilm/run/details.h"
 #include "soapfilm/run/prepare.h"
@@ -43,6 +44,13 @@ AdaptedSurface find_coarser_surfaces(LevelSamples samples, const LevelTask& task
 /// each level has. Throws EmptyResult.
 Mesh triangles_of(AdaptedSurface& adapted, Surface& finest, const Lattice& lattice, double lambda,
                   ReportDetails& details, const Context& context);
+
+/// The samples' spacing as a column that rides along with them: "spacing", in input units, not a number where it is
+/// unknown. Nothing where the cloud has a column of that name.
+void add_spacing(SampleAttributes& attributes, const std::vector<float>& spacings, double voxel);
+
+/// Which level each vertex lies in, as the attribute "level": its voxel is 2^level of the finest ones.
+void carry_levels(const Regions& regions, const Lattice& lattice, const Context& context, Mesh& mesh);
 
 /// Says which levels there are.
 void announce_levels(const ReportDetails& details, Trace& trace);

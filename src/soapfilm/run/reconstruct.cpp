@@ -42,7 +42,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   Grid& grid = placed.grid;
   GridSamples& samples = placed.samples;
   std::vector<Ray> rays = some_rays(cloud, params.orient.sensor, grid.lattice, context);
-  const SampleAttributes attributes = sort_attributes(cloud, samples, params.surface.attributes);
+  SampleAttributes attributes = sort_attributes(cloud, samples, params.surface.attributes);
   announce_grid(grid, memory, trace);
 
   // Lambda, the weight of area against the samples; and the samples' weights, by the area that they represent.
@@ -60,6 +60,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     return finish(std::move(mesh), std::move(report), samples, grid.lattice, memory, trace, context);
   }
   std::vector<float> spacings = sort_spacings(oriented.surface, samples, grid, params, context);
+  if (!spacings.empty()) add_spacing(attributes, spacings, grid.lattice.voxel);
   std::vector<Vec3f> views = sort_views(oriented.views, samples, grid.lattice, context);
   oriented = {};
   release(samples.source);
@@ -150,6 +151,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   warn_inside_out(mesh, border, scanners, params, trace);
 
   carry(attributes, samples, grid.lattice, trace, context, mesh);
+  if (adapted) carry_levels(adapted->regions, grid.lattice, context, mesh);
   carry(gap, grid.lattice, trace, context, mesh);
   gap.reset();
   report_border(border, grid.lattice, report, *details);
