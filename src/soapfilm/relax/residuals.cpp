@@ -84,6 +84,8 @@ struct PairSums {
     return *this;
   }
 
+  PairSums scaled(double by) const { return {by * pairs, by * x, by * y, by * xx, by * xy, by * samples, by * power}; }
+
   /// The part of the mean square that is not noise. Noise is the difference of samples at one place: half their squared
   /// difference, a variogram, is noise + c apart^2 where a smooth surface is missed (its nugget; Matheron 1963).
   double share_of_surface() const {
@@ -131,13 +133,14 @@ Residuals::Residuals(const GridSamples& samples, const SmoothField& field, doubl
   }
   entries_.resize(begin_.back());
   entries_.shrink_to_fit();
-  const auto share = static_cast<float>(share_of_surface(context));
-  if (share == 0) {
+  const std::vector<float> share = shares_of_surface(context);
+  if (std::all_of(share.begin(), share.end(), [](float s) { return s == 0; })) {
     release(entries_);
     std::fill(begin_.begin(), begin_.end(), 0);
     return;
   }
-  for (Entry& entry : entries_) entry.distance *= share;
+  for (size_t b = 0; b < bricks_.size(); ++b)
+    for (uint32_t s = begin_[b]; s < begin_[b + 1]; ++s) entries_[s].distance *= share[b];
   // A mean mixes in the residuals of other samples: the distances are adjusted until the mean at each sample is its own
   // residual.
   std::vector<float> target(entries_.size()), mean(entries_.size());
@@ -150,13 +153,15 @@ Residuals::Residuals(const GridSamples& samples, const SmoothField& field, doubl
         mean[s] = static_cast<float>(mean_at(origin + Vec3d(e.local), Vec3d(e.normal)));
       }
     });
-    for (size_t s = 0; s < target.size(); ++s) entries_[s].distance += share * (target[s] - mean[s]);
+    for (size_t b = 0; b < bricks_.size(); ++b)
+      for (uint32_t s = begin_[b]; s < begin_[b + 1]; ++s) entries_[s].distance += share[b] * (target[s] - mean[s]);
   }
 }
 
-double Residuals::share_of_surface(const Context& context) const {
-  constexpr double nearby = 0.7;  // voxels between the samples of a pair
-  constexpr double enough = 0.4;  // share of the surface in the mean square from which on distances are used in full
+std::vector<float> Residuals::shares_of_surface(const Context& context) const {
+  constexpr double few_pairs = 20;  // what the whole surface counts for beside those around
+  constexpr double nearby = 0.7;    // voxels between the samples of a pair
+  constexpr double enough = 0.4;    // share of the surface in the mean square from which on distances are used in full
   std::vector<PairSums> parts(bricks_.size());
   parallel_for(context, bricks_.size(), 32, [&](size_t b) {
     const Vec3d origin(bricks_.first_vertex(b));
@@ -171,8 +176,16 @@ double Residuals::share_of_surface(const Context& context) const {
       });
     }
   });
-  const PairSums sums = ordered_sum(bricks_, parts);
-  return std::clamp(sums.share_of_surface() / enough, 0.0, 1.0);
+  const PairSums all = ordered_sum(bricks_, parts);
+  std::vector<float> shares(bricks_.size());
+  parallel_for(context, bricks_.size(), 256, [&](size_t b) {
+    PairSums sums = all.scaled(all.pairs > 0 ? few_pairs / all.pairs : 0);
+    for (const int32_t n : bricks_.neighbors(b))
+      if (n >= 0) sums += parts[static_cast<size_t>(n)];
+    shares[b] =
+        static_cast<float>(std::clamp(std::min(sums.share_of_surface(), all.share_of_surface()) / enough, 0.0, 1.0));
+  });
+  return shares;
 }
 
 double Residuals::mean_at(Vec3d point, Vec3d normal) const {

@@ -37,7 +37,7 @@ class Residuals {
   void for_each_near(Vec3d point, Vec3d normal, Visit&& visit) const;
   /// In [0, 1]: 0 where the samples' distances from the surface are noise, judged by pairs of near samples, 1 where
   /// they are detail that the surface misses.
-  double share_of_surface(const Context& context) const;
+  std::vector<float> shares_of_surface(const Context& context) const;
 
   const BrickGrid& bricks_;      ///< the bricks that contain samples
   std::vector<uint32_t> begin_;  ///< first entry of each brick; one more at the end

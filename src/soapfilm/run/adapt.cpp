@@ -92,7 +92,7 @@ Mesh triangles_of(AdaptedSurface& surface, Surface& finest, const Lattice& latti
   if (surface.levels.empty()) return triangles_of(finest, lattice, lambda, context);
   surface.levels.front() = std::move(std::get<DistanceField>(finest.field));
   give_back_disagreement(surface.regions, surface.levels, context);
-  const LeafField leaves = join_levels(surface.regions, surface.levels, lattice, context);
+  LeafField leaves = join_levels(surface.regions, surface.levels, lattice, context);
   std::vector<const BrickGrid*> grids;
   std::vector<const Field<float>*> distances;
   for (size_t l = 0; l < leaves.grids.size(); ++l) {
@@ -106,6 +106,10 @@ Mesh triangles_of(AdaptedSurface& surface, Surface& finest, const Lattice& latti
       context);
   if (mesh.triangles.empty())
     throw EmptyResult("empty result: no level has a surface in its places; try --adapt off", lambda);
+  DistanceField of_places;
+  of_places.grid = std::move(leaves.grids.front());
+  of_places.value = std::move(leaves.distances.front());
+  finest.field = std::move(of_places);
   return mesh;
 }
 

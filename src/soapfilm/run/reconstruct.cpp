@@ -136,8 +136,9 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   if (adapted) announce_levels(*details, trace);
   pages.reset();
 
-  // Where the surface is curved, triangles as large as a voxel are too coarse: edges are split, vertices moved.
-  if (details->leaves.empty()) report.relax = relax(mesh, surface, samples, grid, params, trace, context);
+  // Where the surface is curved, triangles as large as a voxel are too coarse: edges are split, vertices moved. Those
+  // of coarser levels stay: their samples are too few to say where to.
+  report.relax = relax(mesh, surface, samples, grid, params, trace, context);
   report.isovalue = surface.isovalue;
   report.refine = summary_of(surface);
   details->refine = std::move(surface.refine);
