@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -42,6 +43,19 @@ DistanceField surface_of_level(const LevelSamples& level, int l, const LevelTask
   if (labels.grid.size() == 0) return {};
   FitReport report;
   return refine(std::move(labels), fitted, grid.density, refine_setup(grid, task.params, task.robust), context, report);
+}
+
+/// Of a place in the finest level, whose vertex I has those from I - 1/2 to I + 1/2.
+int level_at(const Regions& regions, Vec3d place) {
+  Vec3i brick;
+  for (int axis = 0; axis < 3; ++axis) brick[axis] = static_cast<int>(std::floor((place[axis] + 0.5) / brick_side));
+  int level = 0;
+  for (; level < regions.coarsest() && !regions.has(level, brick); ++level) brick = parent_of(brick);
+  return level;
+}
+
+bool has_column(const std::vector<Column>& columns, const std::string& name) {
+  return std::any_of(columns.begin(), columns.end(), [&](const Column& column) { return column.name == name; });
 }
 
 }  // namespace
@@ -115,9 +129,7 @@ Mesh triangles_of(AdaptedSurface& surface, Surface& finest, const Lattice& latti
 
 void add_spacing(SampleAttributes& attributes, const std::vector<float>& spacings, double voxel) {
   const std::string name = "spacing";
-  if (std::any_of(attributes.columns.begin(), attributes.columns.end(),
-                  [&](const Column& column) { return column.name == name; }))
-    return;
+  if (has_column(attributes.columns, name)) return;
   std::vector<float> values;
   values.reserve(spacings.size());
   for (const float spacing : spacings)
@@ -127,19 +139,13 @@ void add_spacing(SampleAttributes& attributes, const std::vector<float>& spacing
 }
 
 void carry_levels(const Regions& regions, const Lattice& lattice, const Context& context, Mesh& mesh) {
+  const std::string name = "level";
+  if (has_column(mesh.attributes, name)) return;
   std::vector<float> levels(mesh.vertices.size());
   parallel_for(context, levels.size(), size_t{1} << 14, [&](size_t v) {
-    const Vec3d place =
-        lattice.to_lattice(mesh.vertices[v]) + Vec3d{0.5, 0.5, 0.5};  // vertex I has the cell I to I + 1
-    const Vec3i brick{static_cast<int>(std::floor(place.x / brick_side)),
-                      static_cast<int>(std::floor(place.y / brick_side)),
-                      static_cast<int>(std::floor(place.z / brick_side))};
-    int level = 0;
-    while (level < regions.coarsest() && !regions.has(level, {brick.x >> level, brick.y >> level, brick.z >> level}))
-      ++level;
-    levels[v] = static_cast<float>(level);
+    levels[v] = static_cast<float>(level_at(regions, lattice.to_lattice(mesh.vertices[v])));
   });
-  mesh.attributes.push_back({"level", std::move(levels), true});
+  mesh.attributes.push_back({name, std::move(levels), true});
 }
 
 void announce_levels(const ReportDetails& details, Trace& trace) {

@@ -49,7 +49,8 @@ Mesh triangles_of(AdaptedSurface& adapted, Surface& finest, const Lattice& latti
 /// unknown. Nothing where the cloud has a column of that name.
 void add_spacing(SampleAttributes& attributes, const std::vector<float>& spacings, double voxel);
 
-/// Which level each vertex lies in, as the attribute "level": its voxel is 2^level of the finest ones.
+/// Which level each vertex lies in, as the attribute "level": its voxel is 2^level of the finest ones. Nothing where
+/// the mesh has an attribute of that name.
 void carry_levels(const Regions& regions, const Lattice& lattice, const Context& context, Mesh& mesh);
 
 /// Says which levels there are.
