@@ -122,9 +122,10 @@ uint64_t level_samples_bytes(const ReconstructParams& params, const PointCloud& 
 uint64_t plan_placing(const PointCloud& cloud) {
   // While the cloud exists also the direction as found and the original index of sorted samples.
   const uint64_t sorted_bytes = kept_bytes(cloud) + sizeof(uint32_t) * cloud.size();
-  // The surface around each: area, spacing, normal; with it either the cells that found it or the sorted samples.
-  const uint64_t around_bytes = (2 * sizeof(float) + sizeof(Vec3f)) * cloud.size();
-  const uint64_t cells_bytes = (3 * sizeof(uint64_t) + 3 * sizeof(uint8_t)) * cloud.size();
+  // The surface around each: area, spacing, normal, and one number more; with it either the order of the samples and
+  // the cells of two depths that found it, measured, or the sorted samples.
+  constexpr uint64_t around_each = 3 * sizeof(float) + sizeof(Vec3f), cells_each = 63;
+  const uint64_t around_bytes = around_each * cloud.size(), cells_bytes = cells_each * cloud.size();
   return base_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + around_bytes +
          std::max(sorted_bytes, cells_bytes);
 }
