@@ -113,7 +113,6 @@ TEST(Bend, NoiseIsNotFollowed) {  // it was: errors two to three times as large
   }
 }
 
-// Without a search for them 27, 68 and 40 pairs meet.
 /// The faces of a cube, with noise of a twentieth of a voxel: what is missed at its edges says nothing of its faces.
 TEST(Bend, NoiseOfFlatPlacesIsNotFollowedBesideSharpEdges) {
   Random random(1);
@@ -147,6 +146,7 @@ TEST(Bend, NoiseOfFlatPlacesIsNotFollowedBesideSharpEdges) {
   EXPECT_LT(sum / areas * 180 / std::numbers::pi, 0.9);  // 1.1 where one share served the whole surface
 }
 
+// Without a search for them 27, 68 and 40 pairs meet.
 TEST(Bend, LeavesNoTrianglesThatMeetSlow) {
   const Disturbance normals{.viewing = false}, outliers{.viewing = false, .outliers = 0.1};
   for (const auto& [shape, disturbance] : {std::pair{"part", normals}, {"part", outliers}, {"plate", outliers}}) {

@@ -177,13 +177,14 @@ std::vector<float> Residuals::shares_of_surface(const Context& context) const {
     }
   });
   const PairSums all = ordered_sum(bricks_, parts);
+  const PairSums prior = all.scaled(all.pairs > 0 ? few_pairs / all.pairs : 0);
+  const double most = all.share_of_surface();
   std::vector<float> shares(bricks_.size());
   parallel_for(context, bricks_.size(), 256, [&](size_t b) {
-    PairSums sums = all.scaled(all.pairs > 0 ? few_pairs / all.pairs : 0);
+    PairSums sums = prior;
     for (const int32_t n : bricks_.neighbors(b))
       if (n >= 0) sums += parts[static_cast<size_t>(n)];
-    shares[b] =
-        static_cast<float>(std::clamp(std::min(sums.share_of_surface(), all.share_of_surface()) / enough, 0.0, 1.0));
+    shares[b] = static_cast<float>(std::clamp(std::min(sums.share_of_surface(), most) / enough, 0.0, 1.0));
   });
   return shares;
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/remesh/landmarks.h"
@@ -17,8 +18,8 @@ namespace soapfilm {
 class Edit {
  public:
   /// `distance`: the most that a change may take the surface away from a vertex that it removes.
-  Edit(WorkingMesh& now, ThinPlaces& thin, double distance, const Landmarks& landmarks)
-      : now_(now), thin_(thin), distance_(distance), landmarks_(landmarks) {}
+  Edit(WorkingMesh& now, ThinPlaces& thin, double distance, Landmarks landmarks)
+      : now_(now), thin_(thin), distance_(distance), landmarks_(std::move(landmarks)) {}
 
   /// At the middle of the edge, or of its stretch of the chain.
   bool split(uint32_t h);

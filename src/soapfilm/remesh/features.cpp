@@ -287,11 +287,11 @@ Features find_features(const Connectivity& mesh, const std::vector<Vec3d>& posit
     if (!changed) break;
     paths.clear();
   }
-  if (paths.empty()) paths = PathFinder(FeatureGraph(mesh, marked, position.size()), marked.size()).all();
+  const FeatureGraph graph(mesh, marked, position.size());
+  if (paths.empty()) paths = PathFinder(graph, marked.size()).all();
   Features features{{}, std::vector<uint32_t>(marked.size(), none), std::vector<uint8_t>(position.size()), {}};
   const std::vector<Vec3d> sharp = sharpened_vertices(mesh, position, sides, paths);
   ChainMaker maker(mesh, sharp, features);
-  const FeatureGraph graph(mesh, marked, position.size());
   const ShortCuts short_cuts(mesh, sharp, graph, edge);
   for (Path& path : paths) {
     short_cuts.take(path);

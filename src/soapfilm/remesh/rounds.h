@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/context.h"
@@ -16,9 +17,9 @@ class Rounds {
  public:
   /// `distance`: local frame; the most that one change may take the surface away. `landmarks`: what all of them
   /// together must stay near.
-  Rounds(WorkingMesh& now, const FaceGrid& grid, ThinPlaces& thin, double distance, const Landmarks& landmarks,
+  Rounds(WorkingMesh& now, const FaceGrid& grid, ThinPlaces& thin, double distance, Landmarks landmarks,
          const Context& context)
-      : now_(now), grid_(grid), thin_(thin), edit_(now, thin, distance, landmarks), context_(context) {}
+      : now_(now), grid_(grid), thin_(thin), edit_(now, thin, distance, std::move(landmarks)), context_(context) {}
 
   /// From the original to edges of about the length that is wanted.
   void begin();

@@ -12,6 +12,7 @@
 #include "soapfilm/adapt/agreement.h"
 #include "soapfilm/adapt/leaf_field.h"
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/extract/leaf_surface.h"
 #include "soapfilm/field/terms.h"
@@ -124,6 +125,7 @@ Mesh triangles_of(AdaptedSurface& surface, Surface& finest, const Lattice& latti
   of_places.grid = std::move(leaves.grids.front());
   of_places.value = std::move(leaves.distances.front());
   finest.field = std::move(of_places);
+  release(surface.levels);
   return mesh;
 }
 

@@ -40,8 +40,8 @@ struct LevelTask {
 /// from all samples.
 AdaptedSurface find_coarser_surfaces(LevelSamples samples, const LevelTask& task, const Context& context);
 
-/// The surfaces as one mesh, that of the finest level among them; what that has in other levels' places is dropped.
-/// Says in `details` how many leaves each level has. Throws EmptyResult.
+/// The surfaces as one mesh, that of the finest level among them; what that has in other levels' places is dropped, and
+/// the coarser ones are used up. Says in `details` how many leaves each level has. Throws EmptyResult.
 Mesh triangles_of(AdaptedSurface& adapted, Surface& finest, const Lattice& lattice, double lambda,
                   ReportDetails& details, const Context& context);
 
