@@ -50,7 +50,8 @@ struct PlaceParams {
   /// Input units and frame: tiles of 256^3 cells lie there and whole numbers of tiles from there, whatever the samples,
   /// and vertices at whole numbers of voxels. Needs `voxel`.
   std::optional<Vec3d> anchor;
-  /// Coarser levels, of 2, 4, ... voxels, where samples are more than two voxels apart. Of `tv` with refinement only.
+  /// Voxels of 1/4, 1/2, 2, 4, ... of the chosen one where samples are dense or sparse, or of 1, 2, 4, ... of a given
+  /// one. Of `tv` with refinement only.
   bool adapt = false;
 };
 

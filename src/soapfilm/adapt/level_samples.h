@@ -1,10 +1,11 @@
-// The samples on a coarser level of the lattice.
+// The samples on other levels of the lattice than their own.
 #pragma once
 
 #include <vector>
 
 #include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
+#include "soapfilm/grid/brick_mask.h"
 
 namespace soapfilm {
 
@@ -12,11 +13,13 @@ namespace soapfilm {
 struct LevelSamples {
   GridSamples samples;
   std::vector<Vec3f> views;    ///< directions for the fit, where they differ from the samples'; else empty
-  std::vector<float> spacing;  ///< of different samples around each one (LocalSurface), in voxels of the finest level;
+  std::vector<float> spacing;  ///< of different samples around each one (LocalSurface), in voxels of the placed level;
                                ///< 0: unknown
 };
 
 /// The same samples on the next coarser level, whose vertex I lies between the vertices 2I and 2I + 1 along each axis.
 LevelSamples on_next_level(const LevelSamples& fine, Vec3i coarse_bricks, const Context& context);
+/// The samples in some bricks, on the next finer level.
+LevelSamples on_finer_level(const LevelSamples& coarse, const BrickMask& in, Vec3i fine_bricks, const Context& context);
 
 }  // namespace soapfilm

@@ -28,7 +28,7 @@ double even_spacing(std::span<const Vec3f> places) {
   return std::sqrt(std::max({size.x * size.y, size.y * size.z, size.z * size.x}) / n);
 }
 
-/// The bricks of a level, with voxels of this size in those of the finest level, that have finer ones: those that ask
+/// The bricks of a level, with voxels of this size in those of the placed level, that have finer ones: those that ask
 /// for them, and around these others where samples are not much too sparse. False where these are all bricks.
 bool find_finer(const LevelSamples& level, double voxel, const Context& context, BrickMask& finer, BrickMask& asked) {
   constexpr double much = 1.2;
@@ -105,11 +105,28 @@ void Regions::give_back(int level, const std::vector<Vec3i>& bricks) {
   }
 }
 
+BrickMask with_neighbors(const BrickMask& bricks) {
+  BrickMask wide = bricks;
+  bricks.for_each([&](Vec3i b) {
+    for (int slot = 0; slot < 27; ++slot)
+      if (const Vec3i n = b + slot_offset(slot); wide.contains(n)) wide.set(n);
+  });
+  return wide;
+}
+
 Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context) {
-  std::vector<BrickMask> finer, asked;
+  const auto placed = static_cast<size_t>(lattice.added);
+  std::vector<BrickMask> finer(placed), asked(placed);
   LevelSamples level;
+  for (size_t l = placed; l > 0; --l) {
+    const Vec3i box = lattice.box(static_cast<int>(l)).bricks;
+    finer[l - 1] = asked[l - 1] = BrickMask(box);
+    if (l < placed) level = on_finer_level(l + 1 == placed ? samples : level, finer[l], box, context);
+    find_finer(l == placed ? samples : level, std::ldexp(1.0, static_cast<int>(l) - lattice.added), context,
+               finer[l - 1], asked[l - 1]);
+  }
   for (int l = 1; l <= levels; ++l) {
-    const Vec3i box = lattice.box(l).bricks;
+    const Vec3i box = lattice.box(lattice.added + l).bricks;
     level = on_next_level(l == 1 ? samples : level, box, context);
     BrickMask of_level(box), must(box);
     if (!find_finer(level, std::ldexp(1.0, l), context, of_level, must)) break;  // no sample has this level

@@ -35,6 +35,13 @@ class Regions {
   bool has(int level, Vec3i brick) const {
     return !is_finer(level, brick) && (level == coarsest() || is_finer(level + 1, parent_of(brick)));
   }
+  /// The same places without the finest levels: those that have one have this level, which becomes level 0.
+  Regions from(int level) const {
+    const auto rest = [level](const std::vector<BrickMask>& masks) {
+      return std::vector<BrickMask>(masks.begin() + level, masks.end());
+    };
+    return {rest(finer_), rest(asked_)};
+  }
   /// The same places, those of coarser levels with this one.
   Regions up_to(int level) const {
     const auto first = [level](const std::vector<BrickMask>& masks) {
@@ -55,14 +62,18 @@ class Regions {
   std::vector<BrickMask> finer_, asked_;
 };
 
-/// Whether on a quarter of the area in a brick of a level the spacing is at most `most`, in voxels of the finest level,
+/// Whether on a quarter of the area in a brick of a level the spacing is at most `most`, in voxels of the placed level,
 /// of which the level's are `voxel`. Where it is unknown, as in a tree or where samples are few, they are taken as
 /// even.
 bool are_within(const LevelSamples& level, size_t brick, double voxel, double most);
 
+/// Bricks and those around them.
+BrickMask with_neighbors(const BrickMask& bricks);
+
 /// By the samples' spacing: level l - 1 has the bricks of level l where on a quarter of the area the spacing is at most
 /// most_spacing voxels of level l - 1; then of their neighbors those without samples, and those where it is at most
-/// twice as large; then what the balance asks for. `levels` at most.
+/// twice as large; then what the balance asks for. `samples` are on the placed level, which is level lattice.added;
+/// `levels` at most are coarser.
 Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context);
 
 }  // namespace soapfilm

@@ -47,6 +47,19 @@ size_t count_vertices(const BrickRange& range) {
   return static_cast<size_t>(std::min(most, brick_volume * range.count()));
 }
 
+size_t GapSides::count(const BrickGrid& grid) const {
+  if (by_brick_) {
+    size_t bricks = 0;
+    by_brick_->for_each([&](Vec3i b) { bricks += grid.find(b) == outside_band; });
+    return bricks * brick_volume;
+  }
+  const Gaps gaps(grid);
+  size_t vertices = 0;
+  for (size_t g = 0; g < gaps.size(); ++g)
+    if (inside_[g] != 0) vertices += count_vertices(gaps[g]);
+  return vertices;
+}
+
 double shared_faces(const BrickRange& a, const BrickRange& b) {
   double faces = 1;
   int apart = 0;

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/brick_mask.h"
 #include "soapfilm/grid/brick_range.h"
 
 namespace soapfilm {
@@ -52,7 +54,8 @@ double shared_faces(const BrickRange& a, const BrickRange& b);
 /// Those of a range at the ends of the box that holds it.
 double faces_at_end(const BrickRange& range, const BrickRange& box);
 
-/// For each gap of a grid: whether u = 1 there.
+/// For each gap of a grid: whether u = 1 there. For a grid in some places of its box only (Domain::places), whose gaps
+/// extend beyond these: for each brick.
 class GapSides {
  public:
   GapSides() = default;
@@ -66,16 +69,25 @@ class GapSides {
       if (const BrickRange common = gaps[gap].common(meant); !common.empty()) set(gap, is_inside(common.lo));
   }
 
+  /// By brick: these are inside, all others outside.
+  explicit GapSides(BrickMask inside) : by_brick_(std::make_shared<const BrickMask>(std::move(inside))) {}
+
+  bool are_by_brick() const { return by_brick_ != nullptr; }
+  /// Not where they are by brick.
   bool operator[](size_t gap) const { return inside_[gap] != 0; }
   void set(size_t gap, bool inside) { inside_[gap] = inside; }
   /// Of a brick that is not in their grid; false beyond its box.
   bool test(const BrickGrid& grid, int32_t slot, Vec3i brick) const {
-    return slot == outside_band && inside_[grid.gap(brick)] != 0;
+    if (slot != outside_band) return false;
+    return by_brick_ ? by_brick_->contains(brick) && by_brick_->test(brick) : inside_[grid.gap(brick)] != 0;
   }
   bool test(const BrickGrid& grid, Vec3i brick) const { return test(grid, grid.find(brick), brick); }
+  /// The vertices that are inside, as count_vertices() counts.
+  size_t count(const BrickGrid& grid) const;
 
  private:
   std::vector<uint8_t> inside_;
+  std::shared_ptr<const BrickMask> by_brick_;  ///< null: by gap
 };
 
 template <class Visit>

@@ -64,6 +64,16 @@ void move_to(Vec3d anchor, Lattice& lattice) {
 }  // namespace
 
 LevelBox Lattice::box(int level) const {
+  if (added > 0) {
+    LevelBox box = of_level(added).box(std::max(0, level - added));
+    box.level = level;
+    if (const int finer = 1 << std::max(0, added - level); finer > 1) {
+      box.free_lo = box.free_lo * finer;
+      box.free_hi = (box.free_hi + Vec3i{1, 1, 1}) * finer - Vec3i{1, 1, 1};
+      box.bricks = box.bricks * finer;
+    }
+    return box;
+  }
   LevelBox box;
   box.level = level;
   box.open = open;
@@ -91,6 +101,7 @@ Lattice Lattice::of_level(int level) const {
   const int cell = 1 << level;
   Lattice coarse = *this;
   coarse.levels = levels - level;
+  coarse.added = std::max(0, added - level);
   coarse.voxel = voxel * cell;
   for (int axis = 0; axis < 3; ++axis) coarse.below[axis] = below[axis] >> level;
   // Vertex I is the center of the fine vertices cell * I to cell * I + cell - 1.
@@ -101,6 +112,20 @@ Lattice Lattice::of_level(int level) const {
     coarse.size[axis] = (more + size[axis] + cell - 1) / cell;
   }
   return coarse;
+}
+
+Lattice Lattice::refined(int more) const {
+  const int cell = 1 << more;
+  Lattice fine = *this;
+  fine.added = added + more;
+  fine.levels = levels + more;
+  fine.voxel = voxel / cell;
+  fine.below = below * cell;
+  fine.size = size * cell;
+  // Its vertex margin() lies so far below the center of those that are this lattice's vertex margin().
+  const double below_center = 0.5 * (cell - 1) / cell;
+  fine.first_vertex = to_world(Vec3d(margin()) - Vec3d{below_center, below_center, below_center});
+  return fine;
 }
 
 Lattice place_lattice(const Box3d& samples, double voxel, int padding, int levels, const std::optional<Vec3d>& anchor) {

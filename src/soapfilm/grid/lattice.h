@@ -46,7 +46,8 @@ inline constexpr int same_border_levels = 3;
 /// With a surface that may end at the border (`open`) the free vertices extend to the ends of whole cells of level 3,
 /// so that the levels from there down have the same border; coarser ones have whole cells around it.
 struct Lattice : GridFacts {
-  Vec3i below;  ///< what the margin has in addition to 2^(levels - 1), along the lattice's axes
+  Vec3i below;    ///< what the margin has in addition to 2^(levels - 1), along the lattice's axes
+  int added = 0;  ///< levels that refined() has added below the placed one: its border is theirs
 
   /// Components of a vector along the lattice's axes, from those along the world's; and back.
   template <class T>
@@ -69,6 +70,9 @@ struct Lattice : GridFacts {
   /// A lattice for one level, for example to draw it: its vertices have the same lattice coordinates as in box(level),
   /// and the same positions in the world.
   Lattice of_level(int level) const;
+  /// With so many finer levels below this one, which becomes level `added` of it, with the same box: its vertices are
+  /// the centers of 2^added finer ones along each axis.
+  Lattice refined(int added) const;
 };
 
 /// Places a grid of the given voxel around the samples' box: N_k = ceil(L_k / voxel) + 2 padding, the first vertex

@@ -129,6 +129,33 @@ std::string about_clusters(const ThinnedSampling& thinned, double voxel, bool is
 /// Coarse levels that may have a surface need coarser ones of their own.
 constexpr int levels_to_adapt = 3, most_levels = 12;
 
+/// The spacing, input units, below which the samples of so much of the area are; 0: unknown.
+double dense_spacing(const std::vector<float>& spacings, double share) {
+  std::vector<float> known;
+  for (const float s : spacings)
+    if (s > 0) known.push_back(s);
+  std::sort(known.begin(), known.end());
+  double area = 0, all = 0;
+  for (const float s : known) all += static_cast<double>(s) * s;
+  for (const float s : known)
+    if ((area += static_cast<double>(s) * s) >= share * all) return s;
+  return 0;
+}
+
+/// Levels below a voxel, as many as dense samples and their noise allow: the finest voxel is about their spacing.
+int levels_below(double voxel, const LocalSurface& surface, double noise) {
+  constexpr double dense_share = 0.05;  // of the area
+  constexpr int most = 2;               // at each more level the finest voxels are four times as many
+  const double spacing = std::max(dense_spacing(surface.spacing, dense_share), default_voxel_over_noise * noise);
+  return spacing > 0 ? std::clamp(static_cast<int>(std::lround(std::log2(voxel / spacing))), 0, most) : 0;
+}
+
+/// Levels that a voxel as given has below the one that would be chosen.
+int levels_below(double voxel, double chosen) {
+  constexpr int most = 6;
+  return std::clamp(static_cast<int>(std::lround(std::log2(chosen / voxel))), 0, most);
+}
+
 }  // namespace
 
 Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, const PlaceParams& params, bool by_area,
@@ -151,7 +178,12 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, con
     grid.default_voxel = by_noise;
     grid.voxel_by_noise = !is_given;
   }
-  const double voxel = is_given ? voxel_as_given(params, box) : grid.default_voxel;
+  double voxel = is_given ? voxel_as_given(params, box) : grid.default_voxel;
+  if (params.adapt && !params.anchor) {
+    grid.finer =
+        is_given ? levels_below(voxel, grid.default_voxel) : levels_below(voxel, surface, grid.noise);
+    if (is_given) voxel = std::ldexp(voxel, grid.finer);
+  }
   try {
     grid.lattice = place_lattice(box, voxel, params.padding, params.levels, params.anchor);
     if (const int levels = grid.lattice.levels + levels_to_adapt; params.adapt && params.levels == 0)

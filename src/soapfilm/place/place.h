@@ -26,6 +26,8 @@ struct Grid {
   double noise = 0;             ///< of the samples, standard deviation, input units; 0: unknown
   double default_voxel = 0;     ///< whatever was asked for, input units
   bool voxel_by_noise = false;  ///< not by the samples' spacing
+  int finer = 0;                ///< levels that may follow below the lattice, where samples are dense: of 1/2, 1/4, ...
+                                ///< voxel
   bool ends = false;            ///< the surface ends where it was not seen: BorderReport, once it is known
   std::vector<float> weights;   ///< of each sample, where clusters of samples hid the spacing; else empty
   std::vector<std::string> warnings;

@@ -185,6 +185,18 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
   return band;
 }
 
+BrickMask choose_band_in(const BrickMask& places, const Level& coarse, const LevelBox& box, const SupportField& support,
+                         const Context& context) {
+  const BrickMask near = interface_children(coarse, interfaces(coarse, context), box.bricks, context);
+  BrickMask band(box.bricks);
+  near.for_each([&](Vec3i b) {
+    if (places.test(b)) band.set(b);
+  });
+  for (size_t b = 0; b < support.grid.size(); ++b)
+    if (const Vec3i at = support.grid.coord(b); places.test(at) && coarse.grid.find(parent_of(at)) >= 0) band.set(at);
+  return band;
+}
+
 BrickMask growth(const Level& level, const BrickGrid* coarse, const Context& context) {
   BrickMask grown(level.box.bricks);
   parallel_for(context, level.grid.size(), 64, [&](size_t b) {
@@ -196,7 +208,7 @@ BrickMask growth(const Level& level, const BrickGrid* coarse, const Context& con
         const int slot = up ? slot_up[axis] : slot_down[axis];
         if (level.grid.neighbors(b)[static_cast<size_t>(slot)] != outside_band) continue;
         const Vec3i next = level.grid.coord(b) + slot_offset(slot);
-        if (coarse && coarse->find(parent_of(next)) < 0) continue;
+        if (!level.covers(next) || (coarse && coarse->find(parent_of(next)) < 0)) continue;
         if (level.box.open && !has_free(level.box, next)) continue;
         const bool outside_is_inside = level.inside.test(level.grid, outside_band, next);
         const auto [first, second] = strides_across(axis);

@@ -23,9 +23,12 @@ BrickMask start_bricks(const LevelBox& box, const BrickGrid& support, double mos
 /// already fits their data, as long as this adds no more than `allowed` to the gap.
 BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportField& support, double allowed,
                       const Context& context);
+/// The same for a level that covers only these places: of its data the bricks whose parents the coarse level has.
+BrickMask choose_band_in(const BrickMask& places, const Level& coarse, const LevelBox& box, const SupportField& support,
+                         const Context& context);
 
 /// The bricks just outside the band that its interface has reached (rounded u differs across the band boundary) and
-/// whose parent is in the coarse band, if there is one: where the band must grow.
+/// whose parent is in the coarse band, if there is one: where the band must grow. None that the level does not cover.
 BrickMask growth(const Level& level, const BrickGrid* coarse, const Context& context);
 
 /// `band` and its neighboring bricks whose parents are in the coarse band: for a band that does not converge. A band

@@ -170,22 +170,43 @@ void supply_pages(Level& fine, int coarse_z) {
   fine.p.supply_pages(begin, end);
 }
 
+/// Of the bricks that a level covers and its grid lacks those on the inside.
+GapSides sides_in_places(const Level& coarse, const Level& fine) {
+  BrickMask inside(fine.box.bricks);
+  fine.places->for_each([&](Vec3i child) {
+    if (fine.grid.find(child) >= 0 || !has_free(fine.box, child)) return;
+    const Vec3i parent = parent_of(child);
+    const int32_t slot = coarse.grid.find(parent);
+    if (slot >= 0 ? inside_child(coarse, static_cast<size_t>(slot), octant_in_parent(child))
+                  : coarse.is_inside(slot, parent))
+      inside.set(child);
+  });
+  return GapSides(std::move(inside));
+}
+
 /// By slices of coarse bricks; used(z) is called when nothing of the coarse level below layer z is read any
 /// more, and of the previous level no child of layer z.
 template <class Used>
 Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                     const Context& context, const Level* previous, Used&& used) {
+                     const Context& context, const Level* previous, Used&& used,
+                     std::shared_ptr<const BrickMask> places = {}) {
   Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, context, coarse.norm);
-  std::vector<LeftOut> left_out(coarse.grid.size());
-  const Device* device = device_of(context);
+  fine.places = std::move(places);
+  std::vector<LeftOut> left_out(fine.places ? 0 : coarse.grid.size());
+  const Device* device = fine.places ? nullptr : device_of(context);
   const bool prolonged = device && device->prolong_state(coarse, previous, fine, context);
   for (const BrickGrid::Slice& slice : coarse.grid.slices()) {
     supply_pages(fine, slice.z);
     parallel_for(context, slice.end - slice.begin, 16, [&, first = slice.begin](size_t i) {
       if (!prolonged) prolong_children(coarse, first + i, fine, previous);
-      left_out[first + i] = left_out_children(coarse, first + i, fine, support);
+      if (!fine.places) left_out[first + i] = left_out_children(coarse, first + i, fine, support);
     });
     used(slice.z);
+  }
+  if (box.open && box.level >= same_border_levels) cut_off_flux(fine, context);
+  if (fine.places) {
+    fine.inside = sides_in_places(coarse, fine);
+    return fine;
   }
   fine.inside = GapSides(fine.grid, bricks_with_free(box), [&](Vec3i child) {
     const Vec3i parent = parent_of(child);
@@ -194,7 +215,6 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
     const Vec3i octant = octant_in_parent(child);
     return (left_out[static_cast<size_t>(slot)].inside >> (octant.x + 2 * octant.y + 4 * octant.z) & 1) != 0;
   });
-  if (box.open && box.level >= same_border_levels) cut_off_flux(fine, context);
   fine.outside = coarse.outside;
   TileSums<OutsideTerms> outside;
   for (size_t b = 0; b < coarse.grid.size(); ++b)
@@ -214,6 +234,17 @@ Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& b
                     const Context& context, Level&& previous) {
   return prolong_layers(coarse, box, band, support, context, &previous,
                         [&](int z) { give_back_below(previous, 2 * z + 2); });
+}
+
+Level prolong_in_places(const Level& coarse, const LevelBox& box, const BrickMask& band,
+                        std::shared_ptr<const BrickMask> places, const SupportField& support, const Context& context,
+                        Level* previous) {
+  return prolong_layers(
+      coarse, box, band, support, context, previous,
+      [&](int z) {
+        if (previous) give_back_below(*previous, 2 * z + 2);
+      },
+      std::move(places));
 }
 
 Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,

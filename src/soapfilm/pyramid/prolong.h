@@ -1,6 +1,8 @@
 // From a solved level to the next finer one. Fine vertex x lies in coarse vertex x >> 1 (a cell of 2 x 2 x 2).
 #pragma once
 
+#include <memory>
+
 #include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/solve/level.h"
@@ -21,6 +23,12 @@ Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& b
 /// freed as they are copied.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context, Level&& previous);
+/// A level in some places of its box only: these bricks, the children of bricks that the coarse level covers. `band`
+/// holds only such bricks, `previous` may be null. Beyond its places the level has no energy: where they end p keeps
+/// the coarse level's flux, so that what lies there stays a part of one feasible dual.
+Level prolong_in_places(const Level& coarse, const LevelBox& box, const BrickMask& band,
+                        std::shared_ptr<const BrickMask> places, const SupportField& support, const Context& context,
+                        Level* previous);
 /// The same without `previous`, but u and p of `coarse` are freed as they are used: afterwards only its grid may be
 /// used.
 Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,

@@ -157,7 +157,7 @@ Refinement::Refinement(Labels labels, const GridSamples& samples, double density
       sparse_(density > 0 && density < params.sparse),
       report_(report) {
   validate(params);
-  start_ = start_from(labels, params.reach, context);
+  start_ = start_from(labels, params.reach, context, params.where);
   report.spacing = 1;
   if (params.holes == HoleFill::smooth && !sparse_) fill_holes(labels);
   signs_.emplace(signs_of(labels, start_, context));

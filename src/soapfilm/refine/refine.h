@@ -23,6 +23,9 @@ struct RefineSetup : RefineParams {
   bool vanish = true;  ///< components and cavities of at most 64 vertices that the fit shrinks to their last one are
                        ///< removed: no surface fits their samples
   bool open = false;   ///< may the surface end at the border of the box? If so, holes do not bulge beyond it
+  /// The bricks in which the surface moves; null: all. If not, the labels must hold those around them, and holes are
+  /// flat.
+  const BrickMask* where = nullptr;
 };
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.

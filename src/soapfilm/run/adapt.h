@@ -1,5 +1,6 @@
-// Levels that adapt: where samples are sparse the surface is that of a coarser level. The rooms are adapt/ and, for the
-// triangles, extract/leaf_surface.h.
+// Levels that adapt: where samples are sparse the surface is that of a coarser level than the placed one, the grid's,
+// and where they are dense that of a finer one. The rooms are adapt/, pyramid/solve_in_places.h and, for the triangles,
+// extract/leaf_surface.h.
 #pragma once
 
 #include <vector>
@@ -19,31 +20,43 @@ namespace soapfilm {
 std::vector<float> sort_spacings(const LocalSurface& surface, const GridSamples& samples, const Grid& grid,
                                  const ReconstructParams& params, const Context& context);
 
-/// The samples with the directions of the solve and, where those differ, of the fit, which `samples` has by now.
-LevelSamples level_samples(const GridSamples& samples, const std::vector<Vec3f>& of_solve, std::vector<float> spacings);
-
 /// Which level each place has, and each level's surface.
 struct AdaptedSurface {
-  Regions regions;
-  std::vector<DistanceField> levels;  ///< the finest first; none: the same level everywhere
+  Lattice lattice;                     ///< of the finest level; the placed one is its level `lattice.added`
+  Regions regions;                     ///< all places have the placed level: levels do not adapt
+  std::vector<DistanceField> levels;   ///< the finest first
+  std::vector<GridSamples> in_places;  ///< of the levels below the placed one, with the directions of the fit
 };
 
-/// The problem of a level.
+/// What all levels have from the placed one.
 struct LevelTask {
-  const Grid& grid;  ///< of the finest level
-  double lambda;     ///< of the finest level
+  const Grid& grid;
+  double lambda;
   const ReconstructParams& params;
   const RobustParams& robust;
 };
 
-/// The regions, by the samples' spacing, and the surfaces of the coarser levels: each found as that of the finest one,
-/// from all samples.
-AdaptedSurface find_coarser_surfaces(LevelSamples samples, const LevelTask& task, const Context& context);
+/// The levels below the placed one, `level`, where `samples` are dense: solved from it, the next finer one from each
+/// level, and each moved onto its samples. Call before the level is freed; directions are those of the solve. Which
+/// levels other places have is found, too.
+AdaptedSurface find_finer_surfaces(const LevelSamples& samples, const Level& level, const LevelTask& task,
+                                   const Context& context);
 
-/// The surfaces as one mesh, that of the finest level among them; what that has in other levels' places is dropped, and
-/// the coarser ones are used up. Says in `details` how many leaves each level has. Throws EmptyResult.
-Mesh triangles_of(AdaptedSurface& adapted, Surface& finest, const Lattice& lattice, double lambda,
-                  ReportDetails& details, const Context& context);
+/// The surfaces of the coarser levels, each found as that of the placed one, from all samples: `samples` with the
+/// directions of the fit, those of the solve where they differ. None if the placed level is everywhere.
+void find_coarser_surfaces(const GridSamples& samples, const std::vector<Vec3f>& of_solve,
+                           std::vector<float> spacings, const LevelTask& task, const Context& context,
+                           AdaptedSurface& adapted);
+
+/// The surfaces as one mesh, that of the placed level among them; what levels have in others' places is dropped. Only
+/// the finer levels' are kept. Says in `details` how many leaves each level has. Throws EmptyResult.
+Mesh triangles_of(AdaptedSurface& adapted, Surface& placed, const Grid& grid, double lambda, ReportDetails& details,
+                  const Context& context);
+
+/// relax() of the placed level's triangles, and then of the finer levels'.
+std::optional<RelaxReport> relax(Mesh& mesh, const Surface& surface, const GridSamples& samples,
+                                 const AdaptedSurface& adapted, const Grid& grid, const ReconstructParams& params,
+                                 Trace& trace, const Context& context);
 
 /// The samples' spacing as a column that rides along with them: "spacing", in input units, not a number where it is
 /// unknown. Nothing where the cloud has a column of that name.
@@ -51,9 +64,9 @@ void add_spacing(SampleAttributes& attributes, const std::vector<float>& spacing
 
 /// Which level each vertex lies in, as the attribute "level": its voxel is 2^level of the finest ones. Nothing where
 /// the mesh has an attribute of that name.
-void carry_levels(const Regions& regions, const Lattice& lattice, const Context& context, Mesh& mesh);
+void carry_levels(const AdaptedSurface& adapted, const Context& context, Mesh& mesh);
 
-/// Says which levels there are.
-void announce_levels(const ReportDetails& details, Trace& trace);
+/// Says which levels there are. `finest`: its voxel.
+void announce_levels(const ReportDetails& details, double finest, Trace& trace);
 
 }  // namespace soapfilm

@@ -93,6 +93,14 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     return find_gap(found.level, report.certificate, params, context);
   });
   announce_energy(report.certificate, params, trace);
+
+  // Where samples are dense, the surface of a finer level, from this one's solution.
+  std::optional<AdaptedSurface> adapted;
+  if (!spacings.empty())
+    adapted = trace.stage("finer levels", [&] {
+      return find_finer_surfaces({samples, views, spacings}, found.level,
+                                 {grid, lambda.value, params, experiment.robust}, context);
+    });
   if (params.surface.volume_interval) {
     details->volumes =
         trace.stage("volumes", [&] { return volumes_near(found.level, report.certificate, params, context); });
@@ -121,24 +129,24 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   announce_refinement(surface.refine, memory, params, trace);
 
   // Where samples are sparse, the surface of a coarser level.
-  std::optional<AdaptedSurface> adapted;
-  if (!spacings.empty())
-    adapted = trace.stage("adapt", [&] {
-      return find_coarser_surfaces(level_samples(samples, views, std::move(spacings)),
-                                   {grid, lambda.value, params, experiment.robust}, context);
+  if (adapted)
+    trace.stage("coarser levels", [&] {
+      find_coarser_surfaces(samples, views, std::move(spacings), {grid, lambda.value, params, experiment.robust},
+                            context, *adapted);
     });
 
   // The level set as a manifold mesh, closed but for the border of an open box.
   Mesh mesh = trace.stage("extract", [&] {
-    return adapted ? triangles_of(*adapted, surface, grid.lattice, lambda.value, *details, context)
+    return adapted ? triangles_of(*adapted, surface, grid, lambda.value, *details, context)
                    : triangles_of(surface, grid.lattice, lambda.value, context);
   });
-  if (adapted) announce_levels(*details, trace);
+  if (adapted) announce_levels(*details, adapted->lattice.voxel, trace);
   pages.reset();
 
   // Where the surface is curved, triangles as large as a voxel are too coarse: edges are split, vertices moved. Those
   // of coarser levels stay: their samples are too few to say where to.
-  report.relax = relax(mesh, surface, samples, grid, params, trace, context);
+  report.relax = adapted ? relax(mesh, surface, samples, *adapted, grid, params, trace, context)
+                         : relax(mesh, surface, samples, grid, params, trace, context);
   report.isovalue = surface.isovalue;
   report.refine = summary_of(surface);
   details->refine = std::move(surface.refine);
@@ -152,7 +160,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   warn_inside_out(mesh, border, scanners, params, trace);
 
   carry(attributes, samples, grid.lattice, trace, context, mesh);
-  if (adapted) carry_levels(adapted->regions, grid.lattice, context, mesh);
+  if (adapted) carry_levels(*adapted, context, mesh);
   carry(gap, grid.lattice, trace, context, mesh);
   gap.reset();
   report_border(border, grid.lattice, report, *details);

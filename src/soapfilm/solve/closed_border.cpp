@@ -24,14 +24,24 @@ void for_each_at_border(const BrickRange& free, const BrickRange& range, Visit&&
 Labels closed_at_border(const Labels& labels, const Context& context) {
   BrickMask band(labels.box.bricks);
   add_bricks(labels.grid, band);
-  const Gaps gaps(labels.grid);
   const BrickRange meant = bricks_with_free(labels.box);
-  for (size_t g = 0; g < gaps.size(); ++g)
-    if (labels.inside[g]) for_each_at_border(meant, gaps[g].common(meant), [&](Vec3i brick) { band.set(brick); });
   Labels closed;
   closed.box = labels.box;
-  closed.grid = BrickGrid(band, context);
-  closed.inside = GapSides(closed.grid, meant, [&](Vec3i b) { return labels.inside.test(labels.grid, b); });
+  closed.places = labels.places;
+  if (labels.places) {
+    labels.places->for_each([&](Vec3i b) {
+      const bool ends = meant.contains(b) && !(meant.contains(b - Vec3i{1, 1, 1}) && meant.contains(b + Vec3i{1, 1, 1}));
+      if (ends && labels.inside.test(labels.grid, b)) band.set(b);
+    });
+    closed.grid = BrickGrid(band, context);
+    closed.inside = labels.inside;
+  } else {
+    const Gaps gaps(labels.grid);
+    for (size_t g = 0; g < gaps.size(); ++g)
+      if (labels.inside[g]) for_each_at_border(meant, gaps[g].common(meant), [&](Vec3i brick) { band.set(brick); });
+    closed.grid = BrickGrid(band, context);
+    closed.inside = GapSides(closed.grid, meant, [&](Vec3i b) { return labels.inside.test(labels.grid, b); });
+  }
   closed.bits.resize(closed.grid.size());
   parallel_for(context, closed.grid.size(), 64, [&](size_t b) {
     const Vec3i brick = closed.grid.coord(b);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 
 #include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/brick_mask.h"
 #include "soapfilm/grid/brick_range.h"
 #include "soapfilm/grid/gaps.h"
 #include "soapfilm/grid/lattice.h"
@@ -44,6 +46,11 @@ struct Domain {
   LevelBox box;
   BrickGrid grid;
   GapSides inside;  ///< for the gaps of the grid: the side of the surface
+  /// The bricks that the domain covers; beyond them is what a coarser level says. Null: all of the box. If not, sides
+  /// are by brick.
+  std::shared_ptr<const BrickMask> places;
+
+  bool covers(Vec3i brick) const { return !places || (places->contains(brick) && places->test(brick)); }
 
   /// The side of a brick that the grid lacks (slot value as BrickGrid::find() gives it). What lies beyond an open
   /// border is on no side, and counts as outside.

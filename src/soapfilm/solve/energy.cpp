@@ -25,6 +25,16 @@ struct Evaluator {
   }
   float u_value(float u) const { return threshold ? (u > *threshold ? 1.0f : 0.0f) : u; }
 
+  /// Beyond the places that the level covers u is as in their last layer: their end has no area.
+  static void go_on_above(int axis, UpperWindow& u) {
+    for (int b = 0; b < brick_side; ++b)
+      for (int a = 0; a < brick_side; ++a) {
+        if (axis == 0) u.at(8, a, b) = u.at(7, a, b);
+        if (axis == 1) u.at(a, 8, b) = u.at(a, 7, b);
+        if (axis == 2) u.at(a, b, 8) = u.at(a, b, 7);
+      }
+  }
+
   /// The upper halo of the brick at `coord`, whose neighbors come from neighbor(slot) (an index or a missing value).
   template <class Neighbor>
   void fill_upper_halo(Vec3i coord, Neighbor&& neighbor, UpperWindow& u) const {
@@ -33,6 +43,10 @@ struct Evaluator {
       Vec3i above = coord;
       ++above[axis];
       const float* values = up >= 0 ? level.u.brick(static_cast<size_t>(up)) : nullptr;
+      if (!values && !level.covers(above)) {
+        go_on_above(axis, u);
+        continue;
+      }
       const float missing = values ? 0.0f : level.missing_u(up, above);
       const auto [first, second] = strides_across(axis);
       for (int b = 0; b < brick_side; ++b)
@@ -107,7 +121,7 @@ struct Evaluator {
       Vec3i above = coord;
       ++above[axis];
       up[axis] = level.grid.find(above);
-      flat = flat && (up[axis] < 0 ? level.missing_u(up[axis], above) == constant
+      flat = flat && (up[axis] < 0 ? !level.covers(above) || level.missing_u(up[axis], above) == constant
                                    : first_layer_is(constant, static_cast<size_t>(up[axis]), axis));
     }
     if (flat) return {};
@@ -149,7 +163,7 @@ std::vector<Vec3i> bricks_below_band(const Level& level, const Context& context)
       if (level.grid.neighbors(b)[static_cast<size_t>(slot_down[axis])] == outside_band) {
         Vec3i coord = level.grid.coord(b);
         --coord[axis];
-        below.set_shared(coord);
+        if (level.covers(coord)) below.set_shared(coord);
       }
   });
   std::vector<Vec3i> bricks;
@@ -159,6 +173,7 @@ std::vector<Vec3i> bricks_below_band(const Level& level, const Context& context)
 
 /// A bound of the variation between gaps of different constant u: 0, unless a band is too narrow.
 double outside_variation(const Level& level) {
+  if (level.places) return 0;
   const Gaps gaps(level.grid);
   const BrickRange box = BrickRange::whole(level.grid.bricks());
   const BrickRange meant = level.box.open ? box.common(bricks_with_free(level.box)) : box;

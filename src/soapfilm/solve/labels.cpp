@@ -47,7 +47,7 @@ BrickBits LabelView::continued(int32_t n, Vec3i brick) const {
 
 BrickBits LabelView::interface(size_t b) const {
   const BrickBits& own = bits_[b];
-  const bool ends = domain_.box.open && at_border(domain_.box, domain_.grid.coord(b));
+  const bool ends = domain_.places || (domain_.box.open && at_border(domain_.box, domain_.grid.coord(b)));
   BrickBits found;
   for (int axis = 0; axis < 3; ++axis)
     for (const int step : {-1, 1}) {
@@ -61,7 +61,11 @@ BrickBits LabelView::interface(size_t b) const {
 }
 
 BrickBits LabelView::joined_to(size_t b, int axis, int step) const {
-  if (!domain_.box.open || !at_border(domain_.box, domain_.grid.coord(b))) return BrickBits::full();
+  const Vec3i beside = domain_.grid.coord(b) + slot_offset(step > 0 ? slot_up[axis] : slot_down[axis]);
+  BrickBits joined = BrickBits::full();
+  if (!domain_.covers(beside) && domain_.grid.find(beside) < 0)
+    joined = moved(moved(joined, axis, step), axis, -step);  // all but the last layer
+  if (!domain_.box.open || !at_border(domain_.box, domain_.grid.coord(b))) return joined;
   BrickBits found;
   for (int i = 0; i < brick_volume; ++i) {
     const Vec3i v = domain_.grid.first_vertex(b) + vertex_in_brick(i);
@@ -69,7 +73,7 @@ BrickBits LabelView::joined_to(size_t b, int axis, int step) const {
     next[axis] += step;
     if (domain_.box.is_free(v) && domain_.box.is_free(next)) found.set(i);
   }
-  return found;
+  return found & joined;
 }
 
 std::vector<BrickBits> LabelView::interfaces(const Context& context) const {

@@ -24,7 +24,7 @@ class LabelView {
   BrickBits interface(size_t b) const;
   std::vector<BrickBits> interfaces(const Context& context) const;  ///< of all bricks
   /// Vertices of brick b whose face to the neighbor along an axis, up (step 1) or down (-1), belongs to the problem:
-  /// all but those at an open border.
+  /// all but those at an open border, or at the end of the places that the domain covers.
   BrickBits joined_to(size_t b, int axis, int step) const;
 
  private:

@@ -18,7 +18,7 @@ double LevelSolver::estimated_gap() {
 }
 
 std::shared_ptr<LevelSolver> level_solver(Level& level, const Context& context) {
-  const Device* device = device_of(context);
+  const Device* device = level.places ? nullptr : device_of(context);
   if (std::shared_ptr<LevelSolver> solver = device ? device->on(level, context) : nullptr) return solver;
   return std::make_shared<Sweeper>(level, context);
 }

@@ -120,9 +120,11 @@ IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const 
   const LabelView view = labels.view();
   IndicatorField field;
   field.grid = std::move(bricks);
-  field.inside = GapSides(field.grid, bricks_with_free(labels.box), [&](Vec3i brick) {
-    return view.continued(labels.grid.find(brick), brick).test(0, 0, 0);  // constant: any vertex
-  });
+  field.inside = labels.inside.are_by_brick()
+                     ? labels.inside
+                     : GapSides(field.grid, bricks_with_free(labels.box), [&](Vec3i brick) {
+                         return view.continued(labels.grid.find(brick), brick).test(0, 0, 0);  // constant: any vertex
+                       });
   field.value = Field<float>(field.grid, pages_of(context));
   parallel_for(context, field.grid.size(), 64, [&](size_t b) {
     std::array<const BrickBits*, 27> around;

@@ -57,10 +57,7 @@ BrickBits SignBits::bits(size_t brick) const {
 size_t SignBits::count() const {
   size_t found = 0;
   for (const uint8_t row : rows_) found += static_cast<size_t>(count_bits(row));
-  const Gaps gaps(*grid_);
-  for (size_t g = 0; g < gaps.size(); ++g)
-    if ((*inside_)[g]) found += count_vertices(gaps[g]);
-  return found;
+  return found + inside_->count(*grid_);
 }
 
 namespace {

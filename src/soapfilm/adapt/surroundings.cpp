@@ -1,0 +1,40 @@
+#include "soapfilm/adapt/surroundings.h"
+
+#include "soapfilm/core/parallel.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// Of a brick: each vertex as the coarse one that holds it.
+BrickBits from_coarse(const Labels& coarse, Vec3i brick) {
+  const BrickBits& parent = coarse.of(parent_of(brick));
+  const Vec3i base = octant_base(octant_in_parent(brick));
+  BrickBits bits;
+  for (int i = 0; i < brick_volume; ++i) {
+    const Vec3i v = vertex_in_brick(i);
+    if (parent.test(base.x + v.x / 2, base.y + v.y / 2, base.z + v.z / 2)) bits.set(i);
+  }
+  return bits;
+}
+
+}  // namespace
+
+Labels with_surroundings(const Labels& fine, const Labels& coarse, const Context& context) {
+  BrickMask mask(fine.box.bricks);
+  add_bricks(fine.grid, mask);
+  for (size_t b = 0; b < fine.grid.size(); ++b)
+    for (int slot = 0; slot < 27; ++slot)
+      if (const Vec3i n = fine.grid.coord(b) + slot_offset(slot); mask.contains(n) && !fine.covers(n)) mask.set(n);
+  Labels all;
+  static_cast<Domain&>(all) = {fine.box, BrickGrid(mask, context), fine.inside, fine.places};
+  all.bits.resize(all.grid.size());
+  parallel_for(context, all.grid.size(), 64, [&](size_t b) {
+    const Vec3i at = all.grid.coord(b);
+    const int32_t own = fine.grid.find(at);
+    all.bits[b] = own >= 0 ? fine.bits[static_cast<size_t>(own)] : from_coarse(coarse, at);
+  });
+  return all;
+}
+
+}  // namespace soapfilm

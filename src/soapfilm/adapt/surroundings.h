@@ -1,0 +1,13 @@
+// What lies around the places of a level.
+#pragma once
+
+#include "soapfilm/context.h"
+#include "soapfilm/solve/labels.h"
+
+namespace soapfilm {
+
+/// The labels of a level in some places, and on the bricks around its own beyond these places those of the next coarser
+/// level: so the surface goes on where the places end.
+Labels with_surroundings(const Labels& fine, const Labels& coarse, const Context& context);
+
+}  // namespace soapfilm
