@@ -30,10 +30,11 @@ double even_spacing(std::span<const Vec3f> places) {
 
 /// The bricks of a level, with voxels of this size in those of the placed level, that have finer ones: those that ask
 /// for them, and around these others where samples are not much too sparse. False where these are all bricks.
-bool find_finer(const LevelSamples& level, double voxel, const Context& context, BrickMask& finer, BrickMask& asked) {
+bool find_finer(const LevelSamples& level, double voxel, double most_apart, const Context& context, BrickMask& finer,
+                BrickMask& asked) {
   constexpr double much = 1.2;
   const BrickGrid& bricks = level.samples.bricks;
-  const double most = most_spacing * voxel / 2;
+  const double most = most_apart * voxel / 2;
   std::vector<uint8_t> asks(bricks.size()), may(bricks.size());
   parallel_for(context, bricks.size(), 64, [&](size_t b) {
     asks[b] = are_within(level, b, voxel, most);
@@ -114,7 +115,8 @@ BrickMask with_neighbors(const BrickMask& bricks) {
   return wide;
 }
 
-Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context) {
+Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, double most_below,
+                     const Context& context) {
   const auto placed = static_cast<size_t>(lattice.added);
   std::vector<BrickMask> finer(placed), asked(placed);
   LevelSamples level;
@@ -122,14 +124,14 @@ Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int le
     const Vec3i box = lattice.box(static_cast<int>(l)).bricks;
     finer[l - 1] = asked[l - 1] = BrickMask(box);
     if (l < placed) level = on_finer_level(l + 1 == placed ? samples : level, finer[l], box, context);
-    find_finer(l == placed ? samples : level, std::ldexp(1.0, static_cast<int>(l) - lattice.added), context,
-               finer[l - 1], asked[l - 1]);
+    find_finer(l == placed ? samples : level, std::ldexp(1.0, static_cast<int>(l) - lattice.added),
+               most_below, context, finer[l - 1], asked[l - 1]);
   }
   for (int l = 1; l <= levels; ++l) {
     const Vec3i box = lattice.box(lattice.added + l).bricks;
     level = on_next_level(l == 1 ? samples : level, box, context);
     BrickMask of_level(box), must(box);
-    if (!find_finer(level, std::ldexp(1.0, l), context, of_level, must)) break;  // no sample has this level
+    if (!find_finer(level, std::ldexp(1.0, l), most_spacing, context, of_level, must)) break;  // no sample has this level
     finer.push_back(std::move(of_level));
     asked.push_back(std::move(must));
   }

@@ -74,6 +74,7 @@ BrickMask with_neighbors(const BrickMask& bricks);
 /// most_spacing voxels of level l - 1; then of their neighbors those without samples, and those where it is at most
 /// twice as large; then what the balance asks for. `samples` are on the placed level, which is level lattice.added;
 /// `levels` at most are coarser.
-Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context);
+Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, double most_below,
+                     const Context& context);
 
 }  // namespace soapfilm

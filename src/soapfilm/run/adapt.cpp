@@ -104,7 +104,8 @@ AdaptedSurface find_finer_surfaces(const LevelSamples& samples, const Level& lev
   AdaptedSurface adapted;
   const int finer = task.grid.finer;
   adapted.lattice = task.grid.lattice.refined(finer);
-  adapted.regions = find_regions(samples, adapted.lattice, task.grid.lattice.levels - least_levels, context);
+  adapted.regions = find_regions(samples, adapted.lattice, task.grid.lattice.levels - least_levels,
+                                 getenv("MOST") ? atof(getenv("MOST")) : 1.0, context);
   adapted.levels.resize(static_cast<size_t>(finer));
   adapted.in_places.resize(static_cast<size_t>(finer));
   Level solved;
@@ -118,8 +119,9 @@ AdaptedSurface find_finer_surfaces(const LevelSamples& samples, const Level& lev
     LevelSamples in_places = samples_in(*places, l + 1 == finer ? samples : coarser, box.bricks, quiet);
     if (in_places.samples.size() == 0) continue;
     const SupportField field = data_field(in_places.samples, box, quiet);
-    LevelReport report;
+    LevelReport& report = adapted.reports.emplace_back();
     solved = solve_in_places(l + 1 == finer ? level : solved, box, places, field, task.params.solve, quiet, report);
+    report.level = l - finer;
     Labels labels = with_surroundings(labels_of(solved, static_cast<float>(task.params.surface.threshold), quiet),
                                       coarse, quiet);
     coarse = labels;

@@ -26,6 +26,7 @@ struct AdaptedSurface {
   Regions regions;                     ///< all places have the placed level: levels do not adapt
   std::vector<DistanceField> levels;   ///< the finest first
   std::vector<GridSamples> in_places;  ///< of the levels below the placed one, with the directions of the fit
+  std::vector<LevelReport> reports;    ///< of their solves, the finest last
 };
 
 /// What all levels have from the placed one.

@@ -101,6 +101,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
       return find_finer_surfaces({samples, views, spacings}, found.level,
                                  {grid, lambda.value, params, experiment.robust}, context);
     });
+  if (adapted)
+    details->solve.levels.insert(details->solve.levels.end(), adapted->reports.begin(), adapted->reports.end());
   if (params.surface.volume_interval) {
     details->volumes =
         trace.stage("volumes", [&] { return volumes_near(found.level, report.certificate, params, context); });
