@@ -5,46 +5,94 @@
 #include <algorithm>
 #include <utility>
 
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/pyramid/band.h"
 #include "soapfilm/pyramid/prolong.h"
+#include "soapfilm/pyramid/restrict_level.h"
 
 namespace soapfilm {
 
-Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<const BrickMask> places,
-                      const SupportField& support, const PrimalDualParams& params, const Context& context,
-                      LevelReport& report) {
-  // Films between sparse samples wander for long, away from what samples say: they are the coarser level's.
-  constexpr int max_growths = 2, most_iterations = 64;
-  constexpr double few_bricks = 0.01;  // of the band, to which it does not grow
-  report.level = box.level;
-  report.tolerance = params.tolerance;
-  BrickMask band = choose_band_in(*places, coarse, box, support, context);
-  Level level = prolong_in_places(coarse, box, band, places, support, context, nullptr);
+namespace {
+
+/// Films between sparse samples wander for long, away from what samples say.
+constexpr int most_growths = 2;
+constexpr double bricks_of_films = 0.01;  // of the band, to which it does not grow
+
+/// Runs the iteration once more, `most` times in all.
+void go_on(Level& level, PrimalDualParams params, int most, const Context& context, LevelReport& report) {
   PrimalDualRun run;
   run.late = run.stalls = run.settles = true;
   run.checked = [&](int iterations, double gap) {
     context.progress().advance(0, fmt::format("{} iterations, gap {:.1e}", report.iterations + iterations, gap));
   };
+  report.tolerance = params.tolerance;
+  report.active_vertices = level.grid.vertices();
+  params.max_iterations = std::min(params.max_iterations, most) - report.iterations;
+  const PrimalDualReport solved = solve_primal_dual(level, params, context, run);
+  report.iterations += solved.iterations;
+  report.converged = solved.converged;
+  report.stop = solved.stop;
+  report.energies = solved.energies;
+}
+
+/// Whether the band is to grow by these bricks.
+bool grows(const BrickMask& band, const BrickMask& grown, int most, const LevelReport& report) {
+  return static_cast<double>(grown.count()) > bricks_of_films * static_cast<double>(band.count()) &&
+         report.band_growths < most_growths && report.iterations < most;
+}
+
+/// Keeps the u and p of a smaller band.
+void keep(const Level& previous, Level& level, const Context& context) {
+  parallel_for(context, previous.grid.size(), 64, [&](size_t b) {
+    const auto n = static_cast<size_t>(level.grid.find(previous.grid.coord(b)));
+    std::copy_n(previous.u.brick(b), brick_volume, level.u.brick(n));
+    std::copy_n(previous.p.brick(b), 3 * brick_volume, level.p.brick(n));
+  });
+}
+
+}  // namespace
+
+Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<const BrickMask> places,
+                      const SupportField& support, const PrimalDualParams& params, const Context& context,
+                      LevelReport& report) {
+  constexpr int most_iterations = 64;  // what takes more are films
+  BrickMask band = choose_band_in(*places, coarse, box, support, context);
+  Level level = prolong_in_places(coarse, box, band, places, support, context, nullptr);
   while (level.grid.size() > 0) {
-    report.active_vertices = level.grid.vertices();
-    PrimalDualParams left = params;
-    left.max_iterations = std::min(params.max_iterations, most_iterations) - report.iterations;
-    const PrimalDualReport solved = solve_primal_dual(level, left, context, run);
-    report.iterations += solved.iterations;
-    report.converged = solved.converged;
-    report.stop = solved.stop;
-    report.energies = solved.energies;
+    go_on(level, params, most_iterations, context, report);
     const BrickMask grown = growth(level, &coarse.grid, context);
-    const double few = few_bricks * static_cast<double>(band.count());
-    if (static_cast<double>(grown.count()) <= few || report.band_growths == max_growths ||
-        report.iterations >= std::min(params.max_iterations, most_iterations))
-      break;
+    if (!grows(band, grown, most_iterations, report)) break;
     band |= grown;
     Level previous = std::move(level);
     level = prolong_in_places(coarse, box, band, places, support, context, &previous);
     ++report.band_growths;
   }
   return level;
+}
+
+Level solve_coarser_in_places(const Level& fine, const LevelBox& box, const BrickMask& places,
+                              const SupportField& support, const PrimalDualParams& params, const Context& context,
+                              LevelReport& report) {
+  constexpr int most_iterations = 256;
+  BrickMask band = parents_of(fine.grid, box.bricks, context);
+  for (size_t b = 0; b < support.grid.size(); ++b)
+    if (places.test(support.grid.coord(b))) band.set(support.grid.coord(b));
+  Level level;
+  for (;;) {
+    Level restricted = restrict_level(fine, box, band, support, context);
+    if (level.grid.size() > 0) keep(level, restricted, context);
+    level = std::move(restricted);
+    level.held.resize(level.grid.size());
+    for (size_t b = 0; b < level.grid.size(); ++b) level.held[b] = !places.test(level.grid.coord(b));
+    go_on(level, params, most_iterations, context, report);
+    BrickMask grown(box.bricks);
+    growth(level, nullptr, context).for_each([&](Vec3i b) {
+      if (places.test(b)) grown.set(b);
+    });
+    if (!grows(band, grown, most_iterations, report)) return level;
+    band |= grown;
+    ++report.band_growths;
+  }
 }
 
 }  // namespace soapfilm

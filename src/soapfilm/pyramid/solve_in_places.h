@@ -1,4 +1,4 @@
-// A level finer than the finest one of the whole box, in some places of it.
+// Levels finer and coarser than one of the whole box, each in some places of it.
 #pragma once
 
 #include <memory>
@@ -19,5 +19,12 @@ namespace soapfilm {
 Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<const BrickMask> places,
                       const SupportField& support, const PrimalDualParams& params, const Context& context,
                       LevelReport& report);
+
+/// The level above `fine` in some places: these bricks of `box`. In others, which the level has too, it stays what the
+/// fine one says (restrict_level()), so the surface of the places goes on in that of the fine level where they end. The
+/// band grows in the places until the interface stays inside.
+Level solve_coarser_in_places(const Level& fine, const LevelBox& box, const BrickMask& places,
+                              const SupportField& support, const PrimalDualParams& params, const Context& context,
+                              LevelReport& report);
 
 }  // namespace soapfilm

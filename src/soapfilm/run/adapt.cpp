@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <list>
 #include <string>
 #include <utility>
 #include <variant>
@@ -37,22 +38,6 @@ DistanceField fitted(Labels labels, const LevelSamples& level, double density, c
   if (!level.views.empty()) samples.direction = level.views;
   FitReport report;
   return refine(std::move(labels), samples, density, how, context, report);
-}
-
-/// The surface of a level `above` the placed one; empty where there is none.
-DistanceField surface_of_level(const LevelSamples& level, int above, const LevelTask& task, const Context& context) {
-  Grid grid = task.grid;
-  grid.lattice = task.grid.lattice.of_level(above);
-  grid.density *= face_area(above);
-  const SupportField field = data_field(level.samples, grid.lattice.box(0), context);
-  Segmentation found =
-      segment(grid.lattice, field, level.samples, task.lambda * face_area(above), task.params, {}, context);
-  Labels labels = labels_of(std::move(found.level), static_cast<float>(task.params.surface.threshold), context);
-  if (grid.lattice.open) labels = closed_at_border(labels, context);
-  if (labels.grid.size() == 0) return {};
-  Trace quiet(context);
-  drop_unsupported(labels, level.samples, grid, task.params, quiet, context);
-  return fitted(std::move(labels), level, grid.density, refine_setup(grid, task.params, task.robust), context);
 }
 
 /// The places in which a level is solved: those that it or finer ones have, and around them a brick of the next
@@ -99,64 +84,104 @@ std::vector<float> sort_spacings(const LocalSurface& surface, const GridSamples&
   return sorted;
 }
 
-AdaptedSurface find_finer_surfaces(const LevelSamples& samples, const Level& level, const LevelTask& task,
-                                   const Context& context) {
-  AdaptedSurface adapted;
+namespace {
+
+/// The levels below the placed one, the next finer one from each level.
+void find_finer(const LevelSamples& samples, const Level& placed, const LevelTask& task, const Context& context,
+                AdaptedSurface& adapted) {
   const int finer = task.grid.finer;
-  adapted.lattice = task.grid.lattice.refined(finer);
-  adapted.regions = find_regions(samples, adapted.lattice, task.grid.lattice.levels - least_levels,
-                                 getenv("MOST") ? atof(getenv("MOST")) : 1.0, context);
+  const auto threshold = static_cast<float>(task.params.surface.threshold);
   adapted.levels.resize(static_cast<size_t>(finer));
   adapted.in_places.resize(static_cast<size_t>(finer));
   Level solved;
-  Labels coarse = labels_of(level, static_cast<float>(task.params.surface.threshold), context);
+  Labels coarse;
   LevelSamples coarser;
   for (int l = finer - 1; l >= 0; --l) {
-    context.progress().advance(1 - (l + 1.0) / finer, fmt::format("level {}", l - finer));
-    const Context quiet = silenced(context);
+    const bool first = l + 1 == finer;
     const LevelBox box = adapted.lattice.box(l);
     const auto places = std::make_shared<const BrickMask>(places_of(adapted.regions, l, box.bricks));
-    LevelSamples in_places = samples_in(*places, l + 1 == finer ? samples : coarser, box.bricks, quiet);
-    if (in_places.samples.size() == 0) continue;
-    const SupportField field = data_field(in_places.samples, box, quiet);
+    LevelSamples in_places = samples_in(*places, first ? samples : coarser, box.bricks, context);
+    if (in_places.samples.size() == 0) return;
+    const SupportField field = data_field(in_places.samples, box, context);
+    if (first) coarse = labels_of(placed, threshold, context);
     LevelReport& report = adapted.reports.emplace_back();
-    solved = solve_in_places(l + 1 == finer ? level : solved, box, places, field, task.params.solve, quiet, report);
+    solved = solve_in_places(first ? placed : solved, box, places, field, task.params.solve, context, report);
     report.level = l - finer;
-    Labels labels = with_surroundings(labels_of(solved, static_cast<float>(task.params.surface.threshold), quiet),
-                                      coarse, quiet);
+    Labels labels = with_surroundings(labels_of(solved, threshold, context), coarse, context);
     coarse = labels;
-    if (box.open) labels = closed_at_border(labels, quiet);
+    if (box.open) labels = closed_at_border(labels, context);
     RefineSetup how = refine_setup(task.grid, task.params, task.robust);
     how.holes = HoleFill::flat;
     how.where = places.get();
-    adapted.levels[static_cast<size_t>(l)] = fitted(std::move(labels), in_places, 0, how, quiet);
+    adapted.levels[static_cast<size_t>(l)] = fitted(std::move(labels), in_places, 0, how, context);
     coarser = in_places;
     if (!in_places.views.empty()) in_places.samples.direction = std::move(in_places.views);
     adapted.in_places[static_cast<size_t>(l)] = std::move(in_places.samples);
   }
-  return adapted;
 }
 
-void find_coarser_surfaces(const GridSamples& samples, const std::vector<Vec3f>& of_solve,
-                           std::vector<float> spacings, const LevelTask& task, const Context& context,
-                           AdaptedSurface& adapted) {
-  const int placed = adapted.lattice.added;
-  LevelSamples level{samples, {}, std::move(spacings)};
-  if (!of_solve.empty()) level.views = std::exchange(level.samples.direction, of_solve);
-  adapted.levels.emplace_back();  // the placed one is there already
-  std::vector<std::vector<Vec3i>> off(adapted.levels.size());  // bricks that a level's surface misses
-  for (int l = placed + 1; l <= adapted.regions.coarsest(); ++l) {
-    context.progress().advance((l - placed - 1.0) / (adapted.regions.coarsest() - placed), fmt::format("level {}", l));
-    level = on_next_level(level, adapted.lattice.box(l).bricks, context);
-    DistanceField field = surface_of_level(level, l - placed, task, silenced(context));
-    if (field.grid.size() == 0) {  // too coarse to have a surface
+/// The places of a level and of coarser ones, and a brick around them.
+BrickMask coarser_places_of(const Regions& regions, int level, const BrickGrid& fine, const BrickGrid& support) {
+  BrickMask places(regions.finer(level).bricks());
+  const auto add = [&](Vec3i brick) {
+    if (!places.contains(brick)) return;
+    bool near = false;
+    for (int slot = 0; slot < 27; ++slot) near = near || !regions.is_finer(level, brick + slot_offset(slot));
+    if (near) places.set(brick);
+  };
+  const auto add_around = [&](Vec3i brick) {
+    for (int slot = 0; slot < 27; ++slot) add(brick + slot_offset(slot));
+  };
+  for (size_t b = 0; b < fine.size(); ++b) add_around(parent_of(fine.coord(b)));
+  for (size_t b = 0; b < support.size(); ++b) add_around(support.coord(b));
+  return places;
+}
+
+/// The levels above the placed one, the next coarser one from each level; those that still have a surface.
+void find_coarser(LevelSamples level, const Level& placed, const LevelTask& task, const Context& context,
+                  AdaptedSurface& adapted) {
+  const int base = adapted.lattice.added;
+  std::vector<std::vector<Vec3i>> off(static_cast<size_t>(base) + 1);  // bricks that a level's surface misses
+  Level solved;
+  std::list<SupportField> fields;  // the levels refer to them
+  for (int l = base + 1; l <= adapted.regions.coarsest(); ++l) {
+    Grid grid = task.grid;
+    grid.lattice = task.grid.lattice.of_level(l - base);
+    grid.density *= face_area(l - base);
+    const LevelBox box = adapted.lattice.box(l);
+    level = on_next_level(level, box.bricks, context);
+    const SupportField& field = fields.emplace_back(data_field(level.samples, box, context));
+    const Level& fine = l == base + 1 ? placed : solved;
+    const BrickMask places = coarser_places_of(adapted.regions, l, fine.grid, field.grid);
+    LevelReport report;
+    solved = solve_coarser_in_places(fine, box, places, field, task.params.solve, context, report);
+    Labels labels = labels_of(solved, static_cast<float>(task.params.surface.threshold), context);
+    if (box.open) labels = closed_at_border(labels, context);
+    Trace quiet(context);
+    drop_unsupported(labels, level.samples, grid, task.params, quiet, context);
+    DistanceField surface = fitted(std::move(labels), level, grid.density,
+                                   refine_setup(grid, task.params, task.robust), context);
+    if (surface.grid.size() == 0) {  // too coarse to have a surface
       adapted.regions = adapted.regions.up_to(l - 1);
       break;
     }
-    off.push_back(misfits(level, l - placed, field, context));
-    adapted.levels.push_back(std::move(field));
+    off.push_back(misfits(level, l - base, surface, context));
+    adapted.levels.push_back(std::move(surface));
   }
-  for (int l = adapted.regions.coarsest(); l > placed; --l) adapted.regions.refine(l, off[static_cast<size_t>(l)]);
+  for (int l = adapted.regions.coarsest(); l > base; --l) adapted.regions.refine(l, off[static_cast<size_t>(l)]);
+}
+
+}  // namespace
+
+AdaptedSurface find_other_surfaces(const LevelSamples& samples, const Level& placed, const LevelTask& task,
+                                   const Context& context) {
+  AdaptedSurface adapted;
+  adapted.lattice = task.grid.lattice.refined(task.grid.finer);
+  adapted.regions = find_regions(samples, adapted.lattice, task.grid.lattice.levels - least_levels, 1.0, context);
+  find_finer(samples, placed, task, silenced(part_of(context, 0, 0.5)), adapted);
+  adapted.levels.emplace_back();  // the placed one comes later
+  find_coarser(samples, placed, task, silenced(part_of(context, 0.5, 1)), adapted);
+  return adapted;
 }
 
 Mesh triangles_of(AdaptedSurface& surface, Surface& placed, const Grid& grid, double lambda, ReportDetails& details,

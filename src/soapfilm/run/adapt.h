@@ -37,17 +37,12 @@ struct LevelTask {
   const RobustParams& robust;
 };
 
-/// The levels below the placed one, `level`, where `samples` are dense: solved from it, the next finer one from each
-/// level, and each moved onto its samples. Call before the level is freed; directions are those of the solve. Which
-/// levels other places have is found, too.
-AdaptedSurface find_finer_surfaces(const LevelSamples& samples, const Level& level, const LevelTask& task,
+/// Which levels places have by their samples; the levels below the placed one, where samples are dense, solved from
+/// it, the next finer one from each level; and those above it, where they are sparse, in the same way. Each continues
+/// what it comes from where its places end, and is moved onto its samples. Call before `placed` is freed; directions
+/// are those of the solve.
+AdaptedSurface find_other_surfaces(const LevelSamples& samples, const Level& placed, const LevelTask& task,
                                    const Context& context);
-
-/// The surfaces of the coarser levels, each found as that of the placed one, from all samples: `samples` with the
-/// directions of the fit, those of the solve where they differ. None if the placed level is everywhere.
-void find_coarser_surfaces(const GridSamples& samples, const std::vector<Vec3f>& of_solve,
-                           std::vector<float> spacings, const LevelTask& task, const Context& context,
-                           AdaptedSurface& adapted);
 
 /// The surfaces as one mesh, that of the placed level among them; what levels have in others' places is dropped. Only
 /// the finer levels' are kept. Says in `details` how many leaves each level has. Throws EmptyResult.

@@ -94,11 +94,11 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   });
   announce_energy(report.certificate, params, trace);
 
-  // Where samples are dense, the surface of a finer level, from this one's solution.
+  // Where samples are dense or sparse, the surface of a finer or coarser level, from this one's solution.
   std::optional<AdaptedSurface> adapted;
   if (!spacings.empty())
-    adapted = trace.stage("finer levels", [&] {
-      return find_finer_surfaces({samples, views, spacings}, found.level,
+    adapted = trace.stage("adapt", [&] {
+      return find_other_surfaces({samples, views, std::move(spacings)}, found.level,
                                  {grid, lambda.value, params, experiment.robust}, context);
     });
   if (adapted)
@@ -129,13 +129,6 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     return find_surface(std::move(labels), samples, grid, params, experiment.robust, memory, context);
   });
   announce_refinement(surface.refine, memory, params, trace);
-
-  // Where samples are sparse, the surface of a coarser level.
-  if (adapted)
-    trace.stage("coarser levels", [&] {
-      find_coarser_surfaces(samples, views, std::move(spacings), {grid, lambda.value, params, experiment.robust},
-                            context, *adapted);
-    });
 
   // The level set as a manifold mesh, closed but for the border of an open box.
   Mesh mesh = trace.stage("extract", [&] {

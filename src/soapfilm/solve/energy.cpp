@@ -221,7 +221,10 @@ EnergyTerms estimate_over(const Bricks<Coord, Term>& bricks, const Context& cont
 /// The active bricks.
 auto bricks_of(const Evaluator& evaluator) {
   return Bricks{evaluator.level.grid.size(), [&](size_t b) { return evaluator.level.grid.coord(b); },
-                [&](size_t b) { return evaluator.brick_terms(b); }};
+                [&](size_t b) {
+                  const bool rests = evaluator.level.is_held(static_cast<int32_t>(b));
+                  return rests ? EnergyTerms{} : evaluator.brick_terms(b);
+                }};
 }
 
 /// The inactive ones below them.
