@@ -159,8 +159,9 @@ void find_coarser(LevelSamples level, const Level& placed, const LevelTask& task
     if (box.open) labels = closed_at_border(labels, context);
     Trace quiet(context);
     drop_unsupported(labels, level.samples, grid, task.params, quiet, context);
-    DistanceField surface = fitted(std::move(labels), level, grid.density,
-                                   refine_setup(grid, task.params, task.robust), context);
+    RefineSetup how = refine_setup(grid, task.params, task.robust);
+    if(getenv("FLAT")) how.holes = HoleFill::flat;
+    DistanceField surface = fitted(std::move(labels), level, grid.density, how, context);
     if (surface.grid.size() == 0) {  // too coarse to have a surface
       adapted.regions = adapted.regions.up_to(l - 1);
       break;

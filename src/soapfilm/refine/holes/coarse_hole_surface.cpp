@@ -83,7 +83,10 @@ FlipCount CoarseHoleSurface::step() {
     float& value = phi_.data()[k];
     if ((value > 0) != inside && finder_.is_sampled(v)) value = inside ? held_distance : -held_distance;
   });
+  const SignBits before = signs;
   const FlipCount flips = follow(phi_, start_.band, signs, held_distance, 0);
+  moving_.resize(start_.grid.size());
+  for (size_t b = 0; b < moving_.size(); ++b) moving_[b] = (signs.bits(b) ^ before.bits(b)).count();
   for (size_t b = 0; b < start_.grid.size(); ++b)
     if (const int32_t n = labels_.grid.find(start_.grid.coord(b)); n >= 0)
       labels_.bits[static_cast<size_t>(n)] = signs.bits(b);

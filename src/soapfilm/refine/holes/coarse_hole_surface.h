@@ -24,6 +24,12 @@ class CoarseHoleSurface {
   bool bend(const std::vector<HoleSurface>& holes, HoleReport& report);
 
   const BrickMask& bricks() const { return bricks_; }
+  /// visit(brick, how many of its labels changed in the last round).
+  template <class Visit>
+  void for_each_moving(Visit&& visit) const {
+    for (size_t b = 0; b < start_.grid.size(); ++b)
+      if (moving_[b] > 0) visit(start_.grid.coord(b), moving_[b]);
+  }
   /// Approximate distance in units of the half-resolution grid; beyond the band only its sign.
   float distance(Vec3i vertex) const;
 
@@ -40,6 +46,7 @@ class CoarseHoleSurface {
   Labels labels_;     // on these bricks and one more around them
   Start start_;
   RowArray phi_;
+  std::vector<size_t> moving_;  // by brick of the start: labels that the last round changed
 };
 
 }  // namespace soapfilm

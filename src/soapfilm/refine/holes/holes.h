@@ -19,8 +19,9 @@ void make_room(Labels& labels);
 /// Curves the surface over these holes, which `finder` found; returns whether any label changed. Components and genus
 /// stay; only the bricks near the surface are kept.
 /// `fit_weights`: those of the samples on the full grid.
-/// A hole stays as it was where the topology refuses more than 6 % of the changes, and where it would bulge by much
-/// more than half a ball on its area. Bulges end at the border of the box. Results do not depend on threads.
+/// A hole stays as it was where the topology refuses more than 6 % of the changes, where it would bulge by much more
+/// than half a ball on its area, and where it still moves in the last round: the underside of a table would reach the
+/// floor. Bulges end at the border of the box. Results do not depend on threads.
 bool curve_holes(Labels& labels, const std::vector<HoleSurface>& holes, const HoleFinder& finder,
                  const FitWeights& fit_weights, const Context& context, HoleReport& report);
 
