@@ -17,18 +17,13 @@ namespace {
 
 constexpr size_t most_rays = 200000;
 constexpr double first_counted = 3;  // voxels from the sample
-constexpr double cube = 8;           // voxels: edge of the cubes in which triangles are looked up
+constexpr double least_cube = 2, most_cube = 8;  // voxels: edge of the cubes in which triangles are looked up
+constexpr double cube_of_edges = 10;             // the same, in edges of these
 
 /// 21 bits for each axis.
 uint64_t key_of(Vec3i c) {
   const auto bits = [](int32_t v) { return static_cast<uint64_t>(static_cast<uint32_t>(v)) & 0x1FFFFF; };
   return bits(c.x) | bits(c.y) << 21 | bits(c.z) << 42;
-}
-
-Vec3i cube_of(Vec3d p) {
-  constexpr double most = 1e9;
-  const auto at = [&](double v) { return static_cast<int32_t>(std::clamp(std::floor(v / cube), -most, most)); };
-  return {at(p.x), at(p.y), at(p.z)};
 }
 
 using Corners = std::array<Vec3d, 3>;
@@ -50,20 +45,24 @@ double crossing(const Corners& c, Vec3d from, Vec3d way) {
 class MadeUp {
  public:
   MadeUp(const Mesh& mesh, const std::vector<double>& level, const Lattice& lattice) {
+    double edges = 0;
     for (const Triangle& t : mesh.triangles) {
       if (!(level[t[0]] > 1 && level[t[1]] > 1 && level[t[2]] > 1)) continue;
-      Corners corners;
-      Box3d box;
-      for (size_t k = 0; k < 3; ++k) box.extend(corners[k] = lattice.to_lattice(mesh.vertices[t[k]]));
-      const auto index = static_cast<uint32_t>(corners_.size());
-      corners_.push_back(corners);
+      Corners& corners = corners_.emplace_back();
+      for (size_t k = 0; k < 3; ++k) box_.extend(corners[k] = lattice.to_lattice(mesh.vertices[t[k]]));
+      edges += norm(corners[1] - corners[0]);
       vertex_.push_back(t[0]);
-      box_.extend(box);
+    }
+    if (empty()) return;
+    cube_ = std::clamp(cube_of_edges * edges / static_cast<double>(corners_.size()), least_cube, most_cube);
+    for (size_t index = 0; index < corners_.size(); ++index) {
+      Box3d box;
+      for (const Vec3d& corner : corners_[index]) box.extend(corner);
       const Vec3d rounding{1e-6, 1e-6, 1e-6};
       const Vec3i lo = cube_of(box.lo - rounding), hi = cube_of(box.hi + rounding);
       for (int32_t z = lo.z; z <= hi.z; ++z)
         for (int32_t y = lo.y; y <= hi.y; ++y)
-          for (int32_t x = lo.x; x <= hi.x; ++x) cubes_[key_of({x, y, z})].push_back(index);
+          for (int32_t x = lo.x; x <= hi.x; ++x) cubes_[key_of({x, y, z})].push_back(static_cast<uint32_t>(index));
     }
   }
 
@@ -84,8 +83,8 @@ class MadeUp {
     for (int axis = 0; axis < 3; ++axis) {
       const auto k = static_cast<size_t>(axis);
       side[k] = way[axis] > 0 ? 1 : way[axis] < 0 ? -1 : 0;
-      step[k] = side[k] == 0 ? 2 * length : cube / std::abs(way[axis]);
-      const double wall = cube * (at[axis] + (side[k] > 0));
+      step[k] = side[k] == 0 ? 2 * length : cube_ / std::abs(way[axis]);
+      const double wall = cube_ * (at[axis] + (side[k] > 0));
       next[k] = side[k] == 0 ? 2 * length : begin + (wall - start[axis]) / way[axis];
     }
     for (double here = begin; here < end;) {
@@ -117,7 +116,14 @@ class MadeUp {
     }
   }
 
+  Vec3i cube_of(Vec3d p) const {
+    constexpr double most = 1e9;
+    const auto at = [&](double v) { return static_cast<int32_t>(std::clamp(std::floor(v / cube_), -most, most)); };
+    return {at(p.x), at(p.y), at(p.z)};
+  }
+
   Box3d box_;
+  double cube_ = most_cube;
   std::vector<Corners> corners_;
   std::vector<uint32_t> vertex_;
   std::unordered_map<uint64_t, std::vector<uint32_t>> cubes_;

@@ -73,7 +73,7 @@ Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<
 Level solve_coarser_in_places(const Level& fine, const LevelBox& box, const BrickMask& places,
                               const SupportField& support, const PrimalDualParams& params, const Context& context,
                               LevelReport& report) {
-  constexpr int most_iterations = 3000;
+  constexpr int most_iterations = 256;
   BrickMask band = parents_of(fine.grid, box.bricks, context);
   for (size_t b = 0; b < support.grid.size(); ++b)
     if (places.test(support.grid.coord(b))) band.set(support.grid.coord(b));

@@ -160,7 +160,7 @@ void find_coarser(LevelSamples level, const Level& placed, const LevelTask& task
     Trace quiet(context);
     drop_unsupported(labels, level.samples, grid, task.params, quiet, context);
     RefineSetup how = refine_setup(grid, task.params, task.robust);
-    if(getenv("FLAT")) how.holes = HoleFill::flat;
+    how.holes = HoleFill::flat;  // each level would bulge by itself: walls between them
     DistanceField surface = fitted(std::move(labels), level, grid.density, how, context);
     if (surface.grid.size() == 0) {  // too coarse to have a surface
       adapted.regions = adapted.regions.up_to(l - 1);
