@@ -126,9 +126,6 @@ std::string about_clusters(const ThinnedSampling& thinned, double voxel, bool is
       is_given ? "the others' for a coarser one" : "the others' is used instead (--voxel sets it)");
 }
 
-/// Coarse levels that may have a surface need coarser ones of their own.
-constexpr int levels_to_adapt = 3, most_levels = 12;
-
 /// The spacing, input units, below which the samples of so much of the area are; 0: unknown.
 double dense_spacing(const std::vector<float>& spacings, double share) {
   std::vector<float> known;
@@ -186,8 +183,6 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, con
   }
   try {
     grid.lattice = place_lattice(box, voxel, params.padding, params.levels, params.anchor);
-    if (const int levels = grid.lattice.levels + levels_to_adapt; params.adapt && params.levels == 0)
-      grid.lattice = place_lattice(box, voxel, params.padding, std::min(levels, most_levels), params.anchor);
   } catch (const ParameterError& error) {
     throw ParameterError(error.what() + far_samples(cloud, box));
   }

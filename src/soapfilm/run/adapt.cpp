@@ -28,8 +28,6 @@ namespace soapfilm {
 
 namespace {
 
-constexpr int least_levels = 2;  // above the coarsest one with leaves
-
 /// The labels moved onto the samples of a level.
 DistanceField fitted(Labels labels, const LevelSamples& level, double density, const RefineSetup& how,
                      const Context& context) {
@@ -178,7 +176,7 @@ AdaptedSurface find_other_surfaces(const LevelSamples& samples, const Level& pla
                                    const Context& context) {
   AdaptedSurface adapted;
   adapted.lattice = task.grid.lattice.refined(task.grid.finer);
-  adapted.regions = find_regions(samples, adapted.lattice, task.grid.lattice.levels - least_levels, 1.0, context);
+  adapted.regions = find_regions(samples, adapted.lattice, task.grid.lattice.levels - 1, 1.0, context);
   find_finer(samples, placed, task, silenced(part_of(context, 0, 0.5)), adapted);
   adapted.levels.emplace_back();  // the placed one comes later
   find_coarser(samples, placed, task, silenced(part_of(context, 0.5, 1)), adapted);
