@@ -51,6 +51,8 @@ class Regions {
   }
   /// The bricks of this level whose places have finer ones, level >= 1.
   const BrickMask& finer(int level) const { return finer_[static_cast<size_t>(level) - 1]; }
+  /// Those of them that must, by their samples or by the balance.
+  const BrickMask& asked(int level) const { return asked_[static_cast<size_t>(level) - 1]; }
   /// Asks for finer levels in those of the bricks of a level that have it, and for what the balance then needs.
   void refine(int level, const std::vector<Vec3i>& bricks);
   /// Gives bricks of a level that are not asked for back to it, and what the balance then takes from finer levels.

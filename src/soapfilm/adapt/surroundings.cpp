@@ -1,6 +1,7 @@
 #include "soapfilm/adapt/surroundings.h"
 
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/surface/indicator.h"
 
 namespace soapfilm {
 
@@ -18,23 +19,30 @@ BrickBits from_coarse(const Labels& coarse, Vec3i brick) {
   return bits;
 }
 
-}  // namespace
-
-Labels with_surroundings(const Labels& fine, const Labels& coarse, const Context& context) {
-  BrickMask mask(fine.box.bricks);
-  add_bricks(fine.grid, mask);
-  for (size_t b = 0; b < fine.grid.size(); ++b)
-    for (int slot = 0; slot < 27; ++slot)
-      if (const Vec3i n = fine.grid.coord(b) + slot_offset(slot); mask.contains(n) && !fine.covers(n)) mask.set(n);
+/// The labels on these bricks, which hold those of the level; beyond its places as on the coarser one.
+Labels on_bricks(const BrickMask& bricks, const Labels& fine, const Labels& coarse, const Context& context) {
   Labels all;
-  static_cast<Domain&>(all) = {fine.box, BrickGrid(mask, context), fine.inside, fine.places};
+  static_cast<Domain&>(all) = {fine.box, BrickGrid(bricks, context), fine.inside, fine.places};
   all.bits.resize(all.grid.size());
   parallel_for(context, all.grid.size(), 64, [&](size_t b) {
     const Vec3i at = all.grid.coord(b);
     const int32_t own = fine.grid.find(at);
-    all.bits[b] = own >= 0 ? fine.bits[static_cast<size_t>(own)] : from_coarse(coarse, at);
+    all.bits[b] = own >= 0 || fine.covers(at) ? fine.of(own, at) : from_coarse(coarse, at);
   });
   return all;
+}
+
+}  // namespace
+
+Labels with_surroundings(const Labels& fine, const Labels& coarse, const Context& context) {
+  BrickMask bricks(fine.box.bricks);
+  add_bricks(fine.grid, bricks);
+  for (size_t b = 0; b < fine.grid.size(); ++b)
+    for (int slot = 0; slot < 27; ++slot)
+      if (const Vec3i n = fine.grid.coord(b) + slot_offset(slot); bricks.contains(n) && !fine.covers(n)) bricks.set(n);
+  const Labels ringed = on_bricks(bricks, fine, coarse, context);
+  bricks |= bricks_near_surface(ringed, context);
+  return on_bricks(bricks, ringed, coarse, context);
 }
 
 }  // namespace soapfilm

@@ -41,12 +41,15 @@ bool grows(const BrickMask& band, const BrickMask& grown, int most, const LevelR
          report.band_growths < most_growths && report.iterations < most;
 }
 
-/// Keeps the u and p of a smaller band.
-void keep(const Level& previous, Level& level, const Context& context) {
-  parallel_for(context, previous.grid.size(), 64, [&](size_t b) {
-    const auto n = static_cast<size_t>(level.grid.find(previous.grid.coord(b)));
-    std::copy_n(previous.u.brick(b), brick_volume, level.u.brick(n));
-    std::copy_n(previous.p.brick(b), 3 * brick_volume, level.p.brick(n));
+/// Takes u and p of these bricks from another state of the level, but not at the border of its box: that of a lattice
+/// that begins with this level may be another one.
+void take(const Level& from, const BrickMask& bricks, Level& level, const Context& context) {
+  parallel_for(context, from.grid.size(), 64, [&](size_t b) {
+    const Vec3i at = from.grid.coord(b);
+    if (!bricks.contains(at) || !bricks.test(at) || at_border(level.box, at)) return;
+    const auto n = static_cast<size_t>(level.grid.find(at));
+    std::copy_n(from.u.brick(b), brick_volume, level.u.brick(n));
+    std::copy_n(from.p.brick(b), 3 * brick_volume, level.p.brick(n));
   });
 }
 
@@ -70,18 +73,22 @@ Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<
   return level;
 }
 
-Level solve_coarser_in_places(const Level& fine, const LevelBox& box, const BrickMask& places,
+Level solve_coarser_in_places(const Level& fine, const Level& alone, const LevelBox& box, const BrickMask& places,
                               const SupportField& support, const PrimalDualParams& params, const Context& context,
                               LevelReport& report) {
-  constexpr int most_iterations = 256;
+  constexpr int most_iterations = 128;
   BrickMask band = parents_of(fine.grid, box.bricks, context);
-  for (size_t b = 0; b < support.grid.size(); ++b)
-    if (places.test(support.grid.coord(b))) band.set(support.grid.coord(b));
+  const auto add = [&](const BrickGrid& grid) {
+    for (size_t b = 0; b < grid.size(); ++b)
+      if (const Vec3i at = grid.coord(b); places.contains(at) && places.test(at)) band.set(at);
+  };
+  add(support.grid);
+  add(alone.grid);
   Level level;
   for (;;) {
-    Level restricted = restrict_level(fine, box, band, support, context);
-    if (level.grid.size() > 0) keep(level, restricted, context);
-    level = std::move(restricted);
+    Level next = restrict_level(fine, box, band, support, context);
+    take(level.grid.size() > 0 ? level : alone, places, next, context);
+    level = std::move(next);
     level.held.resize(level.grid.size());
     for (size_t b = 0; b < level.grid.size(); ++b) level.held[b] = !places.test(level.grid.coord(b));
     go_on(level, params, most_iterations, context, report);

@@ -20,10 +20,10 @@ Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<
                       const SupportField& support, const PrimalDualParams& params, const Context& context,
                       LevelReport& report);
 
-/// The level above `fine` in some places: these bricks of `box`. In others, which the level has too, it stays what the
-/// fine one says (restrict_level()), so the surface of the places goes on in that of the fine level where they end. The
-/// band grows in the places until the interface stays inside.
-Level solve_coarser_in_places(const Level& fine, const LevelBox& box, const BrickMask& places,
+/// `alone`, a solution of the level above `fine` by itself, so that in other than these places, bricks of `box`, it is
+/// what the fine level says (restrict_level()): the surface of the places then goes on in that of the fine level where
+/// they end. The band grows in the places until the interface stays inside.
+Level solve_coarser_in_places(const Level& fine, const Level& alone, const LevelBox& box, const BrickMask& places,
                               const SupportField& support, const PrimalDualParams& params, const Context& context,
                               LevelReport& report);
 

@@ -102,6 +102,21 @@ void continue_beyond(const LevelBox& box, Vec3i brick, float* values) {
   });
 }
 
+/// Of the bricks with samples in and around a hole, whose vertices are on the half-resolution grid.
+bool is_mostly_among(const BrickMask& bricks, const BrickGrid& sampled, const HoleSurface& hole) {
+  BrickMask around(bricks.bricks());
+  for (const Vec3i v : hole)
+    for (int slot = 0; slot < 27; ++slot)
+      if (const Vec3i at = brick_of(2 * v) + slot_offset(slot); around.contains(at)) around.set(at);
+  size_t all = 0, among = 0;
+  around.for_each([&](Vec3i at) {
+    if (sampled.find(at) < 0) return;
+    ++all;
+    among += bricks.test(at);
+  });
+  return 2 * among > all;
+}
+
 /// The distance on the band, and only its sign beyond it; moves the start's grid.
 DistanceField distance_field(Start& start, const RowArray& distance, const SignBits& signs, const Context& context) {
   Field<float> value(start.grid, pages_of(context));
@@ -167,7 +182,11 @@ Refinement::Refinement(Labels labels, const GridSamples& samples, double density
 
 void Refinement::fill_holes(Labels& labels) {
   const HoleFinder finder(start_, samples_, context_);
-  const auto holes = finder.holes_to_curve(report_.holes);
+  std::vector<HoleSurface> holes = finder.holes_to_curve(report_.holes);
+  if (params_.flat_among)
+    holes.erase(std::remove_if(holes.begin(), holes.end(),
+                               [&](const HoleSurface& hole) { return is_mostly_among(*params_.flat_among, samples_.bricks, hole); }),
+                holes.end());
   if (holes.empty()) return;
   chosen_ = choose(start_, samples_, params_, 1, part_of(context_, 0, until_chosen), report_.search);
   if (!params_.open) make_room(labels);

@@ -26,6 +26,7 @@ struct RefineSetup : RefineParams {
   /// The bricks in which the surface moves; null: all. If not, the labels must hold those around them, and holes are
   /// flat.
   const BrickMask* where = nullptr;
+  const BrickMask* flat_among = nullptr;  ///< holes stay flat if most bricks with samples around them are these
 };
 
 /// Throws ParameterError naming the first value that is out of its range, and the range.

@@ -118,8 +118,9 @@ void find_finer(const LevelSamples& samples, const Level& placed, const LevelTas
   }
 }
 
-/// The places of a level and of coarser ones, and a brick around them.
-BrickMask coarser_places_of(const Regions& regions, int level, const BrickGrid& fine, const BrickGrid& support) {
+/// The places of a level and of coarser ones, and a brick around them, as far as a surface may be there: around the
+/// bricks of the finer level, and those of the level alone.
+BrickMask coarser_places_of(const Regions& regions, int level, const BrickGrid& fine, const BrickGrid& alone) {
   BrickMask places(regions.finer(level).bricks());
   const auto add = [&](Vec3i brick) {
     if (!places.contains(brick)) return;
@@ -131,7 +132,7 @@ BrickMask coarser_places_of(const Regions& regions, int level, const BrickGrid& 
     for (int slot = 0; slot < 27; ++slot) add(brick + slot_offset(slot));
   };
   for (size_t b = 0; b < fine.size(); ++b) add_around(parent_of(fine.coord(b)));
-  for (size_t b = 0; b < support.size(); ++b) add_around(support.coord(b));
+  for (size_t b = 0; b < alone.size(); ++b) add_around(alone.coord(b));
   return places;
 }
 
@@ -148,17 +149,19 @@ void find_coarser(LevelSamples level, const Level& placed, const LevelTask& task
     grid.density *= face_area(l - base);
     const LevelBox box = adapted.lattice.box(l);
     level = on_next_level(level, box.bricks, context);
-    const SupportField& field = fields.emplace_back(data_field(level.samples, box, context));
+    const SupportField& field = fields.emplace_back(data_field(level.samples, grid.lattice.box(0), context));
     const Level& fine = l == base + 1 ? placed : solved;
-    const BrickMask places = coarser_places_of(adapted.regions, l, fine.grid, field.grid);
+    const Segmentation alone =
+        segment(grid.lattice, field, level.samples, task.lambda * face_area(l - base), task.params, {}, context);
+    const BrickMask places = coarser_places_of(adapted.regions, l, fine.grid, alone.level.grid);
     LevelReport report;
-    solved = solve_coarser_in_places(fine, box, places, field, task.params.solve, context, report);
+    solved = solve_coarser_in_places(fine, alone.level, box, places, field, task.params.solve, context, report);
     Labels labels = labels_of(solved, static_cast<float>(task.params.surface.threshold), context);
     if (box.open) labels = closed_at_border(labels, context);
     Trace quiet(context);
     drop_unsupported(labels, level.samples, grid, task.params, quiet, context);
     RefineSetup how = refine_setup(grid, task.params, task.robust);
-    how.holes = HoleFill::flat;  // each level would bulge by itself: walls between them
+    how.flat_among = &adapted.regions.asked(l);  // such holes are those of finer levels
     DistanceField surface = fitted(std::move(labels), level, grid.density, how, context);
     if (surface.grid.size() == 0) {  // too coarse to have a surface
       adapted.regions = adapted.regions.up_to(l - 1);

@@ -97,8 +97,9 @@ void smooth_brick(const std::array<const BrickBits*, 27>& around, float* out) {
   }
 }
 
-/// The bricks within the surface's margin of the interface.
-BrickGrid bricks_near_surface(const Labels& labels, const Context& context) {
+}  // namespace
+
+BrickMask bricks_near_surface(const Labels& labels, const Context& context) {
   const LabelView view = labels.view();
   BrickMask mask(labels.box.bricks);
   parallel_for(context, labels.grid.size(), 64, [&](size_t b) {
@@ -107,13 +108,11 @@ BrickGrid bricks_near_surface(const Labels& labels, const Context& context) {
       if (const Vec3i brick = labels.grid.coord(b) + slot_offset(slot); near >> slot & 1u && mask.contains(brick))
         mask.set_shared(brick);
   });
-  return BrickGrid(mask, context);
+  return mask;
 }
 
-}  // namespace
-
 IndicatorField smoothed_indicator(const Labels& labels, const Context& context) {
-  return smoothed_indicator(labels, bricks_near_surface(labels, context), context);
+  return smoothed_indicator(labels, BrickGrid(bricks_near_surface(labels, context), context), context);
 }
 
 IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const Context& context) {

@@ -4,13 +4,17 @@
 #include "soapfilm/context.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/brick_grid.h"
+#include "soapfilm/grid/brick_mask.h"
 #include "soapfilm/solve/labels.h"
 #include "soapfilm/surface/surface_field.h"
 
 namespace soapfilm {
 
-/// The labels, 1 inside, smoothed with the filter of section 4.1; values in [0, 1]. Its bricks are those within 4
-/// vertices of the interface. Beyond an open border it goes on as it is in front of it.
+/// The bricks within 4 vertices of the interface.
+BrickMask bricks_near_surface(const Labels& labels, const Context& context);
+
+/// The labels, 1 inside, smoothed with the filter of section 4.1; values in [0, 1]. Its bricks are
+/// bricks_near_surface(). Beyond an open border it goes on as it is in front of it.
 IndicatorField smoothed_indicator(const Labels& labels, const Context& context);
 /// The same on given bricks, of labels whose grid may be a part of their band: right where it holds the 26 around.
 IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const Context& context);
