@@ -106,17 +106,7 @@ void Regions::give_back(int level, const std::vector<Vec3i>& bricks) {
   }
 }
 
-BrickMask with_neighbors(const BrickMask& bricks) {
-  BrickMask wide = bricks;
-  bricks.for_each([&](Vec3i b) {
-    for (int slot = 0; slot < 27; ++slot)
-      if (const Vec3i n = b + slot_offset(slot); wide.contains(n)) wide.set(n);
-  });
-  return wide;
-}
-
-Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, double most_below,
-                     const Context& context) {
+Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context) {
   const auto placed = static_cast<size_t>(lattice.added);
   std::vector<BrickMask> finer(placed), asked(placed);
   LevelSamples level;
@@ -124,14 +114,15 @@ Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int le
     const Vec3i box = lattice.box(static_cast<int>(l)).bricks;
     finer[l - 1] = asked[l - 1] = BrickMask(box);
     if (l < placed) level = on_finer_level(l + 1 == placed ? samples : level, finer[l], box, context);
-    find_finer(l == placed ? samples : level, std::ldexp(1.0, static_cast<int>(l) - lattice.added),
-               most_below, context, finer[l - 1], asked[l - 1]);
+    find_finer(l == placed ? samples : level, std::ldexp(1.0, static_cast<int>(l) - lattice.added), most_spacing_below,
+               context, finer[l - 1], asked[l - 1]);
   }
   for (int l = 1; l <= levels; ++l) {
     const Vec3i box = lattice.box(lattice.added + l).bricks;
     level = on_next_level(l == 1 ? samples : level, box, context);
     BrickMask of_level(box), must(box);
-    if (!find_finer(level, std::ldexp(1.0, l), most_spacing, context, of_level, must)) break;  // no sample has this level
+    if (!find_finer(level, std::ldexp(1.0, l), most_spacing, context, of_level, must))
+      break;  // no sample has this level
     finer.push_back(std::move(of_level));
     asked.push_back(std::move(must));
   }

@@ -11,8 +11,9 @@
 
 namespace soapfilm {
 
-/// The rule: a place has a level where neighboring samples are at most this many of its voxels apart.
-inline constexpr double most_spacing = 2.0;
+/// The rule: a place has a level where neighboring samples are at most this many of its voxels apart; a level below the
+/// placed one where each voxel has a sample, as the default voxel has on average.
+inline constexpr double most_spacing = 2.0, most_spacing_below = 1.0;
 
 /// A level per place. Places that touch, also by an edge or a corner, differ by at most one level.
 class Regions {
@@ -69,14 +70,10 @@ class Regions {
 /// even.
 bool are_within(const LevelSamples& level, size_t brick, double voxel, double most);
 
-/// Bricks and those around them.
-BrickMask with_neighbors(const BrickMask& bricks);
-
 /// By the samples' spacing: level l - 1 has the bricks of level l where on a quarter of the area the spacing is at most
-/// most_spacing voxels of level l - 1; then of their neighbors those without samples, and those where it is at most
-/// twice as large; then what the balance asks for. `samples` are on the placed level, which is level lattice.added;
-/// `levels` at most are coarser.
-Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, double most_below,
-                     const Context& context);
+/// most_spacing (most_spacing_below) voxels of level l - 1; then of their neighbors those without samples, and those
+/// where it is at most 1.2 times as large; then what the balance asks for. `samples` are on the placed level, which is
+/// level lattice.added; `levels` at most are coarser.
+Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context);
 
 }  // namespace soapfilm

@@ -6,8 +6,8 @@
 
 namespace soapfilm {
 
-/// The labels of a level in some places, on all bricks near its surface, and on the bricks around these beyond the places
-/// those of the next coarser level: so the surface goes on where the places end.
+/// The labels of a level in some places, on all bricks near its surface, and on the bricks around these beyond the
+/// places those of the next coarser level: so the surface goes on where the places end.
 Labels with_surroundings(const Labels& fine, const Labels& coarse, const Context& context);
 
 }  // namespace soapfilm

@@ -16,7 +16,7 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t most_rays = 200000;
-constexpr double first_counted = 3;  // voxels from the sample
+constexpr double first_counted = 3;              // voxels from the sample
 constexpr double least_cube = 2, most_cube = 8;  // voxels: edge of the cubes in which triangles are looked up
 constexpr double cube_of_edges = 10;             // the same, in edges of these
 

@@ -92,4 +92,13 @@ BrickMask parents_of(const BrickGrid& children, Vec3i bricks, const Context& con
   return parents;
 }
 
+BrickMask with_neighbors(const BrickMask& bricks) {
+  BrickMask more(bricks.bricks());
+  bricks.for_each([&](Vec3i b) {
+    for (int slot = 0; slot < 27; ++slot)
+      if (const Vec3i next = b + slot_offset(slot); more.contains(next)) more.set(next);
+  });
+  return more;
+}
+
 }  // namespace soapfilm

@@ -110,4 +110,7 @@ void add_bricks(const BrickGrid& grid, BrickMask& mask);
 /// The bricks of the next coarser level, in a box of `bricks`, that have any of their 8 children in a grid.
 BrickMask parents_of(const BrickGrid& children, Vec3i bricks, const Context& context);
 
+/// Bricks and those around them, also by an edge or a corner.
+BrickMask with_neighbors(const BrickMask& bricks);
+
 }  // namespace soapfilm

@@ -177,8 +177,7 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, con
   }
   double voxel = is_given ? voxel_as_given(params, box) : grid.default_voxel;
   if (params.adapt && !params.anchor) {
-    grid.finer =
-        is_given ? levels_below(voxel, grid.default_voxel) : levels_below(voxel, surface, grid.noise);
+    grid.finer = is_given ? levels_below(voxel, grid.default_voxel) : levels_below(voxel, surface, grid.noise);
     if (is_given) voxel = std::ldexp(voxel, grid.finer);
   }
   try {

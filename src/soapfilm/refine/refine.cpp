@@ -185,7 +185,9 @@ void Refinement::fill_holes(Labels& labels) {
   std::vector<HoleSurface> holes = finder.holes_to_curve(report_.holes);
   if (params_.flat_among)
     holes.erase(std::remove_if(holes.begin(), holes.end(),
-                               [&](const HoleSurface& hole) { return is_mostly_among(*params_.flat_among, samples_.bricks, hole); }),
+                               [&](const HoleSurface& hole) {
+                                 return is_mostly_among(*params_.flat_among, samples_.bricks, hole);
+                               }),
                 holes.end());
   if (holes.empty()) return;
   chosen_ = choose(start_, samples_, params_, 1, part_of(context_, 0, until_chosen), report_.search);

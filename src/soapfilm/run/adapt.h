@@ -29,21 +29,6 @@ struct AdaptedSurface {
   std::vector<LevelReport> reports;    ///< of their solves, the finest last
 };
 
-/// What all levels have from the placed one.
-struct LevelTask {
-  const Grid& grid;
-  double lambda;
-  const ReconstructParams& params;
-  const RobustParams& robust;
-};
-
-/// Which levels places have by their samples; the levels below the placed one, where samples are dense, solved from
-/// it, the next finer one from each level; and those above it, where they are sparse, in the same way. Each continues
-/// what it comes from where its places end, and is moved onto its samples. Call before `placed` is freed; directions
-/// are those of the solve.
-AdaptedSurface find_other_surfaces(const LevelSamples& samples, const Level& placed, const LevelTask& task,
-                                   const Context& context);
-
 /// The surfaces as one mesh, that of the placed level among them; what levels have in others' places is dropped. Only
 /// the finer levels' are kept. Says in `details` how many leaves each level has. Throws EmptyResult.
 Mesh triangles_of(AdaptedSurface& adapted, Surface& placed, const Grid& grid, double lambda, ReportDetails& details,

@@ -284,6 +284,12 @@ void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, 
   check();
 }
 
+bool MemoryBudget::plan_beside(uint64_t bytes) {
+  if (plan_.fixed_bytes + plan_.solve.bytes + plan_.gap.bytes + bytes > room_.bytes) return false;
+  plan_.solve.bytes += bytes;
+  return true;
+}
+
 void MemoryBudget::plan_mesh(const Labels& labels, uint64_t faced_samples, const Context& context) {
   if (params_.method != Method::tv) return;
   constexpr uint64_t faced_bytes = 45;  // their places and a tree over them, and directions in addition to the views

@@ -106,6 +106,11 @@ class MemoryBudget {
   void plan_grid(const PointCloud& cloud, const Support& support);
   /// `user`, which also plans each level or graph of the solve as it begins; `data_bricks` are the data term's.
   PyramidObserver watch(PyramidObserver user, uint64_t data_bricks);
+  /// Plans so much in addition to the finest level of the solve, while that is there. Returns false, and plans nothing,
+  /// where it does not fit.
+  bool plan_beside(uint64_t bytes);
+  /// What limits the memory, for messages.
+  const char* room() const { return room_.what; }
   /// Call once the surface is known. `checked`: check_result() will follow on this mesh. `faced_samples`:
   /// those that trimming asks on which side they look.
   void plan_mesh(const Labels& labels, uint64_t faced_samples, const Context& context);

@@ -15,6 +15,7 @@
 #include "soapfilm/run/announce.h"
 #include "soapfilm/run/certify.h"
 #include "soapfilm/run/finish.h"
+#include "soapfilm/run/other_levels.h"
 #include "soapfilm/run/prepare.h"
 #include "soapfilm/run/run.h"
 #include "soapfilm/run/segment.h"
@@ -99,7 +100,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   if (!spacings.empty())
     adapted = trace.stage("adapt", [&] {
       return find_other_surfaces({samples, views, std::move(spacings)}, found.level,
-                                 {grid, lambda.value, params, experiment.robust}, context);
+                                 {grid, lambda.value, params, experiment.robust}, memory, trace, context);
     });
   if (adapted)
     details->solve.levels.insert(details->solve.levels.end(), adapted->reports.begin(), adapted->reports.end());

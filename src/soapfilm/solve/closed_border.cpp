@@ -30,7 +30,8 @@ Labels closed_at_border(const Labels& labels, const Context& context) {
   closed.places = labels.places;
   if (labels.places) {
     labels.places->for_each([&](Vec3i b) {
-      const bool ends = meant.contains(b) && !(meant.contains(b - Vec3i{1, 1, 1}) && meant.contains(b + Vec3i{1, 1, 1}));
+      const bool ends =
+          meant.contains(b) && !(meant.contains(b - Vec3i{1, 1, 1}) && meant.contains(b + Vec3i{1, 1, 1}));
       if (ends && labels.inside.test(labels.grid, b)) band.set(b);
     });
     closed.grid = BrickGrid(band, context);

@@ -20,16 +20,6 @@ constexpr double least_of_holes = 0.02, most_of_holes = 1;
 constexpr double noise_to_follow = 0.1;  // voxels; with less, the smallest smoothing
 constexpr double slope_of_curvature = 0.002;
 
-/// Bricks and those next to them.
-BrickMask with_neighbors(const BrickMask& bricks) {
-  BrickMask more(bricks.bricks());
-  bricks.for_each([&](Vec3i b) {
-    for (int slot = 0; slot < 27; ++slot)
-      if (const Vec3i next = b + slot_offset(slot); more.contains(next)) more.set(next);
-  });
-  return more;
-}
-
 void set_with_neighbors(BrickMask& bricks, Vec3i vertex) {
   for (int slot = 0; slot < 27; ++slot)
     if (const Vec3i b = brick_of(vertex) + slot_offset(slot); bricks.contains(b)) bricks.set(b);

@@ -15,9 +15,10 @@ namespace soapfilm {
 namespace {
 
 constexpr double most_refused = 0.06;  // by the topology, as a share of the vertices that change
-/// Of the vertices that change, in the last round: measured, bulges end at .005 or go on at .3, down to what lies below.
+/// Of the vertices that change, in the last round: measured, bulges end at .005 or go on at .3, down to what lies
+/// below.
 constexpr double most_moving = 0.1;
-constexpr double most_bulge = 0.5;     // volume over area^1.5 of a hole; half a ball on a disc: 0.376
+constexpr double most_bulge = 0.5;  // volume over area^1.5 of a hole; half a ball on a disc: 0.376
 
 using BrickRows = std::array<uint8_t, brick_area>;  // of a brick: one byte per row, bit x for vertex x
 
@@ -93,7 +94,7 @@ struct Outcome {
   double most = 0;                 // changes that the areas of the holes there allow
   bool fails() const {
     return static_cast<double>(moving) > most_moving * static_cast<double>(turned) ||
-           static_cast<double>(refused) > static_cast<double>(refused) > most_refused * static_cast<double>(turned) ||
+           static_cast<double>(refused) > most_refused * static_cast<double>(turned) ||
            static_cast<double>(turned) > most;
   }
 };

@@ -1,0 +1,204 @@
+#include "soapfilm/run/other_levels.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <list>
+#include <memory>
+#include <utility>
+
+#include "soapfilm/adapt/agreement.h"
+#include "soapfilm/adapt/surroundings.h"
+#include "soapfilm/core/context_state.h"
+#include "soapfilm/field/terms.h"
+#include "soapfilm/pyramid/solve_in_places.h"
+#include "soapfilm/run/segment.h"
+#include "soapfilm/run/surface.h"
+#include "soapfilm/solve/closed_border.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// The labels moved onto the samples of a level.
+DistanceField fitted(Labels labels, const LevelSamples& level, double density, const RefineSetup& how,
+                     const Context& context) {
+  if (labels.grid.size() == 0) return {};
+  GridSamples samples = level.samples;
+  if (!level.views.empty()) samples.direction = level.views;
+  FitReport report;
+  return refine(std::move(labels), samples, density, how, context, report);
+}
+
+/// The places in which a level is solved: those that it or finer ones have, and around them a brick of the next
+/// coarser one. There its surface is that of the coarser level, so its end is away from what the mesh takes of it.
+BrickMask places_of(const Regions& regions, int level, Vec3i bricks) {
+  BrickMask places(bricks);
+  with_neighbors(regions.finer(level + 1)).for_each([&](Vec3i parent) {
+    for (int k = 0; k < 8; ++k) places.set(child_of(parent, k));
+  });
+  return places;
+}
+
+/// The samples in these places, and a brick farther: so the data at their end is whole.
+LevelSamples samples_in(const BrickMask& places, const LevelSamples& coarser, Vec3i bricks, const Context& context) {
+  const Vec3i box{bricks.x / 2, bricks.y / 2, bricks.z / 2};
+  BrickMask parents(box);
+  places.for_each([&](Vec3i b) { parents.set(parent_of(b)); });
+  return on_finer_level(coarser, with_neighbors(parents), bricks, context);
+}
+
+/// What is found from level to level; `context` is silent.
+class OtherLevels {
+ public:
+  OtherLevels(const LevelSamples& samples, const Level& placed, const LevelTask& task, const Context& context,
+              AdaptedSurface& adapted)
+      : samples_(samples), placed_(placed), task_(task), context_(context), adapted_(adapted) {}
+
+  void find_finer(MemoryBudget& memory, Trace& trace);
+  void find_coarser(MemoryBudget& memory, Trace& trace);
+
+ private:
+  struct Finer {
+    Level level;
+    Labels labels;
+    LevelSamples samples;
+  };
+  bool add_finer(Finer& found, MemoryBudget& memory, Trace& trace);
+  Labels labels(const Level& level) const {
+    return labels_of(level, static_cast<float>(task_.params.surface.threshold), context_);
+  }
+  Labels closed(Labels labels) const { return labels.box.open ? closed_at_border(labels, context_) : labels; }
+
+  const LevelSamples& samples_;
+  const Level& placed_;
+  const LevelTask& task_;
+  const Context& context_;
+  AdaptedSurface& adapted_;
+};
+
+/// The levels below the placed one, the next finer one from each level. Those without places, or without memory, are
+/// not added.
+void OtherLevels::find_finer(MemoryBudget& memory, Trace& trace) {
+  Finer found;
+  const int planned = adapted_.lattice.added;
+  int added = 0;
+  while (added < planned && add_finer(found, memory, trace)) ++added;
+  adapted_.lattice = task_.grid.lattice.refined(added);
+  adapted_.regions = adapted_.regions.from(planned - added);
+}
+
+/// The next one. Returns false where there is none.
+bool OtherLevels::add_finer(Finer& found, MemoryBudget& memory, Trace& trace) {
+  constexpr double bricks_of_data = 1.5;  // of the band over those of its data, measured: .8 to 1.9
+  const bool first = adapted_.levels.empty();
+  const int l = adapted_.lattice.added - 1 - static_cast<int>(adapted_.levels.size());
+  const LevelBox box = adapted_.lattice.box(l);
+  const auto places = std::make_shared<const BrickMask>(places_of(adapted_.regions, l, box.bricks));
+  LevelSamples samples = samples_in(*places, first ? samples_ : found.samples, box.bricks, context_);
+  if (samples.samples.size() == 0) return false;
+  const SupportField field = data_field(samples.samples, box, context_);
+  const auto bricks = static_cast<uint64_t>(bricks_of_data * static_cast<double>(field.grid.size()));
+  if (!memory.plan_beside(level_bytes(bricks) + Refinement::bytes_of_level(bricks))) {
+    trace.warn(
+        fmt::format("no voxels of {:.4g} where samples are dense: they do not fit into {}; a larger --voxel has "
+                    "them where it can",
+                    adapted_.lattice.of_level(l).voxel, memory.room()));
+    return false;
+  }
+  LevelReport report;
+  Level level =
+      solve_in_places(first ? placed_ : found.level, box, places, field, task_.params.solve, context_, report);
+  report.level = -1 - static_cast<int>(adapted_.levels.size());
+  adapted_.reports.push_back(report);
+  found.labels = with_surroundings(labels(level), first ? labels(placed_) : found.labels, context_);
+  found.level = std::move(level);
+  RefineSetup how = refine_setup(task_.grid, task_.params, task_.robust);
+  how.holes = HoleFill::flat;
+  how.where = places.get();
+  // Their density is not known: where they have a sample in each voxel, it is enough.
+  adapted_.levels.insert(adapted_.levels.begin(), fitted(closed(found.labels), samples, 0, how, context_));
+  found.samples = samples;
+  if (!samples.views.empty()) samples.samples.direction = std::move(samples.views);
+  adapted_.in_places.insert(adapted_.in_places.begin(), std::move(samples.samples));
+  return true;
+}
+
+/// The places of a level and of coarser ones, and a brick around them, as far as a surface may be there: around the
+/// bricks of the finer level, and those of the level alone.
+BrickMask coarser_places_of(const Regions& regions, int level, const BrickGrid& fine, const BrickGrid& alone) {
+  BrickMask places(regions.finer(level).bricks());
+  const auto add = [&](Vec3i brick) {
+    if (!places.contains(brick)) return;
+    bool near = false;
+    for (int slot = 0; slot < 27; ++slot) near = near || !regions.is_finer(level, brick + slot_offset(slot));
+    if (near) places.set(brick);
+  };
+  const auto add_around = [&](Vec3i brick) {
+    for (int slot = 0; slot < 27; ++slot) add(brick + slot_offset(slot));
+  };
+  for (size_t b = 0; b < fine.size(); ++b) add_around(parent_of(fine.coord(b)));
+  for (size_t b = 0; b < alone.size(); ++b) add_around(alone.coord(b));
+  return places;
+}
+
+/// The levels above the placed one, the next coarser one from each level; those that still have a surface.
+void OtherLevels::find_coarser(MemoryBudget& memory, Trace& trace) {
+  const int base = adapted_.lattice.added;
+  adapted_.levels.emplace_back();  // the placed one comes later
+  const uint64_t bricks = placed_.grid.size() / 4;
+  if (adapted_.regions.coarsest() > base &&
+      !memory.plan_beside(2 * level_bytes(bricks) + Refinement::bytes_of_level(bricks))) {
+    trace.warn(fmt::format("no larger voxels where samples are sparse: they do not fit into {}", memory.room()));
+    adapted_.regions = adapted_.regions.up_to(base);
+  }
+  std::vector<std::vector<Vec3i>> off(static_cast<size_t>(base) + 1);  // bricks that a level's surface misses
+  Level solved;
+  LevelSamples samples;
+  std::list<SupportField> fields;  // the levels refer to them
+  for (int l = base + 1; l <= adapted_.regions.coarsest(); ++l) {
+    Grid grid = task_.grid;
+    grid.lattice = task_.grid.lattice.of_level(l - base);
+    grid.density *= face_area(l - base);
+    const LevelBox box = adapted_.lattice.box(l);
+    samples = on_next_level(l == base + 1 ? samples_ : samples, box.bricks, context_);
+    const SupportField& field = fields.emplace_back(data_field(samples.samples, grid.lattice.box(0), context_));
+    const Level& fine = l == base + 1 ? placed_ : solved;
+    const Segmentation alone =
+        segment(grid.lattice, field, samples.samples, task_.lambda * face_area(l - base), task_.params, {}, context_);
+    const BrickMask places = coarser_places_of(adapted_.regions, l, fine.grid, alone.level.grid);
+    LevelReport report;
+    solved = solve_coarser_in_places(fine, alone.level, box, places, field, task_.params.solve, context_, report);
+    Labels of_level = closed(labels(solved));
+    Trace quiet(context_);
+    drop_unsupported(of_level, samples.samples, grid, task_.params, quiet, context_);
+    RefineSetup how = refine_setup(grid, task_.params, task_.robust);
+    how.flat_among = &adapted_.regions.asked(l);  // such holes are those of finer levels
+    DistanceField surface = fitted(std::move(of_level), samples, grid.density, how, context_);
+    if (surface.grid.size() == 0) {  // too coarse to have a surface
+      adapted_.regions = adapted_.regions.up_to(l - 1);
+      break;
+    }
+    off.push_back(misfits(samples, l - base, surface, context_));
+    adapted_.levels.push_back(std::move(surface));
+  }
+  for (int l = adapted_.regions.coarsest(); l > base; --l) adapted_.regions.refine(l, off[static_cast<size_t>(l)]);
+}
+
+}  // namespace
+
+AdaptedSurface find_other_surfaces(const LevelSamples& samples, const Level& placed, const LevelTask& task,
+                                   MemoryBudget& memory, Trace& trace, const Context& context) {
+  AdaptedSurface adapted;
+  adapted.lattice = task.grid.lattice.refined(task.grid.finer);
+  adapted.regions = find_regions(samples, adapted.lattice, task.grid.lattice.levels - 1, context);
+  const Context quiet = silenced(context);
+  OtherLevels levels(samples, placed, task, quiet, adapted);
+  levels.find_finer(memory, trace);
+  context.progress().advance(0.6, "coarser levels");
+  levels.find_coarser(memory, trace);
+  return adapted;
+}
+
+}  // namespace soapfilm

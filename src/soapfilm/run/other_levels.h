@@ -1,0 +1,30 @@
+// The levels around the placed one, where samples are dense or sparse: their solves and surfaces.
+#pragma once
+
+#include "soapfilm/adapt/level_samples.h"
+#include "soapfilm/context.h"
+#include "soapfilm/params.h"
+#include "soapfilm/place/place.h"
+#include "soapfilm/run/adapt.h"
+#include "soapfilm/run/memory_plan.h"
+#include "soapfilm/run/trace.h"
+#include "soapfilm/solve/level.h"
+
+namespace soapfilm {
+
+/// What all levels have from the placed one.
+struct LevelTask {
+  const Grid& grid;
+  double lambda;
+  const ReconstructParams& params;
+  const RobustParams& robust;
+};
+
+/// Which levels places have by their samples; the levels below the placed one, where samples are dense, solved from
+/// it, the next finer one from each level; and those above it, where they are sparse, in the same way. Each continues
+/// what it comes from where its places end, and is moved onto its samples. Call before `placed` is freed; directions
+/// are those of the solve. Levels that do not fit into the memory are left out, with a warning.
+AdaptedSurface find_other_surfaces(const LevelSamples& samples, const Level& placed, const LevelTask& task,
+                                   MemoryBudget& memory, Trace& trace, const Context& context);
+
+}  // namespace soapfilm
