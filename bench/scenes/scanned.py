@@ -86,6 +86,23 @@ def facade(kit):
     return kit.scan("facade", "--noise", 0.005, "--image", "900x150")
 
 
+def carved_face():
+    """The face of a stone 1.5 m from the scanner: waves 5 cm long and 6 mm high, crosswise."""
+    x, z = np.meshgrid(np.linspace(-0.6, 0.6, 481), np.linspace(0, 1.2, 481), indexing="ij")
+    waves = 0.006 * np.sin(2 * np.pi * x / 0.05) * np.sin(2 * np.pi * z / 0.05)
+    return geometry.grid_mesh(np.stack([x, 1.5 - waves, z], axis=2))
+
+
+def carved(kit):
+    """A carved stone beside the scanner, on a floor out to 20 m; its face alone is face.ply."""
+    face = carved_face()
+    geometry.write_mesh(kit.folder / "face.ply", face)
+    floor = rectangle((-20, -20, 0), (40, 0, 0), (0, 40, 0))
+    stone = block((-0.6, 1.51, 0), (0.6, 1.9, 1.2), ("-z", "-y"))
+    return kit.scan("carved.ply", "--rays", "spinning", "--position=0,0,1", "--image", "2400x500", "--span=-50,30",
+                    "--noise", 0.0005, "--max-range", 25, "--max-incidence", 89, mesh=joined(floor, stone, face))
+
+
 def standstill(kit):
     """A robot with 16 rings stands for 60 sweeps, then drives 24 m along a corridor."""
     corridor = joined(turned(block((-4, -1.5, 0), (30, 1.5, 2.5))), block((10, 0.8, 0), (11, 1.5, 2), ("-z", "+y")),
