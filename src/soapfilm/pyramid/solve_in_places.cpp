@@ -53,10 +53,8 @@ void solve(Level& level, PrimalDualParams params, const Patience& patience, cons
 /// fluxes that are fixed, and known as well as the coarser level was solved, it would turn to where they let it.
 class Pull {
  public:
-  Pull(const SupportField& support, const LevelBox& box) : support_(support), near_(box.bricks) {
-    add_bricks(support.grid, near_);
-    near_ = with_neighbors(near_);
-  }
+  /// `free`: the bricks without the pull.
+  Pull(const SupportField& support, BrickMask free) : support_(support), free_(std::move(free)) {}
 
   /// The level refers to this data from here on.
   void on(Level& level, const Context& context) {
@@ -84,10 +82,10 @@ class Pull {
 
  private:
   bool pulls(const Level& level, Vec3i brick) const {
-    if (!near_.test(brick)) return true;
+    if (!free_.test(brick)) return true;
     for (int slot = 0; slot < 27; ++slot) {
       const Vec3i beside = brick + slot_offset(slot);
-      if (near_.contains(beside) && !level.covers(beside)) return true;
+      if (free_.contains(beside) && !level.covers(beside)) return true;
     }
     return false;
   }
@@ -98,7 +96,7 @@ class Pull {
   }
 
   const SupportField& support_;
-  BrickMask near_;  // the data's bricks, and those around them
+  BrickMask free_;
   SupportField field_;
 };
 
@@ -121,7 +119,9 @@ Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<
                       LevelReport& report) {
   constexpr Patience patience{64, 32, 6};
   BrickMask band = choose_band_in(*places, coarse, box, support, context);
-  Pull pull(support, box);
+  BrickMask data(box.bricks);
+  add_bricks(support.grid, data);
+  Pull pull(support, with_neighbors(data));
   const auto prolonged = [&](Level* previous) {
     Level level = prolong_in_places(coarse, box, band, places, support, context, previous);
     pull.on(level, context);
@@ -150,11 +150,14 @@ Level solve_coarser_in_places(const Level& fine, const Level& alone, const Level
   };
   add(support.grid);
   add(alone.grid);
+  const BrickMask around = with_neighbors(places);
+  Pull pull(support, places);
   const auto joined = [&](const Level& state) {
     Level level = restrict_level(fine, box, band, support, context);
     take(state, places, level, context);
     level.held.resize(level.grid.size());
-    for (size_t b = 0; b < level.grid.size(); ++b) level.held[b] = !places.test(level.grid.coord(b));
+    for (size_t b = 0; b < level.grid.size(); ++b) level.held[b] = !around.test(level.grid.coord(b));
+    pull.on(level, context);
     return level;
   };
   Level level = joined(alone);
@@ -171,6 +174,7 @@ Level solve_coarser_in_places(const Level& fine, const Level& alone, const Level
         band |= grown;
         level = joined(level);
       });
+  pull.off(level);
   return level;
 }
 
