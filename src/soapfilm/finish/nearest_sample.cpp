@@ -29,6 +29,26 @@ void for_each_of_shell(Vec3i center, int r, Visit&& visit) {
     }
 }
 
+/// Makes best2 the square of the distance to the brick's nearest sample, if that is smaller, or one of at most enough2.
+/// Its samples are sorted along z: from the place's height up and down.
+void search(const GridSamples& samples, size_t brick, Vec3d place, double enough2, double& best2) {
+  const auto begin = samples.local.begin() + samples.begin[brick],
+             end = samples.local.begin() + samples.begin[brick + 1];
+  const auto is_below = [](Vec3f sample, double z) { return double{sample.z} < z; };
+  auto up = std::lower_bound(begin, end, place.z, is_below), down = up;
+  // False where the samples on this side are too far above or below.
+  const auto take = [&](Vec3f sample) {
+    const Vec3d d = Vec3d(sample) - place;
+    if (d.z * d.z >= best2) return false;
+    best2 = std::min(best2, dot(d, d));
+    return true;
+  };
+  for (bool go_up = true, go_down = true; (go_up || go_down) && best2 > enough2;) {
+    go_up = go_up && up != end && take(*up++);
+    go_down = go_down && best2 > enough2 && down != begin && take(*--down);
+  }
+}
+
 }  // namespace
 
 double distance_to_samples(const GridSamples& samples, Vec3d place, double enough, double limit) {
@@ -42,12 +62,7 @@ double distance_to_samples(const GridSamples& samples, Vec3d place, double enoug
       if (best2 <= enough2 || to_brick2(place, brick) >= best2) return;
       const int32_t b = samples.bricks.find(brick);
       if (b < 0) return;
-      const auto slot = static_cast<size_t>(b);
-      const Vec3d from = place - Vec3d(brick * brick_side);
-      for (uint32_t s = samples.begin[slot]; s < samples.begin[slot + 1] && best2 > enough2; ++s) {
-        const Vec3d d = Vec3d(samples.local[s]) - from;
-        best2 = std::min(best2, dot(d, d));
-      }
+      search(samples, static_cast<size_t>(b), place - Vec3d(brick * brick_side), enough2, best2);
     });
   }
   return std::max(std::sqrt(best2), enough);
