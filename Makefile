@@ -5,7 +5,7 @@ JOBS := $(shell nproc)
 CONFIGURE :=
 SOURCES = find include src tools cli tests fuzz examples bench bindings web -name '*.h' -o -name '*.cpp'
 
-.PHONY: help build demo test test-python wheel-portable test-wheel notebook fuzz docs test-docs web web-demo bench paper accuracy scenes gallery deb test-deb format format-check tidy clean
+.PHONY: help build demo test test-python wheel-portable test-wheel notebook fuzz docs test-docs web web-demo bench paper accuracy scenes adapt gallery deb test-deb format format-check tidy clean
 .SUFFIXES:
 
 help: ## list the targets
@@ -87,6 +87,9 @@ accuracy: build-release packages-accuracy ## errors against the truth, beside pe
 
 scenes: build-release packages-scenes ## scenes as people scan them, beside a peer, to docs/scenes/ (SOAPFILM_DATA: as above)
 	/usr/bin/python3 -B bench/scenes/scenes.py build/release/bin out/scenes docs/scenes --jobs $(JOBS)
+
+adapt: build-release packages-scenes ## scenes with one voxel and with levels that adapt, to docs/notes/adapt.md
+	/usr/bin/python3 -B bench/scenes/adapt.py build/release/bin out/adapt docs/notes/adapt.md
 
 gallery: build-release packages-scenes ## the gallery of real scans, to docs/gallery/ and pages to turn to out/gallery/ (SOAPFILM_DATA: as above)
 	/usr/bin/python3 -B docs/gallery/gallery.py build/release/bin/soapfilm out/gallery-work docs/gallery out/gallery

@@ -12,14 +12,15 @@ from pathlib import Path
 sys.path.append(str(Path(__file__).resolve().parent.parent))  # of lab.py
 
 import scanned
-from catalog import SCENES, Scene
+from catalog import SCENES
 from kit import Kit
 from lab import USAGE, commit, machine
 
 HERE = Path(__file__).resolve().parent
-CARVED = Scene("carved", "a carved stone 1.5 m from the scanner, a floor out to 20 m", scanned.carved, 0.05, open=True)
 DENSITY = "density1000"
-NAMES = (DENSITY, "carved", "yard", "street", "falloff", "depth_image", "room_inside", "facade", "sweep_16",
+WAVES = {"carved": 0.3, "carved_finely": 0.05}  # meters
+VOXEL = {"carved_finely": 0.005}  # of the run with --adapt on, where it is given
+NAMES = (DENSITY, *WAVES, "yard", "street", "falloff", "depth_image", "room_inside", "facade", "sweep_16",
          "sweep_64_slope", "sweep_128_hollow")
 
 
@@ -51,8 +52,8 @@ class Trial:
             folder.mkdir(parents=True, exist_ok=True)
             subprocess.run([sys.executable, HERE.parents[1] / "docs/guide/sparse.py", folder / "input.xyz"], check=True)
             return folder, ["input.xyz"], ["sphere", "--size", 2]
-        scene = CARVED if name == CARVED.name else next(s for s in SCENES if s.name == name)
-        scan = scene.make(Kit(folder, self.run))
+        make = scanned.carved(WAVES[name]) if name in WAVES else next(s for s in SCENES if s.name == name).make
+        scan = make(Kit(folder, self.run))
         return folder, scan.inputs, [folder / scan.truth]
 
     def evaluated(self, mesh, truth):
@@ -60,14 +61,14 @@ class Trial:
         self.run("evaluate", mesh, "--truth", *truth, "--json", out)
         return json.loads(out.read_text())
 
-    def figures(self, folder, inputs, truth, adapt, voxel=None):
+    def figures(self, folder, inputs, truth, adapt, unit=None, voxel=None):
         mesh = folder / f"{adapt}.ply"
         used, report = mesh.with_suffix(".used"), mesh.with_suffix(".json")
         words = [sys.executable, USAGE, used, self.program, "reconstruct", *(folder / i for i in inputs), "-o", mesh,
-                 "--adapt", adapt, "--report", report, "--threads", 1]
+                 "--adapt", adapt, "--report", report, "--threads", 1, *(["--voxel", voxel] if voxel else [])]
         subprocess.run(list(map(str, words)), check=True, capture_output=True)
         r, j = json.loads(report.read_text()), self.evaluated(mesh, truth)
-        unit = voxel or r["grid"]["voxel"]
+        unit = unit or r["grid"]["voxel"]
         face = folder / "face.ply"
         return Figures(unit, j["mesh_to_truth"]["distance"]["mean"] / unit,
                        j["truth_to_mesh"]["distance"]["mean"] / unit, j["mesh_to_truth"]["normal_angle_deg"]["mean"],
@@ -78,7 +79,7 @@ class Trial:
     def row(self, name):
         folder, inputs, truth = self.made(name)
         off = self.figures(folder, inputs, truth, "off")
-        on = self.figures(folder, inputs, truth, "on", off.voxel)
+        on = self.figures(folder, inputs, truth, "on", off.voxel, VOXEL.get(name))
         both = lambda form, key: " / ".join(format(getattr(f, key), form) for f in (off, on))
         face = "" if off.face is None else f"; its face {off.face:.3f} / {on.face:.3f}"
         return (f"| {name} | {both('.3f', 'to_truth')} | {both('.3f', 'from_truth')}{face} | {both('.1f', 'normals')} | "
@@ -89,9 +90,9 @@ class Trial:
 HEAD = """# Levels that adapt, measured
 
 `make adapt`: scenes of [the scenes' page](../scenes/README.md), `density1000` of the guide's
-[page](../guide/sparse.md), and `carved`, a stone with waves of 5 cm 1.5 m from the scanner on a floor out to 20 m. Each
-pair is `--adapt off` / `--adapt on`; distances are means in voxels of the run without. Truth that no scanner saw counts
-in the third column.
+[page](../guide/sparse.md), and a stone 1.5 m from the scanner, on a floor out to 20 m: `carved` with waves of 30 cm,
+`carved_finely` of 5 cm, with `--voxel 0.005` where levels adapt. Each pair is `--adapt off` / `--adapt on`; distances are
+means in voxels of the run without. Truth that no scanner saw counts in the third column.
 
 | scene | mesh to truth | truth to mesh | normals, degrees | samples lost | parts | triangles | CPU |
 |---|---|---|---|---|---|---|---|

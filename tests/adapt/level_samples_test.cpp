@@ -34,5 +34,29 @@ TEST(LevelSamples, KeepTheirPlacesAndWhatTheyCarry) {
       ASSERT_LT(coarse.spacing[k - 1], coarse.spacing[k]);
 }
 
+/// To the finer level and back: the same places, only of the bricks asked for.
+TEST(LevelSamples, OnTheFinerLevelTheyAreTheSame) {
+  const PointCloud cloud = sampled("knot", 60, 1);
+  const Problem problem = make_problem(cloud, 60);
+  LevelSamples samples{problem.samples, problem.samples.direction, {}};
+  for (size_t s = 0; s < samples.samples.size(); ++s) samples.spacing.push_back(static_cast<float>(s));
+  const GridSamples& placed = samples.samples;
+  BrickMask some(placed.bricks.bricks());
+  size_t expected = 0;
+  for (size_t b = 0; b < placed.bricks.size(); b += 2) {
+    some.set(placed.bricks.coord(b));
+    expected += placed.begin[b + 1] - placed.begin[b];
+  }
+  const Lattice refined = problem.lattice.refined(1);
+  const LevelSamples fine = on_finer_level(samples, some, refined.box(0).bricks, one_thread);
+  ASSERT_EQ(fine.samples.size(), expected);
+  const std::vector<Vec3d> before = lattice_positions(placed), after = lattice_positions(fine.samples);
+  for (size_t k = 0; k < after.size(); ++k) {
+    const auto s = static_cast<size_t>(fine.spacing[k]);
+    EXPECT_LT(norm(refined.to_world(after[k]) - problem.lattice.to_world(before[s])), 1e-5 * problem.lattice.voxel);
+    EXPECT_EQ(fine.views[k], samples.views[s]);
+  }
+}
+
 }  // namespace TEST_FILE
 }  // namespace soapfilm

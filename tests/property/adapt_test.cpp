@@ -12,6 +12,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/details.h"
 #include "support/sanitized.h"
 #include "tools/mesh/self_intersection.h"
 
@@ -31,6 +32,8 @@ PointCloud uneven_ball(size_t samples, double decades) {
   }
   return cloud;
 }
+
+double carved_radius(Vec3d p) { return 1 + 0.012 * std::sin(40 * p.x) * std::sin(40 * p.y); }
 
 struct Errors {
   double mean = 0, most = 0;  ///< of the vertices, voxels
@@ -94,9 +97,12 @@ TEST(Adapt, LevelsAndSpacingsAreOnTheVertices) {
   const Reconstruction result = reconstructed(cloud, true);
   const Mesh& mesh = result.mesh;
   const std::vector<float>&levels = attribute(mesh, "level"), &spacings = attribute(mesh, "spacing");
-  EXPECT_LT(mean_over(mesh, levels, 0.9, 2), 0.1);
-  EXPECT_GT(mean_over(mesh, levels, -2, -0.9), 0.9);
-  std::vector<double> lengths(4), counts(4);
+  const double finest = *std::min_element(levels.begin(), levels.end());
+  EXPECT_EQ(finest, 0);
+  EXPECT_LT(mean_over(mesh, levels, 0.9, 2), 0.6);
+  EXPECT_GT(mean_over(mesh, levels, -2, -0.9), mean_over(mesh, levels, 0.9, 2) + 0.9);
+  const double voxel = result.report.details->leaf_voxel;
+  std::vector<double> lengths(5), counts(5);
   for (const Triangle& t : mesh.triangles)
     for (size_t k = 0; k < 3; ++k) {
       const uint32_t a = t[k], b = t[(k + 1) % 3];
@@ -107,7 +113,7 @@ TEST(Adapt, LevelsAndSpacingsAreOnTheVertices) {
   for (size_t l = 0; l < counts.size(); ++l) {
     if (counts[l] < 100) continue;
     SCOPED_TRACE(l);
-    EXPECT_NEAR(lengths[l] / counts[l] / (result.report.grid.voxel * std::ldexp(1, static_cast<int>(l))), 0.85, 0.25);
+    EXPECT_NEAR(lengths[l] / counts[l] / std::ldexp(voxel, static_cast<int>(l)), 0.85, 0.25);
   }
   const double ratio = mean_over(mesh, spacings, -0.8, -0.6) / mean_over(mesh, spacings, 0.6, 0.8);
   const double expected = std::pow(10, decades * 1.4 / 2 / 2);  // from 0.7 to -0.7; spacing is area^(1/2)
@@ -129,6 +135,85 @@ TEST(Adapt, AnEvenBallHasOneLevel) {
   const Errors even = errors_of(reconstructed(cloud, false)), adapted = errors_of(reconstructed(cloud, true));
   EXPECT_NEAR(adapted.mean, even.mean, 0.1 * even.mean);
   EXPECT_NEAR(adapted.most, even.most, 0.3 * even.most);
+}
+
+/// A unit ball with waves on its upper pole, where samples are 400 times denser than elsewhere.
+PointCloud carved_ball(size_t samples) {
+  Random random(2);
+  PointCloud cloud;
+  while (cloud.size() < samples) {
+    const Vec3d p = normalized(Vec3d{random.normal(), random.normal(), random.normal()});
+    const bool carved = p.z > 0.94;
+    if (!carved && random.uniform() > 1.0 / 400) continue;
+    cloud.positions.push_back(p * (carved ? carved_radius(p) : 1.0));
+    cloud.normals.push_back(Vec3f(p));  // roughly
+  }
+  return cloud;
+}
+
+struct Carving {
+  double mean = 0;  ///< distance of its vertices from the waves along the radius
+  size_t vertices = 0;
+};
+Carving carving_of(const Mesh& mesh) {
+  Carving found;
+  for (const Vec3d v : mesh.vertices) {
+    const Vec3d p = normalized(v);
+    if (p.z < 0.96) continue;
+    found.mean += std::abs(norm(v) - carved_radius(p));
+    ++found.vertices;
+  }
+  found.mean /= static_cast<double>(found.vertices);
+  return found;
+}
+
+/// Where samples are dense voxels are finer than the one that suits the whole: detail there, at little cost.
+TEST(Adapt, DenseSamplesGetFinerVoxels) {
+  const PointCloud cloud = carved_ball(40000);
+  const Reconstruction even = reconstructed(cloud, false), adapted = reconstructed(cloud, true);
+  const Carving before = carving_of(even.mesh), after = carving_of(adapted.mesh);
+  EXPECT_LT(after.mean, 0.5 * before.mean);
+  EXPECT_LT(adapted.report.details->leaf_voxel, 0.6 * even.report.grid.voxel);
+  EXPECT_LT(adapted.mesh.vertices.size() - after.vertices, 2 * (even.mesh.vertices.size() - before.vertices));
+  const TopologyReport topology = check_topology(adapted.mesh);
+  EXPECT_TRUE(topology.closed() && topology.manifold());
+  EXPECT_EQ(topology.components.size(), 1u);
+  EXPECT_EQ(topology.genus(), 0);
+  EXPECT_EQ(count_self_intersections(adapted.mesh, Context(1)), 0u);
+}
+
+/// A given voxel is the finest one: the grid has a multiple of it, and cells are as small as asked for.
+TEST(Adapt, AGivenVoxelIsTheFinestOne) {
+  const PointCloud cloud = carved_ball(40000);
+  const double chosen = reconstructed(cloud, false).report.grid.voxel;
+  ReconstructParams params;
+  params.place.adapt = true;
+  params.place.voxel = chosen / 4;
+  const Reconstruction result = reconstruct(cloud, params, Context(2));
+  EXPECT_NEAR(result.report.grid.voxel, chosen, 0.01 * chosen);
+  EXPECT_NEAR(std::log2(result.report.grid.voxel / result.report.details->leaf_voxel),
+              std::round(std::log2(result.report.grid.voxel / result.report.details->leaf_voxel)), 1e-9);
+  EXPECT_LE(result.report.details->leaf_voxel, 0.3 * chosen);
+  EXPECT_TRUE(check_topology(result.mesh).closed());
+}
+
+/// Finer levels that do not fit are left out, and the run says so.
+TEST(Adapt, WithoutMemoryItStaysCoarse) {
+  const PointCloud cloud = carved_ball(40000);
+  ReconstructParams params;
+  params.place.adapt = true;
+  const Reconstruction whole = reconstruct(cloud, params, Context(1));
+  params.place.adapt = false;
+  const Reconstruction even = reconstruct(cloud, params, Context(1));
+  params.place.adapt = true;
+  params.place.voxel = whole.report.grid.voxel / 32;
+  Context small(1);
+  small.limit_memory(even.report.planned_bytes + (size_t{12} << 20));
+  const Reconstruction result = reconstruct(cloud, params, small);
+  const std::vector<std::string>& warnings = result.report.warnings;
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& text) {
+    return text.find("where samples are dense: they do not fit into --memory") != std::string::npos;
+  }));
 }
 
 TEST(Adapt, NeedsDistances) {

@@ -54,6 +54,7 @@ Mesh triangles_of(AdaptedSurface& surface, Surface& placed, const Grid& grid, do
   const auto own = static_cast<size_t>(surface.lattice.added);
   surface.levels[own] = std::move(std::get<DistanceField>(placed.field));
   give_back_disagreement(surface.regions, surface.levels, context);
+  details.leaf_voxel = surface.lattice.voxel;
   LeafField leaves = join_levels(surface.regions, surface.levels, surface.lattice, context);
   std::vector<const BrickGrid*> grids;
   std::vector<const Field<float>*> distances;
@@ -114,7 +115,7 @@ void carry_levels(const AdaptedSurface& adapted, const Context& context, Mesh& m
   mesh.attributes.push_back({name, std::move(levels), true});
 }
 
-void announce_levels(const ReportDetails& details, double finest, Trace& trace) {
+void announce_levels(const ReportDetails& details, Trace& trace) {
   if (details.leaves.empty()) {
     trace.info("levels: one everywhere, as the samples are about as dense everywhere");
     return;
@@ -124,7 +125,8 @@ void announce_levels(const ReportDetails& details, double finest, Trace& trace) 
   std::string shares;
   for (size_t l = 0; l < details.leaves.size(); ++l)
     shares += fmt::format("{}{:.0f} % with a voxel of {:.4g}", l == 0 ? "" : ", ",
-                          100 * static_cast<double>(details.leaves[l]) / all, std::ldexp(finest, static_cast<int>(l)));
+                          100 * static_cast<double>(details.leaves[l]) / all,
+                          std::ldexp(details.leaf_voxel, static_cast<int>(l)));
   trace.info(fmt::format("levels: {:.0f} cells around the surface, {}", all, shares));
 }
 

@@ -30,7 +30,7 @@ struct AdaptedSurface {
 };
 
 /// The surfaces as one mesh, that of the placed level among them; what levels have in others' places is dropped. Only
-/// the finer levels' are kept. Says in `details` how many leaves each level has. Throws EmptyResult.
+/// the finer levels' are kept. Says in `details` how many leaves each level has, and how large. Throws EmptyResult.
 Mesh triangles_of(AdaptedSurface& adapted, Surface& placed, const Grid& grid, double lambda, ReportDetails& details,
                   const Context& context);
 
@@ -47,7 +47,7 @@ void add_spacing(SampleAttributes& attributes, const std::vector<float>& spacing
 /// the mesh has an attribute of that name.
 void carry_levels(const AdaptedSurface& adapted, const Context& context, Mesh& mesh);
 
-/// Says which levels there are. `finest`: its voxel.
-void announce_levels(const ReportDetails& details, double finest, Trace& trace);
+/// Says which levels there are.
+void announce_levels(const ReportDetails& details, Trace& trace);
 
 }  // namespace soapfilm

@@ -32,6 +32,7 @@ struct ReportDetails {
   std::optional<VolumeInterval> volumes;  ///< when asked for
   std::optional<FitReport> refine;        ///< when the surface was moved onto the samples
   std::vector<size_t> leaves;             ///< where levels adapt and there are several: of each, the finest first
+  double leaf_voxel = 0;                  ///< of these, input units; 0: there are none
 };
 
 }  // namespace soapfilm

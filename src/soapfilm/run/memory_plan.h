@@ -106,8 +106,8 @@ class MemoryBudget {
   void plan_grid(const PointCloud& cloud, const Support& support);
   /// `user`, which also plans each level or graph of the solve as it begins; `data_bricks` are the data term's.
   PyramidObserver watch(PyramidObserver user, uint64_t data_bricks);
-  /// Plans so much in addition to the finest level of the solve, while that is there. Returns false, and plans nothing,
-  /// where it does not fit.
+  /// Plans so much in addition to the solve, while its finest level is there; the largest of several calls counts.
+  /// Returns false, and plans nothing, where it does not fit.
   bool plan_beside(uint64_t bytes);
   /// What limits the memory, for messages.
   const char* room() const { return room_.what; }
@@ -132,6 +132,7 @@ class MemoryBudget {
   Lattice lattice_;
   double area_ = 0;  ///< of the surface, voxel^2
   MemoryPlan plan_;
+  uint64_t solve_alone_ = 0;  ///< of plan_.solve, without plan_beside()
   uint64_t first_ = 0;
 };
 

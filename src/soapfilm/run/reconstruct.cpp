@@ -99,8 +99,12 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   std::optional<AdaptedSurface> adapted;
   if (!spacings.empty())
     adapted = trace.stage("adapt", [&] {
-      return find_other_surfaces({samples, views, std::move(spacings)}, found.level,
-                                 {grid, lambda.value, params, experiment.robust}, memory, trace, context);
+      LevelSamples own{std::move(samples), std::move(views), std::move(spacings)};
+      AdaptedSurface others = find_other_surfaces(own, found.level, {grid, lambda.value, params, experiment.robust},
+                                                  memory, trace, context);
+      samples = std::move(own.samples);
+      views = std::move(own.views);
+      return others;
     });
   if (adapted)
     details->solve.levels.insert(details->solve.levels.end(), adapted->reports.begin(), adapted->reports.end());
@@ -136,7 +140,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     return adapted ? triangles_of(*adapted, surface, grid, lambda.value, *details, context)
                    : triangles_of(surface, grid.lattice, lambda.value, context);
   });
-  if (adapted) announce_levels(*details, adapted->lattice.voxel, trace);
+  if (adapted) announce_levels(*details, trace);
   pages.reset();
 
   // Where the surface is curved, triangles as large as a voxel are too coarse: edges are split, vertices moved. Those

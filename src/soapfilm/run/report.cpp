@@ -69,7 +69,8 @@ ordered_json grid_json(const ReconstructReport& report) {
           {"padding", lattice.padding},
           {"inside", report.certificate.inside},
           {"levels", levels},
-          {"leaves", report.details->leaves}};
+          {"leaves", report.details->leaves},
+          {"leaf_voxel", report.details->leaves.empty() ? ordered_json() : ordered_json(report.details->leaf_voxel)}};
 }
 
 /// Methods without a dual prove no bound: only their energies are reported. vrip has none.
