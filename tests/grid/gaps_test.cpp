@@ -105,6 +105,23 @@ TEST_P(RandomGaps, TakeTheirSideFromABrickThatIsMeant) {
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomGaps, testing::Range(uint64_t{1}, uint64_t{25}));
 
 /// What a grid costs does not depend on how far apart its bricks are.
+TEST(GapSides, CanBeByBrick) {
+  const Vec3i box{4, 4, 4};
+  BrickMask active(box), inside(box);
+  active.set({1, 1, 1});
+  inside.set({1, 1, 1});  // has values: does not count
+  inside.set({2, 1, 1});
+  inside.set({3, 3, 3});
+  const BrickGrid grid(active, Context(1));
+  const GapSides sides(inside);
+  EXPECT_TRUE(sides.are_by_brick());
+  EXPECT_TRUE(sides.test(grid, {2, 1, 1}));
+  EXPECT_FALSE(sides.test(grid, {1, 1, 1}));
+  EXPECT_FALSE(sides.test(grid, {1, 2, 1})) << "the same gap, another side";
+  EXPECT_FALSE(sides.test(grid, {4, 1, 1})) << "beyond the box";
+  EXPECT_EQ(sides.count(grid), 2u * brick_volume);
+}
+
 TEST(BrickGrid, OfFarBricksCostsWhatThatOfNearOnesDoes) {
   const int far = 1 << 25;
   const auto grid_at = [&](Vec3i place, Vec3i box) {

@@ -166,6 +166,35 @@ TEST(Lattice, ALevelOfItsOwnLiesWhereItsChildrenAre) {
   EXPECT_EQ(lattice.of_level(0).size, lattice.size);
 }
 
+/// Levels added below: the same places, the same boxes from the placed level on, and below it their children.
+TEST(Lattice, LevelsCanBeAddedBelow) {
+  for (const bool open : {false, true}) {
+    Lattice placed = place_lattice({{1, 2, 3}, {2.3, 2.9, 4}}, 0.013, 6);
+    placed.open = open;
+    const Lattice refined = placed.refined(2);
+    EXPECT_EQ(refined.added, 2);
+    EXPECT_DOUBLE_EQ(refined.voxel, placed.voxel / 4);
+    EXPECT_EQ(refined.levels, placed.levels + 2);
+    for (int l = 0; l < placed.levels; ++l) {
+      const LevelBox box = placed.box(l), same = refined.box(l + 2);
+      EXPECT_EQ(box.free_lo, same.free_lo);
+      EXPECT_EQ(box.free_hi, same.free_hi);
+      EXPECT_EQ(box.bricks, same.bricks);
+      EXPECT_EQ(same.level, l + 2);
+    }
+    for (int l = 0; l < 2; ++l) {
+      const LevelBox fine = refined.box(l), coarse = refined.box(l + 1);
+      EXPECT_EQ(fine.bricks, coarse.bricks * 2);
+      EXPECT_EQ(fine.free_lo, coarse.free_lo * 2);
+      EXPECT_EQ(fine.free_hi, coarse.free_hi * 2 + (Vec3i{1, 1, 1}));
+    }
+    // Vertex I of the placed level is the center of the vertices 4I to 4I + 3.
+    const Vec3d vertex{41, 30, 52};
+    EXPECT_LT(norm(placed.to_world(vertex) - refined.to_world(vertex * 4.0 + Vec3d{1.5, 1.5, 1.5})), 1e-12);
+    EXPECT_LT(norm(placed.to_world(vertex) - refined.of_level(2).to_world(vertex)), 1e-12);
+  }
+}
+
 TEST(Lattice, RefusesWhatCannotBeAGrid) {
   const Box3d samples = box({0, 0, 0}, {1, 1, 1});
   EXPECT_THROW(place_lattice(samples, 0, 6), ParameterError);
