@@ -62,8 +62,8 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
       ->needs(voxel)
       ->option_text("X,Y,Z");
   grid(app.add_option("--adapt", p.place.adapt,
-                      "Coarser voxels, of 2, 4, ... times the size, where samples are more than\ntwo voxels apart: "
-                      "for scans of very uneven density"))
+                      "Smaller voxels where samples are dense, larger ones where they are sparse:\nfor scans of very "
+                      "uneven density. --voxel is then the smallest"))
       ->transform(named<bool>({{"on", true}, {"off", false}}))
       ->option_text("on|off [off]");
   grid(app.add_option("--memory", o.memory,

@@ -43,6 +43,13 @@ soapfilm reconstruct uneven.xyz -o one.ply
 soapfilm reconstruct uneven.xyz -o several.ply --adapt on
 soapfilm render one.ply several.ply -o sparse.png --view 1,0,0 --framing shared --size 310x310 \
   --caption "one voxel size" --caption "--adapt on"
+python3 "$here/carved.py" stone.obj
+soapfilm scan stone.obj -o stone --rays spinning --position 0,0,1 --image 1200x250 --span=-50,30 --noise 0.0005 \
+  --max-range 25 --max-incidence 89
+soapfilm reconstruct stone/scans.conf -o whole.ply
+soapfilm reconstruct stone/scans.conf -o carved.ply --adapt on --voxel 0.01
+soapfilm render whole.ply carved.ply -o carved.png --up z --view -0.5,-1,0.4 --framing shared --size 310x310 \
+  --zoom 0.457,0.445,0.507,0.495 --caption "one voxel size" --caption "--adapt on --voxel 0.01"
 
 # holes.md
 python3 "$here/holes.py" ball.xyz
