@@ -81,6 +81,22 @@ LevelSamples moved(const LevelSamples& from, Vec3i bricks, const Context& contex
 
 }  // namespace
 
+LevelSamples select(const LevelSamples& level, const std::function<bool(size_t, uint32_t)>& keep,
+                    const Context& context) {
+  const GridSamples& samples = level.samples;
+  std::vector<uint32_t> first{0}, taken;
+  for (size_t b = 0; b < samples.bricks.size(); ++b) {
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
+      if (keep(b, s)) taken.push_back(s);
+    first.push_back(static_cast<uint32_t>(taken.size()));
+  }
+  LevelSamples chosen;
+  chosen.samples = samples.select(samples.bricks, std::move(first), taken, context);
+  chosen.views = taken_of(level.views, taken);
+  chosen.spacing = taken_of(level.spacing, taken);
+  return chosen;
+}
+
 LevelSamples on_next_level(const LevelSamples& fine, Vec3i coarse_bricks, const Context& context) {
   return moved(
       fine, coarse_bricks, context, [](Vec3i) { return true; }, [](double vertex) { return 0.5 * (vertex - 0.5); });

@@ -1,6 +1,8 @@
 // The samples on other levels of the lattice than their own.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "soapfilm/context.h"
@@ -16,6 +18,10 @@ struct LevelSamples {
   std::vector<float> spacing;  ///< of different samples around each one (LocalSurface), in voxels of the placed level;
                                ///< 0: unknown
 };
+
+/// Those for which keep(brick, sample) says so.
+LevelSamples select(const LevelSamples& level, const std::function<bool(size_t, uint32_t)>& keep,
+                    const Context& context);
 
 /// The same samples on the next coarser level, whose vertex I lies between the vertices 2I and 2I + 1 along each axis.
 LevelSamples on_next_level(const LevelSamples& fine, Vec3i coarse_bricks, const Context& context);

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <list>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "soapfilm/adapt/agreement.h"
 #include "soapfilm/adapt/surroundings.h"
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/core/parallel.h"
 #include "soapfilm/field/terms.h"
 #include "soapfilm/pyramid/solve_in_places.h"
 #include "soapfilm/run/segment.h"
@@ -49,12 +51,41 @@ LevelSamples samples_in(const BrickMask& places, const LevelSamples& coarser, Ve
   return on_finer_level(coarser, with_neighbors(parents), bricks, context);
 }
 
+/// The samples that are not within a voxel of something dropped: finer voxels would find it again. None if nothing is.
+std::optional<LevelSamples> without_dropped(const LevelSamples& samples, const PlacedLevel& placed,
+                                            const Context& context) {
+  if (std::all_of(placed.dropped.begin(), placed.dropped.end(), [](const BrickBits& b) { return b.count() == 0; }))
+    return {};
+  const auto is_dropped = [&](Vec3i vertex) {
+    for (int k = 0; k < 27; ++k) {
+      const Vec3i v = vertex + slot_offset(k);
+      const int32_t n = placed.level.grid.find(brick_of(v));
+      if (n >= 0 && placed.dropped[static_cast<size_t>(n)].test(v.x & 7, v.y & 7, v.z & 7)) return true;
+    }
+    return false;
+  };
+  const GridSamples& all = samples.samples;
+  return select(
+      samples,
+      [&](size_t b, uint32_t s) {
+        const Vec3d nearest = Vec3d(all.local[s]) + Vec3d{0.5, 0.5, 0.5};
+        return !is_dropped(all.bricks.first_vertex(b) + Vec3i{static_cast<int>(nearest.x), static_cast<int>(nearest.y),
+                                                              static_cast<int>(nearest.z)});
+      },
+      context);
+}
+
 /// What is found from level to level; `context` is silent.
 class OtherLevels {
  public:
-  OtherLevels(const LevelSamples& samples, const Level& placed, const LevelTask& task, const Context& context,
+  OtherLevels(const LevelSamples& samples, const PlacedLevel& placed, const LevelTask& task, const Context& context,
               AdaptedSurface& adapted)
-      : samples_(samples), placed_(placed), task_(task), context_(context), adapted_(adapted) {}
+      : samples_(samples),
+        placed_(placed.level),
+        task_(task),
+        context_(context),
+        adapted_(adapted),
+        kept_(without_dropped(samples, placed, context)) {}
 
   void find_finer(MemoryBudget& memory, Trace& trace);
   void find_coarser(MemoryBudget& memory, Trace& trace);
@@ -76,6 +107,7 @@ class OtherLevels {
   const LevelTask& task_;
   const Context& context_;
   AdaptedSurface& adapted_;
+  std::optional<LevelSamples> kept_;  ///< for finer levels, where not all are
 };
 
 /// The levels below the placed one, the next finer one from each level. Those without places, or without memory, are
@@ -97,7 +129,7 @@ bool OtherLevels::add_finer(Finer& found, MemoryBudget& memory, Trace& trace) {
   const int l = adapted_.lattice.added - 1 - static_cast<int>(adapted_.levels.size());
   const LevelBox box = adapted_.lattice.box(l);
   const auto places = std::make_shared<const BrickMask>(places_of(adapted_.regions, l, box.bricks));
-  LevelSamples samples = samples_in(*places, first ? samples_ : found.samples, box.bricks, context_);
+  LevelSamples samples = samples_in(*places, !first ? found.samples : kept_ ? *kept_ : samples_, box.bricks, context_);
   if (samples.samples.size() == 0) return false;
   const SupportField field = data_field(samples.samples, box, context_);
   const auto bricks = static_cast<uint64_t>(bricks_of_data * static_cast<double>(field.grid.size()));
@@ -191,7 +223,25 @@ void OtherLevels::find_coarser(MemoryBudget& memory, Trace& trace) {
 
 }  // namespace
 
-AdaptedSurface find_other_surfaces(const LevelSamples& samples, const Level& placed, const LevelTask& task,
+PlacedLevel with_sides(Level level, float threshold, const Labels& labels, const Context& context) {
+  PlacedLevel placed{std::move(level), {}};
+  placed.dropped.resize(placed.level.grid.size());
+  parallel_for(context, placed.dropped.size(), 64, [&](size_t b) {
+    const BrickBits& side = labels.of(placed.level.grid.coord(b));
+    float* u = placed.level.u.brick(b);
+    placed.dropped[b] = BrickBits::above(u, threshold) ^ side;
+    placed.dropped[b].for_each([&](int i) {
+      const Vec3i v = vertex_in_brick(i);
+      u[i] = side.test(v.x, v.y, v.z) ? 1.0f : 0.0f;
+    });
+  });
+  placed.level.inside = GapSides(placed.level.grid, bricks_with_free(placed.level.box), [&](Vec3i brick) {
+    return labels.test(nearest_free(placed.level.box, brick * brick_side));
+  });
+  return placed;
+}
+
+AdaptedSurface find_other_surfaces(const LevelSamples& samples, const PlacedLevel& placed, const LevelTask& task,
                                    MemoryBudget& memory, Trace& trace, const Context& context) {
   AdaptedSurface adapted;
   adapted.lattice = task.grid.lattice.refined(task.grid.finer);

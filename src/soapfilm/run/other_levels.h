@@ -1,6 +1,8 @@
 // The levels around the placed one, where samples are dense or sparse: their solves and surfaces.
 #pragma once
 
+#include <vector>
+
 #include "soapfilm/adapt/level_samples.h"
 #include "soapfilm/context.h"
 #include "soapfilm/params.h"
@@ -8,6 +10,7 @@
 #include "soapfilm/run/adapt.h"
 #include "soapfilm/run/memory_plan.h"
 #include "soapfilm/run/trace.h"
+#include "soapfilm/solve/labels.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
@@ -20,11 +23,20 @@ struct LevelTask {
   const RobustParams& robust;
 };
 
+/// A solved level, and where components and cavities of it were dropped.
+struct PlacedLevel {
+  Level level;
+  std::vector<BrickBits> dropped;  ///< vertices that have changed sides, of each brick
+};
+
+/// The level with the sides of `labels`, which are its own, u > threshold, without what was dropped.
+PlacedLevel with_sides(Level level, float threshold, const Labels& labels, const Context& context);
+
 /// Which levels places have by their samples; the levels below the placed one, where samples are dense, solved from
 /// it, the next finer one from each level; and those above it, where they are sparse, in the same way. Each continues
-/// what it comes from where its places end, and is moved onto its samples. Call before `placed` is freed; directions
+/// what it comes from where its places end, and is moved onto its samples; directions
 /// are those of the solve. Levels that do not fit into the memory are left out, with a warning.
-AdaptedSurface find_other_surfaces(const LevelSamples& samples, const Level& placed, const LevelTask& task,
+AdaptedSurface find_other_surfaces(const LevelSamples& samples, const PlacedLevel& placed, const LevelTask& task,
                                    MemoryBudget& memory, Trace& trace, const Context& context);
 
 }  // namespace soapfilm

@@ -95,33 +95,38 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   });
   announce_energy(report.certificate, params, trace);
 
-  // Where samples are dense or sparse, the surface of a finer or coarser level, from this one's solution.
-  std::optional<AdaptedSurface> adapted;
-  if (!spacings.empty())
-    adapted = trace.stage("adapt", [&] {
-      LevelSamples own{std::move(samples), std::move(views), std::move(spacings)};
-      AdaptedSurface others = find_other_surfaces(own, found.level, {grid, lambda.value, params, experiment.robust},
-                                                  memory, trace, context);
-      samples = std::move(own.samples);
-      views = std::move(own.views);
-      return others;
-    });
-  if (adapted)
-    details->solve.levels.insert(details->solve.levels.end(), adapted->reports.begin(), adapted->reports.end());
   if (params.surface.volume_interval) {
     details->volumes =
         trace.stage("volumes", [&] { return volumes_near(found.level, report.certificate, params, context); });
     announce_volumes(*details->volumes, grid.lattice.voxel, trace);
   }
 
-  // From here on only the side of each vertex counts.
-  Labels labels = labels_of(std::move(found.level), static_cast<float>(params.surface.threshold), context);
+  // From here on only the side of each vertex counts; where levels adapt, others start from the solution.
+  const bool adapts = !spacings.empty();
+  const auto threshold = static_cast<float>(params.surface.threshold);
+  Labels labels = labels_of(found.level, threshold, context);
+  if (!adapts) found.level = {};
   field = {};
   memory.plan_mesh(labels, grid.ends ? samples.size() : 0, context);
   if (border.chosen == Border::open) labels = closed_at_border(labels, context);
 
   // Components and cavities supported by too few samples are removed. (The certificate is of the solution with them.)
   report.components = drop_unsupported(labels, samples, grid, params, trace, context);
+
+  // Where samples are dense or sparse, the surface of a finer or coarser level, from this one's solution.
+  std::optional<AdaptedSurface> adapted;
+  if (adapts)
+    adapted = trace.stage("adapt", [&] {
+      LevelSamples own{std::move(samples), std::move(views), std::move(spacings)};
+      AdaptedSurface others =
+          find_other_surfaces(own, with_sides(std::move(found.level), threshold, labels, context),
+                              {grid, lambda.value, params, experiment.robust}, memory, trace, context);
+      samples = std::move(own.samples);
+      views = std::move(own.views);
+      return others;
+    });
+  if (adapted)
+    details->solve.levels.insert(details->solve.levels.end(), adapted->reports.begin(), adapted->reports.end());
 
   // Scanners must stand in the air, and a hollow around one must be seen.
   report.scanners = stand_scanners(labels, scanners, grid, border);
