@@ -1,8 +1,10 @@
 #include "soapfilm/adapt/agreement.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "soapfilm/core/gather.h"
@@ -41,13 +43,14 @@ int disagreeing(const DistanceField& coarse, const DistanceField& fine, Vec3i br
   return count;
 }
 
-/// Of one level: the bricks from its border on in which it disagrees with the next finer one, connected; none that is
-/// asked for.
+/// Of one level: the bricks from its border on in which it disagrees with the next finer one, connected; of those for
+/// which may_go(brick).
+template <class MayGo>
 std::vector<Vec3i> from_border(const Regions& regions, int level, std::span<const DistanceField> levels,
-                               const Context& context) {
+                               const Context& context, MayGo&& may_go) {
   std::vector<Vec3i> bricks;
   regions.finer(level).for_each([&](Vec3i b) {
-    if (!regions.is_asked(level, b)) bricks.push_back(b);
+    if (may_go(b)) bricks.push_back(b);
   });
   std::vector<uint8_t> differs(bricks.size());
   parallel_for(context, bricks.size(), 64, [&](size_t b) {
@@ -99,6 +102,39 @@ class Distances {
   Vec3i brick_;
 };
 
+/// The finer level's field, in these bricks of the coarser one with that one's distances.
+DistanceField with_values_of(const DistanceField& coarse, const std::vector<Vec3i>& bricks, DistanceField fine,
+                             const Context& context) {
+  BrickMask taken(fine.grid.bricks()), all(fine.grid.bricks());
+  add_bricks(fine.grid, all);
+  for (const Vec3i b : bricks)
+    for (int k = 0; k < 8; ++k) taken.set(child_of(b, k));
+  all |= taken;
+  DistanceField mixed;
+  mixed.grid = BrickGrid(all, context);
+  mixed.value = Field<float>(mixed.grid);
+  mixed.inside = fine.inside.are_by_brick() ? fine.inside
+                                            : GapSides(mixed.grid, BrickRange::whole(mixed.grid.bricks()),
+                                                       [&](Vec3i b) { return fine.inside.test(fine.grid, b); });
+  parallel_for(context, mixed.grid.size(), 64, [&](size_t b) {
+    const Vec3i at = mixed.grid.coord(b);
+    float* value = mixed.value.brick(b);
+    if (!taken.test(at)) {
+      std::copy_n(fine.value.brick(static_cast<size_t>(fine.grid.find(at))), brick_volume, value);
+      return;
+    }
+    for (int i = 0; i < brick_volume; ++i) {
+      // Fine vertex v lies at (v - 1/2) / 2 on the coarser level.
+      const Vec3d place = (Vec3d(at * brick_side + vertex_in_brick(i)) - Vec3d{0.5, 0.5, 0.5}) / 2.0;
+      const Vec3i in = brick_of({static_cast<int>(std::floor(place.x)), static_cast<int>(std::floor(place.y)),
+                                 static_cast<int>(std::floor(place.z))});
+      const float distance = 2 * Distances(coarse, in).at(Vec3f(place - Vec3d(in * brick_side)));
+      value[i] = std::clamp(distance, -DistanceField::far, DistanceField::far);
+    }
+  });
+  return mixed;
+}
+
 }  // namespace
 
 std::vector<Vec3i> misfits(const LevelSamples& level, int number, const DistanceField& field, const Context& context) {
@@ -117,8 +153,13 @@ std::vector<Vec3i> misfits(const LevelSamples& level, int number, const Distance
   });
 }
 
-void give_back_disagreement(Regions& regions, std::span<const DistanceField> levels, const Context& context) {
-  for (int l = regions.coarsest(); l >= 1; --l) regions.give_back(l, from_border(regions, l, levels, context));
+void give_back_disagreement(Regions& regions, std::span<DistanceField> levels, const Context& context) {
+  for (int l = regions.coarsest(); l >= 1; --l) {
+    regions.give_back(l, from_border(regions, l, levels, context, [&](Vec3i b) { return !regions.is_asked(l, b); }));
+    const auto needed = from_border(regions, l, levels, context, [&](Vec3i b) { return !regions.is_wanted(l, b); });
+    DistanceField& fine = levels[static_cast<size_t>(l) - 1];
+    if (!needed.empty()) fine = with_values_of(levels[static_cast<size_t>(l)], needed, std::move(fine), context);
+  }
 }
 
 }  // namespace soapfilm

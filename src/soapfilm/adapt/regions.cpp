@@ -28,13 +28,22 @@ double even_spacing(std::span<const Vec3f> places) {
   return std::sqrt(std::max({size.x * size.y, size.y * size.z, size.z * size.x}) / n);
 }
 
+/// What bricks must have to get finer levels: samples at most so many of the finer voxels apart; whether neighbors
+/// without samples get them, too. (Below the placed level these have nothing to gain: their surface is the coarser
+/// one's.)
+struct Rule {
+  double most_apart;
+  bool with_unsampled;
+};
+constexpr Rule above{most_spacing, true}, below{most_spacing_below, false};
+
 /// The bricks of a level, with voxels of this size in those of the placed level, that have finer ones: those that ask
 /// for them, and around these others where samples are not much too sparse. False where these are all bricks.
-bool find_finer(const LevelSamples& level, double voxel, double most_apart, const Context& context, BrickMask& finer,
+bool find_finer(const LevelSamples& level, double voxel, Rule rule, const Context& context, BrickMask& finer,
                 BrickMask& asked) {
   constexpr double much = 1.2;
   const BrickGrid& bricks = level.samples.bricks;
-  const double most = most_apart * voxel / 2;
+  const double most = rule.most_apart * voxel / 2;
   std::vector<uint8_t> asks(bricks.size()), may(bricks.size());
   parallel_for(context, bricks.size(), 64, [&](size_t b) {
     asks[b] = are_within(level, b, voxel, most);
@@ -46,7 +55,7 @@ bool find_finer(const LevelSamples& level, double voxel, double most_apart, cons
     for (int slot = 0; slot < 27; ++slot) {
       const Vec3i at = bricks.coord(b) + slot_offset(slot);
       const int32_t n = bricks.neighbors(b)[static_cast<size_t>(slot)];
-      if (finer.contains(at) && (n < 0 || may[static_cast<size_t>(n)] != 0)) finer.set(at);
+      if (finer.contains(at) && (n < 0 ? rule.with_unsampled : may[static_cast<size_t>(n)] != 0)) finer.set(at);
     }
   }
   for (size_t b = 0; b < bricks.size(); ++b)
@@ -78,11 +87,17 @@ bool are_within(const LevelSamples& level, size_t brick, double voxel, double mo
   return within >= enough_area * all;
 }
 
+Regions::Regions(std::vector<BrickMask> finer, std::vector<BrickMask> wanted)
+    : finer_(std::move(finer)), wanted_(std::move(wanted)), asked_(wanted_) {
+  balance(asked_);
+}
+
 void Regions::refine(int level, const std::vector<Vec3i>& bricks) {
   const auto l = static_cast<size_t>(level) - 1;
   for (const Vec3i b : bricks) {
     if (!has(level, b)) continue;
     finer_[l].set(b);
+    wanted_[l].set(b);
     asked_[l].set(b);
   }
   balance(finer_);
@@ -114,20 +129,18 @@ Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int le
     const Vec3i box = lattice.box(static_cast<int>(l)).bricks;
     finer[l - 1] = asked[l - 1] = BrickMask(box);
     if (l < placed) level = on_finer_level(l + 1 == placed ? samples : level, finer[l], box, context);
-    find_finer(l == placed ? samples : level, std::ldexp(1.0, static_cast<int>(l) - lattice.added), most_spacing_below,
-               context, finer[l - 1], asked[l - 1]);
+    find_finer(l == placed ? samples : level, std::ldexp(1.0, static_cast<int>(l) - lattice.added), below, context,
+               finer[l - 1], asked[l - 1]);
   }
   for (int l = 1; l <= levels; ++l) {
     const Vec3i box = lattice.box(lattice.added + l).bricks;
     level = on_next_level(l == 1 ? samples : level, box, context);
     BrickMask of_level(box), must(box);
-    if (!find_finer(level, std::ldexp(1.0, l), most_spacing, context, of_level, must))
-      break;  // no sample has this level
+    if (!find_finer(level, std::ldexp(1.0, l), above, context, of_level, must)) break;  // no sample has this level
     finer.push_back(std::move(of_level));
     asked.push_back(std::move(must));
   }
   balance(finer);
-  balance(asked);
   return {std::move(finer), std::move(asked)};
 }
 

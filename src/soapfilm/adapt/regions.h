@@ -20,10 +20,9 @@ class Regions {
  public:
   /// All places have level 0.
   Regions() = default;
-  /// `finer[k]`: the bricks of level k + 1 whose places have level k or a finer one; of these, `asked[k]`: those that
-  /// must, by their samples or by the balance.
-  Regions(std::vector<BrickMask> finer, std::vector<BrickMask> asked)
-      : finer_(std::move(finer)), asked_(std::move(asked)) {}
+  /// `finer[k]`: the bricks of level k + 1 whose places have level k or a finer one, balanced; of these, `wanted[k]`:
+  /// those whose samples ask for it.
+  Regions(std::vector<BrickMask> finer, std::vector<BrickMask> wanted);
 
   int coarsest() const { return static_cast<int>(finer_.size()); }
   /// Whether level - 1 or finer levels have the places of a brick of this level.
@@ -41,14 +40,14 @@ class Regions {
     const auto rest = [level](const std::vector<BrickMask>& masks) {
       return std::vector<BrickMask>(masks.begin() + level, masks.end());
     };
-    return {rest(finer_), rest(asked_)};
+    return {rest(finer_), rest(wanted_)};
   }
   /// The same places, those of coarser levels with this one.
   Regions up_to(int level) const {
     const auto first = [level](const std::vector<BrickMask>& masks) {
       return std::vector<BrickMask>(masks.begin(), masks.begin() + static_cast<std::ptrdiff_t>(level));
     };
-    return {first(finer_), first(asked_)};
+    return {first(finer_), first(wanted_)};
   }
   /// The bricks of this level whose places have finer ones, level >= 1.
   const BrickMask& finer(int level) const { return finer_[static_cast<size_t>(level) - 1]; }
@@ -60,9 +59,11 @@ class Regions {
   void give_back(int level, const std::vector<Vec3i>& bricks);
   /// Whether a brick must have finer levels, by its samples or by the balance.
   bool is_asked(int level, Vec3i brick) const { return asked_[static_cast<size_t>(level) - 1].test(brick); }
+  /// By its samples alone.
+  bool is_wanted(int level, Vec3i brick) const { return wanted_[static_cast<size_t>(level) - 1].test(brick); }
 
  private:
-  std::vector<BrickMask> finer_, asked_;
+  std::vector<BrickMask> finer_, wanted_, asked_;
 };
 
 /// Whether on a quarter of the area in a brick of a level the spacing is at most `most`, in voxels of the placed level,
@@ -71,9 +72,9 @@ class Regions {
 bool are_within(const LevelSamples& level, size_t brick, double voxel, double most);
 
 /// By the samples' spacing: level l - 1 has the bricks of level l where on a quarter of the area the spacing is at most
-/// most_spacing (most_spacing_below) voxels of level l - 1; then of their neighbors those without samples, and those
-/// where it is at most 1.2 times as large; then what the balance asks for. `samples` are on the placed level, which is
-/// level lattice.added; `levels` at most are coarser.
+/// most_spacing (most_spacing_below) voxels of level l - 1; then of their neighbors those without samples (not below
+/// the placed level), and those where it is at most 1.2 times as large; then what the balance asks for. `samples` are
+/// on the placed level, which is level lattice.added; `levels` at most are coarser.
 Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context);
 
 }  // namespace soapfilm
