@@ -198,6 +198,19 @@ TEST(Adapt, AGivenVoxelIsTheFinestOne) {
   EXPECT_TRUE(check_topology(result.mesh).closed());
 }
 
+/// Where samples are nowhere that dense, a given voxel has no places: the grid's is next to the usual one.
+TEST(Adapt, AVoxelFarBelowTheSpacingIsNotUsed) {
+  const PointCloud cloud = uneven_ball(8000, 0);
+  const double chosen = reconstructed(cloud, false).report.grid.voxel;
+  ReconstructParams params;
+  params.place.adapt = true;
+  params.place.voxel = chosen / 6;
+  const Reconstruction result = reconstruct(cloud, params, Context(2));
+  EXPECT_TRUE(result.report.details->leaves.empty());
+  EXPECT_GT(result.report.grid.voxel, 0.6 * chosen);
+  EXPECT_LT(result.report.grid.voxel, 1.5 * chosen);
+}
+
 /// Finer levels that do not fit are left out, and the run says so.
 TEST(Adapt, WithoutMemoryItStaysCoarse) {
   const PointCloud cloud = carved_ball(40000);

@@ -176,7 +176,7 @@ Grid place_grid(const PointCloud& cloud, const Box3d& box, const Seen& seen, con
     grid.voxel_by_noise = !is_given;
   }
   double voxel = is_given ? voxel_as_given(params, box) : grid.default_voxel;
-  if (params.adapt && !params.anchor) {
+  if (params.adapt && !params.anchor && !surface.spacing.empty()) {
     grid.finer = is_given ? levels_below(voxel, grid.default_voxel) : levels_below(voxel, surface, grid.noise);
     if (is_given) voxel = std::ldexp(voxel, grid.finer);
   }

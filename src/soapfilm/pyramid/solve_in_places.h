@@ -12,10 +12,10 @@
 namespace soapfilm {
 
 /// The level below `coarse` in some places: these bricks of `box`, the children of bricks that the coarse level covers.
-/// It starts from the coarse solution and keeps its flux where the places end (prolong_in_places()), so a solution of
-/// them is as good as one of the whole box as far as the coarse level is right about what passes there: measured,
-/// within 1e-3 of the energy. On a band that grows within the places until the interface stays inside. Without bricks
-/// where the coarse level has no surface in them. `report`: of the work; energies are of the places only.
+/// It starts from the coarse solution and keeps its flux where the band ends (prolong_in_places()); in bricks without
+/// data in or next to them, and in the last ones of the places, its surface stays the coarse level's. On a band that
+/// grows within the places until the interface stays inside. Without bricks where the coarse level has no surface in
+/// them. `report`: of the work; energies are of the places only.
 Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<const BrickMask> places,
                       const SupportField& support, const PrimalDualParams& params, const Context& context,
                       LevelReport& report);

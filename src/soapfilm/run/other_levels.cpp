@@ -130,7 +130,12 @@ bool OtherLevels::add_finer(Finer& found, MemoryBudget& memory, Trace& trace) {
   const LevelBox box = adapted_.lattice.box(l);
   const auto places = std::make_shared<const BrickMask>(places_of(adapted_.regions, l, box.bricks));
   LevelSamples samples = samples_in(*places, !first ? found.samples : kept_ ? *kept_ : samples_, box.bricks, context_);
-  if (samples.samples.size() == 0) return false;
+  if (samples.samples.size() == 0) {
+    if (task_.params.place.voxel)
+      trace.info(fmt::format("no voxels of {:.4g}: samples are nowhere so near to each other",
+                             adapted_.lattice.of_level(l).voxel));
+    return false;
+  }
   const SupportField field = data_field(samples.samples, box, context_);
   const auto bricks = static_cast<uint64_t>(bricks_of_data * static_cast<double>(field.grid.size()));
   uint64_t kept = 0;  // bricks of the finer surfaces that are there by now
