@@ -23,15 +23,16 @@ Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& b
 /// freed as they are copied.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context, Level&& previous);
+/// The same without `previous`, but u and p of `coarse` are freed as they are used: afterwards only its grid may be
+/// used.
+Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+                    const Context& context);
+
 /// A level in some places of its box only: these bricks, the children of bricks that the coarse level covers. `band`
 /// holds only such bricks, `previous` may be null. Beyond its places the level has no energy: where they end p keeps
 /// the coarse level's flux, so that what lies there stays a part of one feasible dual.
 Level prolong_in_places(const Level& coarse, const LevelBox& box, const BrickMask& band,
                         std::shared_ptr<const BrickMask> places, const SupportField& support, const Context& context,
                         Level* previous);
-/// The same without `previous`, but u and p of `coarse` are freed as they are used: afterwards only its grid may be
-/// used.
-Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                    const Context& context);
 
 }  // namespace soapfilm

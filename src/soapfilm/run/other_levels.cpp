@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <list>
 #include <memory>
 #include <optional>
@@ -33,22 +32,12 @@ DistanceField fitted(Labels labels, const LevelSamples& level, double density, c
   return refine(std::move(labels), samples, density, how, context, report);
 }
 
-/// The places in which a level is solved: those that it or finer ones have, and around them a brick of the next
-/// coarser one. There its surface is that of the coarser level, so its end is away from what the mesh takes of it.
-BrickMask places_of(const Regions& regions, int level, Vec3i bricks) {
-  BrickMask places(bricks);
-  with_neighbors(regions.finer(level + 1)).for_each([&](Vec3i parent) {
-    for (int k = 0; k < 8; ++k) places.set(child_of(parent, k));
+BrickMask children_of(const BrickMask& parents, Vec3i bricks) {
+  BrickMask children(bricks);
+  parents.for_each([&](Vec3i parent) {
+    for (int k = 0; k < 8; ++k) children.set(child_of(parent, k));
   });
-  return places;
-}
-
-/// The samples in these places, and a brick farther: so the data at their end is whole.
-LevelSamples samples_in(const BrickMask& places, const LevelSamples& coarser, Vec3i bricks, const Context& context) {
-  const Vec3i box{bricks.x / 2, bricks.y / 2, bricks.z / 2};
-  BrickMask parents(box);
-  places.for_each([&](Vec3i b) { parents.set(parent_of(b)); });
-  return on_finer_level(coarser, with_neighbors(parents), bricks, context);
+  return children;
 }
 
 /// The samples that are not within a voxel of something dropped: finer voxels would find it again. None if nothing is.
@@ -128,8 +117,15 @@ bool OtherLevels::add_finer(Finer& found, MemoryBudget& memory, Trace& trace) {
   const bool first = adapted_.levels.empty();
   const int l = adapted_.lattice.added - 1 - static_cast<int>(adapted_.levels.size());
   const LevelBox box = adapted_.lattice.box(l);
-  const auto places = std::make_shared<const BrickMask>(places_of(adapted_.regions, l, box.bricks));
-  LevelSamples samples = samples_in(*places, !first ? found.samples : kept_ ? *kept_ : samples_, box.bricks, context_);
+  // Its places: those that it or finer levels have, and around them a brick of the next coarser one. There its surface
+  // is that of the coarser level, so its end is away from what the mesh takes of it.
+  const BrickMask parents = with_neighbors(adapted_.regions.finer(l + 1));
+  const auto places = std::make_shared<const BrickMask>(children_of(parents, box.bricks));
+  // And a brick farther: so the data at their end is whole.
+  LevelSamples samples = on_finer_level(!first  ? found.samples
+                                        : kept_ ? *kept_
+                                                : samples_,
+                                        with_neighbors(parents), box.bricks, context_);
   if (samples.samples.size() == 0) {
     if (task_.params.place.voxel)
       trace.info(fmt::format("no voxels of {:.4g}: samples are nowhere so near to each other",
