@@ -286,8 +286,15 @@ void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, 
 
 bool MemoryBudget::plan_beside(uint64_t bytes) {
   if (solve_alone_ == 0) solve_alone_ = plan_.solve.bytes;
+  bytes += plan_.kept_bytes;
   if (plan_.fixed_bytes + solve_alone_ + plan_.gap.bytes + bytes > room_.bytes) return false;
   plan_.solve.bytes = std::max(plan_.solve.bytes, solve_alone_ + bytes);
+  return true;
+}
+
+bool MemoryBudget::plan_kept(uint64_t bytes) {
+  if (plan_.fixed_bytes + plan_.solve.bytes + plan_.gap.bytes + bytes > room_.bytes) return false;
+  plan_.kept_bytes = bytes;
   return true;
 }
 
