@@ -130,8 +130,8 @@ void check_names(const ReconstructOptions& options, const ReadReport& read) {
   for (const FileReport& file : read.files) inputs.push_back(file.path);  // the scans of a set
   std::vector<std::string> outputs = lod_files(options.output, options.lod);
   outputs.insert(outputs.end(), {options.report, coordinate_system_file(options)});
-  constexpr int most_levels = 28;
-  for (int level = 0; level < most_levels && !options.levels_folder.empty(); ++level)
+  constexpr int most_levels = 28;  // coarser, and finer ones where levels adapt
+  for (int level = -most_levels; level < most_levels && !options.levels_folder.empty(); ++level)
     outputs.push_back((std::filesystem::path(options.levels_folder) / LevelFiles::name(level)).string());
   refuse_overwriting(outputs, inputs);
 }

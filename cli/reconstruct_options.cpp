@@ -209,9 +209,10 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
 
   const auto output = [&](auto* option) { return option->group("Output"); };
   output(app.add_option("--report", o.report, "Write what was done and proved, as JSON"))->option_text("FILE.json");
-  output(app.add_option(
-             "--write-levels", o.levels_folder,
-             "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (finest), ..."))
+  output(app.add_option("--write-levels", o.levels_folder,
+                        "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (the "
+                        "grid's), level_1.ply "
+                        "(coarser), ...; with --adapt on\nthose of finer levels as level_-1.ply, ..."))
       ->option_text("DIR");
   output(add_lod(app, o.lod));
   output(app.add_option("--attributes", o.attributes,

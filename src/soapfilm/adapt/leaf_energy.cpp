@@ -213,8 +213,8 @@ class LeafEvaluator {
         --below[axis];
         sum += p_scale_ * static_cast<double>(own_.flux->p.brick(n, axis)[brick_offset(below.x, below.y, below.z)]);
       } else {
-        sum += share_below(brick, v, axis) * p_scale_ *
-               static_cast<double>(low_face(*own_.flux, n, axis).at(v[a], v[b]));
+        sum +=
+            share_below(brick, v, axis) * p_scale_ * static_cast<double>(low_face(*own_.flux, n, axis).at(v[a], v[b]));
       }
       sum -= out * p[axis];
     }
@@ -311,8 +311,7 @@ class LeafEvaluator {
         Vec3i at;
         at[a] = layer.finer ? x % brick_side : x / step;
         at[b] = layer.finer ? y % brick_side : y / step;
-        const BrickBits& bits =
-            layer.finer ? finer[static_cast<size_t>(x / brick_side + 2 * (y / brick_side))] : other;
+        const BrickBits& bits = layer.finer ? finer[static_cast<size_t>(x / brick_side + 2 * (y / brick_side))] : other;
         const Vec3i in = layer.finer ? at : base + at;
         const auto bit = static_cast<uint16_t>(1 << x);
         if (bits.test(in.x, in.y, in.z)) layer.rows[static_cast<size_t>(y)] |= bit;

@@ -1,6 +1,7 @@
 #include "soapfilm/pyramid/flux_in_places.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -14,18 +15,20 @@ namespace soapfilm {
 
 namespace {
 
-constexpr int most_iterations = 64;
+constexpr int most_iterations = 128;
 
-/// Shortens the other components of p at a vertex where one is given.
-void keep_in_ball(float* p, int i, int given, float lambda) {
-  const float along = p[given * brick_volume + i], most = lambda * lambda - along * along;
-  float others = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    if (axis != given) others += p[axis * brick_volume + i] * p[axis * brick_volume + i];
+/// Shortens the components of p at a vertex that are not given, so that it stays in its ball.
+void keep_in_ball(float* p, int i, const std::array<bool, 3>& given, float lambda) {
+  float fixed = 0, others = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float along = p[axis * brick_volume + i];
+    (given[static_cast<size_t>(axis)] ? fixed : others) += along * along;
+  }
+  const float most = lambda * lambda - fixed;
   if (others <= most) return;
   const float share = most > 0 ? std::sqrt(most / others) * (1 - 1e-6f) : 0.0f;
   for (int axis = 0; axis < 3; ++axis)
-    if (axis != given) p[axis * brick_volume + i] *= share;
+    if (!given[static_cast<size_t>(axis)]) p[axis * brick_volume + i] *= share;
 }
 
 /// Whether the fluxes below a brick at the end of the band are those of another state.
@@ -48,20 +51,28 @@ bool take(const Level& from, size_t source, Level& level, size_t b) {
   std::vector<float> own(level.p.brick(b), level.p.brick(b) + 3 * brick_volume);
   float* p = level.p.brick(b);
   std::copy_n(from.p.brick(source), 3 * brick_volume, p);
-  for (int axis = 0; axis < 3; ++axis) {
-    if (level.grid.neighbors(b)[static_cast<size_t>(slot_up[axis])] != outside_band) continue;
-    for (int i = 0; i < brick_volume; ++i) {
-      const auto at = static_cast<size_t>(axis * brick_volume + i);
-      if (vertex_in_brick(i)[axis] + 1 < brick_side || p[at] == own[at]) continue;
-      same = false;
+  const auto ends = [&](int axis, int i) {
+    return vertex_in_brick(i)[axis] + 1 == brick_side &&
+           level.grid.neighbors(b)[static_cast<size_t>(slot_up[axis])] == outside_band;
+  };
+  for (int i = 0; i < brick_volume; ++i) {
+    const std::array<bool, 3> given = {ends(0, i), ends(1, i), ends(2, i)};
+    bool changed = false;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const size_t at = axis * brick_volume + static_cast<size_t>(i);
+      if (!given[axis] || p[at] == own[at]) continue;
       p[at] = own[at];
-      if (level.norm == Norm::isotropic) keep_in_ball(p, i, axis, level.lambda);
+      changed = true;
     }
+    if (!changed) continue;
+    same = false;
+    if (level.norm == Norm::isotropic) keep_in_ball(p, i, given, level.lambda);
   }
   return same;
 }
 
-/// Takes what is known; the bricks where that leaves p unsettled. `others_settled`: those of which nothing is known are.
+/// Takes what is known; the bricks where that leaves p unsettled. `others_settled`: those of which nothing is known
+/// are.
 BrickMask take_known(std::span<const KnownFlux> known, bool others_settled, Level& level, const Context& context) {
   std::vector<uint8_t> settled(level.grid.size(), others_settled);
   parallel_for(context, level.grid.size(), 64, [&](size_t b) {

@@ -3,6 +3,7 @@
 // extract/leaf_surface.h.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct SolvedLevel {
   Level level;
   Labels sides;
   std::unique_ptr<SupportField> data;
+
+  uint64_t bytes() const;
 };
 
 /// Which level each place has, and each level's surface.

@@ -97,13 +97,11 @@ class FluxOfLevels {
     if (level < placed_) {  // elsewhere it was pulled to the coarser level's sides
       BrickMask data(adapted_.lattice.box(level).bricks);
       add_bricks(solved(level).data->grid, data);
-      known.push_back(
-          {solved(level).level, [near = with_neighbors(data)](Vec3i b) { return near.test(b); }, true});
+      known.push_back({solved(level).level, [near = with_neighbors(data)](Vec3i b) { return near.test(b); }, true});
     } else if (level == placed_) {
       known.push_back({solved(level).level, [](Vec3i) { return true; }, true});
     } else {
-      known.push_back(
-          {solved(level).level, [this, level](Vec3i b) { return adapted_.regions.has(level, b); }, false});
+      known.push_back({solved(level).level, [this, level](Vec3i b) { return adapted_.regions.has(level, b); }, false});
       if (const Level* of_pyramid = coarse_.find(level - placed_))
         known.push_back({*of_pyramid, [](Vec3i) { return true; }, true});
     }
@@ -120,7 +118,7 @@ class FluxOfLevels {
     if (Level* of_pyramid = coarse_.find(coarsest_ - placed_)) {
       level = std::move(*of_pyramid);
       level.box = adapted_.lattice.box(coarsest_);
-    } else {  // it was too coarse to be solved: from nothing
+    } else {                             // it was too coarse to be solved: from nothing
       constexpr double most_bricks = 8;  // for each one of data
       const LevelBox box = adapted_.lattice.box(coarsest_);
       level = make_level(box, own.level.lambda, start_bricks(box, own.data->grid, most_bricks), own.data->grid,
@@ -144,8 +142,13 @@ class FluxOfLevels {
 void keep_for_certificate(AdaptedSurface& adapted, CoarseLevels& coarse, MemoryBudget& memory, Trace& trace) {
   const bool several = adapted.regions.coarsest() > 0;
   uint64_t bytes = coarse.bytes();
-  for (const SolvedLevel& level : adapted.solved) bytes += level_bytes(level.level.grid.size());
-  if (several && memory.plan_kept(bytes)) return;
+  uint64_t most = 0, surfaces = 0;  // one level is there twice; what refining has found stays
+  for (const SolvedLevel& level : adapted.solved) {
+    bytes += level.bytes();
+    most = std::max(most, level_bytes(level.level.grid.size()));
+    surfaces += support_bytes(level.level.grid.size());
+  }
+  if (several && memory.plan_kept(bytes, most + surfaces)) return;
   if (several)
     trace.warn(fmt::format("no certificate of all levels, only the grid's: it does not fit into {}", memory.room()));
   memory.plan_kept(0);

@@ -292,9 +292,12 @@ bool MemoryBudget::plan_beside(uint64_t bytes) {
   return true;
 }
 
-bool MemoryBudget::plan_kept(uint64_t bytes) {
-  if (plan_.fixed_bytes + plan_.solve.bytes + plan_.gap.bytes + bytes > room_.bytes) return false;
+bool MemoryBudget::plan_kept(uint64_t bytes, uint64_t beside) {
+  if (solve_alone_ == 0) solve_alone_ = plan_.solve.bytes;
+  const uint64_t other = plan_.fixed_bytes + plan_.gap.bytes;
+  if (other + bytes + std::max(solve_alone_, beside) > room_.bytes) return false;
   plan_.kept_bytes = bytes;
+  plan_.certify_bytes = bytes + beside;
   return true;
 }
 

@@ -128,9 +128,9 @@ bool OtherLevels::add_finer(LevelSamples& found, MemoryBudget& memory, Trace& tr
   }
   auto field = std::make_unique<SupportField>(data_field(samples.samples, box, context_));
   const auto bricks = static_cast<uint64_t>(bricks_of_data * static_cast<double>(field->grid.size()));
-  uint64_t kept = level_bytes(bricks);  // of the finer levels that are there by now
+  uint64_t kept = level_bytes(bricks) + support_bytes(field->grid.size());  // with the finer levels that are there
   for (const DistanceField& level : adapted_.levels) kept += kept_brick * level.grid.size();
-  for (const SolvedLevel& level : adapted_.solved) kept += level_bytes(level.level.grid.size());
+  for (const SolvedLevel& level : adapted_.solved) kept += level.bytes();
   if (!memory.plan_beside(refined_brick * bricks + kept)) {
     trace.warn(
         fmt::format("no voxels of {:.4g} where samples are dense: they do not fit into {}; a larger --voxel has "
@@ -143,8 +143,9 @@ bool OtherLevels::add_finer(LevelSamples& found, MemoryBudget& memory, Trace& tr
                                 task_.params.solve, context_, report);
   report.level = -1 - static_cast<int>(adapted_.levels.size());
   adapted_.reports.push_back(report);
-  Labels sides =
-      with_surroundings(labels(level), first ? labels(placed_) : adapted_.solved.front().sides, context_);
+  level.box.level = report.level;
+  if (task_.observe.solved) task_.observe.solved(level, adapted_.lattice.of_level(l));
+  Labels sides = with_surroundings(labels(level), first ? labels(placed_) : adapted_.solved.front().sides, context_);
   RefineSetup how = refine_setup(task_.grid, task_.params, task_.robust);
   how.holes = HoleFill::flat;
   how.where = places.get();
@@ -241,9 +242,12 @@ PlacedLevel with_sides(Level level, SupportField data, float threshold, const La
 
 AdaptedSurface find_other_surfaces(const LevelSamples& samples, PlacedLevel placed, const LevelTask& task,
                                    MemoryBudget& memory, Trace& trace, const Context& context) {
+  // Farther apart than two voxels of the coarsest of these, samples say too little about what lies between them.
+  constexpr int most_coarser = 3;
   AdaptedSurface adapted;
   adapted.lattice = task.grid.lattice.refined(task.grid.finer);
-  adapted.regions = find_regions(samples, adapted.lattice, task.grid.lattice.levels - 1, context);
+  adapted.regions =
+      find_regions(samples, adapted.lattice, std::min(task.grid.lattice.levels - 1, most_coarser), context);
   const Context quiet = silenced(context);
   OtherLevels levels(samples, placed, task, quiet, adapted);
   levels.find_finer(memory, trace);

@@ -7,6 +7,7 @@
 #include "soapfilm/context.h"
 #include "soapfilm/params.h"
 #include "soapfilm/place/place.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/run/adapt.h"
 #include "soapfilm/run/memory_plan.h"
 #include "soapfilm/run/trace.h"
@@ -21,6 +22,7 @@ struct LevelTask {
   double lambda;
   const ReconstructParams& params;
   const RobustParams& robust;
+  const PyramidObserver& observe;  ///< is told of each finer level, from -1 down
 };
 
 /// A solved level, its data, and where components and cavities of it were dropped.

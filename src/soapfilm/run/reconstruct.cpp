@@ -123,10 +123,10 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   if (adapts)
     adapted = trace.stage("adapt", [&] {
       LevelSamples own{std::move(samples), std::move(views), std::move(spacings)};
-      if (!memory.plan_kept(coarse.bytes())) coarse.clear();
+      if (!memory.plan_kept(coarse.bytes()) || !memory.plan_beside(0)) coarse.clear();
       AdaptedSurface others = find_other_surfaces(
           own, with_sides(std::move(found.level), std::move(field), threshold, labels, context),
-          {grid, lambda.value, params, experiment.robust}, memory, trace, context);
+          {grid, lambda.value, params, experiment.robust, experiment.observe}, memory, trace, context);
       keep_for_certificate(others, coarse, memory, trace);
       samples = std::move(own.samples);
       views = std::move(own.views);

@@ -62,10 +62,9 @@ ordered_json grid_json(const ReconstructReport& report) {
                       {"band_growths", l.band_growths},
                       {"relative_gap", l.energies.relative_gap(lambda)},
                       {"relative_gap_band", l.energies.relative_gap_band(lambda)},
-                      {"relative_gap_binary",
-                       l.level > 0    ? ordered_json(l.binary.relative_gap(lambda))
-                       : l.level == 0 ? ordered_json(of_grid.relative_gap_binary())
-                                      : ordered_json()}});
+                      {"relative_gap_binary", l.level > 0    ? ordered_json(l.binary.relative_gap(lambda))
+                                              : l.level == 0 ? ordered_json(of_grid.relative_gap_binary())
+                                                             : ordered_json()}});
   }
   return {{"size", vector_json(lattice.to_world_axes(lattice.size))},
           {"voxel", lattice.voxel},
