@@ -253,7 +253,7 @@ TEST(Parts, AreAllThereOrNone) {
   std::filesystem::create_directory(folder / "m.part_003.ply");  // two are written before
   refuse(folder, folder / "m.ply", folder / "m.part_003.ply: exists and is no file");
   std::filesystem::create_directory(folder / "n.parts.json");
-  refuse(folder, folder / "n.ply", folder / "n.parts.json: exists and is no file");
+  refuse(folder, folder / "n.ply", folder / "n.parts.json: is a directory");
   refuse(folder, folder / "none/m.ply", folder / "none/m.part_001.ply: cannot be written: No such file");
 
   // A full disk: no file may be longer than this.

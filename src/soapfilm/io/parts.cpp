@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -13,14 +14,18 @@
 #include "soapfilm/core/json_text.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/bytes/encode.h"
 #include "soapfilm/io/bytes/staged_files.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/formats.h"
 #include "soapfilm/io/meshes/face_normals.h"
 #include "soapfilm/io/meshes/gltf.h"
 #include "soapfilm/io/meshes/mesh_blocks.h"
+#include "soapfilm/io/meshes/obj.h"
+#include "soapfilm/io/meshes/off.h"
 #include "soapfilm/io/meshes/vdb.h"
 #include "soapfilm/io/precision.h"
+#include "soapfilm/io/text/text.h"
 
 namespace soapfilm {
 
@@ -36,10 +41,11 @@ struct PartStyle {
   WriteOptions options;
   std::optional<Vec3d> origin;  ///< of GLB, whose coordinates are relative to it
   std::vector<Vec3f> normals;   ///< of GLB, which has some always: the faces' of the whole mesh, where it has none
+  bool is_text = false;         ///< of OBJ and OFF
 };
 
 PartStyle style_of(const io::Format& format, const Mesh& mesh, const WriteOptions& options) {
-  PartStyle style{options, {}, {}};
+  PartStyle style{options, {}, {}, format.write_mesh == io::write_obj || format.write_mesh == io::write_off};
   if (format.write_mesh == io::write_glb) style.origin = mesh.box().center();
   if (style.origin && mesh.normals.empty()) {
     io::FaceNormals faces(mesh.vertices);
@@ -56,11 +62,28 @@ PartStyle style_of(const io::Format& format, const Mesh& mesh, const WriteOption
   return style;
 }
 
+/// A float as the file holds it: in OBJ and OFF its shortest text, which as a double is another number.
+double as_written(float value, bool is_text) {
+  if (!is_text) return static_cast<double>(value);
+  std::array<char, io::longest_number> text{};
+  double number = 0;
+  io::parse_number({text.data(), static_cast<size_t>(io::put_text(text.data(), value) - text.data())}, number);
+  return number;
+}
+
 /// Of the coordinates in the file: rounding keeps their order.
 Box3d written_box(const Box3d& box, const PartStyle& style, bool double_coordinates) {
   if (double_coordinates) return box;
   const Vec3d origin = style.origin.value_or(Vec3d{});
-  const auto rounded = [&](const Vec3d& p) { return origin + static_cast<Vec3d>(static_cast<Vec3f>(p - origin)); };
+  const auto rounded = [&](const Vec3d& p) {
+    Vec3d written;
+    for (int axis = 0; axis < 3; ++axis) {
+      // Volatile: GCC 12 (-O2, vectors of two) leaves the rounding of two coordinates at once out.
+      const volatile auto single = static_cast<float>(p[axis] - origin[axis]);
+      written[axis] = origin[axis] + as_written(single, style.is_text);
+    }
+    return written;
+  };
   return {rounded(box.lo), rounded(box.hi)};
 }
 

@@ -35,9 +35,9 @@ void StagedFiles::commit() {
   if (!files_.empty()) ::unlink(files_.back().target.c_str());
   for (const Staged& file : files_) {
     if (std::rename(file.temporary.c_str(), file.target.c_str()) != 0) {
-      const int error = errno;
+      const OutputError error(file.target + ": cannot be written: " + error_text(errno));
       remove_all();
-      throw OutputError(file.target + ": cannot be written: " + error_text(error));
+      throw error;
     }
     ++renamed_;
   }

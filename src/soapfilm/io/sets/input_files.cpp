@@ -175,8 +175,10 @@ std::vector<std::string> input_files(const std::vector<std::string>& given, std:
   read_once(files, warnings);
   const std::vector<std::string> own_meshes = taken_out(files, is_own_mesh);
   if (files.empty()) return own_meshes;
-  for (const std::string& mesh : own_meshes)
-    warnings.push_back(fmt::format("{}: left out, a mesh made by an earlier run; alone it is read", mesh));
+  constexpr size_t many = 4;  // such as parts
+  for (size_t i = 0; i < own_meshes.size() && (i == 0 || own_meshes.size() < many); ++i)
+    warnings.push_back(fmt::format("{}{}: left out, a mesh made by an earlier run; alone it is read", own_meshes[i],
+                                   own_meshes.size() < many ? "" : fmt::format(" and {} more", own_meshes.size() - 1)));
   return files;
 }
 
