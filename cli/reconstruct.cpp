@@ -135,6 +135,7 @@ void check_names(const ReconstructOptions& options, const ReadReport& read) {
   std::vector<std::string> outputs = lod_files(options.output, options.lod);
   if (!options.split.empty()) {
     outputs = {parts_index(options.output)};
+    if (is_part_file(options.output, options.report)) outputs.push_back(options.report);
     for (const std::string& input : inputs)
       if (is_part_file(options.output, input)) outputs.push_back(input);
   }

@@ -118,6 +118,10 @@ TEST_F(Split, RefusesWhatItCannotDo) {
   expect_refused({"reconstruct", cloud, "-q", "-o", folder.file("m.las"), "--split", "10"}, "extension '.las'");
   expect_refused({"reconstruct", cloud, "-q", "-o", folder.file("none/m.ply"), "--split", "10"},
                  "none/m.part_001.ply: cannot be written: No such file");
+  for (const char* other : {"m.part_0017.ply", "m.parts.json"})
+    expect_refused(
+        {"reconstruct", cloud, "-q", "-o", folder.file("m.ply"), "--split", "10", "--report", folder.file(other)},
+        "is named for two outputs");
   fs::copy(cloud, folder.file("m.part_002.ply"));
   expect_refused({"reconstruct", folder.file("m.part_002.ply"), "-q", "-o", folder.file("m.ply"), "--split", "10"},
                  "m.part_002.ply: is also an input");
