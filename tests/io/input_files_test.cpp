@@ -3,6 +3,7 @@
 
 #include "files.h"
 #include "samples.h"
+#include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/sets/file_pattern.h"
 

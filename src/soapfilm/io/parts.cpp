@@ -226,8 +226,8 @@ WrittenParts write_parts(const std::string& path, const Mesh& mesh, const PartsP
     if (written.report.warnings.empty()) written.report.warnings = report.warnings;  // of the first that has some
     context.progress().advance(static_cast<double>(k + 1) / static_cast<double>(blocks.size()), {});
   }
-  write_staged(written.index, files, [&](const std::string& path) {
-    write_text_file(path, index_text(written, params, style, maker.vertices()));
+  write_staged(written.index, files, [&](const std::string& temporary) {
+    write_text_file(temporary, index_text(written, params, style, maker.vertices()));
   });
   files.commit();
   warn_of_other_parts(path, written);
