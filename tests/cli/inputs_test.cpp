@@ -115,6 +115,7 @@ TEST_F(Inputs, AFolderWithoutScansIsRefused) {
   for (const char* command : {"reconstruct", "info"}) {
     expect_refused({command, folder.file("empty")}, "empty: a folder without scans, must hold files that end in .ply");
     expect_refused({command, folder.file("none")}, "none: cannot be opened: No such file or directory");
+    expect_refused({command, folder.file("none/")}, "none/: no such folder");
     expect_refused({command, folder.file("empty/*.laz")}, "empty/*.laz: a pattern that no file matches");
     expect_refused({command, folder.file("none/[ab].laz")}, "none/[ab].laz: a pattern that no file matches");
   }

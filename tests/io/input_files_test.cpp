@@ -184,7 +184,7 @@ TEST_F(InputFiles, AreRefusedInOneLineThatNamesThem) {
     expect_refusal<InputError>([&] { read_points(Names{path}); }, {path, why});
   };
   refused(folder / "tilez", "cannot be opened: No such file or directory");
-  refused(folder / "tilez/", "cannot be opened: No such file or directory");
+  expect_refusal<InputError>([&] { read_points(Names{folder / "tilez/"}); }, {"tilez/: no such folder"});
   refused(folder / "tiles/*.laz", "a pattern that no file matches");
   refused(folder / "tilez/*.laz", "a pattern that no file matches");
   refused(folder / "tiles/*.md", "a pattern of 1 file");

@@ -156,6 +156,9 @@ bool is_folder_or_pattern(const std::string& path) { return is_folder(path) || i
 std::vector<std::string> without_patterns(const std::vector<std::string>& given) {
   std::vector<std::string> paths;
   for (const std::string& path : given) {
+    std::error_code unknown;
+    if (path.ends_with('/') && !is_pattern(path) && !fs::exists(path, unknown))
+      throw InputError(path + ": no such folder");
     if (!is_pattern(path))
       paths.push_back(path);
     else
