@@ -13,6 +13,7 @@
 #include "files.h"
 #include "samples.h"
 #include "soapfilm/io/bytes/staged_files.h"
+#include "soapfilm/io/files.h"
 #include "soapfilm/io/meshes/mesh_blocks.h"
 
 namespace soapfilm {
@@ -325,6 +326,17 @@ TEST(StagedFiles, WhereOneCannotBeRenamedNoneIsLeft) {
   std::ofstream(files.add(folder / "index")) << "new";
   expect_refusal<OutputError>([&] { files.commit(); }, {folder / "b: cannot be written: No such file"});
   EXPECT_EQ(names_in(folder), std::set<std::string>{}) << "the old index named what is not there any more";
+}
+
+/// As many as there are, when the process dies of a signal.
+TEST(StagedFiles, GoWithTheProcess) {
+  const TemporaryFolder folder;
+  io::StagedFiles files;
+  constexpr size_t count = 50;
+  for (size_t k = 0; k < count; ++k) std::ofstream(files.add(folder / part_file("m.ply", k, count))) << "new";
+  EXPECT_EQ(folder.file_count(), count);
+  remove_temporary_files();
+  EXPECT_EQ(folder.file_count(), 0u);
 }
 
 TEST(StagedFiles, ASymbolicLinkStaysALink) {
