@@ -19,7 +19,7 @@ ELSEWHERE = {
     "report": "result.report has it", "check": "result.topology() and soapfilm.evaluate() check the mesh",
     "strict": "warnings.simplefilter('error', soapfilm.SoapfilmWarning) makes warnings errors",
     "preview": "a run with a voxel 4 times as large is a first look",
-    "lod": "only the program writes coarser levels",
+    "lod": "only the program writes coarser levels", "split": "only the program writes parts",
     "write_levels": "only the program writes levels", "quiet": "progress=False is quiet",
     "verbose": "progress=callable gets all details", "columns": "soapfilm.read(files, columns=...) has it",
     "trajectory": "soapfilm.read(files, trajectory=...) has it",
