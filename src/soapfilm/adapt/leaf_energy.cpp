@@ -7,75 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/adapt/leaf_sides.h"
 #include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/pyramid/children.h"
 
 namespace soapfilm {
 
 namespace {
-
-/// The two axes across one.
-constexpr std::array<int, 2> across(int axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2}; }
-
-Vec3i step_up(Vec3i v, int axis) {
-  ++v[axis];
-  return v;
-}
-
-/// u of a brick, of the level that its place has.
-class Sides {
- public:
-  Sides(const Regions& regions, std::span<const LeafLevel> levels) : regions_(regions), levels_(levels) {}
-
-  BrickBits of(int level, Vec3i brick) const {
-    const Labels& labels = *levels_[static_cast<size_t>(level)].sides;
-    if (!follows(level, brick)) return labels.of(brick);
-    const BrickBits parent = of(level + 1, parent_of(brick));
-    const Vec3i base = octant_base(octant_in_parent(brick));
-    BrickBits bits;
-    for (int i = 0; i < brick_volume; ++i) {
-      const Vec3i v = base + vertex_in_brick(i) / 2;
-      if (parent.test(v.x, v.y, v.z)) bits.set(i);
-    }
-    return bits;
-  }
-  /// Whether a leaf brick and those above it have one value without having labels.
-  bool are_alike(int level, Vec3i brick) const {
-    const Labels& labels = *levels_[static_cast<size_t>(level)].sides;
-    const auto missing = [&](Vec3i b) {
-      return regions_.has(level, b) && !follows(level, b) && labels.grid.find(b) == outside_band;
-    };
-    if (!missing(brick)) return false;
-    const bool inside = labels.is_inside(outside_band, brick);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vec3i up = step_up(brick, axis);
-      if (!missing(up) || labels.is_inside(outside_band, up) != inside) return false;
-    }
-    return true;
-  }
-
- private:
-  bool follows(int level, Vec3i brick) const {
-    return level < regions_.coarsest() && regions_.follows(level + 1, parent_of(brick));
-  }
-
-  const Regions& regions_;
-  std::span<const LeafLevel> levels_;
-};
-
-/// u in the layer above a brick, of half its width: (2a + i, 2b + j) for the sub-face (i, j) of vertex (a, b).
-struct LayerAbove {
-  std::array<uint16_t, 2 * brick_side> rows{};
-  std::array<uint16_t, 2 * brick_side> exists{};  ///< sub-faces that the problem has
-  bool finer = false;
-
-  bool test(int a, int b) const { return rows[static_cast<size_t>(b)] >> a & 1; }
-  bool has(int a, int b) const { return exists[static_cast<size_t>(b)] >> a & 1; }
-  /// What share of a vertex's face the problem has.
-  double share(int a, int b) const {
-    return 0.25 * (has(2 * a, 2 * b) + has(2 * a + 1, 2 * b) + has(2 * a, 2 * b + 1) + has(2 * a + 1, 2 * b + 1));
-  }
-};
 
 struct LeafTerms {
   std::array<uint64_t, 4> groups{}, eighths{};  ///< whose u steps along so many axes
@@ -137,7 +75,7 @@ class LeafEvaluator {
     LeafTerms t;
     const BrickBits own = sides_.of(level_, brick);
     std::array<LayerAbove, 3> above;
-    for (int axis = 0; axis < 3; ++axis) above[static_cast<size_t>(axis)] = layer_above(brick, axis);
+    for (int axis = 0; axis < 3; ++axis) above[static_cast<size_t>(axis)] = sides_.above(level_, brick, axis);
     const int32_t n = own_.flux->grid.find(brick), d = own_.data->grid.find(brick);
     const float* f = d >= 0 ? own_.data->f.brick(static_cast<size_t>(d)) : nullptr;
     const bool at_border = n >= 0 && touches_other_level(brick);
@@ -248,9 +186,9 @@ class LeafEvaluator {
     for (int axis = 0; axis < 3; ++axis) {
       const auto [a, b] = across(axis);
       const LayerAbove& layer = above[static_cast<size_t>(axis)];
-      const Vec3i up = step_up(v, axis);
+      const Vec3i up = step_above(v, axis);
       if (up[axis] < brick_side) {
-        if (exists(brick, v, axis)) single[axis] = int{own.test(up.x, up.y, up.z)} - here;
+        if (has_face_above(box_, brick * brick_side + v, axis)) single[axis] = int{own.test(up.x, up.y, up.z)} - here;
       } else if (layer.finer) {
         split = true;
       } else if (layer.has(2 * v[a], 2 * v[b])) {
@@ -281,69 +219,9 @@ class LeafEvaluator {
     return gap;
   }
 
-  /// Whether the face above a vertex has area.
-  bool exists(Vec3i brick, Vec3i v, int axis) const {
-    const Vec3i at = brick * brick_side + v;
-    return !box_.open || (box_.is_free(at) && box_.is_free(step_up(at, axis)));
-  }
-
-  LayerAbove layer_above(Vec3i brick, int axis) const {
-    const Vec3i next = step_up(brick, axis);
-    const auto [a, b] = across(axis);
-    LayerAbove layer;
-    const bool beyond = !BrickRange::whole(box_.bricks).contains(next);
-    layer.finer = !beyond && regions_.is_finer(level_, next);
-    std::array<BrickBits, 4> finer;
-    BrickBits other;
-    Vec3i base;
-    int step = 2;  // half vertices per vertex of `other`
-    if (layer.finer) {
-      for (int k = 0; k < 4; ++k) finer[static_cast<size_t>(k)] = sides_.of(level_ - 1, child_above(next, axis, k));
-    } else if (!beyond && regions_.has(level_, next)) {
-      other = sides_.of(level_, next);
-    } else if (!beyond) {
-      other = sides_.of(level_ + 1, parent_of(next));
-      base = octant_base(octant_in_parent(next));
-      step = 4;
-    }
-    for (int y = 0; y < 2 * brick_side; ++y)
-      for (int x = 0; x < 2 * brick_side; ++x) {
-        Vec3i at;
-        at[a] = layer.finer ? x % brick_side : x / step;
-        at[b] = layer.finer ? y % brick_side : y / step;
-        const BrickBits& bits = layer.finer ? finer[static_cast<size_t>(x / brick_side + 2 * (y / brick_side))] : other;
-        const Vec3i in = layer.finer ? at : base + at;
-        const auto bit = static_cast<uint16_t>(1 << x);
-        if (bits.test(in.x, in.y, in.z)) layer.rows[static_cast<size_t>(y)] |= bit;
-        if (face_exists(brick, axis, x, y, layer.finer)) layer.exists[static_cast<size_t>(y)] |= bit;
-      }
-    return layer;
-  }
-
-  static Vec3i child_above(Vec3i next, int axis, int k) {
-    Vec3i octant;
-    octant[across(axis)[0]] = k & 1;
-    octant[across(axis)[1]] = k >> 1;
-    return child_of(next, octant);
-  }
-
-  /// Of the sub-face (x, y) above a brick.
-  bool face_exists(Vec3i brick, int axis, int x, int y, bool finer) const {
-    if (!box_.open) return true;
-    Vec3i v;
-    v[axis] = brick_side - 1;
-    v[across(axis)[0]] = x / 2;
-    v[across(axis)[1]] = y / 2;
-    if (!finer) return exists(brick, v, axis);
-    Vec3i fine = step_up(brick, axis) * (2 * brick_side);
-    fine[across(axis)[0]] += x;
-    fine[across(axis)[1]] += y;
-    return box_.is_free(brick * brick_side + v) && levels_[static_cast<size_t>(level_) - 1].flux->box.is_free(fine);
-  }
-
   const Regions& regions_;
   std::span<const LeafLevel> levels_;
-  Sides sides_;
+  LeafSides sides_;
   int level_;
   const LeafLevel& own_;
   const LevelBox& box_;
