@@ -35,7 +35,8 @@ class Context {
   /// MemoryError before it allocates them. To be set between runs, as is the folder.
   void limit_memory(std::optional<size_t> bytes);
   std::optional<size_t> memory_limit() const;
-  /// Where temporary files go; each is removed by what made it. Empty: the system's folder ($TMPDIR, else /tmp).
+  /// Where temporary files go ($TMPDIR, else /tmp, where it is empty), each removed by what made it; and, where the
+  /// folder is given, the large arrays of a run that does not fit into memory: instead of MemoryError.
   void set_scratch_folder(std::string folder);
   std::string scratch_folder() const;
 

@@ -20,6 +20,7 @@ ELSEWHERE = {
     "strict": "warnings.simplefilter('error', soapfilm.SoapfilmWarning) makes warnings errors",
     "preview": "a run with a voxel 4 times as large is a first look",
     "lod": "only the program writes coarser levels",
+    "scratch": "only the program holds large arrays in files",
     "write_levels": "only the program writes levels", "quiet": "progress=False is quiet",
     "verbose": "progress=callable gets all details", "columns": "soapfilm.read(files, columns=...) has it",
     "trajectory": "soapfilm.read(files, trajectory=...) has it",
