@@ -9,6 +9,10 @@
 #include <new>
 #include <utility>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/platform/page_pool.h"
 #include "soapfilm/platform/scratch.h"
@@ -72,10 +76,19 @@ class LargeVectors {
   std::map<void*, ZeroedMemory> taken_;
 };
 
+/// Without it the allocator keeps freed vectors of up to 32 MiB for later ones, which go to files.
+void return_freed_memory() {
+#if defined(__GLIBC__)
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  mallopt(M_TRIM_THRESHOLD, 1 << 20);
+#endif
+}
+
 }  // namespace
 
 void use_scratch(const std::string& folder, Context& context) {
   check_scratch_folder(folder);
+  return_freed_memory();
   context.set_scratch_folder(folder);
   if (SOAPFILM_MOVES_VECTORS != 0)
     context.state().move_vectors = [](const std::string& to) { LargeVectors::all().move_to(to); };

@@ -23,7 +23,8 @@ struct ResidentShares {
 ResidentShares shares_of(Method method, bool moves_vectors) {
   if (moves_vectors) return {0.05, 0.05, 0.05, 0.05, 0.05, 0.05};
   const bool cuts = method == Method::graph_cut_6 || method == Method::graph_cut_26;
-  return {1, 1, cuts ? 1 : 0.05, 0.15, 1, 0.15};
+  const double solve = cuts ? 1 : method == Method::poisson ? 0.12 : 0.05;
+  return {1, 1, solve, 0.15, 1, 0.15};
 }
 
 uint64_t share_of(uint64_t bytes, double share) {
