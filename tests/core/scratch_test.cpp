@@ -53,7 +53,6 @@ TEST(ScratchFiles, KeepWhatIsNeitherReleasedNorRead) {
   AlignedArray<uint8_t> array(5 * block, pool);
   ASSERT_TRUE(array.on_disk());
   std::memset(array.data(), 7, array.size());
-  array.put_away(0, array.size());
   array.fetch(block, 2 * block);
   array.release_before(block + 12345);
   EXPECT_EQ(std::count(array.data() + block + 12345, array.data() + array.size(), 7),

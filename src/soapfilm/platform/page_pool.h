@@ -74,9 +74,8 @@ class PagePool {
 /// bytes given back before. Returns the number given back so far.
 size_t release_pages(const ZeroedMemory& memory, size_t gone, size_t end);
 
-/// Of an array in a file: bytes [begin, end) will soon be used, so that they are read in large pieces; or will not for a
-/// while, so that their memory may serve others first. Advice: contents stay. Arrays in memory stay as they are.
+/// Of an array in a file: bytes [begin, end) will soon be used, so that they are read in large pieces. Advice. Arrays in
+/// memory stay as they are.
 void fetch_pages(const ZeroedMemory& memory, size_t begin, size_t end);
-void put_pages_away(const ZeroedMemory& memory, size_t begin, size_t end);
 
 }  // namespace soapfilm

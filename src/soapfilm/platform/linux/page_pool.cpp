@@ -59,12 +59,16 @@ std::byte* map_blocks(size_t bytes) {
   return memory;
 }
 
-/// The same with the contents of a file; null if the system refuses.
+/// The same with the contents of a file; null if the system refuses. Pages of the file in memory are large, too, where
+/// the file system can: what is spent on each page is most of the cost.
 std::byte* map_file(int file, size_t bytes) {
   std::byte* const memory = reserve_blocks(bytes);
   if (!memory) return nullptr;
   const size_t length = rounded_up(bytes, page_bytes());
-  if (mmap(memory, length, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, file, 0) != MAP_FAILED) return memory;
+  if (mmap(memory, length, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, file, 0) != MAP_FAILED) {
+    prefer_large_pages(memory, length);
+    return memory;
+  }
   munmap(memory, length);
   return nullptr;
 }
@@ -270,14 +274,15 @@ size_t release_pages(const ZeroedMemory& memory, size_t gone, size_t end) {
   return pages_end;
 }
 
+/// A page that is read first and written then costs a tenth of one that is written at once: measured 0.1 and 0.6 to 1.6
+/// CPU seconds a gigabyte.
 void fetch_pages(const ZeroedMemory& memory, size_t begin, size_t end) {
-  advise_pages(memory, begin, end,
-               [](std::byte* first, size_t bytes) { static_cast<void>(madvise(first, bytes, MADV_POPULATE_WRITE)); });
-}
-
-void put_pages_away(const ZeroedMemory& memory, size_t begin, size_t end) {
-  advise_pages(memory, begin, end,
-               [](std::byte* first, size_t bytes) { static_cast<void>(madvise(first, bytes, MADV_PAGEOUT)); });
+  advise_pages(memory, begin, end, [](std::byte* first, size_t bytes) {
+#ifdef MADV_POPULATE_READ
+    if (madvise(first, bytes, MADV_POPULATE_READ) == 0) return;  // else an old kernel
+#endif
+    static_cast<void>(madvise(first, bytes, MADV_WILLNEED));
+  });
 }
 
 void PagePool::use_folder(const std::string& folder) const {

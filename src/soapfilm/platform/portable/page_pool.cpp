@@ -36,8 +36,6 @@ size_t release_pages(const ZeroedMemory&, size_t gone, size_t) { return gone; }
 
 void fetch_pages(const ZeroedMemory&, size_t, size_t) {}
 
-void put_pages_away(const ZeroedMemory&, size_t, size_t) {}
-
 void PagePool::use_folder(const std::string&) const {}
 
 bool PagePool::moves_pages() { return false; }
