@@ -7,8 +7,8 @@
 
 namespace soapfilm::cli {
 
-/// Runs of the context may use the folder; once one does, the program's large vectors are there, too. Throws OutputError
-/// unless files can be made in it.
+/// Runs of the context may use the folder; once one does, the program's large vectors are there, too. Throws
+/// OutputError unless files can be made in it.
 void use_scratch(const std::string& folder, Context& context);
 
 }  // namespace soapfilm::cli

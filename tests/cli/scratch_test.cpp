@@ -44,8 +44,8 @@ class ScratchOption : public testing::Test {
   }
   /// A run that has two thirds of the memory that it needs, but --scratch.
   std::vector<std::string> limited(const std::string& where) const {
-    return {"reconstruct", "--resolution", "144", folder.file("scan") + "/samples.ply", "-o", mesh, "--memory", "24M",
-            "--scratch",   where};
+    return {"reconstruct", "--resolution", "144", folder.file("scan") + "/samples.ply", "-o", mesh, "--memory",
+            "24M",         "--scratch",    where};
   }
   TemporaryFolder folder;
   std::string scratch = folder.file("scratch"), mesh = folder.file("mesh.ply");

@@ -41,8 +41,8 @@ class PagePool {
 
   /// From now on large arrays are files of this folder, mapped: what memory has no room for is read again when it is
   /// used. A file has no name, so nothing is left of it even if the process is killed, and its space is reserved before
-  /// it is used: where the disk has too little, allocate() throws OutputError. Empty: in memory again. Kept pages go back
-  /// to the system. Has no effect on arrays that exist, nor where the platform lacks it (see platform/scratch.h).
+  /// it is used: where the disk has too little, allocate() throws OutputError. Empty: in memory again. Kept pages go
+  /// back to the system. Has no effect on arrays that exist, nor where the platform lacks it (see platform/scratch.h).
   void use_folder(const std::string& folder) const;
 
   /// For memory that will soon be written: kept pages, set to zero, are used for large pages of [begin, begin + bytes)
@@ -74,8 +74,8 @@ class PagePool {
 /// bytes given back before. Returns the number given back so far.
 size_t release_pages(const ZeroedMemory& memory, size_t gone, size_t end);
 
-/// Of an array in a file: bytes [begin, end) will soon be used, so that they are read in large pieces. Advice. Arrays in
-/// memory stay as they are.
+/// Of an array in a file: bytes [begin, end) will soon be used, so that they are read in large pieces. Advice. Arrays
+/// in memory stay as they are.
 void fetch_pages(const ZeroedMemory& memory, size_t begin, size_t end);
 
 }  // namespace soapfilm

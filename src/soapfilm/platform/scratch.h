@@ -17,8 +17,8 @@ uint64_t free_disk_bytes(const std::string& folder);
 void check_scratch_folder(const std::string& folder);
 
 /// An open file without a name, all of whose `bytes` are reserved: using it cannot fail because the disk is full. When
-/// it is closed, and no longer mapped, nothing is left of it. Throws OutputError that names the folder, the bytes needed
-/// and those that are free.
+/// it is closed, and no longer mapped, nothing is left of it. Throws OutputError that names the folder, the bytes
+/// needed and those that are free.
 int make_scratch_file(const std::string& folder, size_t bytes);
 
 }  // namespace soapfilm

@@ -8,6 +8,7 @@
 #include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
 #include "soapfilm/platform/scratch.h"
+#include "soapfilm/run/defaults.h"
 #include "soapfilm/run/memory_plan.h"
 
 namespace soapfilm {
@@ -20,16 +21,16 @@ struct ResidentShares {
 };
 
 /// The library's arrays are values on the bricks and rows of grids; their topology, samples and meshes are vectors.
-ResidentShares shares_of(Method method, bool moves_vectors) {
+/// Relaxing has the smoothed field beside the mesh.
+ResidentShares shares_of(const ReconstructParams& params, bool moves_vectors) {
   if (moves_vectors) return {0.05, 0.05, 0.05, 0.05, 0.05, 0.05};
-  const bool cuts = method == Method::graph_cut_6 || method == Method::graph_cut_26;
-  const double solve = cuts ? 1 : method == Method::poisson ? 0.12 : 0.05;
-  return {1, 1, solve, 0.15, 1, 0.15};
+  const bool cuts = params.method == Method::graph_cut_6 || params.method == Method::graph_cut_26;
+  const double solve = cuts ? 1 : params.method == Method::poisson ? 0.12 : 0.05;
+  const double mesh = params.checked || simplifies(params.simplify) ? 1 : 0.78;
+  return {1, 1, solve, 0.15, mesh, 0.15};
 }
 
-uint64_t share_of(uint64_t bytes, double share) {
-  return static_cast<uint64_t>(share * static_cast<double>(bytes));
-}
+uint64_t share_of(uint64_t bytes, double share) { return static_cast<uint64_t>(share * static_cast<double>(bytes)); }
 
 /// Of bytes that contain the program's own.
 uint64_t share_beside_program(uint64_t bytes, double share) {
@@ -39,8 +40,8 @@ uint64_t share_beside_program(uint64_t bytes, double share) {
 
 }  // namespace
 
-ScratchBudget::ScratchBudget(Method method, const Context& context)
-    : method_(method),
+ScratchBudget::ScratchBudget(const ReconstructParams& params, const Context& context)
+    : params_(params),
       context_(context),
       folder_(has_scratch_files() ? context.state().scratch_folder : std::string()),
       moves_vectors_(context.state().move_vectors != nullptr) {
@@ -75,7 +76,7 @@ bool ScratchBudget::holds(const MemoryPlan& plan, const Room& room) const {
 }
 
 MemoryPlan ScratchBudget::resident_part(const MemoryPlan& plan) const {
-  const ResidentShares share = shares_of(method_, moves_vectors_);
+  const ResidentShares share = shares_of(params_, moves_vectors_);
   MemoryPlan part = plan;
   part.placing_bytes = share_beside_program(plan.placing_bytes, share.placing);
   part.fixed_bytes = share_beside_program(plan.fixed_bytes, share.fixed);

@@ -15,8 +15,8 @@ struct Room;
 /// Moves a run's large arrays to the scratch folder once its plan exceeds the memory, if the context names one.
 class ScratchBudget {
  public:
-  /// Keeps a reference to the context.
-  ScratchBudget(Method method, const Context& context);
+  /// Keeps references.
+  ScratchBudget(const ReconstructParams& params, const Context& context);
   /// The next run begins in memory.
   ~ScratchBudget();
   ScratchBudget(const ScratchBudget&) = delete;
@@ -37,10 +37,10 @@ class ScratchBudget {
  private:
   void use();
 
-  Method method_;
+  const ReconstructParams& params_;
   const Context& context_;
-  std::string folder_;      ///< empty: none
-  bool moves_vectors_;      ///< not only the library's own arrays
+  std::string folder_;       ///< empty: none
+  bool moves_vectors_;       ///< not only the library's own arrays
   uint64_t free_bytes_ = 0;  ///< of the disk, before the run
   bool used_ = false;
 };

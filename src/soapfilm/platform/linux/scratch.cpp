@@ -59,7 +59,7 @@ void check_scratch_folder(const std::string& folder) {
 int make_scratch_file(const std::string& folder, size_t bytes) {
   const int file = open_unnamed(folder);
   if (file < 0) fail(folder, std::strerror(errno));
-  const int error = bytes > largest_file()                ? EFBIG
+  const int error = bytes > largest_file()            ? EFBIG
                     : bytes > free_disk_bytes(folder) ? ENOSPC
                                                       : posix_fallocate(file, 0, static_cast<off_t>(bytes));
   if (error == 0) return file;
