@@ -23,6 +23,7 @@
 #include "cli/proved_mesh.h"
 #include "cli/read_cloud.h"
 #include "cli/reconstruct_options.h"
+#include "cli/scratch.h"
 #include "cli/split.h"
 #include "cli/standard_streams.h"
 #include "cli/terminal.h"
@@ -248,6 +249,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   Context context(global.threads, progress);
   finish_params(app, options);
   if (!options.memory.empty()) context.limit_memory(parse_memory(options.memory));
+  if (!options.scratch.empty()) use_scratch(options.scratch, context);
   StandardStreams streams(options.format, context);
   find_files(options, streams, progress);
   if (!options.report.empty()) check_output(options.report);

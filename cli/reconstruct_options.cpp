@@ -71,6 +71,11 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
   grid(app.add_option("--memory", o.memory,
                       "Refuse a run that needs more, such as 2G\n(default: what the machine has free)"))
       ->option_text("LIMIT");
+  grid(
+      app.add_option("--scratch", o.scratch,
+                     "Hold large arrays in files of this folder where a run needs more memory:\nit is slower, the mesh "
+                     "the same; nothing stays there"))
+      ->option_text("DIR");
 
   const auto directions = [&](auto* option) { return option->group("Directions"); };
   directions(

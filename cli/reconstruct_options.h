@@ -19,6 +19,7 @@ struct ReconstructOptions {
   std::string format;  ///< of standard input and output
   std::string report;
   std::string memory;
+  std::string scratch;
   std::string isovalue;
   std::string lambda;
   std::string trim;

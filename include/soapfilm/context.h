@@ -35,7 +35,7 @@ class Context {
   /// MemoryError before it allocates them. To be set between runs, as is the folder.
   void limit_memory(std::optional<size_t> bytes);
   std::optional<size_t> memory_limit() const;
-  /// Where temporary files go; each is removed by what made it. Empty: the system's folder ($TMPDIR, else /tmp).
+  /// Where temporary files go, and large arrays of runs larger than memory. Empty: $TMPDIR, else /tmp; no arrays.
   void set_scratch_folder(std::string folder);
   std::string scratch_folder() const;
 

@@ -51,7 +51,7 @@ SOAPFILM_API void soapfilm_cancel(soapfilm_context* context);
 
 /* Bytes that the process may take in a run with this context; 0: what the machine has free. Between runs. */
 SOAPFILM_API void soapfilm_limit_memory(soapfilm_context* context, size_t bytes);
-/* Folder for temporary files; null or "": the system's ($TMPDIR, else /tmp). Between runs. */
+/* Folder for temporary files, and for arrays of runs larger than memory; null or "": $TMPDIR, else /tmp, and none. */
 SOAPFILM_API void soapfilm_set_scratch_folder(soapfilm_context* context, const char* folder);
 
 typedef enum soapfilm_event {

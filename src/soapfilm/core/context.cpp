@@ -49,7 +49,8 @@ Context::State::State(const State& parent, Progress* whole, double begin, double
       threads(parent.threads),
       pages(parent.pages),
       memory_limit(parent.memory_limit),
-      scratch_folder(parent.scratch_folder) {
+      scratch_folder(parent.scratch_folder),
+      move_vectors(parent.move_vectors) {
   part.whole = whole;
   part.begin = begin;
   part.end = end;

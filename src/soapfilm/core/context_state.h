@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,7 +44,10 @@ struct Context::State {
   std::shared_ptr<Threads> threads;
   PagePool pages;
   std::optional<size_t> memory_limit;
-  std::string scratch_folder;  ///< empty: the system's
+  std::string scratch_folder;  ///< empty: the system's, and arrays stay in memory
+  /// A program's own way to hold its large vectors in a folder, too: called when a run's arrays go there, and with an
+  /// empty name when it ends.
+  std::function<void(const std::string& folder)> move_vectors;
 };
 
 /// Within a stage: the same context, and must not outlive it. It reports nothing.

@@ -27,6 +27,11 @@ class AlignedArray {
   const T* data() const { return memory_ ? reinterpret_cast<const T*>(memory_.get() + lead_bytes) : nullptr; }
   /// Values before `end` are not read any more: frees their memory early.
   void release_before(size_t end) { released_ = release_pages(memory_, released_, lead_bytes + end * sizeof(T)); }
+  /// Of an array on disk: values [begin, end) will soon be used.
+  void fetch(size_t begin, size_t end) const {
+    if (on_disk()) fetch_pages(memory_, lead_bytes + begin * sizeof(T), lead_bytes + end * sizeof(T));
+  }
+  bool on_disk() const { return memory_ && memory_.get_deleter().file >= 0; }
   /// Values [begin, end), still zero, will soon be written.
   void supply_pages(size_t begin, size_t end) { pages_.supply(data() + begin, (end - begin) * sizeof(T)); }
 
@@ -57,6 +62,9 @@ class Field {
   size_t bytes() const { return values_.bytes(); }
   /// Bricks before `end` are not read any more: frees their memory early.
   void release_before(size_t end) { values_.release_before(end * values_per_brick); }
+  /// Of an array on disk: bricks [begin, end) will soon be used.
+  void fetch(size_t begin, size_t end) const { values_.fetch(begin * values_per_brick, end * values_per_brick); }
+  bool on_disk() const { return values_.on_disk(); }
   /// Bricks [begin, end), still zero, will soon be written.
   void supply_pages(size_t begin, size_t end) {
     values_.supply_pages(begin * values_per_brick, end * values_per_brick);

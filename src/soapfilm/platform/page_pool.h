@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <string>
 
 namespace soapfilm {
 
@@ -11,6 +12,7 @@ class SpareBlocks;
 struct FreeZeroed {
   size_t bytes = 0;
   std::shared_ptr<SpareBlocks> spare;  ///< or null
+  int file = -1;                       ///< that holds the contents, open; -1: they are in memory
   void operator()(std::byte* memory) const;
 };
 using ZeroedMemory = std::unique_ptr<std::byte, FreeZeroed>;
@@ -37,12 +39,19 @@ class PagePool {
   /// system when freed, unless a Keep lives. Throws std::bad_alloc.
   ZeroedMemory allocate(size_t bytes) const;
 
+  /// From now on large arrays are files of this folder, mapped: what memory has no room for is read again when it is
+  /// used. A file has no name, so nothing is left of it even if the process is killed, and its space is reserved before
+  /// it is used: where the disk has too little, allocate() throws OutputError. Empty: in memory again. Kept pages go
+  /// back to the system. Has no effect on arrays that exist, nor where the platform lacks it (see platform/scratch.h).
+  void use_folder(const std::string& folder) const;
+
   /// For memory that will soon be written: kept pages, set to zero, are used for large pages of [begin, begin + bytes)
   /// that have not been touched. Throws std::bad_alloc.
   void supply(void* begin, size_t bytes) const;
 
-  /// The largest total size of its arrays at one time, since the last restart.
+  /// The largest total size of its arrays at one time, since the last restart; of those in files.
   size_t peak_bytes() const;
+  size_t peak_disk_bytes() const;
   void restart_peak() const;
 
   class Keep {
@@ -64,5 +73,9 @@ class PagePool {
 /// system, or whole large pages to the pool's Keep. Their contents are lost: they may be written, not read. `gone`:
 /// bytes given back before. Returns the number given back so far.
 size_t release_pages(const ZeroedMemory& memory, size_t gone, size_t end);
+
+/// Of an array in a file: bytes [begin, end) will soon be used, so that they are read in large pieces. Advice. Arrays
+/// in memory stay as they are.
+void fetch_pages(const ZeroedMemory& memory, size_t begin, size_t end);
 
 }  // namespace soapfilm

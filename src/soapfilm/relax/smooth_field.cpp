@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/window.h"
 
@@ -46,7 +47,7 @@ bool gather(const BrickGrid& grid, const Field<float>& value, Vec3i cell, Around
 }  // namespace
 
 SmoothField::SmoothField(const BrickGrid& grid, const Field<float>& value, const Context& context)
-    : grid_(grid), value_(grid) {
+    : grid_(grid), value_(grid, pages_of(context)) {
   parallel_chunks(context, grid.size(), 64, [&](size_t begin, size_t end) {
     Window<float, 1> window;
     for (size_t b = begin; b < end; ++b) {

@@ -18,7 +18,7 @@ void announce_grid(const Grid& grid, const MemoryBudget& memory, Trace& trace) {
   const std::string by_noise =
       grid.voxel_by_noise ? fmt::format(" by the samples' noise, {:.2g}", grid.noise) : std::string();
   trace.info(fmt::format("grid {} x {} x {}, voxel {:.4g}{}, {:.2g} samples per voxel^2, memory {}", n.x, n.y, n.z,
-                         grid.lattice.voxel, by_noise, grid.density, format_bytes(memory.planned_bytes())));
+                         grid.lattice.voxel, by_noise, grid.density, memory.summary()));
   trace.warn(grid.warnings);
 }
 
@@ -102,7 +102,7 @@ void announce_plan(const MemoryBudget& memory, Trace& trace) {
   constexpr double much = 1.1;
   const auto first = static_cast<double>(memory.first_bytes()), now = static_cast<double>(memory.planned_bytes());
   if (now > much * first || first > much * now)
-    trace.info(fmt::format("memory {}, now that the surface is known", format_bytes(memory.planned_bytes())));
+    trace.info(fmt::format("memory {}, now that the surface is known", memory.summary()));
 }
 
 }  // namespace

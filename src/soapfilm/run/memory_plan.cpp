@@ -24,9 +24,6 @@ namespace soapfilm {
 
 namespace {
 
-/// The program itself with its libraries, threads and file buffers.
-constexpr uint64_t base_bytes = uint64_t{12} << 20;
-
 /// In addition to the support bricks a band contains those where holes are closed: measured 1.02 to 1.15 times as many.
 constexpr double band_over_support = 1.1;
 /// tv's finest band excludes support that needs no more work: measured 0.70 to 0.75 with a sample per voxel^2, 0.80 to
@@ -126,13 +123,13 @@ uint64_t plan_placing(const PointCloud& cloud) {
   // the cells of two depths that found it, measured, or the sorted samples.
   constexpr uint64_t around_each = 3 * sizeof(float) + sizeof(Vec3f), cells_each = 63;
   const uint64_t around_bytes = around_each * cloud.size(), cells_bytes = cells_each * cloud.size();
-  return base_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + around_bytes +
+  return program_bytes + cloud_bytes(cloud) + sizeof(Vec3f) * cloud.size() + around_bytes +
          std::max(sorted_bytes, cells_bytes);
 }
 
 uint64_t plan_fixed(Method method, const PointCloud& cloud, AfterPlacing after) {
   const bool keeps = after == AfterPlacing::kept || method == Method::vrip;
-  return base_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
+  return program_bytes + kept_bytes(cloud) + (keeps ? cloud_bytes(cloud) : 0);
 }
 
 MemoryPlan plan_memory(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after,
@@ -160,7 +157,7 @@ MemoryPlan plan_memory(const ReconstructParams& params, const PointCloud& cloud,
 MemoryPlan plan_tables(Method method, const Lattice& lattice) {
   const uint64_t tables = box_bytes(method, lattice);
   MemoryPlan plan;
-  plan.fixed_bytes = base_bytes;
+  plan.fixed_bytes = program_bytes;
   plan.solve.bytes = plan.tables_bytes = tables;
   return plan;
 }
@@ -231,12 +228,19 @@ double smallest_voxel(const PointCloud& cloud, double area, const ReconstructPar
 
 MemoryBudget::MemoryBudget(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after,
                            const Context& context)
-    : params_(params), after_(after), room_(context.memory_limit(), held_memory_bytes()) {
-  check_placing(plan_placing(cloud), room_, cloud.size());
+    : params_(params),
+      after_(after),
+      room_(context.memory_limit(), held_memory_bytes()),
+      scratch_(params, context) {
+  plan_.placing_bytes = plan_placing(cloud);
+  const bool on_disk = scratch_.takes(plan_, room_);
+  check_placing(on_disk ? scratch_.resident_part(plan_).placing_bytes : plan_.placing_bytes, room_, cloud.size());
 }
 
-void MemoryBudget::check() const {
-  check_memory(plan_, room_, lattice_, area_, params_.place.resolution && !params_.place.voxel);
+void MemoryBudget::check() {
+  const bool on_disk = scratch_.takes(plan_, room_);
+  check_memory(on_disk ? scratch_.resident_part(plan_) : plan_, room_, lattice_, area_,
+               params_.place.resolution && !params_.place.voxel);
 }
 
 void MemoryBudget::plan_tables(const PointCloud& cloud, const Box3d& box, const Lattice& lattice, double area) try {
@@ -251,7 +255,14 @@ void MemoryBudget::plan_tables(const PointCloud& cloud, const Box3d& box, const 
 void MemoryBudget::plan_grid(const PointCloud& cloud, const Support& support) {
   plan_ = plan_memory(params_, cloud, after_, lattice_, support);
   check();
-  first_ = plan_.total();
+  first_ = planned_bytes();
+}
+
+std::string MemoryBudget::summary() const {
+  const std::string in_memory = format_bytes(planned_bytes());
+  return scratch_.used()
+             ? fmt::format("{}, {} on disk in {}", in_memory, format_bytes(planned_disk_bytes()), scratch_.folder())
+             : in_memory;
 }
 
 PyramidObserver MemoryBudget::watch(PyramidObserver user, uint64_t data_bricks) {
@@ -287,17 +298,24 @@ void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, 
 bool MemoryBudget::plan_beside(uint64_t bytes) {
   if (solve_alone_ == 0) solve_alone_ = plan_.solve.bytes;
   bytes += plan_.kept_bytes;
-  if (plan_.fixed_bytes + solve_alone_ + plan_.gap.bytes + bytes > room_.bytes) return false;
-  plan_.solve.bytes = std::max(plan_.solve.bytes, solve_alone_ + bytes);
+  MemoryPlan both = plan_;
+  both.solve.bytes = std::max(plan_.solve.bytes, solve_alone_ + bytes);
+  if (plan_.fixed_bytes + solve_alone_ + plan_.gap.bytes + bytes > room_.bytes && !scratch_.holds(both, room_))
+    return false;
+  plan_ = both;
+  scratch_.takes(plan_, room_);
   return true;
 }
 
 bool MemoryBudget::plan_kept(uint64_t bytes, uint64_t beside) {
   if (solve_alone_ == 0) solve_alone_ = plan_.solve.bytes;
+  MemoryPlan kept = plan_;
+  kept.kept_bytes = bytes;
+  kept.certify_bytes = bytes + beside;
   const uint64_t other = plan_.fixed_bytes + plan_.gap.bytes;
-  if (other + bytes + std::max(solve_alone_, beside) > room_.bytes) return false;
-  plan_.kept_bytes = bytes;
-  plan_.certify_bytes = bytes + beside;
+  if (other + bytes + std::max(solve_alone_, beside) > room_.bytes && !scratch_.holds(kept, room_)) return false;
+  plan_ = kept;
+  scratch_.takes(plan_, room_);
   return true;
 }
 

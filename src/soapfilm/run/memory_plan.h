@@ -12,9 +12,13 @@
 #include "soapfilm/grid/lattice.h"
 #include "soapfilm/params.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
+#include "soapfilm/run/scratch_plan.h"
 #include "soapfilm/solve/labels.h"
 
 namespace soapfilm {
+
+/// The program itself with its libraries, threads and file buffers.
+inline constexpr uint64_t program_bytes = uint64_t{12} << 20;
 
 /// Bytes that a stage will need. A run is refused only if the certain share of a guess does not fit; the rest may be an
 /// overestimate.
@@ -98,7 +102,8 @@ void check_placing(uint64_t placing_bytes, const Room& room, uint64_t samples);
 /// know its grid.
 double smallest_voxel(const PointCloud& cloud, double area, const ReconstructParams& params, const Context& context);
 
-/// The plan of one run: made part by part, as the sizes of its stages become known; refuses a run that would not fit.
+/// The plan of one run: made part by part, as the sizes of its stages become known; refuses a run that would not fit,
+/// or moves its large arrays to the context's scratch folder.
 class MemoryBudget {
  public:
   /// Keeps a reference to the parameters. Throws MemoryError where the samples alone, on any grid, need more.
@@ -125,18 +130,23 @@ class MemoryBudget {
   /// Call once the refinement's band is known.
   void plan_refinement(uint64_t rows, bool tries_coarser, uint64_t samples);
 
-  uint64_t planned_bytes() const { return plan_.total(); }
+  /// In memory; and on disk.
+  uint64_t planned_bytes() const { return scratch_.used() ? scratch_.resident_part(plan_).total() : plan_.total(); }
+  uint64_t planned_disk_bytes() const { return scratch_.used() ? scratch_.disk_part(plan_).total() : 0; }
+  /// Both, for messages.
+  std::string summary() const;
   /// As planned before the solve.
   uint64_t first_bytes() const { return first_; }
 
  private:
   void plan_cut(uint64_t vertices, uint64_t data_bricks);
   void plan_level(int level, uint64_t data_bricks, uint64_t bricks, uint64_t beside);
-  void check() const;
+  void check();
 
   const ReconstructParams& params_;
   AfterPlacing after_;
   Room room_;
+  ScratchBudget scratch_;
   Lattice lattice_;
   double area_ = 0;  ///< of the surface, voxel^2
   MemoryPlan plan_;

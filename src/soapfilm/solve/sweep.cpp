@@ -138,6 +138,7 @@ void Sweeper::sweep_tiles(StepSizes steps, int sweeps) {
   const int height = context_.threads() == 1 ? 1 : rows_per_thread * context_.threads();  // of a band, in tiles
   for (int band = 0; band < nz; band += height) {
     const int rows = std::min(height, nz - band);
+    fetch_slices(band * tile_z, (band + rows) * tile_z);
     for (int diagonal = 0; diagonal < ny + rows - 1; ++diagonal) {
       const int first = std::max(0, diagonal - ny + 1), end = std::min(rows, diagonal + 1);
       parallel_for(context_, static_cast<size_t>(end - first), 1, [&](size_t k) {
@@ -146,6 +147,21 @@ void Sweeper::sweep_tiles(StepSizes steps, int sweeps) {
       });
     }
   }
+}
+
+void Sweeper::fetch_slices(int first, int last) const {
+  if (!level_.p.on_disk()) return;
+  const int nz = static_cast<int>(level_.grid.slices().size());
+  const int top = nz - 1 - first, bottom = std::max(0, nz - last);
+  if (top < bottom) return;
+  const size_t begin = level_.grid.slices()[static_cast<size_t>(bottom)].begin;
+  const size_t end = level_.grid.slices()[static_cast<size_t>(top)].end;
+  level_.u.fetch(begin, end);
+  level_.p.fetch(begin, end);
+  faces_.fetch(begin * faces_per_brick, end * faces_per_brick);
+  const auto [lowest, highest] = std::minmax_element(level_.f_brick.begin() + static_cast<std::ptrdiff_t>(begin),
+                                                     level_.f_brick.begin() + static_cast<std::ptrdiff_t>(end));
+  level_.f->fetch(static_cast<size_t>(std::max(0, *lowest)), static_cast<size_t>(*highest + 1));
 }
 
 void Sweeper::sweep_tile(Tile tile, StepSizes steps) {

@@ -61,6 +61,8 @@ class Sweeper final : public LevelSolver {
   RowMask primal_rows(size_t brick) const;
   RowMask dual_rows(size_t brick) const;
   void sweep_tiles(StepSizes steps, int sweeps);
+  /// On disk: what the slices [first, last), counted from the upper end of z, hold is read before they are swept.
+  void fetch_slices(int first, int last) const;
   void sweep_tile(Tile tile, StepSizes steps);
   void sweep_brick(size_t brick, StepSizes steps);
 

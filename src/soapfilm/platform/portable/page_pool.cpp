@@ -24,7 +24,7 @@ ZeroedMemory PagePool::allocate(size_t bytes) const {
   auto* const address = static_cast<std::byte*>(::operator new(bytes, alignment));
   std::memset(address, 0, bytes);
   if (spare_) spare_->arrays.add(bytes);
-  return ZeroedMemory(address, {bytes, spare_});
+  return ZeroedMemory(address, {bytes, spare_, -1});
 }
 
 void FreeZeroed::operator()(std::byte* memory) const {
@@ -33,6 +33,10 @@ void FreeZeroed::operator()(std::byte* memory) const {
 }
 
 size_t release_pages(const ZeroedMemory&, size_t gone, size_t) { return gone; }
+
+void fetch_pages(const ZeroedMemory&, size_t, size_t) {}
+
+void PagePool::use_folder(const std::string&) const {}
 
 bool PagePool::moves_pages() { return false; }
 
@@ -45,6 +49,8 @@ PagePool PagePool::make() {
 void PagePool::supply(void*, size_t) const {}
 
 size_t PagePool::peak_bytes() const { return spare_ ? spare_->arrays.peak() : 0; }
+
+size_t PagePool::peak_disk_bytes() const { return 0; }
 
 void PagePool::restart_peak() const {
   if (spare_) spare_->arrays.restart_peak();

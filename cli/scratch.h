@@ -1,0 +1,14 @@
+// --scratch: large arrays in files, where memory has no room for them.
+#pragma once
+
+#include <string>
+
+#include "soapfilm/context.h"
+
+namespace soapfilm::cli {
+
+/// Runs of the context may use the folder; once one does, the program's large vectors are there, too. Throws
+/// OutputError unless files can be made in it.
+void use_scratch(const std::string& folder, Context& context);
+
+}  // namespace soapfilm::cli

@@ -1,0 +1,108 @@
+#include "soapfilm/run/scratch_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "soapfilm/core/context_state.h"
+#include "soapfilm/core/memory.h"
+#include "soapfilm/error.h"
+#include "soapfilm/platform/scratch.h"
+#include "soapfilm/run/defaults.h"
+#include "soapfilm/run/memory_plan.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// Shares of a plan's parts that stay in memory; of the placed samples and of placing beside the program itself.
+struct ResidentShares {
+  double placing, fixed, solve, refine, mesh, gap;
+};
+
+/// The library's arrays are values on the bricks and rows of grids; their topology, samples and meshes are vectors.
+/// Relaxing has the smoothed field beside the mesh.
+ResidentShares shares_of(const ReconstructParams& params, bool moves_vectors) {
+  if (moves_vectors) return {0.05, 0.05, 0.05, 0.05, 0.05, 0.05};
+  const bool cuts = params.method == Method::graph_cut_6 || params.method == Method::graph_cut_26;
+  const double solve = cuts ? 1 : params.method == Method::poisson ? 0.12 : 0.05;
+  const double mesh = params.checked || simplifies(params.simplify) ? 1 : 0.78;
+  return {1, 1, solve, 0.15, mesh, 0.15};
+}
+
+uint64_t share_of(uint64_t bytes, double share) { return static_cast<uint64_t>(share * static_cast<double>(bytes)); }
+
+/// Of bytes that contain the program's own.
+uint64_t share_beside_program(uint64_t bytes, double share) {
+  const uint64_t program = std::min(bytes, program_bytes);
+  return program + share_of(bytes - program, share);
+}
+
+}  // namespace
+
+ScratchBudget::ScratchBudget(const ReconstructParams& params, const Context& context)
+    : params_(params),
+      context_(context),
+      folder_(has_scratch_files() ? context.state().scratch_folder : std::string()),
+      moves_vectors_(context.state().move_vectors != nullptr) {
+  if (!folder_.empty()) free_bytes_ = free_disk_bytes(folder_);
+}
+
+ScratchBudget::~ScratchBudget() {
+  if (!used_) return;
+  pages_of(context_).use_folder({});
+  if (moves_vectors_) context_.state().move_vectors({});
+}
+
+void ScratchBudget::use() {
+  check_scratch_folder(folder_);
+  used_ = true;
+  pages_of(context_).use_folder(folder_);
+  if (moves_vectors_) context_.state().move_vectors(folder_);
+}
+
+bool ScratchBudget::takes(const MemoryPlan& plan, const Room& room) {
+  if (folder_.empty() || (!used_ && plan.total() <= room.bytes)) return false;
+  const MemoryPlan on_disk = disk_part(plan);
+  if (on_disk.least() > free_bytes_)
+    throw OutputError(fmt::format("scratch folder {}: about {} needed, {} free", folder_, format_bytes(on_disk.total()),
+                                  format_bytes(free_bytes_)));
+  if (!used_) use();
+  return true;
+}
+
+bool ScratchBudget::holds(const MemoryPlan& plan, const Room& room) const {
+  return !folder_.empty() && disk_part(plan).total() <= free_bytes_ && resident_part(plan).total() <= room.bytes;
+}
+
+MemoryPlan ScratchBudget::resident_part(const MemoryPlan& plan) const {
+  const ResidentShares share = shares_of(params_, moves_vectors_);
+  MemoryPlan part = plan;
+  part.placing_bytes = share_beside_program(plan.placing_bytes, share.placing);
+  part.fixed_bytes = share_beside_program(plan.fixed_bytes, share.fixed);
+  part.solve.bytes = share_of(plan.solve.bytes, share.solve);
+  part.tables_bytes = share_of(plan.tables_bytes, share.solve);
+  part.refine.bytes = share_of(plan.refine.bytes, share.refine);
+  part.kept_bytes = share_of(plan.kept_bytes, share.solve);
+  part.certify_bytes = share_of(plan.certify_bytes, share.solve);
+  part.mesh_bytes = share_of(plan.mesh_bytes, share.mesh);
+  part.gap.bytes = share_of(plan.gap.bytes, share.gap);
+  return part;
+}
+
+MemoryPlan ScratchBudget::disk_part(const MemoryPlan& plan) const {
+  const MemoryPlan in_memory = resident_part(plan);
+  MemoryPlan part = plan;
+  part.placing_bytes -= in_memory.placing_bytes;
+  part.fixed_bytes -= in_memory.fixed_bytes;
+  part.solve.bytes -= in_memory.solve.bytes;
+  part.tables_bytes -= in_memory.tables_bytes;
+  part.refine.bytes -= in_memory.refine.bytes;
+  part.kept_bytes -= in_memory.kept_bytes;
+  part.certify_bytes -= in_memory.certify_bytes;
+  part.mesh_bytes -= in_memory.mesh_bytes;
+  part.gap.bytes -= in_memory.gap.bytes;
+  return part;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,125 @@
+// soapfilm reconstruct --scratch: larger than memory, the same mesh.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/mount.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support/program.h"
+
+namespace soapfilm::test {
+namespace TEST_FILE {
+
+/// A disk of its own for some megabytes. Only root may make one.
+class SmallDisk {
+ public:
+  explicit SmallDisk(int megabytes) {
+    const std::string size = "size=" + std::to_string(megabytes) + "m";
+    made_ = mount("tmpfs", folder_.path().c_str(), "tmpfs", 0, size.c_str()) == 0;
+  }
+  ~SmallDisk() {
+    if (made_) umount2(folder_.path().c_str(), MNT_DETACH);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  bool is_made() const { return made_; }
+  std::string path() const { return folder_.path().string(); }
+
+ private:
+  TemporaryFolder folder_;
+  bool made_ = false;
+};
+
+class ScratchOption : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(run({"scan", "knot", "--samples", "60000", "-o", folder.file("scan"), "--quiet"}).exit_code, 0);
+    std::filesystem::create_directory(scratch);
+  }
+  /// A run that has two thirds of the memory that it needs, but --scratch.
+  std::vector<std::string> limited(const std::string& where) const {
+    return {"reconstruct", "--resolution", "144", folder.file("scan") + "/samples.ply", "-o", mesh, "--memory",
+            "24M",         "--scratch",    where};
+  }
+  TemporaryFolder folder;
+  std::string scratch = folder.file("scratch"), mesh = folder.file("mesh.ply");
+};
+
+TEST_F(ScratchOption, GivesTheSameBytesWhereMemoryDoesNotSuffice) {
+  std::vector<std::string> arguments = limited(scratch);
+  arguments.resize(arguments.size() - 2);
+  arguments.emplace_back("-q");
+  expect_refused(arguments, "--memory is 24.0 MiB");
+  EXPECT_FALSE(std::filesystem::exists(mesh));
+  arguments.resize(arguments.size() - 3);
+  ASSERT_EQ(run(arguments).exit_code, 0);
+  const std::string expected = read_file(mesh);
+  for (const char* threads : {"1", "2"}) {
+    std::filesystem::remove(mesh);
+    arguments = limited(scratch);
+    arguments.insert(arguments.end(), {"--threads", threads});
+    const ProcessResult result = run(arguments);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(result.err, " on disk in " + scratch)) << result.err;
+    EXPECT_TRUE(read_file(mesh) == expected) << threads;
+    EXPECT_TRUE(std::filesystem::is_empty(scratch));
+  }
+}
+
+TEST_F(ScratchOption, RefusesAFolderThatIsNone) {
+  for (const std::string& where : {folder.file("absent"), folder.file("scan") + "/samples.ply"}) {
+    std::vector<std::string> arguments = limited(where);
+    expect_refused(arguments, where);
+    EXPECT_FALSE(std::filesystem::exists(mesh));
+  }
+}
+
+TEST_F(ScratchOption, EndsCleanlyOnDisksOfAnySize) {
+  int refused = 0, done = 0;
+  for (const int megabytes : {1, 8, 16, 22, 26, 40, 300}) {
+    const SmallDisk disk(megabytes);
+    if (!disk.is_made()) GTEST_SKIP() << "only root may make a small disk";
+    std::filesystem::remove(mesh);
+    std::vector<std::string> arguments = limited(disk.path());
+    arguments.emplace_back("-q");
+    const ProcessResult result = run(arguments);
+    EXPECT_TRUE(std::filesystem::is_empty(disk.path()));
+    EXPECT_EQ(std::filesystem::exists(mesh), result.exit_code == 0);
+    if (result.exit_code == 0) {
+      ++done;
+      continue;
+    }
+    ++refused;
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_TRUE(contains(result.err, disk.path()) && contains(result.err, " needed, ") && contains(result.err, " free"))
+        << result.err;
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(done, 0);
+}
+
+TEST_F(ScratchOption, NothingStaysOfAKilledRun) {
+  bool used = false;
+  const ProcessResult result = run(limited(scratch), [&](pid_t process) {
+    const std::string maps = "/proc/" + std::to_string(process) + "/maps";
+    for (int wait = 0; wait < 2000 && !used; ++wait) {
+      used = contains(read_file(maps), scratch);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    kill(process, SIGKILL);
+  });
+  EXPECT_TRUE(used) << "no array was on disk before the end";
+  EXPECT_EQ(result.exit_code, 128 + SIGKILL);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch));
+  EXPECT_FALSE(std::filesystem::exists(mesh));
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm::test
