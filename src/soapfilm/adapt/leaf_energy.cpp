@@ -71,27 +71,25 @@ class LeafEvaluator {
     return found;
   }
 
-  LeafTerms terms(Vec3i brick) const {
+  LeafTerms terms(Vec3i coord) const {
     LeafTerms t;
-    const BrickBits own = sides_.of(level_, brick);
-    std::array<LayerAbove, 3> above;
-    for (int axis = 0; axis < 3; ++axis) above[static_cast<size_t>(axis)] = sides_.above(level_, brick, axis);
-    const int32_t n = own_.flux->grid.find(brick), d = own_.data->grid.find(brick);
+    const Brick brick = brick_at(coord);
+    const int32_t d = own_.data->grid.find(coord);
     const float* f = d >= 0 ? own_.data->f.brick(static_cast<size_t>(d)) : nullptr;
-    const bool at_border = n >= 0 && touches_other_level(brick);
+    const bool at_border = brick.has_flux && touches_other_level(coord), steps = !is_constant(brick);
     for (int i = 0; i < brick_volume; ++i) {
       const Vec3i v = vertex_in_brick(i);
-      const bool free = box_.is_free(brick * brick_side + v);
-      const double u = own.test(v.x, v.y, v.z) ? 1 : 0, source = f && free ? static_cast<double>(f[i]) : 0;
-      const Vec3d p = n >= 0 ? flux_at(static_cast<size_t>(n), i) : Vec3d();
-      const double gap = add_groups(brick, v, own, above, p, t);
+      const bool free = box_.is_free(coord * brick_side + v);
+      const double u = brick.sides.test(v.x, v.y, v.z) ? 1 : 0, source = f && free ? static_cast<double>(f[i]) : 0;
+      const Vec3d p = flux_at(brick, i);
+      const double gap = steps ? add_groups(brick, v, p, t) : 0;
       t.data += source * u;
-      if (n < 0) {
+      if (!brick.has_flux) {
         t.gain += std::max(0.0, source);
         continue;
       }
       t.max_norm_squared = std::max(t.max_norm_squared, norm_squared(p) / (p_scale_ * p_scale_));
-      const double r = free ? into(brick, static_cast<size_t>(n), v, above, p) - source : 0;
+      const double r = free ? into(brick, v, p) - source : 0;
       t.dual += std::min(0.0, r);
       if (at_border) t.gap_at_borders += gap + r * u - std::min(0.0, r);
     }
@@ -114,6 +112,38 @@ class LeafEvaluator {
   }
 
  private:
+  struct Brick {
+    Vec3i coord;
+    BrickBits sides;
+    std::array<LayerAbove, 3> above;
+    bool has_flux = false;
+    std::array<const float*, 3> p{};  ///< 512 values each
+    std::array<LowFace, 3> low{};
+  };
+  Brick brick_at(Vec3i coord) const {
+    Brick brick{coord, sides_.of(level_, coord), {}, false, {}, {}};
+    const int32_t n = own_.flux->grid.find(coord);
+    brick.has_flux = n >= 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto k = static_cast<size_t>(axis);
+      brick.above[k] = sides_.above(level_, coord, axis);
+      if (n < 0) continue;
+      brick.p[k] = own_.flux->p.brick(static_cast<size_t>(n), axis);
+      brick.low[k] = low_face(*own_.flux, static_cast<size_t>(n), axis);
+    }
+    return brick;
+  }
+
+  /// Whether a brick and the layers above it have one value.
+  static bool is_constant(const Brick& brick) {
+    const bool inside = brick.sides.test(0, 0, 0);
+    if (brick.sides != (inside ? BrickBits::full() : BrickBits{})) return false;
+    const uint16_t row = inside ? 0xffff : 0;
+    return std::all_of(brick.above.begin(), brick.above.end(), [&](const LayerAbove& layer) {
+      return std::all_of(layer.rows.begin(), layer.rows.end(), [&](uint16_t r) { return r == row; });
+    });
+  }
+
   /// Neither energy nor flux.
   bool is_plain(Vec3i b) const {
     return own_.flux->grid.find(b) < 0 && own_.data->grid.find(b) < 0 && sides_.are_alike(level_, b);
@@ -133,26 +163,27 @@ class LeafEvaluator {
     return most * most;
   }
 
-  Vec3d flux_at(size_t n, int i) const {
-    Vec3d p;
-    for (int axis = 0; axis < 3; ++axis) p[axis] = p_scale_ * static_cast<double>(own_.flux->p.brick(n, axis)[i]);
-    return p;
+  Vec3d flux_at(const Brick& brick, int i) const {
+    if (!brick.has_flux) return {};
+    const auto at = [&](size_t axis) { return p_scale_ * static_cast<double>(brick.p[axis][i]); };
+    return {at(0), at(1), at(2)};
   }
 
   /// grad^T p at a vertex of a brick.
-  double into(Vec3i brick, size_t n, Vec3i v, const std::array<LayerAbove, 3>& above, Vec3d p) const {
+  double into(const Brick& brick, Vec3i v, Vec3d p) const {
     double sum = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const auto [a, b] = across(axis);
-      const LayerAbove& layer = above[static_cast<size_t>(axis)];
+      const LayerAbove& layer = brick.above[static_cast<size_t>(axis)];
       const double out = v[axis] + 1 == brick_side && layer.finer ? layer.share(v[a], v[b]) : 1;
       if (v[axis] > 0) {
         Vec3i below = v;
         --below[axis];
-        sum += p_scale_ * static_cast<double>(own_.flux->p.brick(n, axis)[brick_offset(below.x, below.y, below.z)]);
+        const float* along = brick.p[static_cast<size_t>(axis)];
+        sum += p_scale_ * static_cast<double>(along[brick_offset(below.x, below.y, below.z)]);
       } else {
-        sum +=
-            share_below(brick, v, axis) * p_scale_ * static_cast<double>(low_face(*own_.flux, n, axis).at(v[a], v[b]));
+        const LowFace& low = brick.low[static_cast<size_t>(axis)];
+        sum += share_below(brick.coord, v, axis) * p_scale_ * static_cast<double>(low.at(v[a], v[b]));
       }
       sum -= out * p[axis];
     }
@@ -177,18 +208,19 @@ class LeafEvaluator {
   }
 
   /// Adds the groups of a vertex to the variation; returns their part of the gap.
-  double add_groups(Vec3i brick, Vec3i v, const BrickBits& own, const std::array<LayerAbove, 3>& above, Vec3d p,
-                    LeafTerms& t) const {
+  double add_groups(const Brick& brick, Vec3i v, Vec3d p, LeafTerms& t) const {
+    const BrickBits& own = brick.sides;
     const int here = own.test(v.x, v.y, v.z);
     const double lambda = static_cast<double>(own_.flux->lambda);
     bool split = false;
     Vec3i single;  // steps to leaves of the brick, and to those above it that are not finer
     for (int axis = 0; axis < 3; ++axis) {
       const auto [a, b] = across(axis);
-      const LayerAbove& layer = above[static_cast<size_t>(axis)];
+      const LayerAbove& layer = brick.above[static_cast<size_t>(axis)];
       const Vec3i up = step_above(v, axis);
       if (up[axis] < brick_side) {
-        if (has_face_above(box_, brick * brick_side + v, axis)) single[axis] = int{own.test(up.x, up.y, up.z)} - here;
+        if (has_face_above(box_, brick.coord * brick_side + v, axis))
+          single[axis] = int{own.test(up.x, up.y, up.z)} - here;
       } else if (layer.finer) {
         split = true;
       } else if (layer.has(2 * v[a], 2 * v[b])) {
@@ -208,7 +240,7 @@ class LeafEvaluator {
       const Vec3i octant = octant_of(k);
       Vec3i step = single;
       for (int axis = 0; axis < 3; ++axis) {
-        const LayerAbove& layer = above[static_cast<size_t>(axis)];
+        const LayerAbove& layer = brick.above[static_cast<size_t>(axis)];
         if (v[axis] + 1 < brick_side || !layer.finer) continue;
         const auto [a, b] = across(axis);
         const int at_a = 2 * v[a] + octant[a], at_b = 2 * v[b] + octant[b];
