@@ -135,7 +135,7 @@ struct Hierarchy {
       if (flux[n + 1].grid.find(parent_of(data[n].grid.coord(b))) >= 0) band.set(data[n].grid.coord(b));
     Level state = make_level(box, lambda, *places, data[n].grid, data[n].f, one_thread, norm);
     fill_flux(state);
-    const KnownFlux known{state, [](Vec3i) { return true; }, true};
+    const KnownFlux known{state, [](Vec3i) { return true; }, [](Vec3i) { return true; }};
     PrimalDualParams params;
     params.max_iterations = 1;
     flux[n] = flux_in_places(flux[n + 1], box, band, places, std::span(&known, 1), data[n], params, one_thread);

@@ -144,6 +144,22 @@ TEST(Adapt, ThreadsDoNotMatter) {
   }
 }
 
+/// One proof for all levels, nearly as good as that of the grid alone.
+TEST(Adapt, TheCertificateIsOfAllLevels) {
+  for (const PointCloud& cloud : {uneven_ball(8000, 2), carved_ball(40000)}) {
+    const ReconstructReport report = reconstructed(cloud, true).report;
+    ASSERT_TRUE(report.details->of_grid);
+    const Energies &all = report.certificate.binary, &grid = report.details->of_grid->binary;
+    EXPECT_GE(all.gap, 0);
+    EXPECT_DOUBLE_EQ(all.gap, all.primal - all.dual);
+    EXPECT_LE(all.max_dual_norm, 1 + 1e-5);
+    EXPECT_LT(report.certificate.relative_gap_binary(), 2 * report.details->of_grid->relative_gap_binary());
+    EXPECT_NEAR(all.primal, grid.primal, 0.1 * std::abs(grid.primal));
+    EXPECT_GT(report.details->gap_at_borders, 0);
+    EXPECT_LE(report.details->gap_at_borders, all.gap);
+  }
+}
+
 /// Nothing is coarse where nothing is sparse.
 TEST(Adapt, AnEvenBallHasOneLevel) {
   const PointCloud cloud = uneven_ball(8000, 0);

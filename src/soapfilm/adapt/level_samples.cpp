@@ -85,13 +85,16 @@ LevelSamples select(const LevelSamples& level, const std::function<bool(size_t, 
                     const Context& context) {
   const GridSamples& samples = level.samples;
   std::vector<uint32_t> first{0}, taken;
+  BrickMask bricks(samples.bricks.bricks());
   for (size_t b = 0; b < samples.bricks.size(); ++b) {
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
       if (keep(b, s)) taken.push_back(s);
+    if (taken.size() == first.back()) continue;
+    bricks.set(samples.bricks.coord(b));
     first.push_back(static_cast<uint32_t>(taken.size()));
   }
   LevelSamples chosen;
-  chosen.samples = samples.select(samples.bricks, std::move(first), taken, context);
+  chosen.samples = samples.select(BrickGrid(bricks, context), std::move(first), taken, context);
   chosen.views = taken_of(level.views, taken);
   chosen.spacing = taken_of(level.spacing, taken);
   return chosen;

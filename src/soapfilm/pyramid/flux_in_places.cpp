@@ -71,18 +71,19 @@ bool take(const Level& from, size_t source, Level& level, size_t b) {
   return same;
 }
 
-/// Takes what is known; the bricks where that leaves p unsettled. `others_settled`: those of which nothing is known
-/// are.
-BrickMask take_known(std::span<const KnownFlux> known, bool others_settled, Level& level, const Context& context) {
-  std::vector<uint8_t> settled(level.grid.size(), others_settled);
+/// Takes what is known; the bricks where that leaves p unsettled.
+BrickMask take_known(std::span<const KnownFlux> known, const InBrick& rest_settled, Level& level,
+                     const Context& context) {
+  std::vector<uint8_t> settled(level.grid.size());
   parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     const Vec3i at = level.grid.coord(b);
     for (const KnownFlux& state : known) {
       const int32_t n = state.level.grid.find(at);
       if (n < 0 || !state.in(at)) continue;
-      settled[b] = take(state.level, static_cast<size_t>(n), level, b) && state.settled;
+      settled[b] = take(state.level, static_cast<size_t>(n), level, b) && state.settled(at);
       return;
     }
+    settled[b] = rest_settled(at);
   });
   BrickMask unsettled(level.box.bricks);
   for (size_t b = 0; b < settled.size(); ++b)
@@ -102,19 +103,27 @@ void solve_on(const BrickMask& bricks, Level& level, PrimalDualParams params, co
   level.held.clear();
 }
 
-/// Adds data that the level has no bricks for to what lies outside: u = 0 or 1 and p as they are, each vertex by
-/// itself.
-void add_outside(const SupportField& support, Level& level) {
-  for (size_t b = 0; b < support.grid.size(); ++b) {
-    const Vec3i at = support.grid.coord(b);
-    if (level.grid.find(at) >= 0) continue;
+const float* values_at(const SupportField& field, Vec3i brick) {
+  const int32_t n = field.grid.find(brick);
+  return n < 0 ? nullptr : field.f.brick(static_cast<size_t>(n));
+}
+
+/// Changes the data of what lies outside, vertex by vertex: min(0, r - f) falls by at most what f grows by.
+void change_outside(const NewData& data, Level& level) {
+  BrickMask bricks(level.box.bricks);
+  add_bricks(data.before.grid, bricks);
+  add_bricks(data.now.grid, bricks);
+  bricks.for_each([&](Vec3i at) {
+    if (level.grid.find(at) >= 0) return;
+    const float *before = values_at(data.before, at), *now = values_at(data.now, at);
     const double u = level.missing_u(outside_band, at) > 0 ? 1 : 0;
     for (int i = 0; i < brick_volume; ++i) {
       if (!level.box.is_free(at * brick_side + vertex_in_brick(i))) continue;
-      const double f = static_cast<double>(support.f.brick(b)[i]), gain = std::max(0.0, f);
-      level.outside += {u * f, gain, -gain, gain - u * f};
+      const double more = (now ? double{now[i]} : 0.0) - (before ? double{before[i]} : 0.0);
+      const double gain = std::max(0.0, more);
+      level.outside += {u * more, gain, -gain, gain - u * more};
     }
-  }
+  });
 }
 
 }  // namespace
@@ -136,20 +145,22 @@ Level copy_of(const Level& level, const Context& context) {
   return copy;
 }
 
-void continue_flux(Level& level, std::span<const KnownFlux> known, const SupportField& support,
+void continue_flux(Level& level, const KnownFlux& known, const InBrick& rest_settled, const NewData& data,
                    const PrimalDualParams& params, const Context& context) {
-  level.f = &support.f;
+  level.f = &data.now.f;
   for (size_t b = 0; b < level.grid.size(); ++b)
-    level.f_brick[b] = std::max(-1, support.grid.find(level.grid.coord(b)));
-  add_outside(support, level);
-  solve_on(take_known(known, true, level, context), level, params, context);
+    level.f_brick[b] = std::max(-1, data.now.grid.find(level.grid.coord(b)));
+  change_outside(data, level);
+  solve_on(take_known(std::span(&known, 1), rest_settled, level, context), level, params, context);
 }
 
 Level flux_in_places(const Level& coarse, const LevelBox& box, const BrickMask& band,
                      std::shared_ptr<const BrickMask> places, std::span<const KnownFlux> known,
                      const SupportField& support, const PrimalDualParams& params, const Context& context) {
   Level level = prolong_in_places(coarse, box, band, std::move(places), support, context, nullptr);
-  solve_on(take_known(known, false, level, context), level, params, context);
+  const BrickMask unsettled = take_known(
+      known, [](Vec3i) { return false; }, level, context);
+  solve_on(unsettled, level, params, context);
   return level;
 }
 

@@ -14,17 +14,24 @@ namespace soapfilm {
 /// A copy of u, p and what lies outside of a level; it refers to no data.
 Level copy_of(const Level& level, const Context& context);
 
+using InBrick = std::function<bool(Vec3i)>;
+
 /// Another state of a level that knows its p in some bricks. Where it is settled nothing has to change but at ends.
 struct KnownFlux {
   const Level& level;
-  std::function<bool(Vec3i)> in;
-  bool settled;
+  InBrick in, settled;
 };
 
-/// p of a whole level for its data, `support`. It starts as a solution for nearly the same data; takes what is known,
-/// in this order, and is solved on where that is not settled. What it has outside of its bricks is counted for this
-/// data.
-void continue_flux(Level& level, std::span<const KnownFlux> known, const SupportField& support,
+/// Data that a level was solved for, and that it shall be solved for now.
+struct NewData {
+  const SupportField& before;
+  const SupportField& now;
+};
+
+/// p of a whole level for its data. It starts as a solution for nearly the same data; takes what is known, and is
+/// solved on where that, or the rest, is not settled. What it has outside of its bricks, which is counted for the data
+/// from before, then is for the new one.
+void continue_flux(Level& level, const KnownFlux& known, const InBrick& rest_settled, const NewData& data,
                    const PrimalDualParams& params, const Context& context);
 
 /// p of a level in its places, `band` of them: where they end, and around the band, that of the coarse level; else what

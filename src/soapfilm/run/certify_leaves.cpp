@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "soapfilm/adapt/leaf_data.h"
 #include "soapfilm/adapt/leaf_energy.h"
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/pyramid/band.h"
@@ -40,9 +41,12 @@ namespace {
 /// The flux of all levels, the coarsest first.
 class FluxOfLevels {
  public:
-  FluxOfLevels(AdaptedSurface& adapted, CoarseLevels& coarse, const PrimalDualParams& params, const Context& context)
+  /// `before`: the data that each level was solved for.
+  FluxOfLevels(AdaptedSurface& adapted, CoarseLevels& coarse, const std::vector<SupportField>& before,
+               const PrimalDualParams& params, const Context& context)
       : adapted_(adapted),
         coarse_(coarse),
+        before_(before),
         params_(params),
         context_(context),
         placed_(adapted.lattice.added),
@@ -74,6 +78,17 @@ class FluxOfLevels {
  private:
   SolvedLevel& solved(int level) { return adapted_.solved[static_cast<size_t>(level)]; }
 
+  /// Bricks whose data is that which the level was solved for.
+  InBrick settled(int level) {
+    const SupportField &before = before_[static_cast<size_t>(level)], &now = *solved(level).data;
+    return [&before, &now](Vec3i brick) {
+      const int32_t a = before.grid.find(brick), b = now.grid.find(brick);
+      if (a < 0 || b < 0) return a < 0 && b < 0;
+      const float* values = before.f.brick(static_cast<size_t>(a));
+      return std::equal(values, values + brick_volume, now.f.brick(static_cast<size_t>(b)));
+    };
+  }
+
   /// Those of each level's solution and data, and the parents of what finer levels want.
   std::vector<BrickMask> wanted_bricks() {
     std::vector<BrickMask> wanted;
@@ -97,22 +112,24 @@ class FluxOfLevels {
     if (level < placed_) {  // elsewhere it was pulled to the coarser level's sides
       BrickMask data(adapted_.lattice.box(level).bricks);
       add_bricks(solved(level).data->grid, data);
-      known.push_back({solved(level).level, [near = with_neighbors(data)](Vec3i b) { return near.test(b); }, true});
+      known.push_back(
+          {solved(level).level, [near = with_neighbors(data)](Vec3i b) { return near.test(b); }, settled(level)});
     } else if (level == placed_) {
-      known.push_back({solved(level).level, [](Vec3i) { return true; }, true});
+      known.push_back({solved(level).level, all_, settled(level)});
     } else {
-      known.push_back({solved(level).level, [this, level](Vec3i b) { return adapted_.regions.has(level, b); }, false});
-      if (const Level* of_pyramid = coarse_.find(level - placed_))
-        known.push_back({*of_pyramid, [](Vec3i) { return true; }, true});
+      known.push_back({solved(level).level, [this, level](Vec3i b) { return adapted_.regions.has(level, b); }, none_});
+      if (const Level* of_pyramid = coarse_.find(level - placed_)) known.push_back({*of_pyramid, all_, all_});
     }
     return known;
   }
 
   Level of_coarsest() {
     SolvedLevel& own = solved(coarsest_);
+    const NewData data{before_[static_cast<size_t>(coarsest_)], *own.data};
     if (coarsest_ == placed_) {
-      own.level.f = &own.data->f;
-      return std::move(own.level);
+      Level level = std::move(own.level);
+      continue_flux(level, {level, none_, none_}, settled(coarsest_), data, params_, context_);
+      return level;
     }
     Level level;
     if (Level* of_pyramid = coarse_.find(coarsest_ - placed_)) {
@@ -124,14 +141,17 @@ class FluxOfLevels {
       level = make_level(box, own.level.lambda, start_bricks(box, own.data->grid, most_bricks), own.data->grid,
                          own.data->f, context_, own.level.norm);
     }
-    const KnownFlux known{own.level, [this](Vec3i b) { return adapted_.regions.has(coarsest_, b); }, false};
-    continue_flux(level, std::span(&known, 1), *own.data, params_, context_);
+    const SupportField none;
+    const KnownFlux known{own.level, [this](Vec3i b) { return adapted_.regions.has(coarsest_, b); }, none_};
+    continue_flux(level, known, all_, {none, *own.data}, params_, context_);
     own.level = {};
     return level;
   }
 
   AdaptedSurface& adapted_;
   CoarseLevels& coarse_;
+  const std::vector<SupportField>& before_;
+  const InBrick all_ = [](Vec3i) { return true; }, none_ = [](Vec3i) { return false; };
   const PrimalDualParams& params_;
   const Context& context_;
   int placed_, coarsest_;
@@ -156,11 +176,14 @@ void keep_for_certificate(AdaptedSurface& adapted, CoarseLevels& coarse, MemoryB
   adapted.solved.clear();
 }
 
-Certificate certify_leaves(AdaptedSurface& adapted, CoarseLevels coarse, const Certificate& of_grid,
-                           const PrimalDualParams& params, ReportDetails& details, const Context& context) {
+Certificate certify_leaves(AdaptedSurface& adapted, CoarseLevels coarse, const GridSamples& samples,
+                           const Certificate& of_grid, const PrimalDualParams& params, ReportDetails& details,
+                           const Context& context) {
   if (adapted.solved.empty()) return of_grid;
   const Context quiet = silenced(context);
-  const std::vector<Level> flux = FluxOfLevels(adapted, coarse, params, quiet).find();
+  std::vector<SupportField> data = data_of_leaves(samples, adapted.regions, adapted.lattice, quiet);
+  for (size_t l = 0; l < data.size(); ++l) std::swap(*adapted.solved[l].data, data[l]);
+  const std::vector<Level> flux = FluxOfLevels(adapted, coarse, data, params, quiet).find();
   std::vector<LeafLevel> levels;
   for (size_t l = 0; l < flux.size(); ++l)
     levels.push_back({&adapted.solved[l].sides, adapted.solved[l].data.get(), &flux[l]});

@@ -34,9 +34,11 @@ class CoarseLevels {
 /// Plans the memory of the solved levels until certify_leaves(); frees them, with a warning, where it does not fit.
 void keep_for_certificate(AdaptedSurface& adapted, CoarseLevels& coarse, MemoryBudget& memory, Trace& trace);
 
-/// Of the levels that places have at last, in place of `of_grid`, which goes to the details; `of_grid` where there is
-/// one level, or where the solved levels were not kept. Frees these.
-Certificate certify_leaves(AdaptedSurface& adapted, CoarseLevels coarse, const Certificate& of_grid,
-                           const PrimalDualParams& params, ReportDetails& details, const Context& context);
+/// Of the levels that places have at last, with each sample's data on the level of its place, in place of `of_grid`,
+/// which goes to the details; `of_grid` where there is one level, or where the solved levels were not kept. Frees
+/// these.
+Certificate certify_leaves(AdaptedSurface& adapted, CoarseLevels coarse, const GridSamples& samples,
+                           const Certificate& of_grid, const PrimalDualParams& params, ReportDetails& details,
+                           const Context& context);
 
 }  // namespace soapfilm

@@ -157,7 +157,11 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // How far the surface of several levels is from the best one on its leaves.
   if (adapted)
     report.certificate = trace.stage("certify leaves", [&] {
-      return certify_leaves(*adapted, std::move(coarse), report.certificate, params.solve, *details, context);
+      if (!views.empty()) samples.direction.swap(views);
+      const Certificate of_all =
+          certify_leaves(*adapted, std::move(coarse), samples, report.certificate, params.solve, *details, context);
+      if (!views.empty()) samples.direction.swap(views);
+      return of_all;
     });
   announce_leaves(report.certificate, *details, trace);
   pages.reset();
