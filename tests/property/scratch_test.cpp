@@ -65,25 +65,25 @@ void expect_same_mesh(const OnDisk& c) {
 
 TEST(Scratch, GivesTheSameMeshOnTwoThreads) {
   if (!has_scratch_files()) GTEST_SKIP();
-  expect_same_mesh({"knot", 112, 2});
+  expect_same_mesh({"knot", 192, 2});
 }
 
 class ScratchOf : public testing::TestWithParam<OnDisk> {};
 TEST_P(ScratchOf, GivesTheSameMeshSlow) { expect_same_mesh(GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, ScratchOf,
-                         testing::Values(OnDisk{"knot", 112, 1}, OnDisk{"part", 112, 2}, OnDisk{"torus", 224, 1},
-                                         OnDisk{"torus", 224, 3}, OnDisk{"sphere", 96, 2, Method::poisson},
-                                         OnDisk{"sphere", 84, 2, Method::tv_sor}));
+                         testing::Values(OnDisk{"knot", 224, 1}, OnDisk{"part", 192, 2}, OnDisk{"torus", 224, 1},
+                                         OnDisk{"torus", 224, 3}, OnDisk{"sphere", 160, 2, Method::poisson},
+                                         OnDisk{"sphere", 128, 2, Method::tv_sor}));
 
 struct ScratchRefusals : testing::Test {
   void SetUp() override {
     if (!has_scratch_files()) GTEST_SKIP();
   }
-  const PointCloud cloud = sampled("knot", 96, 1);
+  const PointCloud cloud = sampled("knot", 192, 1);
   ReconstructParams params = [] {
     ReconstructParams p;
-    p.place.resolution = 96;
+    p.place.resolution = 192;
     return p;
   }();
 
@@ -133,9 +133,9 @@ TEST_F(ScratchRefusals, OfFilesThatMayNotBeAsLarge) {
 
 /// Without a limit that it would exceed, a run leaves the folder alone: it need not even exist.
 TEST(ScratchPlan, WhatFitsStaysInMemory) {
-  const PointCloud cloud = sampled("knot", 96, 1);
+  const PointCloud cloud = sampled("knot", 192, 1);
   ReconstructParams params;
-  params.place.resolution = 96;
+  params.place.resolution = 192;
   Context context(1);
   context.set_scratch_folder("/absent");
   reconstruct(cloud, params, context);
@@ -146,9 +146,9 @@ TEST(ScratchPlan, WhatFitsStaysInMemory) {
 TEST(ScratchPlan, RefusesWhatDiskCannotTake) {
   if (!has_scratch_files()) GTEST_SKIP();
   const test::TemporaryFolder folder;
-  const PointCloud cloud = sampled("knot", 96, 1);
+  const PointCloud cloud = sampled("knot", 192, 1);
   ReconstructParams params;
-  params.place.resolution = 96;
+  params.place.resolution = 192;
   Context context(1);
   context.set_scratch_folder(folder.path().string());
   const auto planned = static_cast<double>(reconstruct(cloud, params, context).report.planned_bytes);
