@@ -68,6 +68,23 @@ TEST(Scratch, GivesTheSameMeshOnTwoThreads) {
   expect_same_mesh({"knot", 192, 2});
 }
 
+/// The check's memory is planned once the surface is known: what is there by then stays in memory, the rest is on disk.
+TEST(Scratch, TakesARunThatTurnsOutToNeedMore) {
+  if (!has_scratch_files()) GTEST_SKIP();
+  const PointCloud cloud = sampled("knot", 192, 1);
+  ReconstructParams params = params_of({"knot", 192, 1});
+  params.checked = true;
+  const Reconstruction expected = reconstruct(cloud, params, Context(1));
+  const test::TemporaryFolder folder;
+  Context on_disk(1);
+  on_disk.limit_memory(static_cast<size_t>(0.98 * static_cast<double>(expected.report.planned_bytes)));
+  EXPECT_THROW(reconstruct(cloud, params, on_disk), MemoryError);
+  on_disk.set_scratch_folder(folder.path().string());
+  on_disk.state().move_vectors = [](const std::string&) {};
+  EXPECT_EQ(hash_mesh(reconstruct(cloud, params, on_disk).mesh), hash_mesh(expected.mesh));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 class ScratchOf : public testing::TestWithParam<OnDisk> {};
 TEST_P(ScratchOf, GivesTheSameMeshSlow) { expect_same_mesh(GetParam()); }
 
