@@ -23,7 +23,7 @@ using namespace test;
 
 /// Below what a run in memory needs, above what stays in memory: where vectors of samples and triangles stay, and where
 /// the program moves them, too.
-constexpr double with_vectors = 0.93, without_vectors = 0.65;
+constexpr double with_vectors = 0.93, without_vectors = 0.75;
 
 struct OnDisk {
   std::string shape;
@@ -65,14 +65,14 @@ void expect_same_mesh(const OnDisk& c) {
 
 TEST(Scratch, GivesTheSameMeshOnTwoThreads) {
   if (!has_scratch_files()) GTEST_SKIP();
-  expect_same_mesh({"knot", 192, 2});
+  expect_same_mesh({"knot", 152, 2});
 }
 
 /// The check's memory is planned once the surface is known: what is there by then stays in memory, the rest is on disk.
 TEST(Scratch, TakesARunThatTurnsOutToNeedMore) {
   if (!has_scratch_files()) GTEST_SKIP();
-  const PointCloud cloud = sampled("knot", 192, 1);
-  ReconstructParams params = params_of({"knot", 192, 1});
+  const PointCloud cloud = sampled("knot", 152, 1);
+  ReconstructParams params = params_of({"knot", 152, 1});
   params.checked = true;
   const Reconstruction expected = reconstruct(cloud, params, Context(1));
   const test::TemporaryFolder folder;
@@ -97,10 +97,10 @@ struct ScratchRefusals : testing::Test {
   void SetUp() override {
     if (!has_scratch_files()) GTEST_SKIP();
   }
-  const PointCloud cloud = sampled("knot", 192, 1);
+  const PointCloud cloud = sampled("knot", 152, 1);
   ReconstructParams params = [] {
     ReconstructParams p;
-    p.place.resolution = 192;
+    p.place.resolution = 152;
     return p;
   }();
 
@@ -150,9 +150,9 @@ TEST_F(ScratchRefusals, OfFilesThatMayNotBeAsLarge) {
 
 /// Without a limit that it would exceed, a run leaves the folder alone: it need not even exist.
 TEST(ScratchPlan, WhatFitsStaysInMemory) {
-  const PointCloud cloud = sampled("knot", 192, 1);
+  const PointCloud cloud = sampled("knot", 152, 1);
   ReconstructParams params;
-  params.place.resolution = 192;
+  params.place.resolution = 152;
   Context context(1);
   context.set_scratch_folder("/absent");
   reconstruct(cloud, params, context);
@@ -163,9 +163,9 @@ TEST(ScratchPlan, WhatFitsStaysInMemory) {
 TEST(ScratchPlan, RefusesWhatDiskCannotTake) {
   if (!has_scratch_files()) GTEST_SKIP();
   const test::TemporaryFolder folder;
-  const PointCloud cloud = sampled("knot", 192, 1);
+  const PointCloud cloud = sampled("knot", 152, 1);
   ReconstructParams params;
-  params.place.resolution = 192;
+  params.place.resolution = 152;
   Context context(1);
   context.set_scratch_folder(folder.path().string());
   const auto planned = static_cast<double>(reconstruct(cloud, params, context).report.planned_bytes);
