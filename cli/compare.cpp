@@ -21,6 +21,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
+#include "soapfilm/io/sets/input_files.h"
 #include "tools/compare/compare_report.h"
 #include "tools/render/render.h"
 #include "tools/view/view.h"
@@ -67,8 +68,9 @@ void check(const CompareRequest& r) {
 }
 
 ComparedPart read_part(CompareRequest& r, const Context& context) {
-  r.subject.is_scan = file_kind(r.subject.part) == FileKind::points;
-  if (!r.subject.is_scan) return MeshPart{read_surface(r.subject.part, context), {}};
+  const std::vector<std::string> files = io::without_patterns({r.subject.part});
+  r.subject.is_scan = files.size() > 1 || file_kind(files[0]) == FileKind::points;
+  if (!r.subject.is_scan) return MeshPart{read_surface(files[0], context), {}};
   ReadReport read;
   ScanPart part{read_cloud({r.subject.part}, r.read, context, read), {}};
   std::vector<std::string> scans;  // of a set
@@ -119,7 +121,7 @@ void write_outputs(const CompareRequest& r, const ComparedPart& part, const Mesh
   if (!r.html.empty()) {
     std::vector<ViewItem> items(2);
     std::visit([&](const auto& shape) { items[0].shape = &shape; }, colored);
-    items[0].name = std::filesystem::path(r.subject.part).filename().string();
+    items[0].name = named_path(r.subject.part).filename().string();
     items[1].shape = &model;
     items[1].name = std::filesystem::path(r.subject.model).filename().string();
     ViewParams params;
@@ -152,7 +154,7 @@ int run(CompareRequest& r, const GlobalOptions& global) {
 void add_options(CLI::App& app, CompareRequest& r) {
   CompareOptions& o = r.subject.options;
   app.add_option("part", r.subject.part,
-                 fmt::format("A mesh ({})\nor a scan ({})", mesh_extensions(), point_extensions()))
+                 fmt::format("A mesh ({})\nor a scan ({}),\na folder of scans", mesh_extensions(), point_extensions()))
       ->required()
       ->option_text("SCAN|MESH");
   app.add_option("model", r.subject.model, "What it is to be: a mesh, such as of a CAD program")

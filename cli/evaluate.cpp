@@ -113,8 +113,9 @@ void add_options(CLI::App& app, EvaluateOptions& o) {
       ->required()
       ->check(also(surface_names()))
       ->option_text("SHAPE|MESH");
-  app.add_option("--samples", o.samples,
-                 fmt::format("Measure the distance of these samples too ({})", point_extensions()))
+  app.add_option(
+         "--samples", o.samples,
+         fmt::format("Measure the distance of these samples too ({}), a folder is all in it", point_extensions()))
       ->option_text("CLOUD");
   o.voxel_option =
       app.add_option("--voxel", o.voxel, "Give distances in this unit too, the grid's cell")->option_text("SIZE");

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -22,6 +21,7 @@
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/formats.h"
 #include "soapfilm/io/precision.h"
+#include "soapfilm/io/sets/input_files.h"
 #include "soapfilm/io/summary.h"
 #include "soapfilm/mesh/topology.h"
 #include "tools/mesh/json.h"
@@ -268,10 +268,11 @@ int run_info(InfoOptions& options) {
   const Context context;
   StandardStreams streams(options.format, context);
   streams.take_input(options.files);
+  options.files = io::without_patterns(options.files);
   ordered_json all = ordered_json::array();
   for (const std::string& path : options.files) {
-    const bool is_mesh = !std::filesystem::is_directory(path) && file_kind(path) == FileKind::mesh;
-    const ordered_json facts = is_mesh ? mesh_facts(path) : point_facts(path, options.read, context);
+    const ordered_json facts =
+        file_kind(path) == FileKind::mesh ? mesh_facts(path) : point_facts(path, options.read, context);
     if (options.as_json) {
       all.push_back(facts);
       continue;
@@ -294,8 +295,10 @@ void add_info(CLI::App& app, const GlobalOptions& /*options*/, Runner& runner) {
   CLI::App* command = app.add_subcommand("info", "Print what is in a file: samples, box, spacing, directions, scans");
   auto options = std::make_shared<InfoOptions>();
   command
-      ->add_option("files", options->files,
-                   "Point clouds, scan sets or meshes; a folder is the scans in it, - standard input")
+      ->add_option(
+          "files", options->files,
+          "Point clouds, scan sets or meshes; a folder is the scans in it, a pattern such as\n'tiles/*.laz' the files "
+          "that it matches, - standard input")
       ->required()
       ->type_name("FILE");
   command

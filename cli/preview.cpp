@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iterator>
 
+#include "cli/read_cloud.h"
 #include "cli/shell.h"
 #include "soapfilm/run/defaults.h"
 
@@ -29,9 +30,7 @@ uint64_t mixed(uint64_t i) {
 }  // namespace
 
 std::string default_mesh(const std::string& input, bool preview) {
-  // A folder's name may end in a slash, or be "."
-  std::filesystem::path path = std::filesystem::absolute(input).lexically_normal();
-  if (!path.has_filename()) path = path.parent_path();
+  const std::filesystem::path path = named_path(input);
   const bool folder = std::filesystem::is_directory(path);
   return (folder ? path.filename() : path.stem()).string() + (preview ? ".preview.ply" : ".mesh.ply");
 }

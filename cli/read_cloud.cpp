@@ -29,6 +29,11 @@ PointCloud read_cloud(const std::vector<std::string>& files, const ReadOptions& 
   return cloud;
 }
 
+std::filesystem::path named_path(const std::string& input) {
+  const std::filesystem::path path = std::filesystem::absolute(input).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();
+}
+
 void warn_of(const ReadReport& read, Progress& progress) {
   for (const std::string& warning : read.warnings) progress.warn(warning);
 }

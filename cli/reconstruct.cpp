@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/coordinate_system.h"
 #include "cli/detail_levels.h"
 #include "cli/level_files.h"
 #include "cli/overwrite.h"
@@ -23,6 +24,7 @@
 #include "cli/read_cloud.h"
 #include "cli/reconstruct_options.h"
 #include "cli/scratch.h"
+#include "cli/split.h"
 #include "cli/standard_streams.h"
 #include "cli/terminal.h"
 #include "soapfilm/core/json_text.h"
@@ -31,6 +33,7 @@
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
+#include "soapfilm/io/parts.h"
 #include "soapfilm/io/sets/input_files.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/run/defaults.h"
@@ -103,6 +106,7 @@ void finish_params(const CLI::App& app, ReconstructOptions& options) {
   if (!options.simplify.empty()) params.simplify = simplify_params(options.simplify, params.simplify.triangles);
   if (options.lod && !simplifies(params.simplify))
     throw ParameterError("lod: levels are coarser than a simplified mesh; --simplify auto makes it");
+  if (options.lod && part_triangles(options.split)) throw ParameterError("split: not together with --lod");
   refuse_unused(app, params);
   validate(params);
 }
@@ -130,9 +134,15 @@ void check_names(const ReconstructOptions& options, const ReadReport& read) {
   std::vector<std::string> inputs = options.inputs;
   for (const FileReport& file : read.files) inputs.push_back(file.path);  // the scans of a set
   std::vector<std::string> outputs = lod_files(options.output, options.lod);
+  if (!options.split.empty()) {
+    outputs = {parts_index(options.output)};
+    if (is_part_file(options.output, options.report)) outputs.push_back(options.report);
+    for (const std::string& input : inputs)
+      if (is_part_file(options.output, input)) outputs.push_back(input);
+  }
   outputs.insert(outputs.end(), {options.report, coordinate_system_file(options)});
-  constexpr int most_levels = 28;
-  for (int level = 0; level < most_levels && !options.levels_folder.empty(); ++level)
+  constexpr int most_levels = 28;  // coarser, and finer ones where levels adapt
+  for (int level = -most_levels; level < most_levels && !options.levels_folder.empty(); ++level)
     outputs.push_back((std::filesystem::path(options.levels_folder) / LevelFiles::name(level)).string());
   refuse_overwriting(outputs, inputs);
 }
@@ -158,36 +168,57 @@ std::vector<DetailLevel> levels_of(Mesh&& mesh, const ReconstructReport& report,
   return detail_levels({std::move(mesh), *report.simplify}, lod, context);
 }
 
-void write_meshes(const ReconstructOptions& options, const std::vector<DetailLevel>& levels, ReconstructReport& report,
-                  const Context& context) {
+/// The meshes, or the one in parts. Returns the parts.
+WrittenParts write_meshes(const ReconstructOptions& options, const std::vector<DetailLevel>& levels,
+                          ReconstructReport& report, const Context& context) {
   context.check();
   WriteOptions write;
   write.ascii = options.ascii;
   write.coordinate_precision = coordinate_precision(report);
   write.voxel = report.grid.voxel;
   write.up = report.params.orient.up.value_or(Axis::z);
-  for (const std::string& warning : write_levels(options.output, levels, write, context).warnings) {
+  WrittenParts written;
+  if (const auto triangles = part_triangles(options.split)) {
+    const std::string& system = report.input.coordinate_system;
+    const PartsParams parts{*triangles, system, coordinate_system_of(system).unit};
+    written = write_parts(options.output, levels[0].mesh, parts, write, context);
+  } else {
+    written.report = write_levels(options.output, levels, write, context);
+  }
+  for (const std::string& warning : written.report.warnings) {
     context.progress().warn(warning);
     report.warnings.push_back(warning);
   }
+  return written;
 }
 
 std::string report_text(const ReconstructOptions& options, const ReconstructReport& report,
-                        const std::vector<DetailLevel>& levels) {
-  if (!options.lod) return to_json(report);
+                        const std::vector<DetailLevel>& levels, const WrittenParts& parts) {
+  if (!options.lod && options.split.empty()) return to_json(report);
   auto json = nlohmann::ordered_json::parse(to_json(report));
-  json["mesh"]["levels"] = levels_json(options.output, levels);
+  if (options.lod) json["mesh"]["levels"] = levels_json(options.output, levels);
+  if (!options.split.empty()) json["mesh"]["parts"] = parts_json(parts);
   return json_text(json) + "\n";
 }
 
 /// The mesh took long to compute: it is kept even if its report cannot be written.
 void write_report(const ReconstructOptions& options, const ReconstructReport& report,
-                  const std::vector<DetailLevel>& levels) {
+                  const std::vector<DetailLevel>& levels, const WrittenParts& parts) {
   try {
-    write_text_file(options.report, report_text(options, report, levels));
+    write_text_file(options.report, report_text(options, report, levels, parts));
   } catch (const OutputError& error) {
-    throw OutputError(fmt::format("{}; {} is written all the same", error.what(), options.output));
+    const std::string& mesh = options.split.empty() ? options.output : parts.index;
+    throw OutputError(fmt::format("{}; {} is written all the same", error.what(), mesh));
   }
+}
+
+void check_mesh_place(const ReconstructOptions& options, const StandardStreams& streams) {
+  if (streams.gives_output() && !options.split.empty())
+    throw ParameterError("split: several files cannot go to standard output");
+  if (options.split.empty())
+    check_mesh_output(options.output);
+  else
+    check_parts_output(options.output);
 }
 
 /// Folders and standard streams become files.
@@ -195,7 +226,7 @@ void find_files(ReconstructOptions& options, StandardStreams& streams, Progress&
   const bool unnamed = options.output.empty() && options.inputs[0] == "-";
   if (unnamed) throw ParameterError("output: no name, must be given with -o where standard input is read");
   streams.take_output(options.output);
-  if (!options.output.empty()) check_mesh_output(options.output);
+  if (!options.output.empty()) check_mesh_place(options, streams);
   streams.take_input(options.inputs);
   std::vector<std::string> warnings;
   const std::string given = options.inputs[0];
@@ -203,12 +234,13 @@ void find_files(ReconstructOptions& options, StandardStreams& streams, Progress&
   if (options.output.empty()) {
     const bool is_folder = std::filesystem::is_directory(given);
     options.output = default_mesh(is_folder ? given : options.inputs[0], options.preview);
-    check_mesh_output(options.output);
+    check_mesh_place(options, streams);
   }
   const std::vector<std::string> files = lod_files(options.output, options.lod);
   if (streams.gives_output() && files.size() > 1)
     throw ParameterError("lod: several files cannot go to standard output; --format glb makes one");
-  for (const std::string& file : files) check_mesh_output(file);
+  for (const std::string& file : files)
+    if (options.split.empty()) check_mesh_output(file);
   for (const std::string& warning : warnings) progress.warn(warning);
 }
 
@@ -244,7 +276,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
 
   const auto make_levels = [&] { return levels_of(std::move(result.mesh), report, options.lod, context); };
   const std::vector<DetailLevel> meshes = options.lod ? stages.run("levels", make_levels) : make_levels();
-  stages.run("write", [&] { write_meshes(options, meshes, report, context); });
+  const WrittenParts parts = stages.run("write", [&] { return write_meshes(options, meshes, report, context); });
   if (!report.input.coordinate_system.empty() && !streams.gives_output())
     write_text_file(coordinate_system_file(options), report.input.coordinate_system + "\n");
   report.command = global.command;
@@ -256,11 +288,13 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   for (const StageTime& stage : stages.times())
     report.stages.insert(stage.name == "read" ? report.stages.begin() : report.stages.end(), stage);
   report.peak_bytes = peak_memory_bytes();
-  if (!options.report.empty()) write_report(options, report, meshes);
+  if (!options.report.empty()) write_report(options, report, meshes, parts);
   levels.keep();
   if (streams.gives_output()) streams.give_output();
-  progress.info(
-      fmt::format("{}: {} vertices, {} triangles", options.output, report.mesh_vertices, report.mesh_triangles));
+  const std::string written = options.split.empty() ? options.output
+                                                    : fmt::format("{}, {} file{}", parts.index, parts.parts.size(),
+                                                                  parts.parts.size() == 1 ? "" : "s");
+  progress.info(fmt::format("{}: {} vertices, {} triangles", written, report.mesh_vertices, report.mesh_triangles));
   announce_levels(options.output, meshes, progress);
   if (options.preview) progress.info("full run: " + full_run(global.arguments));
   constexpr int samples_lost = 4;  // besides program.cpp's exit codes, and no error: all is written

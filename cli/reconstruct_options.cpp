@@ -7,6 +7,7 @@
 #include "cli/params_file.h"
 #include "cli/parse.h"
 #include "cli/read_cloud.h"
+#include "cli/split.h"
 #include "soapfilm/core/names.h"
 #include "soapfilm/io/files.h"
 
@@ -19,8 +20,9 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
   app.add_option(
          "input", o.inputs,
          fmt::format(
-             "Point clouds or scan sets ({}); several are several scans, a folder is the scans in it, - standard "
-             "input",
+             "Point clouds or scan sets ({}); several are several scans, a folder is the scans in it, a pattern "
+             "such as 'tiles/*.laz' the files that it matches, by their numbers; a file named twice is read once; - "
+             "standard input",
              point_extensions()))
       ->required()
       ->option_text("FILE...");
@@ -214,11 +216,13 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
 
   const auto output = [&](auto* option) { return option->group("Output"); };
   output(app.add_option("--report", o.report, "Write what was done and proved, as JSON"))->option_text("FILE.json");
-  output(app.add_option(
-             "--write-levels", o.levels_folder,
-             "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (finest), ..."))
+  output(app.add_option("--write-levels", o.levels_folder,
+                        "Also write the unsmoothed surface of each level of the pyramid as\nDIR/level_0.ply (the "
+                        "grid's), level_1.ply "
+                        "(coarser), ...; with --adapt on\nthose of finer levels as level_-1.ply, ..."))
       ->option_text("DIR");
   output(add_lod(app, o.lod));
+  output(add_split(app, o.split));
   output(app.add_option("--attributes", o.attributes,
                         "What the samples have and the mesh's vertices get: all, none, or names\nsuch as "
                         "color,intensity"))

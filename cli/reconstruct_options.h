@@ -25,6 +25,7 @@ struct ReconstructOptions {
   std::string trim;
   std::string simplify;
   std::string levels_folder;
+  std::string split;
   LodCount lod;
   std::vector<double> sensor;
   std::vector<double> anchor;

@@ -19,6 +19,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/files.h"
+#include "soapfilm/io/sets/input_files.h"
 #include "tools/render/render.h"
 
 namespace soapfilm::cli {
@@ -137,7 +138,8 @@ bool is_png(const std::string& path) {
   return end == ".png" || end == ".PNG";
 }
 
-int run(const Request& request, const GlobalOptions& options) {
+int run(Request& request, const GlobalOptions& options) {
+  request.inputs = io::without_patterns(request.inputs);
   const RenderParams params = params_of(request);
   if (!is_png(request.output)) throw OutputError(fmt::format("{}: unknown extension, must be .png", request.output));
   check_output(request.output);
@@ -173,7 +175,8 @@ void add_render(CLI::App& app, const GlobalOptions& options, Runner& runner) {
 
   command
       ->add_option("FILE", request->inputs,
-                   fmt::format("Meshes ({}) and clouds ({}), a panel each", mesh_extensions(), point_extensions()))
+                   fmt::format("Meshes ({}) and clouds ({}), a folder is the scans in it; a panel each",
+                               mesh_extensions(), point_extensions()))
       ->required()
       ->option_text("...");
   command->add_option("-o,--output", request->output, "The picture, .png")->required()->option_text("FILE");

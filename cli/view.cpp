@@ -26,6 +26,7 @@
 #include "soapfilm/io/bytes/byte_source.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/formats.h"
+#include "soapfilm/io/sets/input_files.h"
 #include "tools/view/view.h"
 
 namespace soapfilm::cli {
@@ -78,8 +79,12 @@ std::string report_of(const ViewOptions& options, const std::string& mesh, size_
 }
 
 bool takes_columns(const std::string& path) {
-  const io::Format* format = io::format_of(io::ByteSource(path));
-  return format && format->takes("columns");
+  std::vector<std::string> told_later;
+  const std::vector<std::string> files = io::input_files({path}, told_later);
+  return std::any_of(files.begin(), files.end(), [](const std::string& file) {
+    const io::Format* format = io::format_of(io::ByteSource(file));
+    return format && format->takes("columns");
+  });
 }
 
 std::vector<ReadItem> read_items(const ViewOptions& options, const Context& context) {
@@ -123,7 +128,7 @@ UpAxis up_of(const ViewOptions& options, const std::vector<ReadItem>& items) {
 /// The files' names without folders, unless two of them would be alike.
 std::vector<std::string> item_names(const std::vector<std::string>& files) {
   std::vector<std::string> names;
-  for (const std::string& file : files) names.push_back(fs::path(file).filename().string());
+  for (const std::string& file : files) names.push_back(named_path(file).filename().string());
   std::vector<std::string> sorted = names;
   std::sort(sorted.begin(), sorted.end());
   return std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end() ? names : files;
@@ -138,14 +143,18 @@ bool is_our_page(const std::string& path) {
 
 /// NAME.html beside the first file, or in the folder for temporary files where nothing can be written there.
 std::string default_page(const std::string& first) {
-  const fs::path beside = fs::path(first).replace_extension(".html");
+  fs::path beside = first;
+  std::error_code unreadable;
+  if (fs::is_directory(first, unreadable))
+    (beside = named_path(first)) += ".html";
+  else
+    beside.replace_extension(".html");
   std::string page = beside.string();
   try {
     check_output(page);
   } catch (const OutputError&) {
     page = (fs::temp_directory_path() / beside.filename()).string();
   }
-  std::error_code unreadable;
   if (fs::exists(page, unreadable) && !is_our_page(page))
     throw OutputError(fmt::format("{}: exists and is no page of soapfilm view, name another one with --html", page));
   return page;
@@ -161,6 +170,7 @@ void check_places(const ViewOptions& options) {
 
 int run(ViewOptions options, const GlobalOptions& global) {
   if (!has_viewer()) viewer_page({}, {}, Context(1));  // says how to get one
+  options.files = io::without_patterns(options.files);
   const bool open = options.html.empty();
   if (open) options.html = default_page(options.files[0]);
   check_places(options);
@@ -193,9 +203,10 @@ void add_view(CLI::App& app, const GlobalOptions& global, Runner& runner) {
   ViewParams& params = options->params;
   CLI::App* command = app.add_subcommand("view", "Show meshes and point clouds in the browser: a page in one file");
   command
-      ->add_option("FILE", options->files,
-                   fmt::format("Meshes ({}) and clouds ({}); two stand side by side at first", mesh_extensions(),
-                               point_extensions()))
+      ->add_option(
+          "FILE", options->files,
+          fmt::format("Meshes ({}) and clouds ({}), a folder is the scans in it; two stand side by side at first",
+                      mesh_extensions(), point_extensions()))
       ->required()
       ->option_text("...");
   command

@@ -55,10 +55,70 @@ TEST_F(Inputs, TheMeshOfAnEarlierRunIsNoScan) {
   EXPECT_EQ(shell("$SOAPFILM reconstruct view_10.mesh.ply --resolution 32 -o alone.ply").exit_code, 0);
 }
 
+TEST_F(Inputs, AFolderAndAPatternGiveTheBytesOfTheirFiles) {
+  const ProcessResult result = shell(
+      "opt='--resolution 32 -q -o' && $SOAPFILM reconstruct view_8.ply view_9.ply view_10.ply $opt ../named.ply &&"
+      "$SOAPFILM reconstruct . $opt ../folder.ply && $SOAPFILM reconstruct 'view_*.ply' $opt ../pattern.ply &&"
+      "$SOAPFILM reconstruct '../s?ans/view_[189]*' $opt ../pattern2.ply &&"
+      "cd .. && for f in folder pattern pattern2; do cmp named.ply $f.ply || exit 1; done");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+}
+
+TEST_F(Inputs, AFolderMayHoldItsOwnResult) {
+  const ProcessResult result = shell(
+      "opt='--resolution 32 -q -o' && $SOAPFILM reconstruct . $opt result.ply && $SOAPFILM reconstruct . $opt r2.ply &&"
+      "cmp result.ply r2.ply");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "result.ply: left out, a mesh with faces")) << result.err;
+  const ProcessResult refused = shell("$SOAPFILM reconstruct -q . -o view_9.ply");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_TRUE(contains(refused.err, "view_9.ply: is also an input")) << refused.err;
+}
+
+TEST_F(Inputs, AFileThatIsNamedTwiceIsReadOnce) {
+  const ProcessResult result = shell(
+      "ln -s view_9.ply link.ply && opt='--resolution 32 -o' && $SOAPFILM reconstruct 'view_*.ply' -q $opt ../once.ply "
+      "&&"
+      "$SOAPFILM reconstruct 'view_*.ply' link.ply view_8.ply $opt ../twice.ply && cmp ../once.ply ../twice.ply");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "and 1 more files: are named twice, read once")) << result.err;
+}
+
+/// Each file that a pattern names by itself, a folder as a whole.
+TEST_F(Inputs, InfoTellsOfAllThatAPatternNames) {
+  const ProcessResult files = shell("$SOAPFILM info --json 'view_?.ply'"),
+                      whole = shell("$SOAPFILM info --json ../scan*");
+  ASSERT_EQ(files.exit_code, 0) << files.err;
+  const auto facts = nlohmann::json::parse(files.out);
+  ASSERT_EQ(facts.size(), 2u);
+  EXPECT_EQ(facts[0]["file"], "view_8.ply");
+  EXPECT_EQ(facts[1]["file"], "view_9.ply");
+  const auto all = nlohmann::json::parse(whole.out);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0]["scans"].size(), 3u);
+}
+
+TEST_F(Inputs, OtherCommandsTakeFoldersToo) {
+  const ProcessResult result = shell(
+      "$SOAPFILM reconstruct . -q --resolution 32 -o ../m.ply && $SOAPFILM scan sphere -q -o ../truth --samples 100 &&"
+      "$SOAPFILM evaluate ../m.ply --truth sphere --samples . --points 1000 > ../e1 &&"
+      "$SOAPFILM evaluate ../m.ply --truth sphere --samples '*.ply' --points 1000 > ../e2 && grep -i samples ../e1 &&"
+      "$SOAPFILM compare . ../m.ply --points 1000 | grep 'scan to model' &&"
+      "$SOAPFILM compare 'view_*' ../m.ply --points 1000 | grep 'scan to model' &&"
+      "$SOAPFILM render -q . '../m*.ply' -o ../p.png --size 40x40 --samples 1 --occlusion-rays 0");
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+}
+
 TEST_F(Inputs, AFolderWithoutScansIsRefused) {
   std::filesystem::create_directory(folder.file("empty"));
-  expect_refused({"reconstruct", folder.file("empty")}, "empty: a folder without scans");
-  expect_refused({"info", folder.file("empty")}, "empty: a folder without scans");
+  for (const char* command : {"reconstruct", "info"}) {
+    expect_refused({command, folder.file("empty")}, "empty: a folder without scans, must hold files that end in .ply");
+    expect_refused({command, folder.file("none")}, "none: cannot be opened: No such file or directory");
+    expect_refused({command, folder.file("none/")}, "none/: no such folder");
+    expect_refused({command, folder.file("empty/*.laz")}, "empty/*.laz: a pattern that no file matches");
+    expect_refused({command, folder.file("none/[ab].laz")}, "none/[ab].laz: a pattern that no file matches");
+  }
 }
 
 TEST_F(Inputs, TextIsReadOnlyWhereThereIsNothingElse) {

@@ -12,6 +12,7 @@
 #include "cli/reconstruct_runs.h"
 #include "soapfilm/core/method.h"
 #include "soapfilm/core/names.h"
+#include "soapfilm/core/random.h"
 #include "soapfilm/io.h"
 #include "soapfilm/mesh/topology.h"
 #include "support/sanitized.h"
@@ -152,6 +153,34 @@ TEST_F(MethodCommand, WritesTheSurfaceOfEveryLevel) {
     }
   }
   EXPECT_FALSE(std::filesystem::exists(levels + "/level_" + std::to_string(count) + ".ply"));
+}
+
+/// Where levels adapt a finer one has its surface where its places are, the same as the mesh's within its cells, and
+/// ends there without walls.
+TEST_F(MethodCommand, WritesTheSurfaceOfFinerLevels) {
+  const std::string cloud = folder.file("uneven.xyz"), levels = folder.file("uneven");
+  std::ofstream out(cloud);
+  Random random(1);
+  for (int n = 0; n < 20000;) {
+    const Vec3d p = normalized(Vec3d{random.normal(), random.normal(), random.normal()});
+    if (p.z < 0.8 && random.uniform() > 0.03) continue;
+    out << p.x << ' ' << p.y << ' ' << p.z << ' ' << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    ++n;
+  }
+  out.close();
+  const json report = reported({cloud, "--adapt", "on", "--write-levels", levels});
+  ASSERT_FALSE(report.is_null());
+  const double voxel = report["grid"]["voxel"].get<double>();
+  const Mesh finer = read_mesh(levels + "/level_-1.ply"), own = read_mesh(levels + "/level_0.ply");
+  EXPECT_TRUE(check_topology(own).watertight());
+  EXPECT_FALSE(check_topology(finer).closed());
+  EXPECT_GT(finer.triangles.size(), 1000u);
+  double lowest = 1;
+  for (const Vec3d v : finer.vertices) {
+    EXPECT_NEAR(norm(v), 1, 2 * voxel);
+    lowest = std::min(lowest, v.z);
+  }
+  EXPECT_GT(lowest, 0);
 }
 
 TEST_F(MethodCommand, SamplesThatAreRefusedLeaveNoFolderForLevels) {

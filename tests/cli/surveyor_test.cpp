@@ -58,6 +58,16 @@ TEST(Surveyor, ATileWithColorsBecomesAGlbWithItsPrj) {
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_TRUE(contains(made.err, "seen from above (+z), since they come from a survey's file")) << made.err;
   EXPECT_FALSE(contains(made.err, "warning")) << made.err;
+
+  const ProcessResult parts =
+      run_in(folder.path(), {"reconstruct", "-q", "tiles/*.laz", "-o", "p.glb", "--split", "9000"});
+  ASSERT_EQ(parts.exit_code, 0) << parts.err;
+  const auto index = nlohmann::json::parse(read_file(folder.file("p.parts.json")));
+  EXPECT_EQ(index["coordinate_system"], system_name);
+  EXPECT_EQ(index["unit"], "metre");
+  EXPECT_NEAR(index["origin"][2].get<double>(), 400, 10);
+  EXPECT_GE(index["parts"][0]["box"]["lo"][2].get<double>(), 390);
+  EXPECT_TRUE(std::filesystem::exists(folder.file("p.prj")));
   EXPECT_EQ(read_file(folder.file("tile.prj")), system_name + "\n");
 
   const Mesh mesh = read_mesh(folder.file("tile.glb"));

@@ -83,6 +83,22 @@ TEST_F(ViewCommand, WarnsOfAReportThatIsNone) {
   EXPECT_NE(result.err.find("is no report of reconstruct"), std::string::npos) << result.err;
 }
 
+TEST_F(ViewCommand, AFolderIsOneCloudAndAPatternEachOfItsFiles) {
+  const std::string tiles = folder_.file("tiles.2");
+  std::filesystem::create_directory(tiles);
+  for (const char* name : {"/t_10.xyz", "/t_9.xyz"}) std::filesystem::copy(cloud_, tiles + name);
+  ASSERT_EQ(view({tiles + "/", "--columns", "x,y,z"}).exit_code, 0);
+  const std::string html = read_file(folder_.file("tiles.2.html"));
+  EXPECT_NE(html.find("\"name\":\"tiles.2\""), std::string::npos);
+  EXPECT_EQ(html.find("\"name\":\"t_9.xyz\""), std::string::npos);
+  ASSERT_EQ(view({tiles + "/t_*", "--html", page_}).exit_code, 0);
+  const std::string both = read_file(page_);
+  EXPECT_LT(both.find("\"name\":\"t_9.xyz\""), both.find("\"name\":\"t_10.xyz\""));
+  EXPECT_NE(both.find("\"name\":\"t_10.xyz\""), std::string::npos);
+  std::filesystem::remove(page_);
+  expect_refused({tiles + "/u_*", "--html", page_}, "u_*: a pattern that no file matches");
+}
+
 TEST_F(ViewCommand, RefusesInOneLine) {
   expect_refused({folder_.file("none.ply"), "--html", page_}, "none.ply");
   expect_refused({mesh_, "--html", page_, "--report", cloud_}, "is no report");

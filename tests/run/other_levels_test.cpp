@@ -37,7 +37,7 @@ TEST(OtherLevels, StartFromTheLevelWithoutWhatWasDropped) {
       ++removed;
     }
   ASSERT_GT(removed, 100u);
-  const PlacedLevel placed = with_sides(std::move(solved.finest), 0.5f, labels, context);
+  const PlacedLevel placed = with_sides(std::move(solved.finest), {}, 0.5f, labels, context);
   size_t dropped = 0;
   for (size_t b = 0; b < placed.level.grid.size(); ++b) {
     dropped += placed.dropped[b].count();

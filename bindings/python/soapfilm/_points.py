@@ -206,7 +206,8 @@ def read(files: Path | Sequence[Path], *, columns: str | Sequence[str] = "", tra
     """Reads point clouds or scan sets of any format of docs/reference/formats.md.
 
     Args:
-        files: one file or several, which are several scans.
+        files: one file or several, which are several scans; a folder is the scans in it, a pattern such as
+            "tiles/*.laz" the files that it matches, in the order of their numbers. Each file is read once.
         columns: of text files: what their columns are, such as "x,y,z,-,nx,ny,nz" ("-": passed over).
         trajectory: of LAS files: where the scanner was, a text file of lines ``time x y z``.
         trust_viewpoint: of PCD and E57: a pose at the origin, the default, is the scanner's, too.

@@ -158,7 +158,9 @@ void give_back_disagreement(Regions& regions, std::span<DistanceField> levels, c
     regions.give_back(l, from_border(regions, l, levels, context, [&](Vec3i b) { return !regions.is_asked(l, b); }));
     const auto needed = from_border(regions, l, levels, context, [&](Vec3i b) { return !regions.is_wanted(l, b); });
     DistanceField& fine = levels[static_cast<size_t>(l) - 1];
-    if (!needed.empty()) fine = with_values_of(levels[static_cast<size_t>(l)], needed, std::move(fine), context);
+    if (needed.empty()) continue;
+    fine = with_values_of(levels[static_cast<size_t>(l)], needed, std::move(fine), context);
+    regions.follow(l, needed);
   }
 }
 

@@ -121,6 +121,11 @@ void Regions::give_back(int level, const std::vector<Vec3i>& bricks) {
   }
 }
 
+void Regions::follow(int level, const std::vector<Vec3i>& bricks) {
+  for (size_t l = following_.size(); l < finer_.size(); ++l) following_.emplace_back(finer_[l].bricks());
+  for (const Vec3i b : bricks) following_[static_cast<size_t>(level) - 1].set(b);
+}
+
 Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context) {
   const auto placed = static_cast<size_t>(lattice.added);
   std::vector<BrickMask> finer(placed), asked(placed);

@@ -57,13 +57,19 @@ class Regions {
   void refine(int level, const std::vector<Vec3i>& bricks);
   /// Gives bricks of a level that are not asked for back to it, and what the balance then takes from finer levels.
   void give_back(int level, const std::vector<Vec3i>& bricks);
+  /// Says that in these bricks of a level, which have finer ones, the next finer one has this level's surface.
+  void follow(int level, const std::vector<Vec3i>& bricks);
+  bool follows(int level, Vec3i brick) const {
+    const auto l = static_cast<size_t>(level) - 1;
+    return l < following_.size() && following_[l].contains(brick) && following_[l].test(brick);
+  }
   /// Whether a brick must have finer levels, by its samples or by the balance.
   bool is_asked(int level, Vec3i brick) const { return asked_[static_cast<size_t>(level) - 1].test(brick); }
   /// By its samples alone.
   bool is_wanted(int level, Vec3i brick) const { return wanted_[static_cast<size_t>(level) - 1].test(brick); }
 
  private:
-  std::vector<BrickMask> finer_, wanted_, asked_;
+  std::vector<BrickMask> finer_, wanted_, asked_, following_;
 };
 
 /// Whether on a quarter of the area in a brick of a level the spacing is at most `most`, in voxels of the placed level,

@@ -73,6 +73,11 @@ class GapSides {
   explicit GapSides(BrickMask inside) : by_brick_(std::make_shared<const BrickMask>(std::move(inside))) {}
 
   bool are_by_brick() const { return by_brick_ != nullptr; }
+  /// By brick, these too are inside.
+  GapSides with(BrickMask more) const {
+    more |= *by_brick_;
+    return GapSides(std::move(more));
+  }
   /// Not where they are by brick.
   bool operator[](size_t gap) const { return inside_[gap] != 0; }
   void set(size_t gap, bool inside) { inside_[gap] = inside; }

@@ -8,7 +8,8 @@ namespace soapfilm {
 /// How `soapfilm info` treats a file.
 enum class FileKind { points, mesh };
 
-/// By content or extension; a PLY or an OBJ is a mesh when it has faces. Throws InputError for an unknown extension.
+/// By content or extension; a PLY or an OBJ is a mesh when it has faces; a folder is the points in it. Throws
+/// InputError for an unknown extension.
 FileKind file_kind(const std::string& path);
 
 /// Extensions of what can be read as a cloud, read as a mesh, written as a mesh: ".ply, .obj or .stl".

@@ -72,8 +72,7 @@ PointCloud read_points(io::ByteSource& source, ReadReport& report, const ReadOpt
 
 PointCloud read_points(const std::string& path, ReadReport* report, const Context& context,
                        const ReadOptions& options) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return read_points(std::vector{path}, report, context, options);
+  if (io::is_folder_or_pattern(path)) return read_points(std::vector{path}, report, context, options);
   ReadReport unused;
   io::ByteSource source(path);
   return read_points(source, report != nullptr ? *report : unused, options, context);
@@ -114,7 +113,7 @@ PointCloud read_points(const std::vector<std::string>& given, ReadReport* report
 void stream_points(const std::string& given, io::PointSink& sink, ReadReport& report, const ReadOptions& options,
                    const Context& context) {
   std::vector<std::string> paths{given};
-  if (std::error_code error; std::filesystem::is_directory(given, error)) {
+  if (io::is_folder_or_pattern(given)) {
     paths = io::input_files(paths, report.warnings);
     refuse_unused(paths, options);
   }
@@ -137,6 +136,7 @@ Mesh read_mesh(const std::string& path, ReadReport* report) {
 }
 
 FileKind file_kind(const std::string& path) {
+  if (std::error_code error; std::filesystem::is_directory(path, error)) return FileKind::points;
   io::ByteSource source(path);
   const Format& format = require<InputError>(
       path, io::format_of(source), [](const Format& f) -> bool { return f.reads_points() || f.read_mesh; }, "");

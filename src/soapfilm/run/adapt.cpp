@@ -37,6 +37,10 @@ bool has_column(const std::vector<Column>& columns, const std::string& name) {
 
 }  // namespace
 
+uint64_t SolvedLevel::bytes() const {
+  return level_bytes(level.grid.size()) + (data ? support_bytes(data->grid.size()) : 0);
+}
+
 std::vector<float> sort_spacings(const LocalSurface& surface, const GridSamples& samples, const Grid& grid,
                                  const ReconstructParams& params, const Context& context) {
   std::vector<float> sorted;

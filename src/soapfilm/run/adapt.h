@@ -3,22 +3,36 @@
 // extract/leaf_surface.h.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "soapfilm/adapt/regions.h"
 #include "soapfilm/context.h"
+#include "soapfilm/field/divergence.h"
 #include "soapfilm/finish/attributes.h"
 #include "soapfilm/mesh.h"
 #include "soapfilm/run/details.h"
 #include "soapfilm/run/prepare.h"
 #include "soapfilm/run/run.h"
 #include "soapfilm/run/surface.h"
+#include "soapfilm/solve/labels.h"
+#include "soapfilm/solve/level.h"
 
 namespace soapfilm {
 
 /// Of each sample, as LevelSamples has it; empty unless levels adapt.
 std::vector<float> sort_spacings(const LocalSurface& surface, const GridSamples& samples, const Grid& grid,
                                  const ReconstructParams& params, const Context& context);
+
+/// A level's solution, for the certificate.
+struct SolvedLevel {
+  Level level;
+  Labels sides;
+  std::unique_ptr<SupportField> data;
+
+  uint64_t bytes() const;
+};
 
 /// Which level each place has, and each level's surface.
 struct AdaptedSurface {
@@ -27,6 +41,7 @@ struct AdaptedSurface {
   std::vector<DistanceField> levels;   ///< the finest first
   std::vector<GridSamples> in_places;  ///< of the levels below the placed one, with the directions of the fit
   std::vector<LevelReport> reports;    ///< of their solves, the finest last
+  std::vector<SolvedLevel> solved;     ///< one for each level, the finest first
 };
 
 /// The surfaces as one mesh, that of the placed level among them; what levels have in others' places is dropped. Only

@@ -33,6 +33,8 @@ struct ReportDetails {
   std::optional<FitReport> refine;        ///< when the surface was moved onto the samples
   std::vector<size_t> leaves;             ///< where levels adapt and there are several: of each, the finest first
   double leaf_voxel = 0;                  ///< of these, input units; 0: there are none
+  std::optional<Certificate> of_grid;     ///< of the grid's level alone, where the report's is of several levels
+  double gap_at_borders = 0;              ///< of the certificate's gap, where levels meet
 };
 
 }  // namespace soapfilm

@@ -108,9 +108,9 @@ uint64_t kept_bytes(const PointCloud& cloud) {
   return ((cloud.normals.empty() ? 3 : 2) * sizeof(Vec3f) + weight + sizeof(uint8_t)) * cloud.size();
 }
 
-/// Where levels adapt: the samples' spacing, twice, and what they are on other levels. Measured: 17 to 38 bytes.
+/// Where levels adapt: the samples' spacing, twice, and what they are on other levels. Measured: 17 to 46 bytes.
 uint64_t level_samples_bytes(const ReconstructParams& params, const PointCloud& cloud) {
-  constexpr uint64_t each = 40;
+  constexpr uint64_t each = 48;
   return params.place.adapt ? each * cloud.size() : 0;
 }
 
@@ -294,11 +294,24 @@ void MemoryBudget::plan_level(int level, uint64_t data_bricks, uint64_t bricks, 
 
 bool MemoryBudget::plan_beside(uint64_t bytes) {
   if (solve_alone_ == 0) solve_alone_ = plan_.solve.bytes;
+  bytes += plan_.kept_bytes;
   MemoryPlan both = plan_;
   both.solve.bytes = std::max(plan_.solve.bytes, solve_alone_ + bytes);
   if (plan_.fixed_bytes + solve_alone_ + plan_.gap.bytes + bytes > room_.bytes && !scratch_.holds(both, room_))
     return false;
   plan_ = both;
+  scratch_.takes(plan_, room_);
+  return true;
+}
+
+bool MemoryBudget::plan_kept(uint64_t bytes, uint64_t beside) {
+  if (solve_alone_ == 0) solve_alone_ = plan_.solve.bytes;
+  MemoryPlan kept = plan_;
+  kept.kept_bytes = bytes;
+  kept.certify_bytes = bytes + beside;
+  const uint64_t other = plan_.fixed_bytes + plan_.gap.bytes;
+  if (other + bytes + std::max(solve_alone_, beside) > room_.bytes && !scratch_.holds(kept, room_)) return false;
+  plan_ = kept;
   scratch_.takes(plan_, room_);
   return true;
 }

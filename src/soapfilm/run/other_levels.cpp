@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <list>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -80,12 +79,7 @@ class OtherLevels {
   void find_coarser(MemoryBudget& memory, Trace& trace);
 
  private:
-  struct Finer {
-    Level level;
-    Labels labels;
-    LevelSamples samples;
-  };
-  bool add_finer(Finer& found, MemoryBudget& memory, Trace& trace);
+  bool add_finer(LevelSamples& found, MemoryBudget& memory, Trace& trace);
   Labels labels(const Level& level) const {
     return labels_of(level, static_cast<float>(task_.params.surface.threshold), context_);
   }
@@ -102,7 +96,7 @@ class OtherLevels {
 /// The levels below the placed one, the next finer one from each level. Those without places, or without memory, are
 /// not added.
 void OtherLevels::find_finer(MemoryBudget& memory, Trace& trace) {
-  Finer found;
+  LevelSamples found;
   const int planned = adapted_.lattice.added;
   int added = 0;
   while (added < planned && add_finer(found, memory, trace)) ++added;
@@ -110,8 +104,8 @@ void OtherLevels::find_finer(MemoryBudget& memory, Trace& trace) {
   adapted_.regions = adapted_.regions.from(planned - added);
 }
 
-/// The next one. Returns false where there is none.
-bool OtherLevels::add_finer(Finer& found, MemoryBudget& memory, Trace& trace) {
+/// The next one; `found`: its samples, before those of the level above it. Returns false where there is none.
+bool OtherLevels::add_finer(LevelSamples& found, MemoryBudget& memory, Trace& trace) {
   constexpr double bricks_of_data = 1.5;  // of the band over those of its data, measured: .8 to 1.9
   constexpr uint64_t refined_brick = 7000, kept_brick = 2300;  // bytes, measured
   const bool first = adapted_.levels.empty();
@@ -122,7 +116,7 @@ bool OtherLevels::add_finer(Finer& found, MemoryBudget& memory, Trace& trace) {
   const BrickMask parents = with_neighbors(adapted_.regions.finer(l + 1));
   const auto places = std::make_shared<const BrickMask>(children_of(parents, box.bricks));
   // And a brick farther: so the data at their end is whole.
-  LevelSamples samples = on_finer_level(!first  ? found.samples
+  LevelSamples samples = on_finer_level(!first  ? found
                                         : kept_ ? *kept_
                                                 : samples_,
                                         with_neighbors(parents), box.bricks, context_);
@@ -132,11 +126,12 @@ bool OtherLevels::add_finer(Finer& found, MemoryBudget& memory, Trace& trace) {
                              adapted_.lattice.of_level(l).voxel));
     return false;
   }
-  const SupportField field = data_field(samples.samples, box, context_);
-  const auto bricks = static_cast<uint64_t>(bricks_of_data * static_cast<double>(field.grid.size()));
-  uint64_t kept = 0;  // bricks of the finer surfaces that are there by now
-  for (const DistanceField& level : adapted_.levels) kept += level.grid.size();
-  if (!memory.plan_beside(level_bytes(bricks + found.level.grid.size()) + refined_brick * bricks + kept_brick * kept)) {
+  auto field = std::make_unique<SupportField>(data_field(samples.samples, box, context_));
+  const auto bricks = static_cast<uint64_t>(bricks_of_data * static_cast<double>(field->grid.size()));
+  uint64_t kept = level_bytes(bricks) + support_bytes(field->grid.size());  // with the finer levels that are there
+  for (const DistanceField& level : adapted_.levels) kept += kept_brick * level.grid.size();
+  for (const SolvedLevel& level : adapted_.solved) kept += level.bytes();
+  if (!memory.plan_beside(refined_brick * bricks + kept)) {
     trace.warn(
         fmt::format("no voxels of {:.4g} where samples are dense: they do not fit into {}; a larger --voxel has "
                     "them where it can",
@@ -144,18 +139,20 @@ bool OtherLevels::add_finer(Finer& found, MemoryBudget& memory, Trace& trace) {
     return false;
   }
   LevelReport report;
-  Level level =
-      solve_in_places(first ? placed_ : found.level, box, places, field, task_.params.solve, context_, report);
+  Level level = solve_in_places(first ? placed_ : adapted_.solved.front().level, box, places, *field,
+                                task_.params.solve, context_, report);
   report.level = -1 - static_cast<int>(adapted_.levels.size());
   adapted_.reports.push_back(report);
-  found.labels = with_surroundings(labels(level), first ? labels(placed_) : found.labels, context_);
-  found.level = std::move(level);
+  level.box.level = report.level;
+  if (task_.observe.solved) task_.observe.solved(level, adapted_.lattice.of_level(l));
+  Labels sides = with_surroundings(labels(level), first ? labels(placed_) : adapted_.solved.front().sides, context_);
   RefineSetup how = refine_setup(task_.grid, task_.params, task_.robust);
   how.holes = HoleFill::flat;
   how.where = places.get();
   // Their density is not known: where they have a sample in each voxel, it is enough.
-  adapted_.levels.insert(adapted_.levels.begin(), fitted(closed(found.labels), samples, 0, how, context_));
-  found.samples = samples;
+  adapted_.levels.insert(adapted_.levels.begin(), fitted(closed(sides), samples, 0, how, context_));
+  adapted_.solved.insert(adapted_.solved.begin(), {std::move(level), std::move(sides), std::move(field)});
+  found = samples;
   if (!samples.views.empty()) samples.samples.direction = std::move(samples.views);
   adapted_.in_places.insert(adapted_.in_places.begin(), std::move(samples.samples));
   return true;
@@ -183,6 +180,7 @@ BrickMask coarser_places_of(const Regions& regions, int level, const BrickGrid& 
 void OtherLevels::find_coarser(MemoryBudget& memory, Trace& trace) {
   const int base = adapted_.lattice.added;
   adapted_.levels.emplace_back();  // the placed one comes later
+  adapted_.solved.emplace_back();
   const uint64_t bricks = placed_.grid.size() / 4;
   if (adapted_.regions.coarsest() > base &&
       !memory.plan_beside(2 * level_bytes(bricks) + Refinement::bytes_of_level(bricks))) {
@@ -190,23 +188,22 @@ void OtherLevels::find_coarser(MemoryBudget& memory, Trace& trace) {
     adapted_.regions = adapted_.regions.up_to(base);
   }
   std::vector<std::vector<Vec3i>> off(static_cast<size_t>(base) + 1);  // bricks that a level's surface misses
-  Level solved;
   LevelSamples samples;
-  std::list<SupportField> fields;  // the levels refer to them
   for (int l = base + 1; l <= adapted_.regions.coarsest(); ++l) {
     Grid grid = task_.grid;
     grid.lattice = task_.grid.lattice.of_level(l - base);
     grid.density *= face_area(l - base);
     const LevelBox box = adapted_.lattice.box(l);
     samples = on_next_level(l == base + 1 ? samples_ : samples, box.bricks, context_);
-    const SupportField& field = fields.emplace_back(data_field(samples.samples, grid.lattice.box(0), context_));
-    const Level& fine = l == base + 1 ? placed_ : solved;
+    auto field = std::make_unique<SupportField>(data_field(samples.samples, grid.lattice.box(0), context_));
+    const Level& fine = l == base + 1 ? placed_ : adapted_.solved.back().level;
     const Segmentation alone =
-        segment(grid.lattice, field, samples.samples, task_.lambda * face_area(l - base), task_.params, {}, context_);
+        segment(grid.lattice, *field, samples.samples, task_.lambda * face_area(l - base), task_.params, {}, context_);
     const BrickMask places = coarser_places_of(adapted_.regions, l, fine.grid, alone.level.grid);
     LevelReport report;
-    solved = solve_coarser_in_places(fine, alone.level, box, places, field, task_.params.solve, context_, report);
-    Labels of_level = closed(labels(solved));
+    Level solved =
+        solve_coarser_in_places(fine, alone.level, box, places, *field, task_.params.solve, context_, report);
+    Labels sides = labels(solved), of_level = closed(sides);
     Trace quiet(context_);
     drop_unsupported(of_level, samples.samples, grid, task_.params, quiet, context_);
     RefineSetup how = refine_setup(grid, task_.params, task_.robust);
@@ -218,14 +215,15 @@ void OtherLevels::find_coarser(MemoryBudget& memory, Trace& trace) {
     }
     off.push_back(misfits(samples, l - base, surface, context_));
     adapted_.levels.push_back(std::move(surface));
+    adapted_.solved.push_back({std::move(solved), std::move(sides), std::move(field)});
   }
   for (int l = adapted_.regions.coarsest(); l > base; --l) adapted_.regions.refine(l, off[static_cast<size_t>(l)]);
 }
 
 }  // namespace
 
-PlacedLevel with_sides(Level level, float threshold, const Labels& labels, const Context& context) {
-  PlacedLevel placed{std::move(level), {}};
+PlacedLevel with_sides(Level level, SupportField data, float threshold, const Labels& labels, const Context& context) {
+  PlacedLevel placed{std::move(level), std::move(data), {}};
   placed.dropped.resize(placed.level.grid.size());
   parallel_for(context, placed.dropped.size(), 64, [&](size_t b) {
     const BrickBits& side = labels.of(placed.level.grid.coord(b));
@@ -242,16 +240,24 @@ PlacedLevel with_sides(Level level, float threshold, const Labels& labels, const
   return placed;
 }
 
-AdaptedSurface find_other_surfaces(const LevelSamples& samples, const PlacedLevel& placed, const LevelTask& task,
+AdaptedSurface find_other_surfaces(const LevelSamples& samples, PlacedLevel placed, const LevelTask& task,
                                    MemoryBudget& memory, Trace& trace, const Context& context) {
+  // Farther apart than two voxels of the coarsest of these, samples say too little about what lies between them.
+  constexpr int most_coarser = 3;
   AdaptedSurface adapted;
   adapted.lattice = task.grid.lattice.refined(task.grid.finer);
-  adapted.regions = find_regions(samples, adapted.lattice, task.grid.lattice.levels - 1, context);
+  adapted.regions =
+      find_regions(samples, adapted.lattice, std::min(task.grid.lattice.levels - 1, most_coarser), context);
   const Context quiet = silenced(context);
   OtherLevels levels(samples, placed, task, quiet, adapted);
   levels.find_finer(memory, trace);
   context.progress().advance(0.6, "coarser levels");
   levels.find_coarser(memory, trace);
+  SolvedLevel& own = adapted.solved[static_cast<size_t>(adapted.lattice.added)];
+  own.sides = labels_of(placed.level, static_cast<float>(task.params.surface.threshold), context);
+  for (size_t b = 0; b < own.sides.bits.size(); ++b) own.sides.bits[b] ^= placed.dropped[b];
+  own.level = std::move(placed.level);
+  own.data = std::make_unique<SupportField>(std::move(placed.data));
   return adapted;
 }
 

@@ -7,6 +7,7 @@
 #include "soapfilm/context.h"
 #include "soapfilm/params.h"
 #include "soapfilm/place/place.h"
+#include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/run/adapt.h"
 #include "soapfilm/run/memory_plan.h"
 #include "soapfilm/run/trace.h"
@@ -21,22 +22,24 @@ struct LevelTask {
   double lambda;
   const ReconstructParams& params;
   const RobustParams& robust;
+  const PyramidObserver& observe;  ///< is told of each finer level, from -1 down
 };
 
-/// A solved level, and where components and cavities of it were dropped.
+/// A solved level, its data, and where components and cavities of it were dropped.
 struct PlacedLevel {
   Level level;
+  SupportField data;
   std::vector<BrickBits> dropped;  ///< vertices that have changed sides, of each brick
 };
 
 /// The level with the sides of `labels`, which are its own, u > threshold, without what was dropped.
-PlacedLevel with_sides(Level level, float threshold, const Labels& labels, const Context& context);
+PlacedLevel with_sides(Level level, SupportField data, float threshold, const Labels& labels, const Context& context);
 
 /// Which levels places have by their samples; the levels below the placed one, where samples are dense, solved from
 /// it, the next finer one from each level; and those above it, where they are sparse, in the same way. Each continues
 /// what it comes from where its places end, and is moved onto its samples; directions
 /// are those of the solve. Levels that do not fit into the memory are left out, with a warning.
-AdaptedSurface find_other_surfaces(const LevelSamples& samples, const PlacedLevel& placed, const LevelTask& task,
+AdaptedSurface find_other_surfaces(const LevelSamples& samples, PlacedLevel placed, const LevelTask& task,
                                    MemoryBudget& memory, Trace& trace, const Context& context);
 
 }  // namespace soapfilm

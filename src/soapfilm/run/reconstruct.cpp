@@ -14,6 +14,7 @@
 #include "soapfilm/run/adapt.h"
 #include "soapfilm/run/announce.h"
 #include "soapfilm/run/certify.h"
+#include "soapfilm/run/certify_leaves.h"
 #include "soapfilm/run/finish.h"
 #include "soapfilm/run/other_levels.h"
 #include "soapfilm/run/prepare.h"
@@ -81,9 +82,12 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
 
   // Inside or outside: the convex problem (4), coarse to fine, on a narrow band; or one of the methods for comparison.
   std::optional<PagePool::Keep> pages(pages_of(context));
+  const bool adapts = !spacings.empty();
+  CoarseLevels coarse(context);  // kept where levels adapt
+  const PyramidObserver observe = adapts ? coarse.watch(experiment.observe) : experiment.observe;
   Segmentation found = trace.stage("solve", [&] {
-    return segment(grid.lattice, field, samples, lambda.value, params,
-                   memory.watch(experiment.observe, field.grid.size()), context);
+    return segment(grid.lattice, field, samples, lambda.value, params, memory.watch(observe, field.grid.size()),
+                   context);
   });
   warn_unconverged(found.report, lambda.value, params, trace);
   details->solve = found.report;
@@ -102,11 +106,12 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   }
 
   // From here on only the side of each vertex counts; where levels adapt, others start from the solution.
-  const bool adapts = !spacings.empty();
   const auto threshold = static_cast<float>(params.surface.threshold);
   Labels labels = labels_of(found.level, threshold, context);
-  if (!adapts) found.level = {};
-  field = {};
+  if (!adapts) {
+    found.level = {};
+    field = {};
+  }
   memory.plan_mesh(labels, grid.ends ? samples.size() : 0, context);
   if (border.chosen == Border::open) labels = closed_at_border(labels, context);
 
@@ -118,9 +123,11 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   if (adapts)
     adapted = trace.stage("adapt", [&] {
       LevelSamples own{std::move(samples), std::move(views), std::move(spacings)};
-      AdaptedSurface others =
-          find_other_surfaces(own, with_sides(std::move(found.level), threshold, labels, context),
-                              {grid, lambda.value, params, experiment.robust}, memory, trace, context);
+      if (!memory.plan_kept(coarse.bytes()) || !memory.plan_beside(0)) coarse.clear();
+      AdaptedSurface others = find_other_surfaces(
+          own, with_sides(std::move(found.level), std::move(field), threshold, labels, context),
+          {grid, lambda.value, params, experiment.robust, experiment.observe}, memory, trace, context);
+      keep_for_certificate(others, coarse, memory, trace);
       samples = std::move(own.samples);
       views = std::move(own.views);
       return others;
@@ -146,6 +153,13 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
                    : triangles_of(surface, grid.lattice, lambda.value, context);
   });
   if (adapted) announce_levels(*details, trace);
+
+  // How far the surface of several levels is from the best one on its leaves.
+  if (adapted)
+    report.certificate = trace.stage("certify leaves", [&] {
+      return certify_leaves(*adapted, std::move(coarse), report.certificate, params.solve, *details, context);
+    });
+  announce_leaves(report.certificate, *details, trace);
   pages.reset();
 
   // Where the surface is curved, triangles as large as a voxel are too coarse: edges are split, vertices moved. Those

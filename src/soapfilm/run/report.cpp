@@ -1,6 +1,7 @@
 #include "soapfilm/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "soapfilm/core/json_text.h"
@@ -49,7 +50,8 @@ ordered_json grid_json(const ReconstructReport& report) {
   const Lattice lattice{report.grid, {}};
   ordered_json levels = ordered_json::array();
   for (const LevelReport& l : report.details->solve.levels) {
-    const double lambda = l.lambda_share * report.certificate.lambda * face_area(l.level);
+    const Certificate& of_grid = report.details->of_grid ? *report.details->of_grid : report.certificate;
+    const double lambda = l.lambda_share * report.certificate.lambda * std::ldexp(1.0, 2 * l.level);
     levels.push_back({{"level", l.level},
                       {"lambda_share", l.lambda_share},
                       {"active_vertices", l.active_vertices},
@@ -60,8 +62,9 @@ ordered_json grid_json(const ReconstructReport& report) {
                       {"band_growths", l.band_growths},
                       {"relative_gap", l.energies.relative_gap(lambda)},
                       {"relative_gap_band", l.energies.relative_gap_band(lambda)},
-                      {"relative_gap_binary",
-                       l.level > 0 ? l.binary.relative_gap(lambda) : report.certificate.relative_gap_binary()}});
+                      {"relative_gap_binary", l.level > 0    ? ordered_json(l.binary.relative_gap(lambda))
+                                              : l.level == 0 ? ordered_json(of_grid.relative_gap_binary())
+                                                             : ordered_json()}});
   }
   return {{"size", vector_json(lattice.to_world_axes(lattice.size))},
           {"voxel", lattice.voxel},
@@ -96,6 +99,16 @@ ordered_json certificate_json(const Certificate& c, Method method) {
           {"total_variation", c.relaxed.total_variation},
           {"total_variation_binary", c.binary.total_variation},
           {"max_dual_norm", c.relaxed.max_dual_norm}};
+}
+
+/// Where there are several levels that of all, with the grid's inside.
+ordered_json certificate_json(const ReconstructReport& report) {
+  ordered_json json = certificate_json(report.certificate, report.params.method);
+  const ReportDetails& details = *report.details;
+  if (!details.of_grid) return json;
+  json["gap_where_levels_meet"] = details.gap_at_borders;
+  json["of_grid"] = certificate_json(*details.of_grid, report.params.method);
+  return json;
 }
 
 /// The report of the chosen method alone.
@@ -311,7 +324,7 @@ std::string to_json(const ReconstructReport& report) {
       {"cross_validation",
        report.details->select ? cross_validation_json(*report.details->select) : ordered_json(nullptr)},
       {"border", border_json(report.details->border)},
-      {"certificate", certificate_json(report.certificate, report.params.method)},
+      {"certificate", certificate_json(report)},
       {"surface",
        {{"isovalue", report.isovalue},
         {"components",

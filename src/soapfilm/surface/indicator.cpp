@@ -97,6 +97,14 @@ void smooth_brick(const std::array<const BrickBits*, 27>& around, float* out) {
   }
 }
 
+/// Bricks of the labels that a grid lacks, which are constant, on the inside.
+BrickMask inside_without(const BrickGrid& grid, const Labels& labels) {
+  BrickMask inside(labels.box.bricks);
+  for (size_t b = 0; b < labels.grid.size(); ++b)
+    if (const Vec3i at = labels.grid.coord(b); grid.find(at) < 0 && labels.bits[b].test(0, 0, 0)) inside.set(at);
+  return inside;
+}
+
 }  // namespace
 
 BrickMask bricks_near_surface(const Labels& labels, const Context& context) {
@@ -120,7 +128,7 @@ IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const 
   IndicatorField field;
   field.grid = std::move(bricks);
   field.inside = labels.inside.are_by_brick()
-                     ? labels.inside
+                     ? labels.inside.with(inside_without(field.grid, labels))
                      : GapSides(field.grid, bricks_with_free(labels.box), [&](Vec3i brick) {
                          return view.continued(labels.grid.find(brick), brick).test(0, 0, 0);  // constant: any vertex
                        });
@@ -144,7 +152,11 @@ IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const 
 }
 
 IndicatorField binary_indicator(const Labels& labels, const Context& context) {
-  IndicatorField field = smoothed_indicator(labels, context);
+  return binary_indicator(labels, BrickGrid(bricks_near_surface(labels, context), context), context);
+}
+
+IndicatorField binary_indicator(const Labels& labels, BrickGrid bricks, const Context& context) {
+  IndicatorField field = smoothed_indicator(labels, std::move(bricks), context);
   parallel_for(context, field.grid.size(), 64, [&](size_t b) {
     float* value = field.value.brick(b);
     std::fill_n(value, brick_volume, 0.0f);

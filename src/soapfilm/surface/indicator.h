@@ -21,6 +21,7 @@ IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const 
 
 /// The same without smoothing: 0 and 1 on the same bricks.
 IndicatorField binary_indicator(const Labels& labels, const Context& context);
+IndicatorField binary_indicator(const Labels& labels, BrickGrid bricks, const Context& context);
 
 /// The mean of the field at the samples (trilinear interpolation, equal weights): the paper's isovalue.
 double mean_at_samples(const IndicatorField& field, const GridSamples& samples, const Context& context);

@@ -2,53 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <atomic>
-#include <climits>
 #include <filesystem>
 
 #include "soapfilm/error.h"
-#include "soapfilm/io.h"
 
 namespace soapfilm::io {
-
-namespace {
-
-/// Names of the temporary files in use, where a signal handler can read them: fixed memory, lock-free states. The only
-/// state at file scope in this folder; a signal handler has no other access.
-struct TemporaryName {
-  enum State { unused, changing, in_use };
-  std::atomic<int> state{unused};
-  char path[PATH_MAX] = {};
-};
-static_assert(std::atomic<int>::is_always_lock_free);
-std::array<TemporaryName, 16> temporary_names;
-
-/// Returns the slot that stores the name; -1 when it is too long or all are in use (then a signal leaves the file
-/// behind).
-int remember(const std::string& path) {
-  if (path.size() >= PATH_MAX) return -1;
-  for (size_t i = 0; i < temporary_names.size(); ++i) {
-    int expected = TemporaryName::unused;
-    if (!temporary_names[i].state.compare_exchange_strong(expected, TemporaryName::changing)) continue;
-    std::memcpy(temporary_names[i].path, path.c_str(), path.size() + 1);
-    temporary_names[i].state.store(TemporaryName::in_use);
-    return static_cast<int>(i);
-  }
-  return -1;
-}
-
-void forget(int slot) {
-  if (slot >= 0) temporary_names[static_cast<size_t>(slot)].state.store(TemporaryName::unused);
-}
-
-std::string resolve_links(const std::string& path) {
-  std::error_code error;
-  const std::filesystem::path resolved = std::filesystem::canonical(path, error);
-  return error ? path : resolved.string();
-}
-
-}  // namespace
 
 AtomicFile::AtomicFile(const std::string& path)
     : path_(path), target_(resolve_links(path)), buffer_(new char[capacity]) {
@@ -75,13 +33,13 @@ AtomicFile::AtomicFile(const std::string& path)
     temporary_.clear();
     fail(error);
   }
-  slot_ = remember(temporary_);
+  slot_ = remember_temporary(temporary_);
 }
 
 AtomicFile::~AtomicFile() {
   file_.close();
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
-  forget(slot_);
+  forget_temporary(slot_);
 }
 
 void AtomicFile::commit() {
@@ -112,11 +70,6 @@ void AtomicFile::fail(int error) const { throw OutputError(path_ + ": cannot be 
 }  // namespace soapfilm::io
 
 namespace soapfilm {
-
-void remove_temporary_files() noexcept {
-  for (io::TemporaryName& name : io::temporary_names)
-    if (name.state.load() == io::TemporaryName::in_use) ::unlink(name.path);
-}
 
 void write_text_file(const std::string& path, const std::string& text) {
   io::AtomicFile file(path);

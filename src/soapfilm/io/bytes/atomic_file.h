@@ -8,6 +8,7 @@
 
 #include "soapfilm/io/bytes/encode.h"
 #include "soapfilm/io/bytes/file_descriptor.h"
+#include "soapfilm/io/bytes/temporary_names.h"
 
 namespace soapfilm::io {
 
@@ -55,9 +56,9 @@ class AtomicFile {
   [[noreturn]] void fail(int error) const;
 
   std::string path_;
-  std::string target_;     // path_ with symbolic links resolved
-  std::string temporary_;  // empty once renamed, and for a target written to directly
-  int slot_ = -1;          // its place in the table of remove_temporary_files()
+  std::string target_;             // path_ with symbolic links resolved
+  std::string temporary_;          // empty once renamed, and for a target written to directly
+  TemporaryName* slot_ = nullptr;  // its place in the table of remove_temporary_files()
   FileDescriptor file_;
   std::unique_ptr<char[]> buffer_;
   size_t used_ = 0;

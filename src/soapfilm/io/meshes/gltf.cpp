@@ -248,10 +248,9 @@ std::vector<std::string> losses(const std::string& path, std::span<const Mesh* c
 }
 
 WriteReport write_meshes(const std::string& path, std::span<const Mesh* const> meshes,
-                         std::span<const DetailLevel> levels, const WriteOptions& options) {
+                         std::span<const DetailLevel> levels, Vec3d origin, const WriteOptions& options) {
   for (const Mesh* mesh : meshes) check_mesh(*mesh);
   check_size(path, meshes);
-  const Vec3d origin = meshes[0]->box().center();
   GltfScene scene;
   for (const Mesh* mesh : meshes) {
     check_float_range(path, "glTF", *mesh, origin);
@@ -270,15 +269,19 @@ WriteReport write_meshes(const std::string& path, std::span<const Mesh* const> m
 }  // namespace
 
 WriteReport write_glb(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
+  return write_glb_at(path, mesh, mesh.box().center(), options);
+}
+
+WriteReport write_glb_at(const std::string& path, const Mesh& mesh, Vec3d origin, const WriteOptions& options) {
   const Mesh* const meshes[] = {&mesh};
-  return write_meshes(path, meshes, {}, options);
+  return write_meshes(path, meshes, {}, origin, options);
 }
 
 WriteReport write_glb_levels(const std::string& path, std::span<const DetailLevel> levels,
                              const WriteOptions& options) {
   std::vector<const Mesh*> meshes;
   for (const DetailLevel& level : levels) meshes.push_back(&level.mesh);
-  return write_meshes(path, meshes, levels, options);
+  return write_meshes(path, meshes, levels, meshes[0]->box().center(), options);
 }
 
 }  // namespace soapfilm::io

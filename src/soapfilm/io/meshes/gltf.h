@@ -13,6 +13,9 @@ namespace soapfilm::io {
 /// NORMAL, colors COLOR_0, attributes _NAME; the one material is seen from both sides where the mesh is open.
 WriteReport write_glb(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context);
 
+/// The same, relative to `origin`: parts of one mesh with one origin have the same coordinates where they meet.
+WriteReport write_glb_at(const std::string& path, const Mesh& mesh, Vec3d origin, const WriteOptions& options);
+
 /// Levels of detail of one surface, the finest first: nodes lod0, lod1, ... The scene has the first, whose extension
 /// MSFT_lod names the others: who does not know it shows the finest. Each one's extras have `proved_distance`: that of
 /// the level, and what rounding adds.

@@ -1,0 +1,258 @@
+#include "soapfilm/adapt/leaf_energy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "adapt/ball_levels.h"
+#include "soapfilm/core/random.h"
+#include "soapfilm/pyramid/flux_in_places.h"
+#include "soapfilm/pyramid/prolong.h"
+#include "support/sanitized.h"
+
+namespace soapfilm {
+namespace TEST_FILE {
+
+using namespace test;
+
+const Context one_thread(1);
+constexpr int levels = 3;
+
+Vec3i up_from(Vec3i v, int axis, int step = 1) {
+  v[axis] += step;
+  return v;
+}
+
+/// A random hierarchy with random u, p and f.
+struct Hierarchy {
+  Lattice lattice = small_lattice();
+  Norm norm;
+  Random random;
+  Regions regions;
+  std::vector<Labels> sides;
+  std::vector<SupportField> data;
+  std::vector<Level> flux, everywhere;  ///< on bands; in all places
+
+  Hierarchy(uint64_t seed, Norm the_norm, bool open) : norm(the_norm), random(seed) {
+    lattice.open = open;
+    lattice.below = {7, 7, 7};  // no cell of a coarser level is free in part
+    lattice.size = {114, 114, 114};
+    regions = random_regions();
+    flux.resize(levels);
+    everywhere.resize(levels);
+    for (int l = 0; l < levels; ++l) {
+      sides.push_back(random_sides(l));
+      data.push_back(random_data(l));
+    }
+    for (int l = levels - 1; l >= 0; --l) add_flux(l);
+  }
+
+  std::vector<LeafLevel> leaves() const {
+    std::vector<LeafLevel> found;
+    for (size_t l = 0; l < levels; ++l) found.push_back({&sides[l], &data[l], &flux[l]});
+    return found;
+  }
+
+  bool chance(double share) { return random.uniform() < share; }
+
+  Regions random_regions() {
+    std::vector<BrickMask> finer = {BrickMask(lattice.box(1).bricks), BrickMask(lattice.box(2).bricks)};
+    BrickRange::whole(finer[0].bricks()).for_each([&](Vec3i b) {
+      if (chance(0.04)) finer[0].set(b);
+    });
+    finer[0].for_each([&](Vec3i b) {
+      for (int slot = 0; slot < 27; ++slot)
+        if (const Vec3i n = b + slot_offset(slot); finer[0].contains(n)) finer[1].set(parent_of(n));
+    });
+    return {finer, finer};
+  }
+
+  Labels random_sides(int level) {
+    Labels labels;
+    labels.box = lattice.box(level);
+    labels.grid = BrickGrid(BrickMask::whole(labels.box.bricks), one_thread);
+    labels.inside = GapSides(labels.grid);
+    labels.bits.resize(labels.grid.size());
+    for (size_t b = 0; b < labels.grid.size(); ++b) {
+      const double share = random.uniform();
+      for_each_vertex(labels.grid.coord(b), [&](Vec3i v, int i) {
+        if (labels.box.is_free(v) && chance(share)) labels.bits[b].set(i);
+      });
+    }
+    return labels;
+  }
+
+  BrickMask some(int level, double share) {
+    BrickMask bricks(lattice.box(level).bricks);
+    BrickRange::whole(bricks.bricks()).for_each([&](Vec3i b) {
+      if (level == levels - 1 || (regions.is_finer(level + 1, parent_of(b)) && chance(share))) bricks.set(b);
+    });
+    return bricks;
+  }
+
+  SupportField random_data(int level) {
+    SupportField field;
+    field.grid = BrickGrid(some(level, 0.5), one_thread);
+    field.f = Field<float>(field.grid);
+    for (size_t b = 0; b < field.grid.size(); ++b)
+      for (int i = 0; i < brick_volume; ++i) field.f.brick(b)[i] = static_cast<float>(0.1 * random.normal());
+    return field;
+  }
+
+  void fill_flux(Level& level) {
+    for (size_t b = 0; b < level.grid.size(); ++b)
+      for_each_vertex(level.grid.coord(b), [&](Vec3i v, int i) {
+        Vec3d p{random.normal(), random.normal(), random.normal()};
+        p = p * (static_cast<double>(level.lambda) * random.uniform() / norm_of(p));
+        for (int axis = 0; axis < 3; ++axis) {
+          const bool exists = !level.box.open || (level.box.is_free(v) && level.box.is_free(up_from(v, axis)));
+          level.p.brick(b, axis)[i] = exists ? static_cast<float>(p[axis]) : 0.0f;
+        }
+      });
+  }
+  static double norm_of(Vec3d p) { return soapfilm::norm(p); }
+
+  void add_flux(int l) {
+    const auto n = static_cast<size_t>(l);
+    const LevelBox box = lattice.box(l);
+    const float lambda = 0.05f * static_cast<float>(1 << (2 * l));
+    if (l == levels - 1) {
+      flux[n] = make_level(box, lambda, BrickMask::whole(box.bricks), data[n].grid, data[n].f, one_thread, norm);
+      fill_flux(flux[n]);
+      everywhere[n] = copy_of(flux[n], one_thread);
+      return;
+    }
+    auto places = std::make_shared<const BrickMask>(some(l, 1));
+    BrickMask band(box.bricks);
+    some(l, 0.5).for_each([&](Vec3i b) {
+      if (flux[n + 1].grid.find(parent_of(b)) >= 0) band.set(b);
+    });
+    for (size_t b = 0; b < data[n].grid.size(); ++b)
+      if (flux[n + 1].grid.find(parent_of(data[n].grid.coord(b))) >= 0) band.set(data[n].grid.coord(b));
+    Level state = make_level(box, lambda, *places, data[n].grid, data[n].f, one_thread, norm);
+    fill_flux(state);
+    const KnownFlux known{state, [](Vec3i) { return true; }, true};
+    PrimalDualParams params;
+    params.max_iterations = 1;
+    flux[n] = flux_in_places(flux[n + 1], box, band, places, std::span(&known, 1), data[n], params, one_thread);
+    everywhere[n] = prolong_in_places(everywhere[n + 1], box, *places, places, data[n], one_thread, nullptr);
+    for (size_t b = 0; b < flux[n].grid.size(); ++b) {
+      const auto at = static_cast<size_t>(everywhere[n].grid.find(flux[n].grid.coord(b)));
+      std::copy_n(flux[n].p.brick(b), 3 * brick_volume, everywhere[n].p.brick(at));
+    }
+  }
+};
+
+/// The energies of a hierarchy as their formulas say, leaf by leaf.
+struct Plain {
+  const Hierarchy& h;
+  double scale, variation = 0, data = 0, dual = 0;
+
+  Plain(const Hierarchy& hierarchy, double scale_of_p) : h(hierarchy), scale(scale_of_p) {
+    for (int l = 0; l < levels; ++l)
+      BrickRange::whole(h.lattice.box(l).bricks).for_each([&](Vec3i b) {
+        if (h.regions.has(l, b)) for_each_vertex(b, [&](Vec3i v, int) { add(l, v); });
+      });
+  }
+
+  LevelBox box(int l) const { return h.lattice.box(l); }
+  bool in_box(int l, Vec3i v) const { return BrickRange::whole(box(l).bricks).contains(brick_of(v)); }
+  bool has(int l, Vec3i v) const { return in_box(l, v) && h.regions.has(l, brick_of(v)); }
+  double u(int l, Vec3i v) const { return h.sides[static_cast<size_t>(l)].test(v) ? 1 : 0; }
+  double p(int l, Vec3i v, int axis) const {
+    const Level& level = h.everywhere[static_cast<size_t>(l)];
+    const int32_t n = level.grid.find(brick_of(v));
+    return n < 0 ? 0
+                 : static_cast<double>(
+                       level.p.brick(static_cast<size_t>(n), axis)[brick_offset(v.x & 7, v.y & 7, v.z & 7)]);
+  }
+  double f(int l, Vec3i v) const {
+    const SupportField& field = h.data[static_cast<size_t>(l)];
+    const int32_t n = field.grid.find(brick_of(v));
+    return n < 0 || !box(l).is_free(v)
+               ? 0
+               : static_cast<double>(field.f.brick(static_cast<size_t>(n))[brick_offset(v.x & 7, v.y & 7, v.z & 7)]);
+  }
+  /// u beyond the upper face of a leaf, or of the part of it that an octant touches; u of the leaf where the problem
+  /// has no such face.
+  double above(int l, Vec3i v, int axis, Vec3i octant) const {
+    const Vec3i up = up_from(v, axis);
+    const bool open = h.lattice.open;
+    if (open && !(box(l).is_free(v) && box(l).is_free(up))) return u(l, v);
+    if (!in_box(l, up)) return 0;
+    if (has(l, up)) return u(l, up);
+    if (!h.regions.is_finer(l, brick_of(up))) return u(l + 1, parent_of(up));
+    Vec3i fine = up * 2 + octant;
+    fine[axis] = 2 * up[axis];
+    return open && !box(l - 1).is_free(fine) ? u(l, v) : u(l - 1, fine);
+  }
+  bool finer_above(int l, Vec3i v) const {
+    bool finer = false;
+    for (int axis = 0; axis < 3; ++axis)
+      finer = finer || (in_box(l, up_from(v, axis)) && h.regions.is_finer(l, brick_of(up_from(v, axis))));
+    return finer;
+  }
+  double from_below(int l, Vec3i v, int axis) const {
+    const Vec3i down = up_from(v, axis, -1);
+    if (down[axis] < 0) return 0;
+    if (has(l, down)) return p(l, down, axis);
+    if (!h.regions.is_finer(l, brick_of(down))) return p(l + 1, parent_of(down), axis) / 4;
+    double sum = 0;
+    for (int k = 0; k < 8; ++k)
+      if (octant_of(k)[axis] == 1) sum += p(l - 1, down * 2 + octant_of(k), axis);
+    return sum;
+  }
+
+  void add(int l, Vec3i v) {
+    const int parts = finer_above(l, v) ? 8 : 1;
+    for (int k = 0; k < parts; ++k) {
+      Vec3d g;
+      for (int axis = 0; axis < 3; ++axis) g[axis] = above(l, v, axis, octant_of(k)) - u(l, v);
+      variation += std::ldexp(length(g, h.norm), 2 * l) / parts;
+    }
+    if (!box(l).is_free(v)) return;
+    data += f(l, v) * u(l, v);
+    double r = 0;
+    for (int axis = 0; axis < 3; ++axis) r += from_below(l, v, axis) - p(l, v, axis);
+    if (f(l, v) == 0 || h.flux[static_cast<size_t>(l)].grid.find(brick_of(v)) >= 0) {
+      dual += std::min(0.0, scale * r - f(l, v));
+    } else {
+      dual += std::min(0.0, scale * r) - std::max(0.0, f(l, v));
+    }
+  }
+};
+
+TEST(LeafEnergy, IsThatOfItsFormulas) {
+  for (const Norm norm : {Norm::isotropic, Norm::anisotropic})
+    for (const bool open : {false, true})
+      for (uint64_t seed = 1; seed <= (sanitized ? 1 : 2); ++seed) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed << " open " << open << " norm " << static_cast<int>(norm));
+        const Hierarchy h(seed, norm, open);
+        const LeafEnergies found = evaluate_leaves(h.regions, h.leaves(), 0, one_thread);
+        const Plain plain(h, 1 / std::max(1.0, found.energies.max_dual_norm));
+        EXPECT_NEAR(found.energies.total_variation, plain.variation, 1e-9 * plain.variation);
+        EXPECT_NEAR(found.energies.data, plain.data, 1e-7 * std::abs(plain.variation));
+        EXPECT_LE(found.energies.max_dual_norm, 1 + 1e-6);
+        EXPECT_NEAR(found.energies.dual, plain.dual, 1e-6 * std::abs(plain.dual));
+        EXPECT_GE(found.energies.gap, 0);
+        EXPECT_GT(found.at_borders, 0);
+        EXPECT_LE(found.at_borders, found.energies.gap * (1 + 1e-9));
+      }
+}
+
+/// Bits do not depend on threads.
+TEST(LeafEnergy, ThreadsDoNotMatter) {
+  const Hierarchy h(7, Norm::isotropic, false);
+  const LeafEnergies one = evaluate_leaves(h.regions, h.leaves(), 1, one_thread),
+                     many = evaluate_leaves(h.regions, h.leaves(), 1, Context(3));
+  EXPECT_EQ(one.energies.primal, many.energies.primal);
+  EXPECT_EQ(one.energies.dual, many.energies.dual);
+  EXPECT_EQ(one.at_borders, many.at_borders);
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm
