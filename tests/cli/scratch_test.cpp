@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "support/program.h"
+#include "support/sanitized.h"
 
 namespace soapfilm::test {
 namespace TEST_FILE {
@@ -42,11 +43,12 @@ class ScratchOption : public testing::Test {
     ASSERT_EQ(run({"scan", "knot", "--samples", "120000", "-o", folder.file("scan"), "--quiet"}).exit_code, 0);
     std::filesystem::create_directory(scratch);
   }
-  /// A run that has two thirds of the memory that it needs, but --scratch.
+  /// A run that has less memory than it needs, but --scratch.
   std::vector<std::string> limited(const std::string& where) const {
     return {"reconstruct", "--resolution", "200", folder.file("scan") + "/samples.ply", "-o", mesh, "--memory",
-            "40M",         "--scratch",    where};
+            memory,        "--scratch",    where};
   }
+  const std::string memory = sanitized ? "52M" : "40M";  // sanitized programs move no vectors
   TemporaryFolder folder;
   std::string scratch = folder.file("scratch"), mesh = folder.file("mesh.ply");
 };
@@ -55,7 +57,7 @@ TEST_F(ScratchOption, GivesTheSameBytesWhereMemoryDoesNotSuffice) {
   std::vector<std::string> arguments = limited(scratch);
   arguments.resize(arguments.size() - 2);
   arguments.emplace_back("-q");
-  expect_refused(arguments, "--memory is 40.0 MiB");
+  expect_refused(arguments, "--memory is ");
   EXPECT_FALSE(std::filesystem::exists(mesh));
   arguments.resize(arguments.size() - 3);
   ASSERT_EQ(run(arguments).exit_code, 0);
