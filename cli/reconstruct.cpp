@@ -254,6 +254,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   find_files(options, streams, progress);
   if (!options.report.empty()) check_output(options.report);
 
+  make_room_for(options.inputs, context);
   Stages stages(context);
   ReadReport read;
   PointCloud cloud =

@@ -4,16 +4,21 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <new>
+#include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #if defined(__GLIBC__)
 #include <malloc.h>
 #endif
 
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/platform/memory.h"
 #include "soapfilm/platform/page_pool.h"
 #include "soapfilm/platform/scratch.h"
 
@@ -94,6 +99,18 @@ void use_scratch(const std::string& folder, Context& context) {
     context.state().move_vectors = [](const std::string& to) {
       if (!to.empty()) LargeVectors::all().move_to(to);  // what follows the run, such as its check, is large, too
     };
+}
+
+void make_room_for(const std::vector<std::string>& files, const Context& context) {
+  if (!context.state().move_vectors) return;
+  uint64_t file_bytes = 0;
+  std::error_code unknown;
+  for (const std::string& file : files)
+    if (const uintmax_t bytes = std::filesystem::file_size(file, unknown); !unknown) file_bytes += bytes;
+  constexpr uint64_t growth = 5;  // a file has 12 bytes a sample or more, the cloud 24 to 60
+  constexpr uint64_t part = 8;    // the run needs some 700 bytes a sample
+  const uint64_t room = context.memory_limit().value_or(available_memory_bytes());
+  if (growth * file_bytes > room / part) context.state().move_vectors(context.state().scratch_folder);
 }
 
 }  // namespace soapfilm::cli

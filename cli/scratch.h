@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "soapfilm/context.h"
 
@@ -10,5 +11,9 @@ namespace soapfilm::cli {
 /// Runs of the context may use the folder; once one does, the program's large vectors are there, too. Throws
 /// OutputError unless files can be made in it.
 void use_scratch(const std::string& folder, Context& context);
+
+/// Before these files are read: where their samples would take a good part of the memory, they go to the folder at
+/// once.
+void make_room_for(const std::vector<std::string>& files, const Context& context);
 
 }  // namespace soapfilm::cli

@@ -11,7 +11,8 @@ endfunction()
 
 # Whole tests, of which these run the same code: tests of each command; CoarseToFine.EmptyCoarseLevelsShowWhereToStart
 # and ALevelEndsWhenItsLabelsHaveSettled; PrimalDual.EstimatesUntilTheGapIsAboutTheTolerance; the other tests of
-# MemoryPlan; Contexts.ALimitAndACancelledRunLeaveOtherThreadsAlone; the tests of each reader and writer;
+# MemoryPlan; Scratch.GivesTheSameMeshOnTwoThreads and ScratchRefusals.OfFilesThatMayNotBeAsLarge;
+# Contexts.ALimitAndACancelledRunLeaveOtherThreadsAlone; the tests of each reader and writer;
 # Scan.TheSameBytesForAnyNumberOfThreads and Targets/Determinism.SameMeshBytesOnAnyNumberOfThreads;
 # Reconstruct.GeoreferencedInputLosesNothing; Units.PowersOfTwoScaleTheMeshExactly; RoomFromInside and UnevenWall, of
 # the scenes; EvaluateCommand.RefusesInOneLine; Evaluate.TheSameForAnyNumberOfThreads;
@@ -20,6 +21,11 @@ endfunction()
 # CoarserLevels.AreWithinTheSumOfAllStepsOfTheFullMesh; Adapt.ABallOfUnevenDensityIsWholeAndRound; the other
 # tests of LeafSurface; OrderOfSamples.WithScannersAndWeightsChangesNoByte.
 list(APPEND REPEATED
+  Scratch.TakesARunThatTurnsOutToNeedMore
+  ScratchRefusals.AreNoneWhereTheDiskHasRoom
+  ScratchRefusals.NameTheFolder
+  ScratchPlan.WhatFitsStaysInMemory
+  ScratchPlan.RefusesWhatDiskCannotTake
   Program.TheCommandsOfItsFirstPageWork
   Standstill.ManySweepsFromOnePlaceChangeNeitherVoxelNorSurface
   StreetSweep.IsJoinedAsFarAsItsRingsAre

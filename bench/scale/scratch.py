@@ -98,12 +98,12 @@ def main():
     program, work, page = Path(sys.argv[1]).resolve(), Path(sys.argv[2]), Path(sys.argv[3])
     resolutions = [int(a) for a in sys.argv[4:]] or [1024]
     work.mkdir(parents=True, exist_ok=True)
+    commit = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty"], capture_output=True, text=True)
     rows = []
     for resolution in resolutions:
         for line in rows_of(program, work, resolution):
             print(line, flush=True)
             rows.append(line)
-    commit = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty"], capture_output=True, text=True)
     facts = (f"Commit {commit.stdout.strip()}, {os.cpu_count()} CPUs, Linux {platform.release().split('-')[0]}; one "
              "thread.")
     text = page.read_text()

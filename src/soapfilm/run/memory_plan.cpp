@@ -228,10 +228,7 @@ double smallest_voxel(const PointCloud& cloud, double area, const ReconstructPar
 
 MemoryBudget::MemoryBudget(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after,
                            const Context& context)
-    : params_(params),
-      after_(after),
-      room_(context.memory_limit(), held_memory_bytes()),
-      scratch_(params, context) {
+    : params_(params), after_(after), room_(context.memory_limit(), held_memory_bytes()), scratch_(params, context) {
   plan_.placing_bytes = plan_placing(cloud);
   const bool on_disk = scratch_.takes(plan_, room_);
   check_placing(on_disk ? scratch_.resident_part(plan_).placing_bytes : plan_.placing_bytes, room_, cloud.size());

@@ -15,15 +15,18 @@ namespace soapfilm {
 
 namespace {
 
-/// Shares of a plan's parts that stay in memory; of the placed samples and of placing beside the program itself.
+/// Shares of a plan's parts that stay in memory; of placing and of the samples beside the program itself.
 struct ResidentShares {
   double placing, fixed, solve, refine, mesh, gap;
 };
 
+/// Arrays that are too small for a file, in each stage: measured 12 MiB together with their shares.
+constexpr uint64_t small_arrays = uint64_t{12} << 20;
+
 /// The library's arrays are values on the bricks and rows of grids; their topology, samples and meshes are vectors.
-/// Relaxing has the smoothed field beside the mesh.
+/// Relaxing has the smoothed field beside the mesh. The check's trees belong to another library.
 ResidentShares shares_of(const ReconstructParams& params, bool moves_vectors) {
-  if (moves_vectors) return {0.05, 0.05, 0.05, 0.05, 0.05, 0.05};
+  if (moves_vectors) return {0.05, 0.05, 0.05, 0.05, params.checked ? 0.6 : 0.05, 0.05};
   const bool cuts = params.method == Method::graph_cut_6 || params.method == Method::graph_cut_26;
   const double solve = cuts ? 1 : params.method == Method::poisson ? 0.12 : 0.05;
   const double mesh = params.checked || simplifies(params.simplify) ? 1 : 0.78;
@@ -31,6 +34,10 @@ ResidentShares shares_of(const ReconstructParams& params, bool moves_vectors) {
 }
 
 uint64_t share_of(uint64_t bytes, double share) { return static_cast<uint64_t>(share * static_cast<double>(bytes)); }
+
+uint64_t share_and_small(uint64_t bytes, double share) {
+  return std::min(bytes, share_of(bytes, share) + small_arrays);
+}
 
 /// Of bytes that contain the program's own.
 uint64_t share_beside_program(uint64_t bytes, double share) {
@@ -67,7 +74,10 @@ bool ScratchBudget::takes(const MemoryPlan& plan, const Room& room) {
   if (on_disk.least() > free_bytes_)
     throw OutputError(fmt::format("scratch folder {}: about {} needed, {} free", folder_, format_bytes(on_disk.total()),
                                   format_bytes(free_bytes_)));
-  if (!used_) use();
+  if (!used_) {
+    from_start_ = plan.fixed_bytes == 0;  // only placing is planned yet
+    use();
+  }
   return true;
 }
 
@@ -78,14 +88,15 @@ bool ScratchBudget::holds(const MemoryPlan& plan, const Room& room) const {
 MemoryPlan ScratchBudget::resident_part(const MemoryPlan& plan) const {
   const ResidentShares share = shares_of(params_, moves_vectors_);
   MemoryPlan part = plan;
-  part.placing_bytes = share_beside_program(plan.placing_bytes, share.placing);
+  if (from_start_) part.placing_bytes = share_beside_program(plan.placing_bytes, share.placing);
   part.fixed_bytes = share_beside_program(plan.fixed_bytes, share.fixed);
-  part.solve.bytes = share_of(plan.solve.bytes, share.solve);
+  part.solve.bytes = share_and_small(plan.solve.bytes, share.solve);
   part.tables_bytes = share_of(plan.tables_bytes, share.solve);
-  part.refine.bytes = share_of(plan.refine.bytes, share.refine);
+  part.refine.bytes = share_and_small(plan.refine.bytes, share.refine);
   part.kept_bytes = share_of(plan.kept_bytes, share.solve);
   part.certify_bytes = share_of(plan.certify_bytes, share.solve);
-  part.mesh_bytes = share_of(plan.mesh_bytes, share.mesh);
+  part.mesh_bytes =
+      moves_vectors_ ? share_and_small(plan.mesh_bytes, share.mesh) : share_of(plan.mesh_bytes, share.mesh);
   part.gap.bytes = share_of(plan.gap.bytes, share.gap);
   return part;
 }

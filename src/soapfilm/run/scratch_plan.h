@@ -43,6 +43,7 @@ class ScratchBudget {
   bool moves_vectors_;       ///< not only the library's own arrays
   uint64_t free_bytes_ = 0;  ///< of the disk, before the run
   bool used_ = false;
+  bool from_start_ = false;  ///< also while samples are placed
 };
 
 }  // namespace soapfilm
