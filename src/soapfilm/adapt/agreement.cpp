@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/trilinear.h"
@@ -112,7 +113,7 @@ DistanceField with_values_of(const DistanceField& coarse, const std::vector<Vec3
   all |= taken;
   DistanceField mixed;
   mixed.grid = BrickGrid(all, context);
-  mixed.value = Field<float>(mixed.grid);
+  mixed.value = Field<float>(mixed.grid, pages_of(context));
   mixed.inside = fine.inside.are_by_brick() ? fine.inside
                                             : GapSides(mixed.grid, BrickRange::whole(mixed.grid.bricks()),
                                                        [&](Vec3i b) { return fine.inside.test(fine.grid, b); });

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "soapfilm/adapt/level_samples.h"
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/field/terms.h"
 #include "soapfilm/grid/leaves.h"
@@ -26,7 +27,7 @@ SupportField sum_of(std::initializer_list<const SupportField*> fields, const Lev
       if (in(field->grid.coord(b))) bricks.set(field->grid.coord(b));
   SupportField sum;
   sum.grid = BrickGrid(bricks, context);
-  sum.f = Field<float>(sum.grid);
+  sum.f = Field<float>(sum.grid, pages_of(context));
   parallel_for(context, sum.grid.size(), 64, [&](size_t b) {
     float* f = sum.f.brick(b);
     for (const SupportField* field : fields) {
@@ -44,7 +45,7 @@ SupportField on_children(const SupportField& coarse, const LevelBox& fine, const
     for (int k = 0; k < 8; ++k) bricks.set(child_of(coarse.grid.coord(b), k));
   SupportField children;
   children.grid = BrickGrid(bricks, context);
-  children.f = Field<float>(children.grid);
+  children.f = Field<float>(children.grid, pages_of(context));
   parallel_for(context, children.grid.size(), 64, [&](size_t b) {
     const Vec3i at = children.grid.coord(b), base = octant_base(octant_in_parent(at));
     const float* from = coarse.f.brick(static_cast<size_t>(coarse.grid.find(parent_of(at))));

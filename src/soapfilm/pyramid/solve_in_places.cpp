@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/pyramid/band.h"
 #include "soapfilm/pyramid/prolong.h"
@@ -63,7 +64,7 @@ class Pull {
     for (size_t b = 0; b < level.grid.size(); ++b)
       if (pulls(level, level.grid.coord(b))) bricks.set(level.grid.coord(b));
     field_.grid = BrickGrid(bricks, context);
-    field_.f = Field<float>(field_.grid);
+    field_.f = Field<float>(field_.grid, pages_of(context));
     parallel_for(context, field_.grid.size(), 64, [&](size_t k) {
       const Vec3i at = field_.grid.coord(k);
       const int32_t own = support_.grid.find(at), b = level.grid.find(at);
