@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "soapfilm/core/random.h"
 #include "soapfilm/error.h"
@@ -100,6 +101,26 @@ TEST(Orient, EachComponentLooksOutward) {
   ASSERT_EQ(found.report.warnings.size(), 1u);
   EXPECT_NE(found.report.warnings[0].find("40000 of 40000 samples have no direction"), std::string::npos);
   EXPECT_NE(found.report.warnings[0].find("over 2 connected parts"), std::string::npos);
+}
+
+/// Where a run's arrays may be on disk; not with normals, and not where there is enough memory.
+TEST(Orient, WarnsWhereNeighborsWouldBeLookedUpOnDisk) {
+  const PointCloud cloud = sample_surface(*make_shape("sphere"), 2000, 1);
+  const auto warned = [](const PointCloud& of, size_t limit, const char* folder) {
+    Context context(1);
+    context.limit_memory(limit);
+    context.set_scratch_folder(folder);
+    OrientReport report;
+    orient(of, {}, context, report);
+    return std::any_of(report.warnings.begin(), report.warnings.end(), [](const std::string& line) {
+      return line.find("2000 samples without normals: finding them on disk is very slow") != std::string::npos;
+    });
+  };
+  const PointCloud bare = without_normals(cloud);
+  EXPECT_TRUE(warned(bare, 100000, "/tmp"));
+  EXPECT_FALSE(warned(bare, 1000000, "/tmp"));
+  EXPECT_FALSE(warned(bare, 100000, ""));
+  EXPECT_FALSE(warned(cloud, 100000, "/tmp"));
 }
 
 TEST(Orient, AFewOutliersDoNotTurnTheEstimate) {

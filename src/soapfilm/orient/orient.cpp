@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/names.h"
@@ -160,6 +161,18 @@ Vec3d axis(Axis axis) {
   return unit;
 }
 
+/// Neighbors are looked up all over the cloud: where most of it is on disk that is read again and again.
+void warn_of_slow_disk(const PointCloud& cloud, const Context& context, OrientReport& report) {
+  constexpr uint64_t each = 60;  // bytes a sample: with 75 as fast as in memory, with 37 hundreds of times slower
+  const uint64_t wanted = each * cloud.size(), room = context.memory_limit().value_or(available_memory_bytes());
+  if (context.state().scratch_folder.empty() || wanted <= room) return;
+  warn(
+      context, report,
+      fmt::format("{} samples without normals: finding them on disk is very slow with less than about {} of memory, {} "
+                  "are there: give normals or scanner positions (--sensor), fewer samples, or more memory",
+                  cloud.size(), format_bytes(wanted), format_bytes(room)));
+}
+
 /// Fills directions that are zero. `given`: normals whose signs are in doubt, or none.
 EstimatedNormals estimate_open(const PointCloud& cloud, const OrientSetup& params, const KnownDirections& known,
                                std::span<const Vec3f> given, const Context& context, std::vector<Vec3f>& directions) {
@@ -221,6 +234,8 @@ std::string guess_of(const EstimatedNormals& estimated, const PointCloud& cloud,
 
 void estimate(const PointCloud& cloud, const OrientSetup& params, const KnownDirections& known, const Context& context,
               std::vector<Vec3f>& directions, OrientReport& report) {
+  if (std::find(directions.begin(), directions.end(), Vec3f{}) != directions.end())
+    warn_of_slow_disk(cloud, context, report);
   const EstimatedNormals estimated = estimate_open(cloud, params, known, {}, context, directions);
   const std::vector<Vec3d>& normals = estimated.normals;
   report.without_direction = static_cast<size_t>(std::count(normals.begin(), normals.end(), Vec3d{}));

@@ -1,0 +1,118 @@
+"""A survey larger than memory: survey.py PROGRAM WORK PAGE MILLIONS VOXEL MEMORY
+
+Tiles of a terrain with houses, 16 points per square meter, are written as LAS files and reconstructed from their folder
+with the voxel (meters) in a control group (as root) of so much memory, its large arrays on disk. PAGE gets the row. The error
+is that of the mesh's vertices from the terrain, along z, where no house is near."""
+import json
+import struct
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.append(str(Path(__file__).resolve().parent))
+import scratch
+
+SPACING, TILE = 0.25, 250.0  # meters: of points; side of a tile
+HOUSE, STREET, EAVES = 12.0, 50.0, 7.0  # side, distance of houses from each other, height
+NOISE = 0.02
+
+
+def ground(x, y):
+    return (8 * np.sin(x / 170) * np.cos(y / 230) + 2.5 * np.sin(x / 41 + y / 67) + 0.3 * np.sin(x / 7) * np.sin(y / 9))
+
+
+def beside_house(x, y):
+    """Distance from the nearest house's middle, along the axis where it is larger, over half a house's side."""
+    middle = [(np.floor(c / STREET) + 0.5) * STREET for c in (x, y)]
+    return np.maximum(np.abs(x - middle[0]), np.abs(y - middle[1])) / (HOUSE / 2)
+
+
+def write_las(path, points):
+    """LAS 1.2, format 0: millimeters from the first point's kilometer."""
+    offset = np.floor(points[0] / 1000) * 1000
+    scaled = np.round((points - offset) / 0.001).astype("<i4")
+    lo, hi = points.min(axis=0), points.max(axis=0)
+    head = struct.pack("<4sHHIHH8sBB32s32sHHHIIBHI5I12d", b"LASF", 0, 0, 0, 0, 0, b"", 1, 2, b"survey", b"survey.py", 1,
+                       2026, 227, 227, 0, 0, 20, len(points), len(points), 0, 0, 0, 0, 0.001, 0.001, 0.001, *offset,
+                       hi[0], lo[0], hi[1], lo[1], hi[2], lo[2])
+    rows = np.zeros(len(points), dtype=[("xyz", "<i4", 3), ("rest", "u1", 8)])
+    rows["xyz"] = scaled
+    rows["rest"][:, 2] = 0x09  # the only return of its pulse
+    with open(path, "wb") as out:
+        out.write(head)
+        out.write(rows.tobytes())
+
+
+def write_tiles(folder, millions):
+    folder.mkdir(parents=True)
+    per_side = max(1, round(np.sqrt(millions * 1e6) * SPACING / TILE))
+    rng = np.random.default_rng(1)
+    count = round(TILE / SPACING)
+    total = 0
+    for tile in range(per_side**2):
+        corner = np.array([tile % per_side, tile // per_side]) * TILE
+        place = np.stack(np.meshgrid(np.arange(count), np.arange(count)), -1).reshape(-1, 2)
+        xy = corner + (place + rng.random(place.shape)) * SPACING
+        x, y = xy.T
+        z = ground(x, y) + np.where(beside_house(x, y) < 1, EAVES, 0) + rng.normal(0, NOISE, len(x))
+        write_las(folder / f"tile_{tile}.las", np.column_stack([x, y, z]) + [400000, 5600000, 0])
+        total += len(x)
+    return total
+
+
+def vertices_of(part):
+    """Positions of a binary PLY of ours, without reading its faces."""
+    with open(part, "rb") as f:
+        head = b""
+        while not head.endswith(b"end_header\n"):
+            head += f.readline()
+        lines = head.decode().splitlines()
+        count = int(next(l for l in lines if l.startswith("element vertex")).split()[2])
+        start = next(i for i, l in enumerate(lines) if l.startswith("element vertex"))
+        end = next(i for i, l in enumerate(lines) if l.startswith("element face"))
+        kinds = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4", "uint": "<u4", "ushort": "<u2", "short": "<i2"}
+        row = np.dtype([(w[2], kinds[w[1]]) for w in (l.split() for l in lines[start + 1:end]) if w[0] == "property"])
+        data = np.fromfile(f, dtype=row, count=count)
+        return np.column_stack([data["x"], data["y"], data["z"]]).astype(float)
+
+
+def errors(parts):
+    found = []
+    for part in parts:
+        x, y, z = (vertices_of(part) - [400000, 5600000, 0]).T
+        open_ground = beside_house(x, y) > 1.6
+        found.append((z - ground(x, y))[open_ground])
+    all_of = np.concatenate(found)
+    return float(np.sqrt(np.mean(all_of**2))), float(np.mean(np.abs(all_of) > 0.25))
+
+
+def main():
+    program, work, page = Path(sys.argv[1]).resolve(), Path(sys.argv[2]), Path(sys.argv[3])
+    millions, voxel, memory = float(sys.argv[4]), float(sys.argv[5]), float(sys.argv[6])
+    tiles, disk = work / f"tiles-{millions:g}", work / "scratch"
+    total = write_tiles(tiles, millions) if not tiles.exists() else sum((f.stat().st_size - 227) // 20 for f in tiles.iterdir())
+    disk.mkdir(exist_ok=True)
+    report = work / "report.json"
+    run = scratch.measured([program, "reconstruct", tiles, "-o", work / "mesh.ply", "--voxel", voxel, "--scratch", disk,
+                            "--split", "auto", "--report", report], int(memory * 1e9))
+    r = json.loads(report.read_text())
+    rms, off = errors(sorted(work.glob("mesh.part_*.ply")))
+    print(run["said"], file=sys.stderr)
+    line = (f"| {total / 1e6:.0f} million points, {len(list(tiles.iterdir()))} tiles | {voxel:g} | {memory:g} "
+            f"| {r['memory'].get('planned_disk_bytes', 0) / 1e9:.1f} | {run['user']:.0f} + {run['system']:.0f} "
+            f"| {run['elapsed']:.0f} | {run['read'] / 1e9:.0f} | {run['written'] / 1e9:.0f} "
+            f"| {r['mesh']['triangles'] / 1e6:.1f} | {rms * 1000:.0f} | {off:.2%} |")
+    print(line)
+    begin, end = "<!-- survey.py -->\n", "<!-- end of survey.py -->"
+    text = page.read_text()
+    before, after = text.split(begin)[0], text.split(end)[1]
+    head = ("| points | voxel, m | GB of memory | planned on disk, GB | CPU s, user + system | elapsed s | read GB "
+            "| made dirty GB | million triangles | rms error of open ground, mm | vertices more than 25 cm off |\n"
+            "|---|---|---|---|---|---|---|---|---|---|---|\n")
+    rows = [l for l in text.split(begin)[1].split(end)[0].splitlines() if l.startswith("| ") and "million points" in l]
+    page.write_text(before + begin + head + "\n".join([*rows, line]) + "\n" + end + after)
+
+
+if __name__ == "__main__":
+    main()
