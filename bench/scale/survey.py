@@ -1,9 +1,10 @@
 """A survey larger than memory: survey.py PROGRAM WORK PAGE MILLIONS VOXEL MEMORY
 
 Tiles of a terrain with houses, 16 points per square meter, are written as LAS files and reconstructed from their folder
-with the voxel (meters) in a control group (as root) of so much memory, its large arrays on disk. PAGE gets the row. The error
-is that of the mesh's vertices from the terrain, along z, where no house is near."""
+with the voxel (meters) in a control group (as root) of so much memory, its large arrays on disk. PAGE gets the row. The
+error is that of the mesh's vertices from the terrain, along z, where no house is near."""
 import json
+import re
 import struct
 import sys
 from pathlib import Path
@@ -49,7 +50,6 @@ def write_tiles(folder, millions):
     per_side = max(1, round(np.sqrt(millions * 1e6) * SPACING / TILE))
     rng = np.random.default_rng(1)
     count = round(TILE / SPACING)
-    total = 0
     for tile in range(per_side**2):
         corner = np.array([tile % per_side, tile // per_side]) * TILE
         place = np.stack(np.meshgrid(np.arange(count), np.arange(count)), -1).reshape(-1, 2)
@@ -57,8 +57,6 @@ def write_tiles(folder, millions):
         x, y = xy.T
         z = ground(x, y) + np.where(beside_house(x, y) < 1, EAVES, 0) + rng.normal(0, NOISE, len(x))
         write_las(folder / f"tile_{tile}.las", np.column_stack([x, y, z]) + [400000, 5600000, 0])
-        total += len(x)
-    return total
 
 
 def vertices_of(part):
@@ -71,8 +69,9 @@ def vertices_of(part):
         count = int(next(l for l in lines if l.startswith("element vertex")).split()[2])
         start = next(i for i, l in enumerate(lines) if l.startswith("element vertex"))
         end = next(i for i, l in enumerate(lines) if l.startswith("element face"))
-        kinds = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4", "uint": "<u4", "ushort": "<u2", "short": "<i2"}
-        row = np.dtype([(w[2], kinds[w[1]]) for w in (l.split() for l in lines[start + 1:end]) if w[0] == "property"])
+        kinds = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4", "uint": "<u4"}
+        words = [line.split() for line in lines[start + 1:end]]
+        row = np.dtype([(w[2], kinds[w[1]]) for w in words if w[0] == "property"])
         data = np.fromfile(f, dtype=row, count=count)
         return np.column_stack([data["x"], data["y"], data["z"]]).astype(float)
 
@@ -91,7 +90,9 @@ def main():
     program, work, page = Path(sys.argv[1]).resolve(), Path(sys.argv[2]), Path(sys.argv[3])
     millions, voxel, memory = float(sys.argv[4]), float(sys.argv[5]), float(sys.argv[6])
     tiles, disk = work / f"tiles-{millions:g}", work / "scratch"
-    total = write_tiles(tiles, millions) if not tiles.exists() else sum((f.stat().st_size - 227) // 20 for f in tiles.iterdir())
+    if not tiles.exists():
+        write_tiles(tiles, millions)
+    total = sum((f.stat().st_size - 227) // 20 for f in tiles.iterdir())
     disk.mkdir(exist_ok=True)
     report = work / "report.json"
     run = scratch.measured([program, "reconstruct", tiles, "-o", work / "mesh.ply", "--voxel", voxel, "--scratch", disk,
@@ -99,15 +100,16 @@ def main():
     r = json.loads(report.read_text())
     rms, off = errors(sorted(work.glob("mesh.part_*.ply")))
     print(run["said"], file=sys.stderr)
+    on_disk = re.findall(r"([\d.]+ \w+) on disk in", run["said"])
     line = (f"| {total / 1e6:.0f} million points, {len(list(tiles.iterdir()))} tiles | {voxel:g} | {memory:g} "
-            f"| {r['memory'].get('planned_disk_bytes', 0) / 1e9:.1f} | {run['user']:.0f} + {run['system']:.0f} "
+            f"| {on_disk[-1] if on_disk else '-'} | {run['user']:.0f} + {run['system']:.0f} "
             f"| {run['elapsed']:.0f} | {run['read'] / 1e9:.0f} | {run['written'] / 1e9:.0f} "
             f"| {r['mesh']['triangles'] / 1e6:.1f} | {rms * 1000:.0f} | {off:.2%} |")
     print(line)
     begin, end = "<!-- survey.py -->\n", "<!-- end of survey.py -->"
     text = page.read_text()
     before, after = text.split(begin)[0], text.split(end)[1]
-    head = ("| points | voxel, m | GB of memory | planned on disk, GB | CPU s, user + system | elapsed s | read GB "
+    head = ("| points | voxel, m | GB of memory | planned on disk | CPU s, user + system | elapsed s | read GB "
             "| made dirty GB | million triangles | rms error of open ground, mm | vertices more than 25 cm off |\n"
             "|---|---|---|---|---|---|---|---|---|---|---|\n")
     rows = [l for l in text.split(begin)[1].split(end)[0].splitlines() if l.startswith("| ") and "million points" in l]
