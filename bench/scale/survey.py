@@ -94,17 +94,16 @@ def main():
         write_tiles(tiles, millions)
     total = sum((f.stat().st_size - 227) // 20 for f in tiles.iterdir())
     disk.mkdir(exist_ok=True)
-    report = work / "report.json"
     run = scratch.measured([program, "reconstruct", tiles, "-o", work / "mesh.ply", "--voxel", voxel, "--scratch", disk,
-                            "--split", "auto", "--report", report], int(memory * 1e9))
-    r = json.loads(report.read_text())
+                            "--split", "auto"], int(memory * 1e9))
+    index = json.loads((work / "mesh.parts.json").read_text())
     rms, off = errors(sorted(work.glob("mesh.part_*.ply")))
     print(run["said"], file=sys.stderr)
     on_disk = re.findall(r"([\d.]+ \w+) on disk in", run["said"])
     line = (f"| {total / 1e6:.0f} million points, {len(list(tiles.iterdir()))} tiles | {voxel:g} | {memory:g} "
             f"| {on_disk[-1] if on_disk else '-'} | {run['user']:.0f} + {run['system']:.0f} "
             f"| {run['elapsed']:.0f} | {run['read'] / 1e9:.0f} | {run['written'] / 1e9:.0f} "
-            f"| {r['mesh']['triangles'] / 1e6:.1f} | {rms * 1000:.0f} | {off:.2%} |")
+            f"| {index['triangles'] / 1e6:.1f} | {rms * 1000:.0f} | {off:.2%} |")
     print(line)
     begin, end = "<!-- survey.py -->\n", "<!-- end of survey.py -->"
     text = page.read_text()
