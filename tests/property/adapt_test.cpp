@@ -137,7 +137,8 @@ PointCloud carved_ball(size_t samples) {
 
 /// Three levels and their borders, for any number of threads.
 TEST(Adapt, ThreadsDoNotMatter) {
-  for (const PointCloud& cloud : {uneven_ball(8000, 3), carved_ball(40000)}) {
+  const size_t samples = test::sanitized ? 4000 : 8000;
+  for (const PointCloud& cloud : {uneven_ball(samples, 3), carved_ball(5 * samples)}) {
     const Mesh one = reconstructed(cloud, true, 1).mesh, many = reconstructed(cloud, true, 3).mesh;
     EXPECT_EQ(one.vertices, many.vertices);
     EXPECT_EQ(one.triangles, many.triangles);
