@@ -9,7 +9,6 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/field/terms.h"
-#include "soapfilm/grid/leaves.h"
 #include "soapfilm/pyramid/restrict.h"
 
 namespace soapfilm {
@@ -57,15 +56,6 @@ SupportField on_children(const SupportField& coarse, const LevelBox& fine, const
   return children;
 }
 
-/// The level that a place has, in lattice coordinates of the finest level.
-int level_of(const Regions& regions, Vec3d place) {
-  Vec3i brick;
-  for (int axis = 0; axis < 3; ++axis) brick[axis] = static_cast<int>(std::floor((place[axis] + 0.5) / brick_side));
-  int level = 0;
-  for (; level < regions.coarsest() && !regions.has(level, brick); ++level) brick = parent_of(brick);
-  return level;
-}
-
 /// f of the samples, which are on a level, whose places have that level.
 SupportField own_data(const LevelSamples& samples, int level, const Regions& regions, const LevelBox& box,
                       const Context& context) {
@@ -74,7 +64,7 @@ SupportField own_data(const LevelSamples& samples, int level, const Regions& reg
       samples,
       [&](size_t b, uint32_t s) {
         const Vec3d at = Vec3d(samples.samples.bricks.first_vertex(b)) + Vec3d(samples.samples.local[s]);
-        return level_of(regions, (at + Vec3d{0.5, 0.5, 0.5}) * size - Vec3d{0.5, 0.5, 0.5}) == level;
+        return regions.level_at((at + Vec3d{0.5, 0.5, 0.5}) * size - Vec3d{0.5, 0.5, 0.5}) == level;
       },
       context);
   return own.samples.size() > 0 ? data_field(own.samples, box, context) : SupportField{};

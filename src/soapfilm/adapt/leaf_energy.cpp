@@ -62,11 +62,7 @@ class LeafEvaluator {
     if (level_ == regions_.coarsest()) {
       BrickRange::whole(box_.bricks).for_each(add);
     } else {
-      BrickMask places(box_.bricks);
-      regions_.finer(level_ + 1).for_each([&](Vec3i parent) {
-        for (int k = 0; k < 8; ++k) places.set(child_of(parent, k));
-      });
-      places.for_each(add);
+      children_of(regions_.finer(level_ + 1), box_.bricks).for_each(add);
     }
     return found;
   }

@@ -1,17 +1,12 @@
 #include "soapfilm/adapt/leaf_sides.h"
 
+#include "soapfilm/adapt/surroundings.h"
+
 namespace soapfilm {
 
 BrickBits LeafSides::of(int level, Vec3i brick) const {
   if (!follows(level, brick)) return levels_[static_cast<size_t>(level)].sides->of(brick);
-  const BrickBits parent = of(level + 1, parent_of(brick));
-  const Vec3i base = octant_base(octant_in_parent(brick));
-  BrickBits bits;
-  for (int i = 0; i < brick_volume; ++i) {
-    const Vec3i v = base + vertex_in_brick(i) / 2;
-    if (parent.test(v.x, v.y, v.z)) bits.set(i);
-  }
-  return bits;
+  return bits_of_child(of(level + 1, parent_of(brick)), brick);
 }
 
 bool LeafSides::are_alike(int level, Vec3i brick) const {

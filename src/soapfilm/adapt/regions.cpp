@@ -74,6 +74,14 @@ void balance(std::vector<BrickMask>& finer) {
 
 }  // namespace
 
+BrickMask children_of(const BrickMask& parents, Vec3i bricks) {
+  BrickMask children(bricks);
+  parents.for_each([&](Vec3i parent) {
+    for (int k = 0; k < 8; ++k) children.set(child_of(parent, k));
+  });
+  return children;
+}
+
 bool are_within(const LevelSamples& level, size_t brick, double voxel, double most) {
   constexpr double enough_area = 0.25;
   const uint32_t begin = level.samples.begin[brick], end = level.samples.begin[brick + 1];
@@ -90,6 +98,14 @@ bool are_within(const LevelSamples& level, size_t brick, double voxel, double mo
 Regions::Regions(std::vector<BrickMask> finer, std::vector<BrickMask> wanted)
     : finer_(std::move(finer)), wanted_(std::move(wanted)), asked_(wanted_) {
   balance(asked_);
+}
+
+int Regions::level_at(Vec3d place) const {
+  Vec3i brick;
+  for (int axis = 0; axis < 3; ++axis) brick[axis] = static_cast<int>(std::floor((place[axis] + 0.5) / brick_side));
+  int level = 0;
+  for (; level < coarsest() && !has(level, brick); ++level) brick = parent_of(brick);
+  return level;
 }
 
 void Regions::refine(int level, const std::vector<Vec3i>& bricks) {

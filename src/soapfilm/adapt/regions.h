@@ -35,6 +35,9 @@ class Regions {
   bool has(int level, Vec3i brick) const {
     return !is_finer(level, brick) && (level == coarsest() || is_finer(level + 1, parent_of(brick)));
   }
+  /// The level that a place has, in lattice coordinates of the finest level, whose vertex I has what lies from I - 1/2
+  /// to I + 1/2.
+  int level_at(Vec3d place) const;
   /// The same places without the finest levels: those that have one have this level, which becomes level 0.
   Regions from(int level) const {
     const auto rest = [level](const std::vector<BrickMask>& masks) {
@@ -71,6 +74,9 @@ class Regions {
  private:
   std::vector<BrickMask> finer_, wanted_, asked_, following_;
 };
+
+/// The eight children of each brick, in a box of so many bricks.
+BrickMask children_of(const BrickMask& parents, Vec3i bricks);
 
 /// Whether on a quarter of the area in a brick of a level the spacing is at most `most`, in voxels of the placed level,
 /// of which the level's are `voxel`. Where it is unknown, as in a tree or where samples are few, they are taken as

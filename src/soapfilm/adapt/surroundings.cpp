@@ -7,18 +7,6 @@ namespace soapfilm {
 
 namespace {
 
-/// Of a brick: each vertex as the coarse one that holds it.
-BrickBits from_coarse(const Labels& coarse, Vec3i brick) {
-  const BrickBits& parent = coarse.of(parent_of(brick));
-  const Vec3i base = octant_base(octant_in_parent(brick));
-  BrickBits bits;
-  for (int i = 0; i < brick_volume; ++i) {
-    const Vec3i v = vertex_in_brick(i);
-    if (parent.test(base.x + v.x / 2, base.y + v.y / 2, base.z + v.z / 2)) bits.set(i);
-  }
-  return bits;
-}
-
 /// The labels on these bricks, which hold those of the level; beyond its places as on the coarser one.
 Labels on_bricks(const BrickMask& bricks, const Labels& fine, const Labels& coarse, const Context& context) {
   Labels all;
@@ -27,12 +15,22 @@ Labels on_bricks(const BrickMask& bricks, const Labels& fine, const Labels& coar
   parallel_for(context, all.grid.size(), 64, [&](size_t b) {
     const Vec3i at = all.grid.coord(b);
     const int32_t own = fine.grid.find(at);
-    all.bits[b] = own >= 0 || fine.covers(at) ? fine.of(own, at) : from_coarse(coarse, at);
+    all.bits[b] = own >= 0 || fine.covers(at) ? fine.of(own, at) : bits_of_child(coarse.of(parent_of(at)), at);
   });
   return all;
 }
 
 }  // namespace
+
+BrickBits bits_of_child(const BrickBits& parent, Vec3i brick) {
+  const Vec3i base = octant_base(octant_in_parent(brick));
+  BrickBits bits;
+  for (int i = 0; i < brick_volume; ++i) {
+    const Vec3i v = base + vertex_in_brick(i) / 2;
+    if (parent.test(v.x, v.y, v.z)) bits.set(i);
+  }
+  return bits;
+}
 
 Labels with_surroundings(const Labels& fine, const Labels& coarse, const Context& context) {
   BrickMask bricks(fine.box.bricks);

@@ -22,15 +22,6 @@ namespace soapfilm {
 
 namespace {
 
-/// Of a place in the finest level, whose vertex I has those from I - 1/2 to I + 1/2.
-int level_at(const Regions& regions, Vec3d place) {
-  Vec3i brick;
-  for (int axis = 0; axis < 3; ++axis) brick[axis] = static_cast<int>(std::floor((place[axis] + 0.5) / brick_side));
-  int level = 0;
-  for (; level < regions.coarsest() && !regions.has(level, brick); ++level) brick = parent_of(brick);
-  return level;
-}
-
 bool has_column(const std::vector<Column>& columns, const std::string& name) {
   return std::any_of(columns.begin(), columns.end(), [&](const Column& column) { return column.name == name; });
 }
@@ -114,7 +105,7 @@ void carry_levels(const AdaptedSurface& adapted, const Context& context, Mesh& m
   if (has_column(mesh.attributes, name)) return;
   std::vector<float> levels(mesh.vertices.size());
   parallel_for(context, levels.size(), size_t{1} << 14, [&](size_t v) {
-    levels[v] = static_cast<float>(level_at(adapted.regions, adapted.lattice.to_lattice(mesh.vertices[v])));
+    levels[v] = static_cast<float>(adapted.regions.level_at(adapted.lattice.to_lattice(mesh.vertices[v])));
   });
   mesh.attributes.push_back({name, std::move(levels), true});
 }

@@ -60,10 +60,7 @@ class FluxOfLevels {
     for (int l = coarsest_ - 1; l >= 0; --l) {
       const Level& above = levels[static_cast<size_t>(l) + 1];
       const LevelBox box = adapted_.lattice.box(l);
-      auto places = std::make_shared<BrickMask>(box.bricks);
-      adapted_.regions.finer(l + 1).for_each([&](Vec3i parent) {
-        for (int k = 0; k < 8; ++k) places->set(child_of(parent, k));
-      });
+      const auto places = std::make_shared<const BrickMask>(children_of(adapted_.regions.finer(l + 1), box.bricks));
       BrickMask band(box.bricks);
       wanted[static_cast<size_t>(l)].for_each([&](Vec3i b) {
         if (places->test(b) && above.grid.find(parent_of(b)) >= 0) band.set(b);

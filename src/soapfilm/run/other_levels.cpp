@@ -31,14 +31,6 @@ DistanceField fitted(Labels labels, const LevelSamples& level, double density, c
   return refine(std::move(labels), samples, density, how, context, report);
 }
 
-BrickMask children_of(const BrickMask& parents, Vec3i bricks) {
-  BrickMask children(bricks);
-  parents.for_each([&](Vec3i parent) {
-    for (int k = 0; k < 8; ++k) children.set(child_of(parent, k));
-  });
-  return children;
-}
-
 /// The samples that are not within a voxel of something dropped: finer voxels would find it again. None if nothing is.
 std::optional<LevelSamples> without_dropped(const LevelSamples& samples, const PlacedLevel& placed,
                                             const Context& context) {

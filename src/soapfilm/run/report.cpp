@@ -49,8 +49,8 @@ ordered_json input_json(const InputFacts& input) {
 ordered_json grid_json(const ReconstructReport& report) {
   const Lattice lattice{report.grid, {}};
   ordered_json levels = ordered_json::array();
+  const Certificate& of_grid = report.details->of_grid ? *report.details->of_grid : report.certificate;
   for (const LevelReport& l : report.details->solve.levels) {
-    const Certificate& of_grid = report.details->of_grid ? *report.details->of_grid : report.certificate;
     const double lambda = l.lambda_share * report.certificate.lambda * std::ldexp(1.0, 2 * l.level);
     levels.push_back({{"level", l.level},
                       {"lambda_share", l.lambda_share},
