@@ -250,6 +250,8 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   finish_params(app, options);
   if (!options.memory.empty()) context.limit_memory(parse_memory(options.memory));
   if (!options.scratch.empty()) use_scratch(options.scratch, context);
+  if (options.resume && options.scratch.empty()) throw ParameterError("resume: needs --scratch, where stages are kept");
+  context.set_resume(options.resume);
   StandardStreams streams(options.format, context);
   find_files(options, streams, progress);
   if (!options.report.empty()) check_output(options.report);
@@ -291,6 +293,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   if (!options.report.empty()) write_report(options, report, meshes, parts);
   levels.keep();
   if (streams.gives_output()) streams.give_output();
+  remove_kept_stages(context);
   const std::string written = options.split.empty() ? options.output
                                                     : fmt::format("{}, {} file{}", parts.index, parts.parts.size(),
                                                                   parts.parts.size() == 1 ? "" : "s");

@@ -76,6 +76,10 @@ void add_main_options(CLI::App& app, ReconstructOptions& o) {
                      "Hold large arrays in files of this folder where a run needs more memory:\nit is slower, the mesh "
                      "the same; nothing stays there"))
       ->option_text("DIR");
+  grid(app.add_flag(
+      "--resume", o.resume,
+      "Keep finished stages in the folder of --scratch until the mesh is written;\nthe same command after a "
+      "crash goes on from them"));
 
   const auto directions = [&](auto* option) { return option->group("Directions"); };
   directions(

@@ -20,6 +20,7 @@ struct ReconstructOptions {
   std::string report;
   std::string memory;
   std::string scratch;
+  bool resume = false;
   std::string isovalue;
   std::string lambda;
   std::string trim;

@@ -38,6 +38,7 @@ class Context {
   /// Where temporary files go, and large arrays of runs larger than memory. Empty: $TMPDIR, else /tmp; no arrays.
   void set_scratch_folder(std::string folder);
   std::string scratch_folder() const;
+  void set_resume(bool resume);  ///< finished stages are kept there, and found by the same run after a crash
 
   struct State;  ///< for use inside the library
   explicit Context(std::unique_ptr<State> state);

@@ -123,5 +123,63 @@ TEST_F(ScratchOption, NothingStaysOfAKilledRun) {
   EXPECT_FALSE(std::filesystem::exists(mesh));
 }
 
+/// The same with --resume.
+class ResumeOption : public ScratchOption {
+ protected:
+  std::vector<std::string> resuming(const std::string& where) const {
+    std::vector<std::string> arguments = limited(where);
+    arguments.emplace_back("--resume");
+    return arguments;
+  }
+  /// Of a run without an end before its own.
+  std::string expected() {
+    EXPECT_EQ(run(limited(scratch)).exit_code, 0);
+    std::string bytes = read_file(mesh);
+    std::filesystem::remove(mesh);
+    return bytes;
+  }
+};
+
+TEST_F(ResumeOption, NeedsScratch) {
+  expect_refused({"reconstruct", folder.file("scan") + "/samples.ply", "-o", mesh, "--resume"}, "--scratch");
+}
+
+TEST_F(ResumeOption, GoesOnHoweverOftenItIsKilled) {
+  const std::string whole = expected();
+  bool kept = false;
+  for (int killed = 0; killed < 6; ++killed) {
+    const ProcessResult result = run(resuming(scratch), [&](pid_t process) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(150 + 350 * killed));
+      kill(process, SIGKILL);
+    });
+    kept = kept || contains(result.err, "resume: ");
+    if (result.exit_code == 0) break;  // it was faster
+    EXPECT_FALSE(std::filesystem::exists(mesh));
+  }
+  EXPECT_TRUE(kept || std::filesystem::exists(mesh) || !std::filesystem::is_empty(scratch));
+  ASSERT_EQ(run(resuming(scratch)).exit_code, 0);
+  EXPECT_TRUE(read_file(mesh) == whole);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch));
+}
+
+/// Kept stages take no space that the run's arrays need.
+TEST_F(ResumeOption, RunsWhereverItRunsWithoutIt) {
+  const std::string whole = expected();
+  int done = 0;
+  for (const int megabytes : {30, 36, 45, 60, 300}) {
+    const SmallDisk disk(megabytes);
+    if (!disk.is_made()) GTEST_SKIP() << "only root may make a small disk";
+    const int without = run(limited(disk.path())).exit_code;
+    std::filesystem::remove(mesh);
+    const ProcessResult result = run(resuming(disk.path()));
+    EXPECT_EQ(result.exit_code, without) << megabytes << result.err;
+    if (result.exit_code != 0) continue;
+    ++done;
+    EXPECT_TRUE(read_file(mesh) == whole) << megabytes;
+    EXPECT_TRUE(std::filesystem::is_empty(disk.path())) << megabytes;
+  }
+  EXPECT_GT(done, 1);
+}
+
 }  // namespace TEST_FILE
 }  // namespace soapfilm::test

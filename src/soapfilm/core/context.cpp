@@ -50,6 +50,7 @@ Context::State::State(const State& parent, Progress* whole, double begin, double
       pages(parent.pages),
       memory_limit(parent.memory_limit),
       scratch_folder(parent.scratch_folder),
+      resumes(parent.resumes),
       move_vectors(parent.move_vectors) {
   part.whole = whole;
   part.begin = begin;
@@ -78,6 +79,7 @@ void Context::check() const { state_->stopped_by->check(); }
 void Context::limit_memory(std::optional<size_t> bytes) { state_->memory_limit = bytes; }
 std::optional<size_t> Context::memory_limit() const { return state_->memory_limit; }
 void Context::set_scratch_folder(std::string folder) { state_->scratch_folder = std::move(folder); }
+void Context::set_resume(bool resume) { state_->resumes = resume; }
 std::string Context::scratch_folder() const {
   if (!state_->scratch_folder.empty()) return state_->scratch_folder;
   std::error_code error;

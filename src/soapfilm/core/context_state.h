@@ -45,6 +45,8 @@ struct Context::State {
   PagePool pages;
   std::optional<size_t> memory_limit;
   std::string scratch_folder;  ///< empty: the system's, and arrays stay in memory
+  bool resumes = false;        ///< finished stages are kept there
+  std::string kept_stages;     ///< how the names of their files begin (run/kept_stages.h)
   /// A program's own way to hold its large vectors in a folder, too: called when a run's arrays go there, and with an
   /// empty name when it ends.
   std::function<void(const std::string& folder)> move_vectors;

@@ -21,4 +21,8 @@ void check_scratch_folder(const std::string& folder);
 /// needed and those that are free.
 int make_scratch_file(const std::string& folder, size_t bytes);
 
+/// Gives a complete file its name, in place of one that has it, such that after a power failure the name has all of
+/// the contents or what it had. Returns whether it could.
+bool replace_file(const std::string& complete, const std::string& name);
+
 }  // namespace soapfilm

@@ -121,16 +121,19 @@ class Descent {
       LevelReport report;
       report.level = l;
       report.lambda_share = shares[static_cast<size_t>(l)];
-      if (l >= start_) {
-        level = without_band(level, field, report);
+      if (l < start_) coarser.erase(coarser.begin() + l, coarser.end());  // data[l + 1] and on is not read any more
+      if (auto known = find_known(field, report)) {
+        level = std::move(*known);
       } else {
-        coarser.erase(coarser.begin() + l, coarser.end());  // not needed any more: coarse.data() is not read from here
-                                                            // on
-        const double scale = std::max(std::abs(solution.reports.back().energies.dual), 1000 * lambda_);
-        level = solve_on_band(std::move(level), field, share_left_out * params_.tolerance * scale, report);
+        const double scale =
+            solution.reports.empty() ? 0 : std::max(std::abs(solution.reports.back().energies.dual), 1000 * lambda_);
+        level = l >= start_
+                    ? without_band(level, field, report)
+                    : solve_on_band(std::move(level), field, share_left_out * params_.tolerance * scale, report);
+        report.active_vertices = level.grid.vertices();
+        if (l > 0) report.binary = evaluate_energy(level, {.threshold = 0.5f, .certify = false}, context_);
+        if (observe_.keep) observe_.keep(level, report);
       }
-      report.active_vertices = level.grid.vertices();
-      if (l > 0) report.binary = evaluate_energy(level, {.threshold = 0.5f, .certify = false}, context_);
       if (observe_.solved && l <= start_) observe_.solved(level, lattice_.of_level(l));
       solution.reports.push_back(report);
     }
@@ -138,12 +141,24 @@ class Descent {
   }
 
  private:
+  float lambda_of(const LevelReport& report) const {
+    return static_cast<float>(lambda_ * report.lambda_share * face_area(report.level));
+  }
+
+  std::optional<Level> find_known(const SupportField& field, LevelReport& report) const {
+    if (!observe_.known) return {};
+    const auto make = [&](const BrickMask& bricks) {
+      return make_level(lattice_.box(report.level), lambda_of(report), bricks, field.grid, field.f, context_, norm_);
+    };
+    return observe_.known(report, make);
+  }
+
   /// A level without a band, solved from the coarser one, solved with less of lambda, if there is one: on the bricks
   /// around its data, and on more of them as long as the surface ends where they do and finer levels start from it.
   /// (The bounds of a rough solution are valid on any bricks.)
   Level without_band(const Level& coarse, const SupportField& field, LevelReport& report) const {
     const LevelBox box = lattice_.box(report.level);
-    const auto lambda = static_cast<float>(lambda_ * report.lambda_share * face_area(box.level));
+    const float lambda = lambda_of(report);
     for (double most = most_bricks;; most *= more_bricks) {
       const BrickMask bricks = start_bricks(box, field.grid, most);
       begin(report.level, bricks, coarse.grid.size());

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "soapfilm/context.h"
@@ -37,6 +38,9 @@ struct PyramidSolution {
 /// Fraction of the coarser level's flux p from which `level`, on a band, starts; the finest level keeps all of it.
 float flux_kept(int level);
 
+/// A level on these bricks, u and p zero, which refers to its data.
+using MakeLevel = std::function<Level(const BrickMask& bricks)>;
+
 /// Called during the solve, from the calling thread, for levels that use all of lambda; each may be empty.
 struct PyramidObserver {
   /// Each level when it is solved, coarsest first, and where its vertices are in the world.
@@ -47,6 +51,10 @@ struct PyramidObserver {
   /// For every level, before its memory is allocated: its bricks, and those of coarser levels held at the same time.
   /// May throw.
   std::function<void(int level, size_t bricks, size_t beside)> begins;
+  /// For every level: its solution where an earlier run has found it (of the report, `level` is set), else none; and
+  /// what this run has found.
+  std::function<std::optional<Level>(LevelReport&, const MakeLevel&)> known;
+  std::function<void(const Level&, const LevelReport&)> keep;
   /// The same for every graph of a graph cut: its vertices. May throw.
   std::function<void(size_t vertices)> cuts;
 };

@@ -7,12 +7,16 @@
 namespace soapfilm {
 
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& params, const Context& context) {
-  return run(cloud, nullptr, params, context);
+  Reconstruction result = run(cloud, nullptr, params, context);
+  remove_kept_stages(context);
+  return result;
 }
 
 Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Context& context) {
   PointCloud owned = std::move(cloud);
-  return run(owned, &owned, params, context);
+  Reconstruction result = run(owned, &owned, params, context);
+  remove_kept_stages(context);
+  return result;
 }
 
 }  // namespace soapfilm

@@ -35,6 +35,8 @@ constexpr double finest_over_support_of_scene = 1.5;
 /// Certain shares of guesses (see Planned): of the solve's, until it begins; of the refinement's, until its band is
 /// known; of the gap's, until tv's finest band begins.
 constexpr double certain_of_solve = 0.9, certain_of_scene = 0.6, certain_of_refine = 0.75, certain_of_gap = 0.7;
+/// Of the mesh's, until the surface is known: samples that are sparse, or noisy, reach more bricks than it does.
+constexpr double certain_of_mesh = 0.5;
 /// What is left of the coarser level and its data term while they are being freed, as a share of a whole band.
 constexpr double coarser_share = 0.1;
 
@@ -148,6 +150,10 @@ MemoryPlan plan_memory(const ReconstructParams& params, const PointCloud& cloud,
                 : scene  ? certain_of_scene
                          : certain_of_solve};
   if (params.surface.gap) plan.gap = {gap_bytes(support.bricks), certain_of_gap};
+  if (guessed && (params.checked || simplifies(params.simplify)))
+    plan.mesh = {
+        mesh_bytes(static_cast<uint64_t>(area_per_brick / area_per_face * static_cast<double>(support.bricks)), params),
+        certain_of_mesh};
   if (!refines(params)) return plan;
 
   plan.refine = {Refinement::bytes_of_support(support.bricks, scene, cloud.size()), guessed ? certain_of_refine : 1};
@@ -216,7 +222,7 @@ double smallest_voxel(const PointCloud& cloud, double area, const ReconstructPar
     if (voxels2 > 1e12) return false;
     const auto bricks = static_cast<uint64_t>(voxels2 / area_per_brick);
     MemoryPlan plan = plan_memory(params, cloud, AfterPlacing::freed, lattice, {bricks});
-    plan.mesh_bytes = mesh_bytes(static_cast<uint64_t>(voxels2 / area_per_face), params);
+    plan.mesh = {mesh_bytes(static_cast<uint64_t>(voxels2 / area_per_face), params), 1};
     return plan.total() <= room.bytes;
   };
   constexpr double step = 1.02, most_vertices = 1e5;
@@ -238,6 +244,11 @@ void MemoryBudget::check() {
   const bool on_disk = scratch_.takes(plan_, room_);
   check_memory(on_disk ? scratch_.resident_part(plan_) : plan_, room_, lattice_, area_,
                params_.place.resolution && !params_.place.voxel);
+}
+
+void MemoryBudget::take(const MemoryPlan& plan) {
+  plan_ = plan;
+  check();
 }
 
 void MemoryBudget::plan_tables(const PointCloud& cloud, const Box3d& box, const Lattice& lattice, double area) try {
@@ -319,7 +330,7 @@ bool MemoryBudget::plan_kept(uint64_t bytes, uint64_t beside) {
 void MemoryBudget::plan_mesh(const Labels& labels, uint64_t faced_samples, const Context& context) {
   if (params_.method != Method::tv) return;
   constexpr uint64_t faced_bytes = 45;  // their places and a tree over them, and directions in addition to the views
-  plan_.mesh_bytes = mesh_bytes(count_faces(labels, context), params_) + faced_bytes * faced_samples;
+  plan_.mesh = {mesh_bytes(count_faces(labels, context), params_) + faced_bytes * faced_samples, 1};
   check();
 }
 

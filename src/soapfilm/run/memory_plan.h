@@ -34,19 +34,19 @@ struct MemoryPlan {
   Planned solve;               ///< in addition: the finest level's band and the coarser one, the box's tables
   uint64_t tables_bytes = 0;   ///< those of the solve that span the box
   Planned refine;              ///< in addition to fixed_bytes
-  uint64_t mesh_bytes = 0;     ///< in addition to fixed_bytes
+  Planned mesh;                ///< in addition to fixed_bytes; before the surface is known only if that needs much
   Planned gap;                 ///< of each vertex of the band, from the solve's end to the mesh
   uint64_t kept_bytes = 0;     ///< of solved levels, from the solve's end until they are certified
   uint64_t certify_bytes = 0;  ///< what that needs, with them
   uint64_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and the
                                ///< surface found around them
   uint64_t grid_bytes() const {
-    return std::max({solve.bytes, refine.bytes + kept_bytes, certify_bytes, mesh_bytes}) + gap.bytes;
+    return std::max({solve.bytes, refine.bytes + kept_bytes, certify_bytes, mesh.bytes}) + gap.bytes;
   }
   uint64_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes()); }
   /// The part of it that is certain.
   uint64_t least() const {
-    const uint64_t grid = std::max({solve.least(), refine.least() + kept_bytes, certify_bytes, mesh_bytes});
+    const uint64_t grid = std::max({solve.least(), refine.least() + kept_bytes, certify_bytes, mesh.least()});
     return std::max(placing_bytes, fixed_bytes + grid + gap.least());
   }
 };
@@ -65,7 +65,7 @@ struct Support {
 };
 
 /// The needs of a reconstruction on this lattice; the band's size follows from the support. The mesh is not planned
-/// yet.
+/// yet, unless it will be checked or simplified.
 MemoryPlan plan_memory(const ReconstructParams& params, const PointCloud& cloud, AfterPlacing after,
                        const Lattice& lattice, const Support& support);
 
@@ -129,6 +129,10 @@ class MemoryBudget {
   void plan_mesh(const Labels& labels, uint64_t faced_samples, const Context& context);
   /// Call once the refinement's band is known.
   void plan_refinement(uint64_t rows, bool tries_coarser, uint64_t samples);
+
+  const MemoryPlan& plan() const { return plan_; }
+  /// Takes the plan of an earlier run, up to the same stage.
+  void take(const MemoryPlan& plan);
 
   /// In memory; and on disk.
   uint64_t planned_bytes() const { return scratch_.used() ? scratch_.resident_part(plan_).total() : plan_.total(); }

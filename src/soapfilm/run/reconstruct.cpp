@@ -16,6 +16,7 @@
 #include "soapfilm/run/certify.h"
 #include "soapfilm/run/certify_leaves.h"
 #include "soapfilm/run/finish.h"
+#include "soapfilm/run/kept_stages.h"
 #include "soapfilm/run/other_levels.h"
 #include "soapfilm/run/prepare.h"
 #include "soapfilm/run/run.h"
@@ -34,7 +35,9 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   MemoryBudget memory(params, cloud, owned ? AfterPlacing::freed : AfterPlacing::kept, context);
 
   // Each sample gets a weak outward direction: its normal, towards the scanner, or estimated.
-  Orientation oriented = trace.stage("orient", [&] { return find_directions(cloud, box, params, context); });
+  KeptStages kept(cloud, params, memory, context);  // after a crash, by --resume
+  Orientation oriented =
+      trace.stage("orient", [&] { return kept.orient([&] { return find_directions(cloud, box, params, context); }); });
   trace.keep(oriented.report.warnings);
   if (auto misfit = misfit_of_scans(cloud, oriented.directions, context)) trace.warn(std::move(*misfit));
   const Scanners scanners = find_scanners(cloud, oriented.report, params, context);
@@ -86,8 +89,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   CoarseLevels coarse(context);  // kept where levels adapt
   const PyramidObserver observe = adapts ? coarse.watch(experiment.observe) : experiment.observe;
   Segmentation found = trace.stage("solve", [&] {
-    return segment(grid.lattice, field, samples, lambda.value, params, memory.watch(observe, field.grid.size()),
-                   context);
+    return segment(grid.lattice, field, samples, lambda.value, params,
+                   kept.watch(memory.watch(observe, field.grid.size())), context);
   });
   warn_unconverged(found.report, lambda.value, params, trace);
   details->solve = found.report;
@@ -143,7 +146,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   if (!views.empty()) samples.direction.swap(views);
   Surface surface = trace.stage("refine", [&] {
     if (found.surface) return Surface{std::move(*found.surface), 0.5, {}};
-    return find_surface(std::move(labels), samples, grid, params, experiment.robust, memory, context);
+    return kept.refine(
+        [&] { return find_surface(std::move(labels), samples, grid, params, experiment.robust, memory, context); });
   });
   announce_refinement(surface.refine, memory, params, trace);
 

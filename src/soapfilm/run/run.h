@@ -17,4 +17,7 @@ struct Experiment {
 Reconstruction run(const PointCloud& cloud, PointCloud* owned, const ReconstructParams& params, const Context& context,
                    const Experiment& experiment = {});
 
+/// Removes what runs with this context have kept (run/kept_stages.h), once their result is where it belongs.
+void remove_kept_stages(const Context& context);
+
 }  // namespace soapfilm

@@ -95,8 +95,8 @@ MemoryPlan ScratchBudget::resident_part(const MemoryPlan& plan) const {
   part.refine.bytes = share_and_small(plan.refine.bytes, share.refine);
   part.kept_bytes = share_of(plan.kept_bytes, share.solve);
   part.certify_bytes = share_of(plan.certify_bytes, share.solve);
-  part.mesh_bytes =
-      moves_vectors_ ? share_and_small(plan.mesh_bytes, share.mesh) : share_of(plan.mesh_bytes, share.mesh);
+  part.mesh.bytes =
+      moves_vectors_ ? share_and_small(plan.mesh.bytes, share.mesh) : share_of(plan.mesh.bytes, share.mesh);
   part.gap.bytes = share_of(plan.gap.bytes, share.gap);
   return part;
 }
@@ -111,7 +111,7 @@ MemoryPlan ScratchBudget::disk_part(const MemoryPlan& plan) const {
   part.refine.bytes -= in_memory.refine.bytes;
   part.kept_bytes -= in_memory.kept_bytes;
   part.certify_bytes -= in_memory.certify_bytes;
-  part.mesh_bytes -= in_memory.mesh_bytes;
+  part.mesh.bytes -= in_memory.mesh.bytes;
   part.gap.bytes -= in_memory.gap.bytes;
   return part;
 }

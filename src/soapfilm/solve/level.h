@@ -31,6 +31,7 @@ class Rim {
   }
   const float* plane(size_t brick, int axis) const { return const_cast<Rim*>(this)->plane(brick, axis); }
   AlignedArray<float>& flux() { return flux_; }  ///< all planes
+  const AlignedArray<float>& flux() const { return flux_; }
 
  private:
   std::vector<std::array<int32_t, 3>> plane_;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
@@ -70,6 +71,14 @@ int make_scratch_file(const std::string& folder, size_t bytes) {
     fail(folder, fmt::format("a file of {} bytes needed, the largest that may be made has {}", bytes,
                              std::min<uint64_t>(largest_file(), INT64_MAX)));
   fail(folder, fmt::format("{} bytes needed: {}", bytes, std::strerror(error)));
+}
+
+bool replace_file(const std::string& complete, const std::string& name) {
+  const int file = open(complete.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool stored = fsync(file) == 0;
+  close(file);
+  return stored && std::rename(complete.c_str(), name.c_str()) == 0;
 }
 
 }  // namespace soapfilm

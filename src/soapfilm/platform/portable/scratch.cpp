@@ -1,6 +1,9 @@
 // No files in place of memory.
 #include "soapfilm/platform/scratch.h"
 
+#include <filesystem>
+#include <system_error>
+
 #include "soapfilm/error.h"
 
 namespace soapfilm {
@@ -16,6 +19,12 @@ void check_scratch_folder(const std::string& folder) {
 int make_scratch_file(const std::string& folder, size_t) {
   check_scratch_folder(folder);
   return -1;
+}
+
+bool replace_file(const std::string& complete, const std::string& name) {
+  std::error_code error;
+  std::filesystem::rename(complete, name, error);
+  return !error;
 }
 
 }  // namespace soapfilm

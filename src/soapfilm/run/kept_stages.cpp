@@ -1,0 +1,174 @@
+#include "soapfilm/run/kept_stages.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "soapfilm/core/context_state.h"
+#include "soapfilm/core/memory.h"
+#include "soapfilm/error.h"
+#include "soapfilm/platform/scratch.h"
+#include "soapfilm/run/run.h"
+#include "soapfilm/run/stage_state.h"
+#include "soapfilm/version.h"
+
+namespace soapfilm {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of bytes, one after the other, by the finalizer of SplitMix64.
+class Hash {
+ public:
+  void add(const void* bytes, size_t count) {
+    const auto* at = static_cast<const char*>(bytes);
+    add_word(count);
+    for (; count >= sizeof(uint64_t); count -= sizeof(uint64_t), at += sizeof(uint64_t)) {
+      uint64_t word = 0;
+      std::memcpy(&word, at, sizeof(word));
+      add_word(word);
+    }
+    uint64_t rest = 0;
+    std::memcpy(&rest, at, count);
+    add_word(rest);
+  }
+  void add(std::string_view text) { add(text.data(), text.size()); }
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add(values.data(), values.size() * sizeof(T));
+  }
+  uint64_t value() const { return hash_; }
+
+ private:
+  void add_word(uint64_t word) {
+    uint64_t z = hash_ ^ word;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
+    hash_ = (z ^ (z >> 31)) + 0x9E3779B97F4A7C15ull;
+  }
+  uint64_t hash_ = 0;
+};
+
+/// What the kept stages follow from. Colors and columns come later.
+uint64_t hash_of(const PointCloud& cloud, const ReconstructParams& params) {
+  Hash hash;
+  hash.add(version);
+  hash.add(to_json(params));
+  hash.add(cloud.positions);
+  hash.add(cloud.normals);
+  hash.add(cloud.sensors);
+  hash.add(cloud.weights);
+  hash.add(&cloud.is_survey, sizeof(cloud.is_survey));
+  for (const Scan& scan : cloud.scans) {
+    hash.add(&scan.end, sizeof(scan.end));
+    if (scan.sensor) hash.add(&*scan.sensor, sizeof(*scan.sensor));
+    if (scan.view_direction) hash.add(&*scan.view_direction, sizeof(*scan.view_direction));
+    if (scan.range_grid) hash.add(scan.range_grid->sample);
+  }
+  return hash.value();
+}
+
+std::string level_name(int level) { return fmt::format("level_{}", level); }
+
+constexpr const char* ending = ".stage";
+
+}  // namespace
+
+KeptStages::KeptStages(const PointCloud& cloud, const ReconstructParams& params, MemoryBudget& memory,
+                       const Context& context)
+    : memory_(memory), context_(context) {
+  const Context::State& state = context.state();
+  if (!state.resumes) return;
+  if (state.scratch_folder.empty()) throw ParameterError("resume: needs a scratch folder, where stages are kept");
+  check_scratch_folder(state.scratch_folder);
+  prefix_ = (fs::path(state.scratch_folder) / fmt::format("soapfilm-{:016x}-", hash_of(cloud, params))).string();
+  context.state().kept_stages = prefix_;
+}
+
+std::string KeptStages::file(const std::string& stage) const { return prefix_ + stage + ending; }
+
+bool KeptStages::load(const std::string& stage, const std::function<void(std::istream&)>& read) {
+  if (!on()) return false;
+  std::ifstream from(file(stage), std::ios::binary);
+  if (!from) return false;
+  MemoryPlan plan;
+  get(from, plan);
+  memory_.take(plan);
+  read(from);
+  if (!from) {
+    context_.progress().warn(fmt::format("{}: ends too early; the stage is done again", file(stage)));
+    return false;
+  }
+  context_.progress().info(fmt::format("resume: {} from {}", stage, file(stage)));
+  return true;
+}
+
+void KeptStages::save(const std::string& stage, const std::function<void(std::ostream&)>& write) {
+  if (!on()) return;
+  const std::string part = file(stage) + "-part";
+  std::ofstream to(part, std::ios::binary);
+  put(to, memory_.plan());
+  write(to);
+  to.close();
+  const std::string& folder = context_.state().scratch_folder;
+  const bool leaves_room = free_disk_bytes(folder) >= memory_.planned_disk_bytes();
+  if (to && leaves_room && replace_file(part, file(stage))) return;
+  std::error_code ignored;
+  fs::remove(part, ignored);
+  context_.progress().warn(fmt::format("scratch folder {}: no room to keep stage {} beside the run's arrays, {} free",
+                                       folder, stage, format_bytes(free_disk_bytes(folder))));
+}
+
+Orientation KeptStages::orient(const std::function<Orientation()>& make) {
+  Orientation found;
+  if (load("orient", [&](std::istream& from) { found = get_directions(from); })) {
+    for (const std::string& warning : found.report.warnings) context_.progress().warn(warning);
+    return found;
+  }
+  found = make();
+  save("orient", [&](std::ostream& to) { put_directions(to, found); });
+  return found;
+}
+
+Surface KeptStages::refine(const std::function<Surface()>& make) {
+  Surface found;
+  if (load("refine", [&](std::istream& from) { found = get_surface(from, context_); })) return found;
+  found = make();
+  if (!found.values().inside.are_by_brick()) save("refine", [&](std::ostream& to) { put_surface(to, found); });
+  return found;
+}
+
+PyramidObserver KeptStages::watch(PyramidObserver user) {
+  if (!on()) return user;
+  user.known = [this](LevelReport& report, const MakeLevel& make) {
+    std::optional<Level> level;
+    const LevelReport fresh = report;
+    if (load(level_name(report.level), [&](std::istream& from) { level = get_level(from, make, report); }))
+      return level;
+    report = fresh;
+    level.reset();
+    return level;
+  };
+  user.keep = [this](const Level& level, const LevelReport& report) {
+    save(level_name(report.level), [&](std::ostream& to) { put_level(to, level, report); });
+  };
+  return user;
+}
+
+void remove_kept_stages(const Context& context) {
+  const fs::path prefix = std::exchange(context.state().kept_stages, {});
+  if (prefix.empty()) return;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(prefix.parent_path(), ignored))
+    if (entry.path().filename().string().starts_with(prefix.filename().string())) fs::remove(entry.path(), ignored);
+}
+
+}  // namespace soapfilm
