@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/order_samples.h"
 #include "soapfilm/run/run.h"
 
 namespace soapfilm {
@@ -12,6 +13,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
 
 Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Context& context) {
   PointCloud owned = std::move(cloud);
+  order_samples(owned, context);
   return run(owned, &owned, params, context);
 }
 
