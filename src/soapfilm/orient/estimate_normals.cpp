@@ -67,13 +67,13 @@ class Estimator {
 
  private:
   std::span<const uint32_t> near(size_t slot) const { return {near_.data() + slot * neighbors_, neighbors_}; }
-  bool has_hint(uint32_t site) const { return !hint_.empty() && !(hint_[site] == Vec3d{}); }
+  bool has_hint(uint32_t site) const { return !hint_.empty() && !(hint_[site] == Vec3f{}); }
   bool is_given(size_t slot) const { return !given_.empty() && !(given_[slot] == Vec3d{}); }
 
   void take_hints(const std::vector<Vec3f>& hints) {
     if (std::all_of(hints.begin(), hints.end(), [](const Vec3f& h) { return h == Vec3f{}; })) return;
     hint_.resize(sites_.size());
-    for (size_t i = 0; i < hints.size(); ++i) hint_[sites_.of_sample(i)] += static_cast<Vec3d>(hints[i]);
+    for (size_t i = 0; i < hints.size(); ++i) hint_[sites_.of_sample(i)] += hints[i];
   }
 
   /// Of several normals given at one place the largest counts, coordinate by coordinate.
@@ -117,7 +117,8 @@ class Estimator {
   }
 
   void follow_hint(size_t t) {
-    if (!hint_.empty() && dot(planes_[t].normal, hint_[targets_.site(t)]) < 0.0) planes_[t].normal = -planes_[t].normal;
+    if (!hint_.empty() && dot(planes_[t].normal, Vec3d(hint_[targets_.site(t)])) < 0.0)
+      planes_[t].normal = -planes_[t].normal;
   }
 
   /// Where neighbors lie along a line, as on a ring of a scanner, the plane comes from beyond them.
@@ -162,7 +163,7 @@ class Estimator {
       const double towards = dot(planes_[t].normal, params_.up);
       if (std::abs(towards) < told) continue;
       if (towards < 0) planes_[t].normal = -planes_[t].normal;
-      hint_[targets_.site(t)] = planes_[t].normal;
+      hint_[targets_.site(t)] = static_cast<Vec3f>(planes_[t].normal);
     }
   }
 
@@ -235,7 +236,7 @@ class Estimator {
     for (size_t t = 0; t < targets_.size() && !hint_.empty(); ++t) {
       if (!propagated_[t]) continue;
       for (const uint32_t site : near(t))
-        if (has_hint(site)) votes[component_[t]] += dot(planes_[t].normal, normalized(hint_[site]));
+        if (has_hint(site)) votes[component_[t]] += dot(planes_[t].normal, normalized(Vec3d(hint_[site])));
     }
     const std::vector<double> by_given = given_votes();
     for (size_t c = 0; c < components_; ++c)
@@ -253,7 +254,7 @@ class Estimator {
   size_t neighbors_;
   const NormalParams& params_;
   const Context& context_;
-  std::vector<Vec3d> hint_;          ///< per site: sum of its samples' hints; empty: there are none
+  std::vector<Vec3f> hint_;          ///< per site: sum of its samples' hints; empty: there are none
   Targets targets_;                  ///< sites whose normals are wanted
   std::vector<Vec3d> some_points_;   ///< of targets that are not all sites
   std::vector<Vec3d> given_;         ///< per target: a normal whose sign is in doubt, or zero; empty: there are none

@@ -161,9 +161,9 @@ Vec3d axis(Axis axis) {
   return unit;
 }
 
-/// Neighbors are looked up all over the cloud: where most of it is on disk that is read again and again.
+/// What is near in space is near on disk, but some places are in use at once.
 void warn_of_slow_disk(const PointCloud& cloud, const Context& context, OrientReport& report) {
-  constexpr uint64_t each = 60;  // bytes a sample: with 75 as fast as in memory, with 37 hundreds of times slower
+  constexpr uint64_t each = 15;  // bytes a sample: measured; with fewer much may be read all over again
   const uint64_t wanted = each * cloud.size(), room = context.memory_limit().value_or(available_memory_bytes());
   if (context.state().scratch_folder.empty() || wanted <= room) return;
   warn(
