@@ -110,6 +110,23 @@ TEST(Samples, AreSortedAlikeByAnyNumberOfThreads) {
   }
 }
 
+TEST(Samples, AreSortedAlikeWhereTheyMayBeOnDisk) {
+  const PointCloud cloud = sampled("knot", 40, 20);
+  const Lattice lattice = lattice_of(cloud, 40);
+  const GridSamples one = sort_samples(cloud, cloud.normals, lattice, Context(1));
+  for (const size_t limit : {1, 100'000, 1'000'000, 1'000'000'000}) {
+    Context context(2);
+    context.set_scratch_folder("/tmp");
+    context.limit_memory(limit);
+    const GridSamples some = sort_samples(cloud, cloud.normals, lattice, context);
+    EXPECT_EQ(some.begin, one.begin);
+    EXPECT_EQ(some.source, one.source);
+    EXPECT_EQ(some.local, one.local);
+    EXPECT_EQ(some.direction, one.direction);
+    EXPECT_EQ(some.sample_hash, one.sample_hash);
+  }
+}
+
 /// Positions, directions and weights of a brick's samples are the same ones in whatever order a cloud has them.
 TEST(Samples, AreSortedAlikeInAnyOrderOfTheCloud) {
   PointCloud cloud = sampled("knot", 40, 20);

@@ -117,10 +117,10 @@ TEST(Orient, WarnsWhereNeighborsWouldBeLookedUpOnDisk) {
     });
   };
   const PointCloud bare = without_normals(cloud);
-  EXPECT_TRUE(warned(bare, 100000, "/tmp"));
-  EXPECT_FALSE(warned(bare, 1000000, "/tmp"));
-  EXPECT_FALSE(warned(bare, 100000, ""));
-  EXPECT_FALSE(warned(cloud, 100000, "/tmp"));
+  EXPECT_TRUE(warned(bare, 20000, "/tmp"));
+  EXPECT_FALSE(warned(bare, 40000, "/tmp"));
+  EXPECT_FALSE(warned(bare, 20000, ""));
+  EXPECT_FALSE(warned(cloud, 20000, "/tmp"));
 }
 
 TEST(Orient, AFewOutliersDoNotTurnTheEstimate) {

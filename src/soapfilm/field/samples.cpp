@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/some_by_place.h"
@@ -21,6 +22,95 @@ namespace {
 
 constexpr size_t most_chunks = 16;
 constexpr size_t samples_per_task = size_t{1} << 14;
+
+/// Where the samples may be on disk, they are put into so many parts of the bricks one after the other: each part has
+/// room in memory, and the cloud, read as often, is a stream.
+size_t parts_at_once(size_t samples, const Context& context) {
+  constexpr size_t most = 16, share = 4;  // of memory
+  constexpr size_t each = 3 * sizeof(Vec3f) + 2 * sizeof(float);
+  if (context.state().scratch_folder.empty()) return 1;
+  const size_t room = context.memory_limit().value_or(available_memory_bytes());
+  return std::clamp<size_t>(share * each * samples / std::max<size_t>(room, 1), 1, most);
+}
+
+/// A counting sort by brick, so it is stable: the order within a brick is the cloud's, for any number of chunks.
+class BrickSort {
+ public:
+  BrickSort(const PointCloud& cloud, std::span<const Vec3f> directions, const Lattice& lattice, const Context& context,
+            const std::function<bool(size_t)>& wanted)
+      : cloud_(cloud), directions_(directions), lattice_(lattice), context_(context), wanted_(wanted) {
+    BrickMask occupied(lattice.box(0).bricks);
+    parallel_chunks(context, cloud.size(), samples_per_task, [&](size_t begin, size_t end) {
+      for_each_sample(begin, end, [&](size_t, Vec3i brick, bool is_new, Vec3d) {
+        if (is_new) occupied.set_shared(brick);
+      });
+    });
+    bricks_ = BrickGrid(occupied, context);
+    chunks_ = std::clamp<size_t>(cloud.size() / (2 * std::max<size_t>(bricks_.size(), 1)), 1, most_chunks);
+    next_.resize(chunks_ * bricks_.size());
+    for_each_place(0, bricks_.size(), [](size_t, size_t, Vec3f) {});
+    uint32_t count = 0;
+    for (size_t b = 0; b < bricks_.size(); ++b) {
+      for (size_t c = 0; c < chunks_; ++c) count += std::exchange(next_[c * bricks_.size() + b], count);
+      begin_.push_back(count);
+    }
+  }
+
+  size_t count() const { return begin_.back(); }
+  /// Once: put(i, place, position in its brick) for all of them.
+  template <class Put>
+  void place_all(Put&& put) {
+    const size_t parts = parts_at_once(count(), context_);
+    const auto brick_at = [&](size_t part) {
+      const auto at = std::lower_bound(begin_.begin(), begin_.end() - 1, part * count() / parts);
+      return part == parts ? bricks_.size() : static_cast<size_t>(at - begin_.begin());
+    };
+    for (size_t part = 0; part < parts; ++part) for_each_place(brick_at(part), brick_at(part + 1), put);
+  }
+  BrickGrid take_bricks() { return std::move(bricks_); }
+  std::vector<uint32_t> take_begin() { return std::move(begin_); }
+
+ private:
+  /// visit(i, brick, is_new, position) for those of samples [begin, end) that are used. Neighbors in a scan mostly lie
+  /// in the same brick: it is looked up only when it changes.
+  template <class Visit>
+  void for_each_sample(size_t begin, size_t end, Visit&& visit) const {
+    Vec3i last{INT_MIN, INT_MIN, INT_MIN};
+    for (size_t i = begin; i < end; ++i) {
+      if (!takes_part(cloud_, directions_, i) || (wanted_ && !wanted_(i))) continue;
+      const Vec3d position = lattice_.to_lattice(cloud_.positions[i]);
+      const Vec3i brick = brick_of(Vec3i(position));  // in the box, where no coordinate is negative
+      const bool is_new = !(brick == last);
+      visit(i, last = brick, is_new, position);
+    }
+  }
+  /// put(i, place, position in its brick) for those in bricks [first, last).
+  template <class Put>
+  void for_each_place(size_t first, size_t last, Put&& put) {
+    const size_t grain = cloud_.size() / chunks_ + 1;
+    parallel_for(context_, chunks_, 1, [&](size_t c) {
+      uint32_t* place = nullptr;
+      for_each_sample(std::min(c * grain, cloud_.size()), std::min((c + 1) * grain, cloud_.size()),
+                      [&](size_t i, Vec3i brick, bool is_new, Vec3d position) {
+                        if (is_new) {
+                          const auto b = static_cast<size_t>(bricks_.find(brick));
+                          place = b >= first && b < last ? &next_[c * bricks_.size() + b] : nullptr;
+                        }
+                        if (place) put(i, (*place)++, Vec3f(position - Vec3d(brick * brick_side)));
+                      });
+    });
+  }
+
+  const PointCloud& cloud_;
+  std::span<const Vec3f> directions_;
+  const Lattice& lattice_;
+  const Context& context_;
+  const std::function<bool(size_t)>& wanted_;
+  BrickGrid bricks_;
+  size_t chunks_ = 1;
+  std::vector<uint32_t> next_;  ///< of each chunk and brick: first the number, then the next place
+  std::vector<uint32_t> begin_{0};
+};
 
 }  // namespace
 
@@ -117,53 +207,10 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
                          const Context& context, const std::function<bool(size_t)>& wanted) {
   GridSamples samples;
   samples.axis_shift = lattice.axis_shift;
-  // visit(i, brick, is_new, position) for those of samples [begin, end) that are used. Neighbors in a scan mostly lie
-  // in the same brick: it is looked up only when it changes.
-  const auto for_each_sample = [&](size_t begin, size_t end, auto&& visit) {
-    Vec3i last{INT_MIN, INT_MIN, INT_MIN};
-    for (size_t i = begin; i < end; ++i) {
-      if (!takes_part(cloud, directions, i) || (wanted && !wanted(i))) continue;
-      const Vec3d position = lattice.to_lattice(cloud.positions[i]);
-      const Vec3i brick = brick_of(Vec3i(position));  // in the box, where no coordinate is negative
-      const bool is_new = !(brick == last);
-      visit(i, last = brick, is_new, position);
-    }
-  };
-  BrickMask occupied(lattice.box(0).bricks);
-  parallel_chunks(context, cloud.size(), samples_per_task, [&](size_t begin, size_t end) {
-    for_each_sample(begin, end, [&](size_t, Vec3i brick, bool is_new, Vec3d) {
-      if (is_new) occupied.set_shared(brick);
-    });
-  });
-  samples.bricks = BrickGrid(occupied, context);
-
-  // A counting sort, so it is stable: the order within a brick is the cloud's, for any number of chunks, until
-  // sort_by_place().
-  const size_t bricks = samples.bricks.size();
-  const size_t chunks = std::clamp<size_t>(cloud.size() / (2 * std::max<size_t>(bricks, 1)), 1, most_chunks);
-  const size_t grain = cloud.size() / chunks + 1;
-  std::vector<uint32_t> next(chunks * bricks);  // of each chunk and brick: first the number, then the next position
-  const auto for_each_place = [&](auto&& visit) {
-    parallel_for(context, chunks, 1, [&](size_t c) {
-      uint32_t* place = nullptr;
-      for_each_sample(std::min(c * grain, cloud.size()), std::min((c + 1) * grain, cloud.size()),
-                      [&](size_t i, Vec3i brick, bool is_new, Vec3d position) {
-                        if (is_new) place = &next[c * bricks + static_cast<size_t>(samples.bricks.find(brick))];
-                        visit(i, (*place)++, Vec3f(position - Vec3d(brick * brick_side)));
-                      });
-    });
-  };
-  for_each_place([](size_t, size_t, Vec3f) {});
-  samples.begin.assign(1, 0);
-  uint32_t count = 0;
-  for (size_t b = 0; b < bricks; ++b) {
-    for (size_t c = 0; c < chunks; ++c) count += std::exchange(next[c * bricks + b], count);
-    samples.begin.push_back(count);
-  }
-
+  BrickSort sort(cloud, directions, lattice, context, wanted);
   const auto make_room = [&](auto& values) {
-    reserve_many(values, count);
-    values.resize(count);
+    reserve_many(values, sort.count());
+    values.resize(sort.count());
   };
   const double scale = weight_scale(cloud);
   const Box3d cloud_box = cloud.box(context);
@@ -172,13 +219,15 @@ GridSamples sort_samples(const PointCloud& cloud, std::span<const Vec3f> directi
   if (!cloud.weights.empty()) make_room(samples.weight);
   make_room(samples.source);
   make_room(samples.sample_hash);
-  for_each_place([&](size_t i, size_t k, Vec3f local) {
+  sort.place_all([&](size_t i, size_t k, Vec3f local) {
     samples.local[k] = local;
     samples.direction[k] = lattice.from_world_axes(directions[i]);
     if (!cloud.weights.empty()) samples.weight[k] = static_cast<float>(scale * cloud.weights[i]);
     samples.source[k] = static_cast<uint32_t>(i);
     samples.sample_hash[k] = sample_hash_of(cloud.positions[i], cloud_box);
   });
+  samples.bricks = sort.take_bricks();
+  samples.begin = sort.take_begin();
   samples.sort_by_place(context);
   if (!samples.weight.empty()) samples.weigh_directions(context, [&](size_t s) { return samples.weight[s]; });
   return samples;

@@ -30,7 +30,7 @@ struct NormalParams {
 };
 
 struct EstimatedNormals {
-  std::vector<Vec3d> normals;            ///< one per wanted sample, unit; zero where the neighbors span no plane
+  std::vector<Vec3f> normals;            ///< one per wanted sample, unit; zero where the neighbors span no plane
   size_t propagated = 0;                 ///< of them, how many have their sign by propagation
   size_t components = 0;                 ///< connected parts over which signs were propagated
   FromAbove from_above = FromAbove::no;  ///< of all samples without hints

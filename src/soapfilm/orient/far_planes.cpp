@@ -1,11 +1,12 @@
 #include "soapfilm/orient/far_planes.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "soapfilm/core/box_of.h"
-#include "soapfilm/core/kd_tree.h"
+#include "soapfilm/core/box_tree.h"
+#include "soapfilm/core/morton.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/orient/sample_cells.h"
 #include "soapfilm/orient/sites.h"
@@ -20,21 +21,24 @@ constexpr double spans_plane = 0.15;       // Plane::wide of what is no line
 constexpr double most_thick_mean = 0.015;  // Plane::flat
 constexpr size_t points_per_task = 512;
 
-std::vector<Vec3d> means_of_cells(std::span<const Vec3d> points, const SampleOrder& order, int depth) {
-  const int up = 3 * (SampleOrder::deepest - depth);
+/// The means of the points of each cell, by the cells' keys.
+struct CellMeans {
+  std::vector<uint64_t> keys;
   std::vector<Vec3d> means;
-  Vec3d sum;
-  size_t count = 0;
-  for (size_t k = 0; k < order.size(); ++k) {
-    if (k > 0 && order.key(k) >> up != order.key(k - 1) >> up) {
-      means.push_back(sum / static_cast<double>(count));
-      sum = {}, count = 0;
-    }
-    sum += points[order.sample(k)];
-    ++count;
+};
+
+CellMeans means_of_cells(std::span<const Vec3d> points, const SampleOrder& order, int depth) {
+  const int up = 3 * (SampleOrder::deepest - depth);
+  CellMeans found;
+  for (size_t k = 0; k < order.size();) {
+    const uint64_t key = order.key(k) >> up;
+    Vec3d sum;
+    size_t count = 0;
+    for (; k < order.size() && order.key(k) >> up == key; ++k, ++count) sum += points[order.sample(k)];
+    found.keys.push_back(key);
+    found.means.push_back(sum / static_cast<double>(count));
   }
-  means.push_back(sum / static_cast<double>(count));
-  return means;
+  return found;
 }
 
 enum class Found : uint8_t { line, plane, neither };
@@ -44,12 +48,9 @@ struct Around {
   Vec3f normal{};
 };
 
-Around look_around(const std::vector<Vec3d>& means, const KdTree& tree, Vec3d p) {
-  std::array<uint32_t, nearest_means> index{};
-  std::array<double, nearest_means> squared{};
-  const size_t found = tree->knnSearch(&p.x, nearest_means, index.data(), squared.data());
-  if (found < nearest_means) return {Found::neither, {}};
-  const Plane plane = fit_plane(means, p, index);
+Around look_around(std::span<const Vec3d> means, std::span<const uint32_t> nearest, Vec3d p) {
+  if (nearest.size() < nearest_means) return {Found::neither, {}};
+  const Plane plane = fit_plane(means, p, nearest);
   if (plane.wide < spans_plane) return {};
   if (plane.flat > most_thick_mean || plane.normal == Vec3d{}) return {Found::neither, {}};
   constexpr double steps = 16384;  // rounding errors after a permutation of the axes must not reach the mesh
@@ -79,13 +80,19 @@ std::vector<Vec3f> far_planes(std::span<const Vec3d> points, std::span<const uin
   const SampleOrder order(points, {}, box, context);
   std::vector<Found> state(wanted.size(), Found::line);
   for (int depth = finest_depth(order); depth >= coarsest_means; --depth) {
-    const std::vector<Vec3d> means = means_of_cells(points, order, depth);
-    const KdTree tree(means);
+    const CellMeans cells = means_of_cells(points, order, depth);
+    const BoxTree tree(cells.means, context);
     parallel_chunks(context, wanted.size(), points_per_task, [&](size_t begin, size_t end) {
       context.check();
+      NearestPoints nearest(nearest_means, [](uint32_t a, uint32_t b) { return a < b; });
       for (size_t k = begin; k < end; ++k) {
         if (state[k] != Found::line) continue;
-        const Around around = look_around(means, tree, points[wanted[k]]);
+        const Vec3d p = points[wanted[k]];
+        const uint64_t key = morton_key((p - box.lo) / box.longest(), depth);
+        const auto cell = std::lower_bound(cells.keys.begin(), cells.keys.end(), key);
+        nearest.restart();
+        tree.search(p, static_cast<size_t>(cell - cells.keys.begin()), nearest);
+        const Around around = look_around(cells.means, nearest.found(), p);
         state[k] = around.what;
         normals[k] = around.normal;
       }

@@ -1,6 +1,8 @@
 #include "soapfilm/orient/local_surface.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <optional>
 
@@ -77,26 +79,40 @@ class Survey {
   }
 
  private:
-  /// The finest depth where some cells hold several different samples.
+  /// The finest depth where some cells hold several different samples. All depths in one pass, since the order may be
+  /// on disk.
   int first_depth() const {
     constexpr double some = 0.02;
     constexpr uint64_t several = 4;
-    for (int depth = SampleOrder::deepest - 2; depth > coarsest; --depth) {
-      const int up = 3 * (SampleOrder::deepest - depth), up_parts = up - 6;
-      size_t cells = 0, crowded = 0;
-      uint64_t distinct = 0;
-      for (size_t k = 0; k < order_.size(); ++k) {
-        const bool is_new = k == 0 || order_.key(k) >> up != order_.key(k - 1) >> up;
-        if (is_new) {
-          ++cells;
-          distinct = 1;
-        } else if (order_.key(k) >> up_parts != order_.key(k - 1) >> up_parts) {
-          crowded += ++distinct == several;
+    constexpr int finest = SampleOrder::deepest - 2;
+    struct Cells {
+      size_t count = 0, crowded = 0;
+      uint64_t distinct = 0;  ///< parts of the present one that hold samples
+    };
+    std::array<Cells, finest + 1> at_depth{};
+    for (size_t k = 0; k < order_.size(); ++k) {
+      // From this depth on the sample lies in another cell than the one before.
+      const int apart = k == 0 ? 0 : depth_apart(order_.key(k), order_.key(k - 1));
+      for (int depth = std::max(apart - 2, coarsest + 1); depth <= finest; ++depth) {
+        Cells& cells = at_depth[static_cast<size_t>(depth)];
+        if (depth >= apart) {
+          ++cells.count;
+          cells.distinct = 1;
+        } else {
+          cells.crowded += ++cells.distinct == several;
         }
       }
-      if (static_cast<double>(crowded) >= some * static_cast<double>(cells)) return depth;
+    }
+    for (int depth = finest; depth > coarsest; --depth) {
+      const Cells& cells = at_depth[static_cast<size_t>(depth)];
+      if (static_cast<double>(cells.crowded) >= some * static_cast<double>(cells.count)) return depth;
     }
     return coarsest;
+  }
+
+  /// The coarsest depth whose cells tell two keys apart; deepest + 1: none does.
+  static int depth_apart(uint64_t a, uint64_t b) {
+    return SampleOrder::deepest + 1 - (static_cast<int>(std::bit_width(a ^ b)) + 2) / 3;
   }
 
   /// Of the planes found at this depth, marks those that represent far more area than others for confirmation; returns

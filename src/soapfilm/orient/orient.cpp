@@ -161,9 +161,9 @@ Vec3d axis(Axis axis) {
   return unit;
 }
 
-/// Neighbors are looked up all over the cloud: where most of it is on disk that is read again and again.
+/// What is near in space is near on disk, but some places are in use at once.
 void warn_of_slow_disk(const PointCloud& cloud, const Context& context, OrientReport& report) {
-  constexpr uint64_t each = 60;  // bytes a sample: with 75 as fast as in memory, with 37 hundreds of times slower
+  constexpr uint64_t each = 15;  // bytes a sample: measured; with fewer much may be read all over again
   const uint64_t wanted = each * cloud.size(), room = context.memory_limit().value_or(available_memory_bytes());
   if (context.state().scratch_folder.empty() || wanted <= room) return;
   warn(
@@ -187,7 +187,7 @@ EstimatedNormals estimate_open(const PointCloud& cloud, const OrientSetup& param
   NormalParams how{params.neighbors,      params.radius,  params.from_within, axis(params.up.value_or(Axis::z)),
                    params.up.has_value(), cloud.is_survey};
   EstimatedNormals estimated = estimate_normals(cloud.positions, wanted, hints, given, how, context);
-  for (size_t k = 0; k < wanted.size(); ++k) directions[wanted[k]] = static_cast<Vec3f>(estimated.normals[k]);
+  for (size_t k = 0; k < wanted.size(); ++k) directions[wanted[k]] = estimated.normals[k];
   return estimated;
 }
 
@@ -237,8 +237,8 @@ void estimate(const PointCloud& cloud, const OrientSetup& params, const KnownDir
   if (std::find(directions.begin(), directions.end(), Vec3f{}) != directions.end())
     warn_of_slow_disk(cloud, context, report);
   const EstimatedNormals estimated = estimate_open(cloud, params, known, {}, context, directions);
-  const std::vector<Vec3d>& normals = estimated.normals;
-  report.without_direction = static_cast<size_t>(std::count(normals.begin(), normals.end(), Vec3d{}));
+  const std::vector<Vec3f>& normals = estimated.normals;
+  report.without_direction = static_cast<size_t>(std::count(normals.begin(), normals.end(), Vec3f{}));
   report.estimated = normals.size() - report.without_direction;
   report.far_planes = estimated.far_planes;
   if (estimated.from_above != FromAbove::no)

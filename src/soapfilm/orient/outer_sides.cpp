@@ -1,5 +1,7 @@
 #include "soapfilm/orient/outer_sides.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -58,26 +60,35 @@ void vote_by_flux(const SignedParts& parts, std::vector<Part>& found) {
   }
 }
 
-/// The farthest flat point along a direction looks in it.
+/// The farthest flat point along a direction looks in it. Several directions at a time, since points may be on disk.
 void vote_by_extremes(const SignedParts& parts, std::vector<Part>& found) {
+  constexpr size_t directions = 27, most_at_once = size_t{1} << 20;
   struct Furthest {
     double reach = -std::numeric_limits<double>::infinity();
     double vote = 0;
   };
-  for (int code = 0; code < 27; ++code) {
-    const Vec3d towards = normalized(static_cast<Vec3d>(Vec3i{code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1}));
-    std::vector<Furthest> furthest(parts.count);
+  const size_t at_once = std::clamp<size_t>(most_at_once / std::max<size_t>(parts.count, 1), 1, directions);
+  for (size_t first = 0; first < directions; first += at_once) {
+    const size_t count = std::min(at_once, directions - first);
+    std::array<Vec3d, directions> towards{};
+    for (size_t k = 0; k < count; ++k) {
+      const auto code = static_cast<int>(first + k);
+      towards[k] = normalized(static_cast<Vec3d>(Vec3i{code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1}));
+    }
+    std::vector<Furthest> furthest(parts.count * count);
     for (size_t i = 0; i < parts.part.size(); ++i) {
-      if (parts.part[i] >= parts.count || mostly_rough(found[parts.part[i]])) continue;
-      Furthest& best = furthest[parts.part[i]];
       const Plane& plane = parts.scene.planes[i];
-      const double reach = dot(parts.scene.points[i], towards);
-      if (is_flat(plane) && reach > best.reach) best = {reach, dot(plane.normal, towards)};
+      if (parts.part[i] >= parts.count || !is_flat(plane) || mostly_rough(found[parts.part[i]])) continue;
+      Furthest* const best = furthest.data() + parts.part[i] * count;
+      for (size_t k = 0; k < count; ++k)
+        if (const double reach = dot(parts.scene.points[i], towards[k]); reach > best[k].reach)
+          best[k] = {reach, dot(plane.normal, towards[k])};
     }
-    for (size_t c = 0; c < parts.count; ++c) {
-      found[c].vote += furthest[c].vote;
-      found[c].votes += std::abs(furthest[c].vote);
-    }
+    for (size_t c = 0; c < parts.count; ++c)
+      for (size_t k = 0; k < count; ++k) {
+        found[c].vote += furthest[c * count + k].vote;
+        found[c].votes += std::abs(furthest[c * count + k].vote);
+      }
   }
 }
 

@@ -19,13 +19,18 @@ constexpr size_t order_grain = size_t{1} << 14;
 constexpr size_t cells_grain = size_t{1} << 12;
 constexpr int parts_deeper = 2;  // a cell has 4 parts along each axis
 
+/// A block is a cell so many depths above; `tag_bits` of a key tell its cells apart.
+constexpr int block_depths = 5, tag_bits = 3 * block_depths;
+constexpr uint16_t no_cell = 0xFFFF;
+
 /// Neighbors share cache lines: the eight cells of a parent are consecutive.
-constexpr size_t siblings = 8;
-constexpr size_t next_place = siblings + 1;  // odd, so that it visits all places of a table
-size_t hash_of(uint64_t key) {
-  const uint64_t parent = (key >> 3) * 0x9E3779B97F4A7C15ull;
-  return static_cast<size_t>((parent ^ parent >> 32) * siblings | (key & (siblings - 1)));
+constexpr uint32_t siblings = 8;
+constexpr uint32_t next_place = siblings + 1;  // odd, so that it visits all places of a table
+uint32_t hash_of(uint16_t tag) {
+  const uint32_t parent = static_cast<uint32_t>(tag >> 3) * 0x9E3779B1u;
+  return (parent ^ parent >> 15) * siblings | (tag & (siblings - 1));
 }
+uint16_t tag_of(uint64_t key) { return static_cast<uint16_t>(key & ((1u << tag_bits) - 1)); }
 
 /// The samples of a cell, divided into at most two facets by the side from which they were seen.
 struct Sides {
@@ -134,7 +139,7 @@ SampleCells::SampleCells(const SampleOrder& order, std::span<const Vec3d> positi
     }
   });
   cells_.back() = {~uint64_t{0}, static_cast<uint32_t>(order.size()), none};
-  index_cells();
+  index_cells(context);
 }
 
 SampleCells SampleCells::coarser(const SampleOrder& order, std::span<const Vec3f> directions,
@@ -175,24 +180,42 @@ SampleCells SampleCells::coarser(const SampleOrder& order, std::span<const Vec3f
     }
   });
   parents.cells_.back() = cells_.back();
-  parents.index_cells();
+  parents.index_cells(context);
   return parents;
 }
 
-void SampleCells::index_cells() {
-  table_.assign(std::bit_ceil(2 * size() + siblings), Slot{0, none});
-  for (size_t c = 0; c < size(); ++c) {
-    size_t at = hash_of(cells_[c].key) & (table_.size() - 1);
-    while (table_[at].cell != none) at = (at + next_place) & (table_.size() - 1);
-    table_[at] = {static_cast<uint32_t>(cells_[c].key), static_cast<uint32_t>(c)};
+void SampleCells::index_cells(const Context& context) {
+  constexpr size_t blocks_per_task = 16;
+  size_t places = 0;
+  for (size_t c = 0; c < size();) {
+    const size_t first = c;
+    while (c < size() && cells_[c].key >> tag_bits == cells_[first].key >> tag_bits) ++c;
+    const size_t own = std::bit_ceil(2 * (c - first) + siblings);
+    blocks_.push_back(
+        {cells_[first].key >> tag_bits, static_cast<uint32_t>(first), static_cast<uint32_t>(own - 1), places});
+    places += own;
   }
+  table_.resize(places);
+  parallel_for(context, blocks_.size(), blocks_per_task, [&](size_t b) {
+    const Block& block = blocks_[b];
+    Slot* const table = table_.data() + block.begin;
+    std::fill_n(table, size_t{block.mask} + 1, Slot{0, no_cell});
+    const size_t end = b + 1 < blocks_.size() ? blocks_[b + 1].first : size();
+    for (size_t c = block.first; c < end; ++c) {
+      const uint16_t tag = tag_of(cells_[c].key);
+      uint32_t at = hash_of(tag) & block.mask;
+      while (table[at].cell != no_cell) at = (at + next_place) & block.mask;
+      table[at] = {tag, static_cast<uint16_t>(c - block.first)};
+    }
+  });
 }
 
-uint32_t SampleCells::find(uint64_t key) const {
-  for (size_t at = hash_of(key);; at += next_place) {
-    const Slot slot = table_[at & (table_.size() - 1)];
-    if (slot.cell == none) return none;
-    if (slot.tag == static_cast<uint32_t>(key) && (3 * depth_ <= 32 || cells_[slot.cell].key == key)) return slot.cell;
+uint32_t SampleCells::find_in(const Block& block, uint64_t key) const {
+  const uint16_t tag = tag_of(key);
+  for (uint32_t at = hash_of(tag);; at += next_place) {
+    const Slot slot = table_[block.begin + (at & block.mask)];
+    if (slot.cell == no_cell) return none;
+    if (slot.tag == tag) return block.first + slot.cell;
   }
 }
 
@@ -205,6 +228,16 @@ std::array<uint32_t, 27> SampleCells::around(size_t cell) const {
     for (int step = -1; step <= 1; ++step)
       bits[static_cast<size_t>(axis)][static_cast<size_t>(step + 1)] =
           spread_coordinate(static_cast<uint64_t>(at[axis] + step)) << axis;
+  const auto block_of = [&](uint64_t k) {
+    const auto block = std::lower_bound(blocks_.begin(), blocks_.end(), k >> tag_bits,
+                                        [](const Block& b, uint64_t wanted) { return b.key < wanted; });
+    return block != blocks_.end() && block->key == k >> tag_bits ? &*block : nullptr;
+  };
+  const Block& own = *block_of(key);
+  const auto find = [&](uint64_t k) {
+    const Block* const block = k >> tag_bits == own.key ? &own : block_of(k);
+    return block ? find_in(*block, k) : none;
+  };
   const auto outside = [&](int axis, int step) { return at[axis] + step < 0 || at[axis] + step >= end; };
   std::array<uint32_t, 27> found{};
   for (int slot = 0; slot < 27; ++slot) {

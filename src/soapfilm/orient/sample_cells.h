@@ -82,19 +82,29 @@ class SampleCells {
 
  private:
   SampleCells() = default;
-  void index_cells();
-  uint32_t find(uint64_t key) const;
+  void index_cells(const Context& context);
+  struct Block;
+  uint32_t find_in(const Block& block, uint64_t key) const;
 
   int depth_ = 0;
   double side_ = 0;
   std::vector<Cell> cells_;  ///< by key; one more at the end
   std::vector<std::array<Facet, 2>> facets_;
   std::vector<uint8_t> second_;  ///< of each sample in the order: whether it belongs to its cell's second facet
-  struct Slot {
-    uint32_t tag;  ///< the key's low bits
-    uint32_t cell;
+  /// The cells of one cell some depths above are consecutive, and have a hash table of their own (open addressing): it
+  /// is found where they are, in the cache or on disk.
+  struct Block {
+    uint64_t key;
+    uint32_t first;  ///< cell
+    uint32_t mask;   ///< of places in its table
+    size_t begin;    ///< of its table
   };
-  std::vector<Slot> table_;  ///< of cells by a hash of their keys, open addressing
+  struct Slot {
+    uint16_t tag;   ///< the key's low bits
+    uint16_t cell;  ///< from the block's first one on
+  };
+  std::vector<Block> blocks_;  ///< by key
+  std::vector<Slot> table_;
 };
 
 }  // namespace soapfilm

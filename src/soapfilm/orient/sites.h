@@ -5,17 +5,31 @@
 #include <span>
 #include <vector>
 
+#include "soapfilm/context.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm {
 
-/// The different positions, relative to their least coordinates to keep precision at large offsets, in an order that
-/// follows from the places alone, whatever the order of the samples and of the axes.
-struct Sites {
-  std::vector<Vec3d> points;
-  std::vector<uint32_t> of_sample;
+/// The different positions, relative to their least coordinates to keep precision at large offsets. They are stored
+/// along a Morton curve: what is near in space is near in memory, or on disk.
+class Sites {
+ public:
+  Sites(const std::vector<Vec3d>& positions, const Context& context);
 
-  explicit Sites(const std::vector<Vec3d>& positions);
+  size_t size() const { return points_.size(); }
+  const std::vector<Vec3d>& points() const { return points_; }
+  const Vec3d& operator[](size_t site) const { return points_[site]; }
+  uint32_t of_sample(size_t sample) const { return of_sample_[sample]; }
+
+  /// Another order, where one is chosen among equals: it follows from the places alone, whatever the order of the
+  /// samples and of the axes.
+  uint64_t lot(uint32_t site) const;
+  bool before(uint32_t a, uint32_t b) const;
+
+ private:
+  std::vector<Vec3d> points_;
+  std::vector<uint32_t> of_sample_;
+  Box3d box_;
 };
 
 /// Normal of the plane through points around a center (sign arbitrary), and how well they fit it.

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "soapfilm/reconstruct.h"
+#include "soapfilm/run/order_samples.h"
 #include "soapfilm/run/run.h"
 
 namespace soapfilm {
@@ -14,6 +15,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructParams& par
 
 Reconstruction reconstruct(PointCloud&& cloud, const ReconstructParams& params, const Context& context) {
   PointCloud owned = std::move(cloud);
+  order_samples(owned, context);
   Reconstruction result = run(owned, &owned, params, context);
   remove_kept_stages(context);
   return result;
