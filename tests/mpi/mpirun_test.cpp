@@ -59,7 +59,7 @@ class Mpirun : public testing::Test {
     ASSERT_EQ(run_process(program({"scan", "knot", "--samples", "60000", "-o", folder.file("scan"), "-q"})).exit_code,
               0);
   }
-  Words reconstruct(const std::string& to, int resolution = 240) const {
+  Words reconstruct(const std::string& to, int resolution = 300) const {
     return {"reconstruct",  folder.file("scan") + "/samples.ply", "-o",        folder.file(to),
             "--resolution", std::to_string(resolution),           "--threads", "1"};
   }

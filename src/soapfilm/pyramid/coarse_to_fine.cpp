@@ -142,7 +142,7 @@ class Descent {
   /// A level without a band, solved from the coarser one, solved with less of lambda, if there is one: on the bricks
   /// around its data, and on more of them as long as the surface ends where they do and finer levels start from it.
   /// (The bounds of a rough solution are valid on any bricks.)
-  Level without_band(Level& coarse, const SupportField& field, LevelReport& report) const {
+  Level without_band(const Level& coarse, const SupportField& field, LevelReport& report) const {
     const LevelBox box = lattice_.box(report.level);
     const auto lambda = static_cast<float>(lambda_ * report.lambda_share * face_area(box.level));
     for (double most = most_bricks;; most *= more_bricks) {

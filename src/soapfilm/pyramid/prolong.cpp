@@ -194,18 +194,16 @@ Layers parents_of(Layers fine) {
 }
 
 /// Brings what a rank needs of the coarse level and of the previous one, which may be null.
-void bring_sources(Level& coarse, Level* previous, const Level& fine) {
-  if (!fine.slabs) {
-    complete(coarse);
-    if (previous) complete(*previous);
-    return;
-  }
-  if (coarse.slabs)
-    bring_bricks(coarse, fine.slabs->parts(
-                             [&](Layers layers) { return bricks_of(coarse.grid, parents_of(layers).widened(1, 1)); }));
-  if (previous && previous->slabs)
-    bring_bricks(*previous,
-                 fine.slabs->parts([&](Layers layers) { return bricks_of(previous->grid, layers.widened(1, 1)); }));
+void bring_sources(const Level& coarse, const Level* previous, const Level& fine) {
+  const auto bring_layers = [&](const Level& level, auto&& needed) {
+    if (!level.slabs) return;
+    const ItemRange all{0, level.grid.size()};
+    bring_bricks(level, fine.slabs
+                            ? fine.slabs->parts([&](Layers layers) { return bricks_of(level.grid, needed(layers)); })
+                            : std::vector<ItemRange>(level.slabs->count(), all));
+  };
+  bring_layers(coarse, [](Layers layers) { return parents_of(layers).widened(1, 1); });
+  if (previous) bring_layers(*previous, [](Layers layers) { return layers.widened(1, 1); });
 }
 
 /// The fine level without its state.
@@ -261,14 +259,14 @@ Level prolong_layers(const Level& coarse, Level fine, const SupportField& suppor
 
 }  // namespace
 
-Level prolong_level(Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context) {
   Level fine = make_finer(coarse, box, band, support, context);
   bring_sources(coarse, nullptr, fine);
   return prolong_layers(coarse, std::move(fine), support, context, nullptr, [](int) {});
 }
 
-Level prolong_level(Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context, Level&& previous) {
   Level fine = make_finer(coarse, box, band, support, context);
   bring_sources(coarse, &previous, fine);

@@ -18,11 +18,11 @@ namespace soapfilm {
 /// a mean flux as 0.25 (0.5 (below + upper)). `band` may hold only children of the coarse band's bricks; all children
 /// of its support bricks must be among these.
 /// Where the context has ranks it comes in slabs, and what a rank lacks of `coarse` is brought there.
-Level prolong_level(Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context);
 /// The same, but bricks of `previous` (the same level on a smaller band) keep their state; the memory of its u and p is
 /// freed as they are copied.
-Level prolong_level(Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context, Level&& previous);
 /// The same without `previous`, but u and p of `coarse` are freed as they are used: afterwards only its grid may be
 /// used.

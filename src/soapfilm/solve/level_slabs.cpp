@@ -17,7 +17,8 @@ void bring_state(Level& level, const std::vector<ItemRange>& wanted) {
 
 }  // namespace
 
-void bring_bricks(Level& level, const std::vector<ItemRange>& wanted) {
+void bring_bricks(const Level& of_ranks, const std::vector<ItemRange>& wanted) {
+  auto& level = const_cast<Level&>(of_ranks);  // what others own is written
   bring_state(level, wanted);
   std::vector<ItemRange> planes, wanted_planes;
   for (const ItemRange& part : owned_bricks(level)) planes.push_back(level.rim.planes(part));
