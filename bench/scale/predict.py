@@ -1,0 +1,54 @@
+"""What larger surveys will need: predict.py NOTES PAGE
+
+NOTES has the rows that survey.py has measured, PAGE gets them and predictions: everything but the memory grows with the
+points at the same density and voxel, from the largest measured survey on."""
+import re
+import sys
+from pathlib import Path
+
+MILLIONS = (100, 300, 1000)  # predicted
+GIB = 2**30
+HEAD = ("| points | | memory | disk | CPU | on one core | read from disk | triangles |\n"
+        "|---|---|---|---|---|---|---|---|\n")
+
+
+def measured(notes):
+    """Rows of survey.py: millions of points and what they took, GB, hours and millions."""
+    found = []
+    for line in Path(notes).read_text().splitlines():
+        cells = [c.strip() for c in line.strip("|").split("|")]
+        if len(cells) < 11 or "million points" not in cells[0]:
+            continue
+        size, unit = cells[3].split()
+        disk = float(size) * {"MiB": 2**20, "GiB": GIB}[unit] / 1e9
+        cpu = sum(float(part) for part in cells[4].split("+"))
+        found.append({"points": float(re.match(r"[\d.]+", cells[0]).group()), "memory": float(cells[2]), "disk": disk,
+                      "cpu": cpu / 3600, "elapsed": float(cells[5]) / 3600, "read": float(cells[6]),
+                      "triangles": float(cells[8])})
+    return sorted(found, key=lambda row: row["points"])
+
+
+def predicted(largest, millions):
+    times = millions / largest["points"]
+    return {key: value * times for key, value in largest.items()}
+
+
+def line_of(row, kind):
+    hours = lambda h: f"{h * 60:.0f} min" if h < 2 else f"{h:.0f} h"
+    memory = f"{row['memory']:.2g} GB"
+    return (f"| {row['points']:.0f} million | {kind} | {memory} | {row['disk']:.2g} GB | {hours(row['cpu'])} "
+            f"| {hours(row['elapsed'])} | {row['read'] / 1000:.2g} TB | {row['triangles']:.0f} million |")
+
+
+def main():
+    notes, page = sys.argv[1:3]
+    rows = measured(notes)
+    lines = [line_of(row, "measured") for row in rows]
+    lines += [line_of(predicted(rows[-1], millions), "predicted") for millions in MILLIONS if millions > rows[-1]["points"]]
+    begin, end = "<!-- predict.py -->\n", "<!-- end of predict.py -->"
+    text = Path(page).read_text()
+    Path(page).write_text(text.split(begin)[0] + begin + HEAD + "\n".join(lines) + "\n" + end + text.split(end)[1])
+
+
+if __name__ == "__main__":
+    main()
