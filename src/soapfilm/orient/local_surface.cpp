@@ -68,11 +68,12 @@ class Survey {
       --depth;
     }
     surface_.planes = 0;
-    for (size_t i = 0; i < positions_.size(); ++i) {
-      const bool edge = surface_.normal[i] == Vec3f{} && first_filled_[i] == coarsest;
-      if (edge || state_[i] == State::to_confirm) surface_.spacing[i] = 0;  // no coarser cells to confirm it
+    for (size_t k = 0; k < order_.size(); ++k) {
+      const uint32_t i = order_.sample(k);
+      const bool edge = surface_.normal[i] == Vec3f{} && first_filled_[k] == coarsest;
+      if (edge || state_[k] == State::to_confirm) surface_.spacing[i] = 0;  // no coarser cells to confirm it
       surface_.planes += surface_.is_plane(i);
-      surface_.line[i] = first_company_[i] - first_filled_[i] >= line_depths;
+      surface_.line[i] = first_company_[k] - first_filled_[k] >= line_depths;
     }
     surface_.coverage = cover_area(surface_, order_);
     return std::move(surface_);
@@ -136,10 +137,11 @@ class Survey {
     const double per_area = sum.planes > 0 ? static_cast<double>(sum.planes) / sum.area.value() : 0;
     return sum_chunks<size_t>(positions_.size(), at_once, context_, [&](size_t begin, size_t end) {
       size_t doubted = 0;
-      for (size_t i = begin; i < end; ++i) {
-        if (state_[i] != State::found) continue;
+      for (size_t k = begin; k < end; ++k) {
+        if (state_[k] != State::found) continue;
+        const uint32_t i = order_.sample(k);
         const bool doubt = surface_.is_plane(i) && surface_.area[i] * per_area > large;
-        state_[i] = doubt ? State::to_confirm : State::settled;
+        state_[k] = doubt ? State::to_confirm : State::settled;
         doubted += doubt;
       }
       return doubted;
@@ -165,40 +167,40 @@ class Survey {
   size_t settle_cell(const SampleCells& cells, size_t c, int depth, SideStatistics& sides) {
     const uint32_t first = cells[c].begin, last = cells[c + 1].begin;
     bool any = false;
-    for (uint32_t k = first; k < last && !any; ++k) any = state_[order_.sample(k)] != State::settled;
+    for (uint32_t k = first; k < last && !any; ++k) any = state_[k] != State::settled;
     if (!any) return 0;
     const FacetsAround around = measure_surroundings(cells, c);
     std::array<std::optional<FacetPlane>, 2> planes;
     std::array<size_t, 2> found_now{};
     size_t left = 0;
     for (uint32_t k = first; k < last; ++k) {
+      if (state_[k] == State::settled) continue;
       const uint32_t i = order_.sample(k);
-      if (state_[i] == State::settled) continue;
-      if (first_company_[i] == 0 && around.count >= company) first_company_[i] = static_cast<uint8_t>(depth);
+      if (first_company_[k] == 0 && around.count >= company) first_company_[k] = static_cast<uint8_t>(depth);
       const size_t side = cells.side_of(k);
       if (!planes[side]) planes[side] = plane_of(around, cells.facets(c)[side]);
       const FacetPlane& plane = *planes[side];
-      if (state_[i] == State::to_confirm) {
-        state_[i] = State::settled;
+      if (state_[k] == State::to_confirm) {
+        state_[k] = State::settled;
         if (!plane.confirms(surface_.normal[i])) surface_.spacing[i] = 0;
         continue;
       }
-      const bool is_first = first_filled_[i] == 0;
-      if (first_filled_[i] == depth + 1 && !plane.confirms_edge()) surface_.spacing[i] = 0;
+      const bool is_first = first_filled_[k] == 0;
+      if (first_filled_[k] == depth + 1 && !plane.confirms_edge()) surface_.spacing[i] = 0;
       const bool found = is_first ? plane.found : plane.found_far;
       if (plane.filled && (found || is_first)) {
         surface_.area[i] = static_cast<float>(rounded(plane.area * cells.side() * cells.side()));
         surface_.spacing[i] = plane.agrees() ? static_cast<float>(rounded(plane.spacing * cells.side())) : 0.0f;
       }
-      if (plane.filled && is_first) first_filled_[i] = static_cast<uint8_t>(depth);
+      if (plane.filled && is_first) first_filled_[k] = static_cast<uint8_t>(depth);
       if (found) {
         surface_.normal[i] = rounded_unit(plane.normal);
-        state_[i] = State::found;
+        state_[k] = State::found;
         found_now[side] += plane.agrees();
         continue;
       }
-      if (first_filled_[i] >= depth + coarser_at_most) state_[i] = State::settled;  // an edge, or no surface
-      left += state_[i] != State::settled;
+      if (first_filled_[k] >= depth + coarser_at_most) state_[k] = State::settled;  // an edge, or no surface
+      left += state_[k] != State::settled;
     }
     const double cell = cells.side() / order_.longest();
     for (size_t side = 0; side < 2; ++side)
@@ -210,9 +212,10 @@ class Survey {
   std::span<const Vec3f> directions_;
   SampleOrder order_;
   const Context& context_;
-  std::vector<uint8_t> first_filled_;   ///< depth of each sample's first filled cells; 0: none yet
-  std::vector<uint8_t> first_company_;  ///< depth at which cells around each sample first hold others; 0: none yet
-  std::vector<State> state_;            ///< of each sample
+  // Of each sample, in the order.
+  std::vector<uint8_t> first_filled_;   ///< depth of its first filled cells; 0: none yet
+  std::vector<uint8_t> first_company_;  ///< depth at which cells around it first hold others; 0: none yet
+  std::vector<State> state_;
   LocalSurface surface_;
 };
 
