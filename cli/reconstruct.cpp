@@ -39,6 +39,7 @@
 #include "soapfilm/io/sets/input_files.h"
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/run/defaults.h"
+#include "soapfilm/run/order_samples.h"
 #include "soapfilm/run/run.h"
 #include "tools/evaluate/check_result.h"
 
@@ -276,6 +277,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
       stages.run("read", [&] { return read_input(options, options.params.surface.attributes, context, read); });
   check_names(options, read);
   if (global.ranks) check_agreement(*global.ranks, options.params, cloud);
+  order_samples(cloud, context);
   if (options.preview) make_preview(options.params, cloud, progress);
   LevelFiles levels;
   const bool checks = options.params.checked = options.check || !options.report.empty();
