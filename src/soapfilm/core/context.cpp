@@ -46,6 +46,7 @@ Context::State::State(const State& parent, Progress* whole, double begin, double
       stopped_by(parent.stopped_by),
       kernels(parent.kernels),
       device(parent.device),
+      ranks(parent.ranks),
       threads(parent.threads),
       pages(parent.pages),
       memory_limit(parent.memory_limit),
@@ -86,9 +87,18 @@ std::string Context::scratch_folder() const {
   return folder.string();
 }
 
-Context silenced(const Context& context) {
-  return Context(std::make_unique<Context::State>(context.state(), nullptr, 0, 1));
+namespace {
+
+Context without_ranks(const Context& context, Progress* whole) {
+  auto state = std::make_unique<Context::State>(context.state(), whole, 0, 1);
+  state->ranks = nullptr;
+  return Context(std::move(state));
 }
+
+}  // namespace
+
+Context silenced(const Context& context) { return without_ranks(context, nullptr); }
+Context alone(const Context& context) { return without_ranks(context, context.state().reports); }
 Context part_of(const Context& context, double begin, double end) {
   return Context(std::make_unique<Context::State>(context.state(), context.state().reports, begin, end));
 }

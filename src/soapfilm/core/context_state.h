@@ -16,6 +16,7 @@ namespace soapfilm {
 
 class Device;
 struct Kernels;
+class Ranks;
 
 /// Reports its fractions as fractions from `begin` to `end` of a whole.
 struct PartOfProgress : Progress {
@@ -41,6 +42,7 @@ struct Context::State {
   const Progress* stopped_by;
   std::shared_ptr<const Kernels> kernels;
   std::shared_ptr<const Device> device;  ///< device/device.h; null: the CPU
+  std::shared_ptr<Ranks> ranks;          ///< core/ranks.h; null: the run has one process
   std::shared_ptr<Threads> threads;
   PagePool pages;
   std::optional<size_t> memory_limit;
@@ -50,8 +52,10 @@ struct Context::State {
   std::function<void(const std::string& folder)> move_vectors;
 };
 
-/// Within a stage: the same context, and must not outlive it. It reports nothing.
+/// Within a stage: the same context, and must not outlive it. It reports nothing, and each rank does all of its work.
 Context silenced(const Context& context);
+/// The same context, and must not outlive it, but each rank does all of its work.
+Context alone(const Context& context);
 /// Its fractions [0, 1] are reported as fractions from `begin` to `end`, in [0, 1], of `context`.
 Context part_of(const Context& context, double begin, double end);
 /// The same context, and must not outlive it, but what `device` can do runs there; null: on the CPU.
@@ -59,6 +63,7 @@ Context on_device(const Context& context, std::shared_ptr<const Device> device);
 
 inline const Kernels& kernels_of(const Context& context) { return *context.state().kernels; }
 inline const Device* device_of(const Context& context) { return context.state().device.get(); }
+inline Ranks* ranks_of(const Context& context) { return context.state().ranks.get(); }
 inline const PagePool& pages_of(const Context& context) { return context.state().pages; }
 
 }  // namespace soapfilm

@@ -78,12 +78,16 @@ unsigned infeasible_octants(const Level& level, size_t brick) {
 /// The children with a part of the interface, or where the prolonged dual might leave the ball.
 BrickMask interface_children(const Level& coarse, const std::vector<BrickBits>& interface, Vec3i fine_bricks,
                              const Context& context) {
+  std::vector<uint8_t> octants(coarse.grid.size());
+  for_each_brick(octants, coarse.grid, coarse.slabs.get(), 64, context, [&](size_t b) {
+    unsigned found = octants_of(interface[b]);
+    if (found != all_octants) found |= infeasible_octants(coarse, b);
+    octants[b] = static_cast<uint8_t>(found);
+  });
   BrickMask mask(fine_bricks);
-  parallel_for(context, coarse.grid.size(), 64, [&](size_t b) {
-    unsigned octants = octants_of(interface[b]);
-    if (octants != all_octants) octants |= infeasible_octants(coarse, b);
+  parallel_for(context, octants.size(), 64, [&](size_t b) {
     for (int k = 0; k < 8; ++k)
-      if (octants >> k & 1u) mask.set_shared(child_of(coarse.grid.coord(b), k));
+      if (octants[b] >> k & 1u) mask.set_shared(child_of(coarse.grid.coord(b), k));
   });
   return mask;
 }
@@ -163,7 +167,8 @@ BrickMask choose_band(const Level& coarse, const LevelBox& box, const SupportFie
     return band;
   }
   std::vector<double> gap(support.grid.size());
-  parallel_for(context, gap.size(), 64, [&](size_t b) {
+  const auto z_of_parent = [&](size_t b) { return support.grid.coord(b).z >> 1; };
+  for_each_item(gap, coarse.slabs.get(), 64, context, z_of_parent, [&](size_t b) {
     const Vec3i c = support.grid.coord(b);
     if (band.test(c)) return;
     const auto parent = static_cast<size_t>(coarse.grid.find(parent_of(c)));
@@ -198,8 +203,8 @@ BrickMask choose_band_in(const BrickMask& places, const Level& coarse, const Lev
 }
 
 BrickMask growth(const Level& level, const BrickGrid* coarse, const Context& context) {
-  BrickMask grown(level.box.bricks);
-  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
+  std::vector<uint8_t> grows(level.grid.size());  // a bit for each side
+  for_each_brick(grows, level.grid, level.slabs.get(), 64, context, [&](size_t b) {
     const float* u = level.u.brick(b);
     const FreeRange range = free_range(level.box, level.grid.coord(b));
     const bool ends = level.box.open && !range.whole();
@@ -219,9 +224,14 @@ BrickMask growth(const Level& level, const BrickGrid* coarse, const Context& con
           if (ends && !is_free(range, offset + static_cast<int>(layer - u))) continue;
           reached = (layer[offset] > 0.5f) != outside_is_inside;
         }
-        if (reached) grown.set_shared(next);
+        if (reached) grows[b] |= static_cast<uint8_t>(1 << (2 * axis + up));
       }
   });
+  BrickMask grown(level.box.bricks);
+  for (size_t b = 0; b < grows.size(); ++b)
+    for (int side = 0; side < 6 && grows[b] != 0; ++side)
+      if (grows[b] >> side & 1)
+        grown.set(level.grid.coord(b) + slot_offset(side % 2 == 1 ? slot_up[side / 2] : slot_down[side / 2]));
   return grown;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "soapfilm/core/context_state.h"
 #include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/pyramid/band.h"
 #include "soapfilm/pyramid/prolong.h"
@@ -263,12 +264,15 @@ float flux_kept(int level) { return level == 0 ? 1.0f : level == 1 ? 0.95f : 0.9
 PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField& support, double lambda,
                                      const PrimalDualParams& params, const Context& context, Norm norm,
                                      const PyramidObserver& observe) {
-  return Descent(lattice, support, lambda, params, context, norm, observe).to(0);
+  // What is observed is whole.
+  const bool observed = observe.solved || observe.evaluated;
+  return Descent(lattice, support, lambda, params, observed ? alone(context) : part_of(context, 0, 1), norm, observe)
+      .to(0);
 }
 
 PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
                                     const RoughParams& params, const Context& context, const PyramidObserver& observe) {
-  return Descent(lattice, support, lambda, params.solver, context, params.norm, observe).roughly_to(params.last);
+  return Descent(lattice, support, lambda, params.solver, alone(context), params.norm, observe).roughly_to(params.last);
 }
 
 }  // namespace soapfilm

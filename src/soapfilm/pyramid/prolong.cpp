@@ -9,6 +9,7 @@
 #include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/grid/window.h"
 #include "soapfilm/pyramid/children.h"
+#include "soapfilm/solve/level_slabs.h"
 
 namespace soapfilm {
 
@@ -118,7 +119,9 @@ void prolong_children(const Level& coarse, size_t brick, Level& fine, const Leve
 
 /// Sets the flux to 0 on faces that an open box does not have: a coarser level's cells may extend beyond the border.
 void cut_off_flux(Level& level, const Context& context) {
-  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
+  const ItemRange bricks = bricks_at_hand(level);
+  parallel_for(context, bricks.size(), 64, [&](size_t k) {
+    const size_t b = bricks.begin + k;
     if (!at_border(level.box, level.grid.coord(b))) return;
     for (int axis = 0; axis < 3; ++axis) {
       float* p = level.p.brick(b, axis);
@@ -184,22 +187,53 @@ GapSides sides_in_places(const Level& coarse, const Level& fine) {
   return GapSides(std::move(inside));
 }
 
-/// By slices of coarse bricks; used(z) is called when nothing of the coarse level below layer z is read any
-/// more, and of the previous level no child of layer z.
-template <class Used>
-Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
-                     const Context& context, const Level* previous, Used&& used,
-                     std::shared_ptr<const BrickMask> places = {}) {
+/// The coarse layers that a slab of the fine level and the layers next to it are prolonged from.
+Layers parents_of(Layers fine) {
+  const Layers at_hand = fine.widened(1, 1);
+  return {at_hand.begin >> 1, ((at_hand.end - 1) >> 1) + 1};
+}
+
+/// Brings what a rank needs of the coarse level and of the previous one, which may be null.
+void bring_sources(const Level& coarse, const Level* previous, const Level& fine) {
+  const auto bring_layers = [&](const Level& level, auto&& needed) {
+    if (!level.slabs) return;
+    const ItemRange all{0, level.grid.size()};
+    bring_bricks(level, fine.slabs
+                            ? fine.slabs->parts([&](Layers layers) { return bricks_of(level.grid, needed(layers)); })
+                            : std::vector<ItemRange>(level.slabs->count(), all));
+  };
+  bring_layers(coarse, [](Layers layers) { return parents_of(layers).widened(1, 1); });
+  if (previous) bring_layers(*previous, [](Layers layers) { return layers.widened(1, 1); });
+}
+
+/// The fine level without its state.
+Level make_finer(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
+                 const Context& context) {
   Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, context, coarse.norm);
-  fine.places = std::move(places);
+  fine.slabs = Slabs::of(fine.grid, context);
+  return fine;
+}
+
+/// Prolongs by slices of coarse bricks; used(z) is called when nothing of the coarse level below layer z is read any
+/// more, and of the previous level no child of layer z. Of a level in slabs those that this rank needs.
+template <class Used>
+Level prolong_layers(const Level& coarse, Level fine, const SupportField& support, const Context& context,
+                     const Level* previous, Used&& used) {
+  const LevelBox& box = fine.box;
   std::vector<LeftOut> left_out(fine.places ? 0 : coarse.grid.size());
-  const Device* device = fine.places ? nullptr : device_of(context);
+  if (fine.slabs)
+    for_each_item(
+        left_out, fine.slabs.get(), 16, context, [&](size_t b) { return 2 * coarse.grid.coord(b).z; },
+        [&](size_t b) { left_out[b] = left_out_children(coarse, b, fine, support); });
+  const Layers layers = fine.slabs ? parents_of(fine.slabs->own()) : Layers{0, coarse.box.bricks.z};
+  const Device* device = fine.places || fine.slabs ? nullptr : device_of(context);
   const bool prolonged = device && device->prolong_state(coarse, previous, fine, context);
   for (const BrickGrid::Slice& slice : coarse.grid.slices()) {
+    if (slice.z < layers.begin || slice.z >= layers.end) continue;
     supply_pages(fine, slice.z);
     parallel_for(context, slice.end - slice.begin, 16, [&, first = slice.begin](size_t i) {
       if (!prolonged) prolong_children(coarse, first + i, fine, previous);
-      if (!fine.places) left_out[first + i] = left_out_children(coarse, first + i, fine, support);
+      if (!fine.places && !fine.slabs) left_out[first + i] = left_out_children(coarse, first + i, fine, support);
     });
     used(slice.z);
   }
@@ -227,30 +261,35 @@ Level prolong_layers(const Level& coarse, const LevelBox& box, const BrickMask& 
 
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context) {
-  return prolong_layers(coarse, box, band, support, context, nullptr, [](int) {});
+  Level fine = make_finer(coarse, box, band, support, context);
+  bring_sources(coarse, nullptr, fine);
+  return prolong_layers(coarse, std::move(fine), support, context, nullptr, [](int) {});
 }
 
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context, Level&& previous) {
-  return prolong_layers(coarse, box, band, support, context, &previous,
+  Level fine = make_finer(coarse, box, band, support, context);
+  bring_sources(coarse, &previous, fine);
+  return prolong_layers(coarse, std::move(fine), support, context, &previous,
                         [&](int z) { give_back_below(previous, 2 * z + 2); });
 }
 
 Level prolong_in_places(const Level& coarse, const LevelBox& box, const BrickMask& band,
                         std::shared_ptr<const BrickMask> places, const SupportField& support, const Context& context,
                         Level* previous) {
-  return prolong_layers(
-      coarse, box, band, support, context, previous,
-      [&](int z) {
-        if (previous) give_back_below(*previous, 2 * z + 2);
-      },
-      std::move(places));
+  Level fine = make_level(box, 0.25f * coarse.lambda, band, support.grid, support.f, context, coarse.norm);
+  fine.places = std::move(places);
+  return prolong_layers(coarse, std::move(fine), support, context, previous, [&](int z) {
+    if (previous) give_back_below(*previous, 2 * z + 2);
+  });
 }
 
 Level prolong_level(Level&& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context) {
+  Level fine = make_finer(coarse, box, band, support, context);
+  bring_sources(coarse, nullptr, fine);
   // The next layer reads this one through its low faces and windows.
-  return prolong_layers(coarse, box, band, support, context, nullptr, [&](int z) { give_back_below(coarse, z); });
+  return prolong_layers(coarse, std::move(fine), support, context, nullptr, [&](int z) { give_back_below(coarse, z); });
 }
 
 }  // namespace soapfilm

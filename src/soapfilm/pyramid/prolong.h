@@ -17,6 +17,7 @@ namespace soapfilm {
 /// On the context's device (Device::prolong_state); bits, in float: u as 0.75 near + 0.25 far along x, then y, then z,
 /// a mean flux as 0.25 (0.5 (below + upper)). `band` may hold only children of the coarse band's bricks; all children
 /// of its support bricks must be among these.
+/// Where the context has ranks it comes in slabs, and what a rank lacks of `coarse` is brought there.
 Level prolong_level(const Level& coarse, const LevelBox& box, const BrickMask& band, const SupportField& support,
                     const Context& context);
 /// The same, but bricks of `previous` (the same level on a smaller band) keep their state; the memory of its u and p is

@@ -8,6 +8,7 @@
 #include "soapfilm/reconstruct.h"
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/labels.h"
+#include "soapfilm/solve/level_slabs.h"
 
 namespace soapfilm {
 
@@ -61,6 +62,7 @@ std::optional<GapField> find_gap(const Level& level, const Certificate& certific
 
 VolumeInterval volumes_near(Level& level, const Certificate& certificate, const ReconstructParams& params,
                             const Context& context) {
+  complete(level);
   return find_volume_interval(
       level,
       {static_cast<float>(params.surface.threshold), certificate.relaxed.primal, *params.surface.volume_interval},

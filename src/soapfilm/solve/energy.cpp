@@ -198,20 +198,20 @@ template <class Coord, class Term>
 Bricks(size_t, Coord, Term) -> Bricks<Coord, Term>;
 
 template <class Coord, class Term>
-EnergyTerms sum_over(const Bricks<Coord, Term>& bricks, const Context& context) {
-  return ordered_sum<EnergyTerms>(bricks.count, context, bricks.coord, bricks.term);
+EnergyTerms sum_over(const Bricks<Coord, Term>& bricks, const Slabs* slabs, const Context& context) {
+  return ordered_sum<EnergyTerms>(bricks.count, slabs, context, bricks.coord, bricks.term);
 }
 
 /// The same from one in four bricks, or from all of few.
 template <class Coord, class Term>
-EnergyTerms estimate_over(const Bricks<Coord, Term>& bricks, const Context& context) {
+EnergyTerms estimate_over(const Bricks<Coord, Term>& bricks, const Slabs* slabs, const Context& context) {
   constexpr size_t few = 512, stride = 4;
-  if (bricks.count <= few) return sum_over(bricks, context);
+  if (bricks.count <= few) return sum_over(bricks, slabs, context);
   std::vector<size_t> some;
   for (size_t b = 0; b < bricks.count; ++b)
     if (is_sampled(bricks.coord(b), stride)) some.push_back(b);
   EnergyTerms sum = ordered_sum<EnergyTerms>(
-      some.size(), context, [&](size_t k) { return bricks.coord(some[k]); },
+      some.size(), slabs, context, [&](size_t k) { return bricks.coord(some[k]); },
       [&](size_t k) { return bricks.term(some[k]); });
   const double share = some.empty() ? 1 : static_cast<double>(bricks.count) / static_cast<double>(some.size());
   for (double* term : {&sum.variation, &sum.data, &sum.dual, &sum.gap}) *term *= share;
@@ -255,14 +255,14 @@ double Energies::relative_gap_band(double lambda) const { return gap_band / std:
 
 Energies evaluate_energy(const Level& level, const EnergyOptions& options, const Context& context) {
   Evaluator evaluator{level, options.threshold, 1.0, kernels_of(context).energy(level.norm)};
-  EnergyTerms sum = sum_over(bricks_of(evaluator), context);
+  EnergyTerms sum = sum_over(bricks_of(evaluator), level.slabs.get(), context);
   const double max_norm = std::sqrt(sum.max_norm_squared) / level.lambda;
   if (options.certify && max_norm > 1) {
     evaluator.p_scale = 1 / max_norm;
-    sum = sum_over(bricks_of(evaluator), context);
+    sum = sum_over(bricks_of(evaluator), level.slabs.get(), context);
   }
   const std::vector<Vec3i> below = bricks_below_band(level, context);
-  sum += sum_over(rim_of(evaluator, below), context);
+  sum += sum_over(rim_of(evaluator, below), level.slabs.get(), context);
   Energies e = energies_of(level, sum, evaluator.p_scale);
   e.max_dual_norm = max_norm;
   return e;
@@ -272,19 +272,24 @@ Field<float> local_gap(const Level& level, const EnergyOptions& options, double 
   const double p_scale = options.certify ? 1 / std::max(1.0, max_dual_norm) : 1;
   const Evaluator evaluator{level, options.threshold, p_scale, kernels_of(context).energy(level.norm)};
   Field<float> gap(level.grid, pages_of(context));
-  parallel_for(context, level.grid.size(), 256, [&](size_t b) {
+  const ItemRange own = level.slabs ? bricks_of(level.grid, level.slabs->own()) : ItemRange{0, level.grid.size()};
+  parallel_for(context, own.size(), 256, [&](size_t k) {
+    const size_t b = own.begin + k;
     float* of_vertex = gap.brick(b);
     evaluator.brick_terms(b, of_vertex);
     for (int v = 0; v < brick_volume; ++v) of_vertex[v] /= level.lambda;
   });
+  if (level.slabs)
+    bring_all(level.slabs->ranks(), level.slabs->parts([&](Layers layers) { return bricks_of(level.grid, layers); }),
+              {{gap.brick(0), brick_volume * sizeof(float)}});
   return gap;
 }
 
 double estimate_gap(const Level& level, const Context& context) {
   const Evaluator evaluator{level, {}, 1.0, kernels_of(context).energy(level.norm)};
-  EnergyTerms sum = estimate_over(bricks_of(evaluator), context);
+  EnergyTerms sum = estimate_over(bricks_of(evaluator), level.slabs.get(), context);
   const std::vector<Vec3i> below = bricks_below_band(level, context);
-  sum += estimate_over(rim_of(evaluator, below), context);
+  sum += estimate_over(rim_of(evaluator, below), level.slabs.get(), context);
   return energies_of(level, sum, evaluator.p_scale).relative_gap_band(level.lambda);
 }
 

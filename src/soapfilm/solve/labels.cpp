@@ -84,7 +84,8 @@ std::vector<BrickBits> LabelView::interfaces(const Context& context) const {
 
 std::vector<BrickBits> bits_above(const Level& level, float threshold, const Context& context) {
   std::vector<BrickBits> bits(level.grid.size());
-  parallel_for(context, bits.size(), 64, [&](size_t b) { bits[b] = BrickBits::above(level.u.brick(b), threshold); });
+  for_each_brick(bits, level.grid, level.slabs.get(), 64, context,
+                 [&](size_t b) { bits[b] = BrickBits::above(level.u.brick(b), threshold); });
   return bits;
 }
 

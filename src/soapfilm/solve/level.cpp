@@ -21,6 +21,13 @@ Rim::Rim(const BrickGrid& grid, const PagePool& pages) : plane_(grid.size()) {
   flux_ = AlignedArray<float>(static_cast<size_t>(planes) * brick_area, pages);
 }
 
+size_t Rim::planes_before(size_t brick) const {
+  for (; brick < plane_.size(); ++brick)
+    for (const int32_t plane : plane_[brick])
+      if (plane != no_plane) return static_cast<size_t>(plane);
+  return flux_.size() / brick_area;
+}
+
 const float* LevelProblem::data(size_t brick) const {
   const int32_t k = f_brick[brick];
   return k < 0 ? zeros : f->brick(static_cast<size_t>(k));
@@ -45,16 +52,22 @@ Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const
 }
 
 void scale_flux(Level& level, float share, const Context& context) {
-  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
+  const ItemRange bricks = bricks_at_hand(level);
+  parallel_for(context, bricks.size(), 64, [&](size_t b) {
     for (int axis = 0; axis < 3; ++axis) {
-      float* p = level.p.brick(b, axis);
+      float* p = level.p.brick(bricks.begin + b, axis);
       for (int i = 0; i < brick_volume; ++i) p[i] *= share;
     }
   });
-  AlignedArray<float>& rim = level.rim.flux();
-  for (size_t i = 0; i < rim.size(); ++i) rim.data()[i] *= share;
+  const ItemRange planes = level.rim.planes(bricks);
+  float* rim = level.rim.flux().data();
+  for (size_t i = planes.begin * brick_area; i < planes.end * brick_area; ++i) rim[i] *= share;
   OutsideTerms& outside = level.outside;
   outside = {outside.data, outside.gain, outside.dual_of_scaled(share), outside.gap_of_scaled(share)};
+}
+
+ItemRange bricks_at_hand(const Level& level) {
+  return level.slabs ? bricks_of(level.grid, level.slabs->own().widened(1, 1)) : ItemRange{0, level.grid.size()};
 }
 
 LowFace low_face(const Level& level, size_t brick, int axis) {

@@ -8,6 +8,7 @@
 #include "soapfilm/context.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
+#include "soapfilm/grid/slabs.h"
 #include "soapfilm/kernels/low_face.h"
 #include "soapfilm/kernels/norm.h"
 #include "soapfilm/solve/domain.h"
@@ -31,8 +32,12 @@ class Rim {
   }
   const float* plane(size_t brick, int axis) const { return const_cast<Rim*>(this)->plane(brick, axis); }
   AlignedArray<float>& flux() { return flux_; }  ///< all planes
+  /// The planes of some bricks: those of neighboring bricks are neighbors.
+  ItemRange planes(ItemRange bricks) const { return {planes_before(bricks.begin), planes_before(bricks.end)}; }
 
  private:
+  size_t planes_before(size_t brick) const;
+
   std::vector<std::array<int32_t, 3>> plane_;
   AlignedArray<float> flux_;
 };
@@ -86,6 +91,9 @@ struct LevelState {
       p;  ///< dual: p_k of the face between a vertex and the next along axis k; |p| <= lambda by the norm's dual
   Rim rim;
   OutsideTerms outside;  ///< of the domain that has no bricks
+  /// If not null a rank has u, p and rim of its slab and of the layers next to it alone. Those are as they were when
+  /// ranks last exchanged them (solve/level_slabs.h): functions of a level take them to be up to date.
+  std::shared_ptr<const Slabs> slabs;
 };
 
 struct Level : LevelProblem, LevelState {
@@ -111,6 +119,9 @@ constexpr uint64_t level_bytes(uint64_t bricks) {
 /// A level whose u and p are zero and whose fluxes at the band boundary are zero.
 Level make_level(const LevelBox& box, float lambda, const BrickMask& band, const BrickGrid& support,
                  const Field<float>& f, const Context& context, Norm norm = Norm::isotropic);
+
+/// The bricks whose u and p this rank has: of a level without slabs all.
+ItemRange bricks_at_hand(const Level& level);
 
 /// p *= share on the band, its boundary and outside, 0 <= share <= 1: it stays feasible, and the certificate valid.
 void scale_flux(Level& level, float share, const Context& context);

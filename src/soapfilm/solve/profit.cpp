@@ -63,7 +63,7 @@ bool Settling::found(int iterations, const Energies& relaxed) {
 size_t Settling::changed_labels() {
   inside_.resize(level_.grid.size());
   std::vector<size_t> changed(inside_.size());
-  parallel_for(context_, inside_.size(), 64, [&](size_t b) {
+  for_each_brick(changed, level_.grid, level_.slabs.get(), 64, context_, [&](size_t b) {
     const BrickBits now = BrickBits::above(level_.u.brick(b), 0.5f);
     for (size_t z = 0; z < now.layer.size(); ++z)
       changed[b] += static_cast<size_t>(count_bits(now.layer[z] ^ inside_[b].layer[z]));

@@ -8,6 +8,7 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/kernels/kernels.h"
+#include "soapfilm/solve/level_slabs.h"
 
 namespace soapfilm {
 
@@ -111,11 +112,21 @@ std::vector<int> rows_down(const BrickGrid& grid) {
   return ys;
 }
 
+/// The slices whose bricks this rank has.
+std::span<const BrickGrid::Slice> slices_at_hand(const Level& level) {
+  const std::span all(level.grid.slices());
+  if (!level.slabs) return all;
+  const Layers layers = level.slabs->own().widened(1, 1);
+  const size_t first = level.grid.slice_from(layers.begin);
+  return all.subspan(first, level.grid.slice_from(layers.end) - first);
+}
+
 }  // namespace
 
 Sweeper::Sweeper(Level& level, const Context& context)
     : LevelSolver(level, context),
       kernel_(kernels_of(context).sweep(level.norm)),
+      slices_(slices_at_hand(level)),
       y_down_(rows_down(level.grid)),
       faces_(level.grid.size() * faces_per_brick, pages_of(context)),
       u_moved_(level.grid.size()),
@@ -129,12 +140,29 @@ void Sweeper::sweep(StepSizes steps, int times) {
     last_steps_ = steps;
   }
   const int parts = (times + tile_sweeps - 1) / tile_sweeps;
-  for (int k = 0; k < parts; ++k) sweep_tiles(steps, times * (k + 1) / parts - times * k / parts);
+  for (int k = 0; k < parts; ++k) {
+    const int sweeps = times * (k + 1) / parts - times * k / parts;
+    if (level_.slabs && since_exchange_ + sweeps > sweeps_per_exchange) exchange();
+    since_exchange_ += sweeps;
+    sweep_tiles(steps, sweeps);
+  }
+}
+
+void Sweeper::download() {
+  if (level_.slabs && since_exchange_ > 0) exchange();
+}
+
+void Sweeper::exchange() {
+  bring_borders(level_);
+  since_exchange_ = 0;
+  const ItemRange own = bricks_of(level_.grid, level_.slabs->own()), all = bricks_at_hand(level_);
+  for (const ItemRange beside : {ItemRange{all.begin, own.begin}, ItemRange{own.end, all.end}})
+    for (size_t b = beside.begin; b < beside.end; ++b) u_moved_[b] = p_moved_[b] = all_rows;
 }
 
 void Sweeper::sweep_tiles(StepSizes steps, int sweeps) {
   const auto tiles = [&](size_t bricks, int side) { return (static_cast<int>(bricks) + sweeps - 1 + side - 1) / side; };
-  const int ny = tiles(y_down_.size(), tile_y), nz = tiles(level_.grid.slices().size(), tile_z);
+  const int ny = tiles(y_down_.size(), tile_y), nz = tiles(slices_.size(), tile_z);
   const int height = context_.threads() == 1 ? 1 : rows_per_thread * context_.threads();  // of a band, in tiles
   for (int band = 0; band < nz; band += height) {
     const int rows = std::min(height, nz - band);
@@ -151,11 +179,11 @@ void Sweeper::sweep_tiles(StepSizes steps, int sweeps) {
 
 void Sweeper::fetch_slices(int first, int last) const {
   if (!level_.p.on_disk()) return;
-  const int nz = static_cast<int>(level_.grid.slices().size());
+  const int nz = static_cast<int>(slices_.size());
   const int top = nz - 1 - first, bottom = std::max(0, nz - last);
   if (top < bottom) return;
-  const size_t begin = level_.grid.slices()[static_cast<size_t>(bottom)].begin;
-  const size_t end = level_.grid.slices()[static_cast<size_t>(top)].end;
+  const size_t begin = slices_[static_cast<size_t>(bottom)].begin;
+  const size_t end = slices_[static_cast<size_t>(top)].end;
   level_.u.fetch(begin, end);
   level_.p.fetch(begin, end);
   faces_.fetch(begin * faces_per_brick, end * faces_per_brick);
@@ -166,12 +194,12 @@ void Sweeper::fetch_slices(int first, int last) const {
 
 void Sweeper::sweep_tile(Tile tile, StepSizes steps) {
   const BrickGrid& grid = level_.grid;
-  const int ny = static_cast<int>(y_down_.size()), nz = static_cast<int>(grid.slices().size());
+  const int ny = static_cast<int>(y_down_.size()), nz = static_cast<int>(slices_.size());
   for (int z = tile.z * tile_z; z < (tile.z + 1) * tile_z; ++z)
     for (int k = 0; k < tile.sweeps; ++k) {
       const int first = std::max(0, tile.y * tile_y - k), last = std::min(ny, (tile.y + 1) * tile_y - k) - 1;
       if (z < k || z - k >= nz || first > last) continue;
-      const BrickGrid::Slice& slice = grid.slices()[static_cast<size_t>(nz - 1 - (z - k))];
+      const BrickGrid::Slice& slice = slices_[static_cast<size_t>(nz - 1 - (z - k))];
       const int top = y_down_[static_cast<size_t>(first)], bottom = y_down_[static_cast<size_t>(last)];
       for (size_t r = grid.row_from(slice, top + 1); r > slice.first_row && grid.rows()[r - 1].y >= bottom; --r)
         for (size_t brick = grid.rows()[r - 1].end; brick-- > grid.rows()[r - 1].begin;) sweep_brick(brick, steps);

@@ -20,9 +20,14 @@
 // Rows are skipped: a step with the same inputs as in the last sweep has the same result, so a row is stepped only when
 // a value that it reads has changed. That is exact: the bits are those of sweeps that step every row. On scans half of
 // the band soon stops changing, since u stays clipped and p constant away from the surface.
+//
+// Of a level in slabs (LevelState::slabs) a rank sweeps its own and the layers of bricks next to it. There what beyond
+// is not known makes values wrong, from the far side on, by one vertex per sweep: after as many sweeps as a brick has
+// vertices the slab's own values are still right, and the layers come anew from the ranks that own them.
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "soapfilm/context.h"
@@ -45,11 +50,15 @@ class Sweeper final : public LevelSolver {
   /// one Sweeper the level must not change: skipped rows rely on that. After a change of step sizes every row is
   /// stepped.
   void sweep(StepSizes steps, int times = 1) override;
-  void download() override {}
+  /// Brings the layers next to the slab up to date.
+  void download() override;
 
   /// Bytes read and written per vertex by a sweep, for the roofline: u, p in and out, f in. With several sweeps at once
   /// most come from the cache.
   static constexpr double bytes_per_vertex = 4 * (2 + 6 + 1);
+
+  /// In slabs: sweeps until the layers next to the slab come anew. For a test: more than a brick's side is too many.
+  int sweeps_per_exchange = brick_side;
 
  private:
   /// Some shifted rows of bricks, for `sweeps` sweeps. Rows and slices without bricks are not counted.
@@ -61,6 +70,7 @@ class Sweeper final : public LevelSolver {
   RowMask primal_rows(size_t brick) const;
   RowMask dual_rows(size_t brick) const;
   void sweep_tiles(StepSizes steps, int sweeps);
+  void exchange();
   /// On disk: what the slices [first, last), counted from the upper end of z, hold is read before they are swept.
   void fetch_slices(int first, int last) const;
   void sweep_tile(Tile tile, StepSizes steps);
@@ -68,11 +78,13 @@ class Sweeper final : public LevelSolver {
 
   SweepKernel kernel_;
   std::optional<StepSizes> last_steps_;
-  std::vector<int> y_down_;           ///< y of all rows of bricks, descending
-  AlignedArray<float> faces_;         ///< u_bar of each brick's first layers: 3 x 64
-  std::vector<RowMask> u_moved_;      ///< per brick: rows changed by the last primal step
-  std::vector<RowMask> p_moved_;      ///< and by the last dual step
-  std::vector<RowMask> u_bar_moved_;  ///< rows whose u_bar differs from that of the last sweep
+  std::span<const BrickGrid::Slice> slices_;  ///< that are swept
+  int since_exchange_ = 0;                    ///< sweeps
+  std::vector<int> y_down_;                   ///< y of all rows of bricks, descending
+  AlignedArray<float> faces_;                 ///< u_bar of each brick's first layers: 3 x 64
+  std::vector<RowMask> u_moved_;              ///< per brick: rows changed by the last primal step
+  std::vector<RowMask> p_moved_;              ///< and by the last dual step
+  std::vector<RowMask> u_bar_moved_;          ///< rows whose u_bar differs from that of the last sweep
 };
 
 }  // namespace soapfilm
