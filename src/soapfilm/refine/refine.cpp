@@ -42,6 +42,7 @@ RowArray moved_onto(const GridSamples& samples, const Start& start, const FitWei
   const RobustFit fit = fit_robustly(displacement, samples, cells, {}, fit_weights, params, context);
   report.iterations = fit.iterations;
   report.down_weighted = fit.down_weighted;
+  bring_all(start.band, displacement.phi());
   return std::move(displacement.phi());
 }
 
@@ -208,6 +209,7 @@ DistanceField Refinement::fit() {
   if (!phi) {
     if (!chosen_) chosen_ = choose(start_, samples_, params_, 1, part_of(context_, 0, until_bent), report_.search);
     report_.fit_weights = *chosen_;
+    start_.band.share_out(Slabs::of(start_.band.grid(), context_));
     phi = moved_onto(samples_, start_, report_.fit_weights, params_.robust, part_of(context_, until_bent, 1), report_);
   }
 

@@ -195,7 +195,12 @@ void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& ba
   };
   std::vector<Counts> counts(samples.bricks.size());
   const RowKernel& kernel = band.kernel();
-  parallel_for(context, counts.size(), bricks_per_task, [&](size_t b) {
+  const auto bricks_in = [&](Layers layers) { return bricks_of(samples.bricks, layers); };
+  constexpr int beside = 2;  // layers whose cells add to those of a slab, and one more
+  const ItemRange at_hand =
+      band.slabs() ? bricks_in(band.slabs()->own().widened(beside, beside)) : ItemRange{0, counts.size()};
+  parallel_for(context, at_hand.size(), bricks_per_task, [&](size_t i) {
+    const size_t b = at_hand.begin + i;
     const size_t begin = samples.begin[b];
     const BrickWindow window(phi, band, cells, samples, b);
     CellSums sums(window.count());
@@ -219,6 +224,7 @@ void merge(const RowArray& phi, const GridSamples& samples, const NarrowBand& ba
       written += count;
     }
   });
+  if (band.slabs()) bring_all(band.slabs()->ranks(), band.slabs()->parts(bricks_in), {{counts.data(), sizeof(Counts)}});
   cells.weights = weights;
   cells.count = cells.doubted = 0;
   for (const Counts& brick : counts) {
@@ -265,7 +271,12 @@ DataTerm DataTerm::row_sums(const NarrowBand& band, const CellSamples& data, Row
   return {band, data, nullptr, false, 1, &out};
 }
 
-double DataTerm::total(const std::vector<double>& energies) const {
+double DataTerm::total(std::vector<double>& energies) const {
+  if (const Slabs* slabs = band_.slabs()) {
+    const auto z = [&](size_t b) { return data_.coord_[b].z; };
+    bring_all(slabs->ranks(), slabs->parts([&](Layers layers) { return items_of(energies.size(), layers, z); }),
+              {{energies.data(), sizeof(double)}});
+  }
   return ordered_sum(energies, [&](size_t b) { return data_.coord_[b]; });
 }
 
@@ -280,7 +291,7 @@ void DataTerm::add(int layer, std::vector<double>* energies) const {
 
 double DataTerm::add(const Context& context) const {
   std::vector<double> energies = make_energies();
-  for_even_then_odd_layers(layers_of(band_), context, [&](int layer) { add(layer, &energies); });
+  for_even_then_odd_layers(band_.layers_at_hand(), context, [&](int layer) { add(layer, &energies); });
   return total(energies);
 }
 

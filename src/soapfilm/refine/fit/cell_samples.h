@@ -104,7 +104,7 @@ class DataTerm {
 
   /// A part of <v, H v> for each brick of samples, of a Hessian; and their sum (ordered_sum).
   std::vector<double> make_energies() const { return std::vector<double>(data_.coord_.size()); }
-  double total(const std::vector<double>& energies) const;
+  double total(std::vector<double>& energies) const;
 
   /// Adds the cells of a layer, in order; they touch vertices of this layer and of the next.
   void add(int layer, std::vector<double>* energies = nullptr) const;

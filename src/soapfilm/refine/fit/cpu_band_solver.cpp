@@ -41,21 +41,25 @@ CpuBandSolver::CpuBandSolver(const NarrowBand& band, const RowArray& phi0, const
       share_(band.make_array()),
       target_(band.make_array()) {
   reset_curvature_weights();
-  std::copy_n(phi0.data(), phi0.size(), phi_.data());
+  for_values(rows_at_hand(band), [&](size_t i) { phi_.data()[i] = phi0.data()[i]; });
 }
 
 void CpuBandSolver::reset_curvature_weights() {
-  std::fill_n(share_.data(), share_.size(), 1.0f);
+  for_values(rows_at_hand(band_), [&](size_t i) { share_.data()[i] = 1; });
   drop_target();
 }
 
-void CpuBandSolver::drop_target() { std::fill_n(target_.data(), target_.size(), 0.0f); }
+void CpuBandSolver::drop_target() {
+  for_values(rows_at_hand(band_), [&](size_t i) { target_.data()[i] = 0; });
+}
 
 void CpuBandSolver::reweight_curvature(double medians) {
   constexpr float near = 0.5f,
                   reach = 1;      // voxels from the surface: full weight up to `near`, half of it at `reach` farther
   constexpr float follow = 0.6f;  // the target as a fraction of the local mean
   constexpr float faint = 1e-6f;  // not 0, so that the weight is positive at the band boundary too
+  bring_borders(band_, phi_);
+  bring_borders(band_, target_);
   const RowKernel& kernel = band_.kernel();
   const BandRows rows = band_.view();
   RowArray &curvature = image_, &weight = residual_, &product = direction_, &mean = scratch_;
@@ -67,9 +71,12 @@ void CpuBandSolver::reweight_curvature(double medians) {
   };
   if (!multilevel_.local_mean(find_bends, product, weight, weight, 1, mean, context_)) return;
   std::vector<float> squares;
-  for (const size_t row : some_rows(band_))
-    for (size_t i = row * brick_side; i < (row + 1) * brick_side; ++i)
-      if (rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach) squares.push_back(mean.data()[i]);
+  const std::vector<uint32_t> some = some_rows(band_);
+  const auto means = values_in(band_, mean, some);
+  for (size_t k = 0; k < some.size(); ++k)
+    for (size_t x = 0; x < brick_side; ++x)
+      if (const size_t i = size_t{some[k]} * brick_side + x; rows.degree[i] == 6 && std::abs(phi0_.data()[i]) < reach)
+        squares.push_back(means[k][x]);
   if (squares.empty()) return;
   const auto squared_medians = static_cast<float>(medians * medians);
   const float per_square = 1 / std::max(squared_medians * median(std::move(squares)), 1e-12f);
@@ -89,6 +96,7 @@ void CpuBandSolver::laplacian(const LaplacianJob& job, int layer) const {
 }
 
 void CpuBandSolver::start(const CellSamples& data, Smoothness smoothness) {
+  bring_borders(band_, phi_);
   const RowKernel& kernel = band_.kernel();
   // beta delta + gamma (G delta - k)
   const CurvatureResidualJob job{phi_.data(),          phi0_.data(),  smoothness.slope,
@@ -99,7 +107,7 @@ void CpuBandSolver::start(const CellSamples& data, Smoothness smoothness) {
                            gamma = smoothness.curvature](size_t i) { bent[i] += gamma * share[i] * target[i]; };
   const DataTerm pull = DataTerm::gradient(band_, data, phi_, -1, residual_);
   layer_by_layer(
-      layers_of(band_), context_,
+      band_.layers_at_hand(), context_,
       [&](int layer) {
         const RowRange rows = rows_of_layer(band_, layer);
         kernel.bend(band_.view(), job, rows.begin, rows.end);
@@ -109,8 +117,9 @@ void CpuBandSolver::start(const CellSamples& data, Smoothness smoothness) {
 }
 
 void CpuBandSolver::precondition(const CellSamples& data, Smoothness smoothness) {
-  std::fill_n(scratch_.data(), scratch_.size(), 0.0f);
+  for_values(rows_at_hand(band_), [&](size_t i) { scratch_.data()[i] = 0; });
   DataTerm::row_sums(band_, data, scratch_).add(context_);
+  bring_borders(band_, scratch_);
   multilevel_.set_operator(scratch_, smoothness.slope, smoothness.curvature, context_);
 }
 
@@ -124,7 +133,7 @@ double CpuBandSolver::search_direction(const CellSamples& data, Smoothness smoot
   const DataTerm pull = DataTerm::hessian(band_, data, direction_, last ? nullptr : &image_);
   std::vector<double> pulled = pull.make_energies();
   layer_by_layer(
-      layers_of(band_), context_,
+      band_.layers_at_hand(), context_,
       [&](int layer) {
         if (ratio == 0) return;
         for_values(rows_of_layer(band_, layer),
@@ -147,15 +156,23 @@ double CpuBandSolver::preconditioned() {
     add(rows_of_layer(band_, layer), step_, direction_, phi_);
     add(rows_of_layer(band_, layer), -step_, image_, residual_);
   };
-  const double product = multilevel_.apply(take_step, residual_, scratch_, image_, context_);
+  if (!band_.slabs()) {
+    const double product = multilevel_.apply(take_step, residual_, scratch_, image_, context_);
+    step_ = 0;
+    return product;
+  }
+  layer_by_layer(band_.layers_at_hand(), context_, take_step);
   step_ = 0;
-  return product;
+  bring_borders(band_, residual_);
+  return multilevel_.apply([](int) {}, residual_, scratch_, image_, context_);
 }
 
 void CpuBandSolver::step(float length, bool last) {
   step_ = last ? 0 : length;
   if (last)
-    for_rows(all_rows(band_), context_, [&](size_t begin, size_t end) { add({begin, end}, length, direction_, phi_); });
+    for_rows(rows_at_hand(band_), context_, [&](size_t begin, size_t end) {
+      add({begin, end}, length, direction_, phi_);
+    });
 }
 
 std::shared_ptr<BandSolver> band_solver(const NarrowBand& band, const RowArray& phi0, const Context& context) {

@@ -10,12 +10,21 @@
 
 namespace soapfilm {
 
+/// Layers [begin, end); `begin` is even.
+struct LayerRange {
+  LayerRange(int layers) : begin(0), end(layers) {}
+  LayerRange(int first, int last) : begin(first), end(last) {}
+
+  int size() const { return end - begin; }
+  int begin, end;
+};
+
 /// Calls body(layer) for each: even layers in parallel, then odd ones, so that no two at a time touch common data.
 template <class Body>
-void for_even_then_odd_layers(int layers, const Context& context, Body&& body) {
+void for_even_then_odd_layers(LayerRange layers, const Context& context, Body&& body) {
   for (int parity = 0; parity < 2; ++parity)
-    parallel_for(context, static_cast<size_t>((layers + 1 - parity) / 2), 1,
-                 [&](size_t i) { body(2 * static_cast<int>(i) + parity); });
+    parallel_for(context, static_cast<size_t>((layers.size() + 1 - parity) / 2), 1,
+                 [&](size_t i) { body(layers.begin + 2 * static_cast<int>(i) + parity); });
 }
 
 /// A last stage of layer_by_layer() that also adds to the next layer's values: the order of the sums is fixed, even
@@ -78,11 +87,12 @@ struct SlabBorder {
 
 /// All layers of one stage, on all threads.
 template <class Body>
-void run_stage(int layers, const Context& context, Body& body) {
-  parallel_for(context, static_cast<size_t>(layers), 1, [&](size_t layer) { body(static_cast<int>(layer)); });
+void run_stage(LayerRange layers, const Context& context, Body& body) {
+  parallel_for(context, static_cast<size_t>(layers.size()), 1,
+               [&](size_t layer) { body(layers.begin + static_cast<int>(layer)); });
 }
 template <class Body>
-void run_stage(int layers, const Context& context, EvenOddStage<Body>& apart) {
+void run_stage(LayerRange layers, const Context& context, EvenOddStage<Body>& apart) {
   for_even_then_odd_layers(layers, context, apart.body);
 }
 
@@ -92,7 +102,8 @@ void run_stage(int layers, const Context& context, EvenOddStage<Body>& apart) {
 /// meet, the later stages wait until both are done. Where there are too few layers for all threads, stages run one
 /// after the other. A stage must not write what an earlier one reads in other layers.
 template <class... Stages>
-void layer_by_layer(int layers, const Context& context, Stages&&... stages) {
+void layer_by_layer(LayerRange layers, const Context& context, Stages&&... stages) {
+  if (layers.size() <= 0) return;
   constexpr int depth = sizeof...(Stages) - 1;
   constexpr bool apart[] = {is_even_odd<std::remove_cvref_t<Stages>>...};
   static_assert(std::none_of(apart, apart + depth, [](bool is) { return is; }), "only the last stage may be apart");
@@ -102,18 +113,19 @@ void layer_by_layer(int layers, const Context& context, Stages&&... stages) {
   };
   const int threads = context.threads();
   if (threads == 1) {
-    const Slab all{0, layers, false, false};
-    return parallel_for(context, static_cast<size_t>(layers + depth), 1,
-                        [&](size_t turn) { take_turn(all, static_cast<int>(turn)); });
+    const Slab all{layers.begin, layers.end, false, false};
+    return parallel_for(context, static_cast<size_t>(layers.size() + depth), 1,
+                        [&](size_t turn) { take_turn(all, layers.begin + static_cast<int>(turn)); });
   }
 
   constexpr int thinnest = 2 * depth + 2;  // with an even layer that does not wait at a border
   constexpr int thick = 2 * thinnest;      // most of its layers do not wait
   constexpr int slabs_per_thread = 6;
-  const int most = std::min(layers / thinnest, slabs_per_thread * threads);
+  const int most = std::min(layers.size() / thinnest, slabs_per_thread * threads);
   if (most < threads) return (run_stage(layers, context, stages), ...);
-  const int slabs = std::clamp(layers / thick, threads, most);
-  const auto slab_at = [&](int k) { return Slab{layers * k / slabs, layers * (k + 1) / slabs, k > 0, k + 1 < slabs}; };
+  const int slabs = std::clamp(layers.size() / thick, threads, most);
+  const auto border = [&](int k) { return layers.begin + layers.size() * k / slabs; };
+  const auto slab_at = [&](int k) { return Slab{border(k), border(k + 1), k > 0, k + 1 < slabs}; };
   parallel_for(context, static_cast<size_t>(slabs), 1, [&](size_t k) {
     const Slab slab = slab_at(static_cast<int>(k));
     for (int turn = slab.begin; turn < slab.end + depth; ++turn) take_turn(slab, turn);

@@ -31,15 +31,24 @@ void for_each_parent(int fine, Visit&& visit) {
   if (fine & 1) visit((fine >> 1) + 1);
 }
 
+/// The values of the rows at hand.
+RowRange values_at_hand(const NarrowBand& band) {
+  const RowRange rows = rows_at_hand(band);
+  return {rows.begin * brick_side, rows.end * brick_side};
+}
+
 void multiply(const RowArray& a, const RowArray& b, RowArray& out, const Context& context) {
   parallel_chunks(context, a.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) out.data()[i] = a.data()[i] * b.data()[i];
   });
 }
 
-void clear(RowArray& array, const Context& context) {
-  parallel_chunks(context, array.size(), rows_per_task * brick_side,
-                  [&](size_t begin, size_t end) { std::fill(array.data() + begin, array.data() + end, 0.0f); });
+/// Of the rows at hand.
+void clear(const NarrowBand& band, RowArray& array, const Context& context) {
+  const RowRange rows = values_at_hand(band);
+  float* const first = array.data() + rows.begin;
+  parallel_chunks(context, rows.end - rows.begin, rows_per_task * brick_side,
+                  [&](size_t begin, size_t end) { std::fill(first + begin, first + end, 0.0f); });
 }
 
 /// The coarse bricks from which the fine ones interpolate.
@@ -104,6 +113,11 @@ CoarseBand::CoarseBand(const NarrowBand& fine, const Context& context) {
     for_bricks(layer, [&](size_t b) { mark_coarse(fine, b, coarse, parent[b], vertices); });
   });
   band_ = NarrowBand(std::move(coarse), vertices, context);
+  fine_layers_ = fine.layers_at_hand();
+  if (fine.slabs()) {
+    complete_ = fine.slabs()->halved();
+    if (complete_->suit(band_.grid())) band_.share_out(complete_);
+  }
 
   first_transfer_.assign(1, 0);
   for (int layer = 0; layer < layers; ++layer) {
@@ -142,9 +156,19 @@ BrickTransfer CoarseBand::make_transfer(const NarrowBand& fine, size_t brick, in
 }
 
 void CoarseBand::restrict_to(const RowArray& from, RowArray& coarse, const Context& context) const {
-  clear(coarse, context);
-  for_even_then_odd_layers(static_cast<int>(first_transfer_.size()) - 1, context,
-                           [&](int layer) { restrict_layer(layer, from, coarse); });
+  clear(band_, coarse, context);
+  for_even_then_odd_layers(fine_layers_, context, [&](int layer) { restrict_layer(layer, from, coarse); });
+  collect(coarse);
+}
+
+void CoarseBand::collect(RowArray& coarse) const {
+  if (!complete_) return;
+  constexpr int beside = NarrowBand::layers_beside;
+  const ItemRange all{1, band_.rows() + 1};
+  bring(complete_->ranks(), complete_->parts([&](Layers layers) { return rows_of(band_, layers); }),
+        complete_->parts(
+            [&](Layers layers) { return band_.slabs() ? rows_of(band_, layers.widened(beside, beside)) : all; }),
+        {{coarse.data(), brick_side * sizeof(float)}});
 }
 
 void CoarseBand::restrict_layer(int layer, const RowArray& from, RowArray& coarse) const {
@@ -166,7 +190,7 @@ void CoarseBand::prolong_onto(int layer, const NarrowBand& fine, const CycleJob&
 Multilevel::Multilevel(const NarrowBand& fine, const Context& context)
     : fine_(fine), inverse_(fine.make_array()), work_(fine.make_array()) {
   RowArray ones = fine.make_array();
-  for_rows(all_rows(fine), context, [&](size_t begin, size_t end) {
+  for_rows(rows_at_hand(fine), context, [&](size_t begin, size_t end) {
     for (size_t r = begin; r < end; ++r)
       for (size_t x = 0; x < brick_side; ++x)
         ones.data()[r * brick_side + x] = static_cast<float>(fine.mask(static_cast<uint32_t>(r)) >> x & 1);
@@ -200,10 +224,10 @@ bool Multilevel::weigh_little(const RowArray& position_weights) const {
   constexpr double most_share = 0.25;
   double sum = 0;
   size_t count = 0;
-  for (const size_t row : some_rows(fine_))
-    for (size_t i = row * brick_side; i < (row + 1) * brick_side; ++i) {
-      sum += static_cast<double>(position_weights.data()[i]);
-      count += position_weights.data()[i] > 0;
+  for (const auto& row : values_in(fine_, position_weights, some_rows(fine_)))
+    for (const float weight : row) {
+      sum += static_cast<double>(weight);
+      count += weight > 0;
     }
   const double most = most_share * 6 * static_cast<double>(diffusion_);
   return sum <= most * most * static_cast<double>(count);
@@ -215,26 +239,29 @@ bool Multilevel::local_mean(const std::function<void(int)>& complete, const RowA
   if (coarse_.empty()) return false;
   Coarse& c = coarse_.front();
   const NarrowBand& band = c.coarse.band();
-  clear(c.b, context);
-  clear(c.x, context);
-  layer_by_layer(layers_of(fine_), context, complete, EvenOddStage{[&](int layer) {
+  clear(band, c.b, context);
+  clear(band, c.x, context);
+  layer_by_layer(fine_.layers_at_hand(), context, complete, EvenOddStage{[&](int layer) {
                    c.coarse.restrict_layer(layer, values, c.b);
                    c.coarse.restrict_layer(layer, weights, c.x);
                  }});
+  c.coarse.collect(c.b);
+  c.coarse.collect(c.x);
   // Two passes of diffusion, each one voxel^2; restricting and interpolating are the third.
   for (RowArray* sums : {&c.b, &c.x}) {
     apply_laplacian(band, *sums, 1, -spread, c.work, context);
     apply_laplacian(band, c.work, 1, -spread, *sums, context);
   }
-  parallel_chunks(context, c.b.size(), rows_per_task * brick_side, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
+  const RowRange all = values_at_hand(band);
+  parallel_chunks(context, all.end - all.begin, rows_per_task * brick_side, [&](size_t begin, size_t end) {
+    for (size_t i = all.begin + begin; i < all.begin + end; ++i)
       c.b.data()[i] = c.x.data()[i] > 0 ? scale * (c.b.data()[i] / c.x.data()[i]) : 0.0f;
   });
   CycleJob job{};
   job.inverse = where.data();
   job.x = c.b.data();
   job.out = mean.data();
-  layer_by_layer(layers_of(fine_), context, [&](int layer) { c.coarse.prolong_onto(layer, fine_, job); });
+  layer_by_layer(fine_.layers_at_hand(), context, [&](int layer) { c.coarse.prolong_onto(layer, fine_, job); });
   return true;
 }
 
@@ -247,13 +274,13 @@ void Multilevel::set_inverse(size_t level, const RowArray& weights, const Contex
                        damping,
                        (level == 0 ? inverse_ : coarse_[level - 1].inverse).data()};
   const RowKernel& kernel = band.kernel();
-  parallel_chunks(context, band.rows(), rows_per_task,
-                  [&](size_t begin, size_t end) { kernel.inverse(band.view(), job, begin + 1, end + 1); });
+  for_rows(rows_at_hand(band), context,
+           [&](size_t begin, size_t end) { kernel.inverse(band.view(), job, begin, end); });
 }
 
 double Multilevel::apply(const std::function<void(int)>& complete, const RowArray& r, RowArray& z, RowArray& work,
                          const Context& context) {
-  const int layers = layers_of(fine_);
+  const LayerRange layers = fine_.layers_at_hand();
   if (coarse_.empty()) {
     layer_by_layer(layers, context, complete);
     solve_coarsest(r, work_, work, nullptr, context);
@@ -263,7 +290,7 @@ double Multilevel::apply(const std::function<void(int)>& complete, const RowArra
   const auto restricted = [&](const RowArray& b) {
     return EvenOddStage{[&](int layer) { next.coarse.restrict_residual(layer, fine_, job(0, b), next.b); }};
   };
-  clear(next.b, context);
+  clear(next.coarse.band(), next.b, context);
   layer_by_layer(layers, context, complete, restricted(r));
   correct(0, r, work_, work, nullptr, context, restricted(work));
   return correct(0, work, work_, z, &r, context);
@@ -290,14 +317,14 @@ void Multilevel::solve(size_t level, const RowArray& b, RowArray& work, RowArray
     return;
   }
   Coarse& c = coarse_[level];
-  clear(c.b, context);
+  clear(c.coarse.band(), c.b, context);
   // The step from zero is stored, since each of its values is read seven times.
   const Coarse& own = coarse_[level - 1];
   CycleJob job = this->job(level, b);
   job.x = x.data();
   job.extended = work.data();
   layer_by_layer(
-      layers_of(band(level)), context,
+      band(level).layers_at_hand(), context,
       [&](int layer) {
         const auto [begin, end] = rows_of_layer(band(level), layer);
         for (size_t i = begin * brick_side; i < end * brick_side; ++i) {
@@ -335,8 +362,9 @@ double Multilevel::correct(size_t level, const RowArray& b, RowArray& work, RowA
                            const Context& context, Stages&&... after) {
   Coarse& c = coarse_[level];
   const NarrowBand& band = this->band(level);
+  c.coarse.collect(c.b);
   solve(level + 1, c.b, c.work, c.x, context);
-  if constexpr (sizeof...(Stages) > 0) clear(c.b, context);
+  if constexpr (sizeof...(Stages) > 0) clear(c.coarse.band(), c.b, context);
   CycleJob prolong = job(level, b), smooth = prolong;
   prolong.x = c.x.data();
   prolong.out = work.data();
@@ -346,12 +374,12 @@ double Multilevel::correct(size_t level, const RowArray& b, RowArray& work, RowA
   LayerSums sums(band);
   const RowKernel& kernel = band.kernel();
   layer_by_layer(
-      layers_of(band), context, [&](int layer) { c.coarse.prolong_onto(layer, band, prolong); },
+      band.layers_at_hand(), context, [&](int layer) { c.coarse.prolong_onto(layer, band, prolong); },
       [&](int layer) {
         sums.add(layer, [&](size_t begin, size_t end) { return kernel.smooth(band.view(), smooth, begin, end); });
       },
       after...);
-  return sums.total();
+  return weight ? sums.total() : 0;  // else nobody asks for it
 }
 
 }  // namespace soapfilm

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,12 +20,16 @@ class CoarseBand {
   CoarseBand(const NarrowBand& fine, const Context& context);
 
   const NarrowBand& band() const { return band_; }
-  /// coarse = P^T from, which is 0 outside the fine band.
+  /// coarse = P^T from, which is 0 outside the fine band. In slabs what is at hand of `from` must be up to date, and of
+  /// `coarse` is.
   void restrict_to(const RowArray& from, RowArray& coarse, const Context& context) const;
   /// coarse += P^T from of a layer of fine bricks along z. Neighboring layers add to common rows: see EvenOddStage.
   void restrict_layer(int layer, const RowArray& from, RowArray& coarse) const;
   /// The same for the residual of RowKernel::restrict_residual(), with the same `fine`.
   void restrict_residual(int layer, const NarrowBand& fine, const CycleJob& job, RowArray& coarse) const;
+  /// Of a sum over the layers at hand, complete for what a rank's slab covers: brings what is at hand of the coarse
+  /// band.
+  void collect(RowArray& coarse) const;
   /// out = inverse b + P x where inverse > 0, elsewhere 0, on a layer of fine bricks along z, with the same `fine`; x
   /// is coarse.
   void prolong_onto(int layer, const NarrowBand& fine, const CycleJob& job) const;
@@ -38,8 +43,10 @@ class CoarseBand {
   }
 
   NarrowBand band_;
-  std::vector<BrickTransfer> transfers_;  ///< of the fine bricks that have rows; they refer to the fine band
-  std::vector<size_t> first_transfer_;    ///< of each layer of fine bricks along z
+  std::vector<BrickTransfer> transfers_;   ///< of the fine bricks that have rows; they refer to the fine band
+  std::vector<size_t> first_transfer_;     ///< of each layer of fine bricks along z
+  LayerRange fine_layers_ = 0;             ///< at hand
+  std::shared_ptr<const Slabs> complete_;  ///< the slabs for whose coarse layers ranks have complete sums; null: all
 };
 
 /// An approximate inverse, symmetric positive definite, of A = data + beta G + gamma G^2: two V-cycles, one after the

@@ -98,18 +98,61 @@ void NarrowBand::count_neighbors(const Context& context) {
   });
 }
 
+LayerRange NarrowBand::layers_at_hand() const {
+  if (!slabs_) return layers_.size();
+  const Layers wide = slabs_->own().widened(layers_beside, layers_beside);
+  return {layers_.from(wide.begin) & ~1, layers_.from(wide.end)};
+}
+
 size_t NarrowBand::count() const {
   size_t total = 0;
   for (const uint8_t mask : mask_) total += static_cast<size_t>(count_bits(mask));
   return total;
 }
 
+void bring_borders(const NarrowBand& band, RowArray& values) {
+  if (!band.slabs()) return;
+  constexpr int beside = NarrowBand::layers_beside;
+  bring(band.slabs()->ranks(), band.slabs()->parts([&](Layers layers) { return rows_of(band, layers); }),
+        band.slabs()->parts([&](Layers layers) { return rows_of(band, layers.widened(beside, beside)); }),
+        {{values.data(), brick_side * sizeof(float)}});
+}
+
+void bring_all(const NarrowBand& band, RowArray& values) {
+  if (!band.slabs()) return;
+  bring_all(band.slabs()->ranks(), band.slabs()->parts([&](Layers layers) { return rows_of(band, layers); }),
+            {{values.data(), brick_side * sizeof(float)}});
+}
+
+std::vector<std::array<float, brick_side>> values_in(const NarrowBand& band, const RowArray& values,
+                                                     const std::vector<uint32_t>& rows) {
+  std::vector<std::array<float, brick_side>> found(rows.size());
+  const auto rows_in = [&](Layers layers) {
+    const ItemRange all = rows_of(band, layers);
+    const auto index = [&](size_t row) {
+      return static_cast<size_t>(std::lower_bound(rows.begin(), rows.end(), row) - rows.begin());
+    };
+    return ItemRange{index(all.begin), index(all.end)};
+  };
+  const ItemRange own = band.slabs() ? rows_in(band.slabs()->own()) : ItemRange{0, rows.size()};
+  for (size_t k = own.begin; k < own.end; ++k)
+    std::copy_n(values.data() + size_t{rows[k]} * brick_side, brick_side, found[k].data());
+  if (band.slabs())
+    bring_all(band.slabs()->ranks(), band.slabs()->parts(rows_in), {{found.data(), brick_side * sizeof(float)}});
+  return found;
+}
+
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
                        const Context& context) {
   const RowKernel& kernel = band.kernel();
-  return sum_over_rows(band, context, [&](size_t begin, size_t end) {
-    return kernel.laplacian(band.view(), {v.data(), weight_v, weight_g, out.data()}, begin, end);
-  });
+  const LaplacianJob job{v.data(), weight_v, weight_g, out.data()};
+  if (band.slabs()) {
+    for_rows(rows_at_hand(band), context,
+             [&](size_t begin, size_t end) { kernel.laplacian(band.view(), job, begin, end); });
+    return 0;
+  }
+  return sum_over_rows(band, context,
+                       [&](size_t begin, size_t end) { return kernel.laplacian(band.view(), job, begin, end); });
 }
 
 }  // namespace soapfilm

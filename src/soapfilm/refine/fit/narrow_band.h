@@ -16,7 +16,9 @@
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/field.h"
 #include "soapfilm/grid/ordered_sum.h"
+#include "soapfilm/grid/slabs.h"
 #include "soapfilm/kernels/row_kernel.h"
+#include "soapfilm/refine/fit/layers.h"
 
 namespace soapfilm {
 
@@ -31,6 +33,8 @@ class BandLayers {
 
   int size() const { return static_cast<int>(z_.size()); }
   int z(int layer) const { return z_[static_cast<size_t>(layer)]; }
+  /// The first layer whose z is at least the given one; size() if there is none.
+  int from(int z) const { return static_cast<int>(std::lower_bound(z_.begin(), z_.end(), z) - z_.begin()); }
   /// Bricks [first, second).
   std::pair<size_t, size_t> operator[](int layer) const {
     return {begin_[static_cast<size_t>(layer)], begin_[static_cast<size_t>(layer) + 1]};
@@ -74,6 +78,16 @@ class NarrowBand {
   /// How many of a vertex's six neighbors are in the band, eight per row; 0 outside the band.
   const uint8_t* degree(uint32_t row) const { return degree_.data() + static_cast<size_t>(row) * brick_side; }
 
+  /// From now on each rank has the values of its slab and of the layers next to it alone; null: of all.
+  void share_out(std::shared_ptr<const Slabs> slabs) { slabs_ = std::move(slabs); }
+  const Slabs* slabs() const { return slabs_.get(); }
+  /// Layers next to a slab, on either side, whose values a rank gets from their owners. A stage of a pass is wrong in
+  /// one layer more than the one before, from the far side on, and a fine layer depends on some two of a coarser band:
+  /// this many are enough for all passes of CpuBandSolver, cycles of Multilevel included, between two exchanges.
+  static constexpr int layers_beside = 5;
+  /// The layers that this rank works on, from an even one on.
+  LayerRange layers_at_hand() const;
+
   /// The SIMD kernel for its rows.
   const RowKernel& kernel() const { return kernel_; }
   /// The kernel's view of it.
@@ -86,6 +100,7 @@ class NarrowBand {
   PagePool pages_;
   BrickGrid grid_;
   BandLayers layers_;
+  std::shared_ptr<const Slabs> slabs_;
   AlignedArray<uint32_t> row_of_;
   std::vector<uint32_t> first_row_;
   std::vector<uint8_t> mask_ = {0, 0};
@@ -107,6 +122,25 @@ inline RowRange rows_of_layer(const NarrowBand& band, int layer) {
   const auto [begin, end] = band.layers()[layer];
   return {band.first_row(begin), band.first_row(end)};
 }
+
+/// Of the layers at hand.
+inline RowRange rows_at_hand(const NarrowBand& band) {
+  const LayerRange layers = band.layers_at_hand();
+  if (layers.size() <= 0) return {1, 1};
+  return {rows_of_layer(band, layers.begin).begin, rows_of_layer(band, layers.end - 1).end};
+}
+/// Rows of some layers, by z, as an array has them.
+inline ItemRange rows_of(const NarrowBand& band, Layers layers) {
+  const ItemRange bricks = bricks_of(band.grid(), layers);
+  return {band.first_row(bricks.begin), band.first_row(bricks.end)};
+}
+/// Brings the layers beside the slab of a band in slabs up to date.
+void bring_borders(const NarrowBand& band, RowArray& values);
+/// Brings all rows.
+void bring_all(const NarrowBand& band, RowArray& values);
+/// What an array has in some rows, in their order, of which each rank may lack most.
+std::vector<std::array<float, brick_side>> values_in(const NarrowBand& band, const RowArray& values,
+                                                     const std::vector<uint32_t>& rows);
 
 /// A subset of the rows, used for statistics: of larger bands those of bricks with some 16,000 rows, chosen by place.
 inline std::vector<uint32_t> some_rows(const NarrowBand& band) {
@@ -151,7 +185,13 @@ class LayerSums {
     const auto [first, last] = band_.layers()[layer];
     for (size_t b = first; b < last; ++b) of_brick_[b] = body(band_.first_row(b), band_.first_row(b + 1));
   }
-  double total() const { return ordered_sum(band_.grid(), of_brick_); }
+  /// Of all layers, whichever rank added them.
+  double total() {
+    if (const Slabs* slabs = band_.slabs())
+      bring_all(slabs->ranks(), slabs->parts([&](Layers layers) { return bricks_of(band_.grid(), layers); }),
+                {{of_brick_.data(), sizeof(double)}});
+    return ordered_sum(band_.grid(), of_brick_);
+  }
 
  private:
   const NarrowBand& band_;
@@ -177,7 +217,8 @@ inline float value_at(const NarrowBand& band, const RowArray& values, Vec3i v, f
 }
 
 /// out = weight_v v + weight_g G v; G is the band's graph Laplacian, positive semi-definite: (G v)_i = sum over
-/// neighbors j in the band of v_i - v_j. Its null space are the constants on connected parts. Returns <G v, out>.
+/// neighbors j in the band of v_i - v_j. Its null space are the constants on connected parts. Returns <G v, out>. Of a
+/// band in slabs on the layers at hand, and the sum is of no use.
 double apply_laplacian(const NarrowBand& band, const RowArray& v, float weight_v, float weight_g, RowArray& out,
                        const Context& context);
 
