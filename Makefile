@@ -18,6 +18,8 @@ build-release build-dev: packages-viewer
 
 build-opencl: packages-opencl
 
+build-mpi: packages-mpi
+
 demo: build ## scan a shape, reconstruct it, check it, draw both
 	sh examples/demo.sh $(PROGRAM) out/demo
 
@@ -26,6 +28,7 @@ test: test-release ## release build and all tests (FULL=1: 100 000 degenerate cl
 test-asan: packages-asan ## the tests by clang, under AddressSanitizer and UndefinedBehaviorSanitizer
 test-tsan: ## the tests under ThreadSanitizer, loops on std::thread, the portable platform
 test-shared: ## an outside project links the shared library
+test-mpi: ## runs by mpirun give the bytes of one process, and end together
 test-opencl: ## the solve on an OpenCL device, by default PoCL's, gives the bits that it gives on the CPU
 
 test-python: build-release packages-python ## the wheel of the Python package, installed, and its tests

@@ -3,8 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "soapfilm/core/ranks.h"
 
 namespace soapfilm::cli {
 
@@ -15,6 +18,10 @@ struct GlobalOptions {
   bool verbose = false;
   std::string command{};                 ///< the command line as typed, for reports
   std::vector<std::string> arguments{};  ///< its words after the program's name
+  std::shared_ptr<Ranks> ranks{};        ///< of a run on several processes; else null
+
+  /// Whether this process prints and writes.
+  bool speaks() const { return !ranks || ranks->rank() == 0; }
 };
 
 /// Set by the sub-command that was chosen; returns the exit code.

@@ -15,6 +15,7 @@
 #include "cli/command.h"
 #include "cli/help_page.h"
 #include "cli/print.h"
+#include "cli/ranks.h"
 #include "cli/refusal.h"
 #include "cli/standard_streams.h"
 #include "cli/version_page.h"
@@ -27,12 +28,11 @@ namespace {
 
 enum ExitCode { success = 0, internal_error = 1, refused = 2, empty = 3, cancelled = 130 };
 
-/// Prints one line on stderr, whatever the message contains.
-int fail(ExitCode code, std::string message) {
+/// One line, whatever the message contains.
+Ending failure(ExitCode code, std::string message) {
   while (!message.empty() && std::isspace(static_cast<unsigned char>(message.back()))) message.pop_back();
   std::replace(message.begin(), message.end(), '\n', ' ');
-  print(stderr, fmt::format("soapfilm: {}\n", printable(with_known_names(std::move(message)))));
-  return code;
+  return {code, printable(with_known_names(std::move(message)))};
 }
 
 void add_global_options(CLI::App& app, GlobalOptions& options) {
@@ -51,7 +51,7 @@ bool is_command(const CLI::App& app, const std::string& name) {
   return !commands.empty();
 }
 
-int run(int argc, char** argv) {
+int run(int argc, char** argv, const std::shared_ptr<Ranks>& ranks) {
   CLI::App app(
       "Turns raw 3D scans into a watertight surface: a minimal surface over the samples, "
       "with a proof of how close it is to the global optimum.",
@@ -60,6 +60,7 @@ int run(int argc, char** argv) {
   app.fallthrough();  // sub-commands inherit it: global options may follow them
   app.formatter(std::make_shared<HelpPage>());
   GlobalOptions options;
+  options.ranks = ranks;
   options.arguments.assign(argv + 1, argv + argc);
   options.command = fmt::format("soapfilm {}", fmt::join(options.arguments, " "));
   Runner runner;
@@ -86,7 +87,7 @@ int run(int argc, char** argv) {
   add_man(app, runner);
 
   if (argc == 1) {
-    std::cout << first_page;
+    if (options.speaks()) std::cout << first_page;
     return success;
   }
   // "help COMMAND" is COMMAND --help.
@@ -100,43 +101,54 @@ int run(int argc, char** argv) {
     std::reverse(words.begin(), words.end());
     app.parse(std::move(words));
   } catch (const CLI::Success& asked_for_help) {
-    return app.exit(asked_for_help);
+    return options.speaks() ? app.exit(asked_for_help) : success;
   } catch (const CLI::ParseError& error) {
-    return fail(refused, parse_message(app, error));
+    throw ParameterError(parse_message(app, error));
   }
-  return runner();
+  // All others are work for one process.
+  return options.speaks() || app.got_subcommand("reconstruct") ? runner() : success;
 }
 
 /// Results may go to standard output; a full disk there must be an error.
-int finish(int code) {
+Ending finished(int code) {
   std::cout.flush();
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout)
-    return fail(refused, "standard output: cannot write");
-  return code;
+    return failure(refused, "standard output: cannot write");
+  return {code};
+}
+
+Ending ending_of(int argc, char** argv, const std::shared_ptr<Ranks>& ranks) {
+  try {
+    return finished(run(argc, argv, ranks));
+  } catch (const Cancelled& error) {
+    Ending ending = failure(cancelled, error.what());
+    ending.followed = gave_up_for_another(error);
+    return ending;
+  } catch (const EmptyResult& error) {
+    return failure(empty, error.what());
+  } catch (const ParameterError& error) {
+    return failure(refused, error.what());
+  } catch (const InputError& error) {
+    return failure(refused, error.what());
+  } catch (const OutputError& error) {
+    return failure(refused, error.what());
+  } catch (const MemoryError& error) {
+    return failure(refused, error.what());
+  } catch (const std::bad_alloc&) {
+    return failure(refused, "not enough memory");
+  } catch (const std::exception& error) {
+    return failure(internal_error, fmt::format("internal error: {}", error.what()));
+  }
 }
 
 }  // namespace
 
 int program(int argc, char** argv) {
-  try {
-    return finish(run(argc, argv));
-  } catch (const Cancelled& error) {
-    return fail(cancelled, error.what());
-  } catch (const EmptyResult& error) {
-    return fail(empty, error.what());
-  } catch (const ParameterError& error) {
-    return fail(refused, error.what());
-  } catch (const InputError& error) {
-    return fail(refused, error.what());
-  } catch (const OutputError& error) {
-    return fail(refused, error.what());
-  } catch (const MemoryError& error) {
-    return fail(refused, error.what());
-  } catch (const std::bad_alloc&) {
-    return fail(refused, "not enough memory");
-  } catch (const std::exception& error) {
-    return fail(internal_error, fmt::format("internal error: {}", error.what()));
-  }
+  const std::shared_ptr<Ranks> ranks = join_ranks();
+  Ending ending = ending_of(argc, argv, ranks);
+  if (ranks) ending = leave_ranks(*ranks, ending);
+  if (!ending.line.empty() && (!ranks || ranks->rank() == 0)) print(stderr, fmt::format("soapfilm: {}\n", ending.line));
+  return ending.code;
 }
 
 }  // namespace soapfilm::cli

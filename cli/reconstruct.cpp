@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <initializer_list>
@@ -21,6 +22,7 @@
 #include "cli/parse.h"
 #include "cli/preview.h"
 #include "cli/proved_mesh.h"
+#include "cli/ranks.h"
 #include "cli/read_cloud.h"
 #include "cli/reconstruct_options.h"
 #include "cli/scratch.h"
@@ -221,12 +223,12 @@ void check_mesh_place(const ReconstructOptions& options, const StandardStreams& 
     check_parts_output(options.output);
 }
 
-/// Folders and standard streams become files.
-void find_files(ReconstructOptions& options, StandardStreams& streams, Progress& progress) {
+/// Folders and standard streams become files. `writes`: outputs are looked at, too.
+void find_files(ReconstructOptions& options, StandardStreams& streams, bool writes, Progress& progress) {
   const bool unnamed = options.output.empty() && options.inputs[0] == "-";
   if (unnamed) throw ParameterError("output: no name, must be given with -o where standard input is read");
   streams.take_output(options.output);
-  if (!options.output.empty()) check_mesh_place(options, streams);
+  if (!options.output.empty() && writes) check_mesh_place(options, streams);
   streams.take_input(options.inputs);
   std::vector<std::string> warnings;
   const std::string given = options.inputs[0];
@@ -234,32 +236,43 @@ void find_files(ReconstructOptions& options, StandardStreams& streams, Progress&
   if (options.output.empty()) {
     const bool is_folder = std::filesystem::is_directory(given);
     options.output = default_mesh(is_folder ? given : options.inputs[0], options.preview);
-    check_mesh_place(options, streams);
+    if (writes) check_mesh_place(options, streams);
   }
   const std::vector<std::string> files = lod_files(options.output, options.lod);
   if (streams.gives_output() && files.size() > 1)
     throw ParameterError("lod: several files cannot go to standard output; --format glb makes one");
   for (const std::string& file : files)
-    if (options.split.empty()) check_mesh_output(file);
+    if (options.split.empty() && writes) check_mesh_output(file);
+  if (writes && !options.report.empty()) check_output(options.report);
   for (const std::string& warning : warnings) progress.warn(warning);
+}
+
+/// Options that processes of one run cannot follow together.
+void refuse_on_ranks(const ReconstructOptions& options) {
+  const auto& in = options.inputs;
+  if (std::find(in.begin(), in.end(), "-") != in.end())
+    throw ParameterError("standard input: several ranks cannot read it; give the name of a file");
+  if (!options.levels_folder.empty()) throw ParameterError("write-levels: several ranks cannot; run one process");
 }
 
 int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
   Context context(global.threads, progress);
   finish_params(app, options);
+  if (global.ranks) refuse_on_ranks(options);
   if (!options.memory.empty()) context.limit_memory(parse_memory(options.memory));
   if (!options.scratch.empty()) use_scratch(options.scratch, context);
   StandardStreams streams(options.format, context);
-  find_files(options, streams, progress);
-  if (!options.report.empty()) check_output(options.report);
+  find_files(options, streams, global.speaks(), progress);
 
+  if (global.ranks) share_run(global.ranks, context);
   make_room_for(options.inputs, context);
   Stages stages(context);
   ReadReport read;
   PointCloud cloud =
       stages.run("read", [&] { return read_input(options, options.params.surface.attributes, context, read); });
   check_names(options, read);
+  if (global.ranks) check_agreement(*global.ranks, options.params, cloud);
   if (options.preview) make_preview(options.params, cloud, progress);
   LevelFiles levels;
   const bool checks = options.params.checked = options.check || !options.report.empty();
@@ -270,6 +283,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   } catch (const SamplesError& error) {
     throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
   }
+  if (!global.speaks()) return 0;
   if (checks) stages.run("check", [&] { check_result(result, cloud, context); });
   ReconstructReport& report = result.report;
   if (report.topology) print_check(report, progress);

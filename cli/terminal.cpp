@@ -60,7 +60,10 @@ CancelOnSignal::~CancelOnSignal() {
 }
 
 TerminalProgress::TerminalProgress(const GlobalOptions& options, std::FILE* out)
-    : out_(out), quiet_(options.quiet), verbose_(options.verbose), live_(!options.quiet && is_terminal(out)) {}
+    : out_(options.speaks() ? out : nullptr),
+      quiet_(options.quiet || !out_),
+      verbose_(options.verbose),
+      live_(!quiet_ && is_terminal(out)) {}
 
 TerminalProgress::~TerminalProgress() {
   if (drawn_) std::fputc('\n', out_);
@@ -115,6 +118,7 @@ void TerminalProgress::erase() {
 }
 
 void TerminalProgress::write_line(const std::string& line) {
+  if (!out_) return;
   erase();
   print(out_, fmt::format("{}\n", printable(with_known_names(line))));
   if (live_ && !stage_.empty()) draw();

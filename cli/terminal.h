@@ -49,7 +49,7 @@ class TerminalProgress : public Progress {
   void erase();
   void write_line(const std::string& line);
 
-  std::FILE* out_;
+  std::FILE* out_;  ///< null: another process writes
   bool quiet_;
   bool verbose_;
   bool live_;

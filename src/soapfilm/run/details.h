@@ -9,6 +9,7 @@
 #include "soapfilm/lambda/cross_validation.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/refine/refine.h"
+#include "soapfilm/run/rank_times.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/poisson.h"
 #include "soapfilm/solve/sor.h"
@@ -34,6 +35,7 @@ struct ReportDetails {
   std::vector<size_t> leaves;             ///< where levels adapt and there are several: of each, the finest first
   double leaf_voxel = 0;                  ///< of these, input units; 0: there are none
   std::optional<Certificate> of_grid;     ///< of the grid's level alone, where the report's is of several levels
+  std::vector<RankTimes> ranks;           ///< of a run on several processes
   double gap_at_borders = 0;              ///< of the certificate's gap, where levels meet
 };
 

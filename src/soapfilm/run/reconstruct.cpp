@@ -8,6 +8,7 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/method.h"
+#include "soapfilm/core/ranks.h"
 #include "soapfilm/field/terms.h"
 #include "soapfilm/finish/rays.h"
 #include "soapfilm/orient/scan_fit.h"
@@ -81,7 +82,8 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   announce_border(border, report.input.directions.inward, trace);
 
   // Inside or outside: the convex problem (4), coarse to fine, on a narrow band; or one of the methods for comparison.
-  std::optional<PagePool::Keep> pages(pages_of(context));
+  std::optional<PagePool::Keep> pages;
+  if (!ranks_of(context)) pages.emplace(pages_of(context));  // they would fill what a rank has no values for
   const bool adapts = !spacings.empty();
   CoarseLevels coarse(context);  // kept where levels adapt
   const PyramidObserver observe = adapts ? coarse.watch(experiment.observe) : experiment.observe;
@@ -146,6 +148,10 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     return find_surface(std::move(labels), samples, grid, params, experiment.robust, memory, context);
   });
   announce_refinement(surface.refine, memory, params, trace);
+
+  // What follows is work for one process.
+  details->ranks = times_of_ranks(trace.times(), context);
+  if (ranks_of(context) && ranks_of(context)->rank() > 0) return {};
 
   // The level set as a manifold mesh, closed but for the border of an open box.
   Mesh mesh = trace.stage("extract", [&] {

@@ -295,6 +295,24 @@ ordered_json mesh_json(const ReconstructReport& report) {
   return json;
 }
 
+ordered_json ranks_json(const std::vector<RankTimes>& ranks) {
+  ordered_json list = ordered_json::array();
+  for (const RankTimes& rank : ranks) {
+    ordered_json seconds, cpu_seconds;
+    double total = 0;
+    for (const StageTime& stage : rank.stages) {
+      seconds[stage.name] = stage.elapsed;
+      cpu_seconds[stage.name] = stage.cpu;
+      total += stage.elapsed;
+    }
+    list.push_back({{"seconds", seconds},
+                    {"cpu_seconds", cpu_seconds},
+                    {"sent_bytes", rank.sent_bytes},
+                    {"exchange_share", total > 0 ? rank.exchange_seconds / total : 0}});
+  }
+  return list;
+}
+
 }  // namespace
 
 double Certificate::gap_per_area() const { return relaxed.gap / (lambda * relaxed.total_variation); }
@@ -312,7 +330,7 @@ std::string to_json(const ReconstructReport& report) {
   seconds["total"] = total.elapsed;
   cpu_seconds["total"] = total.cpu;
   const Vec3d center = report.input.box.center();
-  const ordered_json json = {
+  ordered_json json = {
       {"report_version", report_version},
       {"soapfilm", version},
       {"command", report.command},
@@ -344,6 +362,7 @@ std::string to_json(const ReconstructReport& report) {
         {"peak_bytes", report.peak_bytes},
         {"array_bytes", report.array_bytes}}},
       {"warnings", report.warnings}};
+  if (!report.details->ranks.empty()) json["ranks"] = ranks_json(report.details->ranks);
   return json_text(json) + "\n";
 }
 

@@ -1,0 +1,13 @@
+# Runs on many machines: the program soapfilm-mpi, which mpirun starts, links Open MPI by src/soapfilm/mpi; the engine and
+# the program soapfilm know ranks, not MPI.
+find_package(MPI REQUIRED COMPONENTS C)
+file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/soapfilm/mpi/*.cpp)
+add_library(soapfilm_mpi STATIC ${sources})
+target_compile_definitions(soapfilm_mpi PRIVATE OMPI_SKIP_MPICXX)  # the C interface alone
+target_link_libraries(soapfilm_mpi PUBLIC soapfilm_engine PRIVATE soapfilm_options fmt::fmt MPI::MPI_C)
+
+# With these functions of its own the linker does not look for those of soapfilm_commands.
+add_executable(soapfilm_mpi_cli ${PROJECT_SOURCE_DIR}/cli/main.cpp ${PROJECT_SOURCE_DIR}/cli/ranks.cpp)
+set_target_properties(soapfilm_mpi_cli PROPERTIES OUTPUT_NAME soapfilm-mpi)
+target_compile_definitions(soapfilm_mpi_cli PRIVATE SOAPFILM_MPI)
+target_link_libraries(soapfilm_mpi_cli PRIVATE soapfilm_commands soapfilm_mpi)

@@ -1,0 +1,173 @@
+#include "soapfilm/mpi/mpi_ranks.h"
+
+#include <mpi.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+#include <utility>
+
+namespace soapfilm {
+
+namespace {
+
+constexpr size_t largest_message = size_t{1} << 30;  // counts are of type int
+constexpr int data_tag = 1, end_tag = 2;
+constexpr size_t longest_line = 2000;
+
+/// Launchers tell processes so that they are some of several.
+bool is_launched() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"})
+    if (std::getenv(name)) return true;
+  return false;
+}
+
+/// What a rank tells the others when it ends.
+struct EndMessage {
+  int code = 0;
+  int followed = 0;
+  char line[longest_line] = {};
+};
+
+/// Spins at first: most waits are short. Then it leaves the core to others.
+class Patience {
+ public:
+  void wait() {
+    constexpr int spins = 2000;
+    if (++turns_ > spins) std::this_thread::sleep_for(std::chrono::microseconds(50));
+  }
+  bool is_time_to_look() const { return turns_ % 64 == 0; }
+
+ private:
+  int turns_ = 0;
+};
+
+}  // namespace
+
+struct MpiRanks::World {
+  MPI_Comm data = MPI_COMM_NULL, ends = MPI_COMM_NULL;
+  int rank = 0, count = 1, on_machine = 1;
+  std::vector<MPI_Request> open;         ///< of the exchange in progress
+  std::vector<bool> ended;               ///< of each rank: whether its end is known
+  std::vector<EndMessage> end_messages;  ///< if so
+  bool failed = false;                   ///< one of them is not good
+};
+
+std::shared_ptr<MpiRanks> MpiRanks::join() {
+  if (!is_launched()) return nullptr;
+  int threads = 0;
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &threads);
+  auto world = std::make_unique<World>();
+  MPI_Comm_rank(MPI_COMM_WORLD, &world->rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &world->count);
+  if (world->count == 1) {
+    MPI_Finalize();
+    return nullptr;
+  }
+  MPI_Comm_dup(MPI_COMM_WORLD, &world->data);
+  MPI_Comm_dup(MPI_COMM_WORLD, &world->ends);
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  MPI_Comm_size(machine, &world->on_machine);
+  MPI_Comm_free(&machine);
+  world->ended.resize(static_cast<size_t>(world->count));
+  world->end_messages.resize(static_cast<size_t>(world->count));
+  return std::shared_ptr<MpiRanks>(new MpiRanks(std::move(world)));
+}
+
+MpiRanks::MpiRanks(std::unique_ptr<World> world) : Ranks(world->rank, world->count), world_(std::move(world)) {}
+MpiRanks::~MpiRanks() = default;
+
+int MpiRanks::on_this_machine() const { return world_->on_machine; }
+
+/// Receives the ends that have arrived.
+void MpiRanks::look_for_failures() {
+  for (;;) {
+    int there = 0;
+    MPI_Status status;
+    MPI_Iprobe(MPI_ANY_SOURCE, end_tag, world_->ends, &there, &status);
+    if (!there) return;
+    const auto from = static_cast<size_t>(status.MPI_SOURCE);
+    EndMessage& end = world_->end_messages[from];
+    MPI_Recv(&end, sizeof end, MPI_BYTE, status.MPI_SOURCE, end_tag, world_->ends, MPI_STATUS_IGNORE);
+    world_->ended[from] = true;
+    world_->failed = world_->failed || end.code != 0;
+  }
+}
+
+void MpiRanks::pass(const std::vector<Message>& out, const std::vector<Message>& in) {
+  std::vector<MPI_Request>& open = world_->open;
+  const auto begin = [&](const Message& message, auto&& start) {
+    auto* data = static_cast<std::byte*>(message.data);
+    for (size_t done = 0; done < message.bytes; done += largest_message) {
+      open.push_back(MPI_REQUEST_NULL);
+      start(data + done, static_cast<int>(std::min(largest_message, message.bytes - done)), message.rank, &open.back());
+    }
+  };
+  for (const Message& message : in)
+    begin(message, [&](std::byte* data, int bytes, int rank, MPI_Request* request) {
+      MPI_Irecv(data, bytes, MPI_BYTE, rank, data_tag, world_->data, request);
+    });
+  for (const Message& message : out)
+    begin(message, [&](std::byte* data, int bytes, int rank, MPI_Request* request) {
+      MPI_Isend(data, bytes, MPI_BYTE, rank, data_tag, world_->data, request);
+    });
+  Patience patience;
+  for (int done = 0;;) {
+    MPI_Testall(static_cast<int>(open.size()), open.data(), &done, MPI_STATUSES_IGNORE);
+    if (done) break;
+    patience.wait();
+    if (!patience.is_time_to_look()) continue;
+    look_for_failures();
+    if (world_->failed) throw RankGaveUp();
+    if (while_waiting) while_waiting();
+  }
+  open.clear();
+}
+
+MpiRanks::End MpiRanks::leave(const End& own) {
+  constexpr auto longest_wait = std::chrono::seconds(20);
+  const auto self = static_cast<size_t>(rank());
+  EndMessage& end = world_->end_messages[self];
+  end.code = own.code;
+  end.followed = own.followed;
+  own.line.copy(end.line, longest_line - 1);
+  world_->ended[self] = true;
+  std::vector<MPI_Request> sent;
+  for (int r = 0; r < count(); ++r)
+    if (r != rank()) {
+      sent.push_back(MPI_REQUEST_NULL);
+      MPI_Isend(&end, sizeof end, MPI_BYTE, r, end_tag, world_->ends, &sent.back());
+    }
+  // Rank 0 writes the mesh while the others wait, which may take long; after a failure nothing does.
+  Patience patience;
+  auto failed_at = std::chrono::steady_clock::time_point::max();
+  for (int done = 0;;) {
+    MPI_Testall(static_cast<int>(sent.size()), sent.data(), &done, MPI_STATUSES_IGNORE);
+    look_for_failures();
+    if (done && std::find(world_->ended.begin(), world_->ended.end(), false) == world_->ended.end()) break;
+    const auto now = std::chrono::steady_clock::now();
+    if ((world_->failed || own.code != 0) && failed_at > now) failed_at = now;
+    if (now > failed_at && now - failed_at > longest_wait) MPI_Abort(MPI_COMM_WORLD, own.code != 0 ? own.code : 1);
+    patience.wait();
+  }
+  // What was on its way when a rank gave up is of no use any more.
+  for (MPI_Request& request : world_->open)
+    if (request != MPI_REQUEST_NULL) {
+      MPI_Cancel(&request);
+      MPI_Request_free(&request);
+    }
+  End first = own;
+  for (int r = count(); r-- > 0;) {
+    const EndMessage& other = world_->end_messages[static_cast<size_t>(r)];
+    if (other.code != 0 && !other.followed) first = {other.code, other.line, false};
+  }
+  alarm(static_cast<unsigned>(longest_wait.count()));  // should the library wait for a rank that is gone
+  MPI_Finalize();
+  alarm(0);
+  return first;
+}
+
+}  // namespace soapfilm

@@ -1,0 +1,163 @@
+// The program on several processes, started by mpirun.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support/process.h"
+
+namespace soapfilm::test {
+namespace TEST_FILE {
+
+using Words = std::vector<std::string>;
+
+/// The plain program, or the one that mpirun starts.
+Words program(const Words& arguments, const char* path = SOAPFILM_PROGRAM) {
+  Words words{path};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return words;
+}
+
+/// Of so many processes, of which this machine may have fewer cores.
+Words mpirun(int ranks, const Words& arguments) {
+  Words words{SOAPFILM_MPIRUN, "--allow-run-as-root", "--oversubscribe", "-n", std::to_string(ranks)};
+  for (const std::string& word : program(arguments, SOAPFILM_MPI_PROGRAM)) words.push_back(word);
+  return words;
+}
+
+size_t count_of(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+/// The processes of the program that descend from `ancestor`.
+std::vector<pid_t> programs_below(pid_t ancestor) {
+  std::vector<pid_t> found;
+  const std::filesystem::path tasks = "/proc/" + std::to_string(ancestor) + "/task";
+  std::error_code gone;
+  for (const auto& task : std::filesystem::directory_iterator(tasks, gone)) {
+    std::ifstream children(task.path() / "children");
+    for (pid_t child = 0; children >> child;) {
+      if (std::filesystem::read_symlink("/proc/" + std::to_string(child) + "/exe", gone).filename() == "soapfilm-mpi")
+        found.push_back(child);
+      for (const pid_t below : programs_below(child)) found.push_back(below);
+    }
+  }
+  return found;
+}
+
+class Mpirun : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(run_process(program({"scan", "knot", "--samples", "60000", "-o", folder.file("scan"), "-q"})).exit_code,
+              0);
+  }
+  Words reconstruct(const std::string& to, int resolution = 300) const {
+    return {"reconstruct",  folder.file("scan") + "/samples.ply", "-o",        folder.file(to),
+            "--resolution", std::to_string(resolution),           "--threads", "1"};
+  }
+  /// The files that are there, but for the scan.
+  size_t files() const {
+    size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path())) count += entry.is_regular_file();
+    return count;
+  }
+  /// Starts a run over an old mesh, calls stop() with mpirun's id and the processes, and expects that all of it ends
+  /// with a code other than 0 and the old mesh.
+  template <class Stop>
+  void expect_end(Stop&& stop) {
+    std::ofstream(folder.file("mesh.ply")) << "old";
+    const ProcessResult ended = run_process(mpirun(3, reconstruct("mesh.ply", 500)), [&](pid_t mpi) {
+      std::vector<pid_t> running;
+      for (int k = 0; k < 400 && running.size() < 3; ++k) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        running = programs_below(mpi);
+      }
+      std::this_thread::sleep_for(std::chrono::seconds(1));
+      stop(mpi, running);
+    });
+    EXPECT_NE(ended.exit_code, 0);
+    EXPECT_EQ(read_file(folder.file("mesh.ply")), "old");
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(Mpirun, GivesTheBytesOfOneProcess) {
+  const auto report_of = [&](const std::string& name) {
+    auto json = nlohmann::json::parse(read_file(folder.file(name)));
+    for (const char* key : {"seconds", "cpu_seconds", "memory", "ranks", "command"}) json.erase(key);
+    return json;
+  };
+  Words words = reconstruct("alone.ply");
+  words.insert(words.end(), {"--report", folder.file("alone.json")});
+  ASSERT_EQ(run_process(program(words)).exit_code, 0);
+  for (const int ranks : {2, 3}) {
+    words = reconstruct("mesh.ply");
+    words.insert(words.end(), {"--report", folder.file("mesh.json")});
+    const ProcessResult done = run_process(mpirun(ranks, words));
+    ASSERT_EQ(done.exit_code, 0) << done.err;
+    EXPECT_EQ(read_file(folder.file("mesh.ply")), read_file(folder.file("alone.ply")));
+    EXPECT_EQ(report_of("mesh.json"), report_of("alone.json"));
+    EXPECT_EQ(count_of(done.err, "triangles"), 1u) << "one process prints";
+    const auto of_ranks = nlohmann::json::parse(read_file(folder.file("mesh.json")))["ranks"];
+    ASSERT_EQ(of_ranks.size(), static_cast<size_t>(ranks));
+    for (const auto& rank : of_ranks) EXPECT_GT(rank["sent_bytes"].get<size_t>(), 1000000u) << "slabs had borders";
+  }
+}
+
+TEST_F(Mpirun, RefusesInOneLine) {
+  const ProcessResult refused =
+      run_process(mpirun(2, {"reconstruct", folder.file("none.ply"), "-o", folder.file("m.ply")}));
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(count_of(refused.err, "soapfilm: "), 1u) << refused.err;
+  const ProcessResult stream = run_process(mpirun(2, {"reconstruct", "-", "-o", folder.file("m.ply")}));
+  EXPECT_EQ(stream.exit_code, 2);
+  EXPECT_EQ(count_of(stream.err, "soapfilm: standard input"), 1u) << stream.err;
+}
+
+TEST_F(Mpirun, RanksMustAgree) {
+  ASSERT_EQ(
+      run_process(program({"scan", "knot", "--samples", "60000", "--seed", "2", "-o", folder.file("other"), "-q"}))
+          .exit_code,
+      0);
+  Words words = mpirun(1, reconstruct("mesh.ply", 100)), second = reconstruct("mesh.ply", 100);
+  second[1] = folder.file("other") + "/samples.ply";
+  words.insert(words.end(), {":", "-n", "1"});
+  for (const std::string& word : program(second, SOAPFILM_MPI_PROGRAM)) words.push_back(word);
+  const ProcessResult samples = run_process(words);
+  EXPECT_EQ(samples.exit_code, 2);
+  EXPECT_EQ(count_of(samples.err, "rank 1 has other samples than rank 0"), 1u) << samples.err;
+
+  words = mpirun(1, reconstruct("mesh.ply", 100));
+  words.insert(words.end(), {":", "-n", "1"});
+  for (const std::string& word : program(reconstruct("mesh.ply", 101), SOAPFILM_MPI_PROGRAM)) words.push_back(word);
+  const ProcessResult parameters = run_process(words);
+  EXPECT_EQ(parameters.exit_code, 2);
+  EXPECT_EQ(count_of(parameters.err, "rank 1 has other parameters than rank 0"), 1u) << parameters.err;
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(Mpirun, ARankThatIsKilledEndsAll) {
+  for (const size_t rank : {0, 1, 2}) {
+    expect_end([&](pid_t, const std::vector<pid_t>& running) {
+      ASSERT_EQ(running.size(), 3u);
+      kill(running[rank], SIGKILL);
+    });
+    if (rank > 0) EXPECT_EQ(files(), 1u) << "nothing else is left";
+  }
+}
+
+TEST_F(Mpirun, CtrlCEndsAll) {
+  expect_end([&](pid_t mpi, const std::vector<pid_t>&) { kill(mpi, SIGINT); });
+  EXPECT_EQ(files(), 1u) << "nothing else is left";
+}
+
+}  // namespace TEST_FILE
+}  // namespace soapfilm::test
