@@ -11,6 +11,7 @@
 #include "soapfilm/core/indices.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/error.h"
 #include "soapfilm/relax/crossings.h"
 #include "soapfilm/relax/flip.h"
@@ -39,7 +40,7 @@ Vec3d normal_at(const SmoothField& field, Vec3d point) {
 std::vector<Vec3f> vertex_normals(const Mesh& mesh, const SmoothField& field, const Lattice& lattice,
                                   const Context& context) {
   std::vector<Vec3f> normals(mesh.vertices.size());
-  parallel_for(context, normals.size(), points_per_task, [&](size_t v) {
+  share_values(normals, points_per_task, context, [&](size_t v) {
     normals[v] = lattice.to_world_axes(Vec3f(normal_at(field, lattice.to_lattice(mesh.vertices[v]))));
   });
   return normals;
@@ -75,7 +76,7 @@ class Relaxation {
     start = mesh_.vertices;
     for (const uint32_t h : split_) start.push_back(0.5 * (start[edges.from(h)] + start[edges.to(h)]));
     mesh_.vertices.resize(start.size());
-    parallel_for(context_, start.size(), points_per_task, [&](size_t v) {
+    share_values(mesh_.vertices, points_per_task, context_, [&](size_t v) {
       const bool stays = v < old_ && !is_end_[v];
       const Vec3d p = v >= old_ ? middles_[v - old_] : stays ? lattice_.to_lattice(start[v]) : ends_[v];
       const Vec3d normal = stays ? Vec3d(lattice_.from_world_axes(normals[v])) : normal_at(field_, p);
@@ -139,7 +140,7 @@ class Relaxation {
   void place_ends(const HalfEdges& edges) {
     mark_ends(edges);
     ends_.resize(mesh_.vertices.size());
-    parallel_for(context_, ends_.size(), points_per_task, [&](size_t v) {
+    share_values(ends_, points_per_task, context_, [&](size_t v) {
       if (!is_end_[v]) return;
       ends_[v] = lattice_.to_lattice(mesh_.vertices[v]);
       ends_[v] = field_.project(ends_[v], reach).value_or(ends_[v]);

@@ -7,6 +7,7 @@
 
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/kernels/robust.h"
 
@@ -146,7 +147,8 @@ Residuals::Residuals(const GridSamples& samples, const SmoothField& field, doubl
   std::vector<float> target(entries_.size()), mean(entries_.size());
   for (size_t s = 0; s < target.size(); ++s) target[s] = entries_[s].distance;
   for (int pass = 1; pass < passes; ++pass) {
-    parallel_for(context, bricks_.size(), 32, [&](size_t b) {
+    const auto first_of = [&](size_t b) { return begin_[b]; };
+    share_items(bricks_.size(), mean, 32, context, first_of, [&](size_t b) {
       const Vec3d origin(bricks_.first_vertex(b));
       for (uint32_t s = begin_[b]; s < begin_[b + 1]; ++s) {
         const Entry& e = entries_[s];
@@ -163,7 +165,7 @@ std::vector<float> Residuals::shares_of_surface(const Context& context) const {
   constexpr double nearby = 0.7;    // voxels between the samples of a pair
   constexpr double enough = 0.4;    // share of the surface in the mean square from which on distances are used in full
   std::vector<PairSums> parts(bricks_.size());
-  parallel_for(context, bricks_.size(), 32, [&](size_t b) {
+  share_values(parts, 32, context, [&](size_t b) {
     const Vec3d origin(bricks_.first_vertex(b));
     PairSums& sums = parts[b];
     for (uint32_t s = begin_[b]; s < begin_[b + 1]; ++s) {

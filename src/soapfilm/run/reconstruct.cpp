@@ -149,10 +149,6 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   });
   announce_refinement(surface.refine, memory, params, trace);
 
-  // What follows is work for one process.
-  details->ranks = times_of_ranks(trace.times(), context);
-  if (ranks_of(context) && ranks_of(context)->rank() > 0) return {};
-
   // The level set as a manifold mesh, closed but for the border of an open box.
   Mesh mesh = trace.stage("extract", [&] {
     return adapted ? triangles_of(*adapted, surface, grid, lambda.value, *details, context)
@@ -176,6 +172,9 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // of coarser levels stay: their samples are too few to say where to.
   report.relax = adapted ? relax(mesh, surface, samples, *adapted, grid, params, trace, context)
                          : relax(mesh, surface, samples, grid, params, trace, context);
+  // What follows is work for one process.
+  details->ranks = times_of_ranks(trace.times(), context);
+  if (ranks_of(context) && ranks_of(context)->rank() > 0) return {};
   report.isovalue = surface.isovalue;
   report.refine = summary_of(surface);
   details->refine = std::move(surface.refine);
