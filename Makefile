@@ -97,7 +97,7 @@ adapt: build-release packages-scenes ## scenes with one voxel and with levels th
 gallery: build-release packages-scenes ## the gallery of real scans, to docs/gallery/ and pages to turn to out/gallery/ (SOAPFILM_DATA: as above)
 	/usr/bin/python3 -B docs/gallery/gallery.py build/release/bin/soapfilm out/gallery-work docs/gallery out/gallery
 
-deb: packages-build packages-viewer packages-python packages-deb build-deb ## Debian packages into out/deb/
+deb: packages-build packages-viewer packages-python packages-mpi packages-deb build-deb ## Debian packages into out/deb/
 	rm -rf out/deb && cpack --config build/deb/CPackConfig.cmake -B out/deb
 	rm -rf out/deb/_CPack_Packages
 	lintian --fail-on error,warning out/deb/*.deb

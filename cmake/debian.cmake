@@ -73,6 +73,14 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS libproj25)  # loaded for georeferenc
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/guide ${PROJECT_SOURCE_DIR}/docs/reference DESTINATION share/doc/soapfilm
   COMPONENT program FILES_MATCHING PATTERN "*.md" PATTERN "*.py" PATTERN "*.jpg" PATTERN "*.png")
 
+# The program for many machines, where it is built (SOAPFILM_MPI).
+if(TARGET soapfilm_mpi_cli)
+  debian_package(mpi soapfilm-mpi science "watertight surfaces from raw 3D scans (Open MPI)" "${what}
+.
+This package has the program for runs on many machines, which mpirun starts.")
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS openmpi-bin)
+endif()
+
 # The Python package, where it is built (SOAPFILM_BUILD_PYTHON): its module is for one version of Python.
 if(TARGET soapfilm_python)
   find_package(Python REQUIRED COMPONENTS Interpreter)

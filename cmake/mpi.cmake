@@ -11,3 +11,6 @@ add_executable(soapfilm_mpi_cli ${PROJECT_SOURCE_DIR}/cli/main.cpp ${PROJECT_SOU
 set_target_properties(soapfilm_mpi_cli PROPERTIES OUTPUT_NAME soapfilm-mpi)
 target_compile_definitions(soapfilm_mpi_cli PRIVATE SOAPFILM_MPI)
 target_link_libraries(soapfilm_mpi_cli PRIVATE soapfilm_commands soapfilm_mpi)
+install(TARGETS soapfilm_mpi_cli COMPONENT mpi)
+install(FILES ${PROJECT_SOURCE_DIR}/packaging/debian/soapfilm-mpi.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1
+  COMPONENT mpi)
