@@ -31,14 +31,14 @@ struct EndMessage {
   char line[longest_line] = {};
 };
 
-/// Spins at first: most waits are short. Then it leaves the core to others.
+/// Spins at first: most waits are short. Then it leaves the core to others, for longer and longer.
 class Patience {
  public:
   void wait() {
-    constexpr int spins = 2000;
-    if (++turns_ > spins) std::this_thread::sleep_for(std::chrono::microseconds(50));
+    constexpr int spins = 2000, longest = 1000;  // microseconds
+    if (++turns_ > spins) std::this_thread::sleep_for(std::chrono::microseconds(std::min(turns_ / 100, longest)));
   }
-  bool is_time_to_look() const { return turns_ % 64 == 0; }
+  bool is_time_to_look() const { return turns_ % 16 == 0; }
 
  private:
   int turns_ = 0;

@@ -28,6 +28,7 @@ std::vector<RankTimes> times_of_ranks(const std::vector<StageTime>& own, const C
     }
     times[r].sent_bytes = traffic[r].bytes;
     times[r].exchange_seconds = traffic[r].seconds;
+    times[r].exchange_cpu_seconds = traffic[r].cpu_seconds;
   }
   return times;
 }

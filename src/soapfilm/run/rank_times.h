@@ -13,6 +13,7 @@ struct RankTimes {
   std::vector<StageTime> stages;
   uint64_t sent_bytes = 0;
   double exchange_seconds = 0;  ///< sending, receiving and, most of it, waiting for other ranks
+  double exchange_cpu_seconds = 0;
 };
 
 /// Of all ranks, on each, so far; empty where there are none.

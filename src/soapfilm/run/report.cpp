@@ -307,6 +307,7 @@ ordered_json ranks_json(const std::vector<RankTimes>& ranks) {
     }
     list.push_back({{"seconds", seconds},
                     {"cpu_seconds", cpu_seconds},
+                    {"exchange_cpu_seconds", rank.exchange_cpu_seconds},
                     {"sent_bytes", rank.sent_bytes},
                     {"exchange_share", total > 0 ? rank.exchange_seconds / total : 0}});
   }
