@@ -117,6 +117,14 @@ TEST_F(Mpirun, RefusesInOneLine) {
       run_process(mpirun(2, {"reconstruct", folder.file("none.ply"), "-o", folder.file("m.ply")}));
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_EQ(count_of(refused.err, "soapfilm: "), 1u) << refused.err;
+  Words words = mpirun(1, reconstruct("m.ply", 100)), second = reconstruct("m.ply", 100);
+  second[1] = folder.file("none.ply");
+  words.insert(words.end(), {":", "-n", "1"});
+  for (const std::string& word : program(second, SOAPFILM_MPI_PROGRAM)) words.push_back(word);
+  const ProcessResult elsewhere = run_process(words);
+  EXPECT_EQ(elsewhere.exit_code, 2);
+  EXPECT_EQ(count_of(elsewhere.err, "soapfilm: "), 1u) << elsewhere.err;
+  EXPECT_EQ(count_of(elsewhere.err, "soapfilm: rank 1: "), 1u) << elsewhere.err;
   const ProcessResult stream = run_process(mpirun(2, {"reconstruct", "-", "-o", folder.file("m.ply")}));
   EXPECT_EQ(stream.exit_code, 2);
   EXPECT_EQ(count_of(stream.err, "soapfilm: standard input"), 1u) << stream.err;

@@ -162,7 +162,8 @@ MpiRanks::End MpiRanks::leave(const End& own) {
   End first = own;
   for (int r = count(); r-- > 0;) {
     const EndMessage& other = world_->end_messages[static_cast<size_t>(r)];
-    if (other.code != 0 && !other.followed) first = {other.code, other.line, false};
+    const std::string whose = r > 0 ? "rank " + std::to_string(r) + ": " : "";
+    if (other.code != 0 && !other.followed) first = {other.code, whose + other.line, false};
   }
   alarm(static_cast<unsigned>(longest_wait.count()));  // should the library wait for a rank that is gone
   MPI_Finalize();
