@@ -81,10 +81,11 @@ class NarrowBand {
   /// From now on each rank has the values of its slab and of the layers next to it alone; null: of all.
   void share_out(std::shared_ptr<const Slabs> slabs) { slabs_ = std::move(slabs); }
   const Slabs* slabs() const { return slabs_.get(); }
-  /// Layers next to a slab, on either side, whose values a rank gets from their owners. A stage of a pass is wrong in
-  /// one layer more than the one before, from the far side on, and a fine layer depends on some two of a coarser band:
-  /// this many are enough for all passes of CpuBandSolver, cycles of Multilevel included, between two exchanges.
-  static constexpr int layers_beside = 5;
+  /// Layers next to a slab, on either side, whose values a rank gets from their owners: 16 vertices. Each stage of a
+  /// pass is wrong at one vertex more than the one before, from the far side on; two cycles of Multilevel and the
+  /// direction's image lose less than half of them. One layer is too few: what lies next to a slab adds to values in
+  /// it, and a coarse layer of a slab that begins at an odd layer has parts from two below.
+  static constexpr int layers_beside = 2;
   /// The layers that this rank works on, from an even one on.
   LayerRange layers_at_hand() const;
 
