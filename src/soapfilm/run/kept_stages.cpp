@@ -119,7 +119,8 @@ void KeptStages::save(const std::string& stage, const std::function<void(std::os
   write(to);
   to.close();
   const std::string& folder = context_.state().scratch_folder;
-  const bool leaves_room = free_disk_bytes(folder) >= memory_.planned_disk_bytes();
+  const uint64_t arrays = memory_.planned_disk_bytes() / 4 * 5;  // what is planned may be a fifth too little
+  const bool leaves_room = free_disk_bytes(folder) >= arrays;
   if (to && leaves_room && replace_file(part, file(stage))) return;
   std::error_code ignored;
   fs::remove(part, ignored);
@@ -130,12 +131,15 @@ void KeptStages::save(const std::string& stage, const std::function<void(std::os
 Orientation KeptStages::orient(const std::function<Orientation()>& make) {
   Orientation found;
   if (load("orient", [&](std::istream& from) { found = get_directions(from); })) {
+    has_directions_ = true;
     for (const std::string& warning : found.report.warnings) context_.progress().warn(warning);
     return found;
   }
-  found = make();
-  save("orient", [&](std::ostream& to) { put_directions(to, found); });
-  return found;
+  return make();
+}
+
+void KeptStages::keep(const Orientation& found) {
+  if (!has_directions_) save("orient", [&](std::ostream& to) { put_directions(to, found); });
 }
 
 Surface KeptStages::refine(const std::function<Surface()>& make) {

@@ -23,8 +23,10 @@ class KeptStages {
   /// written. Keeps references.
   KeptStages(const PointCloud& cloud, const ReconstructParams& params, MemoryBudget& memory, const Context& context);
 
-  /// What is kept, else what `make` finds, which then is. A warning says where it could not be kept.
+  /// What is kept, else what `make` finds. It is kept by keep(), once it is known what the run needs of the disk.
   Orientation orient(const std::function<Orientation()>& make);
+  void keep(const Orientation& found);
+  /// What is kept, else what `make` finds, which then is. A warning says where there is no room for it.
   Surface refine(const std::function<Surface()>& make);
   /// `user`, and kept levels are not solved again.
   PyramidObserver watch(PyramidObserver user);
@@ -38,6 +40,7 @@ class KeptStages {
 
   MemoryBudget& memory_;
   const Context& context_;
+  bool has_directions_ = false;
   std::string prefix_;  ///< of the files of this run, with their folder; empty: none are kept
 };
 

@@ -45,6 +45,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
 
   // The grid: its voxel, its position, and the memory needed.
   Placed placed = trace.stage("place", [&] { return place(cloud, box, oriented, scanners, params, memory, context); });
+  kept.keep(oriented);
   Grid& grid = placed.grid;
   GridSamples& samples = placed.samples;
   std::vector<Ray> rays = some_rays(cloud, params.orient.sensor, grid.lattice, context);
