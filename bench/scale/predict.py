@@ -1,7 +1,7 @@
 """What larger surveys will need: predict.py NOTES PAGE
 
-NOTES has the rows that survey.py has measured, PAGE gets them and predictions: everything but the memory grows with the
-points at the same density and voxel, from the largest measured survey on."""
+NOTES has the rows that survey.py has measured, PAGE gets them and predictions: all grows with the points at the same
+density and voxel, from the largest measured survey on, the memory from the least that one was measured with."""
 import re
 import sys
 from pathlib import Path
@@ -28,23 +28,29 @@ def measured(notes):
     return sorted(found, key=lambda row: row["points"])
 
 
-def predicted(largest, millions):
-    times = millions / largest["points"]
-    return {key: value * times for key, value in largest.items()}
+def predicted(rows, millions):
+    times = millions / rows[-1]["points"]
+    row = {key: value * times for key, value in rows[-1].items()}
+    row["memory"] = millions * min(r["memory"] / r["points"] for r in rows)
+    return row
+
+
+def gigabytes(value):
+    return f"{value:.2g} GB" if value < 10 else f"{value:.0f} GB"
 
 
 def line_of(row, kind):
     hours = lambda h: f"{h * 60:.0f} min" if h < 2 else f"{h:.0f} h"
-    memory = f"{row['memory']:.2g} GB"
-    return (f"| {row['points']:.0f} million | {kind} | {memory} | {row['disk']:.2g} GB | {hours(row['cpu'])} "
-            f"| {hours(row['elapsed'])} | {row['read'] / 1000:.2g} TB | {row['triangles']:.0f} million |")
+    return (f"| {row['points']:.0f} million | {kind} | {gigabytes(row['memory'])} | {gigabytes(row['disk'])} "
+            f"| {hours(row['cpu'])} | {hours(row['elapsed'])} | {row['read'] / 1000:.1f} TB "
+            f"| {row['triangles']:.0f} million |")
 
 
 def main():
     notes, page = sys.argv[1:3]
     rows = measured(notes)
     lines = [line_of(row, "measured") for row in rows]
-    lines += [line_of(predicted(rows[-1], millions), "predicted") for millions in MILLIONS if millions > rows[-1]["points"]]
+    lines += [line_of(predicted(rows, millions), "predicted") for millions in MILLIONS if millions > rows[-1]["points"]]
     begin, end = "<!-- predict.py -->\n", "<!-- end of predict.py -->"
     text = Path(page).read_text()
     Path(page).write_text(text.split(begin)[0] + begin + HEAD + "\n".join(lines) + "\n" + end + text.split(end)[1])
