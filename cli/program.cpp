@@ -119,6 +119,7 @@ Ending finished(int code) {
 
 Ending ending_of(int argc, char** argv, const std::shared_ptr<Ranks>& ranks) {
   try {
+    become_ranks(argv);
     return finished(run(argc, argv, ranks));
   } catch (const Cancelled& error) {
     Ending ending = failure(cancelled, error.what());

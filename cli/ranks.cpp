@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
-#include <span>
-#include <string_view>
 #include <vector>
 
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/core/hash.h"
 #include "soapfilm/error.h"
 #include "soapfilm/platform/memory.h"
+#include "soapfilm/platform/processes.h"
 #ifdef SOAPFILM_MPI
 #include "soapfilm/mpi/mpi_ranks.h"
 #endif
@@ -31,32 +30,6 @@ std::vector<T> of_all(Ranks& ranks, const T& own) {
   return all;
 }
 
-/// Fowler, Noll and Vo's hash over words of eight bytes.
-class Hash {
- public:
-  template <class T>
-  void add(const std::vector<T>& values) {
-    add(std::as_bytes(std::span(values)));
-  }
-  void add(std::string_view text) { add(std::as_bytes(std::span(text))); }
-  uint64_t value() const { return value_; }
-
- private:
-  void add(std::span<const std::byte> bytes) {
-    add_word(bytes.size());
-    for (size_t k = 0; k < bytes.size(); k += sizeof(uint64_t)) {
-      uint64_t word = 0;
-      std::memcpy(&word, bytes.data() + k, std::min(sizeof word, bytes.size() - k));
-      add_word(word);
-    }
-  }
-  void add_word(uint64_t word) {
-    value_ = (value_ ^ word) * 0x100000001b3u;
-    value_ ^= value_ >> 29;  // so that high bits reach low ones
-  }
-  uint64_t value_ = 0xcbf29ce484222325u;
-};
-
 void require_same(Ranks& ranks, const char* what, uint64_t own) {
   const std::vector<uint64_t> all = of_all(ranks, own);
   const auto other = std::find_if(all.begin(), all.end(), [&](uint64_t hash) { return hash != all[0]; });
@@ -65,21 +38,12 @@ void require_same(Ranks& ranks, const char* what, uint64_t own) {
                                      other - all.begin(), what));
 }
 
-uint64_t hash_of(const PointCloud& cloud) {
-  Hash hash;
-  hash.add(cloud.positions);
-  hash.add(cloud.normals);
-  hash.add(cloud.sensors);
-  hash.add(cloud.weights);
-  for (const Scan& scan : cloud.scans) hash.add(fmt::format("{} {}", scan.end, scan.sensor.has_value()));
-  return hash.value();
-}
-
 }  // namespace
 
 #ifdef SOAPFILM_MPI
 
 std::shared_ptr<Ranks> join_ranks() { return MpiRanks::join(); }
+void become_ranks(char**) {}
 
 bool gave_up_for_another(const Cancelled& error) { return dynamic_cast<const RankGaveUp*>(&error) != nullptr; }
 
@@ -100,6 +64,15 @@ void share_run(const std::shared_ptr<Ranks>& ranks, Context& context) {
 #else
 
 std::shared_ptr<Ranks> join_ranks() { return nullptr; }
+void become_ranks(char** arguments) {
+  const int processes = processes_of_mpirun();
+  if (processes == 1) return;
+  become_program("soapfilm-mpi", arguments);
+  throw ParameterError(
+      fmt::format("mpirun: {} processes, and soapfilm-mpi, which makes one run of them, is not beside "
+                  "this program; the package of that name has it",
+                  processes));
+}
 bool gave_up_for_another(const Cancelled&) { return false; }
 Ending leave_ranks(Ranks&, const Ending& own) { return own; }
 void share_run(const std::shared_ptr<Ranks>& ranks, Context& context) { context.state().ranks = ranks; }

@@ -21,6 +21,9 @@ struct Ending {
 
 /// Null where this process is alone, or the program was built without MPI. Call it once.
 std::shared_ptr<Ranks> join_ranks();
+/// Where mpirun has started several of the program without MPI, each goes on as the one with it. Throws ParameterError
+/// where there is none.
+void become_ranks(char** arguments);
 /// Whether a run was cancelled because another process ends.
 bool gave_up_for_another(const Cancelled& error);
 /// Waits for all of them; returns how all end. Call it last.

@@ -140,5 +140,16 @@ TEST(Program, NoticesThatItsOutputWasLost) {
   EXPECT_EQ(result.err, "soapfilm: standard output: cannot write\n");
 }
 
+TEST(Program, IsNoOtherProgramThatMpirunStarted) {
+  if (std::filesystem::exists(std::filesystem::path(SOAPFILM_PROGRAM).parent_path() / "soapfilm-mpi")) GTEST_SKIP();
+  const auto of = [](const char* count) {
+    return run_process({"/usr/bin/env", std::string("OMPI_COMM_WORLD_SIZE=") + count, SOAPFILM_PROGRAM, "--version"});
+  };
+  const ProcessResult several = of("2");
+  EXPECT_EQ(several.exit_code, 2);
+  EXPECT_TRUE(contains(several.err, "soapfilm: mpirun: 2 processes, and soapfilm-mpi")) << several.err;
+  EXPECT_EQ(of("1").exit_code, 0);
+}
+
 }  // namespace TEST_FILE
 }  // namespace soapfilm::test

@@ -25,9 +25,9 @@ Words program(const Words& arguments, const char* path = SOAPFILM_PROGRAM) {
 }
 
 /// Of so many processes, of which this machine may have fewer cores.
-Words mpirun(int ranks, const Words& arguments) {
+Words mpirun(int ranks, const Words& arguments, const char* path = SOAPFILM_MPI_PROGRAM) {
   Words words{SOAPFILM_MPIRUN, "--allow-run-as-root", "--oversubscribe", "-n", std::to_string(ranks)};
-  for (const std::string& word : program(arguments, SOAPFILM_MPI_PROGRAM)) words.push_back(word);
+  for (const std::string& word : program(arguments, path)) words.push_back(word);
   return words;
 }
 
@@ -110,6 +110,14 @@ TEST_F(Mpirun, GivesTheBytesOfOneProcess) {
     ASSERT_EQ(of_ranks.size(), static_cast<size_t>(ranks));
     for (const auto& rank : of_ranks) EXPECT_GT(rank["sent_bytes"].get<size_t>(), 1000000u) << "slabs had borders";
   }
+}
+
+TEST_F(Mpirun, ThePlainProgramBecomesIt) {
+  ASSERT_EQ(run_process(program(reconstruct("alone.ply", 100))).exit_code, 0);
+  const ProcessResult done = run_process(mpirun(2, reconstruct("mesh.ply", 100), SOAPFILM_PROGRAM));
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_EQ(read_file(folder.file("mesh.ply")), read_file(folder.file("alone.ply")));
+  EXPECT_EQ(count_of(done.err, "triangles"), 1u) << "one process prints";
 }
 
 TEST_F(Mpirun, RefusesInOneLine) {

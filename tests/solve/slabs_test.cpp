@@ -64,7 +64,8 @@ Outcome swept(uint64_t seed, const RandomLevelParams& params, int sweeps_per_exc
   outcome.energies[2] = relaxed.primal;
   const Energies binary = evaluate_energy(level, {.threshold = 0.5f, .certify = true}, context);
   outcome.energies[3] = binary.dual;
-  outcome.energies[4] = hash_bytes(std::span<const float>(local_gap(level, {}, 1, context).brick(0), brick_volume), 0);
+  const Field<float> gap = local_gap(level, {}, 1, context);
+  outcome.energies[4] = static_cast<double>(hash_bytes(std::span<const float>(gap.brick(0), brick_volume), 0));
   complete(level);
   outcome.state = hash_of(level);
   return outcome;

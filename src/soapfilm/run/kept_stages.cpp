@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/core/hash.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
 #include "soapfilm/platform/scratch.h"
@@ -25,54 +24,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of bytes, one after the other, by the finalizer of SplitMix64.
-class Hash {
- public:
-  void add(const void* bytes, size_t count) {
-    const auto* at = static_cast<const char*>(bytes);
-    add_word(count);
-    for (; count >= sizeof(uint64_t); count -= sizeof(uint64_t), at += sizeof(uint64_t)) {
-      uint64_t word = 0;
-      std::memcpy(&word, at, sizeof(word));
-      add_word(word);
-    }
-    uint64_t rest = 0;
-    std::memcpy(&rest, at, count);
-    add_word(rest);
-  }
-  void add(std::string_view text) { add(text.data(), text.size()); }
-  template <class T>
-  void add(const std::vector<T>& values) {
-    add(values.data(), values.size() * sizeof(T));
-  }
-  uint64_t value() const { return hash_; }
-
- private:
-  void add_word(uint64_t word) {
-    uint64_t z = hash_ ^ word;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
-    hash_ = (z ^ (z >> 31)) + 0x9E3779B97F4A7C15ull;
-  }
-  uint64_t hash_ = 0;
-};
-
-/// What the kept stages follow from. Colors and columns come later.
+/// What the kept stages follow from.
 uint64_t hash_of(const PointCloud& cloud, const ReconstructParams& params) {
   Hash hash;
   hash.add(version);
   hash.add(to_json(params));
-  hash.add(cloud.positions);
-  hash.add(cloud.normals);
-  hash.add(cloud.sensors);
-  hash.add(cloud.weights);
-  hash.add(&cloud.is_survey, sizeof(cloud.is_survey));
-  for (const Scan& scan : cloud.scans) {
-    hash.add(&scan.end, sizeof(scan.end));
-    if (scan.sensor) hash.add(&*scan.sensor, sizeof(*scan.sensor));
-    if (scan.view_direction) hash.add(&*scan.view_direction, sizeof(*scan.view_direction));
-    if (scan.range_grid) hash.add(scan.range_grid->sample);
-  }
+  hash.add(hash_of(cloud));
   return hash.value();
 }
 
