@@ -166,7 +166,9 @@ TEST_F(Mpirun, ARankThatIsKilledEndsAll) {
       ASSERT_EQ(running.size(), 3u);
       kill(running[rank], SIGKILL);
     });
-    if (rank > 0) EXPECT_EQ(files(), 1u) << "nothing else is left";
+    if (rank > 0) {
+      EXPECT_EQ(files(), 1u) << "nothing else is left";
+    }
   }
 }
 
