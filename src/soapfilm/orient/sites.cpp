@@ -56,11 +56,11 @@ std::vector<uint32_t> sort_along_curve(const std::vector<Vec3d>& positions, cons
 
 Sites::Sites(const std::vector<Vec3d>& positions, const Context& context) : of_sample_(positions.size()) {
   const Box3d box = box_of(positions);
+  box_ = {{}, box.hi - box.lo};
   if (!(box.longest() > 0)) {  // all at one place
     points_.resize(std::min<size_t>(1, positions.size()));
     return;
   }
-  box_ = {{}, box.hi - box.lo};
   for (const uint32_t sample : sort_along_curve(positions, box, context)) {
     const Vec3d point = positions[sample] - box.lo;
     if (points_.empty() || !(point == points_.back())) points_.push_back(point);

@@ -76,7 +76,7 @@ void KeptStages::save(const std::string& stage, const std::function<void(std::os
   write(to);
   to.close();
   const std::string& folder = context_.state().scratch_folder;
-  const uint64_t arrays = memory_.planned_disk_bytes() / 4 * 5;  // what is planned may be a fifth too little
+  const uint64_t arrays = memory_.planned_disk_bytes() / 2 * 3;  // what is planned may be a third too little
   const bool leaves_room = free_disk_bytes(folder) >= arrays;
   if (to && leaves_room && replace_file(part, file(stage))) return;
   std::error_code ignored;
