@@ -18,18 +18,6 @@ namespace soapfilm::cli {
 
 namespace {
 
-/// What every rank has, on each.
-template <class T>
-std::vector<T> of_all(Ranks& ranks, const T& own) {
-  const auto count = static_cast<size_t>(ranks.count());
-  std::vector<T> all(count);
-  all[static_cast<size_t>(ranks.rank())] = own;
-  std::vector<ItemRange> each;
-  for (size_t r = 0; r < count; ++r) each.push_back({r, r + 1});
-  bring_all(ranks, each, {{all.data(), sizeof(T)}});
-  return all;
-}
-
 void require_same(Ranks& ranks, const char* what, uint64_t own) {
   const std::vector<uint64_t> all = of_all(ranks, own);
   const auto other = std::find_if(all.begin(), all.end(), [&](uint64_t hash) { return hash != all[0]; });

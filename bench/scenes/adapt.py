@@ -103,8 +103,8 @@ class Trial:
 HEAD = """# Levels that adapt, measured
 
 `make adapt`: scenes of [the scenes' page](../scenes/README.md), `density1000` of the guide's
-[page](../guide/sparse.md), a ball of as many samples evenly spread (`even`), two objects, and a stone 1.5 m from the scanner, on a floor out to 20 m: `carved` with waves of 30 cm,
-`carved_finely` of 5 cm, with `--voxel 0.005` where levels adapt. Each pair is `--adapt off` / `--adapt on`; distances are
+[page](../guide/sparse.md), a ball of as many samples evenly spread (`even`), two objects, and a stone 1.5 m
+from the scanner, on a floor out to 20 m: `carved` with waves of 30 cm, `carved_finely` of 5 cm, with `--voxel 0.005` where levels adapt. Each pair is `--adapt off` / `--adapt on`; distances are
 means in voxels of the run without. Truth that no scanner saw counts in the third column. The gap is the certificate's:
 with levels that of all of them together.
 

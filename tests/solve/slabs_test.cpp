@@ -26,15 +26,6 @@ struct Outcome {
   bool operator==(const Outcome&) const = default;
 };
 
-uint64_t hash_of(const Level& level) {
-  uint64_t hash = 0;
-  for (size_t b = 0; b < level.grid.size(); ++b) {
-    hash = hash_bytes(std::span<const float>(level.u.brick(b), brick_volume), hash);
-    hash = hash_bytes(std::span<const float>(level.p.brick(b), 3 * brick_volume), hash);
-  }
-  return hash;
-}
-
 /// Makes what a rank does not have useless.
 void spoil_others(Level& level) {
   if (!level.slabs) return;
@@ -67,7 +58,7 @@ Outcome swept(uint64_t seed, const RandomLevelParams& params, int sweeps_per_exc
   const Field<float> gap = local_gap(level, {}, 1, context);
   outcome.energies[4] = static_cast<double>(hash_bytes(std::span<const float>(gap.brick(0), brick_volume), 0));
   complete(level);
-  outcome.state = hash_of(level);
+  outcome.state = hash_state(level);
   return outcome;
 }
 

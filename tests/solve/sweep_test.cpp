@@ -68,15 +68,6 @@ class Reference {
 
 void sweep(Level& level, int times, const Context& context) { Sweeper(level, context).sweep(steps, times); }
 
-uint64_t hash_state(const Level& level) {
-  uint64_t hash = 0;
-  for (size_t b = 0; b < level.grid.size(); ++b) {
-    hash = hash_bytes(std::span<const float>(level.u.brick(b), brick_volume), hash);
-    hash = hash_bytes(std::span<const float>(level.p.brick(b), 3 * brick_volume), hash);
-  }
-  return hash;
-}
-
 constexpr Norm both_norms[] = {Norm::isotropic, Norm::anisotropic};
 
 class Sweep : public testing::TestWithParam<BackEnd> {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 
 #include "soapfilm/core/random.h"
 #include "soapfilm/solve/level.h"
 #include "support/dense.h"
+#include "support/hash.h"
 #include "support/sanitized.h"
 
 namespace soapfilm::test {
@@ -93,5 +95,15 @@ struct RandomLevel {
   /// Whether a brick's vertex is in the last layer along an axis.
   static bool is_last(int i, int axis) { return i / brick_stride[axis] % brick_side == brick_side - 1; }
 };
+
+/// Of u and p.
+inline uint64_t hash_state(const Level& level) {
+  uint64_t hash = 0;
+  for (size_t b = 0; b < level.grid.size(); ++b) {
+    hash = hash_bytes(std::span<const float>(level.u.brick(b), brick_volume), hash);
+    hash = hash_bytes(std::span<const float>(level.p.brick(b), 3 * brick_volume), hash);
+  }
+  return hash;
+}
 
 }  // namespace soapfilm::test

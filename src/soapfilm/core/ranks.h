@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <span>
 #include <vector>
 
 namespace soapfilm {
@@ -75,5 +76,22 @@ void bring(Ranks& ranks, const std::vector<ItemRange>& owned, const std::vector<
            std::initializer_list<SharedArray> arrays);
 /// Brings each rank all items.
 void bring_all(Ranks& ranks, const std::vector<ItemRange>& owned, std::initializer_list<SharedArray> arrays);
+
+/// Values of all ranks, as many of each, on each: rank by rank.
+template <class T>
+std::vector<T> of_all(Ranks& ranks, std::span<const T> own) {
+  const auto count = static_cast<size_t>(ranks.count());
+  std::vector<T> all(count * own.size());
+  std::vector<ItemRange> each;
+  for (size_t r = 0; r < count; ++r) each.push_back({r * own.size(), (r + 1) * own.size()});
+  std::copy(own.begin(), own.end(),
+            all.begin() + static_cast<std::ptrdiff_t>(each[static_cast<size_t>(ranks.rank())].begin));
+  bring_all(ranks, each, {{all.data(), sizeof(T)}});
+  return all;
+}
+template <class T>
+std::vector<T> of_all(Ranks& ranks, const T& own) {
+  return of_all(ranks, std::span<const T>(&own, 1));
+}
 
 }  // namespace soapfilm
