@@ -75,31 +75,5 @@ TEST(Agreement, WhatOnlyTheBalanceNeedsFollowsTheCoarserLevel) {
   EXPECT_GT(compared, 100u);
 }
 
-/// Samples two voxels off the surface are misfits unless they are far apart.
-TEST(Agreement, MisfitsAreBricksWhoseSamplesAreOffTheSurface) {
-  const Lattice lattice = small_lattice();
-  const DistanceField coarse = field_of(lattice, 1, ball);
-  const auto with_samples = [&](double off, float spacing) {
-    LevelSamples level;
-    BrickMask mask(lattice.box(1).bricks);
-    const Vec3i brick{4, 4, 6};  // the top of the ball
-    mask.set(brick);
-    level.samples.bricks = BrickGrid(mask, one_thread);
-    level.samples.begin = {0};
-    for (int i = 0; i < 20; ++i) {
-      const Vec3d fine{66.0 + i % 5, 66.0 + i / 5, 0};
-      const double up = std::sqrt(std::pow(45 + off, 2) - std::pow(fine.x - 63, 2) - std::pow(fine.y - 64, 2));
-      const Vec3d place = (Vec3d{fine.x, fine.y, 65 + up} - Vec3d{0.5, 0.5, 0.5}) / 2.0;
-      level.samples.local.push_back(Vec3f(place - Vec3d(brick * brick_side)));
-      level.spacing.push_back(spacing);
-    }
-    level.samples.begin.push_back(20);
-    return level;
-  };
-  EXPECT_TRUE(misfits(with_samples(0, 1), 1, coarse, one_thread).empty());
-  EXPECT_EQ(misfits(with_samples(-4, 1), 1, coarse, one_thread).size(), 1u);
-  EXPECT_TRUE(misfits(with_samples(-4, 9), 1, coarse, one_thread).empty());
-}
-
 }  // namespace TEST_FILE
 }  // namespace soapfilm

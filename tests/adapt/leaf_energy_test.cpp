@@ -10,7 +10,7 @@
 
 #include "adapt/ball_levels.h"
 #include "soapfilm/core/random.h"
-#include "soapfilm/pyramid/flux_in_places.h"
+#include "soapfilm/pyramid/continue_levels.h"
 #include "soapfilm/pyramid/prolong.h"
 #include "support/sanitized.h"
 
@@ -135,10 +135,8 @@ struct Hierarchy {
       if (flux[n + 1].grid.find(parent_of(data[n].grid.coord(b))) >= 0) band.set(data[n].grid.coord(b));
     Level state = make_level(box, lambda, *places, data[n].grid, data[n].f, one_thread, norm);
     fill_flux(state);
-    const KnownFlux known{state, [](Vec3i) { return true; }, [](Vec3i) { return true; }};
-    PrimalDualParams params;
-    params.max_iterations = 1;
-    flux[n] = flux_in_places(flux[n + 1], box, band, places, std::span(&known, 1), data[n], params, one_thread);
+    const KnownState known{state, [](Vec3i) { return true; }};
+    flux[n] = continue_in_places(flux[n + 1], box, band, places, std::span(&known, 1), data[n], one_thread);
     everywhere[n] = prolong_in_places(everywhere[n + 1], box, *places, places, data[n], one_thread, nullptr);
     for (size_t b = 0; b < flux[n].grid.size(); ++b) {
       const auto at = static_cast<size_t>(everywhere[n].grid.find(flux[n].grid.coord(b)));

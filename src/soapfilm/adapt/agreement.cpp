@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "soapfilm/adapt/coarser_distance.h"
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
-#include "soapfilm/grid/trilinear.h"
 
 namespace soapfilm {
 
@@ -79,30 +79,6 @@ std::vector<Vec3i> from_border(const Regions& regions, int level, std::span<cons
   return found;
 }
 
-/// Distances from a level's surface, in its voxels; as far as it is known.
-class Distances {
- public:
-  Distances(const DistanceField& field, Vec3i brick) : field_(field), brick_(brick) {}
-
-  /// At a place in the brick.
-  float at(Vec3f local) const {
-    const Vec3i cell = cell_in_brick(local);
-    std::array<float, 8> corners;
-    for (int k = 0; k < 8; ++k) corners[static_cast<size_t>(k)] = value(brick_ * brick_side + cell + octant_of(k));
-    return trilinear(corners, local - Vec3f(cell)).value;
-  }
-
- private:
-  float value(Vec3i v) const {
-    const int32_t n = field_.grid.find(brick_of(v));
-    return n >= 0 ? field_.value.brick(static_cast<size_t>(n))[brick_offset(v.x & 7, v.y & 7, v.z & 7)]
-                  : field_.missing_value(brick_of(v));
-  }
-
-  const DistanceField& field_;
-  Vec3i brick_;
-};
-
 /// The finer level's field, in these bricks of the coarser one with that one's distances.
 DistanceField with_values_of(const DistanceField& coarse, const std::vector<Vec3i>& bricks, DistanceField fine,
                              const Context& context) {
@@ -124,35 +100,14 @@ DistanceField with_values_of(const DistanceField& coarse, const std::vector<Vec3
       std::copy_n(fine.value.brick(static_cast<size_t>(fine.grid.find(at))), brick_volume, value);
       return;
     }
-    for (int i = 0; i < brick_volume; ++i) {
-      // Fine vertex v lies at (v - 1/2) / 2 on the coarser level.
-      const Vec3d place = (Vec3d(at * brick_side + vertex_in_brick(i)) - Vec3d{0.5, 0.5, 0.5}) / 2.0;
-      const Vec3i in = brick_of({static_cast<int>(std::floor(place.x)), static_cast<int>(std::floor(place.y)),
-                                 static_cast<int>(std::floor(place.z))});
-      const float distance = 2 * Distances(coarse, in).at(Vec3f(place - Vec3d(in * brick_side)));
-      value[i] = std::clamp(distance, -DistanceField::far, DistanceField::far);
-    }
+    for (int i = 0; i < brick_volume; ++i)
+      value[i] = std::clamp(2 * distance_at_finer(coarse, at * brick_side + vertex_in_brick(i)), -DistanceField::far,
+                            DistanceField::far);
   });
   return mixed;
 }
 
 }  // namespace
-
-std::vector<Vec3i> misfits(const LevelSamples& level, int number, const DistanceField& field, const Context& context) {
-  constexpr uint32_t least = 2;
-  constexpr double share = 0.1, most_apart = 4;  // voxels of the finer level
-  const double voxel = std::ldexp(1.0, number);
-  const GridSamples& samples = level.samples;
-  return gather<Vec3i>(samples.bricks.size(), 64, context, [&](size_t b, std::vector<Vec3i>& found) {
-    const Distances distances(field, samples.bricks.coord(b));
-    uint32_t far = 0;
-    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s)
-      far += std::abs(distances.at(samples.local[s])) > 1;
-    if (far >= least && far > share * (samples.begin[b + 1] - samples.begin[b]) &&
-        are_within(level, b, voxel, most_apart * voxel / 2))
-      found.push_back(samples.bricks.coord(b));
-  });
-}
 
 void give_back_disagreement(Regions& regions, std::span<DistanceField> levels, const Context& context) {
   for (int l = regions.coarsest(); l >= 1; --l) {

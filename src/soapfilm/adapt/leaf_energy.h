@@ -24,7 +24,7 @@ struct LeafLevel {
   const Labels* sides = nullptr;       ///< u; wherever the level has the places
   const SupportField* data = nullptr;  ///< f
   /// p: that of the coarsest level on the whole box, the others' continuing the next coarser one's in the children of
-  /// bricks that finer levels have there (pyramid/flux_in_places.h). A leaf's octants have its p alike.
+  /// bricks that finer levels have there (pyramid/continue_levels.h). A leaf's octants have its p alike.
   const Level* flux = nullptr;
 };
 

@@ -14,8 +14,7 @@ Labels on_bricks(const BrickMask& bricks, const Labels& fine, const Labels& coar
   all.bits.resize(all.grid.size());
   parallel_for(context, all.grid.size(), 64, [&](size_t b) {
     const Vec3i at = all.grid.coord(b);
-    const int32_t own = fine.grid.find(at);
-    all.bits[b] = own >= 0 || fine.covers(at) ? fine.of(own, at) : bits_of_child(coarse.of(parent_of(at)), at);
+    all.bits[b] = fine.covers(at) ? fine.of(at) : bits_of_child(coarse.of(parent_of(at)), at);
   });
   return all;
 }

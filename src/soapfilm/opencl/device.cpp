@@ -31,7 +31,7 @@ struct ClTopology {
   std::vector<cl_uchar> held;  // of each brick
 
   explicit ClTopology(Level& level) : held(level.grid.size()) {
-    std::copy(level.held.begin(), level.held.end(), held.begin());
+    std::transform(level.held.begin(), level.held.end(), held.begin(), [](Held h) { return static_cast<cl_uchar>(h); });
     const BrickGrid& grid = level.grid;
     for (size_t b = 0; b < grid.size(); ++b)
       for (int axis = 0; axis < 3; ++axis) {

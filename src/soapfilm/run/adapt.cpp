@@ -28,10 +28,6 @@ bool has_column(const std::vector<Column>& columns, const std::string& name) {
 
 }  // namespace
 
-uint64_t SolvedLevel::bytes() const {
-  return level_bytes(level.grid.size()) + (data ? support_bytes(data->grid.size()) : 0);
-}
-
 std::vector<float> sort_spacings(const LocalSurface& surface, const GridSamples& samples, const Grid& grid,
                                  const ReconstructParams& params, const Context& context) {
   std::vector<float> sorted;
@@ -43,9 +39,8 @@ std::vector<float> sort_spacings(const LocalSurface& surface, const GridSamples&
   return sorted;
 }
 
-Mesh triangles_of(AdaptedSurface& surface, Surface& placed, const Grid& grid, double lambda, ReportDetails& details,
+Mesh triangles_of(AdaptedSurface& surface, Surface& placed, double lambda, ReportDetails& details,
                   const Context& context) {
-  if (surface.regions.coarsest() == 0) return triangles_of(placed, grid.lattice, lambda, context);
   const auto own = static_cast<size_t>(surface.lattice.added);
   surface.levels[own] = std::move(std::get<DistanceField>(placed.field));
   give_back_disagreement(surface.regions, surface.levels, context);

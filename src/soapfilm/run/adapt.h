@@ -4,20 +4,16 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "soapfilm/adapt/regions.h"
 #include "soapfilm/context.h"
-#include "soapfilm/field/divergence.h"
 #include "soapfilm/finish/attributes.h"
 #include "soapfilm/mesh.h"
 #include "soapfilm/run/details.h"
 #include "soapfilm/run/prepare.h"
 #include "soapfilm/run/run.h"
 #include "soapfilm/run/surface.h"
-#include "soapfilm/solve/labels.h"
-#include "soapfilm/solve/level.h"
 
 namespace soapfilm {
 
@@ -25,28 +21,17 @@ namespace soapfilm {
 std::vector<float> sort_spacings(const LocalSurface& surface, const GridSamples& samples, const Grid& grid,
                                  const ReconstructParams& params, const Context& context);
 
-/// A level's solution, for the certificate.
-struct SolvedLevel {
-  Level level;
-  Labels sides;
-  std::unique_ptr<SupportField> data;
-
-  uint64_t bytes() const;
-};
-
 /// Which level each place has, and each level's surface.
 struct AdaptedSurface {
   Lattice lattice;                     ///< of the finest level; the placed one is its level `lattice.added`
   Regions regions;                     ///< all places have the placed level: levels do not adapt
   std::vector<DistanceField> levels;   ///< the finest first
   std::vector<GridSamples> in_places;  ///< of the levels below the placed one, with the directions of the fit
-  std::vector<LevelReport> reports;    ///< of their solves, the finest last
-  std::vector<SolvedLevel> solved;     ///< one for each level, the finest first
 };
 
 /// The surfaces as one mesh, that of the placed level among them; what levels have in others' places is dropped. Only
 /// the finer levels' are kept. Says in `details` how many leaves each level has, and how large. Throws EmptyResult.
-Mesh triangles_of(AdaptedSurface& adapted, Surface& placed, const Grid& grid, double lambda, ReportDetails& details,
+Mesh triangles_of(AdaptedSurface& adapted, Surface& placed, double lambda, ReportDetails& details,
                   const Context& context);
 
 /// relax() of the placed level's triangles, and then of the finer levels'.

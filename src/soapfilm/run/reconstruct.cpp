@@ -15,13 +15,13 @@
 #include "soapfilm/run/adapt.h"
 #include "soapfilm/run/announce.h"
 #include "soapfilm/run/certify.h"
-#include "soapfilm/run/certify_leaves.h"
 #include "soapfilm/run/finish.h"
 #include "soapfilm/run/kept_stages.h"
 #include "soapfilm/run/other_levels.h"
 #include "soapfilm/run/prepare.h"
 #include "soapfilm/run/run.h"
 #include "soapfilm/run/segment.h"
+#include "soapfilm/run/solve_jointly.h"
 #include "soapfilm/run/surface.h"
 #include "soapfilm/solve/closed_border.h"
 
@@ -124,25 +124,35 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
   // Components and cavities supported by too few samples are removed. (The certificate is of the solution with them.)
   report.components = drop_unsupported(labels, samples, grid, params, trace, context);
 
-  // Where samples are dense or sparse, the surface of a finer or coarser level, from this one's solution.
-  std::optional<AdaptedSurface> adapted;
-  if (adapts)
-    adapted = trace.stage("adapt", [&] {
-      LevelSamples own{std::move(samples), std::move(views), std::move(spacings)};
-      if (!memory.plan_kept(coarse.bytes()) || !memory.plan_beside(0)) coarse.clear();
-      AdaptedSurface others = find_other_surfaces(
-          own, with_sides(std::move(found.level), std::move(field), threshold, labels, context),
-          {grid, lambda.value, params, experiment.robust, experiment.observe}, memory, trace, context);
-      keep_for_certificate(others, coarse, memory, trace);
-      samples = std::move(own.samples);
-      views = std::move(own.views);
-      return others;
-    });
-  if (adapted)
-    details->solve.levels.insert(details->solve.levels.end(), adapted->reports.begin(), adapted->reports.end());
-
   // Scanners must stand in the air, and a hollow around one must be seen.
   report.scanners = stand_scanners(labels, scanners, grid, border);
+
+  // Where samples are dense or sparse, finer or coarser levels from this solution, and one solution of all of them.
+  std::optional<AdaptedSurface> adapted;
+  if (adapts) {
+    const LevelTask task{grid, lambda.value, params, experiment.robust, experiment.observe};
+    LevelSamples own{std::move(samples), std::move(views), std::move(spacings)};
+    if (!memory.plan_kept(coarse.bytes()) || !memory.plan_beside(0)) coarse.clear();
+    SolvedLevels solved = trace.stage("adapt", [&] {
+      return solve_other_levels(own, with_sides(std::move(found.level), std::move(field), threshold, labels, context),
+                                coarse, task, memory, trace, context);
+    });
+    details->solve.levels.insert(details->solve.levels.end(), solved.reports.begin(), solved.reports.end());
+    if (solved.regions.coarsest() > 0 && plan_joint_solve(solved, coarse, memory, trace))
+      adapted = trace.stage("join levels", [&] {
+        const LevelSamples& kept = solved.kept ? *solved.kept : own;
+        std::vector<Labels> sides = solve_jointly(solved, std::move(coarse), kept.samples, params, report.certificate,
+                                                  *details, context);
+        AdaptedSurface others = find_other_surfaces(own, solved, sides, task, context);
+        labels = std::move(sides[static_cast<size_t>(solved.lattice.added)]);
+        if (labels.box.open) labels = closed_at_border(labels, context);
+        return others;
+      });
+    memory.plan_kept(0);
+    samples = std::move(own.samples);
+    views = std::move(own.views);
+    announce_leaves(report.certificate, *details, trace);
+  }
 
   // The level set moves onto the samples; components and genus stay, except for parts that it shrinks to nothing. From
   // here on the directions are the original ones, not those of planes: the planes depend on held-out samples, too.
@@ -156,21 +166,11 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
 
   // The level set as a manifold mesh, closed but for the border of an open box.
   Mesh mesh = trace.stage("extract", [&] {
-    return adapted ? triangles_of(*adapted, surface, grid, lambda.value, *details, context)
+    return adapted ? triangles_of(*adapted, surface, lambda.value, *details, context)
                    : triangles_of(surface, grid.lattice, lambda.value, context);
   });
-  if (adapted) announce_levels(*details, trace);
+  if (adapts) announce_levels(*details, trace);
 
-  // How far the surface of several levels is from the best one on its leaves.
-  if (adapted)
-    report.certificate = trace.stage("certify leaves", [&] {
-      if (!views.empty()) samples.direction.swap(views);
-      const Certificate of_all =
-          certify_leaves(*adapted, std::move(coarse), samples, report.certificate, params.solve, *details, context);
-      if (!views.empty()) samples.direction.swap(views);
-      return of_all;
-    });
-  announce_leaves(report.certificate, *details, trace);
   pages.reset();
 
   // Where the surface is curved, triangles as large as a voxel are too coarse: edges are split, vertices moved. Those

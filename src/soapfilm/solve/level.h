@@ -62,6 +62,10 @@ struct OutsideTerms {
   double gap_of_scaled(double s) const { return s * gap + (1 - s) * (gain - data); }
 };
 
+/// Whether the iteration leaves a brick's u and p as they are: nothing changes them, and fluxes toward it are fixed; or
+/// they follow those of another level's, and fluxes toward it move (adapt/solve_leaves.h).
+enum class Held : uint8_t { no, rests, follows };
+
 /// What a level minimizes: min lambda TV(u) - <f, u> over 0 <= u <= 1, u = 0 at fixed vertices (equation (4)),
 /// restricted to a band of bricks. If the box is open TV is the sum over faces between free vertices only, so p = 0 on
 /// all others; then the 0 of fixed vertices has no meaning, and "constant" for a brick that is partly fixed means
@@ -75,14 +79,15 @@ struct LevelProblem : Domain {
   Norm norm = Norm::isotropic;
   const Field<float>* f = nullptr;  ///< on the support bricks
   std::vector<int32_t> f_brick;     ///< index into f of each brick of the grid, -1: zero
-  std::vector<uint8_t> held;        ///< of each brick: keeps its u and p; empty: none does
+  std::vector<Held> held;           ///< of each brick: whether it keeps its u and p; empty: none does
 
   /// 512 values of f.
   const float* data(size_t brick) const;
-  bool is_held(int32_t brick) const { return !held.empty() && held[static_cast<size_t>(brick)] != 0; }
-  /// Whether the iteration does not change the brick with this slot value (as BrickGrid::find gives it), though it is
-  /// in the box.
-  bool rests(int32_t slot) const { return slot == outside_band || (slot >= 0 && is_held(slot)); }
+  bool is_held(int32_t brick) const { return !held.empty() && held[static_cast<size_t>(brick)] != Held::no; }
+  /// Whether nothing changes the brick with this slot value (as BrickGrid::find gives it), though it is in the box.
+  bool rests(int32_t slot) const {
+    return slot == outside_band || (slot >= 0 && !held.empty() && held[static_cast<size_t>(slot)] == Held::rests);
+  }
 };
 
 /// What the solver changes.

@@ -7,6 +7,13 @@
 
 namespace soapfilm {
 
+StepSizes step_sizes(double sigma) {
+  // The iteration converges for tau sigma |grad|^2 < 4/3 (Li and Yan 2022, "On the improved conditions for some
+  // primal-dual algorithms"), where |grad|^2 <= 12: a third more than Chambolle and Pock's own bound.
+  constexpr double product = 1.3 / 12;
+  return {static_cast<float>(sigma), static_cast<float>(product / sigma)};
+}
+
 Energies LevelSolver::energies() {
   download();
   return evaluate_energy(level_, {}, context_);

@@ -33,6 +33,9 @@ struct StepSizes {
   bool operator==(const StepSizes&) const = default;
 };
 
+/// Those with this sigma, the longest for which the iteration converges.
+StepSizes step_sizes(double sigma);
+
 /// Rounding moves a projected p by at most 3.5e-7 of lambda: projected onto a ball this much smaller it stays exactly
 /// feasible, and the certificate needs no rescaling.
 constexpr float within_ball = 1 - 0x1p-21f;

@@ -12,10 +12,6 @@ namespace soapfilm {
 
 namespace {
 
-/// The iteration converges for tau sigma |grad|^2 < 4/3 (Li and Yan 2022, "On the improved conditions for some
-/// primal-dual algorithms"), where |grad|^2 <= 12: a third more than Chambolle and Pock's own bound.
-constexpr double step_product = 1.3 / 12;
-
 /// When the gap reaches this multiple of the tolerance, sigma is halved and tau doubled: what remains is mostly u still
 /// moving between 0 and 1 where data is sparse, while p has settled.
 constexpr double late_gap = 10;
@@ -66,8 +62,6 @@ class Forecast {
   bool whole_ = false;
 };
 
-StepSizes steps_of(double sigma) { return {static_cast<float>(sigma), static_cast<float>(step_product / sigma)}; }
-
 }  // namespace
 
 PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params, const Context& context,
@@ -86,7 +80,7 @@ PrimalDualReport solve_primal_dual(Level& level, const PrimalDualParams& params,
     const int sweeps = std::min(check_after, params.max_iterations - report.iterations);
     for (int done = 0; done < sweeps; done += LevelSolver::sweeps_at_once) {
       context.check();
-      solver->sweep(steps_of(late ? late_balance * sigma : sigma),
+      solver->sweep(step_sizes(late ? late_balance * sigma : sigma),
                     std::min(LevelSolver::sweeps_at_once, sweeps - done));
     }
     report.iterations += sweeps;

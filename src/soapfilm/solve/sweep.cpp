@@ -230,7 +230,8 @@ void Sweeper::sweep_brick(size_t brick, StepSizes steps) {
   constexpr size_t ahead = 4;
   fetch_neighbors(level_.grid, brick > ahead ? brick - ahead : 0);
   if (level_.is_held(static_cast<int32_t>(brick))) {
-    u_bar_moved_[brick] = u_moved_[brick] = p_moved_[brick] = 0;
+    u_bar_moved_[brick] = level_.rests(static_cast<int32_t>(brick)) ? 0 : u_moved_[brick];
+    u_moved_[brick] = p_moved_[brick] = 0;
     return;
   }
   UBar bar;

@@ -57,6 +57,16 @@ class Sweeper final : public LevelSolver {
   /// most come from the cache.
   static constexpr double bytes_per_vertex = 4 * (2 + 6 + 1);
 
+  /// u_bar at the first layers of a brick along x, y and z, 64 values each, the lower of the two remaining coordinates
+  /// fastest. Those of a brick that follows another level's are written here, and the fluxes at its last layers into
+  /// the level's p, before each sweep, of one iteration at a time.
+  float* faces(size_t brick) { return faces_.data() + brick * 3 * brick_area; }
+  /// Says which rows of a brick that follows another level's have another u_bar or p than in the last sweep.
+  void follow(size_t brick, RowMask u_bar, RowMask p) {
+    u_moved_[brick] |= u_bar;
+    p_moved_[brick] |= p;
+  }
+
   /// In slabs: sweeps until the layers next to the slab come anew. For a test: more than a brick's side is too many.
   int sweeps_per_exchange = brick_side;
 

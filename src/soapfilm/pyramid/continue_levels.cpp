@@ -1,4 +1,4 @@
-#include "soapfilm/pyramid/flux_in_places.h"
+#include "soapfilm/pyramid/continue_levels.h"
 
 #include <algorithm>
 #include <array>
@@ -9,13 +9,10 @@
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/pyramid/prolong.h"
-#include "soapfilm/solve/primal_dual.h"
 
 namespace soapfilm {
 
 namespace {
-
-constexpr int most_iterations = 128;
 
 /// Shortens the components of p at a vertex that are not given, so that it stays in its ball.
 void keep_in_ball(float* p, int i, const std::array<bool, 3>& given, float lambda) {
@@ -31,22 +28,8 @@ void keep_in_ball(float* p, int i, const std::array<bool, 3>& given, float lambd
     if (!given[static_cast<size_t>(axis)]) p[axis * brick_volume + i] *= share;
 }
 
-/// Whether the fluxes below a brick at the end of the band are those of another state.
-bool same_below(const Level& from, size_t source, const Level& level, size_t b) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const float* plane = level.rim.plane(b, axis);
-    if (!plane) continue;
-    const LowFace low = low_face(from, source, axis);
-    for (int k = 0; k < brick_area; ++k)
-      if (plane[k] != low.at(k % brick_side, k / brick_side)) return false;
-  }
-  return true;
-}
-
-/// Takes u and p of a brick from another state, but not the fluxes through faces at the end of the band. Returns
-/// whether these are the same.
-bool take(const Level& from, size_t source, Level& level, size_t b) {
-  bool same = same_below(from, source, level, b);
+/// Takes u and p of a brick from another state, but not the fluxes through faces at the end of the band.
+void take(const Level& from, size_t source, Level& level, size_t b) {
   std::copy_n(from.u.brick(source), brick_volume, level.u.brick(b));
   std::vector<float> own(level.p.brick(b), level.p.brick(b) + 3 * brick_volume);
   float* p = level.p.brick(b);
@@ -64,43 +47,20 @@ bool take(const Level& from, size_t source, Level& level, size_t b) {
       p[at] = own[at];
       changed = true;
     }
-    if (!changed) continue;
-    same = false;
-    if (level.norm == Norm::isotropic) keep_in_ball(p, i, given, level.lambda);
+    if (changed && level.norm == Norm::isotropic) keep_in_ball(p, i, given, level.lambda);
   }
-  return same;
 }
 
-/// Takes what is known; the bricks where that leaves p unsettled.
-BrickMask take_known(std::span<const KnownFlux> known, const InBrick& rest_settled, Level& level,
-                     const Context& context) {
-  std::vector<uint8_t> settled(level.grid.size());
+void take_known(std::span<const KnownState> known, Level& level, const Context& context) {
   parallel_for(context, level.grid.size(), 64, [&](size_t b) {
     const Vec3i at = level.grid.coord(b);
-    for (const KnownFlux& state : known) {
+    for (const KnownState& state : known) {
       const int32_t n = state.level.grid.find(at);
       if (n < 0 || !state.in(at)) continue;
-      settled[b] = take(state.level, static_cast<size_t>(n), level, b) && state.settled(at);
+      take(state.level, static_cast<size_t>(n), level, b);
       return;
     }
-    settled[b] = rest_settled(at);
   });
-  BrickMask unsettled(level.box.bricks);
-  for (size_t b = 0; b < settled.size(); ++b)
-    if (settled[b] == 0) unsettled.set(level.grid.coord(b));
-  return unsettled;
-}
-
-/// Solves these bricks on, and those around them.
-void solve_on(const BrickMask& bricks, Level& level, PrimalDualParams params, const Context& context) {
-  const BrickMask near = with_neighbors(with_neighbors(bricks));
-  level.held.resize(level.grid.size());
-  for (size_t b = 0; b < level.grid.size(); ++b) level.held[b] = !near.test(level.grid.coord(b));
-  params.max_iterations = std::min(params.max_iterations, most_iterations);
-  PrimalDualRun run;
-  run.late = run.stalls = true;
-  if (bricks.count() > 0) solve_primal_dual(level, params, context, run);
-  level.held.clear();
 }
 
 const float* values_at(const SupportField& field, Vec3i brick) {
@@ -145,22 +105,18 @@ Level copy_of(const Level& level, const Context& context) {
   return copy;
 }
 
-void continue_flux(Level& level, const KnownFlux& known, const InBrick& rest_settled, const NewData& data,
-                   const PrimalDualParams& params, const Context& context) {
+void change_data(Level& level, const NewData& data) {
   level.f = &data.now.f;
   for (size_t b = 0; b < level.grid.size(); ++b)
     level.f_brick[b] = std::max(-1, data.now.grid.find(level.grid.coord(b)));
   change_outside(data, level);
-  solve_on(take_known(std::span(&known, 1), rest_settled, level, context), level, params, context);
 }
 
-Level flux_in_places(const Level& coarse, const LevelBox& box, const BrickMask& band,
-                     std::shared_ptr<const BrickMask> places, std::span<const KnownFlux> known,
-                     const SupportField& support, const PrimalDualParams& params, const Context& context) {
+Level continue_in_places(const Level& coarse, const LevelBox& box, const BrickMask& band,
+                         std::shared_ptr<const BrickMask> places, std::span<const KnownState> known,
+                         const SupportField& support, const Context& context) {
   Level level = prolong_in_places(coarse, box, band, std::move(places), support, context, nullptr);
-  const BrickMask unsettled = take_known(
-      known, [](Vec3i) { return false; }, level, context);
-  solve_on(unsettled, level, params, context);
+  take_known(known, level, context);
   return level;
 }
 

@@ -1,0 +1,169 @@
+#include "soapfilm/run/solve_jointly.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "soapfilm/adapt/leaf_data.h"
+#include "soapfilm/adapt/leaf_energy.h"
+#include "soapfilm/adapt/leaf_labels.h"
+#include "soapfilm/adapt/solve_leaves.h"
+#include "soapfilm/core/context_state.h"
+#include "soapfilm/pyramid/band.h"
+#include "soapfilm/pyramid/continue_levels.h"
+
+namespace soapfilm {
+
+namespace {
+
+/// Where the leaves of all levels start from, found from the coarsest one down.
+class JointStart {
+ public:
+  /// `data`: of each level's leaves.
+  JointStart(SolvedLevels& solved, CoarseLevels& coarse, const std::vector<SupportField>& data, const Context& context)
+      : solved_(solved),
+        coarse_(coarse),
+        data_(data),
+        context_(context),
+        placed_(solved.lattice.added),
+        coarsest_(solved.regions.coarsest()) {}
+
+  /// One for each level, the finest first.
+  std::vector<Level> find() {
+    const std::vector<BrickMask> wanted = wanted_bricks();
+    std::vector<Level> levels(static_cast<size_t>(coarsest_) + 1);
+    levels.back() = coarsest_level();
+    for (int l = coarsest_ - 1; l >= 0; --l) {
+      const Level& above = levels[static_cast<size_t>(l) + 1];
+      const LevelBox box = solved_.lattice.box(l);
+      const auto places = std::make_shared<const BrickMask>(children_of(solved_.regions.finer(l + 1), box.bricks));
+      BrickMask band(box.bricks);
+      wanted[static_cast<size_t>(l)].for_each([&](Vec3i b) {
+        if (places->test(b) && above.grid.find(parent_of(b)) >= 0) band.set(b);
+      });
+      band = with_followers(solved_.regions, l, std::move(band), above.grid);
+      levels[static_cast<size_t>(l)] = continue_in_places(above, box, band, places, known_of(l), data(l), context_);
+      if (l <= placed_) own(l) = {};
+    }
+    return levels;
+  }
+
+ private:
+  Level& own(int level) { return solved_.levels[static_cast<size_t>(level)].level; }
+  const SupportField& data(int level) const { return data_[static_cast<size_t>(level)]; }
+
+  /// Those of each level's solution and data, and the parents of what finer levels want.
+  std::vector<BrickMask> wanted_bricks() {
+    std::vector<BrickMask> wanted;
+    for (int l = 0; l < coarsest_; ++l) {
+      BrickMask& bricks = wanted.emplace_back(solved_.lattice.box(l).bricks);
+      if (l > 0) wanted[static_cast<size_t>(l) - 1].for_each([&](Vec3i b) { bricks.set(parent_of(b)); });
+      const auto add = [&](const BrickGrid& grid) {
+        for (size_t b = 0; b < grid.size(); ++b)
+          if (l <= placed_ || solved_.regions.has(l, grid.coord(b))) bricks.set(grid.coord(b));
+      };
+      if (l <= placed_) add(own(l).grid);
+      add(data(l).grid);
+      if (const Level* of_pyramid = l > placed_ ? coarse_.find(l - placed_) : nullptr)
+        add_bricks(of_pyramid->grid, bricks);
+    }
+    return wanted;
+  }
+
+  std::vector<KnownState> known_of(int level) {
+    std::vector<KnownState> known;
+    if (level < placed_) {  // elsewhere it was pulled to the coarser level's sides
+      BrickMask near(solved_.lattice.box(level).bricks);
+      add_bricks(data(level).grid, near);
+      known.push_back({own(level), [near = with_neighbors(near)](Vec3i b) { return near.test(b); }});
+    } else if (level == placed_) {
+      known.push_back({own(level), all_});
+    } else if (const Level* of_pyramid = coarse_.find(level - placed_)) {
+      known.push_back({*of_pyramid, all_});
+    }
+    return known;
+  }
+
+  Level coarsest_level() {
+    const SupportField& support = data(coarsest_);
+    if (coarsest_ == placed_) {
+      SolvedLevel& placed = solved_.levels.back();
+      change_data(placed.level, {*placed.data, support});
+      return std::move(placed.level);
+    }
+    if (Level* of_pyramid = coarse_.find(coarsest_ - placed_)) {
+      const SupportField none;
+      of_pyramid->box = solved_.lattice.box(coarsest_);
+      change_data(*of_pyramid, {none, support});
+      return std::move(*of_pyramid);
+    }
+    constexpr double most_bricks = 8;  // for each one of data
+    const LevelBox box = solved_.lattice.box(coarsest_);
+    const Level& placed = solved_.levels.back().level;
+    return make_level(box, placed.lambda * static_cast<float>(face_area(coarsest_ - placed_)),
+                      start_bricks(box, support.grid, most_bricks), support.grid, support.f, context_, placed.norm);
+  }
+
+  SolvedLevels& solved_;
+  CoarseLevels& coarse_;
+  const std::vector<SupportField>& data_;
+  const std::function<bool(Vec3i)> all_ = [](Vec3i) { return true; };
+  const Context& context_;
+  int placed_, coarsest_;
+};
+
+/// The energies of the levels' sides, and the bound by their flux.
+LeafEnergies energies_of(const SolvedLevels& solved, const std::vector<Level>& levels,
+                         const std::vector<SupportField>& data, float threshold, const Context& context) {
+  std::vector<Labels> sides;
+  for (const Level& level : levels) sides.push_back(labels_of(level, threshold, context));
+  std::vector<LeafLevel> leaves;
+  for (size_t l = 0; l < levels.size(); ++l) leaves.push_back({&sides[l], &data[l], &levels[l]});
+  return evaluate_leaves(solved.regions, leaves, solved.lattice.added, context);
+}
+
+}  // namespace
+
+bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, MemoryBudget& memory, Trace& trace) {
+  uint64_t bytes = coarse.bytes();
+  uint64_t most = 0;  // one level is there twice
+  for (const SolvedLevel& level : solved.levels) {
+    bytes += level.bytes();
+    most = std::max(most, level_bytes(level.level.grid.size()));
+  }
+  if (memory.plan_kept(bytes, most)) return true;
+  trace.warn(fmt::format("levels do not adapt: solving them jointly does not fit into {}", memory.room()));
+  return false;
+}
+
+std::vector<Labels> solve_jointly(SolvedLevels& solved, CoarseLevels coarse, const GridSamples& samples,
+                                  const ReconstructParams& params, Certificate& certificate, ReportDetails& details,
+                                  const Context& context) {
+  constexpr int least = 128, most = 384, check_every = 32;
+  constexpr double least_gain = 0.95, enough = 2;  // times the gap of the grid alone
+  const Context quiet = silenced(context);
+  const auto threshold = static_cast<float>(params.surface.threshold);
+  const std::vector<SupportField> data = data_of_leaves(samples, solved.regions, solved.lattice, quiet);
+  std::vector<Level> levels = JointStart(solved, coarse, data, quiet).find();
+  coarse.clear();
+  LeafEnergies found;
+  const auto ends = [&](int iterations) {
+    context.progress().advance(0.6 * iterations / most, fmt::format("{} iterations", iterations));
+    if (iterations < least) return false;
+    const double before = found.energies.gap;
+    found = energies_of(solved, levels, data, threshold, quiet);
+    const bool stalls = iterations > least && found.energies.gap > least_gain * before;
+    return stalls || found.energies.relative_gap(certificate.lambda) <= enough * certificate.relative_gap_binary();
+  };
+  solve_leaves(solved.regions, levels, {params.solve.step_balance, most, check_every}, quiet, ends);
+  details.of_grid = certificate;
+  details.gap_at_borders = found.at_borders;
+  certificate.relaxed = certificate.binary = found.energies;
+  std::vector<Labels> sides = labels_of_leaves(solved.regions, levels, threshold, quiet);
+  solved.levels.clear();
+  return sides;
+}
+
+}  // namespace soapfilm
