@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/gather.h"
 #include "soapfilm/core/indices.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
@@ -124,12 +123,14 @@ class Relaxation {
   /// Edges that may lie too far from the surface, by the half that runs upwards.
   void find_suspects(const HalfEdges& edges, std::span<const Vec3f> normals) {
     const double limit = suspicion * tolerance_ * lattice_.voxel;
-    split_ = gather<uint32_t>(edges.size(), half_edges_per_task, context_, [&](size_t i, std::vector<uint32_t>& found) {
-      const auto h = static_cast<uint32_t>(i);
-      const uint32_t a = edges.from(h), b = edges.to(h);
-      if (a < b && !edges.on_boundary(h) && sag(mesh_.vertices[a], mesh_.vertices[b], normals[a], normals[b]) > limit)
-        found.push_back(h);
-    });
+    split_ = share_gather<uint32_t>(edges.size(), half_edges_per_task, context_,
+                                    [&](size_t i, std::vector<uint32_t>& found) {
+                                      const auto h = static_cast<uint32_t>(i);
+                                      const uint32_t a = edges.from(h), b = edges.to(h);
+                                      if (a < b && !edges.on_boundary(h) &&
+                                          sag(mesh_.vertices[a], mesh_.vertices[b], normals[a], normals[b]) > limit)
+                                        found.push_back(h);
+                                    });
   }
 
   void mark_ends(const HalfEdges& edges) {
@@ -153,11 +154,12 @@ class Relaxation {
       uint32_t half_edge;
       Vec3d place;
     };
-    const auto found = gather<Middle>(split_.size(), points_per_task, context_, [&](size_t i, std::vector<Middle>& to) {
-      const Vec3d middle = 0.5 * (ends_[edges.from(split_[i])] + ends_[edges.to(split_[i])]);
-      const auto on_surface = field_.project(middle, reach);
-      if (on_surface && norm(*on_surface - middle) > tolerance_) to.push_back({split_[i], *on_surface});
-    });
+    const auto found =
+        share_gather<Middle>(split_.size(), points_per_task, context_, [&](size_t i, std::vector<Middle>& to) {
+          const Vec3d middle = 0.5 * (ends_[edges.from(split_[i])] + ends_[edges.to(split_[i])]);
+          const auto on_surface = field_.project(middle, reach);
+          if (on_surface && norm(*on_surface - middle) > tolerance_) to.push_back({split_[i], *on_surface});
+        });
     split_.clear();
     middles_.clear();
     for (const Middle& m : found) {
