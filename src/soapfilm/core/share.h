@@ -31,16 +31,16 @@ inline ItemRange own_part(const std::vector<ItemRange>& parts, const Context& co
   return parts[ranks ? static_cast<size_t>(ranks->rank()) : 0];
 }
 
-/// Of `count` items each rank has found its part (even_parts): values [first_of(k), first_of(k + 1)) of item k. Brings
-/// each rank those of all.
-template <class T, class First>
-void bring_items(size_t count, std::vector<T>& values, const Context& context, First&& first_of) {
+/// Of `count` items each rank has found its part (even_parts): of the array, [first_of(k), first_of(k + 1)) of item k.
+/// Brings each rank those of all.
+template <class First>
+void bring_items(size_t count, SharedArray array, const Context& context, First&& first_of) {
   Ranks* const ranks = ranks_of(context);
   if (!ranks) return;
   std::vector<ItemRange> written;
   for (const ItemRange& part : even_parts(count, context))
     written.push_back({first_of(part.begin), first_of(part.end)});
-  bring_all(*ranks, written, {{values.data(), sizeof(T)}});
+  bring_all(*ranks, written, {array});
 }
 
 /// Calls body(k) for each k < `count`, on all ranks together, `grain` of them per task. What it writes are values
@@ -50,7 +50,7 @@ void share_items(size_t count, std::vector<T>& values, size_t grain, const Conte
                  Body&& body) {
   const ItemRange own = own_part(even_parts(count, context), context);
   parallel_for(context, own.size(), grain, [&](size_t k) { body(own.begin + k); });
-  bring_items(count, values, context, first_of);
+  bring_items(count, {values.data(), sizeof(T)}, context, first_of);
 }
 
 /// The same, one value for each item.

@@ -182,7 +182,8 @@ class Survey {
       for (size_t c = first_cell(part); c < first_cell(part + 1); ++c)
         parts[part].left += settle_cell(cells, c, depth, parts[part].sides);
     });
-    bring_items(parts.size(), found_, context_, [&](size_t part) { return size_t{cells[first_cell(part)].begin}; });
+    bring_items(parts.size(), {found_.data(), sizeof(Found)}, context_,
+                [&](size_t part) { return size_t{cells[first_cell(part)].begin}; });
     Settled settled;
     for (const Settled& part : parts) settled += part;
     return settled;
