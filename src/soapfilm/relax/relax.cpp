@@ -93,7 +93,7 @@ class Relaxation {
     const std::vector<Triangle> before = mesh_.triangles;
     std::vector<Triangle> failed;  // triangles of intersecting pairs that were already handled
     for (int tries = 0; tries < most_tries; ++tries) {
-      HalfEdges edges(mesh_);
+      HalfEdges edges(mesh_, context_);
       flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, context_);
       const std::vector<Triangle>& known = failed.empty() ? before : failed;
       std::vector<uint8_t> changed(before.size());
@@ -108,7 +108,7 @@ class Relaxation {
       for (int ring = tries_at_the_places; ring < tries; ++ring) spread_unknown(normals);
       failed = std::exchange(mesh_.triangles, before);
     }
-    return HalfEdges(mesh_);
+    return HalfEdges(mesh_, context_);
   }
 
   /// To the other corners of the triangles there.
