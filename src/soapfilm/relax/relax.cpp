@@ -75,15 +75,25 @@ class Relaxation {
     start = mesh_.vertices;
     for (const uint32_t h : split_) start.push_back(0.5 * (start[edges.from(h)] + start[edges.to(h)]));
     mesh_.vertices.resize(start.size());
-    share_values(mesh_.vertices, points_per_task, context_, [&](size_t v) {
+    place_vertices(leftover, start, normals);
+    release(ends_);
+    cut_triangles(edges);
+    return start;
+  }
+
+  void place_vertices(const Residuals& leftover, std::span<const Vec3d> start, std::span<const Vec3f> normals) {
+    const auto place = [&](size_t v) {
       const bool stays = v < old_ && !is_end_[v];
       const Vec3d p = v >= old_ ? middles_[v - old_] : stays ? lattice_.to_lattice(start[v]) : ends_[v];
       const Vec3d normal = stays ? Vec3d(lattice_.from_world_axes(normals[v])) : normal_at(field_, p);
       mesh_.vertices[v] = lattice_.to_world(p + normal * leftover.mean_at(p, normal));
-    });
-    release(ends_);
-    cut_triangles(edges);
-    return start;
+    };
+    // Old and new vertices one after the other, so that each rank stays in its part of space.
+    share_items(
+        old_, mesh_.vertices, points_per_task, context_, [](size_t v) { return v; }, place);
+    const auto number_of = [this](size_t k) { return old_ + k; };
+    share_items(split_.size(), mesh_.vertices, points_per_task, context_, number_of,
+                [&](size_t k) { place(number_of(k)); });
   }
 
   /// Exchanges diagonals, except near places where that would make the mesh intersect itself: farther and farther
