@@ -97,7 +97,7 @@ struct Holed {
     HoleReport report;
     const HoleFinder finder(start, samples, one_thread);
     Found found{{}, 0};
-    for (const HoleSurface& hole : finder.holes_to_curve(report)) found.curved.insert(set_of(hole));
+    for (const HoleSurface& hole : finder.holes_to_curve(Context(1), report)) found.curved.insert(set_of(hole));
     found.left = report.left;
     return found;
   }

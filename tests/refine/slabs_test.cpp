@@ -32,17 +32,8 @@ Outcome refined_on(const Solved& solved, const Context& context) {
 
 void expect_same_bits(const Solved& solved, bool edge_preserving) {
   const auto run = [&](const Context& context) { return refined_on(solved, context); };
-  const Outcome alone = run(Context(1));
-  EXPECT_EQ(alone.edge_preserving, edge_preserving);
-  struct Group {
-    int count, threads;
-  };
-  for (const Group group : {Group{1, 1}, Group{2, 1}, Group{3, 1}, Group{4, 1}, Group{7, 1}, Group{2, 2}})
-    for (const Outcome& of_rank : on_ranks<Outcome>(group.count, group.threads, {}, run))
-      EXPECT_EQ(of_rank, alone) << group.count << " ranks, " << group.threads << " threads";
-  for (uint64_t cut = 1; cut <= 8; ++cut)
-    for (const Outcome& of_rank : on_ranks<Outcome>(2 + static_cast<int>(cut % 5), 1, {cut}, run))
-      EXPECT_EQ(of_rank, alone) << "cut " << cut;
+  EXPECT_EQ(run(Context(1)).edge_preserving, edge_preserving);
+  expect_same_on_ranks<Outcome>(run);
 }
 
 TEST(RefineSlabs, RanksGiveTheBitsOfOneProcess) { expect_same_bits(Solved("torus", sanitized ? 40 : 100), false); }

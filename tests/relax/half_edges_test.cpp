@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "relax/grid_torus.h"
 #include "soapfilm/core/random.h"
 #include "support/flat_sheet.h"
+#include "support/thread_ranks.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -67,6 +69,20 @@ class HalfEdgesOf : public testing::TestWithParam<bool> {
 };
 
 TEST_P(HalfEdgesOf, TwinsAreThoseOfASearch) { expect_right(HalfEdges(mesh)); }
+
+TEST_P(HalfEdgesOf, RanksFindTheSameTwins) {
+  const auto twins_on = [&](const Context& context) {
+    Mesh own = mesh;
+    const HalfEdges edges(own, context);
+    std::vector<uint32_t> twins;
+    for (uint32_t h = 0; h < edges.size(); ++h) twins.push_back(edges.twin(h));
+    return twins;
+  };
+  const std::vector<uint32_t> alone = twins_on(Context(1));
+  for (uint64_t cut = 1; cut <= 12; ++cut)
+    for (const auto& found : on_ranks<std::vector<uint32_t>>(1 + static_cast<int>(cut % 7), 1, {cut}, twins_on))
+      EXPECT_EQ(found, alone) << "cut " << cut;
+}
 
 TEST_P(HalfEdgesOf, JoinsIsWhetherAnyTriangleHasBoth) {
   const HalfEdges edges(mesh);

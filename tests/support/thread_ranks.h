@@ -1,6 +1,8 @@
 // Ranks (core/ranks.h) that are threads of one process, each with its own arrays.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <condition_variable>
 #include <cstring>
 #include <deque>
@@ -121,6 +123,21 @@ std::vector<Result> on_ranks(int count, int threads, Cuts cuts, const std::funct
     if (error) std::rethrow_exception(error);
   if (!mail.empty()) throw std::logic_error("messages that nobody received");
   return results;
+}
+
+/// Expects of ranks of many numbers, on threads, with even and with random cuts, what one process gives.
+template <class Outcome>
+void expect_same_on_ranks(const std::function<Outcome(const Context&)>& run) {
+  const Outcome alone = run(Context(1));
+  struct Group {
+    int count, threads;
+  };
+  for (const Group group : {Group{1, 1}, Group{2, 1}, Group{3, 1}, Group{4, 1}, Group{7, 1}, Group{2, 2}})
+    for (const Outcome& of_rank : on_ranks<Outcome>(group.count, group.threads, {}, run))
+      EXPECT_EQ(of_rank, alone) << group.count << " ranks, " << group.threads << " threads";
+  for (uint64_t cut = 1; cut <= 8; ++cut)
+    for (const Outcome& of_rank : on_ranks<Outcome>(2 + static_cast<int>(cut % 5), 1, {cut}, run))
+      EXPECT_EQ(of_rank, alone) << "cut " << cut;
 }
 
 }  // namespace soapfilm::test

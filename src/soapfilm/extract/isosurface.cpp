@@ -15,7 +15,9 @@
 #include "soapfilm/core/indices.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/error.h"
+#include "soapfilm/extract/blocks.h"
 #include "soapfilm/extract/cell_window.h"
 #include "soapfilm/extract/marching_cubes_table.h"
 #include "soapfilm/grid/brick_bits.h"
@@ -26,32 +28,11 @@ namespace {
 
 namespace mc = marching_cubes;
 
-constexpr int words_per_block = static_cast<int>(BrickEdges{}.size());
 constexpr double least_fraction = 1e-3;  // of an edge, from a vertex to the nearest of its surface points
 constexpr double crowded = 0.15;         // of an edge: if cut nearer to an end, its vertices may have to be moved away
 constexpr size_t blocks_per_task = 64;
 
-/// A block owns the cells and the edges whose lower vertex lies in its brick. All bricks of the grid are blocks, and
-/// so are the missing bricks just below them, whose last cells reach into the grid.
-BrickMask mask_of_blocks(const BrickGrid& grid) {
-  BrickMask mask(grid.bricks() + Vec3i{1, 1, 1});  // shifted by one: blocks may lie just below the box
-  for (size_t b = 0; b < grid.size(); ++b) {
-    for (int d = 0; d < 8; ++d) mask.set(grid.coord(b) + Vec3i{d & 1, d >> 1 & 1, d >> 2});
-  }
-  return mask;
-}
-
-/// Which of a block's edges carry a surface point. Surface points are numbered in the order of the bits, so the index
-/// of one follows from a count of the bits before it.
-struct EdgePoints {
-  BrickEdges bits;
-  std::array<uint16_t, words_per_block> before;  // points in the block's earlier words
-
-  uint32_t rank(int word, uint64_t lower) const {
-    return before[word] + static_cast<uint32_t>(count_bits(bits[word] & lower));
-  }
-};
-
+// Ranks share the blocks; each then has the whole mesh.
 class Extraction {
  public:
   /// With a `weight` only the cells whose corners all have a positive one are drawn; with a `range`, those in it.
@@ -68,6 +49,7 @@ class Extraction {
         context_(context),
         inside_(grid.size()),
         blocks_(mask_of_blocks(grid), context),
+        own_(own_part(even_parts(blocks_.size(), context), context)),
         brick_of_(blocks_.size()),
         points_(blocks_.size()),
         split_(weight ? blocks_.size() : 0),
@@ -75,52 +57,73 @@ class Extraction {
         first_triangle_(blocks_.size() + 1, 0) {}
 
   Mesh run() {
+    find_inside();
+    parallel_for(context_, blocks_.size(), blocks_per_task,
+                 [this](size_t b) { brick_of_[b] = grid_.find(brick_coord(b)); });
+    for_blocks(
+        with_next_layer(own_, blocks_), [](size_t) { return true; },
+        [this](size_t block, const CellWindow& window) { count(block, window); });
+    number();
+    context_.progress().advance(0.5, "cells counted");
+    reserve_many(mesh_.vertices, first_vertex_.back(), pages_of(context_));
+    mesh_.vertices.resize(first_vertex_.back());
+    reserve_many(mesh_.triangles, first_triangle_.back(), pages_of(context_));
+    mesh_.triangles.resize(first_triangle_.back());
+    for_blocks(
+        own_, [this](size_t block) { return has_vertices(block) || has_triangles(block); },
+        [this](size_t block, CellWindow& window) {
+          if (has_vertices(block)) {
+            fill_values(block, window);
+            place_vertices(block, window);
+          }
+          if (has_triangles(block)) draw_triangles(block, window);
+        });
+    bring_items(blocks_.size(), {mesh_.vertices.data(), sizeof(Vec3d)}, context_,
+                [this](size_t block) { return first_vertex_[block]; });
+    bring_items(blocks_.size(), {mesh_.triangles.data(), sizeof(Triangle)}, context_,
+                [this](size_t block) { return first_triangle_[block]; });
+    return std::move(mesh_);
+  }
+
+ private:
+  /// Of the bricks around this rank's blocks; and the largest height in all.
+  void find_inside() {
+    const ItemRange bricks = bricks_around(with_next_layer(own_, blocks_), blocks_, grid_);
     highest_ = join_chunks<double>(
-        grid_.size(), blocks_per_task, context_,
-        [this](size_t begin, size_t end) {
+        bricks.size(), blocks_per_task, context_,
+        [&](size_t begin, size_t end) {
           double highest = 0;
-          for (size_t b = begin; b < end; ++b) {
+          for (size_t b = bricks.begin + begin; b < bricks.begin + end; ++b) {
             inside_[b] = BrickBits::above(value_.brick(b), isovalue_);
             highest = std::max(highest, highest_around(b));
           }
           return highest;
         },
         [](double& highest, double part) { highest = std::max(highest, part); });
-    parallel_for(context_, blocks_.size(), blocks_per_task,
-                 [this](size_t b) { brick_of_[b] = grid_.find(brick_coord(b)); });
-    for_blocks([](size_t) { return true; }, [this](size_t block, const CellWindow& window) { count(block, window); });
-    for (size_t b = 0; b < blocks_.size(); ++b) {
-      first_vertex_[b + 1] += first_vertex_[b];
-      first_triangle_[b + 1] += first_triangle_[b];
+    if (Ranks* const ranks = ranks_of(context_))
+      for (const double highest : of_all(*ranks, highest_)) highest_ = std::max(highest_, highest);
+  }
+
+  /// Numbers the vertices and triangles of all blocks, whose numbers ranks have counted.
+  void number() {
+    const auto number_of_block = [](size_t block) { return block; };
+    for (std::vector<uint64_t>* first : {&first_vertex_, &first_triangle_}) {
+      bring_items(blocks_.size(), {first->data() + 1, sizeof(uint64_t)}, context_, number_of_block);
+      for (size_t b = 0; b < blocks_.size(); ++b) (*first)[b + 1] += (*first)[b];
     }
     require_indices(first_vertex_.back(), most_indices, "vertices of the surface");
     require_indices(first_triangle_.back(), most_triangles, "triangles of the surface");
-    context_.progress().advance(0.5, "cells counted");
-    reserve_many(mesh_.vertices, first_vertex_.back(), pages_of(context_));
-    mesh_.vertices.resize(first_vertex_.back());
-    reserve_many(mesh_.triangles, first_triangle_.back(), pages_of(context_));
-    mesh_.triangles.resize(first_triangle_.back());
-    for_blocks([this](size_t block) { return has_vertices(block) || has_triangles(block); },
-               [this](size_t block, CellWindow& window) {
-                 if (has_vertices(block)) {
-                   fill_values(block, window);
-                   place_vertices(block, window);
-                 }
-                 if (has_triangles(block)) draw_triangles(block, window);
-               });
-    return std::move(mesh_);
   }
 
- private:
   bool has_vertices(size_t block) const { return first_vertex_[block + 1] > first_vertex_[block]; }
   bool has_triangles(size_t block) const { return first_triangle_[block + 1] > first_triangle_[block]; }
 
   /// work(block, window), without the window's values, for the wanted blocks with vertices on both sides.
   template <class Wanted, class Work>
-  void for_blocks(Wanted&& wanted, Work&& work) const {
-    parallel_chunks(context_, blocks_.size(), blocks_per_task, [&](size_t begin, size_t end) {
+  void for_blocks(ItemRange blocks, Wanted&& wanted, Work&& work) const {
+    parallel_chunks(context_, blocks.size(), blocks_per_task, [&](size_t begin, size_t end) {
       CellWindow window;
-      for (size_t b = begin; b < end; ++b) {
+      for (size_t b = blocks.begin + begin; b < blocks.begin + end; ++b) {
         if (!wanted(b) || !fill_inside(b, window)) continue;
         if (weight_) window.drawn = DrawnCells(grid_, *weight_, brick_coord(b));
         if (range_) window.drawn = DrawnCells(range_->lo, range_->hi, brick_coord(b));
@@ -150,7 +153,7 @@ class Extraction {
     return highest;
   }
 
-  Vec3i brick_coord(size_t block) const { return blocks_.coord(block) - Vec3i{1, 1, 1}; }
+  Vec3i brick_coord(size_t block) const { return brick_of_block(blocks_, block); }
 
   /// The grid's brick at a block or `step` (-1 to 1 along each axis) from it; < 0 where there is none. Every brick of
   /// the grid is a block too.
@@ -335,6 +338,7 @@ class Extraction {
   double highest_ = 0;             // largest absolute height over the isovalue of all vertices of the surface's cells
   std::vector<BrickBits> inside_;  // by brick of the grid
   BrickGrid blocks_;
+  ItemRange own_;                  // blocks that this rank draws
   std::vector<int32_t> brick_of_;  // by block: the grid's brick, < 0 where it has none
   std::vector<EdgePoints> points_;
   std::vector<BrickEdges> split_;  // edges with two surface points; empty for a closed surface

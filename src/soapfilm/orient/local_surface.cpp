@@ -9,6 +9,7 @@
 #include "soapfilm/core/exact_sum.h"
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/rounded.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/orient/area_weights.h"
 #include "soapfilm/orient/facet_plane.h"
 #include "soapfilm/orient/sample_cells.h"
@@ -43,16 +44,45 @@ class Survey {
         directions_(directions),
         order_(positions, directions, box, context),
         context_(context),
-        first_filled_(positions.size(), 0),
-        first_company_(positions.size(), 0),
-        state_(positions.size(), State::open) {
-    surface_.area.assign(positions.size(), 0);
-    surface_.spacing.assign(positions.size(), 0);
-    surface_.normal.assign(positions.size(), {});
-    surface_.line.assign(positions.size(), 0);
-  }
+        found_(positions.size()) {}
 
   LocalSurface run() {
+    descend();
+    LocalSurface surface;
+    surface.sides = sides_;
+    surface.area.resize(order_.size());
+    surface.spacing.resize(order_.size());
+    surface.normal.resize(order_.size());
+    surface.line.resize(order_.size());
+    for (size_t k = 0; k < order_.size(); ++k) {
+      const uint32_t i = order_.sample(k);
+      const Found& found = found_[k];
+      const bool edge = found.normal == Vec3f{} && found.first_filled == coarsest;
+      // Of some there are no coarser cells to confirm it.
+      surface.spacing[i] = edge || found.state == State::to_confirm ? 0.0f : found.spacing;
+      surface.area[i] = found.area;
+      surface.normal[i] = found.normal;
+      surface.planes += surface.is_plane(i);
+      surface.line[i] = found.first_company - found.first_filled >= line_depths;
+    }
+    surface.coverage = cover_area(surface, order_);
+    return surface;
+  }
+
+ private:
+  /// Of a sample.
+  struct Found {
+    Vec3f normal;
+    float area = 0, spacing = 0;
+    uint8_t first_filled = 0;   ///< depth of its first filled cells; 0: none yet
+    uint8_t first_company = 0;  ///< depth at which cells around it first hold others; 0: none yet
+    State state = State::open;
+
+    bool is_plane() const { return normal != Vec3f{} && spacing > 0; }
+  };
+
+  /// Finds what is around the samples, from fine to coarse cells.
+  void descend() {
     int depth = first_depth();
     SampleCells cells(order_, positions_, directions_, depth, context_);
     while (true) {
@@ -60,26 +90,15 @@ class Survey {
       const Settled settled = settle(cells, depth);
       context_.progress().advance(1 - static_cast<double>(settled.left) / static_cast<double>(positions_.size()),
                                   "surface around the samples");
-      surface_.sides += settled.sides;
+      sides_ += settled.sides;
       size_t left = settled.left;
       left += doubt_large_ones();
       if (left == 0 || depth == coarsest) break;
       cells = std::move(cells).coarser(order_, directions_, context_);
       --depth;
     }
-    surface_.planes = 0;
-    for (size_t k = 0; k < order_.size(); ++k) {
-      const uint32_t i = order_.sample(k);
-      const bool edge = surface_.normal[i] == Vec3f{} && first_filled_[k] == coarsest;
-      if (edge || state_[k] == State::to_confirm) surface_.spacing[i] = 0;  // no coarser cells to confirm it
-      surface_.planes += surface_.is_plane(i);
-      surface_.line[i] = first_company_[k] - first_filled_[k] >= line_depths;
-    }
-    surface_.coverage = cover_area(surface_, order_);
-    return std::move(surface_);
   }
 
- private:
   /// The finest depth where some cells hold several different samples. All depths in one pass, since the order may be
   /// on disk.
   int first_depth() const {
@@ -127,10 +146,10 @@ class Survey {
     };
     const auto sum = sum_chunks<Sum>(positions_.size(), at_once, context_, [&](size_t begin, size_t end) {
       Sum part;
-      for (size_t i = begin; i < end; ++i)
-        if (surface_.is_plane(i)) {
+      for (size_t k = begin; k < end; ++k)
+        if (found_[k].is_plane()) {
           ++part.planes;
-          part.area.add(surface_.area[i]);
+          part.area.add(found_[k].area);
         }
       return part;
     });
@@ -138,10 +157,10 @@ class Survey {
     return sum_chunks<size_t>(positions_.size(), at_once, context_, [&](size_t begin, size_t end) {
       size_t doubted = 0;
       for (size_t k = begin; k < end; ++k) {
-        if (state_[k] != State::found) continue;
-        const uint32_t i = order_.sample(k);
-        const bool doubt = surface_.is_plane(i) && surface_.area[i] * per_area > large;
-        state_[k] = doubt ? State::to_confirm : State::settled;
+        Found& found = found_[k];
+        if (found.state != State::found) continue;
+        const bool doubt = found.is_plane() && found.area * per_area > large;
+        found.state = doubt ? State::to_confirm : State::settled;
         doubted += doubt;
       }
       return doubted;
@@ -154,53 +173,40 @@ class Survey {
     void operator+=(const Settled& other) { left += other.left, sides += other.sides; }
   };
 
-  /// Settles the samples whose surface is found at this depth.
+  /// Settles the samples whose surface is found at this depth. Ranks share the cells.
   Settled settle(const SampleCells& cells, int depth) {
-    return sum_chunks<Settled>(cells.size(), 512, context_, [&](size_t begin, size_t end) {
-      Settled settled;
-      for (size_t c = begin; c < end; ++c) settled.left += settle_cell(cells, c, depth, settled.sides);
-      return settled;
+    constexpr size_t at_once = 512;
+    std::vector<Settled> parts((cells.size() + at_once - 1) / at_once);
+    const auto first_cell = [&](size_t part) { return std::min(part * at_once, cells.size()); };
+    share_values(parts, 1, context_, [&](size_t part) {
+      for (size_t c = first_cell(part); c < first_cell(part + 1); ++c)
+        parts[part].left += settle_cell(cells, c, depth, parts[part].sides);
     });
+    bring_items(parts.size(), {found_.data(), sizeof(Found)}, context_,
+                [&](size_t part) { return size_t{cells[first_cell(part)].begin}; });
+    Settled settled;
+    for (const Settled& part : parts) settled += part;
+    return settled;
   }
 
   /// Returns how many samples of the cell are left.
   size_t settle_cell(const SampleCells& cells, size_t c, int depth, SideStatistics& sides) {
     const uint32_t first = cells[c].begin, last = cells[c + 1].begin;
-    bool any = false;
-    for (uint32_t k = first; k < last && !any; ++k) any = state_[k] != State::settled;
-    if (!any) return 0;
+    if (std::all_of(found_.begin() + first, found_.begin() + last,
+                    [](const Found& found) { return found.state == State::settled; }))
+      return 0;
     const FacetsAround around = measure_surroundings(cells, c);
     std::array<std::optional<FacetPlane>, 2> planes;
     std::array<size_t, 2> found_now{};
     size_t left = 0;
     for (uint32_t k = first; k < last; ++k) {
-      if (state_[k] == State::settled) continue;
-      const uint32_t i = order_.sample(k);
-      if (first_company_[k] == 0 && around.count >= company) first_company_[k] = static_cast<uint8_t>(depth);
+      Found& own = found_[k];
+      if (own.state == State::settled) continue;
+      if (own.first_company == 0 && around.count >= company) own.first_company = static_cast<uint8_t>(depth);
       const size_t side = cells.side_of(k);
       if (!planes[side]) planes[side] = plane_of(around, cells.facets(c)[side]);
-      const FacetPlane& plane = *planes[side];
-      if (state_[k] == State::to_confirm) {
-        state_[k] = State::settled;
-        if (!plane.confirms(surface_.normal[i])) surface_.spacing[i] = 0;
-        continue;
-      }
-      const bool is_first = first_filled_[k] == 0;
-      if (first_filled_[k] == depth + 1 && !plane.confirms_edge()) surface_.spacing[i] = 0;
-      const bool found = is_first ? plane.found : plane.found_far;
-      if (plane.filled && (found || is_first)) {
-        surface_.area[i] = static_cast<float>(rounded(plane.area * cells.side() * cells.side()));
-        surface_.spacing[i] = plane.agrees() ? static_cast<float>(rounded(plane.spacing * cells.side())) : 0.0f;
-      }
-      if (plane.filled && is_first) first_filled_[k] = static_cast<uint8_t>(depth);
-      if (found) {
-        surface_.normal[i] = rounded_unit(plane.normal);
-        state_[k] = State::found;
-        found_now[side] += plane.agrees();
-        continue;
-      }
-      if (first_filled_[k] >= depth + coarser_at_most) state_[k] = State::settled;  // an edge, or no surface
-      left += state_[k] != State::settled;
+      found_now[side] += settle_sample(*planes[side], cells.side(), depth, own);
+      left += own.state == State::open;
     }
     const double cell = cells.side() / order_.longest();
     for (size_t side = 0; side < 2; ++side)
@@ -208,15 +214,36 @@ class Survey {
     return left;
   }
 
+  /// Takes what its plane says, cells of side `cell`. Whether a plane was found now whose samples agree on its side.
+  static bool settle_sample(const FacetPlane& plane, double cell, int depth, Found& own) {
+    if (own.state == State::to_confirm) {
+      own.state = State::settled;
+      if (!plane.confirms(own.normal)) own.spacing = 0;
+      return false;
+    }
+    const bool is_first = own.first_filled == 0;
+    if (own.first_filled == depth + 1 && !plane.confirms_edge()) own.spacing = 0;
+    const bool found = is_first ? plane.found : plane.found_far;
+    if (plane.filled && (found || is_first)) {
+      own.area = static_cast<float>(rounded(plane.area * cell * cell));
+      own.spacing = plane.agrees() ? static_cast<float>(rounded(plane.spacing * cell)) : 0.0f;
+    }
+    if (plane.filled && is_first) own.first_filled = static_cast<uint8_t>(depth);
+    if (found) {
+      own.normal = rounded_unit(plane.normal);
+      own.state = State::found;
+      return plane.agrees();
+    }
+    if (own.first_filled >= depth + coarser_at_most) own.state = State::settled;  // an edge, or no surface
+    return false;
+  }
+
   std::span<const Vec3d> positions_;
   std::span<const Vec3f> directions_;
   SampleOrder order_;
   const Context& context_;
-  // Of each sample, in the order.
-  std::vector<uint8_t> first_filled_;   ///< depth of its first filled cells; 0: none yet
-  std::vector<uint8_t> first_company_;  ///< depth at which cells around it first hold others; 0: none yet
-  std::vector<State> state_;
-  LocalSurface surface_;
+  std::vector<Found> found_;  ///< of each sample, in the order
+  SideStatistics sides_;
 };
 
 }  // namespace

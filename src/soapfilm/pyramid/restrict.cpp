@@ -2,6 +2,7 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/device/device.h"
 
 namespace soapfilm {
@@ -24,12 +25,17 @@ SupportField restrict_field(const SupportField& fine, const LevelBox& coarse_box
   coarse.grid = BrickGrid(parents_of(fine.grid, coarse_box.bricks, context), context);
   coarse.f = Field<float>(coarse.grid, pages_of(context));
   if (const Device* device = device_of(context); device && device->restrict_data(fine, coarse, context)) return coarse;
-  parallel_for(context, coarse.grid.size(), 64, [&](size_t b) {
+  const ItemRange own = own_part(even_parts(coarse.grid.size(), context), context);
+  parallel_for(context, own.size(), 64, [&](size_t i) {
+    const size_t b = own.begin + i;
     for (int k = 0; k < 8; ++k) {
       const int32_t child = fine.grid.find(child_of(coarse.grid.coord(b), k));
       if (child >= 0) add_child(fine.f.brick(static_cast<size_t>(child)), octant_of(k), coarse.f.brick(b));
     }
   });
+  if (coarse.grid.size() > 0)
+    bring_items(coarse.grid.size(), {coarse.f.brick(0), brick_volume * sizeof(float)}, context,
+                [](size_t b) { return b; });
   return coarse;
 }
 

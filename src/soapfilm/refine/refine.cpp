@@ -183,7 +183,7 @@ Refinement::Refinement(Labels labels, const GridSamples& samples, double density
 
 void Refinement::fill_holes(Labels& labels) {
   const HoleFinder finder(start_, samples_, context_);
-  std::vector<HoleSurface> holes = finder.holes_to_curve(report_.holes);
+  std::vector<HoleSurface> holes = finder.holes_to_curve(context_, report_.holes);
   if (params_.flat_among)
     holes.erase(std::remove_if(holes.begin(), holes.end(),
                                [&](const HoleSurface& hole) {

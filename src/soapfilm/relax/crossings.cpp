@@ -4,10 +4,10 @@
 #include <atomic>
 #include <bit>
 
-#include "soapfilm/core/gather.h"
 #include "soapfilm/core/half_spaces.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/radix_sort.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/core/triangle_pair.h"
 #include "soapfilm/core/vec.h"
 
@@ -36,14 +36,19 @@ CrossingSearch::CrossingSearch(const MeshChange& change, double voxel, const Con
     : change_(change), context_(context), per_voxel_(1 / voxel) {
   place_bins();
   {
-    std::vector<Reach> reach(change.after.size());
-    parallel_for(context, reach.size(), triangles_per_task, [&](size_t t) { reach[t] = reach_of(t); });
-    const std::vector<uint32_t> common = half_spaces(reach);
-    entries_ = gather<uint64_t>(reach.size(), triangles_per_task, context, [&](size_t t, auto& found) {
-      for_bins(reach[t], [&](uint64_t bin) {
-        if (common[bin & (common.size() - 1)] == 0) found.push_back(uint64_t{t} << bin_bits_ | bin);
-      });
-    });
+    // Of the triangles that are this rank's part.
+    const ItemRange own = own_part(even_parts(change.after.size(), context), context);
+    std::vector<Reach> reach(own.size());
+    parallel_for(context, own.size(), triangles_per_task, [&](size_t k) { reach[k] = reach_of(own.begin + k); });
+    const std::vector<uint32_t> common = half_spaces(reach, own.begin);
+    entries_ = lists_of_all(gather<uint64_t>(own.size(), triangles_per_task, context,
+                                             [&](size_t k, auto& found) {
+                                               for_bins(reach[k], [&](uint64_t bin) {
+                                                 if (common[bin & (common.size() - 1)] == 0)
+                                                   found.push_back(uint64_t{own.begin + k} << bin_bits_ | bin);
+                                               });
+                                             }),
+                            context);
   }
   radix_sort(entries_, bin_bits_, context);
   const uint64_t bin_mask = (uint64_t{1} << bin_bits_) - 1;
@@ -93,26 +98,29 @@ void CrossingSearch::for_bins(const Reach& reach, Visit&& visit) const {
 }
 
 /// By the low bits of the bins' numbers, the directions that all triangles of such bins face; all directions where none
-/// changes.
-std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reach) const {
-  const size_t slots = std::bit_ceil(reach.size() / 4 + 1);
+/// changes. `reach` is that of the triangles from `first` on.
+std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reach, size_t first) const {
+  const size_t slots = std::bit_ceil(change_.after.size() / 4 + 1);
   std::vector<uint32_t> common(slots, unchanged);
-  const auto for_slots = [&](size_t t, auto&& visit) {
-    for_bins(reach[t], [&](uint64_t bin) { visit(std::atomic_ref<uint32_t>(common[bin & (slots - 1)])); });
+  const auto for_slots = [&](size_t k, auto&& visit) {
+    for_bins(reach[k], [&](uint64_t bin) { visit(std::atomic_ref<uint32_t>(common[bin & (slots - 1)])); });
   };
   constexpr auto order = std::memory_order_relaxed;
-  parallel_for(context_, reach.size(), triangles_per_task, [&](size_t t) {
-    if (change_.changing[t]) for_slots(t, [&](auto slot) { slot.store(all_half_spaces, order); });
+  const auto join_ranks = [&] { join_values(common, context_, [](uint32_t& all, uint32_t other) { all &= other; }); };
+  parallel_for(context_, reach.size(), triangles_per_task, [&](size_t k) {
+    if (change_.changing[first + k]) for_slots(k, [&](auto slot) { slot.store(all_half_spaces, order); });
   });
-  parallel_for(context_, reach.size(), triangles_per_task, [&](size_t t) {
+  join_ranks();
+  parallel_for(context_, reach.size(), triangles_per_task, [&](size_t k) {
     uint32_t own = unchanged;  // not computed yet
-    for_slots(t, [&](auto slot) {
+    for_slots(k, [&](auto slot) {
       const uint32_t now = slot.load(order);
       if (now == unchanged) return;
-      if (own == unchanged) own = half_spaces_of(t);
+      if (own == unchanged) own = half_spaces_of(first + k);
       if ((now & own) != now) slot.fetch_and(own, order);
     });
   });
+  join_ranks();
   return common;
 }
 
@@ -140,7 +148,7 @@ uint32_t CrossingSearch::half_spaces_of(size_t triangle) const {
 std::vector<CrossingSearch::Pair> CrossingSearch::find(std::span<const Vec3d> vertices,
                                                        std::span<const uint8_t> changed) const {
   const size_t tasks = (by_bin_.size() + bins_per_task - 1) / bins_per_task;
-  return gather<Pair>(tasks, 1, context_, [&](size_t task, std::vector<Pair>& found) {
+  return share_gather<Pair>(tasks, 1, context_, [&](size_t task, std::vector<Pair>& found) {
     std::vector<Item> items;
     for (size_t b = task * bins_per_task; b < std::min((task + 1) * bins_per_task, by_bin_.size()); ++b)
       search(by_bin_[b], vertices, changed, items, found);

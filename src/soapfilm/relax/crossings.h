@@ -54,7 +54,7 @@ class CrossingSearch {
   Reach reach_of(size_t triangle) const;
   template <class Visit>
   void for_bins(const Reach& reach, Visit&& visit) const;
-  std::vector<uint32_t> half_spaces(const std::vector<Reach>& reach) const;
+  std::vector<uint32_t> half_spaces(const std::vector<Reach>& reach, size_t first) const;
   uint32_t half_spaces_of(size_t triangle) const;
   uint64_t number_of(Vec3i bin) const;
   Vec3i bin_of(Vec3d place) const {

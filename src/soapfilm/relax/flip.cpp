@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "soapfilm/core/gather.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/core/vec.h"
 
 namespace soapfilm {
@@ -42,7 +42,7 @@ size_t flip_once(HalfEdges& edges, std::span<const Vec3f> normals, double voxel,
     float gain;
     uint32_t half_edge;
   };
-  auto order = gather<Gain>(open.size(), triangles_per_task, context, [&](size_t t, std::vector<Gain>& found) {
+  auto order = share_gather<Gain>(open.size(), triangles_per_task, context, [&](size_t t, std::vector<Gain>& found) {
     for (auto h = static_cast<uint32_t>(3 * t); h < 3 * t + 3; ++h) {
       if (!edges.upward(h) || edges.on_boundary(h) || (!open[t] && !open[edges.twin(h) / 3])) continue;
       const auto gain = static_cast<float>(gain_of(edges, h, normals, voxel, least_gain));

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "soapfilm/context.h"
+#include "soapfilm/core/ranks.h"
 #include "soapfilm/mesh.h"
 
 namespace soapfilm {
@@ -16,6 +18,8 @@ class HalfEdges {
 
   /// `mesh` must outlive it; it needs fewer than 2^32 half edges, and no vertex where it touches itself.
   explicit HalfEdges(Mesh& mesh);
+  /// The same; ranks share the search for twins.
+  HalfEdges(Mesh& mesh, const Context& context);
 
   const Mesh& mesh() const { return mesh_; }
   uint32_t size() const { return static_cast<uint32_t>(twin_.size()); }
@@ -36,6 +40,8 @@ class HalfEdges {
   void flip(uint32_t h);
 
  private:
+  /// Finds the twins of at least some triangles' half edges.
+  void link_all(ItemRange wanted);
   void link(uint32_t h, uint32_t other) {
     if (h != none) twin_[h] = other;
     if (other != none) twin_[other] = h;

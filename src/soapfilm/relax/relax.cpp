@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "soapfilm/core/gather.h"
 #include "soapfilm/core/indices.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/parallel.h"
@@ -76,15 +75,25 @@ class Relaxation {
     start = mesh_.vertices;
     for (const uint32_t h : split_) start.push_back(0.5 * (start[edges.from(h)] + start[edges.to(h)]));
     mesh_.vertices.resize(start.size());
-    share_values(mesh_.vertices, points_per_task, context_, [&](size_t v) {
+    place_vertices(leftover, start, normals);
+    release(ends_);
+    cut_triangles(edges);
+    return start;
+  }
+
+  void place_vertices(const Residuals& leftover, std::span<const Vec3d> start, std::span<const Vec3f> normals) {
+    const auto place = [&](size_t v) {
       const bool stays = v < old_ && !is_end_[v];
       const Vec3d p = v >= old_ ? middles_[v - old_] : stays ? lattice_.to_lattice(start[v]) : ends_[v];
       const Vec3d normal = stays ? Vec3d(lattice_.from_world_axes(normals[v])) : normal_at(field_, p);
       mesh_.vertices[v] = lattice_.to_world(p + normal * leftover.mean_at(p, normal));
-    });
-    release(ends_);
-    cut_triangles(edges);
-    return start;
+    };
+    // Old and new vertices one after the other, so that each rank stays in its part of space.
+    share_items(
+        old_, mesh_.vertices, points_per_task, context_, [](size_t v) { return v; }, place);
+    const auto number_of = [this](size_t k) { return old_ + k; };
+    share_items(split_.size(), mesh_.vertices, points_per_task, context_, number_of,
+                [&](size_t k) { place(number_of(k)); });
   }
 
   /// Exchanges diagonals, except near places where that would make the mesh intersect itself: farther and farther
@@ -94,7 +103,7 @@ class Relaxation {
     const std::vector<Triangle> before = mesh_.triangles;
     std::vector<Triangle> failed;  // triangles of intersecting pairs that were already handled
     for (int tries = 0; tries < most_tries; ++tries) {
-      HalfEdges edges(mesh_);
+      HalfEdges edges(mesh_, context_);
       flip_edges(edges, normals, lattice_.voxel, least_gain * lattice_.voxel, context_);
       const std::vector<Triangle>& known = failed.empty() ? before : failed;
       std::vector<uint8_t> changed(before.size());
@@ -109,7 +118,7 @@ class Relaxation {
       for (int ring = tries_at_the_places; ring < tries; ++ring) spread_unknown(normals);
       failed = std::exchange(mesh_.triangles, before);
     }
-    return HalfEdges(mesh_);
+    return HalfEdges(mesh_, context_);
   }
 
   /// To the other corners of the triangles there.
@@ -124,12 +133,14 @@ class Relaxation {
   /// Edges that may lie too far from the surface, by the half that runs upwards.
   void find_suspects(const HalfEdges& edges, std::span<const Vec3f> normals) {
     const double limit = suspicion * tolerance_ * lattice_.voxel;
-    split_ = gather<uint32_t>(edges.size(), half_edges_per_task, context_, [&](size_t i, std::vector<uint32_t>& found) {
-      const auto h = static_cast<uint32_t>(i);
-      const uint32_t a = edges.from(h), b = edges.to(h);
-      if (a < b && !edges.on_boundary(h) && sag(mesh_.vertices[a], mesh_.vertices[b], normals[a], normals[b]) > limit)
-        found.push_back(h);
-    });
+    split_ = share_gather<uint32_t>(edges.size(), half_edges_per_task, context_,
+                                    [&](size_t i, std::vector<uint32_t>& found) {
+                                      const auto h = static_cast<uint32_t>(i);
+                                      const uint32_t a = edges.from(h), b = edges.to(h);
+                                      if (a < b && !edges.on_boundary(h) &&
+                                          sag(mesh_.vertices[a], mesh_.vertices[b], normals[a], normals[b]) > limit)
+                                        found.push_back(h);
+                                    });
   }
 
   void mark_ends(const HalfEdges& edges) {
@@ -153,11 +164,12 @@ class Relaxation {
       uint32_t half_edge;
       Vec3d place;
     };
-    const auto found = gather<Middle>(split_.size(), points_per_task, context_, [&](size_t i, std::vector<Middle>& to) {
-      const Vec3d middle = 0.5 * (ends_[edges.from(split_[i])] + ends_[edges.to(split_[i])]);
-      const auto on_surface = field_.project(middle, reach);
-      if (on_surface && norm(*on_surface - middle) > tolerance_) to.push_back({split_[i], *on_surface});
-    });
+    const auto found =
+        share_gather<Middle>(split_.size(), points_per_task, context_, [&](size_t i, std::vector<Middle>& to) {
+          const Vec3d middle = 0.5 * (ends_[edges.from(split_[i])] + ends_[edges.to(split_[i])]);
+          const auto on_surface = field_.project(middle, reach);
+          if (on_surface && norm(*on_surface - middle) > tolerance_) to.push_back({split_[i], *on_surface});
+        });
     split_.clear();
     middles_.clear();
     for (const Middle& m : found) {

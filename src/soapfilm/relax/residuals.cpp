@@ -101,39 +101,8 @@ struct PairSums {
 }  // namespace
 
 Residuals::Residuals(const GridSamples& samples, const SmoothField& field, double scale, const Context& context)
-    : bricks_(samples.bricks), begin_(samples.bricks.size() + 1), entries_(samples.size()) {
-  parallel_for(context, samples.bricks.size(), 32, [&](size_t b) {
-    const Vec3d origin(samples.bricks.first_vertex(b));
-    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
-      Entry& entry = entries_[s];
-      entry.local = samples.local[s];
-      const Vec3i cell = cell_in_brick(entry.local);
-      entry.cell = static_cast<uint16_t>(brick_offset(cell.x, cell.y, cell.z));
-      entry.octant = static_cast<uint8_t>(octant_of(entry.local));
-      const auto jet = field.at(origin + Vec3d(entry.local));
-      if (!jet) continue;
-      const Vec3f gradient(jet->gradient);
-      const double slope = std::max(norm(jet->gradient), 0.3);
-      if (!seen_from_outside(samples.direction[s], gradient)) continue;
-      entry.normal = normalized(gradient);
-      entry.distance = static_cast<float>(jet->value / slope);
-      entry.weight = samples.weight_of(s) * robust_weight(Penalty::tukey, entry.distance, static_cast<float>(scale));
-    }
-    Entry* const begin = entries_.data() + samples.begin[b];
-    Entry* const end = std::remove_if(begin, entries_.data() + samples.begin[b + 1],
-                                      [](const Entry& entry) { return !(entry.weight > 0); });
-    std::stable_sort(begin, end, [](const Entry& a, const Entry& c) {
-      return std::pair(a.cell, a.octant) < std::pair(c.cell, c.octant);
-    });
-    begin_[b + 1] = static_cast<uint32_t>(thin(std::span<Entry>(begin, end)));
-  });
-  for (size_t b = 0; b < bricks_.size(); ++b) {
-    const auto from = entries_.begin() + samples.begin[b];
-    std::copy(from, from + begin_[b + 1], entries_.begin() + begin_[b]);
-    begin_[b + 1] += begin_[b];
-  }
-  entries_.resize(begin_.back());
-  entries_.shrink_to_fit();
+    : bricks_(samples.bricks), begin_(samples.bricks.size() + 1) {
+  find_entries(samples, field, static_cast<float>(scale), context);
   const std::vector<float> share = shares_of_surface(context);
   if (std::all_of(share.begin(), share.end(), [](float s) { return s == 0; })) {
     release(entries_);
@@ -158,6 +127,46 @@ Residuals::Residuals(const GridSamples& samples, const SmoothField& field, doubl
     for (size_t b = 0; b < bricks_.size(); ++b)
       for (uint32_t s = begin_[b]; s < begin_[b + 1]; ++s) entries_[s].distance += share[b] * (target[s] - mean[s]);
   }
+}
+
+/// Each rank finds those of a part of the bricks.
+void Residuals::find_entries(const GridSamples& samples, const SmoothField& field, float scale,
+                             const Context& context) {
+  const ItemRange own = own_part(even_parts(bricks_.size(), context), context);
+  const uint32_t first = samples.begin[own.begin];
+  std::vector<Entry> found(samples.begin[own.end] - first);
+  std::vector<uint32_t> kept(bricks_.size());
+  share_values(kept, 32, context, [&](size_t b) {
+    const Vec3d origin(bricks_.first_vertex(b));
+    Entry* const begin = found.data() + (samples.begin[b] - first);
+    for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
+      Entry& entry = begin[s - samples.begin[b]];
+      entry.local = samples.local[s];
+      const Vec3i cell = cell_in_brick(entry.local);
+      entry.cell = static_cast<uint16_t>(brick_offset(cell.x, cell.y, cell.z));
+      entry.octant = static_cast<uint8_t>(octant_of(entry.local));
+      const auto jet = field.at(origin + Vec3d(entry.local));
+      if (!jet) continue;
+      const Vec3f gradient(jet->gradient);
+      const double slope = std::max(norm(jet->gradient), 0.3);
+      if (!seen_from_outside(samples.direction[s], gradient)) continue;
+      entry.normal = normalized(gradient);
+      entry.distance = static_cast<float>(jet->value / slope);
+      entry.weight = samples.weight_of(s) * robust_weight(Penalty::tukey, entry.distance, scale);
+    }
+    Entry* const end = std::remove_if(begin, found.data() + (samples.begin[b + 1] - first),
+                                      [](const Entry& entry) { return !(entry.weight > 0); });
+    std::stable_sort(begin, end, [](const Entry& a, const Entry& c) {
+      return std::pair(a.cell, a.octant) < std::pair(c.cell, c.octant);
+    });
+    kept[b] = static_cast<uint32_t>(thin(std::span<Entry>(begin, end)));
+  });
+  for (size_t b = 0; b < bricks_.size(); ++b) begin_[b + 1] = begin_[b] + kept[b];
+  for (size_t b = own.begin; b < own.end; ++b)
+    std::copy_n(found.begin() + (samples.begin[b] - first), kept[b], found.begin() + (begin_[b] - begin_[own.begin]));
+  found.resize(begin_[own.end] - begin_[own.begin]);
+  found.shrink_to_fit();
+  entries_ = lists_of_all(std::move(found), context);
 }
 
 std::vector<float> Residuals::shares_of_surface(const Context& context) const {

@@ -35,6 +35,7 @@ class Residuals {
   /// mean_at().
   template <class Visit>
   void for_each_near(Vec3d point, Vec3d normal, Visit&& visit) const;
+  void find_entries(const GridSamples& samples, const SmoothField& field, float scale, const Context& context);
   /// Of each brick, in [0, 1]: 0 where the samples' distances from the surface are noise, judged by pairs of near
   /// samples, 1 where they are detail that the surface misses. No place is surer of detail than the whole surface.
   std::vector<float> shares_of_surface(const Context& context) const;

@@ -1,6 +1,9 @@
 // The smooth surface defined by the values on a grid, of which marching cubes draws a flat approximation.
 #pragma once
 
+#include <array>
+#include <memory>
+#include <mutex>
 #include <optional>
 
 #include "soapfilm/context.h"
@@ -20,7 +23,8 @@ class SmoothField {
  public:
   using Jet = FieldJet<double>;
 
-  /// `value`: voxels. `grid` must outlive it.
+  /// `value`: voxels. Both must outlive it. On ranks, each of which asks for a part of the surface, parts are computed
+  /// when they are needed.
   SmoothField(const BrickGrid& grid, const Field<float>& value, const Context& context);
 
   /// At a lattice point; none unless the 32 vertices that it depends on are in the grid's bricks.
@@ -31,8 +35,18 @@ class SmoothField {
   std::optional<Vec3d> project(Vec3d point, double reach) const;
 
  private:
+  /// Values around a cell, 4 along each axis.
+  using Around = std::array<float, 64>;
+  bool gather(Vec3i cell, Around& around) const;
+  /// Computes the values of bricks [begin, end).
+  void smooth(size_t begin, size_t end) const;
+  /// Where parts are computed when needed: those around a cell are there from now on.
+  void need_around(const BrickGrid::Neighbors& neighbors, Vec3i first) const;
+
   const BrickGrid& grid_;
-  Field<float> value_;
+  const Field<float>& rough_;
+  mutable Field<float> value_;
+  mutable std::unique_ptr<std::once_flag[]> parts_;  ///< whether they are there; null: all are
 };
 
 }  // namespace soapfilm

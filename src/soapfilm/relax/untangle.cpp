@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/relax/crossings.h"
 
@@ -60,7 +60,7 @@ class Moves {
     const auto normal_of = [](std::span<const Vec3d> at, const Triangle& t) {
       return normalized(cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]));
     };
-    return gather<uint32_t>(
+    return share_gather<uint32_t>(
         mesh_.triangles.size(), triangles_per_task, context_, [&](size_t i, std::vector<uint32_t>& found) {
           const Triangle& t = mesh_.triangles[i];
           if (!may_fold_[i] || dot(normal_of(start_, t), normal_of(mesh_.vertices, t)) > least_cosine) return;

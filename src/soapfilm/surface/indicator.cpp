@@ -124,6 +124,11 @@ IndicatorField smoothed_indicator(const Labels& labels, const Context& context) 
 }
 
 IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const Context& context) {
+  const ItemRange all{0, bricks.size()};
+  return smoothed_indicator(labels, std::move(bricks), context, all);
+}
+
+IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const Context& context, ItemRange wanted) {
   const LabelView view = labels.view();
   IndicatorField field;
   field.grid = std::move(bricks);
@@ -133,18 +138,19 @@ IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const 
                          return view.continued(labels.grid.find(brick), brick).test(0, 0, 0);  // constant: any vertex
                        });
   field.value = Field<float>(field.grid, pages_of(context));
-  parallel_for(context, field.grid.size(), 64, [&](size_t b) {
+  parallel_for(context, wanted.size(), 64, [&](size_t k) {
+    const size_t b = wanted.begin + k;
     std::array<const BrickBits*, 27> around;
     std::array<BrickBits, 27> beyond;
     const Vec3i own = field.grid.coord(b);
     const int32_t here = labels.grid.find(own);
     for (int slot = 0; slot < 27; ++slot) {
       const Vec3i brick = own + slot_offset(slot);
-      const auto k = static_cast<size_t>(slot);
+      const auto at = static_cast<size_t>(slot);
       const int32_t n = slot == own_slot ? here
-                        : here >= 0      ? labels.grid.neighbors(static_cast<size_t>(here))[k]
+                        : here >= 0      ? labels.grid.neighbors(static_cast<size_t>(here))[at]
                                          : labels.grid.find(brick);
-      around[k] = labels.box.open ? &(beyond[k] = view.continued(n, brick)) : &view.of(n, brick);
+      around[at] = labels.box.open ? &(beyond[at] = view.continued(n, brick)) : &view.of(n, brick);
     }
     smooth_brick(around, field.value.brick(b));
   });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "soapfilm/context.h"
+#include "soapfilm/core/ranks.h"
 #include "soapfilm/field/samples.h"
 #include "soapfilm/grid/brick_grid.h"
 #include "soapfilm/grid/brick_mask.h"
@@ -18,6 +19,8 @@ BrickMask bricks_near_surface(const Labels& labels, const Context& context);
 IndicatorField smoothed_indicator(const Labels& labels, const Context& context);
 /// The same on given bricks, of labels whose grid may be a part of their band: right where it holds the 26 around.
 IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const Context& context);
+/// The same, but the values of `wanted` bricks alone; 0 in the others.
+IndicatorField smoothed_indicator(const Labels& labels, BrickGrid bricks, const Context& context, ItemRange wanted);
 
 /// The same without smoothing: 0 and 1 on the same bricks.
 IndicatorField binary_indicator(const Labels& labels, const Context& context);

@@ -199,15 +199,20 @@ class LayerSums {
   std::vector<double> of_brick_;
 };
 
-/// visit(vertex, index into an array over the band), in the order of rows.
+/// visit(vertex, index into an array over the band) for a brick's vertices, in the order of rows.
+template <class Visit>
+void for_each_vertex_of(const NarrowBand& band, size_t brick, Visit&& visit) {
+  for (uint32_t r = band.first_row(brick); r < band.first_row(brick + 1); ++r)
+    for (int x = 0; x < brick_side; ++x)
+      if (band.mask(r) >> x & 1)
+        visit(band.grid().first_vertex(brick) + Vec3i{x, band.place(r) & 7, band.place(r) >> 3},
+              size_t{r} * brick_side + static_cast<size_t>(x));
+}
+
+/// The same for all bricks.
 template <class Visit>
 void for_each_vertex(const NarrowBand& band, Visit&& visit) {
-  for (size_t b = 0; b < band.grid().size(); ++b)
-    for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r)
-      for (int x = 0; x < brick_side; ++x)
-        if (band.mask(r) >> x & 1)
-          visit(band.grid().first_vertex(b) + Vec3i{x, band.place(r) & 7, band.place(r) >> 3},
-                size_t{r} * brick_side + static_cast<size_t>(x));
+  for (size_t b = 0; b < band.grid().size(); ++b) for_each_vertex_of(band, b, visit);
 }
 
 /// A value of an array over the band at a vertex, or `otherwise` where that is not in the band.

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
 
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/share.h"
 
 namespace soapfilm {
 
@@ -49,7 +50,7 @@ HoleFinder::HoleFinder(const Start& start, const GridSamples& samples, const Con
     : start_(start), samples_(samples), near_(samples.bricks.size()) {
   const float none = 1e30f;
   std::vector<std::pair<Vec3f, Vec3f>> boxes(samples.bricks.size(), {{none, none, none}, {-none, -none, -none}});
-  parallel_for(context, samples.bricks.size(), 16, [&](size_t b) {
+  share_values(near_, 16, context, [&](size_t b) {
     auto& [lo, hi] = boxes[b];
     const Vec3i first = samples.bricks.first_vertex(b);
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
@@ -72,6 +73,7 @@ HoleFinder::HoleFinder(const Start& start, const GridSamples& samples, const Con
       }
     }
   });
+  bring_items(boxes.size(), {boxes.data(), sizeof boxes[0]}, context, [](size_t b) { return b; });
   lo_ = {none, none, none};
   hi_ = {-none, -none, -none};
   for (const auto& [lo, hi] : boxes)
@@ -150,14 +152,19 @@ bool HoleFinder::is_base(const HoleSurface& hole) const {
   return rim > 0 && static_cast<double>(steep) >= steep_share * static_cast<double>(rim);
 }
 
-std::vector<HoleSurface> HoleFinder::holes_to_curve(HoleReport& report) const {
-  HoleSurface unsampled;
-  size_t all = 0;
-  for_each_vertex(start_.band, [&](Vec3i v, size_t k) {
-    if (((v.x | v.y | v.z) & 1) != 0 || std::abs(start_.phi0.data()[k]) > hole_depth) return;
-    ++all;
-    if (!is_sampled(v / 2)) unsampled.push_back(v / 2);
-  });
+std::vector<HoleSurface> HoleFinder::holes_to_curve(const Context& context, HoleReport& report) const {
+  constexpr size_t bricks_of_a_task = 64;
+  std::vector<uint32_t> of_brick(start_.band.grid().size());  // vertices on the surface
+  const auto unsampled =
+      share_gather<Vec3i>(of_brick.size(), bricks_of_a_task, context, [&](size_t b, HoleSurface& found) {
+        for_each_vertex_of(start_.band, b, [&](Vec3i v, size_t k) {
+          if (((v.x | v.y | v.z) & 1) != 0 || std::abs(start_.phi0.data()[k]) > hole_depth) return;
+          ++of_brick[b];
+          if (!is_sampled(v / 2)) found.push_back(v / 2);
+        });
+      });
+  bring_items(of_brick.size(), {of_brick.data(), sizeof(uint32_t)}, context, [](size_t b) { return b; });
+  const size_t all = std::accumulate(of_brick.begin(), of_brick.end(), size_t{0});
   const LevelBox& box = start_.box;
   const auto touches_border = [&](Vec3i v) {
     for (int axis = 0; axis < 3; ++axis)

@@ -26,7 +26,7 @@ class HoleFinder {
   /// connected parts of at least 24, which is a hole about 14 voxels wide. Excluded, and counted in `report`: more than
   /// a fifth of the surface; parts along a face of the samples' box where the surface around meets it steeply (an
   /// unseen base); parts that touch the border of the grid.
-  std::vector<HoleSurface> holes_to_curve(HoleReport& report) const;
+  std::vector<HoleSurface> holes_to_curve(const Context& context, HoleReport& report) const;
 
   /// Is a sample near vertex I of the half-resolution grid? Outliers, far from the first surface, do not count.
   bool is_sampled(Vec3i vertex) const;

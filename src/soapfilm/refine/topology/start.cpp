@@ -7,6 +7,7 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/grid/brick_bits.h"
 
 namespace soapfilm {
@@ -34,7 +35,8 @@ NarrowBand make_band(const IndicatorField& field, const LevelBox& box, double re
   const auto limit = static_cast<float>(0.5 * std::erfc(reach / 2));
   const float last = std::nextafter(1 - limit, 0.0f);  // below 1 - limit
   std::vector<uint8_t> vertices(field.grid.size() * brick_area);
-  parallel_for(context, field.grid.size(), bricks_of_a_task, [&](size_t b) {
+  const auto first_of = [](size_t b) { return b * brick_area; };
+  share_items(field.grid.size(), vertices, bricks_of_a_task, context, first_of, [&](size_t b) {
     if (where && !where->test(field.grid.coord(b))) return;
     const float* v = field.value.brick(b);
     const BrickBits near = BrickBits::above(v, limit) & ~BrickBits::above(v, last);
@@ -49,7 +51,10 @@ NarrowBand make_band(const IndicatorField& field, const LevelBox& box, double re
 
 RowArray distance_on(const NarrowBand& band, const IndicatorField& field, const Context& context) {
   RowArray distance = band.make_array();
-  parallel_for(context, band.grid().size(), bricks_of_a_task, [&](size_t b) {
+  const size_t bricks = band.grid().size();
+  const ItemRange own = own_part(even_parts(bricks, context), context);
+  parallel_for(context, own.size(), bricks_of_a_task, [&](size_t k) {
+    const size_t b = own.begin + k;
     for (uint32_t r = band.first_row(b); r < band.first_row(b + 1); ++r) {
       const float* smoothed = field.value.brick(b) + band.place(r) * brick_side;
       float* out = distance.data() + static_cast<size_t>(r) * brick_side;
@@ -57,6 +62,8 @@ RowArray distance_on(const NarrowBand& band, const IndicatorField& field, const 
         if (band.mask(r) >> x & 1) out[x] = distance_of(smoothed[x]);
     }
   });
+  bring_items(bricks, {distance.data(), brick_side * sizeof(float)}, context,
+              [&](size_t b) { return size_t{band.first_row(b)}; });
   return distance;
 }
 
@@ -72,8 +79,10 @@ BrickGrid every_second_vertex(const BrickGrid& fine, const Context& context) {
 }  // namespace
 
 Start start_from(const Labels& labels, double reach, const Context& context, const BrickMask* where) {
-  // The smoothed indicator gives the approximate distance of each vertex from the surface.
-  IndicatorField field = where ? smoothed_indicator(labels, labels.grid, context) : smoothed_indicator(labels, context);
+  // The smoothed indicator gives the approximate distance of each vertex from the surface; ranks share the bricks.
+  BrickGrid bricks = where ? labels.grid : BrickGrid(bricks_near_surface(labels, context), context);
+  const ItemRange own = own_part(even_parts(bricks.size(), context), context);
+  IndicatorField field = smoothed_indicator(labels, std::move(bricks), context, own);
   NarrowBand band = make_band(field, labels.box, reach, where, context);
   RowArray phi0 = distance_on(band, field, context);
   return {labels.box, std::move(field.grid), std::move(field.inside), std::move(band), std::move(phi0)};
