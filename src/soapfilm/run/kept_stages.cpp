@@ -13,6 +13,7 @@
 #include "soapfilm/core/hash.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
+#include "soapfilm/platform/new_file.h"
 #include "soapfilm/platform/scratch.h"
 #include "soapfilm/run/run.h"
 #include "soapfilm/run/stage_state.h"
@@ -56,11 +57,13 @@ bool KeptStages::load(const std::string& stage, const std::function<void(std::is
   if (!on()) return false;
   std::ifstream from(file(stage), std::ios::binary);
   if (!from) return false;
+  const MemoryPlan before = memory_.plan();
   MemoryPlan plan;
   get(from, plan);
-  memory_.take(plan);
+  if (from) memory_.take(plan);
   read(from);
   if (!from) {
+    memory_.take(before);
     context_.progress().warn(fmt::format("{}: ends too early; the stage is done again", file(stage)));
     return false;
   }
@@ -68,20 +71,23 @@ bool KeptStages::load(const std::string& stage, const std::function<void(std::is
   return true;
 }
 
-void KeptStages::save(const std::string& stage, const std::function<void(std::ostream&)>& write) {
-  if (!on()) return;
-  const std::string part = file(stage) + "-part";
-  std::ofstream to(part, std::ios::binary);
+bool KeptStages::could_save(const std::string& stage, const std::function<void(std::ostream&)>& write) {
+  const std::string& folder = context_.state().scratch_folder;
+  NewFile part(file(stage));
+  std::ofstream to(part.path(), std::ios::binary);
   put(to, memory_.plan());
   write(to);
   to.close();
-  const std::string& folder = context_.state().scratch_folder;
+  check_scratch_files(folder);
   const uint64_t arrays = memory_.planned_disk_bytes() / 2 * 3;  // what is planned may be a third too little
   const bool leaves_room = free_disk_bytes(folder) >= arrays;
-  if (to && leaves_room && replace_file(part, file(stage))) return;
-  std::error_code ignored;
-  fs::remove(part, ignored);
-  context_.progress().warn(fmt::format("scratch folder {}: no room to keep stage {} beside the run's arrays, {} free",
+  return to && leaves_room && part.complete();
+}
+
+void KeptStages::save(const std::string& stage, const std::function<void(std::ostream&)>& write) {
+  if (!on() || could_save(stage, write)) return;
+  const std::string& folder = context_.state().scratch_folder;
+  context_.progress().warn(fmt::format("scratch folder {}: stage {} cannot be kept beside the run's arrays, {} free",
                                        folder, stage, format_bytes(free_disk_bytes(folder))));
 }
 

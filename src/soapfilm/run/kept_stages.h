@@ -36,6 +36,7 @@ class KeptStages {
   std::string file(const std::string& stage) const;
   /// read(archive) from the stage's file, if there is one.
   bool load(const std::string& stage, const std::function<void(std::istream&)>& read);
+  bool could_save(const std::string& stage, const std::function<void(std::ostream&)>& write);
   void save(const std::string& stage, const std::function<void(std::ostream&)>& write);
 
   MemoryBudget& memory_;
