@@ -254,7 +254,12 @@ void refuse_on_ranks(const ReconstructOptions& options) {
   if (std::find(in.begin(), in.end(), "-") != in.end())
     throw ParameterError("standard input: several ranks cannot read it; give the name of a file");
   if (!options.levels_folder.empty()) throw ParameterError("write-levels: several ranks cannot; run one process");
-  if (options.resume) throw ParameterError("resume: several ranks cannot; run one process");
+}
+
+/// Call when all is written, which rank 0 does; the others wait for it, and go on from their stages if it fails.
+void end_stages(Ranks* ranks, const Context& context) {
+  if (ranks) of_all(*ranks, uint8_t{1});
+  remove_kept_stages(context);
 }
 
 int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& global) {
@@ -288,7 +293,10 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   } catch (const SamplesError& error) {
     throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
   }
-  if (!global.speaks()) return 0;
+  if (!global.speaks()) {
+    end_stages(global.ranks.get(), context);
+    return 0;
+  }
   if (checks) stages.run("check", [&] { check_result(result, cloud, context); });
   ReconstructReport& report = result.report;
   if (report.topology) print_check(report, progress);
@@ -310,7 +318,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   if (!options.report.empty()) write_report(options, report, meshes, parts);
   levels.keep();
   if (streams.gives_output()) streams.give_output();
-  remove_kept_stages(context);
+  end_stages(global.ranks.get(), context);
   const std::string written = options.split.empty() ? options.output
                                                     : fmt::format("{}, {} file{}", parts.index, parts.parts.size(),
                                                                   parts.parts.size() == 1 ? "" : "s");

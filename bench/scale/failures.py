@@ -21,7 +21,7 @@ HERE = Path(__file__).resolve().parent
 LONGEST = 120  # seconds, then a run counts as one that hangs
 OLD = b"old"
 STAGE = ".stage"
-MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "3"]
+MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n"]
 
 
 class Folders:
@@ -39,17 +39,15 @@ class Folders:
 class Run:
     """A command, what it is to write, and how it is judged."""
 
-    def __init__(self, bench, folders, parts=False, ranks=False, resume=True):
+    def __init__(self, bench, folders, parts=False, ranks=0):
         self.bench, self.folders, self.parts, self.ranks = bench, folders, parts, ranks
-        self.resumes = resume
         self.words = [bench.mpi_program if ranks else bench.program, "reconstruct", bench.scan, "--resolution", "200",
-                      "--threads", "1", "-o", folders.output / "m.ply", "--scratch", folders.scratch, "--memory", "40M"]
+                      "--threads", "1", "-o", folders.output / "m.ply", "--scratch", folders.scratch, "--memory", "40M",
+                      "--resume"]
         if parts:
             self.words += ["--split", "4000"]
-        if resume:
-            self.words += ["--resume"]
         if ranks:
-            self.words = MPIRUN + self.words
+            self.words = [*MPIRUN, ranks, *self.words]
         self.process, self.said, self.begin = None, folders.temporary.parent / "said", 0
 
     @property
@@ -204,18 +202,15 @@ class Bench:
                 pass
 
     def kills(self, count):
-        for ranks in (True, False):
-            row = "kill -9 of one of 3 ranks" if ranks else "kill -9"
+        for row, sign, by_mpirun in (("kill -9 of one of 2 or 3 ranks", signal.SIGKILL, True),
+                                     ("kill -9", signal.SIGKILL, False),
+                                     ("SIGTERM to mpirun, 2 or 3 ranks", signal.SIGTERM, True),
+                                     ("SIGTERM", signal.SIGTERM, False)):
             for k in range(count if self.wants(row) else 0):
-                run = Run(self, Folders(self.work), parts=k % 4 == 3, ranks=ranks, resume=not ranks)
-                self.try_one(row, run, lambda r: self.kill_one(r, signal.SIGKILL, self.seconds[r.parts] * (2 if r.ranks
-                             else 1)), silent=True, goes_on=not ranks or k % 10 == 0)
-        for ranks in (True, False):
-            row = "SIGTERM to mpirun, 3 ranks" if ranks else "SIGTERM"
-            for k in range(count if self.wants(row) else 0):
-                run = Run(self, Folders(self.work), parts=k % 2 == 1, ranks=ranks, resume=not ranks)
-                self.try_one(row, run, lambda r: self.kill_one(r, signal.SIGTERM, self.seconds[r.parts]),
-                             silent=ranks, goes_on=not ranks or k % 10 == 0)
+                run = Run(self, Folders(self.work), parts=k % 4 == 3, ranks=2 + k % 2 if by_mpirun else 0)
+                seconds = self.seconds[run.parts] * (2 if by_mpirun else 1)
+                self.try_one(row, run, lambda r: self.kill_one(r, sign, seconds),
+                             silent=by_mpirun or sign == signal.SIGKILL)
 
     def kills_while_writing(self, count):
         for row, sign in (("SIGTERM while writing", signal.SIGTERM), ("kill -9 while writing", signal.SIGKILL)):
@@ -278,7 +273,7 @@ class Bench:
                     self.note(row + ", more room then", False, run.go_on())
         row = "an array's file is cut short"
         for k in range(count if self.wants(row) else 0):
-            self.try_one(row, Run(self, Folders(self.work), ranks=k % 4 == 0, resume=k % 4 != 0), self.cut_short)
+            self.try_one(row, Run(self, Folders(self.work), ranks=2 if k % 4 == 0 else 0), self.cut_short)
 
     def cut_short(self, run):
         time.sleep(self.random.random() * self.seconds[False])

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +13,7 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/hash.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/ranks.h"
 #include "soapfilm/error.h"
 #include "soapfilm/platform/new_file.h"
 #include "soapfilm/platform/scratch.h"
@@ -25,12 +27,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the kept stages follow from.
-uint64_t hash_of(const PointCloud& cloud, const ReconstructParams& params) {
+/// What the kept stages follow from. Each rank keeps its own, those of as many ranks.
+uint64_t hash_of(const PointCloud& cloud, const ReconstructParams& params, const Ranks* ranks) {
   Hash hash;
   hash.add(version);
   hash.add(to_json(params));
   hash.add(hash_of(cloud));
+  if (ranks) hash.add(std::vector<int>{ranks->rank(), ranks->count()});
   return hash.value();
 }
 
@@ -47,22 +50,31 @@ KeptStages::KeptStages(const PointCloud& cloud, const ReconstructParams& params,
   if (!state.resumes) return;
   if (state.scratch_folder.empty()) throw ParameterError("resume: needs a scratch folder, where stages are kept");
   check_scratch_folder(state.scratch_folder);
-  prefix_ = (fs::path(state.scratch_folder) / fmt::format("soapfilm-{:016x}-", hash_of(cloud, params))).string();
+  prefix_ =
+      (fs::path(state.scratch_folder) / fmt::format("soapfilm-{:016x}-", hash_of(cloud, params, ranks_of(context))))
+          .string();
   context.state().kept_stages = prefix_;
 }
 
 std::string KeptStages::file(const std::string& stage) const { return prefix_ + stage + ending; }
 
+bool KeptStages::all_can(bool this_one) const {
+  Ranks* const ranks = ranks_of(context_);
+  if (!ranks) return this_one;
+  const std::vector<uint8_t> all = of_all(*ranks, static_cast<uint8_t>(this_one));
+  return std::find(all.begin(), all.end(), 0) == all.end();
+}
+
 bool KeptStages::load(const std::string& stage, const std::function<void(std::istream&)>& read) {
   if (!on()) return false;
   std::ifstream from(file(stage), std::ios::binary);
-  if (!from) return false;
+  if (!all_can(from.is_open())) return false;
   const MemoryPlan before = memory_.plan();
   MemoryPlan plan;
   get(from, plan);
   if (from) memory_.take(plan);
   read(from);
-  if (!from) {
+  if (!all_can(!from.fail())) {
     memory_.take(before);
     context_.progress().warn(fmt::format("{}: ends too early; the stage is done again", file(stage)));
     return false;
@@ -118,7 +130,7 @@ PyramidObserver KeptStages::watch(PyramidObserver user) {
   user.known = [this](LevelReport& report, const MakeLevel& make) {
     std::optional<Level> level;
     const LevelReport fresh = report;
-    if (load(level_name(report.level), [&](std::istream& from) { level = get_level(from, make, report); }))
+    if (load(level_name(report.level), [&](std::istream& from) { level = get_level(from, make, report, context_); }))
       return level;
     report = fresh;
     level.reset();
