@@ -1,9 +1,10 @@
 """Runs that go wrong: failures.py PROGRAM MPI_PROGRAM WORK PAGE COUNT [ROW...]
 
-A scan of a torus is reconstructed with --scratch and --resume, and with mpirun, again and again: COUNT times for each way
-to be ended, on disks of many sizes (as root), with each call on a file failing, one by one. Each run must end with a code
-other than 0 and one line, with its target absent or as it was, nothing else left but kept stages, and the same command
-must go on to the same bytes. PAGE gets the table; ROWs: only those whose names begin so, and no table."""
+A scan of a torus is reconstructed with --scratch and --resume, by one process and by mpirun, again and again. COUNT times
+one of the ranks is killed; an eighth as often the run is disturbed in each other way: ended, on disks of many sizes (as
+root), with calls on files that fail. It must end with a code other than 0 and one line, with its target absent or as it
+was, nothing else left but kept stages, and the same command must go on to the same bytes. PAGE gets the table; ROWs: only
+those whose names begin so, COUNT times, and no table."""
 import ctypes
 import errno
 import hashlib
@@ -201,12 +202,13 @@ class Bench:
             except ProcessLookupError:
                 pass
 
-    def kills(self, count):
+    def kills(self, count, few):
         for row, sign, by_mpirun in (("kill -9 of one of 2 or 3 ranks", signal.SIGKILL, True),
                                      ("kill -9", signal.SIGKILL, False),
                                      ("SIGTERM to mpirun, 2 or 3 ranks", signal.SIGTERM, True),
                                      ("SIGTERM", signal.SIGTERM, False)):
-            for k in range(count if self.wants(row) else 0):
+            times = count if sign == signal.SIGKILL and by_mpirun else few
+            for k in range(times if self.wants(row) else 0):
                 run = Run(self, Folders(self.work), parts=k % 4 == 3, ranks=2 + k % 2 if by_mpirun else 0)
                 seconds = self.seconds[run.parts] * (2 if by_mpirun else 1)
                 self.try_one(row, run, lambda r: self.kill_one(r, sign, seconds),
@@ -316,17 +318,18 @@ class Mounted:
 def main():
     program, mpi_program, work, page = (Path(a).resolve() for a in sys.argv[1:5])
     count, rows = int(sys.argv[5]), sys.argv[6:]
+    few = count if rows else max(1, count // 8)
+    commit = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty"], capture_output=True, text=True)
     work.mkdir(parents=True, exist_ok=True)
     bench = Bench(program, mpi_program, work, rows)
-    bench.kills(count)
-    bench.kills_while_writing(count)
-    bench.failing_calls(count)
+    bench.kills(count, few)
+    bench.kills_while_writing(few)
+    bench.failing_calls(few)
     bench.full_disks()
-    bench.lost_pages(count)
+    bench.lost_pages(few)
     table = [f"| {row} | {runs} | {ended} | {faults} |" for row, (runs, ended, faults) in bench.table.items()]
     print("\n".join(table))
     if not rows:
-        commit = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty"], capture_output=True, text=True)
         text = page.read_text()
         begin, end = "<!-- failures.py -->\n", "<!-- end of failures.py -->"
         head = ["| what happens | runs | that ended early | that did not end as they must |", "|---|---|---|---|"]
