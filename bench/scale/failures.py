@@ -1,10 +1,10 @@
 """Runs that go wrong: failures.py PROGRAM MPI_PROGRAM WORK PAGE COUNT [ROW...]
 
-A scan of a torus is reconstructed with --scratch and --resume, by one process and by mpirun, again and again. COUNT times
-one of the ranks is killed; an eighth as often the run is disturbed in each other way: ended, on disks of many sizes (as
-root), with calls on files that fail. It must end with a code other than 0 and one line, with its target absent or as it
-was, nothing else left but kept stages, and the same command must go on to the same bytes. PAGE gets the table; ROWs: only
-those whose names begin so, COUNT times, and no table."""
+A scan of a torus is reconstructed with --scratch and --resume, by one process and by mpirun, again and again. COUNT
+times one of the ranks is killed; an eighth as often the run is disturbed in each other way: ended, on disks of many
+sizes (as root), with calls on files that fail. It must end with a code other than 0 and one line, with its target
+absent or as it was, nothing else left but kept stages, and the same command must go on to the same bytes. PAGE gets
+the table; ROWs: only those whose names begin so, COUNT times, and no table."""
 import ctypes
 import errno
 import hashlib
@@ -191,7 +191,7 @@ class Bench:
     # How runs are disturbed.
 
     def kill_one(self, run, sign, seconds):
-        """After a random part of so many seconds, one of the program's processes, or mpirun where it is asked to end."""
+        """After a random part of so many seconds, one of the program's processes; mpirun where it is asked to end."""
         time.sleep(self.random.random() * seconds)
         those = [pid for pid, name in run.processes() if name.startswith("soapfilm")]
         if run.ranks and sign != signal.SIGKILL:

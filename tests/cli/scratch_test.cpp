@@ -68,7 +68,8 @@ TEST_F(ScratchOption, GivesTheSameBytesWhereMemoryDoesNotSuffice) {
     arguments.insert(arguments.end(), {"--threads", threads});
     const ProcessResult result = run(arguments);
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_TRUE(contains(result.err, " on disk in " + scratch)) << result.err;
+    EXPECT_TRUE(contains(result.err, " on disk in " + scratch + ", about ")) << result.err;
+    EXPECT_TRUE(contains(result.err, " to be read and ")) << result.err;
     EXPECT_TRUE(read_file(mesh) == expected) << threads;
     EXPECT_TRUE(std::filesystem::is_empty(scratch));
   }
