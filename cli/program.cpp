@@ -169,6 +169,7 @@ int program(int argc, char** argv) {
   Ending ending = ending_of(argc, argv, ranks);
   if (ranks) ending = leave_ranks(*ranks, ending);
   if (!ending.line.empty() && (!ranks || ranks->rank() == 0)) print(stderr, fmt::format("soapfilm: {}\n", ending.line));
+  if (ranks) close_ranks(*ranks);
   return ending.code;
 }
 

@@ -256,9 +256,12 @@ void refuse_on_ranks(const ReconstructOptions& options) {
   if (!options.levels_folder.empty()) throw ParameterError("write-levels: several ranks cannot; run one process");
 }
 
+/// Waits until all ranks are here.
+void meet(Ranks& ranks) { of_all(ranks, uint8_t{1}); }
+
 /// Call when all is written, which rank 0 does; the others wait for it, and go on from their stages if it fails.
 void end_stages(Ranks* ranks, const Context& context) {
-  if (ranks) of_all(*ranks, uint8_t{1});
+  if (ranks) meet(*ranks);
   remove_kept_stages(context);
 }
 
@@ -293,6 +296,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   } catch (const SamplesError& error) {
     throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
   }
+  if (global.ranks) meet(*global.ranks);  // what one of them could not finish must not be written
   if (!global.speaks()) {
     end_stages(global.ranks.get(), context);
     return 0;

@@ -121,10 +121,10 @@ class Run:
             if files != self.bench.expected[self.parts]:
                 faults.append("ended with 0 and other bytes")
             return code, faults
-        if code < 0 and not silent and self.said.read_text():  # before a run has begun a signal is the system's
-            faults.append(f"ended by signal {-code}: {self.lines()}")
-        elif not silent and code > 0 and len(self.lines()) != 1:
-            faults.append(f"exit code {code}, {len(self.lines())} lines: {self.said.read_text()[-300:]}")
+        said = self.said.read_text(errors="replace")
+        by_system = code in (-signal.SIGTERM, 128 + signal.SIGTERM) and "samples in" not in said  # too early
+        if not silent and not by_system and (code < 0 or len(self.lines()) != 1):
+            faults.append(f"exit code {code}, {len(self.lines())} lines: {said[-300:]}")
         old = {self.target.name: hashlib.sha256(OLD).hexdigest()} if self.had_old else {}
         if files not in ([self.bench.expected[self.parts], old, {}] if self.parts else
                          [self.bench.expected[self.parts], old]):
@@ -190,11 +190,11 @@ class Bench:
 
     # How runs are disturbed.
 
-    def kill_one(self, run, sign, seconds):
-        """After a random part of so many seconds, one of the program's processes; mpirun where it is asked to end."""
+    def kill_one(self, run, sign, seconds, by_mpirun=False):
+        """After a random part of so many seconds, one of the program's processes, or all of them by mpirun."""
         time.sleep(self.random.random() * seconds)
         those = [pid for pid, name in run.processes() if name.startswith("soapfilm")]
-        if run.ranks and sign != signal.SIGKILL:
+        if by_mpirun:
             those = [run.process.pid]
         if those and run.process.poll() is None:
             try:
@@ -203,15 +203,16 @@ class Bench:
                 pass
 
     def kills(self, count, few):
-        for row, sign, by_mpirun in (("kill -9 of one of 2 or 3 ranks", signal.SIGKILL, True),
-                                     ("kill -9", signal.SIGKILL, False),
-                                     ("SIGTERM to mpirun, 2 or 3 ranks", signal.SIGTERM, True),
-                                     ("SIGTERM", signal.SIGTERM, False)):
-            times = count if sign == signal.SIGKILL and by_mpirun else few
+        for row, sign, on_ranks, times in (("kill -9 of one of 2 or 3 ranks", signal.SIGKILL, True, count),
+                                           ("kill -9", signal.SIGKILL, False, few),
+                                           ("SIGTERM to one of 2 or 3 ranks", signal.SIGTERM, True, few),
+                                           ("SIGTERM to mpirun, 2 or 3 ranks", signal.SIGTERM, True, few),
+                                           ("SIGTERM", signal.SIGTERM, False, few)):
+            by_mpirun = "mpirun" in row
             for k in range(times if self.wants(row) else 0):
-                run = Run(self, Folders(self.work), parts=k % 4 == 3, ranks=2 + k % 2 if by_mpirun else 0)
-                seconds = self.seconds[run.parts] * (2 if by_mpirun else 1)
-                self.try_one(row, run, lambda r: self.kill_one(r, sign, seconds),
+                run = Run(self, Folders(self.work), parts=k % 4 == 3, ranks=2 + k % 2 if on_ranks else 0)
+                seconds = self.seconds[run.parts] * (2 if on_ranks else 1)
+                self.try_one(row, run, lambda r: self.kill_one(r, sign, seconds, by_mpirun),
                              silent=by_mpirun or sign == signal.SIGKILL)
 
     def kills_while_writing(self, count):
