@@ -4,7 +4,7 @@ A scan of a torus is reconstructed with --scratch and --resume, by one process a
 times one of the ranks is killed; an eighth as often the run is disturbed in each other way: ended, on disks of many
 sizes (as root), with calls on files that fail. It must end with a code other than 0 and one line, with its target
 absent or as it was, nothing else left but kept stages, and the same command must go on to the same bytes. PAGE gets
-the table; ROWs: only those whose names begin so, COUNT times, and no table."""
+the table; ROWs: only those whose names begin so, COUNT times."""
 import ctypes
 import errno
 import hashlib
@@ -316,6 +316,20 @@ class Mounted:
         subprocess.run(["umount", "-l", self.folder], check=True)
 
 
+def write_table(page, table, commit):
+    """Rows of other runs stay."""
+    begin, end = "<!-- failures.py -->\n", "<!-- end of failures.py -->"
+    before, old = page.read_text().split(begin)
+    old, after = old.split(end)
+    rows = dict(line.split(" | ", 1) for line in old.splitlines()[2:])
+    for row, (runs, ended, faults) in table.items():
+        rows[f"| {row}"] = f"{runs} | {ended} | {faults} | {commit} |"
+    head = ["| what happens | runs | that ended early | that did not end as they must | commit |", "|---|---|---|---|---|"]
+    lines = "\n".join(head + [f"{row} | {numbers}" for row, numbers in rows.items()])
+    print(lines)
+    page.write_text(before + begin + lines + "\n" + end + after)
+
+
 def main():
     program, mpi_program, work, page = (Path(a).resolve() for a in sys.argv[1:5])
     count, rows = int(sys.argv[5]), sys.argv[6:]
@@ -328,14 +342,7 @@ def main():
     bench.failing_calls(few)
     bench.full_disks()
     bench.lost_pages(few)
-    table = [f"| {row} | {runs} | {ended} | {faults} |" for row, (runs, ended, faults) in bench.table.items()]
-    print("\n".join(table))
-    if not rows:
-        text = page.read_text()
-        begin, end = "<!-- failures.py -->\n", "<!-- end of failures.py -->"
-        head = ["| what happens | runs | that ended early | that did not end as they must |", "|---|---|---|---|"]
-        page.write_text(text.split(begin)[0] + begin + f"Commit {commit.stdout.strip()}.\n\n" +
-                        "\n".join(head + table) + "\n" + end + text.split(end)[1])
+    write_table(page, bench.table, commit.stdout.strip())
     sys.exit(any(faults for _, _, faults in bench.table.values()))
 
 
