@@ -265,15 +265,32 @@ void end_stages(Ranks* ranks, const Context& context) {
   remove_kept_stages(context);
 }
 
+/// Of memory, and where it does not suffice.
+void set_limits(const ReconstructOptions& options, Context& context) {
+  if (!options.memory.empty()) context.limit_memory(parse_memory(options.memory));
+  if (!options.scratch.empty()) use_scratch(options.scratch, context);
+  if (options.resume && options.scratch.empty()) throw ParameterError("resume: needs --scratch, where stages are kept");
+  context.set_resume(options.resume);
+}
+
+/// What the program did beside the library: reading before it, checking and writing after it.
+void add_own_facts(const ReadReport& read, const Stages& stages, ReconstructReport& report) {
+  report.input.dropped = read.dropped();
+  report.input.no_return = no_returns(read);
+  std::vector<std::string> warnings;
+  for (const std::string& warning : read.warnings) warnings.push_back(with_known_names(warning));
+  report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
+  for (const StageTime& stage : stages.times())
+    report.stages.insert(stage.name == "read" ? report.stages.begin() : report.stages.end(), stage);
+  report.peak_bytes = peak_memory_bytes();
+}
+
 int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& global) {
   TerminalProgress progress(global);
   Context context(global.threads, progress);
   finish_params(app, options);
   if (global.ranks) refuse_on_ranks(options);
-  if (!options.memory.empty()) context.limit_memory(parse_memory(options.memory));
-  if (!options.scratch.empty()) use_scratch(options.scratch, context);
-  if (options.resume && options.scratch.empty()) throw ParameterError("resume: needs --scratch, where stages are kept");
-  context.set_resume(options.resume);
+  set_limits(options, context);
   StandardStreams streams(options.format, context);
   find_files(options, streams, global.speaks(), progress);
 
@@ -311,14 +328,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   if (!report.input.coordinate_system.empty() && !streams.gives_output())
     write_text_file(coordinate_system_file(options), report.input.coordinate_system + "\n");
   report.command = global.command;
-  report.input.dropped = read.dropped();
-  report.input.no_return = no_returns(read);
-  for (std::string& warning : read.warnings) warning = with_known_names(std::move(warning));
-  report.warnings.insert(report.warnings.begin(), read.warnings.begin(), read.warnings.end());
-  // The program's own stages: reading before the library's, checking and writing after them.
-  for (const StageTime& stage : stages.times())
-    report.stages.insert(stage.name == "read" ? report.stages.begin() : report.stages.end(), stage);
-  report.peak_bytes = peak_memory_bytes();
+  add_own_facts(read, stages, report);
   if (!options.report.empty()) write_report(options, report, meshes, parts);
   levels.keep();
   if (streams.gives_output()) streams.give_output();

@@ -324,7 +324,8 @@ def write_table(page, table, commit):
     rows = dict(line.split(" | ", 1) for line in old.splitlines()[2:])
     for row, (runs, ended, faults) in table.items():
         rows[f"| {row}"] = f"{runs} | {ended} | {faults} | {commit} |"
-    head = ["| what happens | runs | that ended early | that did not end as they must | commit |", "|---|---|---|---|---|"]
+    head = ["| what happens | runs | that ended early | that did not end as they must | commit |",
+            "|---|---|---|---|---|"]
     lines = "\n".join(head + [f"{row} | {numbers}" for row, numbers in rows.items()])
     print(lines)
     page.write_text(before + begin + lines + "\n" + end + after)

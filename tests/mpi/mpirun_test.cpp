@@ -72,7 +72,7 @@ class Mpirun : public testing::Test {
   /// Starts a run over an old mesh, calls stop() with mpirun's id and the processes, and expects that all of it ends
   /// with a code other than 0 and the old mesh.
   template <class Stop>
-  void expect_end(Stop&& stop) {
+  ProcessResult expect_end(Stop&& stop) {
     std::ofstream(folder.file("mesh.ply")) << "old";
     const ProcessResult ended = run_process(mpirun(3, reconstruct("mesh.ply", 500)), [&](pid_t mpi) {
       std::vector<pid_t> running;
@@ -85,6 +85,7 @@ class Mpirun : public testing::Test {
     });
     EXPECT_NE(ended.exit_code, 0);
     EXPECT_EQ(read_file(folder.file("mesh.ply")), "old");
+    return ended;
   }
   TemporaryFolder folder;
 };
@@ -166,6 +167,19 @@ TEST_F(Mpirun, ARankThatIsKilledEndsAll) {
       ASSERT_EQ(running.size(), 3u);
       kill(running[rank], SIGKILL);
     });
+    EXPECT_EQ(files(), 1u) << "nothing else is left";
+  }
+}
+
+/// It says so in one line, and what is on its way between the others does no harm.
+TEST_F(Mpirun, ARankThatIsAskedToEndEndsAll) {
+  for (const size_t rank : {0, 1, 2}) {
+    const ProcessResult ended = expect_end([&](pid_t, const std::vector<pid_t>& running) {
+      ASSERT_EQ(running.size(), 3u);
+      kill(running[rank], SIGTERM);
+    });
+    EXPECT_EQ(ended.exit_code, 130) << ended.err;
+    EXPECT_EQ(count_of(ended.err, "cancelled"), 1u) << ended.err;
     EXPECT_EQ(files(), 1u) << "nothing else is left";
   }
 }
