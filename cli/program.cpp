@@ -1,14 +1,17 @@
 #include "cli/program.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 #include <new>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,6 +24,8 @@
 #include "cli/version_page.h"
 #include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/files.h"
+#include "soapfilm/platform/signals.h"
 #include "soapfilm/reconstruct.h"
 
 namespace soapfilm::cli {
@@ -142,13 +147,29 @@ Ending ending_of(int argc, char** argv, const std::shared_ptr<Ranks>& ranks) {
   }
 }
 
+/// The first thread that meets the page ends all.
+extern "C" void end_for_lost_page(int) {
+  static std::atomic_flag met;
+  if (met.test_and_set())
+    for (;;) ::pause();
+  constexpr std::string_view line =
+      "soapfilm: a page of a file in use, an input or an array of --scratch, cannot be read or written: its disk "
+      "fails, "
+      "or the file was made shorter\n";
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line.data(), line.size());
+  remove_temporary_files();
+  ::_exit(refused);
+}
+
 }  // namespace
 
 int program(int argc, char** argv) {
+  on_lost_page(end_for_lost_page);
   const std::shared_ptr<Ranks> ranks = join_ranks();
   Ending ending = ending_of(argc, argv, ranks);
   if (ranks) ending = leave_ranks(*ranks, ending);
   if (!ending.line.empty() && (!ranks || ranks->rank() == 0)) print(stderr, fmt::format("soapfilm: {}\n", ending.line));
+  if (ranks) close_ranks(*ranks);
   return ending.code;
 }
 

@@ -40,6 +40,8 @@ Ending leave_ranks(Ranks& ranks, const Ending& own) {
   return {end.code, end.line, end.followed};
 }
 
+void close_ranks(Ranks& ranks) { static_cast<MpiRanks&>(ranks).close(); }
+
 void share_run(const std::shared_ptr<Ranks>& ranks, Context& context) {
   auto& processes = static_cast<MpiRanks&>(*ranks);
   processes.while_waiting = [&context] { context.check(); };
@@ -63,6 +65,7 @@ void become_ranks(char** arguments) {
 }
 bool gave_up_for_another(const Cancelled&) { return false; }
 Ending leave_ranks(Ranks&, const Ending& own) { return own; }
+void close_ranks(Ranks&) {}
 void share_run(const std::shared_ptr<Ranks>& ranks, Context& context) { context.state().ranks = ranks; }
 
 #endif

@@ -26,8 +26,10 @@ std::shared_ptr<Ranks> join_ranks();
 void become_ranks(char** arguments);
 /// Whether a run was cancelled because another process ends.
 bool gave_up_for_another(const Cancelled& error);
-/// Waits for all of them; returns how all end. Call it last.
+/// Waits for all of them; returns how all end.
 Ending leave_ranks(Ranks& ranks, const Ending& own);
+/// Call last, when that is told.
+void close_ranks(Ranks& ranks);
 
 /// Makes a run of `context` one of the ranks: they agree on its memory, the least that one of them has, and stop
 /// waiting when it is cancelled. Throws MemoryError.

@@ -254,7 +254,35 @@ void refuse_on_ranks(const ReconstructOptions& options) {
   if (std::find(in.begin(), in.end(), "-") != in.end())
     throw ParameterError("standard input: several ranks cannot read it; give the name of a file");
   if (!options.levels_folder.empty()) throw ParameterError("write-levels: several ranks cannot; run one process");
-  if (options.resume) throw ParameterError("resume: several ranks cannot; run one process");
+}
+
+/// Waits until all ranks are here.
+void meet(Ranks& ranks) { of_all(ranks, uint8_t{1}); }
+
+/// Call when all is written, which rank 0 does; the others wait for it, and go on from their stages if it fails.
+void end_stages(Ranks* ranks, const Context& context) {
+  if (ranks) meet(*ranks);
+  remove_kept_stages(context);
+}
+
+/// Of memory, and where it does not suffice.
+void set_limits(const ReconstructOptions& options, Context& context) {
+  if (!options.memory.empty()) context.limit_memory(parse_memory(options.memory));
+  if (!options.scratch.empty()) use_scratch(options.scratch, context);
+  if (options.resume && options.scratch.empty()) throw ParameterError("resume: needs --scratch, where stages are kept");
+  context.set_resume(options.resume);
+}
+
+/// What the program did beside the library: reading before it, checking and writing after it.
+void add_own_facts(const ReadReport& read, const Stages& stages, ReconstructReport& report) {
+  report.input.dropped = read.dropped();
+  report.input.no_return = no_returns(read);
+  std::vector<std::string> warnings;
+  for (const std::string& warning : read.warnings) warnings.push_back(with_known_names(warning));
+  report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
+  for (const StageTime& stage : stages.times())
+    report.stages.insert(stage.name == "read" ? report.stages.begin() : report.stages.end(), stage);
+  report.peak_bytes = peak_memory_bytes();
 }
 
 int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& global) {
@@ -262,10 +290,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   Context context(global.threads, progress);
   finish_params(app, options);
   if (global.ranks) refuse_on_ranks(options);
-  if (!options.memory.empty()) context.limit_memory(parse_memory(options.memory));
-  if (!options.scratch.empty()) use_scratch(options.scratch, context);
-  if (options.resume && options.scratch.empty()) throw ParameterError("resume: needs --scratch, where stages are kept");
-  context.set_resume(options.resume);
+  set_limits(options, context);
   StandardStreams streams(options.format, context);
   find_files(options, streams, global.speaks(), progress);
 
@@ -288,7 +313,11 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   } catch (const SamplesError& error) {
     throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
   }
-  if (!global.speaks()) return 0;
+  if (global.ranks) meet(*global.ranks);  // what one of them could not finish must not be written
+  if (!global.speaks()) {
+    end_stages(global.ranks.get(), context);
+    return 0;
+  }
   if (checks) stages.run("check", [&] { check_result(result, cloud, context); });
   ReconstructReport& report = result.report;
   if (report.topology) print_check(report, progress);
@@ -299,18 +328,11 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   if (!report.input.coordinate_system.empty() && !streams.gives_output())
     write_text_file(coordinate_system_file(options), report.input.coordinate_system + "\n");
   report.command = global.command;
-  report.input.dropped = read.dropped();
-  report.input.no_return = no_returns(read);
-  for (std::string& warning : read.warnings) warning = with_known_names(std::move(warning));
-  report.warnings.insert(report.warnings.begin(), read.warnings.begin(), read.warnings.end());
-  // The program's own stages: reading before the library's, checking and writing after them.
-  for (const StageTime& stage : stages.times())
-    report.stages.insert(stage.name == "read" ? report.stages.begin() : report.stages.end(), stage);
-  report.peak_bytes = peak_memory_bytes();
+  add_own_facts(read, stages, report);
   if (!options.report.empty()) write_report(options, report, meshes, parts);
   levels.keep();
   if (streams.gives_output()) streams.give_output();
-  remove_kept_stages(context);
+  end_stages(global.ranks.get(), context);
   const std::string written = options.split.empty() ? options.output
                                                     : fmt::format("{}, {} file{}", parts.index, parts.parts.size(),
                                                                   parts.parts.size() == 1 ? "" : "s");

@@ -68,7 +68,8 @@ TEST_F(ScratchOption, GivesTheSameBytesWhereMemoryDoesNotSuffice) {
     arguments.insert(arguments.end(), {"--threads", threads});
     const ProcessResult result = run(arguments);
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_TRUE(contains(result.err, " on disk in " + scratch)) << result.err;
+    EXPECT_TRUE(contains(result.err, " on disk in " + scratch + ", about ")) << result.err;
+    EXPECT_TRUE(contains(result.err, " to be read and ")) << result.err;
     EXPECT_TRUE(read_file(mesh) == expected) << threads;
     EXPECT_TRUE(std::filesystem::is_empty(scratch));
   }
@@ -179,6 +180,99 @@ TEST_F(ResumeOption, RunsWhereverItRunsWithoutIt) {
     EXPECT_TRUE(std::filesystem::is_empty(disk.path())) << megabytes;
   }
   EXPECT_GT(done, 1);
+}
+
+/// Open files of a process without a name in a folder, as paths by which they can be opened.
+std::vector<std::string> unnamed_files(pid_t process, const std::string& folder) {
+  std::vector<std::string> found;
+  std::error_code gone;
+  for (const auto& file : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/fd", gone))
+    if (std::filesystem::read_symlink(file.path(), gone).string().starts_with(folder + "/#"))
+      found.push_back(file.path().string());
+  return found;
+}
+
+/// Waits for such a file; false where there is none before the process ends.
+bool has_unnamed_file(pid_t process, const std::string& folder) {
+  for (int wait = 0; wait < 10000; ++wait) {
+    if (!unnamed_files(process, folder).empty()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+/// An array of which pages are lost, as on a disk that fails, ends the run; its stages are there.
+TEST_F(ResumeOption, GoesOnAfterPagesWereLost) {
+  const std::string whole = expected();
+  int cut = 0, ended = 0;
+  for (int time = 0; time < 4; ++time) {
+    const ProcessResult result = run(resuming(scratch), [&](pid_t process) {
+      if (!has_unnamed_file(process, scratch)) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(200 * time));
+      for (const std::string& file : unnamed_files(process, scratch)) cut += truncate(file.c_str(), 0) == 0;
+    });
+    if (result.exit_code == 0) {
+      EXPECT_TRUE(read_file(mesh) == whole);
+      std::filesystem::remove(mesh);
+      continue;
+    }
+    ++ended;
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_TRUE(contains(result.err, "soapfilm: a page of a file in use")) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(mesh));
+  }
+  if (cut == 0) GTEST_SKIP() << "this file system has no files without a name";
+  EXPECT_GT(ended, 0);
+  ASSERT_EQ(run(resuming(scratch)).exit_code, 0);
+  EXPECT_TRUE(read_file(mesh) == whole);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch));
+}
+
+TEST_F(ResumeOption, GoesOnAfterTheMeshFoundNoRoom) {
+  const std::string whole = expected();
+  const SmallDisk disk(1);
+  if (!disk.is_made()) GTEST_SKIP() << "only root may make a small disk";
+  const std::string elsewhere = mesh;
+  for (const bool parts : {false, true}) {
+    mesh = disk.path() + "/mesh.ply";
+    std::vector<std::string> arguments = resuming(scratch);
+    if (parts) arguments.insert(arguments.end(), {"--split", "2000"});
+    arguments.emplace_back("-q");
+    expect_refused(arguments, "No space left on device");
+    EXPECT_TRUE(std::filesystem::is_empty(disk.path()));
+  }
+  mesh = elsewhere;
+  const ProcessResult result = run(resuming(scratch));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "resume: refine")) << result.err;
+  EXPECT_TRUE(read_file(mesh) == whole);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch));
+}
+
+/// Ended while the mesh, or its parts, are being written.
+TEST_F(ScratchOption, NothingIsLeftOfAMeshHalfWritten) {
+  const std::string output = folder.file("output");
+  std::filesystem::create_directory(output);
+  mesh = output + "/mesh.ply";
+  int ended = 0;
+  for (const bool parts : {false, true})
+    for (const int signal : {SIGKILL, SIGTERM}) {
+      std::vector<std::string> arguments = limited(scratch);
+      if (parts) arguments.insert(arguments.end(), {"--split", "2000"});
+      bool seen = false;
+      const ProcessResult result = run(arguments, [&](pid_t process) {
+        // At first the program looks whether it may write there.
+        seen = has_unnamed_file(process, scratch) && has_unnamed_file(process, output);
+        kill(process, signal);
+      });
+      if (!seen) GTEST_SKIP() << "this file system has no files without a name";
+      EXPECT_EQ(std::filesystem::is_empty(output), result.exit_code != 0) << result.err;
+      EXPECT_TRUE(std::filesystem::is_empty(scratch));
+      ended += result.exit_code != 0;
+      std::filesystem::remove_all(output);
+      std::filesystem::create_directory(output);
+    }
+  EXPECT_GT(ended, 1);
 }
 
 }  // namespace TEST_FILE

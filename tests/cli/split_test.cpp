@@ -138,7 +138,7 @@ TEST_F(Split, LeavesNothingWhereAPartCannotBeWritten) {
   const std::set<std::string> before = names();
   const ProcessResult result = split(folder.file("m.ply"), {"--split", "1000", "-q"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "m.part_002.ply: exists and is no file")) << result.err;
+  EXPECT_TRUE(contains(result.err, "m.part_002.ply: is a directory")) << result.err;
   EXPECT_EQ(names(), before);
 
   const ProcessResult full =

@@ -1,6 +1,10 @@
 // Outputs are whole or absent.
+#include <signal.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <string>
 #include <thread>
 
 #include "files.h"
@@ -8,6 +12,7 @@
 #include "soapfilm/io.h"
 #include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/files.h"
+#include "soapfilm/platform/new_file.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -18,7 +23,6 @@ TEST(AtomicFile, AppearsOnlyWhenCommitted) {
     io::AtomicFile file(folder / "out.txt");
     file.append("abc");
     EXPECT_FALSE(std::filesystem::exists(folder / "out.txt"));
-    EXPECT_EQ(folder.file_count(), 1u);
   }
   EXPECT_EQ(folder.file_count(), 0u);
   io::AtomicFile file(folder / "out.txt");
@@ -96,11 +100,57 @@ TEST(AtomicFile, UnwritablePlacesAreRefused) {
 
 TEST(AtomicFile, TemporaryFilesGoOnTheWayOutOfAProcess) {
   const TemporaryFolder folder;
-  io::AtomicFile first(folder / "a.txt");
-  io::AtomicFile second(folder / "b.txt");
+  io::AtomicFile first(folder / "a.txt"), second(folder / "b.txt");
+  for (io::AtomicFile* file : {&first, &second}) {
+    file->append("abc");
+    file->finish();
+    file->close_until_commit();
+  }
   write_text_file(folder / "done.txt", "done");
   EXPECT_EQ(folder.file_count(), 3u);
+  first.commit();
+  EXPECT_EQ(folder.read("a.txt"), "abc");
+  EXPECT_EQ(folder.file_count(), 3u);
   remove_temporary_files();
+  EXPECT_EQ(folder.file_count(), 2u);
+}
+
+TEST(AtomicFile, NothingIsLeftOfAProcessThatIsKilled) {
+  const TemporaryFolder folder;
+  const int unnamed = open_unnamed_file(folder / ".", 0600);
+  if (unnamed < 0) GTEST_SKIP() << "this file system has no files without a name";
+  ::close(unnamed);
+  folder.write("old.txt", "old");
+  for (const char* name : {"new.txt", "old.txt"}) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      io::AtomicFile file(folder / name);
+      file.append(std::string(1000000, 'x'));
+      file.finish();
+      ::raise(SIGKILL);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFSIGNALED(status));
+    EXPECT_EQ(folder.file_count(), 1u);
+    EXPECT_EQ(folder.read("old.txt"), "old");
+  }
+}
+
+/// Others may replace the same file at the same time: it always has the bytes of one of them.
+TEST(AtomicFile, IsReplacedByManyAtOnce) {
+  const TemporaryFolder folder;
+  const auto write = [&](char c) {
+    for (int k = 0; k < 100; ++k) write_text_file(folder / "m.txt", std::string(1000, c));
+  };
+  write('a');
+  std::thread other([&] { write('b'); });
+  for (int k = 0; k < 100; ++k) {
+    const std::string text = folder.read("m.txt");
+    EXPECT_TRUE(text == std::string(1000, 'a') || text == std::string(1000, 'b')) << text.size();
+    write_text_file(folder / "m.txt", std::string(1000, 'a'));
+  }
+  other.join();
   EXPECT_EQ(folder.file_count(), 1u);
 }
 

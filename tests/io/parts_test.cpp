@@ -252,7 +252,7 @@ TEST(Parts, AreAllThereOrNone) {
   };
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "m.part_003.ply");  // two are written before
-  refuse(folder, folder / "m.ply", folder / "m.part_003.ply: exists and is no file");
+  refuse(folder, folder / "m.ply", folder / "m.part_003.ply: is a directory");
   std::filesystem::create_directory(folder / "n.parts.json");
   refuse(folder, folder / "n.ply", folder / "n.parts.json: is a directory");
   refuse(folder, folder / "none/m.ply", folder / "none/m.part_001.ply: cannot be written: No such file");
@@ -317,26 +317,37 @@ TEST(Parts, WarnOnce) {
       << written.report.warnings[0];
 }
 
-TEST(StagedFiles, WhereOneCannotBeRenamedNoneIsLeft) {
+void add_new(io::StagedFiles& files, const std::string& target) {
+  files.write(target, [](io::AtomicFile& file) { file.append("new"); });
+}
+
+TEST(StagedFiles, WhereOneCannotBeNamedNoneIsLeft) {
   const TemporaryFolder folder;
   io::StagedFiles files;
   folder.write("index", "old");
-  std::ofstream(files.add(folder / "a")) << "new";
-  const std::string second = files.add(folder / "b");
-  std::ofstream(files.add(folder / "index")) << "new";
-  expect_refusal<OutputError>([&] { files.commit(); }, {folder / "b: cannot be written: No such file"});
-  EXPECT_EQ(names_in(folder), std::set<std::string>{}) << "the old index named what is not there any more";
+  for (const char* name : {"a", "b", "index"}) add_new(files, folder / name);
+  EXPECT_EQ(folder.read("index"), "old");
+  std::filesystem::create_directory(folder / "b");
+  expect_refusal<OutputError>([&] { files.commit(); }, {folder / "b: cannot be written: Is a directory"});
+  EXPECT_EQ(names_in(folder), std::set<std::string>{"b"}) << "the old index named what is not there any more";
 }
 
-/// As many as there are, when the process dies of a signal.
-TEST(StagedFiles, GoWithTheProcess) {
+/// More than are kept open, and nothing is left where it dies of a signal.
+TEST(StagedFiles, AreManyAndGoWithTheProcess) {
   const TemporaryFolder folder;
-  io::StagedFiles files;
-  constexpr size_t count = 50;
-  for (size_t k = 0; k < count; ++k) std::ofstream(files.add(folder / part_file("m.ply", k, count))) << "new";
+  constexpr size_t count = 300;
+  for (const bool dies : {true, false}) {
+    io::StagedFiles files;
+    for (size_t k = 0; k < count; ++k) add_new(files, folder / part_file("m.ply", k, count));
+    if (!dies) {
+      files.commit();
+      continue;
+    }
+    EXPECT_GT(folder.file_count(), 0u);
+    remove_temporary_files();
+    EXPECT_EQ(folder.file_count(), 0u);
+  }
   EXPECT_EQ(folder.file_count(), count);
-  remove_temporary_files();
-  EXPECT_EQ(folder.file_count(), 0u);
 }
 
 TEST(StagedFiles, ASymbolicLinkStaysALink) {
@@ -344,7 +355,7 @@ TEST(StagedFiles, ASymbolicLinkStaysALink) {
   folder.write("target", "old");
   std::filesystem::create_symlink(folder / "target", folder / "link");
   io::StagedFiles files;
-  std::ofstream(files.add(folder / "link")) << "new";
+  add_new(files, folder / "link");
   EXPECT_EQ(folder.read("target"), "old");
   files.commit();
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));

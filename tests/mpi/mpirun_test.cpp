@@ -72,7 +72,7 @@ class Mpirun : public testing::Test {
   /// Starts a run over an old mesh, calls stop() with mpirun's id and the processes, and expects that all of it ends
   /// with a code other than 0 and the old mesh.
   template <class Stop>
-  void expect_end(Stop&& stop) {
+  ProcessResult expect_end(Stop&& stop) {
     std::ofstream(folder.file("mesh.ply")) << "old";
     const ProcessResult ended = run_process(mpirun(3, reconstruct("mesh.ply", 500)), [&](pid_t mpi) {
       std::vector<pid_t> running;
@@ -85,6 +85,7 @@ class Mpirun : public testing::Test {
     });
     EXPECT_NE(ended.exit_code, 0);
     EXPECT_EQ(read_file(folder.file("mesh.ply")), "old");
+    return ended;
   }
   TemporaryFolder folder;
 };
@@ -166,10 +167,54 @@ TEST_F(Mpirun, ARankThatIsKilledEndsAll) {
       ASSERT_EQ(running.size(), 3u);
       kill(running[rank], SIGKILL);
     });
-    if (rank > 0) {
-      EXPECT_EQ(files(), 1u) << "nothing else is left";
-    }
+    EXPECT_EQ(files(), 1u) << "nothing else is left";
   }
+}
+
+/// It says so in one line, and what is on its way between the others does no harm.
+TEST_F(Mpirun, ARankThatIsAskedToEndEndsAll) {
+  for (const size_t rank : {0, 1, 2}) {
+    const ProcessResult ended = expect_end([&](pid_t, const std::vector<pid_t>& running) {
+      ASSERT_EQ(running.size(), 3u);
+      kill(running[rank], SIGTERM);
+    });
+    EXPECT_EQ(ended.exit_code, 130) << ended.err;
+    EXPECT_EQ(count_of(ended.err, "cancelled"), 1u) << ended.err;
+    EXPECT_EQ(files(), 1u) << "nothing else is left";
+  }
+}
+
+/// Each rank goes on from its own stages, as far as all have them.
+TEST_F(Mpirun, GoesOnAfterARankWasKilled) {
+  const std::filesystem::path scratch = folder.file("scratch");
+  std::filesystem::create_directory(scratch);
+  const auto kept = [&](const std::string& stage) {
+    std::vector<std::filesystem::path> found;
+    for (const auto& file : std::filesystem::directory_iterator(scratch))
+      if (file.path().string().ends_with(stage + ".stage")) found.push_back(file.path());
+    return found;
+  };
+  Words words = reconstruct("mesh.ply");
+  ASSERT_EQ(run_process(program(words)).exit_code, 0);
+  const std::string expected = read_file(folder.file("mesh.ply"));
+  std::filesystem::remove(folder.file("mesh.ply"));
+  words.insert(words.end(), {"--scratch", scratch.string(), "--resume"});
+  const ProcessResult ended = run_process(mpirun(2, words), [&](pid_t mpi) {
+    for (int k = 0; k < 4000 && kept("level_0").size() < 2; ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const std::vector<pid_t> running = programs_below(mpi);
+    if (!running.empty()) kill(running.back(), SIGKILL);
+  });
+  EXPECT_NE(ended.exit_code, 0);
+  EXPECT_EQ(files(), 0u);
+  ASSERT_EQ(kept("level_0").size(), 2u);
+  std::filesystem::remove(kept("level_1")[0]);
+  const ProcessResult done = run_process(mpirun(2, words));
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_EQ(count_of(done.err, "resume: level_0 from"), 1u) << done.err;
+  EXPECT_EQ(count_of(done.err, "resume: level_1 from"), 0u) << done.err;
+  EXPECT_TRUE(read_file(folder.file("mesh.ply")) == expected);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch));
 }
 
 TEST_F(Mpirun, CtrlCEndsAll) {

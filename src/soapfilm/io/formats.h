@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "soapfilm/io.h"
+#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/bytes/byte_source.h"
 #include "soapfilm/io/point_stream.h"
 
@@ -24,9 +25,9 @@ struct Format {
   PointCloud (*read_points)(ByteSource& source, ReadReport& report, const ReadOptions& options,
                             const Context& context) = nullptr;
   Mesh (*read_mesh)(ByteSource& source, ReadReport& report) = nullptr;
-  WriteReport (*write_points)(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
+  WriteReport (*write_points)(AtomicFile& file, const PointCloud& cloud, const WriteOptions& options,
                               const Context& context) = nullptr;
-  WriteReport (*write_mesh)(const std::string& path, const Mesh& mesh, const WriteOptions& options,
+  WriteReport (*write_mesh)(AtomicFile& file, const Mesh& mesh, const WriteOptions& options,
                             const Context& context) = nullptr;
 
   bool reads_points() const { return stream_points || read_points; }
@@ -36,6 +37,8 @@ struct Format {
 
 /// Null where there is none.
 const Format* format_of_extension(const std::string& path);
+/// What writes a mesh to a file of this name. Throws OutputError.
+const Format& mesh_output_format(const std::string& path);
 /// How a file begins counts before its extension.
 const Format* format_of(const ByteSource& source);
 

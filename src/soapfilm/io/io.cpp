@@ -14,6 +14,7 @@
 #include "soapfilm/io/sets/input_files.h"
 #include "soapfilm/io/sets/read_each.h"
 #include "soapfilm/io/text/text.h"
+#include "soapfilm/platform/scratch.h"
 
 namespace soapfilm {
 
@@ -144,19 +145,40 @@ FileKind file_kind(const std::string& path) {
   return is_mesh ? FileKind::mesh : FileKind::points;
 }
 
+const Format& io::mesh_output_format(const std::string& path) {
+  return require<OutputError>(path, format_of_extension(path), writes_meshes, "");
+}
+
+namespace {
+
+/// A file whose contents write(file) gives.
+template <class Write>
+WriteReport write_whole(const std::string& path, Write&& write) {
+  io::AtomicFile file(path);
+  WriteReport report = write(file);
+  file.commit();
+  return report;
+}
+
+}  // namespace
+
 WriteReport write_mesh(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context) {
-  const Format& format = require<OutputError>(path, io::format_of_extension(path), writes_meshes, "");
-  return format.write_mesh(path, mesh, options, context);
+  const Format& format = io::mesh_output_format(path);
+  return write_whole(path, [&](io::AtomicFile& file) {
+    WriteReport report = format.write_mesh(file, mesh, options, context);
+    check_scratch_files(context.state().scratch_folder);
+    return report;
+  });
 }
 
 WriteReport write_points(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
                          const Context& context) {
   const Format& format = require<OutputError>(path, io::format_of_extension(path), writes_points, "");
-  return format.write_points(path, cloud, options, context);
+  return write_whole(path, [&](io::AtomicFile& file) { return format.write_points(file, cloud, options, context); });
 }
 
 void check_mesh_output(const std::string& path) {
-  require<OutputError>(path, io::format_of_extension(path), writes_meshes, "");
+  io::mesh_output_format(path);
   check_output(path);
 }
 

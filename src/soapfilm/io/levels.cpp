@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <system_error>
 
+#include "soapfilm/core/context_state.h"
+#include "soapfilm/io/bytes/staged_files.h"
 #include "soapfilm/io/formats.h"
 #include "soapfilm/io/meshes/gltf.h"
+#include "soapfilm/platform/scratch.h"
 
 namespace soapfilm {
 
@@ -32,20 +34,22 @@ std::vector<std::string> level_files(const std::string& path, size_t count) {
 
 WriteReport write_levels(const std::string& path, const std::vector<DetailLevel>& levels, const WriteOptions& options,
                          const Context& context) {
-  if (levels.size() > 1 && holds_all_levels(path)) return io::write_glb_levels(path, levels, options);
+  if (levels.size() == 1) return write_mesh(path, levels[0].mesh, options, context);
+  const io::Format& format = io::mesh_output_format(path);
   const std::vector<std::string> files = level_files(path, levels.size());
+  io::StagedFiles staged;
   WriteReport all;
-  for (size_t level = levels.size(); level-- > 0;) try {
-      const WriteReport report = write_mesh(files[level], levels[level].mesh, options, context);
+  if (files.size() == 1)
+    staged.write(path, [&](io::AtomicFile& file) { all = io::write_glb_levels(file, levels, options); });
+  for (size_t level = files.size(); files.size() > 1 && level-- > 0;)
+    staged.write(files[level], [&](io::AtomicFile& file) {
+      const WriteReport report = format.write_mesh(file, levels[level].mesh, options, context);
       all.format = report.format;
       all.double_coordinates |= report.double_coordinates;
       all.warnings.insert(all.warnings.begin(), report.warnings.begin(), report.warnings.end());
-    } catch (...) {
-      std::error_code ignored;
-      for (size_t written = level + 1; written < files.size(); ++written)
-        std::filesystem::remove(files[written], ignored);
-      throw;
-    }
+    });
+  check_scratch_files(context.state().scratch_folder);
+  staged.commit();
   return all;
 }
 

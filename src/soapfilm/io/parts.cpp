@@ -26,6 +26,7 @@
 #include "soapfilm/io/meshes/vdb.h"
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/text/text.h"
+#include "soapfilm/platform/scratch.h"
 
 namespace soapfilm {
 
@@ -38,6 +39,7 @@ constexpr const char* part_word = ".part_";
 
 /// What parts share, so that they fit.
 struct PartStyle {
+  const io::Format& format;
   WriteOptions options;
   std::optional<Vec3d> origin;  ///< of GLB, whose coordinates are relative to it
   std::vector<Vec3f> normals;   ///< of GLB, which has some always: the faces' of the whole mesh, where it has none
@@ -45,7 +47,7 @@ struct PartStyle {
 };
 
 PartStyle style_of(const io::Format& format, const Mesh& mesh, const WriteOptions& options) {
-  PartStyle style{options, {}, {}, format.write_mesh == io::write_obj || format.write_mesh == io::write_off};
+  PartStyle style{format, options, {}, {}, format.write_mesh == io::write_obj || format.write_mesh == io::write_off};
   if (format.write_mesh == io::write_glb) style.origin = mesh.box().center();
   if (style.origin && mesh.normals.empty()) {
     io::FaceNormals faces(mesh.vertices);
@@ -85,34 +87,6 @@ Box3d written_box(const Box3d& box, const PartStyle& style, bool double_coordina
     return written;
   };
   return {rounded(box.lo), rounded(box.hi)};
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-  return text;
-}
-
-/// write(path) with the path to write to; errors name the file that it is to be.
-template <class Write>
-void write_staged(const std::string& file, io::StagedFiles& files, Write&& write) {
-  const std::string temporary = files.add(file);
-  try {
-    write(temporary);
-  } catch (const OutputError& error) {
-    throw OutputError(replaced(error.what(), temporary, file));
-  }
-}
-
-WriteReport write_part(const std::string& file, const Mesh& part, const PartStyle& style, io::StagedFiles& files,
-                       const Context& context) {
-  WriteReport report;
-  write_staged(file, files, [&](const std::string& path) {
-    report = style.origin ? io::write_glb_at(path, part, *style.origin, style.options)
-                          : write_mesh(path, part, style.options, context);
-    for (std::string& warning : report.warnings) warning = replaced(std::move(warning), path, file);
-  });
-  return report;
 }
 
 ordered_json box_json(const Box3d& box) {
@@ -218,7 +192,11 @@ WrittenParts write_parts(const std::string& path, const Mesh& mesh, const PartsP
     context.check();
     const Mesh part = maker.part(blocks[k]);
     const std::string file = part_file(path, k + 1, blocks.size());
-    const WriteReport report = write_part(file, part, style, files, silent);
+    WriteReport report;
+    files.write(file, [&](io::AtomicFile& to) {
+      report = style.origin ? io::write_glb_at(to, part, *style.origin, style.options)
+                            : style.format.write_mesh(to, part, style.options, silent);
+    });
     written.parts.push_back(
         {file, part.triangles.size(), part.vertices.size(), written_box(part.box(), style, report.double_coordinates)});
     written.report.format = report.format;
@@ -226,9 +204,9 @@ WrittenParts write_parts(const std::string& path, const Mesh& mesh, const PartsP
     if (written.report.warnings.empty()) written.report.warnings = report.warnings;  // of the first that has some
     context.progress().advance(static_cast<double>(k + 1) / static_cast<double>(blocks.size()), {});
   }
-  write_staged(written.index, files, [&](const std::string& temporary) {
-    write_text_file(temporary, index_text(written, params, style, maker.vertices()));
-  });
+  files.write(written.index,
+              [&](io::AtomicFile& to) { to.append(index_text(written, params, style, maker.vertices())); });
+  check_scratch_files(context.state().scratch_folder);
   files.commit();
   warn_of_other_parts(path, written);
   return written;

@@ -14,8 +14,9 @@ namespace soapfilm {
 namespace {
 
 constexpr size_t largest_message = size_t{1} << 30;  // counts are of type int
-constexpr int data_tag = 1, end_tag = 2;
+constexpr int data_tag = 1, end_tag = 2, stop_tag = 3;
 constexpr size_t longest_line = 2000;
+constexpr auto longest_wait = std::chrono::seconds(20);  // for a rank to look whether others have failed
 
 /// Launchers tell processes so that they are some of several.
 bool is_launched() {
@@ -50,6 +51,7 @@ struct MpiRanks::World {
   MPI_Comm data = MPI_COMM_NULL, ends = MPI_COMM_NULL;
   int rank = 0, count = 1, on_machine = 1;
   std::vector<MPI_Request> open;         ///< of the exchange in progress
+  std::vector<bool> stopped;             ///< of each rank: whether it exchanges nothing any more
   std::vector<bool> ended;               ///< of each rank: whether its end is known
   std::vector<EndMessage> end_messages;  ///< if so
   bool failed = false;                   ///< one of them is not good
@@ -72,6 +74,7 @@ std::shared_ptr<MpiRanks> MpiRanks::join() {
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
   MPI_Comm_size(machine, &world->on_machine);
   MPI_Comm_free(&machine);
+  world->stopped.resize(static_cast<size_t>(world->count));
   world->ended.resize(static_cast<size_t>(world->count));
   world->end_messages.resize(static_cast<size_t>(world->count));
   return std::shared_ptr<MpiRanks>(new MpiRanks(std::move(world)));
@@ -82,14 +85,20 @@ MpiRanks::~MpiRanks() = default;
 
 int MpiRanks::on_this_machine() const { return world_->on_machine; }
 
-/// Receives the ends that have arrived.
+/// Receives the ends that have arrived, and what says that a rank stops.
 void MpiRanks::look_for_failures() {
   for (;;) {
     int there = 0;
     MPI_Status status;
-    MPI_Iprobe(MPI_ANY_SOURCE, end_tag, world_->ends, &there, &status);
+    MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, world_->ends, &there, &status);
     if (!there) return;
     const auto from = static_cast<size_t>(status.MPI_SOURCE);
+    world_->stopped[from] = true;
+    if (status.MPI_TAG == stop_tag) {
+      MPI_Recv(nullptr, 0, MPI_BYTE, status.MPI_SOURCE, stop_tag, world_->ends, MPI_STATUS_IGNORE);
+      world_->failed = true;
+      continue;
+    }
     EndMessage& end = world_->end_messages[from];
     MPI_Recv(&end, sizeof end, MPI_BYTE, status.MPI_SOURCE, end_tag, world_->ends, MPI_STATUS_IGNORE);
     world_->ended[from] = true;
@@ -98,6 +107,8 @@ void MpiRanks::look_for_failures() {
 }
 
 void MpiRanks::pass(const std::vector<Message>& out, const std::vector<Message>& in) {
+  look_for_failures();
+  if (world_->failed) throw RankGaveUp();
   std::vector<MPI_Request>& open = world_->open;
   const auto begin = [&](const Message& message, auto&& start) {
     auto* data = static_cast<std::byte*>(message.data);
@@ -110,25 +121,58 @@ void MpiRanks::pass(const std::vector<Message>& out, const std::vector<Message>&
     begin(message, [&](std::byte* data, int bytes, int rank, MPI_Request* request) {
       MPI_Irecv(data, bytes, MPI_BYTE, rank, data_tag, world_->data, request);
     });
+  const size_t receives = open.size();
   for (const Message& message : out)
     begin(message, [&](std::byte* data, int bytes, int rank, MPI_Request* request) {
       MPI_Isend(data, bytes, MPI_BYTE, rank, data_tag, world_->data, request);
     });
+  try {
+    complete_open();
+  } catch (...) {
+    stop(receives);
+    throw;
+  }
+  open.clear();
+}
+
+void MpiRanks::complete_open() {
+  std::vector<MPI_Request>& open = world_->open;
   Patience patience;
   for (int done = 0;;) {
     MPI_Testall(static_cast<int>(open.size()), open.data(), &done, MPI_STATUSES_IGNORE);
-    if (done) break;
+    if (done) return;
     patience.wait();
     if (!patience.is_time_to_look()) continue;
     look_for_failures();
     if (world_->failed) throw RankGaveUp();
     if (while_waiting) while_waiting();
   }
-  open.clear();
+}
+
+/// Before the memory of what is exchanged is freed: once all ranks have stopped, none reads or writes it any more.
+void MpiRanks::stop(size_t receives) {
+  std::vector<MPI_Request>& open = world_->open;
+  for (size_t k = 0; k < receives; ++k) MPI_Cancel(&open[k]);
+  for (int r = 0; r < count(); ++r)
+    if (r != rank()) {
+      MPI_Request sent = MPI_REQUEST_NULL;
+      MPI_Isend(nullptr, 0, MPI_BYTE, r, stop_tag, world_->ends, &sent);
+      MPI_Request_free(&sent);
+    }
+  world_->stopped[static_cast<size_t>(rank())] = true;
+  const auto begin = std::chrono::steady_clock::now();
+  Patience patience;
+  for (int done = 0;;) {
+    MPI_Testall(static_cast<int>(receives), open.data(), &done, MPI_STATUSES_IGNORE);
+    look_for_failures();
+    if (done && std::find(world_->stopped.begin(), world_->stopped.end(), false) == world_->stopped.end()) break;
+    if (std::chrono::steady_clock::now() - begin > longest_wait) MPI_Abort(MPI_COMM_WORLD, 1);
+    patience.wait();
+  }
+  open.erase(open.begin(), open.begin() + static_cast<std::ptrdiff_t>(receives));
 }
 
 MpiRanks::End MpiRanks::leave(const End& own) {
-  constexpr auto longest_wait = std::chrono::seconds(20);
   const auto self = static_cast<size_t>(rank());
   EndMessage& end = world_->end_messages[self];
   end.code = own.code;
@@ -165,10 +209,13 @@ MpiRanks::End MpiRanks::leave(const End& own) {
     const std::string whose = r > 0 ? "rank " + std::to_string(r) + ": " : "";
     if (other.code != 0 && !other.followed) first = {other.code, whose + other.line, false};
   }
+  return first;
+}
+
+void MpiRanks::close() {
   alarm(static_cast<unsigned>(longest_wait.count()));  // should the library wait for a rank that is gone
   MPI_Finalize();
   alarm(0);
-  return first;
 }
 
 }  // namespace soapfilm

@@ -34,12 +34,16 @@ class MpiRanks final : public Ranks {
   /// Ends the run: waits for all ranks, and returns what the first of them to fail said, on each. The line is for rank
   /// 0 to print. Nothing may be exchanged after it. Where a rank does not answer all of them are ended.
   End leave(const End& own);
+  /// Call last, when the line is printed: once a process has ended with a code other than 0 mpirun ends the others.
+  void close();
 
  private:
   struct World;
   explicit MpiRanks(std::unique_ptr<World> world);
   void pass(const std::vector<Message>& out, const std::vector<Message>& in) override;
   void look_for_failures();
+  void complete_open();
+  void stop(size_t receives);
 
   std::unique_ptr<World> world_;
 };

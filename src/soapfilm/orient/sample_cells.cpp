@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "soapfilm/core/checks.h"
 #include "soapfilm/core/memory.h"
 #include "soapfilm/core/morton.h"
 #include "soapfilm/core/parallel.h"
@@ -86,16 +87,19 @@ SampleOrder::SampleOrder(std::span<const Vec3d> positions, std::span<const Vec3f
                  static_cast<uint32_t>(hash_of_place(positions[i], box))};
   });
   radix_sort(items_, 3 * deepest, context, [](const Item& item) { return item.key; });
-  sort_equal_keys(positions, directions);
+  sort_equal_keys(positions, directions, context);
 }
 
-void SampleOrder::sort_equal_keys(std::span<const Vec3d> positions, std::span<const Vec3f> directions) {
+void SampleOrder::sort_equal_keys(std::span<const Vec3d> positions, std::span<const Vec3f> directions,
+                                  const Context& context) {
+  Checks check(context);
   const auto place = [&](const Item& item) {
     const Vec3d p = positions[item.sample];
     const Vec3f d = directions.empty() ? Vec3f{} : directions[item.sample];
     return std::make_tuple(p.x, p.y, p.z, d.x, d.y, d.z);
   };
   for (size_t k = 0; k < items_.size();) {
+    check();
     size_t end = k + 1;
     while (end < items_.size() && items_[end].key == items_[k].key) ++end;
     if (end > k + 1)
@@ -186,8 +190,10 @@ SampleCells SampleCells::coarser(const SampleOrder& order, std::span<const Vec3f
 
 void SampleCells::index_cells(const Context& context) {
   constexpr size_t blocks_per_task = 16;
+  Checks check(context);
   size_t places = 0;
   for (size_t c = 0; c < size();) {
+    check();
     const size_t first = c;
     while (c < size() && cells_[c].key >> tag_bits == cells_[first].key >> tag_bits) ++c;
     const size_t own = std::bit_ceil(2 * (c - first) + siblings);

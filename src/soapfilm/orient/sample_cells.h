@@ -45,7 +45,7 @@ class SampleOrder {
     uint32_t sample;
     uint32_t lot;
   };
-  void sort_equal_keys(std::span<const Vec3d> positions, std::span<const Vec3f> directions);
+  void sort_equal_keys(std::span<const Vec3d> positions, std::span<const Vec3f> directions, const Context& context);
 
   std::vector<Item> items_;
   Vec3d low_;

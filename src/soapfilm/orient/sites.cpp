@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "soapfilm/core/box_of.h"
+#include "soapfilm/core/checks.h"
 #include "soapfilm/core/morton.h"
 #include "soapfilm/core/some_by_place.h"
 #include "soapfilm/orient/sample_cells.h"
@@ -44,8 +45,10 @@ void sort_crowd(std::span<uint32_t> samples, std::span<const Vec3d> positions) {
 std::vector<uint32_t> sort_along_curve(const std::vector<Vec3d>& positions, const Box3d& box, const Context& context) {
   const SampleOrder order(positions, {}, box, context);
   std::vector<uint32_t> samples(order.size());
+  Checks check(context);
   for (size_t k = 0; k < order.size(); ++k) samples[k] = order.sample(k);
   for (size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    check();
     while (end < order.size() && order.key(end) == order.key(begin)) ++end;
     if (end - begin > few) sort_crowd(std::span(samples).subspan(begin, end - begin), positions);
   }
@@ -61,7 +64,9 @@ Sites::Sites(const std::vector<Vec3d>& positions, const Context& context) : of_s
     points_.resize(std::min<size_t>(1, positions.size()));
     return;
   }
+  Checks check(context);
   for (const uint32_t sample : sort_along_curve(positions, box, context)) {
+    check();
     const Vec3d point = positions[sample] - box.lo;
     if (points_.empty() || !(point == points_.back())) points_.push_back(point);
     of_sample_[sample] = static_cast<uint32_t>(points_.size() - 1);

@@ -18,11 +18,12 @@ void check_scratch_folder(const std::string& folder);
 
 /// An open file without a name, all of whose `bytes` are reserved: using it cannot fail because the disk is full. When
 /// it is closed, and no longer mapped, nothing is left of it. Throws OutputError that names the folder, the bytes
-/// needed and those that are free.
+/// needed and those that are free; or says that check_scratch_files() would throw.
 int make_scratch_file(const std::string& folder, size_t bytes);
+void close_scratch_file(int file);
 
-/// Gives a complete file its name, in place of one that has it, such that after a power failure the name has all of
-/// the contents or what it had. Returns whether it could.
-bool replace_file(const std::string& complete, const std::string& name);
+/// Throws OutputError, once, where the disk did not take what memory had no room for, so that contents of a file of
+/// this folder, open or closed since, are lost.
+void check_scratch_files(const std::string& folder);
 
 }  // namespace soapfilm

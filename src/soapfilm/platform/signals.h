@@ -7,4 +7,8 @@ namespace soapfilm {
 /// default, which ends it. Reads and writes in progress continue. Async-signal-safe.
 void on_interrupt(void (*handler)(int));
 
+/// Calls `handler` where a page of a mapped file cannot be read or written: its disk fails, or the file was made
+/// shorter. It must end the process; only what is async-signal-safe may be done.
+void on_lost_page(void (*handler)(int));
+
 }  // namespace soapfilm

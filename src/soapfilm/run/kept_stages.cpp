@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -12,7 +13,9 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/hash.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/core/ranks.h"
 #include "soapfilm/error.h"
+#include "soapfilm/platform/new_file.h"
 #include "soapfilm/platform/scratch.h"
 #include "soapfilm/run/run.h"
 #include "soapfilm/run/stage_state.h"
@@ -24,12 +27,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the kept stages follow from.
-uint64_t hash_of(const PointCloud& cloud, const ReconstructParams& params) {
+/// What the kept stages follow from. Each rank keeps its own, those of as many ranks.
+uint64_t hash_of(const PointCloud& cloud, const ReconstructParams& params, const Ranks* ranks) {
   Hash hash;
   hash.add(version);
   hash.add(to_json(params));
   hash.add(hash_of(cloud));
+  if (ranks) hash.add(std::vector<int>{ranks->rank(), ranks->count()});
   return hash.value();
 }
 
@@ -46,21 +50,32 @@ KeptStages::KeptStages(const PointCloud& cloud, const ReconstructParams& params,
   if (!state.resumes) return;
   if (state.scratch_folder.empty()) throw ParameterError("resume: needs a scratch folder, where stages are kept");
   check_scratch_folder(state.scratch_folder);
-  prefix_ = (fs::path(state.scratch_folder) / fmt::format("soapfilm-{:016x}-", hash_of(cloud, params))).string();
+  prefix_ =
+      (fs::path(state.scratch_folder) / fmt::format("soapfilm-{:016x}-", hash_of(cloud, params, ranks_of(context))))
+          .string();
   context.state().kept_stages = prefix_;
 }
 
 std::string KeptStages::file(const std::string& stage) const { return prefix_ + stage + ending; }
 
+bool KeptStages::all_can(bool this_one) const {
+  Ranks* const ranks = ranks_of(context_);
+  if (!ranks) return this_one;
+  const std::vector<uint8_t> all = of_all(*ranks, static_cast<uint8_t>(this_one));
+  return std::find(all.begin(), all.end(), 0) == all.end();
+}
+
 bool KeptStages::load(const std::string& stage, const std::function<void(std::istream&)>& read) {
   if (!on()) return false;
   std::ifstream from(file(stage), std::ios::binary);
-  if (!from) return false;
+  if (!all_can(from.is_open())) return false;
+  const MemoryPlan before = memory_.plan();
   MemoryPlan plan;
   get(from, plan);
-  memory_.take(plan);
+  if (from) memory_.take(plan);
   read(from);
-  if (!from) {
+  if (!all_can(!from.fail())) {
+    memory_.take(before);
     context_.progress().warn(fmt::format("{}: ends too early; the stage is done again", file(stage)));
     return false;
   }
@@ -68,20 +83,23 @@ bool KeptStages::load(const std::string& stage, const std::function<void(std::is
   return true;
 }
 
-void KeptStages::save(const std::string& stage, const std::function<void(std::ostream&)>& write) {
-  if (!on()) return;
-  const std::string part = file(stage) + "-part";
-  std::ofstream to(part, std::ios::binary);
+bool KeptStages::could_save(const std::string& stage, const std::function<void(std::ostream&)>& write) {
+  const std::string& folder = context_.state().scratch_folder;
+  NewFile part(file(stage));
+  std::ofstream to(part.path(), std::ios::binary);
   put(to, memory_.plan());
   write(to);
   to.close();
-  const std::string& folder = context_.state().scratch_folder;
+  check_scratch_files(folder);
   const uint64_t arrays = memory_.planned_disk_bytes() / 2 * 3;  // what is planned may be a third too little
   const bool leaves_room = free_disk_bytes(folder) >= arrays;
-  if (to && leaves_room && replace_file(part, file(stage))) return;
-  std::error_code ignored;
-  fs::remove(part, ignored);
-  context_.progress().warn(fmt::format("scratch folder {}: no room to keep stage {} beside the run's arrays, {} free",
+  return to && leaves_room && part.complete();
+}
+
+void KeptStages::save(const std::string& stage, const std::function<void(std::ostream&)>& write) {
+  if (!on() || could_save(stage, write)) return;
+  const std::string& folder = context_.state().scratch_folder;
+  context_.progress().warn(fmt::format("scratch folder {}: stage {} cannot be kept beside the run's arrays, {} free",
                                        folder, stage, format_bytes(free_disk_bytes(folder))));
 }
 
@@ -112,7 +130,7 @@ PyramidObserver KeptStages::watch(PyramidObserver user) {
   user.known = [this](LevelReport& report, const MakeLevel& make) {
     std::optional<Level> level;
     const LevelReport fresh = report;
-    if (load(level_name(report.level), [&](std::istream& from) { level = get_level(from, make, report); }))
+    if (load(level_name(report.level), [&](std::istream& from) { level = get_level(from, make, report, context_); }))
       return level;
     report = fresh;
     level.reset();

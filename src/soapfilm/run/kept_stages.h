@@ -14,9 +14,9 @@
 
 namespace soapfilm {
 
-/// Of one run: directions, the levels of the solve, and the refined surface. A file has the plan of memory, too, so
-/// that what follows a stage is as if that had just ended. Files are complete or absent, and of the same program, input
-/// and parameters by their names.
+/// Of one run, or of one rank of it: directions, the levels of the solve, and the refined surface. A file has the plan
+/// of memory, too, so that what follows a stage is as if that had just ended. Files are complete or absent, and of the
+/// same program, input and parameters by their names.
 class KeptStages {
  public:
   /// None where the context does not ask for it (Context::set_resume()). Throws OutputError where the folder cannot be
@@ -34,8 +34,11 @@ class KeptStages {
  private:
   bool on() const { return !prefix_.empty(); }
   std::string file(const std::string& stage) const;
+  /// Whether all ranks can.
+  bool all_can(bool this_one) const;
   /// read(archive) from the stage's file, if there is one.
   bool load(const std::string& stage, const std::function<void(std::istream&)>& read);
+  bool could_save(const std::string& stage, const std::function<void(std::ostream&)>& write);
   void save(const std::string& stage, const std::function<void(std::ostream&)>& write);
 
   MemoryBudget& memory_;

@@ -278,9 +278,11 @@ void MemoryBudget::plan_grid(const PointCloud& cloud, const Support& support) {
 
 std::string MemoryBudget::summary() const {
   const std::string in_memory = format_bytes(planned_bytes());
-  return scratch_.used()
-             ? fmt::format("{}, {} on disk in {}", in_memory, format_bytes(planned_disk_bytes()), scratch_.folder())
-             : in_memory;
+  if (!scratch_.used()) return in_memory;
+  const ScratchTraffic traffic = scratch_.traffic(plan_, room_);
+  return fmt::format("{}, {} on disk in {}, about {} to be read and {} written", in_memory,
+                     format_bytes(planned_disk_bytes()), scratch_.folder(), format_bytes(traffic.read),
+                     format_bytes(traffic.written));
 }
 
 PyramidObserver MemoryBudget::watch(PyramidObserver user, uint64_t data_bricks) {

@@ -12,6 +12,11 @@ namespace soapfilm {
 struct MemoryPlan;
 struct Room;
 
+/// Bytes that go between memory and disk.
+struct ScratchTraffic {
+  uint64_t read = 0, written = 0;
+};
+
 /// Moves a run's large arrays to the scratch folder once its plan exceeds the memory, if the context names one.
 class ScratchBudget {
  public:
@@ -33,6 +38,9 @@ class ScratchBudget {
   /// What stays in memory of a plan whose arrays are on disk, stage by stage; and what is on disk.
   MemoryPlan resident_part(const MemoryPlan& plan) const;
   MemoryPlan disk_part(const MemoryPlan& plan) const;
+  /// What memory has no room for goes to the disk and comes back in each pass of a stage over its arrays. About: the
+  /// system chooses what stays.
+  ScratchTraffic traffic(const MemoryPlan& plan, const Room& room) const;
 
  private:
   void use();

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/grid/slabs.h"
 
 namespace soapfilm {
 
@@ -85,12 +86,12 @@ BrickMask get_bricks(std::istream& from) {
 }
 
 template <class Values>
-void put_values(std::ostream& to, const Values& values) {
-  put(to, values.brick(0), values.bricks() * Values::values_per_brick);
+void put_values(std::ostream& to, const Values& values, ItemRange bricks) {
+  put(to, values.brick(bricks.begin), bricks.size() * Values::values_per_brick);
 }
 template <class Values>
-void get_values(std::istream& from, Values& values) {
-  get(from, values.brick(0), values.bricks() * Values::values_per_brick);
+void get_values(std::istream& from, Values& values, ItemRange bricks) {
+  get(from, values.brick(bricks.begin), bricks.size() * Values::values_per_brick);
 }
 
 void put_sides(std::ostream& to, const GapSides& sides, const BrickGrid& grid) {
@@ -135,22 +136,30 @@ void put_level(std::ostream& to, const Level& level, const LevelReport& report) 
   put_grid(to, level.grid);
   put_sides(to, level.inside, level.grid);
   put(to, level.outside);
-  put_values(to, level.u);
-  put_values(to, level.p);
-  put(to, level.rim.flux().data(), level.rim.flux().size());
+  put(to, level.slabs != nullptr);
+  const ItemRange bricks = bricks_at_hand(level);
+  put_values(to, level.u, bricks);
+  put_values(to, level.p, bricks);
+  const ItemRange planes = level.rim.planes(bricks);
+  put(to, level.rim.flux().data() + planes.begin * brick_area, planes.size() * brick_area);
 }
 
-Level get_level(std::istream& from, const MakeLevel& make, LevelReport& report) {
+Level get_level(std::istream& from, const MakeLevel& make, LevelReport& report, const Context& context) {
   float lambda = 0;
+  bool in_slabs = false;
   get(from, report);
   get(from, lambda);
   Level level = make(get_bricks(from));
   level.lambda = lambda;
   level.inside = get_sides(from, level.grid);
   get(from, level.outside);
-  get_values(from, level.u);
-  get_values(from, level.p);
-  get(from, level.rim.flux().data(), level.rim.flux().size());
+  get(from, in_slabs);
+  if (in_slabs) level.slabs = Slabs::of(level.grid, context);
+  const ItemRange bricks = bricks_at_hand(level);
+  get_values(from, level.u, bricks);
+  get_values(from, level.p, bricks);
+  const ItemRange planes = level.rim.planes(bricks);
+  get(from, level.rim.flux().data() + planes.begin * brick_area, planes.size() * brick_area);
   return level;
 }
 
@@ -163,7 +172,7 @@ void put_surface(std::ostream& to, const Surface& surface) {
   if (surface.refine) put(to, *surface.refine);
   put_grid(to, field.grid);
   put_sides(to, field.inside, field.grid);
-  put_values(to, field.value);
+  put_values(to, field.value, {0, field.grid.size()});
 }
 
 Surface get_surface(std::istream& from, const Context& context) {
@@ -178,7 +187,7 @@ Surface get_surface(std::istream& from, const Context& context) {
   field.grid = BrickGrid(get_bricks(from), context);
   field.inside = get_sides(from, field.grid);
   field.value = Field<float>(field.grid, pages_of(context));
-  get_values(from, field.value);
+  get_values(from, field.value, {0, field.grid.size()});
   if (is_distance)
     surface.field = DistanceField{std::move(field)};
   else

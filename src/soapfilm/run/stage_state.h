@@ -50,9 +50,9 @@ void get(std::istream& from, std::vector<T>& values) {
 void put_directions(std::ostream& to, const Orientation& found);
 Orientation get_directions(std::istream& from);
 
-/// A level of the pyramid without its data, and its report.
+/// A level of the pyramid without its data, and its report. Of a level in slabs what this rank has.
 void put_level(std::ostream& to, const Level& level, const LevelReport& report);
-Level get_level(std::istream& from, const MakeLevel& make, LevelReport& report);
+Level get_level(std::istream& from, const MakeLevel& make, LevelReport& report, const Context& context);
 
 void put_surface(std::ostream& to, const Surface& surface);
 Surface get_surface(std::istream& from, const Context& context);

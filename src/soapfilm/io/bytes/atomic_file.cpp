@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "soapfilm/error.h"
+#include "soapfilm/platform/new_file.h"
 
 namespace soapfilm::io {
 
@@ -12,28 +13,17 @@ AtomicFile::AtomicFile(const std::string& path)
     : path_(path), target_(resolve_links(path)), buffer_(new char[capacity]) {
   struct stat status {};
   const bool exists = ::stat(target_.c_str(), &status) == 0;
+  if (!exists && errno != ENOENT) fail(errno);
   if (exists && S_ISDIR(status.st_mode)) throw OutputError(path + ": is a directory, must be a file");
-  if (exists && !S_ISREG(status.st_mode)) {
+  is_direct_ = exists && !S_ISREG(status.st_mode);
+  if (is_direct_) {
     file_.reset(::open(target_.c_str(), O_WRONLY | O_CLOEXEC));
-    if (!file_.is_open()) fail(errno);
-    return;
+  } else {
+    if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
+    file_.reset(open_unnamed_file(std::filesystem::path(target_).parent_path().string(), 0666));
+    if (!file_.is_open() && errno == EOPNOTSUPP) open_temporary();
   }
-  if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
-
-  const std::filesystem::path target(target_);
-  constexpr int attempts = 1000;
-  for (int attempt = 0; attempt < attempts && !file_.is_open(); ++attempt) {
-    const std::string name = fmt::format(".{}.{}-{}.tmp", target.filename().string(), ::getpid(), attempt);
-    temporary_ = (target.parent_path() / name).string();
-    file_.reset(::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-    if (!file_.is_open() && errno != EEXIST) break;
-  }
-  if (!file_.is_open()) {
-    const int error = errno;
-    temporary_.clear();
-    fail(error);
-  }
-  slot_ = remember_temporary(temporary_);
+  if (!file_.is_open()) fail(errno);
 }
 
 AtomicFile::~AtomicFile() {
@@ -42,8 +32,46 @@ AtomicFile::~AtomicFile() {
   forget_temporary(slot_);
 }
 
-void AtomicFile::commit() {
+std::string AtomicFile::temporary_name(int attempt) const {
+  const std::filesystem::path target(target_);
+  const std::string name = fmt::format(".{}.{}-{}.tmp", target.filename().string(), ::getpid(), attempt);
+  return (target.parent_path() / name).string();
+}
+
+void AtomicFile::open_temporary() {
+  constexpr int attempts = 1000;
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    const std::string name = temporary_name(attempt);
+    file_.reset(::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (!file_.is_open() && errno == EEXIST) continue;
+    if (!file_.is_open()) return;
+    temporary_ = name;
+    slot_ = remember_temporary(name);
+    return;
+  }
+}
+
+void AtomicFile::finish() {
   flush();
+  buffer_.reset();
+  if (is_direct_) return;
+  if (const int error = store_file(file_.get())) fail(error);
+}
+
+void AtomicFile::close_until_commit() {
+  if (temporary_.empty() && !is_direct_) {
+    const std::string name = temporary_name(0);
+    if (const int error = name_file(file_.get(), name)) fail(error);
+    temporary_ = name;
+    slot_ = remember_temporary(name);
+  }
+  if (file_.close() != 0) fail(errno);
+}
+
+void AtomicFile::commit() {
+  if (buffer_) finish();
+  if (temporary_.empty() && !is_direct_)
+    if (const int error = name_file(file_.get(), target_)) fail(error);
   if (file_.close() != 0) fail(errno);
   if (temporary_.empty()) return;
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);

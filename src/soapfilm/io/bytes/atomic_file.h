@@ -12,8 +12,9 @@
 
 namespace soapfilm::io {
 
-/// Buffered output to a temporary name in the target's folder; commit() renames it, the destructor of an uncommitted
-/// file removes it. A target that exists and is no regular file (a pipe, a terminal) is written to directly.
+/// Buffered output to a file in the target's folder that has no name, or where the file system has no such files a
+/// temporary one; commit() gives it its own. Of an uncommitted file nothing is left, even if the process is killed
+/// while it has no name. A target that exists and is no regular file (a pipe, a terminal) is written to directly.
 class AtomicFile {
  public:
   /// Throws OutputError when the folder is missing or not writable, or the target is a directory.
@@ -21,6 +22,11 @@ class AtomicFile {
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
+
+  const std::string& path() const { return path_; }
+  /// The same with symbolic links resolved.
+  const std::string& target() const { return target_; }
+  bool is_direct() const { return is_direct_; }
 
   void append(std::string_view bytes) {
     if (bytes.size() > capacity - used_) {
@@ -45,19 +51,27 @@ class AtomicFile {
     used_to(put_text(buffer_.get() + used_, value));
   }
 
-  /// Writes the rest of the buffer and renames the file to its target. Throws OutputError.
+  /// Writes the rest of the buffer, and waits until all of it is on the disk. Nothing can be appended then. Throws
+  /// OutputError.
+  void finish();
+  /// Of a finished file, if many are: it takes a temporary name and is closed. Throws OutputError.
+  void close_until_commit();
+  /// Finishes the file, if it is not, and gives it its name. Throws OutputError.
   void commit();
 
  private:
   static constexpr size_t capacity = size_t{1} << 18;
   void used_to(const char* end) { used_ = static_cast<size_t>(end - buffer_.get()); }
+  std::string temporary_name(int attempt) const;
+  void open_temporary();
   void flush();
   void write_out(std::string_view bytes);
   [[noreturn]] void fail(int error) const;
 
   std::string path_;
-  std::string target_;             // path_ with symbolic links resolved
-  std::string temporary_;          // empty once renamed, and for a target written to directly
+  std::string target_;
+  bool is_direct_ = false;
+  std::string temporary_;          // empty: there is none
   TemporaryName* slot_ = nullptr;  // its place in the table of remove_temporary_files()
   FileDescriptor file_;
   std::unique_ptr<char[]> buffer_;

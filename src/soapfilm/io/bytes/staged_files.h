@@ -2,15 +2,17 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "soapfilm/io/bytes/temporary_names.h"
+#include "soapfilm/io/bytes/atomic_file.h"
 
 namespace soapfilm::io {
 
-/// Files are written under temporary names in their folders; commit() renames them, in order. The last one tells what
-/// the others are: an old one goes before they are replaced. The destructor removes what is not committed.
+/// Files are written without their names; commit() gives them, in order. The last one tells what the others are: an old
+/// one goes before they are replaced. Of what is not committed nothing is left.
 class StagedFiles {
  public:
   StagedFiles() = default;
@@ -18,21 +20,16 @@ class StagedFiles {
   StagedFiles(const StagedFiles&) = delete;
   StagedFiles& operator=(const StagedFiles&) = delete;
 
-  /// Where to write the next file, which is to be `target`; it ends as `target` does. Throws OutputError for a target
-  /// that exists and is no file, or must not be written.
-  std::string add(const std::string& target);
+  /// Adds `target`: write(file) gives its contents. Throws OutputError, also for a target that exists and is no file.
+  void write(const std::string& target, const std::function<void(AtomicFile&)>& write);
   /// Throws OutputError; then none of the new files is left.
   void commit();
 
  private:
-  struct Staged {
-    std::string target, temporary;
-    TemporaryName* slot = nullptr;
-  };
-  void remove_all() noexcept;
+  void remove_committed() noexcept;
 
-  std::vector<Staged> files_;
-  size_t renamed_ = 0;
+  std::vector<std::unique_ptr<AtomicFile>> files_;
+  size_t committed_ = 0;
 };
 
 }  // namespace soapfilm::io

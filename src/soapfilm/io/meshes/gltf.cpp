@@ -21,7 +21,6 @@
 #include "soapfilm/core/names.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
-#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/bytes/file_buffer.h"
 #include "soapfilm/io/meshes/face_normals.h"
 #include "soapfilm/io/meshes/gltf_up.h"
@@ -216,13 +215,12 @@ void name_levels(std::span<const DetailLevel> levels, Vec3d origin, tinygltf::Mo
   model.extensionsUsed = {"MSFT_lod"};
 }
 
-void write_scene(const std::string& path, tinygltf::Model& model) {
-  AtomicFile file(path);
+void write_scene(AtomicFile& file, tinygltf::Model& model) {
   FileBuffer buffer(file);
   std::ostream stream(&buffer);
+  stream.exceptions(std::ios::badbit);  // the buffer's say why
   if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, true) || !stream)
-    throw OutputError(path + ": cannot be written");
-  file.commit();
+    throw OutputError(file.path() + ": cannot be written");
 }
 
 /// What the file does not hold as it was.
@@ -247,41 +245,40 @@ std::vector<std::string> losses(const std::string& path, std::span<const Mesh* c
   return warnings;
 }
 
-WriteReport write_meshes(const std::string& path, std::span<const Mesh* const> meshes,
-                         std::span<const DetailLevel> levels, Vec3d origin, const WriteOptions& options) {
+WriteReport write_meshes(AtomicFile& file, std::span<const Mesh* const> meshes, std::span<const DetailLevel> levels,
+                         Vec3d origin, const WriteOptions& options) {
   for (const Mesh* mesh : meshes) check_mesh(*mesh);
-  check_size(path, meshes);
+  check_size(file.path(), meshes);
   GltfScene scene;
   for (const Mesh* mesh : meshes) {
-    check_float_range(path, "glTF", *mesh, origin);
+    check_float_range(file.path(), "glTF", *mesh, origin);
     add_mesh(*mesh, origin, scene);
   }
   if (!levels.empty()) name_levels(levels, origin, scene.model);
   scene.turn(options.up);
   set_material(*meshes[0], scene.model.materials[0]);
-  write_scene(path, scene.model);
+  write_scene(file, scene.model);
   WriteReport report;
   report.format = "glTF 2.0, binary";
-  report.warnings = losses(path, meshes, origin, options.coordinate_precision);
+  report.warnings = losses(file.path(), meshes, origin, options.coordinate_precision);
   return report;
 }
 
 }  // namespace
 
-WriteReport write_glb(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
-  return write_glb_at(path, mesh, mesh.box().center(), options);
+WriteReport write_glb(AtomicFile& file, const Mesh& mesh, const WriteOptions& options, const Context&) {
+  return write_glb_at(file, mesh, mesh.box().center(), options);
 }
 
-WriteReport write_glb_at(const std::string& path, const Mesh& mesh, Vec3d origin, const WriteOptions& options) {
+WriteReport write_glb_at(AtomicFile& file, const Mesh& mesh, Vec3d origin, const WriteOptions& options) {
   const Mesh* const meshes[] = {&mesh};
-  return write_meshes(path, meshes, {}, origin, options);
+  return write_meshes(file, meshes, {}, origin, options);
 }
 
-WriteReport write_glb_levels(const std::string& path, std::span<const DetailLevel> levels,
-                             const WriteOptions& options) {
+WriteReport write_glb_levels(AtomicFile& file, std::span<const DetailLevel> levels, const WriteOptions& options) {
   std::vector<const Mesh*> meshes;
   for (const DetailLevel& level : levels) meshes.push_back(&level.mesh);
-  return write_meshes(path, meshes, levels, meshes[0]->box().center(), options);
+  return write_meshes(file, meshes, levels, meshes[0]->box().center(), options);
 }
 
 }  // namespace soapfilm::io

@@ -7,7 +7,6 @@
 
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
-#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/meshes/obj_text.h"
 #include "soapfilm/io/meshes/polygon.h"
 #include "soapfilm/io/precision.h"
@@ -145,13 +144,11 @@ Mesh read_obj(ByteSource& source, ReadReport&) {
   return ObjReader(text.plain()).read();
 }
 
-WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
+WriteReport write_obj(AtomicFile& file, const Mesh& mesh, const WriteOptions& options, const Context&) {
   check_mesh(mesh);
   WriteReport report;
   report.format = "OBJ";
   report.double_coordinates = needs_double(mesh, options.coordinate_precision);
-
-  AtomicFile file(path);
   for (const std::string& comment : options.comments) {
     if (comment.find_first_of("\r\n") != std::string::npos)
       throw ParameterError("comment " + in_quotes(comment) + ", must be one line");
@@ -162,9 +159,8 @@ WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOpti
     writer.put_vertex(mesh.vertices[i], mesh.colors.empty() ? nullptr : &mesh.colors[i]);
   for (const Vec3f& normal : mesh.normals) writer.put_normal(normal);
   for (const Triangle& triangle : mesh.triangles) writer.put_triangle(triangle, !mesh.normals.empty());
-  file.commit();
   if (!mesh.attributes.empty())
-    report.warnings.push_back(path + ": OBJ holds no vertex attributes: they were left out; PLY keeps them");
+    report.warnings.push_back(file.path() + ": OBJ holds no vertex attributes: they were left out; PLY keeps them");
   return report;
 }
 

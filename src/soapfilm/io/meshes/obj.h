@@ -2,6 +2,7 @@
 #pragma once
 
 #include "soapfilm/io.h"
+#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm::io {
@@ -14,6 +15,6 @@ PointCloud read_obj_points(ByteSource& source, ReadReport& report, const ReadOpt
 /// Is there an `f` line? Reads on until there is one.
 bool obj_has_faces(ByteSource& source);
 
-WriteReport write_obj(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context);
+WriteReport write_obj(AtomicFile& file, const Mesh& mesh, const WriteOptions& options, const Context& context);
 
 }  // namespace soapfilm::io

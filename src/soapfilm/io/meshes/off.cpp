@@ -6,7 +6,6 @@
 
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
-#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/meshes/mesh_points.h"
 #include "soapfilm/io/meshes/polygon.h"
 #include "soapfilm/io/precision.h"
@@ -161,14 +160,12 @@ PointCloud read_off_points(ByteSource& source, ReadReport& report, const ReadOpt
 
 Mesh read_off(ByteSource& source, ReadReport&) { return OffReader(source).read(); }
 
-WriteReport write_off(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
+WriteReport write_off(AtomicFile& file, const Mesh& mesh, const WriteOptions& options, const Context&) {
   check_mesh(mesh);
   WriteReport report;
   report.format = "OFF";
   report.double_coordinates = needs_double(mesh, options.coordinate_precision);
   const bool colors = !mesh.colors.empty(), normals = !mesh.normals.empty();
-
-  AtomicFile file(path);
   file.append(fmt::format("{}{}OFF\n{} {} 0\n", colors ? "C" : "", normals ? "N" : "", mesh.vertices.size(),
                           mesh.triangles.size()));
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -194,9 +191,8 @@ WriteReport write_off(const std::string& path, const Mesh& mesh, const WriteOpti
     }
     file.append("\n");
   }
-  file.commit();
   if (!mesh.attributes.empty())
-    report.warnings.push_back(path + ": OFF holds no vertex attributes: they were left out; PLY keeps them");
+    report.warnings.push_back(file.path() + ": OFF holds no vertex attributes: they were left out; PLY keeps them");
   return report;
 }
 

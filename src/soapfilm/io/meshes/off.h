@@ -2,6 +2,7 @@
 #pragma once
 
 #include "soapfilm/io.h"
+#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/bytes/byte_source.h"
 
 namespace soapfilm::io {
@@ -13,6 +14,6 @@ PointCloud read_off_points(ByteSource& source, ReadReport& report, const ReadOpt
 Mesh read_off(ByteSource& source, ReadReport& report);
 
 /// Normals (NOFF) and colors (COFF) come along, attributes are left out with a warning.
-WriteReport write_off(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context);
+WriteReport write_off(AtomicFile& file, const Mesh& mesh, const WriteOptions& options, const Context& context);
 
 }  // namespace soapfilm::io

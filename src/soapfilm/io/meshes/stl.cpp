@@ -7,7 +7,6 @@
 #include "soapfilm/core/indices.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
-#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/precision.h"
 #include "soapfilm/io/text/text.h"
 
@@ -214,17 +213,15 @@ Mesh read_stl(ByteSource& source, ReadReport& report) {
   return is_binary(source) ? read_binary_stl(source, report) : AsciiStlReader(source).read();
 }
 
-WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context&) {
+WriteReport write_stl(AtomicFile& file, const Mesh& mesh, const WriteOptions& options, const Context&) {
   check_mesh(mesh);
   if (mesh.triangles.size() > UINT32_MAX)
     throw ParameterError(fmt::format("mesh: {} triangles, STL holds at most {}", mesh.triangles.size(), UINT32_MAX));
-  check_float_range(path, "STL", mesh);
-  AtomicFile file(path);
+  check_float_range(file.path(), "STL", mesh);
   if (options.ascii)
     write_ascii(file, mesh);
   else
     write_binary(file, mesh);
-  file.commit();
 
   WriteReport report;
   report.format = options.ascii ? "STL, ASCII" : "STL, binary";
@@ -235,9 +232,9 @@ WriteReport write_stl(const std::string& path, const Mesh& mesh, const WriteOpti
     report.warnings.push_back(fmt::format(
         "{}: STL has 32-bit coordinates: vertices moved by up to {:.2g}, {} triangles lost all area; PLY and "
         "OBJ keep them",
-        path, loss, collapsed));
+        file.path(), loss, collapsed));
   if (!mesh.colors.empty() || !mesh.attributes.empty())
-    report.warnings.push_back(path + ": STL holds no colors or attributes: they were left out; PLY keeps them");
+    report.warnings.push_back(file.path() + ": STL holds no colors or attributes: they were left out; PLY keeps them");
   return report;
 }
 

@@ -14,7 +14,6 @@
 
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/vec.h"
-#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/bytes/file_buffer.h"
 #include "soapfilm/io/precision.h"
 
@@ -41,14 +40,14 @@ openvdb::FloatGrid::Ptr distance_grid(const Mesh& mesh, Vec3d origin, double vox
 
 }  // namespace
 
-WriteReport write_vdb(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context) {
+WriteReport write_vdb(AtomicFile& file, const Mesh& mesh, const WriteOptions& options, const Context& context) {
   check_mesh(mesh);
   if (!check_topology(mesh).closed())
-    throw OutputError(path + ": the mesh is open, a signed distance needs a closed one: write another format");
+    throw OutputError(file.path() + ": the mesh is open, a signed distance needs a closed one: write another format");
   const double voxel = options.voxel > 0 ? options.voxel : mean_edge(mesh);
-  AtomicFile file(path);
   FileBuffer buffer(file);
   std::ostream stream(&buffer);
+  stream.exceptions(std::ios::badbit);  // the buffer's say why
   try {
     confine(context, [&] {
       openvdb::initialize();
@@ -58,13 +57,13 @@ WriteReport write_vdb(const std::string& path, const Mesh& mesh, const WriteOpti
       openvdb::io::Stream(stream).write({grid});
     });
   } catch (const openvdb::Exception& error) {
-    throw OutputError(fmt::format("{}: OpenVDB: {}", path, error.what()));
+    throw OutputError(fmt::format("{}: OpenVDB: {}", file.path(), error.what()));
   }
-  file.commit();
   WriteReport report;
   report.format = "OpenVDB";
   if (!mesh.colors.empty() || !mesh.attributes.empty())
-    report.warnings.push_back(path + ": a .vdb holds the signed distance, no colors or attributes: they were left out");
+    report.warnings.push_back(file.path() +
+                              ": a .vdb holds the signed distance, no colors or attributes: they were left out");
   return report;
 }
 
@@ -74,8 +73,9 @@ WriteReport write_vdb(const std::string& path, const Mesh& mesh, const WriteOpti
 
 namespace soapfilm::io {
 
-WriteReport write_vdb(const std::string& path, const Mesh&, const WriteOptions&, const Context&) {
-  throw OutputError(path + ": this build is without OpenVDB: build with libopenvdb-dev, or write another format");
+WriteReport write_vdb(AtomicFile& file, const Mesh&, const WriteOptions&, const Context&) {
+  throw OutputError(file.path() +
+                    ": this build is without OpenVDB: build with libopenvdb-dev, or write another format");
 }
 
 }  // namespace soapfilm::io

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "soapfilm/io.h"
+#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/bytes/byte_source.h"
 #include "soapfilm/io/point_stream.h"
 
@@ -17,9 +18,8 @@ Mesh read_ply_mesh(ByteSource& source, ReadReport& report);
 /// True when the header declares faces or triangle strips.
 bool ply_has_faces(ByteSource& source);
 
-WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const WriteOptions& options,
-                           const Context& context);
-WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
+WriteReport write_ply_mesh(AtomicFile& file, const Mesh& mesh, const WriteOptions& options, const Context& context);
+WriteReport write_ply_points(AtomicFile& file, const PointCloud& cloud, const WriteOptions& options,
                              const Context& context);
 
 }  // namespace soapfilm::io

@@ -8,7 +8,6 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
-#include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/bytes/encode.h"
 #include "soapfilm/io/ply/ply.h"
 #include "soapfilm/io/precision.h"
@@ -186,15 +185,13 @@ const char* format_name(bool ascii) { return ascii ? "PLY, ASCII" : "PLY, binary
 
 }  // namespace
 
-WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const WriteOptions& options,
-                           const Context& context) {
+WriteReport write_ply_mesh(AtomicFile& file, const Mesh& mesh, const WriteOptions& options, const Context& context) {
   check_mesh(mesh);
   WriteReport report;
   report.format = format_name(options.ascii);
   report.double_coordinates = needs_double(mesh, options.coordinate_precision);
   const std::string header = mesh_header(mesh, options, report.double_coordinates ? "double" : "float");
 
-  AtomicFile file(path);
   file.append(header);
   const PlyStyle style{options.ascii, report.double_coordinates};
   const size_t vertex_values = 9 + mesh.attributes.size();
@@ -208,11 +205,10 @@ WriteReport write_ply_mesh(const std::string& path, const Mesh& mesh, const Writ
     body.put(uint8_t{3});
     for (const uint32_t v : mesh.triangles[i]) body.put(v);
   });
-  file.commit();
   return report;
 }
 
-WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
+WriteReport write_ply_points(AtomicFile& file, const PointCloud& cloud, const WriteOptions& options,
                              const Context& context) {
   check_cloud(cloud);
   WriteReport report;
@@ -223,7 +219,6 @@ WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, c
                            options.coordinate_precision;
   const std::string header = points_header(cloud, options, report.double_coordinates ? "double" : "float");
 
-  AtomicFile file(path);
   file.append(header);
   const PlyStyle style{options.ascii, report.double_coordinates};
   const size_t sample_values = 13 + cloud.columns.size();
@@ -236,7 +231,6 @@ WriteReport write_ply_points(const std::string& path, const PointCloud& cloud, c
     for (const Column& column : cloud.columns) body.put(column.values[i]);
   });
   put_range_grids(file, style, cloud.scans, context);
-  file.commit();
   return report;
 }
 

@@ -202,7 +202,7 @@ ZeroedMemory allocate_on_disk(size_t bytes, const std::string& folder, const std
   const int file = make_scratch_file(folder, bytes);
   std::byte* const address = map_file(file, bytes);
   if (!address) {
-    close(file);
+    close_scratch_file(file);
     throw std::bad_alloc();
   }
   spare->arrays.add(bytes);
@@ -246,7 +246,7 @@ ZeroedMemory PagePool::allocate(size_t bytes) const {
 void FreeZeroed::operator()(std::byte* memory) const {
   if (file >= 0) {
     munmap(memory, bytes);
-    close(file);
+    close_scratch_file(file);
     spare->on_disk.remove(bytes);
   } else if (bytes < block_bytes)
     std::free(memory);

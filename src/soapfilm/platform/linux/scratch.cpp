@@ -8,12 +8,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <string_view>
 
 #include "soapfilm/error.h"
+#include "soapfilm/platform/new_file.h"
 
 namespace soapfilm {
 
@@ -25,9 +27,8 @@ namespace {
 
 /// Some file systems know no files without a name: theirs is removed at once.
 int open_unnamed(const std::string& folder) {
-  const int file = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (file >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != ENOENT && errno != EINVAL)) return file;
-  if (access(folder.c_str(), F_OK) != 0) return -1;
+  const int file = open_unnamed_file(folder, 0600);
+  if (file >= 0 || errno != EOPNOTSUPP) return file;
   std::string name = folder + "/soapfilm-XXXXXX";
   const int named = mkostemp(name.data(), O_CLOEXEC);
   if (named >= 0) unlink(name.c_str());
@@ -40,6 +41,55 @@ uint64_t largest_file() {
   const bool limited = getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
   return limited ? limit.rlim_cur : UINT64_MAX;
 }
+
+/// The open ones, and where contents were lost. The system writes pages when it wants to, and says only to those who
+/// ask for it that it could not; what is read again then is something else.
+class ScratchFiles {
+ public:
+  static ScratchFiles& all() {
+    static auto* const files = new ScratchFiles;  // never freed: arrays may be, after main()
+    return *files;
+  }
+
+  void add(int file, const std::string& folder) {
+    const std::lock_guard lock(mutex_);
+    folder_of_[file] = folder;
+  }
+  void remove(int file) {
+    const std::lock_guard lock(mutex_);
+    const auto found = folder_of_.find(file);
+    look(found->first, found->second);
+    folder_of_.erase(found);
+  }
+  void check(const std::string& folder) {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [file, its_folder] : folder_of_)
+      if (its_folder == folder) look(file, folder);
+    check_closed(folder);
+  }
+  /// Of those that were closed, which costs nothing.
+  void check_before_next(const std::string& folder) {
+    const std::lock_guard lock(mutex_);
+    check_closed(folder);
+  }
+
+ private:
+  void look(int file, const std::string& folder) {
+    if (sync_file_range(file, 0, 0, SYNC_FILE_RANGE_WAIT_BEFORE) != 0 && (errno == EIO || errno == ENOSPC))
+      lost_[folder] = errno;
+  }
+  void check_closed(const std::string& folder) {
+    const auto found = lost_.find(folder);
+    if (found == lost_.end()) return;
+    const int error = found->second;
+    lost_.erase(found);
+    fail(folder, fmt::format("the disk did not take what was written: {}", std::strerror(error)));
+  }
+
+  std::mutex mutex_;
+  std::map<int, std::string> folder_of_;
+  std::map<std::string, int> lost_;  ///< the error, by folder
+};
 
 }  // namespace
 
@@ -58,12 +108,16 @@ void check_scratch_folder(const std::string& folder) {
 }
 
 int make_scratch_file(const std::string& folder, size_t bytes) {
+  ScratchFiles::all().check_before_next(folder);
   const int file = open_unnamed(folder);
   if (file < 0) fail(folder, std::strerror(errno));
   const int error = bytes > largest_file()            ? EFBIG
                     : bytes > free_disk_bytes(folder) ? ENOSPC
                                                       : posix_fallocate(file, 0, static_cast<off_t>(bytes));
-  if (error == 0) return file;
+  if (error == 0) {
+    ScratchFiles::all().add(file, folder);
+    return file;
+  }
   close(file);
   if (error == ENOSPC || error == EDQUOT)
     fail(folder, fmt::format("{} bytes needed, {} free", bytes, free_disk_bytes(folder)));
@@ -73,12 +127,13 @@ int make_scratch_file(const std::string& folder, size_t bytes) {
   fail(folder, fmt::format("{} bytes needed: {}", bytes, std::strerror(error)));
 }
 
-bool replace_file(const std::string& complete, const std::string& name) {
-  const int file = open(complete.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return false;
-  const bool stored = fsync(file) == 0;
+void close_scratch_file(int file) {
+  ScratchFiles::all().remove(file);
   close(file);
-  return stored && std::rename(complete.c_str(), name.c_str()) == 0;
+}
+
+void check_scratch_files(const std::string& folder) {
+  if (!folder.empty()) ScratchFiles::all().check(folder);
 }
 
 }  // namespace soapfilm

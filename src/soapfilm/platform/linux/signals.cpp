@@ -13,4 +13,10 @@ void on_interrupt(void (*handler)(int)) {
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
+void on_lost_page(void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  sigaction(SIGBUS, &action, nullptr);
+}
+
 }  // namespace soapfilm

@@ -9,4 +9,6 @@ void on_interrupt(void (*handler)(int)) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, handler ? handler : SIG_DFL);
 }
 
+void on_lost_page(void (*)(int)) {}
+
 }  // namespace soapfilm
